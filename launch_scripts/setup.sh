@@ -1,0 +1,158 @@
+#!/usr/bin/env bash
+# Makes everything that the simulator needs: system packages, Python environment, catkin build.
+#
+#   ./launch_scripts/setup.sh [--test]
+#
+# --test adds what only the tests need. What is done already is skipped. run.sh and test.sh call this.
+set -euo pipefail
+
+root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+state="$root/.setup"
+log="$state/setup.log"
+with_tests=
+for argument in "$@"; do
+  case "$argument" in
+    --test) with_tests=1 ;;
+    -h | --help) sed -n '2,7s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    *) echo "setup.sh: unknown argument '$argument'; only --test is known" >&2; exit 2 ;;
+  esac
+done
+mkdir -p "$state"
+# Two set-ups at once would spoil each other's build.
+exec 8>"$state/lock"
+flock 8
+
+# fail STEP WHY WHAT_TO_DO
+fail() {
+  printf '\nsetup.sh: %s failed: %s\n  What to do: %s\n' "$1" "$2" "$3" >&2
+  exit 1
+}
+
+# step TITLE WHAT_TO_DO COMMAND...: runs it with a running clock, output to the log, its end shown when it fails.
+step() {
+  local title="$1" remedy="$2" started status=0 last pid
+  shift 2
+  started=$SECONDS
+  printf '%s ...' "$title"
+  printf '\n==== %s: %s\n' "$title" "$*" >>"$log"
+  "$@" >>"$log" 2>&1 8>&- &
+  pid=$!
+  trap 'kill "$pid" 2>/dev/null; exit 130' INT TERM
+  while kill -0 "$pid" 2>/dev/null; do
+    sleep 0.2
+    [ -t 1 ] && printf '\r%s ... %d s ' "$title" $((SECONDS - started))
+  done
+  wait "$pid" || status=$?
+  trap - INT TERM
+  if [ "$status" -ne 0 ]; then
+    last="$(tail -n 25 "$log")"
+    printf ' failed\n%s\n' "$last" >&2
+    fail "$title" "exit status $status of '$*' (whole output: $log)" "$remedy"
+  fi
+  [ -t 1 ] && printf '\r'
+  [ -t 1 ] && printf '%s ... done in %d s\n' "$title" $((SECONDS - started)) ||
+    printf ' done in %d s\n' $((SECONDS - started))
+}
+
+as_root() {
+  if [ "$(id -u)" -eq 0 ]; then
+    "$@"
+  elif command -v sudo >/dev/null; then
+    sudo "$@"
+  else
+    echo "neither root nor sudo: cannot run '$*'" >&2
+    return 1
+  fi
+}
+
+packages_of() { sed 's/#.*//' "$@" | tr -s ' \t\n' '\n' | sed '/^$/d' | sort -u; }
+
+missing_packages() {
+  local wanted="$1" installed
+  # shellcheck disable=SC2086
+  installed="$(dpkg-query -W -f '${db:Status-Abbrev} ${Package}\n' $wanted 2>/dev/null | awk '$1 == "ii" {print $2}' | sort -u)"
+  comm -23 <(printf '%s\n' $wanted) <(printf '%s\n' "$installed")
+}
+
+install_system_packages() {
+  local lists=("$root/launch_scripts/packages/$platform.txt") wanted missing
+  [ -n "$with_tests" ] && lists+=("$root/launch_scripts/packages/$platform-test.txt")
+  wanted="$(packages_of "${lists[@]}")"
+  missing="$(missing_packages "$wanted")"
+  [ -z "$missing" ] && return 0
+  local remedy="check the network and the package sources (apt-get update), or install by hand: apt-get install --no-install-recommends $(echo $missing)"
+  if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null ||
+      fail "System packages" "not root, and there is no sudo" "as root: apt-get install --no-install-recommends $(echo $missing)"
+    sudo -v || fail "System packages" "sudo refused" "as root: apt-get install --no-install-recommends $(echo $missing)"
+  fi
+  step "Package lists" "$remedy" as_root apt-get update -q
+  step "System packages ($(echo "$missing" | wc -l) missing)" "$remedy" \
+    as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends $missing
+}
+
+make_venv() {
+  local requirements=("$root/requirements.txt") stamp="$root/.venv/.telex-requirements" wanted pip_arguments=()
+  [ -n "$with_tests" ] && requirements+=("$root/requirements-test.txt")
+  wanted="$("$python" --version) $root $(cat "${requirements[@]}" | sha256sum)"
+  # An environment that has the tests' packages too serves run.sh as well.
+  local both
+  both="$("$python" --version) $root $(cat "$root/requirements.txt" "$root/requirements-test.txt" | sha256sum)"
+  if [ -x "$root/.venv/bin/python" ] && [ -f "$stamp" ]; then
+    case "$(cat "$stamp")" in "$wanted" | "$both") return 0 ;; esac
+  fi
+  local remedy="delete $root/.venv, check that PyPI (or your pip index) can be reached, and start again"
+  # A moved checkout or another Python makes an environment useless; --clear starts it anew.
+  case "$(cat "$stamp" 2>/dev/null)" in
+    "$("$python" --version) $root "*) ;;
+    *) step "Python environment" "$remedy" "$python" -m venv --clear --system-site-packages "$root/.venv" ;;
+  esac
+  local list
+  for list in "${requirements[@]}"; do pip_arguments+=(-r "$list"); done
+  rm -f "$stamp"
+  step "Python packages" "$remedy" \
+    "$root/.venv/bin/python" -m pip install --disable-pip-version-check "${pip_arguments[@]}"
+  printf '%s' "$wanted" >"$stamp"
+}
+
+# What the build reads. Python sources are used where they stand and need no build.
+build_inputs() {
+  cd "$root"
+  { find src -type f \( -name CMakeLists.txt -o -name package.xml -o -name setup.py -o -name '*.msg' \
+      -o -name '*.srv' -o -name '*.action' -o -name '*.cfg' \) -not -path src/CMakeLists.txt -print0 | sort -z | xargs -0 sha256sum
+    find src -path '*/src/*' -type d -not -name __pycache__ -print | sort
+    echo "$root $("$python" --version)"
+  } | sha256sum
+}
+
+build_workspace() {
+  local stamp="$state/build" wanted
+  wanted="$(build_inputs)"
+  [ -f "$root/devel/setup.bash" ] && [ "$(cat "$stamp" 2>/dev/null)" = "$wanted" ] && return 0
+  rm -f "$stamp"
+  # CMake remembers absolute paths: a moved checkout is built anew.
+  if [ -f "$root/build/CMakeCache.txt" ] && ! grep -qF "CMAKE_HOME_DIRECTORY:INTERNAL=$root/src" "$root/build/CMakeCache.txt"; then
+    rm -rf "$root/build" "$root/devel"
+  fi
+  step "Workspace (catkin_make)" "read the messages above; 'rm -rf build devel' starts the build anew" \
+    env -C "$root" PATH="$root/.venv/bin:$PATH" catkin_make -DPYTHON_EXECUTABLE="$root/.venv/bin/python" -DCATKIN_ENABLE_TESTING=OFF
+  printf '%s' "$wanted" >"$stamp"
+}
+
+command -v flock >/dev/null && command -v dpkg-query >/dev/null ||
+  fail "Set-up" "this is no Debian or Ubuntu system" "use Debian 12, or Ubuntu 20.04 with ROS Noetic"
+if [ -f /opt/ros/noetic/setup.bash ]; then
+  platform=ubuntu2004
+  set +u
+  # shellcheck disable=SC1091
+  . /opt/ros/noetic/setup.bash
+  set -u
+else
+  platform=debian12
+fi
+# ROS belongs to the system's Python; another one first on PATH lacks it.
+python=/usr/bin/python3
+: >"$log"
+install_system_packages
+make_venv
+build_workspace
