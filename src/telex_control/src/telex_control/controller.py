@@ -1,0 +1,118 @@
+"""The base class of controllers, and their life cycle."""
+
+from __future__ import annotations
+
+import enum
+from typing import Tuple
+
+from .hardware_interface import ControllerInfo, InterfaceResources, RobotHW
+from .node_handle import NodeHandle
+
+
+class ControllerState(enum.Enum):
+    """Where a controller is in its life; the values are those of ``list_controllers``."""
+
+    CONSTRUCTED = "unknown"
+    INITIALIZED = "initialized"
+    RUNNING = "running"
+    STOPPED = "stopped"
+    WAITING = "waiting"
+    ABORTED = "aborted"
+
+
+class ControllerInitError(Exception):
+    """A controller cannot be initialised; the message says why, for a person."""
+
+
+class Controller:
+    """A controller. A user's own class derives from this and is named by its Python path.
+
+    `init` runs outside the control loop and may take its time. `starting`, `update` and
+    `stopping` run inside it: they neither block nor allocate without need. Callbacks of
+    subscriptions run in other threads and only store one value, by assignment.
+    """
+
+    def init(self, hw: RobotHW, root: NodeHandle, node: NodeHandle) -> None:
+        """Read the parameters, take the joint handles (which claims them) and open topics.
+
+        Parameters
+        ----------
+        hw : RobotHW
+        root : NodeHandle
+            The robot's namespace, for ``robot_description``.
+        node : NodeHandle
+            The controller's own namespace.
+
+        Raises
+        ------
+        ControllerInitError, ParameterError, HardwareInterfaceError
+            With a message that names what is wrong.
+        """
+        raise NotImplementedError
+
+    def starting(self, time: float) -> None:
+        """Take over at `time` (s), without a jump: hold what is measured."""
+
+    def update(self, time: float, period: float) -> None:
+        """Compute the commands for the cycle at `time`, `period` after the last (s)."""
+        raise NotImplementedError
+
+    def stopping(self, time: float) -> None:
+        """Give up the joints at `time` (s)."""
+
+    def reset(self, time: float) -> None:
+        """Begin anew at `time` (s): the robot was put back to where it started.
+
+        Called inside the control loop while the controller runs.
+        """
+        self.stopping(time)
+        self.starting(time)
+
+
+class LoadedController:
+    """A controller, with what the controller manager knows of it."""
+
+    __slots__ = ("controller", "info", "node", "state")
+
+    def __init__(self, name: str, type_name: str, controller: Controller, node: NodeHandle) -> None:
+        self.controller = controller
+        self.node = node
+        self.state = ControllerState.CONSTRUCTED
+        self.info = ControllerInfo(name, type_name, ())
+
+    @property
+    def name(self) -> str:
+        """Name of the controller."""
+        return self.info.name
+
+    def init(self, hw: RobotHW, root: NodeHandle) -> None:
+        """Initialise the controller and keep what it claims.
+
+        Raises
+        ------
+        Exception
+            Whatever the controller raises.
+        """
+        for interface in hw.interfaces():
+            interface.take_claims()
+        self.controller.init(hw, root, self.node)
+        claims: Tuple[InterfaceResources, ...] = tuple(
+            InterfaceResources(interface.type_name, claimed)
+            for interface in hw.interfaces()
+            for claimed in [interface.take_claims()]
+            if claimed
+        )
+        self.info = ControllerInfo(self.info.name, self.info.type, claims)
+        self.state = ControllerState.INITIALIZED
+
+    def start(self, time: float) -> None:
+        """Start the controller from any state."""
+        self.controller.starting(time)
+        self.state = ControllerState.RUNNING
+
+    def stop(self, time: float) -> None:
+        """Stop the controller if it is running."""
+        if self.state is ControllerState.RUNNING:
+            # Stopped first: whatever stopping() does, update() is not called again.
+            self.state = ControllerState.STOPPED
+            self.controller.stopping(time)

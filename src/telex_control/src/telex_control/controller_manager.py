@@ -1,0 +1,384 @@
+"""Loads, starts, stops and runs controllers, with the semantics of ros_control's manager.
+
+One thread, the control loop, calls `ControllerManager.update`. All other methods may be called
+from any number of other threads. A switch is prepared in the calling thread, carried out by the
+loop at the end of one cycle, and only its caller waits for it: listing never blocks, and a paused
+simulation goes on calling `apply_switch`.
+"""
+
+from __future__ import annotations
+
+import enum
+import importlib
+import logging
+import math
+import sys
+import threading
+import time as wall
+from typing import Callable, Dict, Iterable, List, Optional, Sequence, Tuple
+
+from .controller import ControllerInitError, ControllerState, LoadedController
+from .controllers import controller_class
+from .controllers import type_names as builtin_types
+from .hardware_interface import ControllerInfo, HardwareInterfaceError, RobotHW, SwitchState
+from .node_handle import NodeHandle, ParameterError
+
+BASE_CLASS = "controller_interface::ControllerBase"
+
+
+class Strictness(enum.IntEnum):
+    """What happens to a switch that cannot be carried out in every detail."""
+
+    BEST_EFFORT = 1
+    STRICT = 2
+
+
+class _Switch:
+    """A switch on its way through the control loop."""
+
+    def __init__(
+        self,
+        start: List[LoadedController],
+        stop: List[LoadedController],
+        start_asap: bool,
+        timeout: float,
+    ) -> None:
+        self.start = start
+        self.stop = stop
+        self.start_asap = start_asap
+        self.timeout = timeout
+        self.begun_at: Optional[float] = None
+        self.pending = list(start)
+        self.failed = False
+        self.done = threading.Event()
+
+
+class ControllerManager:
+    """The controllers of one robot.
+
+    Parameters
+    ----------
+    hw : RobotHW
+    root : NodeHandle
+        The robot's namespace; controller ``x`` has its parameters and topics in ``x`` inside it.
+    """
+
+    def __init__(self, hw: RobotHW, root: NodeHandle) -> None:
+        self._hw = hw
+        self._root = root
+        self._log = logging.getLogger("rosout")
+        # Replaced as a whole, never changed: the loop reads it without a lock.
+        self._controllers: Tuple[LoadedController, ...] = ()
+        self._switch: Optional[_Switch] = None
+        # One load, unload or switch at a time. Listing takes no lock.
+        self._services = threading.Lock()
+        self._closing = threading.Event()
+
+    # --- the control loop's side -------------------------------------------------------------
+
+    def update(self, time: float, period: float, reset_controllers: bool = False) -> None:
+        """Run one cycle: every running controller in load order, then a pending switch.
+
+        Parameters
+        ----------
+        time, period : float
+            Time of the cycle, and since the last one (s).
+        reset_controllers : bool
+            Stop and start every running controller first, as after an emergency stop.
+        """
+        if reset_controllers:
+            self.restart_running(time)
+        for loaded in self._controllers:
+            if loaded.state is not ControllerState.RUNNING:
+                continue
+            try:
+                loaded.controller.update(time, period)
+            except Exception:  # whatever a user's controller raises, the loop goes on
+                self._log.exception(
+                    "controller '%s' raised an exception and is stopped", loaded.name
+                )
+                self._stop_failed(loaded, time)
+        if self._switch is not None:
+            self.apply_switch(time)
+
+    def restart_running(self, time: float) -> None:
+        """Stop and start every running controller at `time` (s): it holds what is measured."""
+        for loaded in self._controllers:
+            if _is_running(loaded.state) and self._guarded(loaded.stop, loaded, time):
+                self._guarded(loaded.start, loaded, time)
+
+    def reset(self, time: float) -> None:
+        """Let every running controller begin anew at `time` (s), as when the world is reset."""
+        for loaded in self._controllers:
+            if _is_running(loaded.state):
+                self._guarded(loaded.controller.reset, loaded, time)
+
+    def apply_switch(self, time: float) -> None:
+        """Advance a pending switch at `time` (s). Part of `update`; called alone while paused."""
+        switch = self._switch
+        if switch is None:
+            return
+        if switch.begun_at is None:
+            switch.begun_at = time
+            self._hw.do_switch([c.info for c in switch.start], [c.info for c in switch.stop])
+            for loaded in switch.stop:
+                self._guarded(loaded.stop, loaded, time)
+        self._start_pending(switch, time)
+        if not switch.pending:
+            self._switch = None
+            switch.done.set()
+
+    def _start_pending(self, switch: _Switch, time: float) -> None:
+        overall = self._hw.switch_result()
+        assert switch.begun_at is not None
+        late = 0.0 < switch.timeout < time - switch.begun_at
+        for loaded in list(switch.pending):
+            result = self._hw.switch_result(loaded.info) if switch.start_asap else overall
+            if result is SwitchState.DONE:
+                switch.failed |= not self._guarded(loaded.start, loaded, time)
+            elif result is SwitchState.ERROR or late:
+                loaded.state = ControllerState.ABORTED
+                switch.failed = True
+            else:
+                loaded.state = ControllerState.WAITING
+                continue
+            switch.pending.remove(loaded)
+
+    def _guarded(
+        self, action: Callable[[float], None], loaded: LoadedController, time: float
+    ) -> bool:
+        try:
+            action(time)
+        except Exception:  # as in update
+            self._log.exception(
+                "controller '%s' raised an exception while it was switched", loaded.name
+            )
+            self._stop_failed(loaded, time)
+            return False
+        return True
+
+    def _stop_failed(self, loaded: LoadedController, time: float) -> None:
+        """Stop a controller that raised; its joints must not keep its last command."""
+        try:
+            loaded.stop(time)
+        except Exception:
+            self._log.exception("controller '%s' raised again while it was stopped", loaded.name)
+        loaded.state = ControllerState.STOPPED
+        self._hw.do_switch([], [loaded.info])
+
+    # --- the services' side ------------------------------------------------------------------
+
+    def list_controllers(self) -> List[Tuple[ControllerInfo, ControllerState]]:
+        """All loaded controllers in load order, and their states. Never blocks."""
+        return [(loaded.info, loaded.state) for loaded in self._controllers]
+
+    def list_controller_types(self) -> List[Tuple[str, str]]:
+        """Type name and base class of the controllers of this package."""
+        return [(name, BASE_CLASS) for name in builtin_types()]
+
+    def load_controller(self, name: str) -> bool:
+        """Load and initialise the controller whose parameters stand under `name`.
+
+        Returns
+        -------
+        bool
+            False, with the reason in the log, when it cannot be loaded.
+        """
+        with self._services:
+            if not name:
+                self._log.error("Could not load a controller: its name is empty")
+                return False
+            if self._find(name) is not None:
+                self._log.error(
+                    "A controller named '%s' was already loaded inside the controller manager",
+                    name,
+                )
+                return False
+            node = self._root.child(name)
+            try:
+                type_name = node.param("type", str)
+                loaded = LoadedController(name, type_name, controller_class(type_name)(), node)
+                loaded.init(self._hw, self._root)
+            except (ParameterError, HardwareInterfaceError, ControllerInitError) as error:
+                self._log.error("Could not load controller '%s': %s", name, error)
+                node.shutdown()
+                return False
+            except Exception:  # a user's class may raise anything
+                self._log.exception("Could not load controller '%s': it raised", name)
+                node.shutdown()
+                return False
+            self._controllers = (*self._controllers, loaded)
+            return True
+
+    def unload_controller(self, name: str) -> bool:
+        """Unload a controller that is not running; False, with the reason in the log, if not."""
+        with self._services:
+            loaded = self._find(name)
+            if loaded is None:
+                self._log.error(
+                    "Could not unload controller '%s': no controller of this name is loaded", name
+                )
+                return False
+            if loaded.state is ControllerState.RUNNING:
+                self._log.error(
+                    "Could not unload controller '%s' because it is still running", name
+                )
+                return False
+            self._controllers = tuple(c for c in self._controllers if c is not loaded)
+            loaded.node.shutdown()
+            return True
+
+    def reload_controller_libraries(self, force_kill: bool) -> bool:
+        """Import the modules of controller classes anew.
+
+        Parameters
+        ----------
+        force_kill : bool
+            Stop and unload what is loaded; without it, the call fails while anything is loaded.
+        """
+        if self._controllers and not force_kill:
+            self._log.error(
+                "Cannot reload controller libraries because there are still controllers loaded"
+            )
+            return False
+        running = [info.name for info, state in self.list_controllers() if _is_running(state)]
+        if running and not self.switch_controller([], running, Strictness.BEST_EFFORT):
+            return False
+        modules = {type(c.controller).__module__ for c in self._controllers}
+        if not all(self.unload_controller(c.name) for c in self._controllers):
+            return False
+        for module in modules:
+            importlib.reload(sys.modules[module])
+        return True
+
+    def switch_controller(
+        self,
+        start: Sequence[str],
+        stop: Sequence[str],
+        strictness: int = Strictness.STRICT,
+        start_asap: bool = False,
+        timeout: float = 0.0,
+    ) -> bool:
+        """Stop and start controllers together, in one control cycle.
+
+        Parameters
+        ----------
+        start, stop : sequence of str
+        strictness : int
+            STRICT: anything that cannot be done fails the whole switch. BEST_EFFORT: it is left
+            out. Conflicts fail the switch in both.
+        start_asap : bool
+            Start each controller as soon as its own hardware is ready.
+        timeout : float
+            Time for the hardware to become ready (s); 0 waits without end.
+
+        Returns
+        -------
+        bool
+            Whether the switch was carried out; the log says why not.
+        """
+        if not math.isfinite(timeout) or timeout < 0.0:
+            self._log.error("Could not switch controllers: timeout %s is not 0 or more s", timeout)
+            return False
+        if strictness not in (Strictness.BEST_EFFORT, Strictness.STRICT):
+            self._log.warning(
+                "switch_controller: strictness %s is unknown (1 is BEST_EFFORT, 2 is STRICT); "
+                "BEST_EFFORT is taken",
+                strictness,
+            )
+            strictness = Strictness.BEST_EFFORT
+        with self._services:
+            plan = self._plan(start, stop, strictness == Strictness.STRICT)
+            if plan is None:
+                return False
+            to_start, to_stop = plan
+            if not (to_start or to_stop):
+                return True
+            if not self._feasible(to_start, to_stop):
+                return False
+            switch = _Switch(to_start, to_stop, start_asap, timeout)
+            self._switch = switch
+            return self._wait_for(switch)
+
+    def close(self) -> None:
+        """Let every waiting caller return; the loop will not run again."""
+        self._closing.set()
+
+    def _wait_for(self, switch: _Switch) -> bool:
+        give_up = wall.monotonic() + switch.timeout + 1.0 if switch.timeout > 0.0 else math.inf
+        while not switch.done.wait(0.05):
+            if self._closing.is_set():
+                return False
+            if wall.monotonic() > give_up:
+                self._log.error("Could not switch controllers: the control loop did not respond")
+                self._switch = None
+                return False
+        return not switch.failed
+
+    def _find(self, name: str) -> Optional[LoadedController]:
+        return next((c for c in self._controllers if c.name == name), None)
+
+    def _plan(
+        self, start: Sequence[str], stop: Sequence[str], strict: bool
+    ) -> Optional[Tuple[List[LoadedController], List[LoadedController]]]:
+        """Turn names into what is really to be started and stopped; None when it must fail."""
+        found: Dict[str, LoadedController] = {c.name: c for c in self._controllers}
+        for name in [*stop, *start]:
+            if name in found:
+                continue
+            if strict:
+                self._log.error(
+                    "Could not switch controllers: no controller named '%s' is loaded", name
+                )
+                return None
+            self._log.debug("no controller named '%s' is loaded; it is left out", name)
+        to_stop = _unique(found[name] for name in stop if name in found)
+        to_start = _unique(found[name] for name in start if name in found)
+        for loaded in list(to_stop):
+            if _is_running(loaded.state):
+                if loaded in to_start:
+                    self._log.error(
+                        "Could not switch controllers: '%s' is in both lists, a conflicting "
+                        "switching command",
+                        loaded.name,
+                    )
+                    return None
+            elif strict:
+                self._log.error(
+                    "Could not stop controller '%s' since it is not running", loaded.name
+                )
+                return None
+            else:
+                to_stop.remove(loaded)
+        for loaded in list(to_start):
+            if not _is_running(loaded.state):
+                continue
+            if strict:
+                self._log.error("Controller '%s' is already running", loaded.name)
+                return None
+            to_start.remove(loaded)
+        return to_start, to_stop
+
+    def _feasible(self, start: List[LoadedController], stop: List[LoadedController]) -> bool:
+        after = [c for c in self._controllers if _is_running(c.state) and c not in stop] + start
+        conflict = self._hw.check_for_conflict([c.info for c in after])
+        if conflict is not None:
+            self._log.error("Could not switch controllers, due to resource conflict: %s", conflict)
+            return False
+        reason = self._hw.prepare_switch([c.info for c in start], [c.info for c in stop])
+        if reason is not None:
+            self._log.error(
+                "Could not switch controllers. The hardware interface combination for the "
+                "requested controllers is unfeasible: %s",
+                reason,
+            )
+            return False
+        return True
+
+
+def _is_running(state: ControllerState) -> bool:
+    return state is ControllerState.RUNNING
+
+
+def _unique(controllers: Iterable[LoadedController]) -> List[LoadedController]:
+    return list(dict.fromkeys(controllers))

@@ -1,0 +1,105 @@
+"""``effort_controllers/JointPositionController``: a joint held at a position by a PID."""
+
+from __future__ import annotations
+
+import math
+
+from control_msgs.msg import JointControllerState
+from std_msgs.msg import Float64
+
+from ..controller import Controller, ControllerInitError
+from ..hardware_interface import EffortJointInterface, RobotHW
+from ..joint_limits import clamp
+from ..node_handle import NodeHandle, ParameterError
+from ..pid import Pid, PidGains
+from ..ros_time import stamp
+from ..urdf_joints import CONTINUOUS, UrdfError, joints, parse_urdf
+
+STATE_DIVIDER = 10
+"""The state is published in every tenth cycle, as upstream does."""
+
+
+class JointPositionController(Controller):
+    """Holds one joint at the commanded position by effort.
+
+    Topics: ``command`` (std_msgs/Float64; rad or m), ``state`` (control_msgs/JointControllerState).
+    Parameters: ``joint``, ``pid`` {p, i, d, i_clamp, antiwindup}. Needs ``robot_description`` in
+    the robot's namespace for the position limits, to which commands are clamped.
+    """
+
+    def init(self, hw: RobotHW, root: NodeHandle, node: NodeHandle) -> None:
+        """Claim the joint and open the topics."""
+        name = node.param("joint", str)
+        try:
+            description = joints(parse_urdf(root.param("robot_description", str)))
+            gains = PidGains.from_params(node.param("pid", dict), node.resolve("pid"))
+        except (UrdfError, ValueError) as error:
+            raise ControllerInitError(str(error)) from error
+        self._joint = hw.get(EffortJointInterface).get_handle(name)
+        if name not in description:
+            raise ParameterError(
+                f"parameter {node.resolve('joint')} is '{name}', which robot_description lacks"
+            )
+        limits = description[name]
+        self._lower, self._upper = limits.lower, limits.upper
+        self._wraps = limits.kind == CONTINUOUS
+        self._log = node.logger
+        self._pid = Pid(gains)
+        # Replaced by assignment in the subscriber's thread, read in the loop.
+        self._set_point = 0.0
+        self._cycle = 0
+        self._state = node.advertise("state", JointControllerState, queue_size=1)
+        node.subscribe("command", Float64, self._on_command)
+
+    @property
+    def set_point(self) -> float:
+        """The position that the controller holds (rad, m)."""
+        return self._set_point
+
+    def _on_command(self, message: Float64) -> None:
+        if not math.isfinite(message.data):
+            self._log.warning(
+                "joint '%s': command %s is not finite and is dropped",
+                self._joint.name,
+                message.data,
+            )
+            return
+        self._set_point = clamp(message.data, self._lower, self._upper)
+
+    def starting(self, time: float) -> None:
+        """Hold the measured position; whatever was commanded before is forgotten."""
+        self._set_point = clamp(self._joint.state.position, self._lower, self._upper)
+        self._pid.reset()
+
+    def update(self, time: float, period: float) -> None:
+        """Run the PID."""
+        joint = self._joint
+        set_point = self._set_point
+        error = set_point - joint.state.position
+        if self._wraps:
+            error = math.remainder(error, 2.0 * math.pi)
+        joint.command = self._pid.update(error, period)
+        self._cycle += 1
+        if self._cycle >= STATE_DIVIDER:
+            self._cycle = 0
+            if self._state.has_subscribers():
+                self._publish_state(time, period, set_point, error)
+
+    def stopping(self, time: float) -> None:
+        """Leave the joint without effort."""
+        self._joint.command = 0.0
+
+    def _publish_state(self, time: float, period: float, set_point: float, error: float) -> None:
+        gains = self._pid.gains
+        message = JointControllerState()
+        message.header.stamp = stamp(time)
+        message.set_point = set_point
+        message.process_value = self._joint.state.position
+        message.process_value_dot = self._joint.state.velocity
+        message.error = error
+        message.time_step = period
+        message.command = self._joint.command
+        message.p, message.i, message.d = gains.p, gains.i, gains.d
+        message.i_clamp = gains.i_max
+        message.antiwindup = gains.antiwindup
+        self._state.publish(message)

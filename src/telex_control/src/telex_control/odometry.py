@@ -1,0 +1,83 @@
+"""Dead reckoning of a differential drive from its wheel positions."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from typing import Deque, Optional, Tuple
+
+
+class DifferentialOdometry:
+    """Integrates wheel positions to a pose in the plane.
+
+    Parameters
+    ----------
+    wheel_separation, left_radius, right_radius : float
+        Effective geometry (m).
+    window : int
+        Number of cycles over which the reported velocity is averaged.
+    """
+
+    def __init__(
+        self, wheel_separation: float, left_radius: float, right_radius: float, window: int
+    ) -> None:
+        self._separation = wheel_separation
+        self._left_radius = left_radius
+        self._right_radius = right_radius
+        self._window: Deque[Tuple[float, float]] = deque(maxlen=window)
+        self._sums = [0.0, 0.0]
+        self._last: Optional[Tuple[float, float]] = None
+        self.x = 0.0
+        self.y = 0.0
+        self.heading = 0.0
+        self.linear = 0.0
+        self.angular = 0.0
+
+    def reset(self) -> None:
+        """Start again at the origin."""
+        self.x = self.y = self.heading = 0.0
+        self.restart()
+
+    def restart(self) -> None:
+        """Forget the last wheel positions but keep the pose."""
+        self.linear = self.angular = 0.0
+        self._last = None
+        self._window.clear()
+        self._sums = [0.0, 0.0]
+
+    def update(self, left: float, right: float, period: float) -> None:
+        """Advance by one cycle.
+
+        Parameters
+        ----------
+        left, right : float
+            Wheel positions (rad).
+        period : float
+            Time since the last cycle (s).
+        """
+        last, self._last = self._last, (left, right)
+        if last is None or period <= 0.0:
+            return
+        left_way = (left - last[0]) * self._left_radius
+        right_way = (right - last[1]) * self._right_radius
+        way = 0.5 * (left_way + right_way)
+        turn = (right_way - left_way) / self._separation
+        # Exact for a circular arc: the chord lies at half the turn.
+        half = 0.5 * turn
+        chord = way * (math.sin(half) / half if abs(half) > 1e-9 else 1.0)
+        self.x += chord * math.cos(self.heading + half)
+        self.y += chord * math.sin(self.heading + half)
+        self.heading = math.remainder(self.heading + turn, 2.0 * math.pi)
+        self._average(way / period, turn / period)
+
+    def _average(self, linear: float, angular: float) -> None:
+        window, sums = self._window, self._sums
+        if len(window) == window.maxlen:
+            old = window[0]
+            sums[0] -= old[0]
+            sums[1] -= old[1]
+        window.append((linear, angular))
+        sums[0] += linear
+        sums[1] += angular
+        self.linear = sums[0] / len(window)
+        self.angular = sums[1] / len(window)

@@ -1,0 +1,124 @@
+"""Loads and starts controllers, and stops and unloads them again when it ends.
+
+The command line is that of ros_control's ``spawner``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from typing import List, Optional
+
+import rospy
+from controller_manager_msgs.srv import (
+    LoadController,
+    SwitchController,
+    SwitchControllerRequest,
+    UnloadController,
+)
+from std_msgs.msg import Bool
+
+
+def parse(arguments: List[str]) -> argparse.Namespace:
+    """Read the command line (without the program's name and ROS's remappings)."""
+    parser = argparse.ArgumentParser(prog="spawner", description=__doc__.split("\n", 1)[0])
+    parser.add_argument("controllers", nargs="+", metavar="NAME", help="controllers, in load order")
+    parser.add_argument("--stopped", action="store_true", help="load only, do not start")
+    parser.add_argument("--wait-for", metavar="TOPIC", help="a std_msgs/Bool that must be true")
+    parser.add_argument("--namespace", metavar="NS", help="namespace of the controller manager")
+    parser.add_argument(
+        "--timeout", type=float, default=30.0, help="seconds to wait for the manager"
+    )
+    parser.add_argument("--no-timeout", action="store_true", help="wait for the manager for ever")
+    return parser.parse_args(arguments)
+
+
+class Spawner:
+    """Brings a group of controllers up and down."""
+
+    def __init__(self, namespace: str) -> None:
+        self._prefix = f"{namespace}/controller_manager" if namespace else "controller_manager"
+        self._loaded: List[str] = []
+        self._started = False
+
+    def wait_for_manager(self, timeout: Optional[float]) -> bool:
+        """Wait for the services; False, with a warning, when they do not come."""
+        rospy.loginfo("Controller Spawner: waiting for service %s/load_controller", self._prefix)
+        try:
+            for name in ("load_controller", "switch_controller", "unload_controller"):
+                rospy.wait_for_service(f"{self._prefix}/{name}", timeout=timeout)
+        except rospy.ROSException:
+            if not rospy.is_shutdown():
+                rospy.logwarn(
+                    "Controller Spawner couldn't find the expected controller_manager ROS "
+                    "interface (%s/load_controller) within %s s; is the simulator running, and "
+                    "is this its namespace?",
+                    self._prefix,
+                    timeout,
+                )
+            return False
+        return True
+
+    def start(self, names: List[str], stopped: bool) -> bool:
+        """Load all of `names`, and start them in one switch unless `stopped`."""
+        load = rospy.ServiceProxy(f"{self._prefix}/load_controller", LoadController)
+        for name in names:
+            rospy.loginfo("Loading controller: %s", name)
+            if not load(name).ok:
+                rospy.logerr("Failed to load %s; the controller manager's log says why", name)
+                return False
+            self._loaded.append(name)
+        if stopped:
+            return True
+        if not self._switch(start=names):
+            rospy.logerr("Failed to start %s", " ".join(names))
+            return False
+        self._started = True
+        rospy.loginfo("Started controllers: %s", ", ".join(names))
+        return True
+
+    def stop(self) -> None:
+        """Stop and unload what was started, in reverse order; the manager may be gone."""
+        names, self._loaded = self._loaded[::-1], []
+        try:
+            if self._started:
+                self._switch(stop=names)
+            unload = rospy.ServiceProxy(f"{self._prefix}/unload_controller", UnloadController)
+            for name in names:
+                unload(name)
+        except rospy.ServiceException:
+            rospy.logdebug("the controller manager went before its spawner")
+
+    def _switch(self, start: Optional[List[str]] = None, stop: Optional[List[str]] = None) -> bool:
+        switch = rospy.ServiceProxy(f"{self._prefix}/switch_controller", SwitchController)
+        answer = switch(
+            start_controllers=start or [],
+            stop_controllers=stop or [],
+            strictness=SwitchControllerRequest.STRICT,
+            start_asap=False,
+            timeout=0.0,
+        )
+        return bool(answer.ok)
+
+
+def main() -> None:
+    """Run the spawner until it is shut down."""
+    options = parse(rospy.myargv(sys.argv)[1:])
+    rospy.init_node("spawner", anonymous=True)
+    spawner = Spawner(options.namespace or "")
+    if options.wait_for:
+        message = None
+        while message is None or not message.data:
+            message = rospy.wait_for_message(options.wait_for, Bool)
+    if not spawner.wait_for_manager(None if options.no_timeout else options.timeout):
+        return
+    rospy.on_shutdown(spawner.stop)
+    try:
+        ok = spawner.start(options.controllers, options.stopped)
+    except rospy.ServiceException as error:
+        if not rospy.is_shutdown():
+            rospy.logerr("The controller manager did not answer: %s", error)
+        return
+    if not ok:
+        sys.exit(1)
+    rospy.spin()

@@ -1,0 +1,167 @@
+"""Joints, limits and transmissions of a URDF, as the control layer needs them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Dict, List, Optional
+from xml.etree import ElementTree
+
+REVOLUTE = "revolute"
+CONTINUOUS = "continuous"
+PRISMATIC = "prismatic"
+MOVABLE = (REVOLUTE, CONTINUOUS, PRISMATIC)
+
+
+class UrdfError(ValueError):
+    """The robot description cannot be used; the message says what is wrong with which element."""
+
+
+@dataclass(frozen=True)
+class SoftLimits:
+    """URDF ``<safety_controller>``: soft position limits and their gains."""
+
+    lower: float
+    upper: float
+    k_position: float
+    k_velocity: float
+
+
+@dataclass(frozen=True)
+class UrdfJoint:
+    """One movable joint (rad, rad/s, Nm; m, m/s, N when prismatic).
+
+    Attributes
+    ----------
+    lower, upper : float
+        Position limits; infinite for continuous joints.
+    velocity, effort : float
+        Limits; infinite when the URDF gives none.
+    friction : float
+        Dry friction (``<dynamics friction>``).
+    soft : SoftLimits or None
+    """
+
+    name: str
+    kind: str
+    lower: float
+    upper: float
+    velocity: float
+    effort: float
+    friction: float
+    soft: Optional[SoftLimits]
+
+
+@dataclass(frozen=True)
+class Transmission:
+    """The first joint of a URDF ``<transmission>``, and its hardware interface."""
+
+    name: str
+    joint: str
+    hardware_interface: str
+
+
+def parse_urdf(text: str) -> ElementTree.Element:
+    """Return the ``<robot>`` element of a URDF text.
+
+    Raises
+    ------
+    UrdfError
+        Not XML, or no robot.
+    """
+    try:
+        root = ElementTree.fromstring(text)
+    except ElementTree.ParseError as error:
+        raise UrdfError(f"robot_description is no XML: {error}") from None
+    if root.tag != "robot":
+        raise UrdfError(f"robot_description has the root element <{root.tag}>; <robot> is needed")
+    return root
+
+
+def _number(
+    element: Optional[ElementTree.Element], attribute: str, default: float, owner: str
+) -> float:
+    text = None if element is None else element.get(attribute)
+    if text is None:
+        return default
+    try:
+        value = float(text)
+    except ValueError:
+        raise UrdfError(f"joint '{owner}': {attribute}=\"{text}\" is no number") from None
+    if not math.isfinite(value):
+        raise UrdfError(f"joint '{owner}': {attribute}=\"{text}\" is not finite")
+    return value
+
+
+def joints(robot: ElementTree.Element) -> Dict[str, UrdfJoint]:
+    """Return the movable joints of a ``<robot>`` element by name, in the order of the file.
+
+    Raises
+    ------
+    UrdfError
+        A limit is missing where it is required, is no number, or lower is above upper.
+    """
+    result: Dict[str, UrdfJoint] = {}
+    for element in robot.findall("joint"):
+        kind = element.get("type", "")
+        if kind not in MOVABLE:
+            continue
+        name = element.get("name", "")
+        limit = element.find("limit")
+        if limit is None and kind != CONTINUOUS:
+            raise UrdfError(f"joint '{name}' is {kind} and has no <limit>")
+        infinite = math.inf
+        lower = -infinite if kind == CONTINUOUS else _number(limit, "lower", 0.0, name)
+        upper = infinite if kind == CONTINUOUS else _number(limit, "upper", 0.0, name)
+        if lower > upper:
+            raise UrdfError(f"joint '{name}': lower limit {lower} is above upper limit {upper}")
+        safety = element.find("safety_controller")
+        soft = None
+        if safety is not None:
+            soft = SoftLimits(
+                lower=_number(safety, "soft_lower_limit", lower, name),
+                upper=_number(safety, "soft_upper_limit", upper, name),
+                k_position=_number(safety, "k_position", 0.0, name),
+                k_velocity=_number(safety, "k_velocity", 0.0, name),
+            )
+        result[name] = UrdfJoint(
+            name=name,
+            kind=kind,
+            lower=lower,
+            upper=upper,
+            velocity=_number(limit, "velocity", infinite, name),
+            effort=_number(limit, "effort", infinite, name),
+            friction=_number(element.find("dynamics"), "friction", 0.0, name),
+            soft=soft,
+        )
+    return result
+
+
+def transmissions(robot: ElementTree.Element) -> List[Transmission]:
+    """Return the transmissions of a ``<robot>`` element.
+
+    As in Gazebo, only the first joint and its first interface count, and an interface without
+    its ``hardware_interface/`` prefix is taken too.
+
+    Raises
+    ------
+    UrdfError
+        A transmission without a joint, an interface, or with a joint that does not exist.
+    """
+    known = {element.get("name") for element in robot.findall("joint")}
+    result = []
+    for element in robot.findall("transmission"):
+        name = element.get("name", "")
+        joint = element.find("joint")
+        if joint is None or joint.get("name") not in known:
+            named = None if joint is None else joint.get("name")
+            raise UrdfError(f"transmission '{name}' names the joint {named!r}, which is not there")
+        interface = joint.findtext("hardwareInterface") or element.findtext(
+            "actuator/hardwareInterface"
+        )
+        if not interface:
+            raise UrdfError(f"transmission '{name}' has no <hardwareInterface>")
+        result.append(
+            Transmission(name, joint.get("name", ""), interface.strip().rsplit("/", 1)[-1])
+        )
+    return result
