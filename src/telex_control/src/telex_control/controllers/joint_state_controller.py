@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import List
+from typing import List, Optional
 
 from sensor_msgs.msg import JointState
 
@@ -33,14 +33,16 @@ class JointStateController(Controller):
         self._names = [handle.name for handle in self._handles]
         # The topic belongs to the robot, its life to the controller's own handle.
         self._publisher = node.advertise(root.resolve("joint_states"), JointState)
-        self._next = 0.0
+        self._next: Optional[float] = None
 
     def starting(self, time: float) -> None:
         """Publish in the first cycle."""
-        self._next = time
+        self._next = None
 
     def update(self, time: float, period: float) -> None:
         """Publish when it is due; the mean rate is kept whatever the control period."""
+        if self._next is None:
+            self._next = time
         # Half a microsecond of slack: sums of the period must not miss their cycle by rounding.
         if time < self._next - 5e-7:
             return

@@ -1,0 +1,299 @@
+from __future__ import annotations
+
+import threading
+
+import pytest
+
+from telex_control.controller import Controller
+from telex_control.hardware_interface import (
+    EffortJointInterface,
+    SwitchState,
+    VelocityJointInterface,
+)
+
+
+class Recorder(Controller):
+    """Claims what its parameters say and notes its calls."""
+
+    def init(self, hw, root, node):
+        self.calls = []
+        kinds = {"effort": EffortJointInterface, "velocity": VelocityJointInterface}
+        for kind, joints in node.param("claims", dict, {}).items():
+            for joint in joints:
+                hw.get(kinds[kind]).get_handle(joint)
+        self.fail_in = node.param("fail_in", str, "")
+        if self.fail_in == "init":
+            raise RuntimeError("broken")
+
+    def _note(self, call):
+        self.calls.append(call)
+        if self.fail_in == call:
+            raise RuntimeError("broken")
+
+    def starting(self, time):
+        self._note("starting")
+
+    def update(self, time, period):
+        self._note("update")
+
+    def stopping(self, time):
+        self._note("stopping")
+
+
+RECORDER = f"{__name__}.Recorder"
+
+
+@pytest.fixture
+def recorders(bench):
+    return bench(
+        {
+            "a": {"type": RECORDER, "claims": {"effort": ["elbow"]}},
+            "b": {"type": RECORDER, "claims": {"effort": ["slide"]}},
+            "rival": {"type": RECORDER, "claims": {"velocity": ["elbow"]}},
+            "both": {
+                "type": RECORDER,
+                "claims": {"effort": ["wheel"], "velocity": ["wheel"]},
+            },
+            "free": {"type": RECORDER},
+            "no_joint": {"type": RECORDER, "claims": {"effort": ["nose"]}},
+            "bad_init": {"type": RECORDER, "fail_in": "init"},
+            "bad_start": {"type": RECORDER, "fail_in": "starting"},
+            "bad_update": {
+                "type": RECORDER,
+                "fail_in": "update",
+                "claims": {"effort": ["elbow"]},
+            },
+            "untyped": {"joint": "elbow"},
+            "unknown_type": {"type": "effort_controllers/NoSuchController"},
+            "unknown_path": {"type": "telex_control.no_such_module.Controller"},
+            "no_controller": {"type": "telex_control.pid.Pid"},
+        }
+    )
+
+
+def test_loaded_controllers_are_initialized_and_listed_in_load_order(recorders):
+    assert recorders.manager.load_controller("b")
+    assert recorders.manager.load_controller("a")
+    assert recorders.states() == {"b": "initialized", "a": "initialized"}
+    (info, _), _ = recorders.manager.list_controllers()
+    assert info.claimed_resources[0].hardware_interface == (
+        "hardware_interface::EffortJointInterface"
+    )
+    assert info.claimed_resources[0].resources == ("slide",)
+
+
+@pytest.mark.parametrize(
+    ("name", "logged"),
+    [
+        ("", "empty"),
+        ("untyped", "/untyped/type is missing"),
+        ("not_there", "/not_there/type is missing"),
+        ("unknown_type", "list_controller_types"),
+        ("unknown_path", "no_such_module"),
+        ("no_controller", "no subclass"),
+        ("no_joint", "'nose'"),
+        ("bad_init", "raised"),
+    ],
+)
+def test_what_cannot_be_loaded_is_refused_and_says_why(recorders, caplog, name, logged):
+    assert not recorders.manager.load_controller(name)
+    assert logged in caplog.text
+    assert recorders.states() == {}
+
+
+def test_a_name_is_loaded_once(recorders, caplog):
+    assert recorders.manager.load_controller("a")
+    assert not recorders.manager.load_controller("a")
+    assert "already loaded" in caplog.text
+
+
+def test_life_of_a_controller(recorders):
+    (a,) = recorders.load_and_start("a")
+    assert recorders.states() == {"a": "running"}
+    recorders.cycle(2)
+    assert recorders.switch(stop=["a"])
+    assert recorders.states() == {"a": "stopped"}
+    # whatever number of cycles ran while the callers waited: started once, stopped once, last
+    assert a.calls[0] == "starting"
+    assert a.calls[-1] == "stopping"
+    assert a.calls.count("starting") == a.calls.count("stopping") == 1
+    count = len(a.calls)
+    recorders.cycle(3)
+    assert len(a.calls) == count
+    assert recorders.switch(start=["a"])
+    assert recorders.states() == {"a": "running"}
+
+
+def test_running_controllers_are_not_unloaded(recorders, caplog):
+    recorders.load_and_start("a")
+    assert not recorders.manager.unload_controller("a")
+    assert "still running" in caplog.text
+    recorders.switch(stop=["a"])
+    assert recorders.manager.unload_controller("a")
+    assert recorders.states() == {}
+    assert not recorders.manager.unload_controller("a")
+
+
+@pytest.mark.parametrize("strictness", [1, 2])
+def test_joints_are_claimed_across_interfaces(recorders, strictness, caplog):
+    recorders.load_and_start("a")
+    assert recorders.manager.load_controller("rival")
+    assert not recorders.switch(start=["rival"], strictness=strictness)
+    assert "elbow" in caplog.text
+    assert recorders.states() == {"a": "running", "rival": "initialized"}
+    assert recorders.switch(start=["rival"], stop=["a"], strictness=strictness)
+    assert recorders.states() == {"a": "stopped", "rival": "running"}
+
+
+def test_a_controller_can_conflict_with_itself(recorders):
+    assert recorders.manager.load_controller("both")
+    assert not recorders.switch(start=["both"], strictness=1)
+
+
+@pytest.mark.parametrize(
+    ("start", "stop", "strict", "best_effort"),
+    [
+        (["ghost"], [], False, True),
+        ([], ["ghost"], False, True),
+        (["a"], [], False, True),  # runs already
+        ([], ["b"], False, True),  # does not run
+        (["a"], ["a"], False, False),  # both, and running
+        (["b"], ["b"], False, True),  # both, not running: started
+        ([], [], True, True),
+        (["b", "b"], [], True, True),
+    ],
+)
+def test_strictness(recorders, start, stop, strict, best_effort):
+    recorders.load_and_start("a")
+    recorders.manager.load_controller("b")
+    assert recorders.switch(start, stop, strictness=2) is strict
+    if not strict:
+        assert recorders.states() == {"a": "running", "b": "initialized"}
+        assert recorders.switch(start, stop, strictness=1) is best_effort
+    assert recorders.states()["a"] == "running"
+    assert recorders.states()["b"] == ("running" if "b" in start else "initialized")
+
+
+def test_unknown_strictness_counts_as_best_effort(recorders, caplog):
+    assert recorders.switch(start=["ghost"], strictness=0)
+    assert "BEST_EFFORT is taken" in caplog.text
+
+
+@pytest.mark.parametrize("timeout", [float("nan"), float("inf"), -1.0])
+def test_timeouts_must_be_usable(recorders, timeout):
+    assert not recorders.switch(start=["a"], timeout=timeout)
+
+
+def test_a_switch_happens_in_one_cycle_after_the_updates(recorders):
+    (a,) = recorders.load_and_start("a")
+    recorders.manager.load_controller("rival")
+    thread = threading.Thread(
+        target=recorders.manager.switch_controller, args=(["rival"], ["a"], 2)
+    )
+    thread.start()
+    while recorders.manager._switch is None:
+        pass
+    a.calls.clear()
+    recorders.cycle()
+    thread.join()
+    rival = recorders.manager._controllers[1].controller
+    assert a.calls == ["update", "stopping"]
+    assert rival.calls == ["starting"]
+    assert recorders.hw.switches[-1] == (["rival"], ["a"])
+
+
+def test_hardware_that_takes_its_time(recorders):
+    recorders.hw.switch_result = lambda info=None: SwitchState.ONGOING
+    recorders.manager.load_controller("a")
+    thread = threading.Thread(target=recorders.manager.switch_controller, args=(["a"], [], 2))
+    thread.start()
+    while recorders.manager._switch is None:
+        pass
+    recorders.cycle(3)
+    assert recorders.states() == {"a": "waiting"}
+    recorders.hw.switch_result = lambda info=None: SwitchState.DONE
+    recorders.cycle()
+    thread.join()
+    assert recorders.states() == {"a": "running"}
+
+
+def test_hardware_that_fails_or_is_late_aborts_the_start(recorders):
+    recorders.hw.switch_result = lambda info=None: SwitchState.ERROR
+    recorders.manager.load_controller("a")
+    assert not recorders.switch(start=["a"])
+    assert recorders.states() == {"a": "aborted"}
+    recorders.hw.switch_result = lambda info=None: SwitchState.ONGOING
+    recorders.period = 0.2
+    assert not recorders.switch(start=["a"], timeout=0.5)
+    assert recorders.states() == {"a": "aborted"}
+
+
+def test_listing_does_not_wait_for_a_switch(recorders):
+    recorders.manager.load_controller("a")
+    thread = threading.Thread(target=recorders.manager.switch_controller, args=(["a"], [], 2))
+    thread.start()
+    while recorders.manager._switch is None:
+        pass
+    assert recorders.states() == {"a": "initialized"}
+    recorders.manager.close()
+    thread.join(5.0)
+    assert not thread.is_alive()
+
+
+def test_a_controller_that_raises_is_stopped_and_the_others_go_on(recorders, caplog):
+    bad, good = recorders.load_and_start("bad_update", "b")
+    recorders.cycle(3)
+    assert recorders.states() == {"bad_update": "stopped", "b": "running"}
+    assert bad.calls[-1] == "stopping"
+    assert good.calls[-1] == "update"
+    assert "bad_update" in caplog.text
+    # the hardware hears of it, so that the joint is not left to itself
+    assert recorders.hw.switches[-1] == ([], ["bad_update"])
+
+
+def test_a_controller_that_raises_on_start_fails_the_switch(recorders):
+    recorders.manager.load_controller("bad_start")
+    assert not recorders.switch(start=["bad_start"])
+    assert recorders.states() == {"bad_start": "stopped"}
+
+
+def test_reset_controllers_restarts_every_running_one(recorders):
+    (a,) = recorders.load_and_start("a")
+    recorders.manager.load_controller("b")
+    a.calls.clear()
+    recorders.cycle(reset_controllers=True)
+    assert a.calls == ["stopping", "starting", "update"]
+    assert recorders.states() == {"a": "running", "b": "initialized"}
+
+
+def test_world_reset_restarts_every_running_one(recorders):
+    (a,) = recorders.load_and_start("a")
+    a.calls.clear()
+    recorders.manager.reset(1.0)
+    assert a.calls == ["stopping", "starting"]
+
+
+def test_libraries_are_reloaded_only_when_nothing_is_loaded_or_forced(bench):
+    tested = bench(
+        {"j": {"type": "joint_state_controller/JointStateController", "publish_rate": 5}}
+    )
+    (controller,) = tested.load_and_start("j")
+    assert not tested.manager.reload_controller_libraries(force_kill=False)
+    answer = []
+    thread = threading.Thread(
+        target=lambda: answer.append(tested.manager.reload_controller_libraries(force_kill=True))
+    )
+    thread.start()
+    while thread.is_alive():
+        tested.cycle()
+        thread.join(0.001)
+    assert answer == [True]
+    assert tested.states() == {}
+    (again,) = tested.load_and_start("j")
+    assert type(again) is not type(controller)
+
+
+def test_types_are_listed(recorders):
+    types = dict(recorders.manager.list_controller_types())
+    assert "effort_controllers/JointPositionController" in types
+    assert set(types.values()) == {"controller_interface::ControllerBase"}

@@ -1,0 +1,80 @@
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from telex_control.urdf_joints import UrdfError, joints, parse_urdf, transmissions
+
+
+def robot(body):
+    return parse_urdf(f'<robot name="r"><link name="a"/><link name="b"/>{body}</robot>')
+
+
+def test_joints_and_limits(bench_urdf):
+    found = joints(parse_urdf(bench_urdf))
+    assert list(found) == ["elbow", "slide", "wheel"]
+    assert (found["elbow"].lower, found["elbow"].upper) == (-1.0, 2.0)
+    assert found["slide"].effort == 100.0
+    assert found["wheel"].lower == -math.inf
+    assert found["wheel"].velocity == 10.0
+
+
+def test_soft_limits_and_friction():
+    joint = joints(
+        robot(
+            '<joint name="j" type="revolute"><limit lower="-1" upper="1" velocity="1" effort="1"/>'
+            '<dynamics friction="0.5"/><safety_controller soft_lower_limit="-0.9" '
+            'soft_upper_limit="0.8" k_position="20" k_velocity="30"/></joint>'
+        )
+    )["j"]
+    assert joint.friction == 0.5
+    assert joint.soft is not None
+    assert (joint.soft.lower, joint.soft.upper, joint.soft.k_velocity) == (-0.9, 0.8, 30.0)
+
+
+def test_fixed_joints_are_left_out():
+    assert joints(robot('<joint name="j" type="fixed"/>')) == {}
+
+
+@pytest.mark.parametrize(
+    ("body", "named"),
+    [
+        ('<joint name="j" type="revolute"/>', "'j' is revolute and has no <limit>"),
+        ('<joint name="j" type="revolute"><limit lower="x"/></joint>', 'lower="x"'),
+        ('<joint name="j" type="revolute"><limit effort="nan"/></joint>', "not finite"),
+        ('<joint name="j" type="revolute"><limit lower="2" upper="1"/></joint>', "above"),
+    ],
+)
+def test_wrong_joints_are_named(body, named):
+    with pytest.raises(UrdfError, match=named):
+        joints(robot(body))
+
+
+@pytest.mark.parametrize("text", ["", "not xml", "<robot>", "<sdf/>"])
+def test_no_robot(text):
+    with pytest.raises(UrdfError, match="robot_description"):
+        parse_urdf(text)
+
+
+def transmission(joint="j", interface="hardware_interface/EffortJointInterface"):
+    tag = f"<hardwareInterface>{interface}</hardwareInterface>" if interface else ""
+    return robot(
+        '<joint name="j" type="continuous"/>'
+        f'<transmission name="t"><joint name="{joint}">{tag}</joint></transmission>'
+    )
+
+
+@pytest.mark.parametrize(
+    "interface", ["hardware_interface/EffortJointInterface", "EffortJointInterface"]
+)
+def test_transmissions(interface):
+    (found,) = transmissions(transmission(interface=interface))
+    assert (found.joint, found.hardware_interface) == ("j", "EffortJointInterface")
+
+
+def test_wrong_transmissions_are_named():
+    with pytest.raises(UrdfError, match="'t' names the joint 'x'"):
+        transmissions(transmission(joint="x"))
+    with pytest.raises(UrdfError, match="'t' has no <hardwareInterface>"):
+        transmissions(transmission(interface=""))
