@@ -1,0 +1,1 @@
+"""PyBullet simulation of the robot: world, tracks, simulated hardware, sensors and cameras."""

@@ -1,0 +1,209 @@
+"""Configuration of the simulator."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Dict, Tuple
+
+from telex_control.params import require
+
+
+@dataclass(frozen=True)
+class TimingConfig:
+    """Step, control period and pace.
+
+    Attributes
+    ----------
+    step_size : float
+        Sim time of one physics step (s).
+    control_period : float
+        Sim time between control cycles (s); a whole multiple of the step.
+    real_time_factor : float
+        Sim time per wall time; 0 runs as fast as possible.
+    """
+
+    step_size: float = 0.002
+    control_period: float = 0.002
+    real_time_factor: float = 1.0
+
+    def __post_init__(self) -> None:
+        require(
+            1e-5 <= self.step_size <= 0.05,
+            f"step_size is {self.step_size} s; 1e-5 to 0.05 s is possible",
+        )
+        ratio = self.control_period / self.step_size
+        require(
+            ratio > 0.5 and abs(ratio - round(ratio)) < 1e-6,
+            "control_period must be a whole multiple of step_size: "
+            f"got {self.control_period} s and {self.step_size} s",
+        )
+        require(
+            self.real_time_factor >= 0.0,
+            f"real_time_factor is {self.real_time_factor}; 0 (as fast as possible) or more is "
+            "needed",
+        )
+
+    @property
+    def steps_per_cycle(self) -> int:
+        """Physics steps in one control cycle."""
+        return round(self.control_period / self.step_size)
+
+
+@dataclass(frozen=True)
+class JointHardware:
+    """The drive of one joint, beyond what the URDF says.
+
+    Attributes
+    ----------
+    armature : float
+        Inertia of rotor and gear, seen at the joint (kg m2); a revolute joint's only.
+    """
+
+    armature: float = 0.0
+
+    def __post_init__(self) -> None:
+        require(self.armature >= 0.0, f"armature is {self.armature} kg m2; 0 or more is needed")
+
+
+@dataclass(frozen=True)
+class HardwareConfig:
+    """The simulated drives.
+
+    Attributes
+    ----------
+    velocity_tolerance : float
+        Factor on the URDF's velocity limit at which a drive stops accelerating; above 1, so that
+        a joint can run at its limit.
+    joints : dict of str to JointHardware
+    """
+
+    velocity_tolerance: float = 1.05
+    joints: Dict[str, JointHardware] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        require(
+            self.velocity_tolerance >= 1.0,
+            f"velocity_tolerance is {self.velocity_tolerance}; 1 or more is needed",
+        )
+
+
+@dataclass(frozen=True)
+class TrackConfig:
+    """Traction of the tracks; see `telex_sim.traction`.
+
+    Attributes
+    ----------
+    belts : dict of str to float
+        Belt joint and its drive radius (m). The track's shape is the collision shape of the
+        link that carries the joint.
+    friction : float
+        Friction coefficient along the belt, on a surface with friction 1.
+    lateral_friction : float
+        Across the belt.
+    stiffness, damping : float
+        Of a stuck track against the ground (N/m, N s/m), each track.
+    contact_stiffness, contact_damping : float
+        Of the contact normal to the surface (N/m, N s/m).
+    """
+
+    belts: Dict[str, float] = field(default_factory=dict)
+    friction: float = 1.0
+    lateral_friction: float = 0.7
+    stiffness: float = 1.0e5
+    damping: float = 1500.0
+    contact_stiffness: float = 3.0e5
+    contact_damping: float = 3.0e4
+
+    def __post_init__(self) -> None:
+        for name, radius in self.belts.items():
+            require(radius > 0.0, f"belts/{name} is {radius} m; a radius above 0 is needed")
+        for name in (
+            "friction",
+            "lateral_friction",
+            "stiffness",
+            "damping",
+            "contact_stiffness",
+            "contact_damping",
+        ):
+            value = getattr(self, name)
+            require(value > 0.0, f"{name} is {value}; it must be above 0")
+
+
+@dataclass(frozen=True)
+class StartConfig:
+    """Where and how the robot starts.
+
+    Attributes
+    ----------
+    position : tuple of float
+        Of base_link in the world (m); the robot settles from there.
+    yaw : float
+        Heading (rad).
+    pose : str
+        Name of one of `poses`.
+    poses : dict
+        Named poses: joint positions (rad, m) by joint name; joints left out start at 0.
+    """
+
+    position: Tuple[float, float, float] = (0.0, 0.0, 0.115)
+    yaw: float = 0.0
+    pose: str = ""
+    poses: Dict[str, Dict[str, float]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        require(
+            not self.pose or self.pose in self.poses,
+            f"pose is '{self.pose}'; there are: {', '.join(sorted(self.poses)) or 'none'}",
+        )
+
+    def joint_positions(self) -> Dict[str, float]:
+        """Joint positions of the chosen pose."""
+        return self.poses[self.pose] if self.pose else {}
+
+
+@dataclass(frozen=True)
+class PublishConfig:
+    """How often the simulator tells the world about itself (Hz of sim time)."""
+
+    clock_rate: float = 100.0
+    poses_rate: float = 60.0
+    base_pose_rate: float = 50.0
+
+    def __post_init__(self) -> None:
+        for name in ("clock_rate", "poses_rate", "base_pose_rate"):
+            value = getattr(self, name)
+            require(value > 0.0, f"{name} is {value} Hz; it must be above 0")
+
+
+@dataclass(frozen=True)
+class SimulatorConfig:
+    """Everything that the simulator is told.
+
+    Attributes
+    ----------
+    model : str
+        Name of the robot in the scene; its frames are ``<model>/<link>``.
+    world : str
+        Name of the scene.
+    gui : bool
+        Open PyBullet's window.
+    solver_iterations : int
+        Of PyBullet's constraint solver.
+    """
+
+    model: str = "telex"
+    world: str = "floor"
+    gui: bool = False
+    solver_iterations: int = 50
+    timing: TimingConfig = field(default_factory=TimingConfig)
+    hardware: HardwareConfig = field(default_factory=HardwareConfig)
+    tracks: TrackConfig = field(default_factory=TrackConfig)
+    start: StartConfig = field(default_factory=StartConfig)
+    publish: PublishConfig = field(default_factory=PublishConfig)
+
+    def __post_init__(self) -> None:
+        require(
+            1 <= self.solver_iterations <= 1000,
+            f"solver_iterations is {self.solver_iterations}; 1 to 1000 is possible",
+        )
+        require(self.world == "floor", f"world is '{self.world}'; the only one so far is 'floor'")

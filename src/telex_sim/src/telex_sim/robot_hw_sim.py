@@ -1,0 +1,294 @@
+"""The simulated robot behind `hardware_interface.RobotHW`.
+
+Drives are simulated in joint space, as Gazebo's default hardware does: effort joints by torque,
+velocity joints by a velocity motor as strong as the URDF's effort limit. Beyond that, every drive
+has a brake. It holds whatever no running controller has claimed, so that the arm does not fall
+before its controllers start or after they end; an emergency stop sets all brakes, whatever the
+controllers ask for.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Dict, List, Optional, Set
+from xml.etree import ElementTree
+
+import pybullet
+
+from telex_control.hardware_interface import (
+    ControllerInfo,
+    EffortJointInterface,
+    JointHandle,
+    JointStateHandle,
+    JointStateInterface,
+    RobotHW,
+    VelocityJointInterface,
+)
+from telex_control.joint_limits import (
+    EffortJointSaturationHandle,
+    JointLimitsHandle,
+    VelocityJointSaturationHandle,
+)
+from telex_control.urdf_joints import PRISMATIC, UrdfError, UrdfJoint, joints, transmissions
+
+from .config import HardwareConfig
+from .world import Body
+
+_EFFORT = "EffortJointInterface"
+_VELOCITY = "VelocityJointInterface"
+_BRAKE_POSITION_GAIN = 0.2
+_BRAKE_VELOCITY_GAIN = 1.0
+
+
+class _Joint:
+    """A driven joint: its description, its handles and its place in PyBullet."""
+
+    __slots__ = ("description", "handle", "index", "limits", "state", "takes_effort")
+
+    def __init__(self, description: UrdfJoint, takes_effort: bool, tolerance: float) -> None:
+        self.description = description
+        self.takes_effort = takes_effort
+        self.state = JointStateHandle(description.name)
+        self.handle = JointHandle(self.state)
+        self.index = -1
+        self.limits: JointLimitsHandle
+        if takes_effort:
+            self.limits = EffortJointSaturationHandle(
+                self.handle,
+                description.lower,
+                description.upper,
+                description.velocity * tolerance,
+                description.effort,
+            )
+        else:
+            self.limits = VelocityJointSaturationHandle(self.handle, description.velocity)
+
+
+class RobotHWSim(RobotHW):
+    """The joints of a robot in a PyBullet world.
+
+    Parameters
+    ----------
+    robot : Element
+        ``<robot>`` of the URDF; joints with a transmission are driven.
+    config : HardwareConfig
+
+    Raises
+    ------
+    UrdfError
+        A transmission names an interface that is not simulated, or a limit is missing.
+    """
+
+    def __init__(self, robot: ElementTree.Element, config: HardwareConfig) -> None:
+        super().__init__()
+        self._config = config
+        descriptions = joints(robot)
+        self._joints: Dict[str, _Joint] = {}
+        states, efforts, velocities = (
+            JointStateInterface(),
+            EffortJointInterface(),
+            VelocityJointInterface(),
+        )
+        for transmission in transmissions(robot):
+            name = transmission.joint
+            if name in self._joints:
+                continue
+            if transmission.hardware_interface not in (_EFFORT, _VELOCITY):
+                raise UrdfError(
+                    f"transmission '{transmission.name}' asks for "
+                    f"'{transmission.hardware_interface}'; simulated are {_EFFORT} and {_VELOCITY}"
+                )
+            if name not in descriptions:
+                raise UrdfError(f"transmission '{transmission.name}': joint '{name}' cannot move")
+            takes_effort = transmission.hardware_interface == _EFFORT
+            try:
+                joint = _Joint(descriptions[name], takes_effort, config.velocity_tolerance)
+            except ValueError as error:
+                raise UrdfError(str(error)) from error
+            self._joints[name] = joint
+            states.register_handle(joint.state)
+            (efforts if takes_effort else velocities).register_handle(joint.handle)
+        unknown = sorted(set(config.joints) - set(self._joints))
+        if unknown:
+            raise UrdfError(
+                f"parameter hardware/joints/{unknown[0]}: the robot has no driven joint of this "
+                "name"
+            )
+        for interface in (states, efforts, velocities):
+            self.register_interface(interface)
+        self._all = list(self._joints.values())
+        self._claimed: Set[str] = set()
+        self._e_stop = False
+        self._body: Optional[Body] = None
+        self._indices: List[int] = []
+        self._driven_by_effort: List[_Joint] = []
+        self._driven_by_velocity: List[_Joint] = []
+
+    @property
+    def e_stop(self) -> bool:
+        """Whether the emergency stop holds all joints."""
+        return self._e_stop
+
+    def joint_state(self, name: str) -> JointStateHandle:
+        """State handle of a driven joint.
+
+        Raises
+        ------
+        KeyError
+            No such joint.
+        """
+        return self._joints[name].state
+
+    def joint_positions(self) -> Dict[str, float]:
+        """Measured position of every driven joint (rad, m)."""
+        return {name: joint.state.position for name, joint in self._joints.items()}
+
+    def attach(self, body: Body) -> None:
+        """Take over the joints of `body`, which stands for this robot in a new world."""
+        self._body = body
+        missing = sorted(set(self._joints) - set(body.joints))
+        if missing:
+            raise UrdfError(f"joint '{missing[0]}' has a transmission but is not in the world")
+        for name, joint in self._joints.items():
+            joint.index = body.joints[name]
+            joint.handle.command = 0.0
+            joint.limits.reset()
+            self._add_armature(joint)
+        self._indices = [joint.index for joint in self._all]
+        self.read(0.0, 0.0)
+        self._set_brakes()
+
+    def _add_armature(self, joint: _Joint) -> None:
+        """Add the drive's inertia to its link.
+
+        Isotropic, because PyBullet drops an inertia that no mass distribution can have; the small
+        excess about the other axes is carried by the neighbours' structure.
+        """
+        hardware = self._config.joints.get(joint.description.name)
+        assert self._body is not None
+        if hardware is None or not hardware.armature or joint.description.kind == PRISMATIC:
+            return
+        uid, client = self._body.uid, self._body.client
+        inertia = pybullet.getDynamicsInfo(uid, joint.index, physicsClientId=client)[2]
+        pybullet.changeDynamics(
+            uid,
+            joint.index,
+            localInertiaDiagonal=[value + hardware.armature for value in inertia],
+            physicsClientId=client,
+        )
+
+    # --- RobotHW -----------------------------------------------------------------------------
+
+    def read(self, time: float, period: float) -> None:
+        """Fill the state handles; the effort is the one last commanded to effort joints."""
+        body = self._body
+        assert body is not None
+        states = pybullet.getJointStates(body.uid, self._indices, physicsClientId=body.client)
+        for joint, state in zip(self._all, states):
+            handle = joint.state
+            handle.position = state[0]
+            handle.velocity = state[1]
+            handle.effort = joint.handle.command if joint.takes_effort else state[3]
+
+    def write(self, time: float, period: float) -> None:
+        """Limit the commands and give them to PyBullet; its torques act for one step only."""
+        body = self._body
+        assert body is not None
+        efforts = self._driven_by_effort
+        if efforts:
+            for joint in efforts:
+                joint.limits.enforce(period)
+            pybullet.setJointMotorControlArray(
+                body.uid,
+                [joint.index for joint in efforts],
+                pybullet.TORQUE_CONTROL,
+                forces=[joint.handle.command for joint in efforts],
+                physicsClientId=body.client,
+            )
+        velocities = self._driven_by_velocity
+        if velocities:
+            for joint in velocities:
+                joint.limits.enforce(period)
+            pybullet.setJointMotorControlArray(
+                body.uid,
+                [joint.index for joint in velocities],
+                pybullet.VELOCITY_CONTROL,
+                targetVelocities=[joint.handle.command for joint in velocities],
+                forces=[_finite(joint.description.effort) for joint in velocities],
+                physicsClientId=body.client,
+            )
+
+    def do_switch(self, start: List[ControllerInfo], stop: List[ControllerInfo]) -> None:
+        """Set the brakes of joints that lose their controller, release those that get one."""
+        self._claimed -= _claims(stop)
+        self._claimed |= _claims(start)
+        self._set_brakes()
+
+    def set_e_stop(self, active: bool) -> None:
+        """Set all brakes, or give the joints back to their controllers."""
+        if active != self._e_stop:
+            self._e_stop = active
+            self._set_brakes()
+
+    def _set_brakes(self) -> None:
+        if self._body is None:
+            return
+        driven = (
+            [] if self._e_stop else [j for j in self._all if j.description.name in self._claimed]
+        )
+        was_driven = {*self._driven_by_effort, *self._driven_by_velocity}
+        self._driven_by_effort = [joint for joint in driven if joint.takes_effort]
+        self._driven_by_velocity = [joint for joint in driven if not joint.takes_effort]
+        self._release(self._driven_by_effort)
+        held = [joint for joint in self._all if joint not in driven]
+        for joint in held:
+            if joint in was_driven:
+                joint.handle.command = 0.0
+        self._hold(held)
+
+    def _release(self, released: List[_Joint]) -> None:
+        """Leave only the dry friction of effort drives, as a motor that wants standstill.
+
+        PyBullet's own joint friction acts explicitly and is unstable when it is large; a motor
+        is part of the constraint solver.
+        """
+        if not released:
+            return
+        assert self._body is not None
+        pybullet.setJointMotorControlArray(
+            self._body.uid,
+            [joint.index for joint in released],
+            pybullet.VELOCITY_CONTROL,
+            targetVelocities=[0.0] * len(released),
+            forces=[joint.description.friction for joint in released],
+            physicsClientId=self._body.client,
+        )
+
+    def _hold(self, held: List[_Joint]) -> None:
+        if not held:
+            return
+        assert self._body is not None
+        pybullet.setJointMotorControlArray(
+            self._body.uid,
+            [joint.index for joint in held],
+            pybullet.POSITION_CONTROL,
+            targetPositions=[joint.state.position for joint in held],
+            forces=[_finite(joint.description.effort) for joint in held],
+            positionGains=[_BRAKE_POSITION_GAIN] * len(held),
+            velocityGains=[_BRAKE_VELOCITY_GAIN] * len(held),
+            physicsClientId=self._body.client,
+        )
+
+
+def _claims(controllers: List[ControllerInfo]) -> Set[str]:
+    return {
+        resource
+        for controller in controllers
+        for claim in controller.claimed_resources
+        for resource in claim.resources
+    }
+
+
+def _finite(effort: float) -> float:
+    """A motor's largest force; PyBullet takes no infinity."""
+    return effort if math.isfinite(effort) else 1.0e6

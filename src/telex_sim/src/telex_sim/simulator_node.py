@@ -1,0 +1,311 @@
+"""The ``simulator`` node: the loop, its clock and its services."""
+
+from __future__ import annotations
+
+import queue
+import sys
+import threading
+import time as wall
+from typing import Any, Callable, List, Optional
+
+import rospkg
+import rospy
+from geometry_msgs.msg import Point, PoseStamped, Quaternion
+from rosgraph_msgs.msg import Clock
+from std_msgs.msg import Bool
+from std_srvs.srv import Empty, EmptyResponse
+from telex_msgs.msg import SceneDescription, ScenePoses, SimStatus
+from telex_msgs.srv import Step, StepResponse
+
+from telex_control.controller_manager_services import ControllerManagerServices
+from telex_control.params import ConfigError, read_config
+from telex_control.ros_node_handle import RosNodeHandle
+from telex_control.urdf_joints import UrdfError
+
+from .config import SimulatorConfig
+from .pacing import RealTimeFactor, RealTimePacer
+from .rendering.addresses import resolve_address
+from .scene_messages import WORLD_FRAME, SceneMessages
+from .simulation import Simulation
+from .world import WorldError
+
+_PAUSED_PERIOD = 0.01
+"""Wall time between two looks at the requests while paused (s)."""
+_PAUSED_REPEAT = 0.2
+"""Wall time between repeated clock and pose messages while paused (s): for late subscribers."""
+_STATUS_PERIOD = 1.0
+"""Wall time between status messages (s)."""
+_MAX_STEPS = 1_000_000
+
+
+class _Request:
+    """Work for the loop's thread, asked for by another."""
+
+    def __init__(self, action: Callable[[], None]) -> None:
+        self.action = action
+        self.done = threading.Event()
+        self.error: Optional[Exception] = None
+
+
+class SimulatorNode:
+    """Runs a `Simulation` and speaks ROS for it.
+
+    All ROS callbacks leave their work in a queue; only `run`, in the main thread, touches the
+    simulation.
+    """
+
+    def __init__(self, simulation: Simulation, paused: bool) -> None:
+        self._simulation = simulation
+        self._paused = paused
+        config = simulation.config
+        self._step_ns = round(config.timing.step_size * 1e9)
+        self._requests: queue.Queue[_Request] = queue.Queue()
+        self._pacer = RealTimePacer(config.timing.real_time_factor)
+        self._factor = RealTimeFactor()
+        self._late_cycles = 0
+        self._scene = SceneMessages(config.model, simulation.body.link_names(), simulation.urdf)
+        self._clock = rospy.Publisher("/clock", Clock, queue_size=4, tcp_nodelay=True)
+        self._scene_publisher = rospy.Publisher(
+            "sim/scene", SceneDescription, queue_size=1, latch=True
+        )
+        self._poses = rospy.Publisher("sim/poses", ScenePoses, queue_size=1, tcp_nodelay=True)
+        self._base_pose = rospy.Publisher("sim/base_pose", PoseStamped, queue_size=4)
+        self._status = rospy.Publisher("sim/status", SimStatus, queue_size=4, latch=True)
+        self._next_status = 0.0
+        self._clock_every = self._steps_between(config.publish.clock_rate)
+        self._poses_every = self._steps_between(config.publish.poses_rate)
+        self._base_pose_every = self._steps_between(config.publish.base_pose_rate)
+        self._scene_publisher.publish(self._scene.description(self._now()))
+        self._services: List[Any] = [
+            ControllerManagerServices(simulation.controllers),
+            rospy.Service("sim/pause", Empty, lambda _: self._empty(self._pause)),
+            rospy.Service("sim/unpause", Empty, lambda _: self._empty(self._unpause)),
+            rospy.Service("sim/reset", Empty, lambda _: self._empty(self._reset)),
+            rospy.Service("sim/step", Step, self._on_step),
+        ]
+        self._e_stop = rospy.Subscriber("e_stop", Bool, self._on_e_stop, tcp_nodelay=True)
+
+    def _steps_between(self, rate: float) -> int:
+        return max(1, round(1.0 / (rate * self._simulation.config.timing.step_size)))
+
+    def _now(self) -> rospy.Time:
+        return rospy.Time(0, self._simulation.steps * self._step_ns)
+
+    # --- callbacks: other threads ------------------------------------------------------------
+
+    def _on_e_stop(self, message: Bool) -> None:
+        rospy.logwarn("emergency stop %s", "set" if message.data else "released")
+        self._simulation.request_e_stop(message.data)
+        self._requests.put(_Request(self._status_soon))
+
+    def _empty(self, action: Callable[[], None]) -> EmptyResponse:
+        self._in_loop(action)
+        return EmptyResponse()
+
+    def _on_step(self, request: Any) -> StepResponse:
+        steps = request.steps or 1
+        if steps > _MAX_STEPS:
+            return StepResponse(
+                success=False,
+                message=f"steps is {steps}; at most {_MAX_STEPS} at once are possible",
+                sim_time=self._now(),
+            )
+        answer = StepResponse(success=True)
+
+        def action() -> None:
+            if not self._paused:
+                answer.success = False
+                answer.message = "the simulation is running; call sim/pause first"
+                return
+            for _ in range(steps):
+                if rospy.is_shutdown():
+                    break
+                self._step()
+            self._status_soon()
+
+        self._in_loop(action)
+        answer.sim_time = self._now()
+        return answer
+
+    def _in_loop(self, action: Callable[[], None]) -> None:
+        """Have the loop's thread carry out `action`, and wait for it.
+
+        Raises
+        ------
+        rospy.ServiceException
+            The action failed, or the node shuts down.
+        """
+        request = _Request(action)
+        self._requests.put(request)
+        while not request.done.wait(0.1):
+            if rospy.is_shutdown():
+                raise rospy.ServiceException("the simulator shuts down")
+        if request.error is not None:
+            raise rospy.ServiceException(str(request.error))
+
+    # --- the loop's thread -------------------------------------------------------------------
+
+    def run(self) -> None:
+        """Run until ROS shuts down."""
+        self._restart_pace()
+        self._publish_all()
+        repeat_at = 0.0
+        while not rospy.is_shutdown():
+            self._serve_requests()
+            if wall.monotonic() >= self._next_status:
+                self._publish_status()
+            if not self._paused:
+                self._step()
+                late = self._pacer.wait(self._simulation.time)
+                self._late_cycles += late > self._simulation.config.timing.control_period
+                continue
+            self._simulation.idle()
+            if wall.monotonic() >= repeat_at:
+                repeat_at = wall.monotonic() + _PAUSED_REPEAT
+                self._publish_all()
+            wall.sleep(_PAUSED_PERIOD)
+
+    def close(self) -> None:
+        """Take the services back and release PyBullet."""
+        for service in self._services:
+            service.shutdown()
+        self._simulation.close()
+
+    def _serve_requests(self) -> None:
+        while not self._requests.empty():
+            request = self._requests.get_nowait()
+            try:
+                request.action()
+            except WorldError as error:
+                request.error = error
+                rospy.logerr("%s", error)
+            finally:
+                request.done.set()
+
+    def _pause(self) -> None:
+        self._paused = True
+        self._status_soon()
+
+    def _unpause(self) -> None:
+        self._paused = False
+        self._restart_pace()
+        self._status_soon()
+
+    def _reset(self) -> None:
+        self._simulation.reset()
+        self._restart_pace()
+        self._publish_all()
+        self._status_soon()
+
+    def _restart_pace(self) -> None:
+        self._pacer.restart(self._simulation.time)
+        self._factor.restart(self._simulation.time)
+
+    def _status_soon(self) -> None:
+        self._next_status = 0.0
+
+    def _step(self) -> None:
+        simulation = self._simulation
+        simulation.step()
+        steps = simulation.steps
+        if steps % self._clock_every == 0:
+            self._publish_clock()
+        if steps % self._poses_every == 0:
+            self._publish_poses()
+        if steps % self._base_pose_every == 0:
+            self._publish_base_pose()
+        simulation.timer.end("publish")
+
+    def _publish_all(self) -> None:
+        self._publish_clock()
+        self._publish_poses()
+        self._publish_base_pose()
+
+    def _publish_clock(self) -> None:
+        self._clock.publish(Clock(self._now()))
+
+    def _publish_poses(self) -> None:
+        if self._poses.get_num_connections():
+            self._poses.publish(self._scene.poses(self._now(), self._simulation.link_poses()))
+
+    def _publish_base_pose(self) -> None:
+        if not self._base_pose.get_num_connections():
+            return
+        position, orientation = self._simulation.body.base_pose()
+        message = PoseStamped()
+        message.header.stamp = self._now()
+        message.header.frame_id = WORLD_FRAME
+        message.pose.position = Point(*position)
+        message.pose.orientation = Quaternion(*orientation)
+        self._base_pose.publish(message)
+
+    def _publish_status(self) -> None:
+        self._next_status = wall.monotonic() + _STATUS_PERIOD
+        simulation = self._simulation
+        timing = simulation.config.timing
+        means = simulation.timer.take_means()
+        factor = 0.0 if self._paused else self._factor.since_last(simulation.time)
+        message = SimStatus(
+            paused=self._paused,
+            e_stop=simulation.hw.e_stop,
+            world=simulation.config.world,
+            step_size=timing.step_size,
+            control_period=timing.control_period,
+            target_real_time_factor=timing.real_time_factor,
+            real_time_factor=factor,
+            steps=simulation.steps,
+            late_cycles=self._late_cycles,
+            phases=[phase for phase, _ in means],
+            phase_cpu=[cpu for _, cpu in means],
+        )
+        message.header.stamp = self._now()
+        self._status.publish(message)
+
+
+def _simulator_config() -> SimulatorConfig:
+    """Read the node's private parameters.
+
+    Raises
+    ------
+    ConfigError
+    """
+    params = dict(rospy.get_param("~", {}))
+    params.pop("paused", None)
+    return read_config(SimulatorConfig, params, rospy.resolve_name("~"))
+
+
+def _robot_description() -> str:
+    """Wait for ``robot_description`` in the namespace, and say so."""
+    name = rospy.resolve_name("robot_description")
+    while not rospy.is_shutdown():
+        text = rospy.get_param("robot_description", None)
+        if text is not None:
+            return str(text)
+        rospy.logwarn_throttle(5.0, f"waiting for the parameter {name}")
+        wall.sleep(0.1)
+    raise rospy.ROSInterruptException("shut down while waiting for robot_description")
+
+
+def main() -> None:
+    """Run the node; a mistake in the configuration ends it with one line that says what to do."""
+    rospy.init_node("simulator")
+    packages = rospkg.RosPack()
+    try:
+        paused = bool(rospy.get_param("~paused", False))
+        simulation = Simulation(
+            _simulator_config(),
+            _robot_description(),
+            RosNodeHandle(),
+            lambda address: str(resolve_address(address, packages.get_path)),
+        )
+    except rospy.ROSInterruptException:
+        return
+    except (ConfigError, UrdfError, WorldError) as error:
+        rospy.logfatal("%s", error)
+        sys.exit(1)
+    node = SimulatorNode(simulation, paused)
+    rospy.loginfo("simulator: ready")
+    try:
+        node.run()
+    finally:
+        node.close()

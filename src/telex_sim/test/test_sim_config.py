@@ -1,0 +1,101 @@
+from __future__ import annotations
+
+import pytest
+
+from telex_control.params import ConfigError
+from telex_control.urdf_joints import UrdfError, parse_urdf
+from telex_sim.config import HardwareConfig, JointHardware
+from telex_sim.offline import shipped_config
+from telex_sim.robot_hw_sim import RobotHWSim
+from telex_sim.world import World, WorldError
+
+
+def test_the_shipped_configuration_is_valid():
+    config = shipped_config()
+    assert config.timing.steps_per_cycle == 1
+    assert len(config.tracks.belts) == 4
+    assert "turret_joint" in config.start.joint_positions()
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"timing__control_period": 0.003}, "got 0.003 s and 0.002 s"),
+        ({"timing__control_period": 0.0}, "whole multiple"),
+        ({"timing__step_size": 0.0}, "step_size is 0.0"),
+        ({"timing__step_size": float("nan")}, "timing/step_size is nan"),
+        ({"timing__real_time_factor": -1.0}, "real_time_factor is -1.0"),
+        ({"start__pose": "handstand"}, "pose is 'handstand'; there are: drive"),
+        ({"start__position": [0.0, 0.0]}, "2 elements; 3 are needed"),
+        ({"tracks__friction": 0.0}, "friction is 0.0"),
+        ({"tracks__belts": {"x": -1.0}}, "belts/x is -1.0"),
+        ({"hardware__joints": {"turret_joint": {"armature": -0.1}}}, "armature is -0.1"),
+        ({"hardware__velocity_tolerance": 0.5}, "velocity_tolerance is 0.5"),
+        ({"publish__clock_rate": 0.0}, "clock_rate is 0.0"),
+        ({"solver_iterations": 0}, "solver_iterations is 0"),
+        ({"world": "moon"}, "'moon'"),
+        ({"colour": "red"}, "colour is unknown"),
+    ],
+)
+def test_mistakes_are_named(change, named):
+    with pytest.raises(ConfigError) as caught:
+        shipped_config(**change)
+    assert named in str(caught.value)
+
+
+def robot(interface="hardware_interface/EffortJointInterface", limit='velocity="1" effort="1"'):
+    return parse_urdf(
+        '<robot name="r"><link name="a"/><link name="b"/><joint name="j" type="continuous">'
+        f'<parent link="a"/><child link="b"/><limit {limit}/></joint><transmission name="t">'
+        f'<joint name="j"><hardwareInterface>{interface}</hardwareInterface></joint>'
+        "</transmission></robot>"
+    )
+
+
+@pytest.mark.parametrize(
+    ("description", "config", "named"),
+    [
+        (robot(interface="hardware_interface/JointModeInterface"), HardwareConfig(), "simulated"),
+        (robot(limit='velocity="0" effort="1"'), HardwareConfig(), "'j': velocity limit 0.0"),
+        (robot(), HardwareConfig(joints={"nose": JointHardware()}), "hardware/joints/nose"),
+    ],
+)
+def test_hardware_that_cannot_be_simulated_is_named(description, config, named):
+    with pytest.raises(UrdfError, match=named):
+        RobotHWSim(description, config)
+
+
+def test_world_refuses_what_it_cannot_load(monkeypatch):
+    world = World(0.002, 50)
+    try:
+        with pytest.raises(WorldError, match="no joint 'nose'"):
+            world.load_robot(
+                '<robot name="r"><link name="a"><inertial><mass value="1"/>'
+                '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+                "</robot>",
+                str,
+                (0, 0, 0),
+                0.0,
+                {"nose": 1.0},
+            )
+
+        def unknown(address):
+            raise ValueError(f"'{address}': package 'x' is not found")
+
+        with pytest.raises(WorldError, match="package 'x' is not found"):
+            world.load_robot(
+                '<robot name="r"><link name="a"><visual><geometry>'
+                '<mesh filename="package://x/y.obj"/></geometry></visual></link></robot>',
+                unknown,
+                (0, 0, 0),
+                0.0,
+                {},
+            )
+    finally:
+        world.close()
+
+
+def test_a_window_without_a_display_is_refused(monkeypatch):
+    monkeypatch.delenv("DISPLAY", raising=False)
+    with pytest.raises(WorldError, match="DISPLAY"):
+        World(0.002, 50, gui=True)
