@@ -19,6 +19,11 @@ case ":$PATH:" in
   *) PATH="$_telex_root/.venv/bin:$PATH" ;;
 esac
 export PATH
+# the suites that cross packages: rostest telex_tests end_to_end.test
+case ":$ROS_PACKAGE_PATH:" in
+  *":$_telex_root/tests:"*) ;;
+  *) export ROS_PACKAGE_PATH="$_telex_root/tests:$ROS_PACKAGE_PATH" ;;
+esac
 export ROS_MASTER_URI="${ROS_MASTER_URI:-http://localhost:11311}"
 export ROS_DISTRO="${ROS_DISTRO:-noetic}"
 unset _telex_root _telex_nounset

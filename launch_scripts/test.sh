@@ -50,7 +50,7 @@ if [ -z "$fast" ]; then
   for suite in tests/rostest/*.test src/*/test/*.test; do
     [ -e "$suite" ] || continue
     # rostest starts a master of its own on a free port.
-    check "rostest $suite" rostest --text "$suite"
+    check "rostest $suite" rostest "$suite"
   done
 else
   pytest_arguments=(-m "not ros" "${pytest_arguments[@]}")

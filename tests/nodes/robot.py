@@ -1,0 +1,122 @@
+"""What the test nodes share: a view of the robot through its topics."""
+
+from __future__ import annotations
+
+import threading
+import time
+from typing import Callable, Dict, List, Optional
+
+import rospy
+from control_msgs.msg import JointJog
+from controller_manager_msgs.srv import ListControllers
+from geometry_msgs.msg import PoseStamped, Twist
+from sensor_msgs.msg import JointState
+from telex_msgs.msg import SimStatus
+
+
+def eventually(condition: Callable[[], object], timeout: float, what: str) -> object:
+    """Wait (wall time) for `condition`, and return its value."""
+    end = time.monotonic() + timeout
+    while time.monotonic() < end:
+        value = condition()
+        if value:
+            return value
+        time.sleep(0.02)
+    raise AssertionError(f"not within {timeout} s: {what}")
+
+
+class Robot:
+    """Joint states, base pose and commands, with relative names."""
+
+    def __init__(self) -> None:
+        self.state: Optional[JointState] = None
+        self.base: Optional[PoseStamped] = None
+        self.status: Optional[SimStatus] = None
+        self._subscribers = [
+            rospy.Subscriber("joint_states", JointState, self._on_state, tcp_nodelay=True),
+            rospy.Subscriber("sim/base_pose", PoseStamped, self._on_base),
+            rospy.Subscriber("sim/status", SimStatus, self._on_status),
+        ]
+
+    def _on_state(self, message: JointState) -> None:
+        self.state = message
+
+    def _on_base(self, message: PoseStamped) -> None:
+        self.base = message
+
+    def _on_status(self, message: SimStatus) -> None:
+        self.status = message
+
+    def wait_until_controllable(self, timeout: float = 60.0) -> None:
+        """Wait until all controllers run and the joint states come."""
+        rospy.wait_for_service("controller_manager/list_controllers", timeout)
+        listing = rospy.ServiceProxy("controller_manager/list_controllers", ListControllers)
+
+        def running() -> bool:
+            controllers = listing().controller
+            return len(controllers) > 20 and all(c.state == "running" for c in controllers)
+
+        eventually(running, timeout, "all controllers running")
+        eventually(lambda: self.state and self.base and self.status, timeout, "robot topics")
+
+    def positions(self) -> Dict[str, float]:
+        assert self.state is not None
+        return dict(zip(self.state.name, self.state.position))
+
+    def velocities(self) -> Dict[str, float]:
+        assert self.state is not None
+        return dict(zip(self.state.name, self.state.velocity))
+
+    def place(self) -> List[float]:
+        assert self.base is not None
+        position = self.base.pose.position
+        return [position.x, position.y, position.z]
+
+    def sim_time(self) -> float:
+        assert self.state is not None
+        return self.state.header.stamp.to_sec()
+
+    def sleep(self, seconds: float) -> None:
+        """Let `seconds` of sim time pass, by the joint states' stamps."""
+        end = self.sim_time() + seconds
+        eventually(lambda: self.sim_time() >= end, 10.0 * seconds + 10.0, "sim time to pass")
+
+
+class Stream:
+    """Sends one message at 50 Hz until it is stopped, as a held key does."""
+
+    def __init__(self, topic: str, message: object) -> None:
+        self._publisher = rospy.Publisher(topic, type(message), queue_size=1, tcp_nodelay=True)
+        self._message = message
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._run, daemon=True)
+
+    def __enter__(self) -> Stream:
+        eventually(
+            lambda: self._publisher.get_num_connections() > 0,
+            20.0,
+            f"a subscriber of {self._publisher.name}",
+        )
+        self._thread.start()
+        return self
+
+    def _run(self) -> None:
+        while not self._ended.wait(0.02):
+            self._publisher.publish(self._message)
+
+    def __exit__(self, *exception: object) -> None:
+        """Fall silent at once; no zero is sent."""
+        self._ended.set()
+        self._thread.join()
+
+
+def jog(velocities: Dict[str, float]) -> JointJog:
+    """A jog of joints (rad/s, m/s)."""
+    return JointJog(joint_names=list(velocities), velocities=list(velocities.values()))
+
+
+def twist(linear: float, angular: float) -> Twist:
+    """A planar velocity (m/s, rad/s)."""
+    message = Twist()
+    message.linear.x, message.angular.z = linear, angular
+    return message
