@@ -41,14 +41,12 @@ class JointStateController(Controller):
 
     def update(self, time: float, period: float) -> None:
         """Publish when it is due; the mean rate is kept whatever the control period."""
-        if self._next is None:
-            self._next = time
+        due = time if self._next is None else self._next
         # Half a microsecond of slack: sums of the period must not miss their cycle by rounding.
-        if time < self._next - 5e-7:
+        if time < due - 5e-7:
             return
-        self._next += self._publish_period
-        if self._next <= time:
-            self._next = time + self._publish_period
+        due += self._publish_period
+        self._next = due if due > time else time + self._publish_period
         message = JointState()
         message.header.stamp = stamp(time)
         message.name = self._names
