@@ -59,6 +59,27 @@ def test_continuous_joints_take_the_short_way(bench):
     assert controller._joint.command == pytest.approx(10.0 * (2.0 * math.pi - 6.0))
 
 
+def test_the_command_filter_takes_the_kick_out_of_a_stream(bench):
+    plain = bench({"c": position_controller("elbow")})
+    smooth = bench({"c": {**position_controller("elbow"), "command_filter_frequency": 100.0}})
+    efforts = []
+    for tested in (plain, smooth):
+        (controller,) = tested.load_and_start("c")
+        command = tested.node.advertise("c/command", Float64)
+        seen = []
+        for step in range(100):  # led at 0.2 rad/s by commands at 100 Hz, and following
+            command.publish(Float64(0.002 * step))
+            for _ in range(5):
+                tested.hw.states["elbow"].velocity = 0.2
+                tested.hw.states["elbow"].position += 0.2 * tested.period
+                tested.cycle()
+                seen.append(controller._joint.command)
+        efforts.append(max(seen[250:]) - min(seen[250:]))
+    # d = 1: a step of 0.002 rad in one cycle of 0.002 s kicks by 1
+    assert efforts[0] > 0.9
+    assert efforts[1] < 0.1
+
+
 def test_a_restart_forgets_commands(bench):
     tested = bench({"c": position_controller("elbow")})
     (controller,) = tested.load_and_start("c")
@@ -88,6 +109,7 @@ def test_the_state_is_published_in_every_tenth_cycle(bench):
         ({"pid": None}, "/c/pid is missing"),
         ({"pid": {"i": 1.0}}, "/c/pid/p is missing"),
         ({"joint": 3}, "/c/joint is 3"),
+        ({"command_filter_frequency": -1.0}, "/c/command_filter_frequency is -1.0"),
     ],
 )
 def test_wrong_parameters_are_named(bench, caplog, change, logged):

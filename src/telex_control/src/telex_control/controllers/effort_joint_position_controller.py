@@ -12,6 +12,7 @@ from ..hardware_interface import EffortJointInterface, RobotHW
 from ..joint_limits import clamp
 from ..node_handle import NodeHandle, ParameterError
 from ..pid import Pid, PidGains
+from ..reference_filter import ReferenceFilter
 from ..ros_time import stamp
 from ..urdf_joints import CONTINUOUS, UrdfError, joints, parse_urdf
 
@@ -23,8 +24,13 @@ class JointPositionController(Controller):
     """Holds one joint at the commanded position by effort.
 
     Topics: ``command`` (std_msgs/Float64; rad or m), ``state`` (control_msgs/JointControllerState).
-    Parameters: ``joint``, ``pid`` {p, i, d, i_clamp, antiwindup}. Needs ``robot_description`` in
-    the robot's namespace for the position limits, to which commands are clamped.
+    Parameters: ``joint``, ``pid`` {p, i, d, i_clamp, antiwindup}, ``command_filter_frequency``
+    (rad/s; 0, the default, follows commands as they come). Needs ``robot_description`` in the
+    robot's namespace for the position limits, to which commands are clamped.
+
+    Commands come slower than the control cycle. Without the filter each one is a step, on which
+    the derivative term kicks: a joint that is led at constant speed shakes at the rate of the
+    commands (at 100 Hz, the turret's effort runs from limit to limit).
     """
 
     def init(self, hw: RobotHW, root: NodeHandle, node: NodeHandle) -> None:
@@ -45,6 +51,13 @@ class JointPositionController(Controller):
         self._wraps = limits.kind == CONTINUOUS
         self._log = node.logger
         self._pid = Pid(gains)
+        frequency = node.param("command_filter_frequency", float, 0.0)
+        if frequency < 0.0:
+            raise ParameterError(
+                f"parameter {node.resolve('command_filter_frequency')} is {frequency} rad/s; "
+                "0 (no filter) or more is needed"
+            )
+        self._filter = ReferenceFilter(frequency) if frequency else None
         # Replaced by assignment in the subscriber's thread, read in the loop.
         self._set_point = 0.0
         self._cycle = 0
@@ -69,34 +82,45 @@ class JointPositionController(Controller):
     def starting(self, time: float) -> None:
         """Hold the measured position; whatever was commanded before is forgotten."""
         self._set_point = clamp(self._joint.state.position, self._lower, self._upper)
+        if self._filter is not None:
+            self._filter.reset(self._set_point)
         self._pid.reset()
 
     def update(self, time: float, period: float) -> None:
         """Run the PID."""
         joint = self._joint
         set_point = self._set_point
-        error = set_point - joint.state.position
-        if self._wraps:
-            error = math.remainder(error, 2.0 * math.pi)
-        joint.command = self._pid.update(error, period)
+        if self._filter is None:
+            error = self._difference(set_point)
+            joint.command = self._pid.update(error, period)
+        else:
+            reference, velocity = self._filter.update(set_point, period)
+            joint.command = self._pid.update(
+                self._difference(reference), period, velocity - joint.state.velocity
+            )
         self._cycle += 1
         if self._cycle >= STATE_DIVIDER:
             self._cycle = 0
             if self._state.has_subscribers():
-                self._publish_state(time, period, set_point, error)
+                self._publish_state(time, period, set_point)
 
     def stopping(self, time: float) -> None:
         """Leave the joint without effort."""
         self._joint.command = 0.0
 
-    def _publish_state(self, time: float, period: float, set_point: float, error: float) -> None:
+    def _difference(self, target: float) -> float:
+        """Distance from the measured position to `target`, the short way round."""
+        difference = target - self._joint.state.position
+        return math.remainder(difference, 2.0 * math.pi) if self._wraps else difference
+
+    def _publish_state(self, time: float, period: float, set_point: float) -> None:
         gains = self._pid.gains
         message = JointControllerState()
         message.header.stamp = stamp(time)
         message.set_point = set_point
         message.process_value = self._joint.state.position
         message.process_value_dot = self._joint.state.velocity
-        message.error = error
+        message.error = self._difference(set_point)
         message.time_step = period
         message.command = self._joint.command
         message.p, message.i, message.d = gains.p, gains.i, gains.d
