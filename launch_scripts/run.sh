@@ -45,7 +45,7 @@ stop() {
   [ -n "$launch_pid" ] || return
   local pids pid waited
   pids="$(descendants "$launch_pid")"
-  printf '\nStopping ...'
+  printf '\nStopping the simulator ...\n'
   kill -INT "$launch_pid" 2>/dev/null
   for waited in $(seq 1 40); do
     kill -0 "$launch_pid" 2>/dev/null || break
@@ -53,7 +53,8 @@ stop() {
   done
   for pid in $launch_pid $pids; do kill -KILL "$pid" 2>/dev/null; done
   wait "$launch_pid" 2>/dev/null
-  printf ' done\n'
+  launch_pid=
+  printf 'The simulator has ended.\n'
 }
 trap 'stop; exit 130' INT
 trap 'stop; exit 143' TERM HUP
@@ -61,7 +62,7 @@ trap stop EXIT
 
 echo "Starting the simulator ..."
 # Its own session, so that Ctrl-C reaches this script alone, which then ends the rest in order.
-setsid roslaunch --sigint-timeout=1.5 --sigterm-timeout=1.0 telex_teleop bringup.launch "$@" &
+setsid roslaunch --no-summary --sigint-timeout=1.5 --sigterm-timeout=1.0 telex_teleop bringup.launch "$@" &
 launch_pid=$!
 
 python "$root/launch_scripts/wait_ready.py" --namespace "$namespace" --launch-pid "$launch_pid" \

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+import threading
 from typing import List, Optional
 
 import rospy
@@ -17,6 +18,9 @@ from controller_manager_msgs.srv import (
     UnloadController,
 )
 from std_msgs.msg import Bool
+
+_STOP_TIMEOUT = 1.0
+"""Wall time (s) that the manager gets to stop and unload when the spawner ends."""
 
 
 def parse(arguments: List[str]) -> argparse.Namespace:
@@ -78,7 +82,16 @@ class Spawner:
         return True
 
     def stop(self) -> None:
-        """Stop and unload what was started, in reverse order; the manager may be gone."""
+        """Stop and unload what was started, in reverse order.
+
+        When everything is shut down together, the manager may die while it is asked; a service
+        call has no timeout, so it is not waited for longer than `_STOP_TIMEOUT`.
+        """
+        worker = threading.Thread(target=self._stop, daemon=True)
+        worker.start()
+        worker.join(_STOP_TIMEOUT)
+
+    def _stop(self) -> None:
         names, self._loaded = self._loaded[::-1], []
         try:
             if self._started:
