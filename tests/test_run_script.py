@@ -1,0 +1,118 @@
+"""run.sh as a person uses it: start, read what it prints, Ctrl-C."""
+
+from __future__ import annotations
+
+import os
+import pty
+import re
+import select
+import socket
+import time
+import urllib.request
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+class Terminal:
+    """A program on a pseudo terminal."""
+
+    def __init__(self, command, environment):
+        self.text = ""
+        self.pid, self.fd = pty.fork()
+        if self.pid == 0:
+            os.chdir(ROOT)
+            os.execvpe(command[0], command, environment)
+
+    def read_until(self, pattern, timeout):
+        """Read until the output matches; returns whether it did before the end."""
+        end = time.monotonic() + timeout
+        while time.monotonic() < end:
+            if pattern is not None and re.search(pattern, self.text):
+                return True
+            ready, _, _ = select.select([self.fd], [], [], 0.1)
+            if not ready:
+                continue
+            try:
+                data = os.read(self.fd, 65536)
+            except OSError:
+                return False
+            if not data:
+                return False
+            self.text += data.decode(errors="replace")
+        raise AssertionError(f"no {pattern!r} within {timeout} s:\n{self.text[-3000:]}")
+
+
+def processes_of(session_marker):
+    """Command lines of all processes whose environment holds the marker."""
+    found = []
+    for entry in Path("/proc").iterdir():
+        if not entry.name.isdigit():
+            continue
+        try:
+            if session_marker in (entry / "environ").read_bytes():
+                found.append((entry / "cmdline").read_bytes().replace(b"\0", b" ").decode())
+        except OSError:
+            continue
+    return found
+
+
+@pytest.mark.ros
+def test_run_starts_everything_and_ctrl_c_leaves_nothing(tmp_path):
+    marker = f"http://127.0.0.1:{free_port()}"
+    environment = {
+        **os.environ,
+        "ROS_MASTER_URI": marker,
+        "ROS_IP": "127.0.0.1",
+        "ROS_LOG_DIR": str(tmp_path),
+    }
+    terminal = Terminal(
+        ["./launch_scripts/run.sh", "video_port:=0", "bridge_port:=0", "pose:=drive"], environment
+    )
+    try:
+        assert terminal.read_until(r"Stop +Ctrl-C", 120.0), terminal.text[-3000:]
+        url = re.search(r"Console +(http://127\.0\.0\.1:\d+)", terminal.text).group(1)
+        with urllib.request.urlopen(url, timeout=10.0) as answer:
+            assert b"<html" in answer.read()
+        assert re.search(r"robot controllable: ", terminal.text)
+        assert re.search(r"first camera picture: ", terminal.text)
+        names = " ".join(processes_of(marker.encode()))
+        for node in ("simulator", "cameras", "arm_teleop", "video_server", "rosmaster"):
+            assert node in names
+    finally:
+        os.write(terminal.fd, b"\x03")
+        stopped_at = time.monotonic()
+    assert not terminal.read_until(None, 30.0)
+    took = time.monotonic() - stopped_at
+    _, status = os.waitpid(terminal.pid, 0)
+    assert took < 5.0
+    assert os.WEXITSTATUS(status) == 130
+    assert processes_of(marker.encode()) == []
+
+
+@pytest.mark.ros
+def test_a_start_that_fails_says_why_and_leaves_nothing(tmp_path):
+    marker = f"http://127.0.0.1:{free_port()}"
+    environment = {
+        **os.environ,
+        "ROS_MASTER_URI": marker,
+        "ROS_IP": "127.0.0.1",
+        "ROS_LOG_DIR": str(tmp_path),
+    }
+    terminal = Terminal(
+        ["./launch_scripts/run.sh", "video_port:=0", "bridge_port:=0", "pose:=handstand"],
+        environment,
+    )
+    assert not terminal.read_until(None, 60.0)
+    _, status = os.waitpid(terminal.pid, 0)
+    assert os.WEXITSTATUS(status) == 1
+    assert "pose is 'handstand'; there are: drive" in terminal.text
+    assert processes_of(marker.encode()) == []
