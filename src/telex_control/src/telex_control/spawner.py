@@ -99,7 +99,7 @@ class Spawner:
             unload = rospy.ServiceProxy(f"{self._prefix}/unload_controller", UnloadController)
             for name in names:
                 unload(name)
-        except rospy.ServiceException:
+        except (rospy.ServiceException, rospy.ROSException):
             rospy.logdebug("the controller manager went before its spawner")
 
     def _switch(self, start: Optional[List[str]] = None, stop: Optional[List[str]] = None) -> bool:
@@ -128,7 +128,7 @@ def main() -> None:
     rospy.on_shutdown(spawner.stop)
     try:
         ok = spawner.start(options.controllers, options.stopped)
-    except rospy.ServiceException as error:
+    except (rospy.ServiceException, rospy.ROSInterruptException) as error:
         if not rospy.is_shutdown():
             rospy.logerr("The controller manager did not answer: %s", error)
         return
