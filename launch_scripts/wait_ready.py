@@ -18,8 +18,10 @@ from controller_manager_msgs.srv import ListControllers
 
 KEYS = """
   Console   {url}
-  Keys      W S A D   drive            R F   front flippers      T G   rear flippers
-            ? on the page shows all of them. Hold to move, release to stop.
+  Keys      W S A D  drive       R F  front flippers    T G  rear flippers
+            J L  turret    I K  shoulder    U O  telescope    P ;  elbow
+            , .  gripper   - =  speed       Esc  emergency stop
+            The page shows all. Hold to move, release to stop.
   Terminal  source env.sh && rosrun telex_teleop keyboard_teleop
   ROS       source env.sh && rostopic list        (everything is under {namespace})
   Stop      Ctrl-C
