@@ -4,4 +4,8 @@ from distutils.core import setup
 
 from catkin_pkg.python_setup import generate_distutils_setup
 
-setup(**generate_distutils_setup(packages=["telex_sim", "telex_sim.rendering"], package_dir={"": "src"}))
+setup(
+    **generate_distutils_setup(
+        packages=["telex_sim", "telex_sim.rendering"], package_dir={"": "src"}
+    )
+)

@@ -71,7 +71,7 @@ class OfflineSimulation:
             shipped_config(**changes),
             urdf,
             self.node,
-            lambda address: str(resolve_address(address, packages.get_path)),
+            lambda address: resolve_address(address, packages.get_path),
         )
         for name in names:
             if not self.simulation.controllers.load_controller(name):

@@ -25,6 +25,7 @@ from telex_control.urdf_joints import UrdfError
 from .config import SimulatorConfig
 from .pacing import RealTimeFactor, RealTimePacer
 from .rendering.addresses import resolve_address
+from .rendering.urdf_visuals import UrdfVisualError
 from .scene_messages import WORLD_FRAME, SceneMessages
 from .simulation import Simulation
 from .world import WorldError
@@ -296,14 +297,14 @@ def main() -> None:
             _simulator_config(),
             _robot_description(),
             RosNodeHandle(),
-            lambda address: str(resolve_address(address, packages.get_path)),
+            lambda address: resolve_address(address, packages.get_path),
         )
+        node = SimulatorNode(simulation, paused)
     except rospy.ROSInterruptException:
         return
-    except (ConfigError, UrdfError, WorldError) as error:
+    except (ConfigError, UrdfError, UrdfVisualError, WorldError) as error:
         rospy.logfatal("%s", error)
         sys.exit(1)
-    node = SimulatorNode(simulation, paused)
     rospy.loginfo("simulator: ready")
     try:
         node.run()

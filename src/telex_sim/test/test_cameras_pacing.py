@@ -1,0 +1,122 @@
+import threading
+
+import pytest
+from telex_msgs.msg import SceneDescription, ScenePoses
+
+from telex_sim.rendering.frame_pacer import FramePacer
+from telex_sim.rendering.scene_inbox import SceneInbox
+
+MILLISECOND = 10**6
+
+
+def pictures(pacer, poses, until, tick=0.001, work=0.0):
+    """Times and stamps of the pictures taken while poses come, as the node takes them.
+
+    ``poses`` gives the stamp of the newest poses at a time (s), a picture takes ``work`` (s).
+    """
+    taken = []
+    now = 0.0005
+    while now < until:
+        stamp = poses(now)
+        if stamp is not None and pacer.is_due(now, stamp):
+            pacer.sent(now, stamp)
+            taken.append((now, stamp))
+            now += work
+        now += tick
+    return taken
+
+
+def at_rate(rate):
+    return lambda now: int(now * rate) * int(1e9 / rate)
+
+
+class TestFramePacer:
+    @pytest.mark.parametrize("rate", [5.0, 10.0, 25.0, 30.0, 60.0])
+    def test_keeps_its_rate(self, rate):
+        taken = pictures(FramePacer(rate, 5.0), at_rate(60.0), 4.0)
+        assert len(taken) == pytest.approx(4.0 * rate, abs=1)
+
+    def test_never_twice_the_same_poses(self):
+        taken = pictures(FramePacer(60.0, 5.0), at_rate(20.0), 2.0)
+        stamps = [stamp for _, stamp in taken]
+        assert len(stamps) == 40
+        assert len(set(stamps)) == 40
+
+    def test_poses_are_shown_when_they_come_not_when_the_slot_begins(self):
+        taken = pictures(FramePacer(25.0, 5.0), at_rate(20.0), 2.0)
+        ages = [now - stamp * 1e-9 for now, stamp in taken]
+        assert max(ages) < 0.003
+
+    def test_what_was_missed_is_not_made_up_for(self):
+        taken = pictures(FramePacer(25.0, 5.0), at_rate(60.0), 3.0, work=0.1)
+        gaps = [later - sooner for (sooner, _), (later, _) in zip(taken, taken[1:])]
+        assert min(gaps) >= 0.1
+        assert len(taken) == pytest.approx(27, abs=3)
+
+    def test_while_poses_stand_still_a_picture_now_and_then(self):
+        taken = pictures(FramePacer(25.0, 5.0), lambda now: 7 * MILLISECOND, 2.0)
+        assert len(taken) == pytest.approx(10, abs=1)
+
+    def test_the_first_picture_comes_at_once_even_if_poses_stand_still(self):
+        assert FramePacer(25.0, 5.0).is_due(100.0, 0)
+
+    def test_a_slow_camera_repeats_no_faster_than_its_rate(self):
+        taken = pictures(FramePacer(2.0, 5.0), lambda now: 0, 5.0)
+        assert len(taken) == pytest.approx(10, abs=1)
+
+    def test_time_that_jumps_back_is_shown(self):
+        pacer = FramePacer(25.0, 5.0)
+        pacer.sent(10.0, 5000 * MILLISECOND)
+        assert pacer.is_due(10.05, 0)
+
+    def test_cameras_of_one_rate_share_their_poses(self):
+        early = FramePacer(10.0, 5.0)
+        late = FramePacer(10.0, 5.0)
+        pictures(early, at_rate(60.0), 0.55)
+        taken_early = pictures(early, at_rate(60.0), 2.0)
+        taken_late = pictures(late, at_rate(60.0), 2.0)
+        assert taken_early[-5:] == taken_late[-5:]
+
+
+class TestSceneInbox:
+    def test_a_scene_is_taken_once_poses_stay(self):
+        inbox = SceneInbox()
+        assert inbox.take_scene() is None
+        assert inbox.newest_poses() is None
+        scene, poses = SceneDescription(revision=1), ScenePoses(revision=1)
+        inbox.put_scene(scene)
+        inbox.put_poses(poses)
+        assert inbox.take_scene() is scene
+        assert inbox.take_scene() is None
+        assert inbox.newest_poses() is inbox.newest_poses() is poses
+
+    def test_only_the_newest_counts(self):
+        inbox = SceneInbox()
+        for revision in (1, 2, 3):
+            inbox.put_scene(SceneDescription(revision=revision))
+            inbox.put_poses(ScenePoses(revision=revision))
+        assert inbox.take_scene().revision == 3
+        assert inbox.newest_poses().revision == 3
+
+    def test_poses_that_overtake_their_scene_are_kept(self):
+        inbox = SceneInbox()
+        inbox.put_scene(SceneDescription(revision=1))
+        inbox.put_poses(ScenePoses(revision=2))
+        inbox.put_scene(SceneDescription(revision=2))
+        assert inbox.newest_poses().revision == 2
+
+    def test_poses_of_a_simulation_that_ended_are_dropped(self):
+        inbox = SceneInbox()
+        inbox.put_scene(SceneDescription(revision=1))
+        inbox.put_poses(ScenePoses(revision=1))
+        inbox.put_scene(SceneDescription(revision=1))
+        assert inbox.newest_poses() is None
+
+    def test_wait_ends_when_something_comes_and_not_for_what_came_before(self):
+        inbox = SceneInbox()
+        inbox.put_poses(ScenePoses())
+        inbox.wait(60.0)
+        news = ScenePoses()
+        threading.Timer(0.05, inbox.put_poses, [news]).start()
+        inbox.wait(60.0)
+        assert inbox.newest_poses() is news

@@ -1,0 +1,142 @@
+import math
+
+import numpy as np
+import pytest
+
+from telex_sim.rendering.camera import PinholeCamera
+from telex_sim.rendering.culling import spheres_in_view, spheres_in_world
+from telex_sim.rendering.gl_context import NEEDED_PACKAGES, NoContextError, create_context
+from telex_sim.rendering.lighting import Lighting, sun_view
+from telex_sim.rendering.quality import TIERS, choose_quality
+from telex_sim.rendering.transforms import pose_matrices
+
+CAMERA = PinholeCamera(640, 480, 1.2, 0.1, 50.0)
+
+
+class TestPinholeCamera:
+    def test_field_of_view_ends_at_the_outer_edges_of_the_pixels(self):
+        edge = math.tan(0.6)
+        ((left, _), (right, _)) = CAMERA.project([(-edge, 0.0, 1.0), (edge, 0.0, 1.0)])
+        assert left == pytest.approx(-0.5)
+        assert right == pytest.approx(639.5)
+
+    def test_optical_axis_goes_through_the_middle(self):
+        np.testing.assert_allclose(CAMERA.project([(0.0, 0.0, 7.0)]), [(319.5, 239.5)])
+
+    def test_clip_coordinates_agree_with_the_intrinsics(self):
+        points = np.array([(0.3, -0.2, 1.0), (-1.0, 2.0, 9.0), (0.0, 0.0, 0.2)])
+        clip = np.column_stack([points, np.ones(3)]) @ CAMERA.clip_from_optical().T
+        ndc = clip[:, :2] / clip[:, 3:]
+        pixels = (ndc + 1.0) * [320.0, 240.0] - 0.5
+        np.testing.assert_allclose(pixels, CAMERA.project(points), atol=1e-9)
+
+    def test_depth_range(self):
+        for distance, depth in ((0.1, -1.0), (50.0, 1.0)):
+            clip = CAMERA.clip_from_optical() @ [0.0, 0.0, distance, 1.0]
+            assert clip[2] / clip[3] == pytest.approx(depth)
+
+
+class TestCulling:
+    def test_keeps_what_touches_the_view_and_drops_the_rest(self):
+        edge = math.tan(0.6)
+        centers = np.array(
+            [
+                (0.0, 0.0, 5.0),
+                (0.0, 0.0, -5.0),
+                (0.0, 0.0, -0.5),
+                (edge * 5.0 + 0.5, 0.0, 5.0),
+                (edge * 5.0 + 2.0, 0.0, 5.0),
+                (0.0, -30.0, 5.0),
+                (0.0, 0.0, 50.5),
+                (0.0, 0.0, 52.0),
+            ]
+        )
+        seen = spheres_in_view(CAMERA.clip_from_optical(), centers, np.full(8, 1.0))
+        assert seen.tolist() == [True, False, True, True, False, False, True, False]
+
+    def test_never_drops_a_sphere_with_a_visible_point(self):
+        generator = np.random.default_rng(7)
+        clip = CAMERA.clip_from_optical()
+        centers = generator.uniform(-20.0, 20.0, (500, 3))
+        radii = generator.uniform(0.1, 4.0, 500)
+        directions = generator.normal(size=(400, 3))
+        directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+        points = centers[:, None] + radii[:, None, None] * directions
+        clipped = np.concatenate([points, np.ones((500, 400, 1))], axis=2) @ clip.T
+        visible = (np.abs(clipped[..., :3]) < clipped[..., 3:]).all(axis=2).any(axis=1)
+        assert visible.sum() > 50
+        assert spheres_in_view(clip, centers, radii)[visible].all()
+
+    def test_spheres_move_with_their_visuals(self):
+        half = math.sqrt(0.5)
+        model = pose_matrices([[1.0, 0.0, 0.0, 0.0, 0.0, half, half]])
+        moved = spheres_in_world(model, np.array([(2.0, 0.0, 0.0)]))
+        np.testing.assert_allclose(moved, [(1.0, 2.0, 0.0)], atol=1e-12)
+
+
+class TestSunView:
+    lighting = Lighting(to_sun=(-1.0, 0.5, 2.0), shadow_radius=3.0)
+    centers = np.array([(0.0, 0.0, 1.0), (100.0, 0.0, 1.0)])
+    radii = np.array([0.5, 0.5])
+
+    def view(self, focus):
+        return sun_view(self.lighting, 100, np.array(focus), self.centers, self.radii)
+
+    def project(self, view, point):
+        return (view.clip_from_world @ [*point, 1.0])[:3]
+
+    def test_points_along_a_ray_fall_together(self):
+        view = self.view((0.0, 0.0, 0.0))
+        high = self.project(view, (0.0, 0.0, 1.0))
+        low = self.project(view, np.array([0.0, 0.0, 1.0]) - self.lighting.to_sun)
+        np.testing.assert_allclose(high[:2], low[:2], atol=1e-9)
+        assert high[2] < low[2]
+
+    def test_casters_over_the_map_lie_within_its_depths(self):
+        view = self.view((0.0, 0.0, 0.0))
+        to_sun = np.array(self.lighting.to_sun) / np.linalg.norm(self.lighting.to_sun)
+        assert self.project(view, self.centers[0] + 0.5 * to_sun)[2] == pytest.approx(-1.0)
+        assert self.project(view, self.centers[0] - 0.5 * to_sun)[2] == pytest.approx(1.0)
+
+    def test_follows_its_focus_by_whole_pixels(self):
+        still = np.array([0.3, 0.2, 0.1])
+        here = self.project(self.view((0.0, 0.0, 0.0)), still)[:2]
+        there = self.project(self.view((1.0, 0.37, 0.0)), still)[:2]
+        pixels = (here - there) * 50.0
+        assert np.abs(pixels).max() > 5.0
+        np.testing.assert_allclose(pixels, np.round(pixels), atol=1e-6)
+
+    @pytest.mark.parametrize("to_sun", [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)])
+    def test_any_direction_of_the_sun(self, to_sun):
+        view = sun_view(Lighting(to_sun=to_sun), 64, np.zeros(3), np.zeros((0, 3)), np.zeros(0))
+        axes = view.clip_from_world[:3, :3]
+        gram = axes @ axes.T
+        np.testing.assert_allclose(gram, np.diag(np.diag(gram)), atol=1e-12)
+        assert np.linalg.det(axes) > 0.0
+
+
+class TestQuality:
+    @pytest.mark.parametrize(
+        ("renderer", "tier"),
+        [
+            ("llvmpipe (LLVM 15.0.6, 256 bits)", "software"),
+            ("softpipe", "software"),
+            ("SWR (LLVM 12)", "software"),
+            ("NVIDIA GeForce RTX 3060/PCIe/SSE2", "gpu"),
+            ("Mesa Intel(R) UHD Graphics 620 (KBL GT2)", "gpu"),
+        ],
+    )
+    def test_chosen_by_what_renders(self, renderer, tier):
+        assert choose_quality("auto", renderer) is TIERS[tier]
+
+    def test_chosen_by_name(self):
+        assert choose_quality("gpu", "llvmpipe") is TIERS["gpu"]
+
+    def test_unknown(self):
+        with pytest.raises(ValueError, match="'ultra' is unknown, expected auto, software or gpu"):
+            choose_quality("ultra", "llvmpipe")
+
+
+def test_without_a_device_the_error_says_what_to_install():
+    with pytest.raises(NoContextError, match=f"device 99 .*apt-get install {NEEDED_PACKAGES}"):
+        create_context(99)

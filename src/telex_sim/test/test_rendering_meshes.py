@@ -1,0 +1,223 @@
+import math
+import struct
+
+import numpy as np
+import pytest
+
+from telex_sim.rendering.mesh_files import MeshFileError, load_mesh
+from telex_sim.rendering.mesh_normals import mesh_from_corners
+from telex_sim.rendering.meshes import box_mesh, cylinder_mesh, plane_mesh, sphere_mesh
+
+CUBE = """
+# a cube without normals
+o cube
+v 0 0 0
+v 1 0 0
+v 1 1 0
+v 0 1 0
+v 0 0 1
+v 1 0 1
+v 1 1 1
+v 0 1 1
+f 4 3 2 1
+f 5 6 7 8
+f 1 2 6 5
+f 2 3 7 6
+f 3 4 8 7
+f 4 1 5 8
+"""
+TRIANGLE = np.array([[(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)]])
+
+
+def corners_of(mesh):
+    return mesh.positions[mesh.triangles].astype(float)
+
+
+def volume_of(mesh):
+    """Of a closed mesh; positive when its triangles are counter-clockwise from outside."""
+    a, b, c = corners_of(mesh).transpose(1, 0, 2)
+    return np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0
+
+
+def assert_sound(mesh):
+    np.testing.assert_allclose(np.linalg.norm(mesh.normals, axis=1), 1.0, atol=1e-5)
+    corners = corners_of(mesh)
+    faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    assert (np.linalg.norm(faces, axis=1) > 0.0).all()
+    assert (np.einsum("tci,ti->tc", mesh.normals[mesh.triangles], faces) > 0.0).all()
+    center, radius = mesh.bounding_sphere()
+    assert (np.linalg.norm(mesh.positions - center, axis=1) <= radius * 1.0001).all()
+
+
+def write(path, content):
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    return path
+
+
+def binary_stl(corners, title=b"part"):
+    facets = b"".join(struct.pack("<12fH", 0, 0, 0, *np.ravel(triangle), 0) for triangle in corners)
+    return title.ljust(80, b"\0") + struct.pack("<I", len(corners)) + facets
+
+
+def ascii_stl(corners):
+    lines = ["solid part"]
+    for triangle in corners:
+        lines += ["facet normal 0 0 0", "outer loop"]
+        lines += ["vertex " + " ".join(map(str, point)) for point in triangle]
+        lines += ["endloop", "endfacet"]
+    return "\n".join([*lines, "endsolid part"])
+
+
+class TestPrimitives:
+    @pytest.mark.parametrize(
+        ("mesh", "volume"),
+        [
+            (box_mesh((1.0, 2.0, 3.0)), 6.0),
+            (sphere_mesh(0.5), 4.0 / 3.0 * math.pi * 0.5**3),
+            (sphere_mesh(0.002), 4.0 / 3.0 * math.pi * 0.002**3),
+            (cylinder_mesh(0.2, 1.5), math.pi * 0.2**2 * 1.5),
+        ],
+    )
+    def test_closed_with_the_outside_out(self, mesh, volume):
+        assert_sound(mesh)
+        # Facets lie within the round surface; small spheres have few.
+        assert 0.75 * volume < volume_of(mesh) <= volume * 1.0001
+
+    def test_extents(self):
+        extents = np.ptp(box_mesh((1.0, 2.0, 3.0)).positions, axis=0)
+        np.testing.assert_allclose(extents, [1.0, 2.0, 3.0], rtol=1e-6)
+        extents = np.ptp(cylinder_mesh(0.2, 1.5).positions, axis=0)
+        np.testing.assert_allclose(extents, [0.4, 0.4, 1.5], rtol=1e-2)
+
+    def test_plane_faces_up_with_coordinates_in_metres(self):
+        mesh = plane_mesh(4.0, 2.0)
+        assert_sound(mesh)
+        assert (mesh.normals == [0.0, 0.0, 1.0]).all()
+        np.testing.assert_allclose(mesh.uvs, mesh.positions[:, :2])
+
+    def test_textures_of_a_box_are_not_mirrored(self):
+        mesh = box_mesh((1.0, 2.0, 3.0))
+        for triangle in mesh.triangles:
+            (u1, v1), (u2, v2) = mesh.uvs[triangle[1:]] - mesh.uvs[triangle[0]]
+            assert u1 * v2 - u2 * v1 > 0.0
+
+    def test_mirroring_keeps_the_outside_out(self):
+        mesh = sphere_mesh(0.5).scaled((-1.0, 2.0, 1.0))
+        assert_sound(mesh)
+        assert volume_of(mesh) == pytest.approx(2.0 * volume_of(sphere_mesh(0.5)), rel=1e-5)
+
+
+class TestNormalsByAngle:
+    def test_edges_of_a_box_stay_sharp(self):
+        mesh = mesh_from_corners(corners_of(box_mesh((1.0, 1.0, 1.0))), None, None)
+        assert_sound(mesh)
+        assert len(mesh.positions) == 24
+        assert np.isclose(np.abs(mesh.normals).max(axis=1), 1.0).all()
+
+    def test_a_ball_is_round(self):
+        ball = sphere_mesh(0.5)
+        mesh = mesh_from_corners(corners_of(ball), None, None)
+        # The seam of the texture is gone: vertices are shared all around.
+        assert len(mesh.positions) < len(ball.positions)
+        np.testing.assert_allclose(mesh.normals, mesh.positions / 0.5, atol=0.03)
+
+    def test_a_disc_of_many_triangles_around_one_point(self):
+        mesh = mesh_from_corners(corners_of(cylinder_mesh(1.0, 0.1)), None, None)
+        assert_sound(mesh)
+
+    def test_triangles_without_area_are_dropped(self):
+        flat = np.zeros((1, 3, 3))
+        mesh = mesh_from_corners(np.concatenate([TRIANGLE, flat]), None, None)
+        assert len(mesh.triangles) == 1
+
+    def test_useless_normals_of_a_file_are_replaced(self):
+        normals = np.array([[(0.0, 0.0, 2.0), (0.0, 0.0, 0.0), (math.nan, 0.0, 0.0)]])
+        mesh = mesh_from_corners(TRIANGLE, normals, None)
+        np.testing.assert_allclose(mesh.normals, np.tile([0.0, 0.0, 1.0], (3, 1)))
+
+
+class TestObj:
+    def test_faces_of_more_than_three_corners(self, tmp_path):
+        mesh = load_mesh(write(tmp_path / "cube.obj", CUBE))
+        assert_sound(mesh)
+        assert volume_of(mesh) == pytest.approx(1.0)
+        assert mesh.uvs is None
+
+    def test_own_normals_and_texture_coordinates(self, tmp_path):
+        text = (
+            "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nvn 0 0.6 0.8\nf 1/1/1 2/2/1 3/3/1"
+        )
+        mesh = load_mesh(write(tmp_path / "a.obj", text))
+        np.testing.assert_allclose(mesh.normals, np.tile([0.0, 0.6, 0.8], (3, 1)), atol=1e-6)
+        corners = dict(zip(map(tuple, mesh.positions), map(tuple, mesh.uvs)))
+        assert corners[(1.0, 0.0, 0.0)] == (1.0, 0.0)
+
+    @pytest.mark.parametrize("face", ["f -3 -2 -1", "f 1// 2// 3//", "f 1/ 2/ 3/", "f 1 \\\n2 3"])
+    def test_ways_to_name_corners(self, tmp_path, face):
+        mesh = load_mesh(write(tmp_path / "a.OBJ", f"v 0 0 0\nv 1 0 0\nv 0 1 0\n{face}\n"))
+        np.testing.assert_allclose(mesh.normals[:, 2], 1.0)
+
+    @pytest.mark.parametrize(
+        ("text", "complaint"),
+        [
+            ("", "no face"),
+            ("v 0 0 0\nv 1 0 0\nv 0 1 0\n", "no face"),
+            ("v 0 0\n", "line 1: expected 3 numbers"),
+            ("v 0 0 x\n", "line 1"),
+            ("v 0 0 0\nv 1 0 0\nf 1 2\n", "line 3: a face needs 3"),
+            ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "line 4: '4' refers to 4, of 3"),
+            ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n", "line 4"),
+            ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf -4 2 1\n", "line 4"),
+            ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/1 3/1\n", "line 4"),
+            ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/// 2 3\n", "line 4"),
+            ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf / 2 3\n", "line 4"),
+            ("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n", "no triangle with an area"),
+            ("v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n", "not finite"),
+        ],
+    )
+    def test_broken_files_are_named(self, tmp_path, text, complaint):
+        path = write(tmp_path / "broken.obj", text)
+        with pytest.raises(MeshFileError, match=rf"broken\.obj: .*{complaint}"):
+            load_mesh(path)
+
+
+class TestStl:
+    @pytest.mark.parametrize("title", [b"part", b"solid part"])
+    def test_binary(self, tmp_path, title):
+        corners = corners_of(box_mesh((1.0, 2.0, 3.0)))
+        mesh = load_mesh(write(tmp_path / "box.stl", binary_stl(corners, title)))
+        assert_sound(mesh)
+        assert volume_of(mesh) == pytest.approx(6.0)
+
+    def test_text(self, tmp_path):
+        corners = corners_of(box_mesh((1.0, 2.0, 3.0)))
+        mesh = load_mesh(write(tmp_path / "box.STL", ascii_stl(corners)))
+        assert_sound(mesh)
+        assert volume_of(mesh) == pytest.approx(6.0)
+
+    @pytest.mark.parametrize(
+        ("content", "complaint"),
+        [
+            (b"", "less than a header"),
+            (binary_stl(TRIANGLE)[:-1], "1 triangles take 134 bytes, the file has 133"),
+            (binary_stl(TRIANGLE * math.nan), "not finite"),
+            (binary_stl([]), "no triangle"),
+            (b"solid part\nendsolid part", "0 vertices"),
+            (b"solid part\nvertex 0 0 0\nvertex 1 0 0\n", "2 vertices"),
+            (b"solid part\nvertex 0 0\n", "line 2: expected 3 numbers"),
+        ],
+    )
+    def test_broken_files_are_named(self, tmp_path, content, complaint):
+        path = write(tmp_path / "broken.stl", content)
+        with pytest.raises(MeshFileError, match=rf"broken\.stl: .*{complaint}"):
+            load_mesh(path)
+
+
+def test_missing_file_is_named(tmp_path):
+    with pytest.raises(MeshFileError, match=r"nowhere\.stl: No such file"):
+        load_mesh(tmp_path / "nowhere.stl")
+
+
+def test_unknown_kind_is_named(tmp_path):
+    with pytest.raises(MeshFileError, match=r"a\.dae: unknown kind .* \.obj or \.stl"):
+        load_mesh(write(tmp_path / "a.dae", "<COLLADA/>"))

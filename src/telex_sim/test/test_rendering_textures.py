@@ -1,0 +1,68 @@
+import cv2
+import numpy as np
+import pytest
+
+from telex_sim.rendering.smoothing import smooth_edges
+from telex_sim.rendering.textures import (
+    MAX_TEXTURE_SIZE,
+    TextureFileError,
+    checker_texture,
+    load_texture,
+)
+
+
+class TestChecker:
+    def test_two_tones_in_turn(self):
+        picture = checker_texture()
+        quarter = len(picture) // 4 + len(picture) // 32
+        tones = picture[[quarter, quarter, -quarter, -quarter], [quarter, -quarter] * 2, 0]
+        assert tones[0] == tones[3]
+        assert tones[1] == tones[2]
+        assert tones[0] != tones[1]
+
+    def test_has_no_seam(self):
+        picture = checker_texture()
+        size = len(picture)
+        joined = np.tile(picture, (2, 2, 1))
+        half = size // 2
+        shifted = joined[half : half + size, half : half + size]
+        # Half a repetition further is the same pattern, the seam now in its middle.
+        np.testing.assert_array_equal(shifted, picture)
+
+
+class TestLoading:
+    def test_colours_are_in_order(self, tmp_path):
+        path = str(tmp_path / "red.png")
+        cv2.imwrite(path, np.full((4, 6, 3), (0, 0, 200), np.uint8))
+        picture = load_texture(tmp_path / "red.png")
+        assert picture.shape == (4, 6, 3)
+        assert picture[0, 0].tolist() == [200, 0, 0]
+
+    def test_large_ones_are_reduced(self, tmp_path):
+        cv2.imwrite(str(tmp_path / "a.png"), np.zeros((100, 2 * MAX_TEXTURE_SIZE, 3), np.uint8))
+        assert load_texture(tmp_path / "a.png").shape == (50, MAX_TEXTURE_SIZE, 3)
+
+    def test_missing_file_is_named(self, tmp_path):
+        with pytest.raises(TextureFileError, match=r"nowhere\.png: no such file"):
+            load_texture(tmp_path / "nowhere.png")
+
+    def test_what_is_no_picture_is_named(self, tmp_path):
+        (tmp_path / "text.png").write_text("not a picture")
+        with pytest.raises(TextureFileError, match=r"text\.png: no picture"):
+            load_texture(tmp_path / "text.png")
+
+
+class TestSmoothing:
+    def test_softens_edges_and_leaves_the_rest(self):
+        picture = np.zeros((20, 20, 4), np.uint8)
+        picture[:, 10:] = 255
+        smooth_edges(picture)
+        assert 0 < picture[5, 9, 1] < picture[5, 10, 1] < 255
+        assert (picture[:, :8] == 0).all()
+        assert (picture[:, 12:] == 255).all()
+
+    def test_leaves_faint_differences(self):
+        picture = np.full((20, 20, 4), 100, np.uint8)
+        picture[::2] = 108
+        before = picture.copy()
+        np.testing.assert_array_equal(smooth_edges(picture), before)
