@@ -1,0 +1,17 @@
+"""Tells catkin where the Python package lives; not meant to be run by hand."""
+
+from distutils.core import setup
+
+from catkin_pkg.python_setup import generate_distutils_setup
+
+setup(
+    **generate_distutils_setup(
+        packages=[
+            "telex_teleop",
+            "telex_teleop.web",
+            "telex_teleop.web.bridge",
+            "telex_teleop.web.video",
+        ],
+        package_dir={"": "src"},
+    )
+)

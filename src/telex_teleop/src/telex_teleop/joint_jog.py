@@ -1,0 +1,94 @@
+"""Validation of control_msgs/JointJog, free of ROS types."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Collection, Dict, Optional, Sequence
+
+__all__ = ["InvalidCommand", "JogCommand", "parse_joint_jog"]
+
+
+class InvalidCommand(ValueError):  # noqa: N818  it names a message, as rospy's exceptions do
+    """A message that must not move anything; the text names the field and what would be right."""
+
+
+@dataclass(frozen=True)
+class JogCommand:
+    """A valid jog: either velocities or displacements of some joints.
+
+    Attributes
+    ----------
+    velocities
+        Joint to rate (rad/s or m/s); 0 stops the joint.
+    displacements
+        Joint to one-shot increment of its reference (rad or m).
+    validity
+        Time (s) that the velocities hold unless repeated, None for the node's own timeout.
+    """
+
+    velocities: Dict[str, float]
+    displacements: Dict[str, float]
+    validity: Optional[float]
+
+
+def parse_joint_jog(
+    joint_names: Sequence[str],
+    displacements: Sequence[float],
+    velocities: Sequence[float],
+    duration: float,
+    known: Collection[str],
+) -> JogCommand:
+    """Check the fields of a JointJog as a whole: one bad entry refuses the message.
+
+    Parameters
+    ----------
+    joint_names, displacements, velocities, duration
+        The fields of the message.
+    known
+        Joints that this node moves.
+
+    Raises
+    ------
+    InvalidCommand
+        When the message contradicts itself or names what is not there.
+    """
+    _check_names(joint_names, known)
+    if len(displacements) > 0 and len(velocities) > 0:
+        raise InvalidCommand("displacements and velocities are both given; give one of them")
+    if len(displacements) == 0 and len(velocities) == 0:
+        raise InvalidCommand("displacements and velocities are both empty; give one of them")
+    if not math.isfinite(duration) or duration < 0.0:
+        raise InvalidCommand(f"duration is {duration!r}; must be 0 (none) or a time above 0 s")
+    return JogCommand(
+        velocities=_by_joint("velocities", joint_names, velocities),
+        displacements=_by_joint("displacements", joint_names, displacements),
+        validity=duration if duration > 0.0 else None,
+    )
+
+
+def _check_names(joint_names: Sequence[str], known: Collection[str]) -> None:
+    if len(joint_names) == 0:
+        raise InvalidCommand("joint_names is empty; name the joints to move")
+    unknown = [name for name in joint_names if name not in known]
+    if unknown:
+        raise InvalidCommand(
+            f"joint_names: unknown {', '.join(map(repr, unknown))}; "
+            f"this node moves {', '.join(known)}"
+        )
+    twice = sorted({name for name in joint_names if list(joint_names).count(name) > 1})
+    if twice:
+        raise InvalidCommand(f"joint_names: {', '.join(twice)} stands there twice; give it once")
+
+
+def _by_joint(field: str, joint_names: Sequence[str], values: Sequence[float]) -> Dict[str, float]:
+    if len(values) == 0:
+        return {}
+    if len(values) != len(joint_names):
+        raise InvalidCommand(
+            f"{field} has {len(values)} entries for {len(joint_names)} joint_names; give as many"
+        )
+    for name, value in zip(joint_names, values):
+        if not math.isfinite(value):
+            raise InvalidCommand(f"{field} of {name} is {value!r}; must be a finite number")
+    return {name: float(value) for name, value in zip(joint_names, values)}

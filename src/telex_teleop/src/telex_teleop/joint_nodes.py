@@ -1,0 +1,87 @@
+"""Main functions of the joint teleoperation nodes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import rospy
+from telex_msgs.srv import SetMode, SetModeResponse
+
+from telex_teleop.coupled_teleop import CoupledTeleop
+from telex_teleop.joint_teleop import JointTeleop
+from telex_teleop.limits import limits_from_urdf
+from telex_teleop.motion_settings import CoupledSettings, JointTeleopSettings
+from telex_teleop.ros_common import private_settings, run_node, wait_for_robot_description
+from telex_teleop.ros_joint_teleop import JOINT_MODE, JointTeleopNode
+from telex_teleop.speed import SpeedScale
+
+__all__ = ["arm_main", "flipper_main", "gripper_main"]
+
+CARTESIAN_MODE = "CARTESIAN"
+
+
+def arm_main() -> int:
+    """Run the node that jogs the arm's joints and its camera's pan and tilt."""
+    return run_node("arm_teleop", _start_arm)
+
+
+def flipper_main() -> int:
+    """Run the node that jogs the four flippers."""
+    return run_node("flipper_teleop", _start_joints)
+
+
+def gripper_main() -> int:
+    """Run the node that opens and closes the gripper, or jogs its joints one by one."""
+    return run_node("gripper_teleop", _start_gripper)
+
+
+def _start_joints() -> JointTeleopNode:
+    section = private_settings()
+    settings = JointTeleopSettings.from_settings(section)
+    speed = SpeedScale.from_settings(section)
+    section.finish()
+    limits = limits_from_urdf(wait_for_robot_description(), settings.joints)
+    core = JointTeleop(
+        settings.axes(limits), settings.command_timeout, settings.longest_step, speed
+    )
+    return JointTeleopNode(core, settings.status_rate)
+
+
+def _start_arm() -> object:
+    node = _start_joints()
+    return node, rospy.Service("~set_mode", SetMode, _set_mode)
+
+
+def _set_mode(request: Any) -> SetModeResponse:
+    if request.mode == JOINT_MODE:
+        return SetModeResponse(success=True, message="")
+    if request.mode == CARTESIAN_MODE:
+        return SetModeResponse(
+            success=False,
+            message=f"{CARTESIAN_MODE}: operational-space mode is not available in this version; "
+            f"the mode stays {JOINT_MODE}",
+        )
+    return SetModeResponse(
+        success=False,
+        message=f"mode {request.mode!r} is unknown; must be {JOINT_MODE} or {CARTESIAN_MODE}",
+    )
+
+
+def _start_gripper() -> JointTeleopNode:
+    section = private_settings()
+    coupled = CoupledSettings.from_settings(
+        section.section("coupling", required=True), section.names("joints")
+    )
+    settings = JointTeleopSettings.from_settings(section, coupled.name)
+    speed = SpeedScale.from_settings(section)
+    section.finish()
+    joints = settings.axes(limits_from_urdf(wait_for_robot_description(), settings.joints))
+    core = CoupledTeleop(
+        joints=joints,
+        group=settings.axis(coupled.name, coupled.limits(joints)),
+        coupling=coupled.coupling,
+        command_timeout=settings.command_timeout,
+        longest_step=settings.longest_step,
+        speed=speed,
+    )
+    return JointTeleopNode(core, settings.status_rate)

@@ -1,0 +1,196 @@
+"""Core of the joint teleoperation nodes: jogs in, references of position controllers out.
+
+Free of ROS, not thread-safe: whoever owns it serialises the calls.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Dict, List, Mapping, Optional, Tuple
+
+from telex_teleop.axis import Axis, AxisSettings
+from telex_teleop.joint_jog import InvalidCommand, JogCommand
+from telex_teleop.speed import SpeedScale
+from telex_teleop.stream import Clocks, SimTicks
+
+__all__ = ["AxisState", "JointTeleop", "TeleopState"]
+
+
+@dataclass(frozen=True)
+class AxisState:
+    """What a display shows of one axis: rad, rad/s (m, m/s for prismatic joints)."""
+
+    name: str
+    reference: float
+    position: float
+    max_velocity: float
+    limited: bool
+
+
+@dataclass(frozen=True)
+class TeleopState:
+    """What a display shows of the node.
+
+    Attributes
+    ----------
+    active
+        A command is being obeyed now.
+    axes
+        Empty before the first joint state.
+    message
+        Why commands are not obeyed, empty when they are.
+    """
+
+    active: bool
+    axes: Tuple[AxisState, ...]
+    message: str
+
+
+class JointTeleop:
+    """Jogs a set of independent joints.
+
+    Parameters
+    ----------
+    axes
+        Joint name to the bounds of its motion.
+    command_timeout
+        Age (s) at which a command that is not repeated ends.
+    longest_step
+        Joint states further apart than this (s of sim time), or running backwards, start everything
+        anew.
+    speed
+        The operator's speed, shared with whoever sets it.
+    """
+
+    def __init__(
+        self,
+        axes: Mapping[str, AxisSettings],
+        command_timeout: float,
+        longest_step: float,
+        speed: SpeedScale,
+    ) -> None:
+        self.speed = speed
+        self.axes: Dict[str, Axis] = {
+            name: Axis(settings, command_timeout) for name, settings in axes.items()
+        }
+        self._command_timeout = command_timeout
+        self._ticks = SimTicks(longest_step)
+        self._last_wall: Optional[float] = None
+        self._e_stop = False
+
+    @property
+    def commanded_names(self) -> Tuple[str, ...]:
+        """Names that a jog may contain."""
+        return tuple(self.axes)
+
+    @property
+    def measured_joints(self) -> Tuple[str, ...]:
+        """Joints whose positions every update needs."""
+        return tuple(self.axes)
+
+    @property
+    def output_joints(self) -> Tuple[str, ...]:
+        """Joints whose controllers get references."""
+        return tuple(self.axes)
+
+    def receive(self, jog: JogCommand, wall: float) -> None:
+        """Take a jog that arrived at `wall` (monotonic time, s).
+
+        Raises
+        ------
+        InvalidCommand
+            When a displacement is too long; then no joint moves.
+        """
+        for name, increment in jog.displacements.items():
+            longest = self.axes[name].settings.max_displacement
+            if abs(increment) > longest:
+                raise InvalidCommand(
+                    f"displacements of {name} is {increment:g}; must be at most {longest:g} in one "
+                    "message, because nobody holds a key for it"
+                )
+        if self._ticks.now is None:
+            return
+        now = Clocks(wall, self._ticks.now)
+        for name, rate in jog.velocities.items():
+            self.axes[name].jog(rate, now, jog.validity)
+        for name, increment in jog.displacements.items():
+            self.axes[name].displace(increment, now)
+
+    def set_e_stop(self, active: bool) -> None:
+        """Begin or end an emergency stop."""
+        if active == self._e_stop:
+            return
+        self._e_stop = active
+        for axis in self.axes.values():
+            axis.inhibit(active)
+
+    def update(self, stamp: float, wall: float, positions: Mapping[str, float]) -> Dict[str, float]:
+        """Advance to a new joint state.
+
+        Parameters
+        ----------
+        stamp
+            Its stamp (s of sim time).
+        wall
+            Monotonic time (s) of its arrival.
+        positions
+            Measured position (rad or m) of each of `measured_joints`.
+
+        Returns
+        -------
+        dict
+            Joint to reference (rad or m); joints that are idle are not in it.
+        """
+        dt = self.advance(stamp, wall)
+        if dt is None:
+            return {}
+        now = Clocks(wall, stamp)
+        references = {
+            name: axis.update(dt, now, positions[name], self.speed.value)
+            for name, axis in self.axes.items()
+        }
+        return {name: value for name, value in references.items() if value is not None}
+
+    def advance(self, stamp: float, wall: float) -> Optional[float]:
+        """Return the step (s) to a new stamp; None when there is nothing to do in it."""
+        tick = self._ticks.advance(stamp)
+        last_wall, self._last_wall = self._last_wall, wall
+        if tick is None:
+            return None
+        if tick.jumped:
+            for axis in self.axes.values():
+                axis.drop()
+            return None
+        # After a pause of the simulation a displacement is no longer what the operator expects.
+        if last_wall is not None and wall - last_wall > self._command_timeout:
+            for axis in self.axes.values():
+                if axis.generator.displacing:
+                    axis.generator.stop()
+        return tick.dt
+
+    def state(self, wall: float) -> TeleopState:
+        """Return what a display shows at `wall` (monotonic time, s)."""
+        if self._ticks.now is None or self._last_wall is None:
+            return TeleopState(False, (), "no joint_states yet: is the simulator running?")
+        now = Clocks(wall, self._ticks.now)
+        silence = wall - self._last_wall
+        active = any(axis.obeying(now) for axis in self.axes.values())
+        if self._e_stop:
+            message = "the e-stop is active"
+        elif silence > 2.0 * self._command_timeout:
+            message = "no joint_states: the simulation is paused or has ended"
+        elif any(axis.stream.waiting(wall) for axis in self.axes.values()):
+            message = "a command from before the stop goes on: release the key and press it again"
+        else:
+            message = ""
+        return TeleopState(active and not message, self._axis_states(), message)
+
+    def _axis_states(self) -> Tuple[AxisState, ...]:
+        states: List[AxisState] = []
+        for name, axis in self.axes.items():
+            if axis.position is None or axis.reference is None:
+                continue
+            limit = axis.settings.motion.max_velocity
+            limited = axis.generator.limited
+            states.append(AxisState(name, axis.reference, axis.position, limit, limited))
+        return tuple(states)

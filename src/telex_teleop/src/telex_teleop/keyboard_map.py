@@ -1,0 +1,191 @@
+"""The operator's keys: which key does what, read from YAML.
+
+An action is a short text: ``tracks forward``, ``arm turret_joint +``, ``flipper JOINT JOINT -``, or
+one of the commands ``stop``, ``e-stop``, ``release e-stop``, ``faster``, ``slower``, ``mode``,
+``help``, ``quit``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Dict, List, Optional, Tuple, Union
+
+from telex_teleop.settings import Section, SettingsError
+
+__all__ = ["Action", "Command", "Drive", "Jog", "KeyMap", "KeyboardSettings"]
+
+
+@dataclass(frozen=True)
+class Jog:
+    """Move joints of one node while the key is held; `sign` is 1 or -1."""
+
+    node: str
+    joints: Tuple[str, ...]
+    sign: int
+
+
+@dataclass(frozen=True)
+class Drive:
+    """Drive while the key is held: signs of forward speed and of yaw rate to the left."""
+
+    linear: int
+    angular: int
+
+
+class Command(Enum):
+    """Done once when its key goes down."""
+
+    STOP = "stop"
+    E_STOP = "e-stop"
+    RELEASE_E_STOP = "release e-stop"
+    FASTER = "faster"
+    SLOWER = "slower"
+    MODE = "mode"
+    HELP = "help"
+    QUIT = "quit"
+
+
+Action = Union[Jog, Drive, Command]
+
+NODES = ("arm", "gripper", "flipper")
+DIRECTIONS = {
+    "forward": Drive(1, 0),
+    "back": Drive(-1, 0),
+    "left": Drive(0, 1),
+    "right": Drive(0, -1),
+}
+SIGNS = {"+": 1, "-": -1}
+GRAMMAR = (
+    "'tracks DIRECTION' with "
+    + ", ".join(DIRECTIONS)
+    + "; 'NODE JOINT ... +' or '-' with node "
+    + ", ".join(NODES)
+    + "; or one of "
+    + ", ".join(command.value for command in Command)
+)
+
+
+def parse_action(text: str) -> Action:
+    """Return the action that a text names.
+
+    Raises
+    ------
+    ValueError
+        When it names none.
+    """
+    words = text.split()
+    for command in Command:
+        if " ".join(words) == command.value:
+            return command
+    if len(words) == 2 and words[0] == "tracks" and words[1] in DIRECTIONS:
+        return DIRECTIONS[words[1]]
+    if len(words) >= 3 and words[0] in NODES and words[-1] in SIGNS:
+        joints = tuple(words[1:-1])
+        if len(set(joints)) == len(joints):
+            return Jog(words[0], joints, SIGNS[words[-1]])
+    raise ValueError(text)
+
+
+class KeyMap:
+    """Keys and their actions.
+
+    Parameters
+    ----------
+    actions
+        Name of a key, as `keyboard_decoding.KeyEvent` has it, to its action.
+    """
+
+    def __init__(self, actions: Dict[str, Action]) -> None:
+        self.actions = actions
+
+    def action(self, name: str) -> Optional[Action]:
+        """Return what a key does, None when nothing."""
+        found = self.actions.get(name)
+        if found is None and len(name) == 1:
+            # caps lock must not make the robot deaf
+            found = self.actions.get(name.lower())
+        return found
+
+    def keys_of(self, action: Action) -> List[str]:
+        """Return the keys of an action."""
+        return [name for name, other in self.actions.items() if other == action]
+
+    @classmethod
+    def from_settings(cls, settings: Section) -> KeyMap:
+        """Read a map of key to action.
+
+        Raises
+        ------
+        SettingsError
+            When an action is unknown, or no key stops, quits or sets off the emergency stop.
+        """
+        actions: Dict[str, Action] = {}
+        for key in settings.names_given():
+            text = settings.text(key)
+            try:
+                actions[key] = parse_action(text)
+            except ValueError:
+                raise settings.error(key, text, GRAMMAR) from None
+        for needed in (Command.STOP, Command.E_STOP, Command.QUIT):
+            if needed not in actions.values():
+                raise SettingsError(f"{settings.source}: no key has the action {needed.value!r}")
+        return cls(actions)
+
+
+@dataclass(frozen=True)
+class KeyboardSettings:
+    """Parameters of keyboard_teleop.
+
+    Attributes
+    ----------
+    tap_time, key_timeout
+        See `keyboard_held.HeldKeys` (s).
+    send_rate
+        Commands per second while a key is held.
+    redraw_rate
+        Pictures of the screen per second.
+    longest_gap
+        When the program was held up for longer (s), all keys count as released.
+    jog_rate
+        Commanded rate (rad/s, m/s); the teleoperation nodes clamp it to what a joint can do.
+    linear, angular
+        Commanded velocity (m/s, rad/s), clamped likewise.
+    speed_step
+        Factor of one step of the speed scale.
+    lengths
+        Joints whose position is a length and shown in mm; the others are angles, shown in degrees.
+    keys
+        The keys.
+    """
+
+    tap_time: float
+    key_timeout: float
+    send_rate: float
+    redraw_rate: float
+    longest_gap: float
+    jog_rate: float
+    linear: float
+    angular: float
+    speed_step: float
+    lengths: Tuple[str, ...]
+    keys: KeyMap
+
+    @classmethod
+    def from_settings(cls, settings: Section) -> KeyboardSettings:
+        """Read and check all parameters."""
+        read = cls(
+            tap_time=settings.number("tap_time", 0.15, minimum=0.02, maximum=1.0),
+            key_timeout=settings.number("key_timeout", 0.2, minimum=0.02, maximum=1.0),
+            send_rate=settings.number("send_rate", 50.0, minimum=10.0, maximum=200.0),
+            redraw_rate=settings.number("redraw_rate", 10.0, minimum=1.0, maximum=30.0),
+            longest_gap=settings.number("longest_gap", 0.2, minimum=0.05, maximum=1.0),
+            jog_rate=settings.number("jog_rate", 100.0, positive=True),
+            linear=settings.number("linear", 1.2, positive=True),
+            angular=settings.number("angular", 1.0, positive=True),
+            speed_step=settings.number("speed_step", 1.25, minimum=1.01, maximum=4.0),
+            lengths=settings.names("lengths") if settings.has("lengths") else (),
+            keys=KeyMap.from_settings(settings.section("keys", required=True)),
+        )
+        settings.finish()
+        return read

@@ -1,0 +1,174 @@
+"""ROS edge of the keyboard: the robot's teleoperation nodes as the operator's side sees them."""
+
+from __future__ import annotations
+
+import threading
+import time
+from typing import Any, Dict, Optional, Tuple
+
+import rospy
+from control_msgs.msg import JointJog
+from geometry_msgs.msg import Twist
+from std_msgs.msg import Bool, Float64
+from telex_msgs.msg import JointTeleopStatus, TrackTeleopStatus
+from telex_msgs.srv import SetMode
+
+from telex_teleop.keyboard_commands import Commands
+from telex_teleop.keyboard_map import NODES
+from telex_teleop.keyboard_screen import JointView, NodeView
+from telex_teleop.track_drive import STANDSTILL, Velocity
+
+__all__ = ["Robot"]
+
+SERVICE_TIMEOUT = 2.0  # s
+# Our own wish for the speed counts this long (s) before a status must have confirmed it.
+SPEED_PENDING = 0.5
+
+
+class Robot:
+    """Publishes commands to one robot and remembers what its nodes say.
+
+    Parameters
+    ----------
+    namespace
+        Absolute name of the robot's namespace, ``/telex``.
+    """
+
+    def __init__(self, namespace: str) -> None:
+        self.namespace = namespace
+        self.notice = ""
+        self.e_stop = False
+        self._statuses: Dict[str, Tuple[float, Any]] = {}
+        self._speed_wish: Tuple[float, float] = (-SPEED_PENDING, 1.0)
+        self._e_stop_publisher: Optional[rospy.Publisher] = None
+        self._mode_request: Optional[threading.Thread] = None
+        self._jogs = {
+            node: self._publisher(f"{node}_teleop/delta_joint_cmds", JointJog) for node in NODES
+        }
+        self._twist = self._publisher("track_teleop/cmd_vel", Twist)
+        self._speeds = [self._publisher(f"{node}_teleop/speed_scale", Float64) for node in NODES]
+        self._speeds.append(self._publisher("track_teleop/speed_scale", Float64))
+        for node in NODES:
+            self._listen(f"{node}_teleop/status", JointTeleopStatus, self._on_status, node)
+        self._listen("track_teleop/status", TrackTeleopStatus, self._on_status, "tracks")
+        self._listen("e_stop", Bool, self._on_e_stop, None)
+
+    def send(self, commands: Commands) -> None:
+        """Publish commands."""
+        stamp = rospy.Time.now()
+        for node, rates in commands.jogs.items():
+            jog = JointJog(joint_names=list(rates), velocities=list(rates.values()))
+            jog.header.stamp = stamp
+            self._jogs[node].publish(jog)
+        for velocity in commands.drive:
+            twist = Twist()
+            twist.linear.x = velocity.linear
+            twist.angular.z = velocity.angular
+            self._twist.publish(twist)
+
+    def change_speed(self, factor: float) -> None:
+        """Multiply the speed scale of all nodes, within their bounds."""
+        present = self.speed_scale
+        if present is None:
+            self.notice = "speed: no answer from the robot"
+            return
+        status = self._latest_status()
+        wish = max(status.min_speed_scale, min(status.max_speed_scale, present * factor))
+        self._speed_wish = (time.monotonic(), wish)
+        for publisher in self._speeds:
+            publisher.publish(Float64(wish))
+
+    def set_e_stop(self, active: bool) -> None:
+        """Set or release the emergency stop."""
+        if self._e_stop_publisher is None:
+            # Not before it is needed: an idle keyboard must not hold a latched message of its own.
+            self._e_stop_publisher = rospy.Publisher(
+                f"{self.namespace}/e_stop", Bool, queue_size=1, latch=True, tcp_nodelay=True
+            )
+        self._e_stop_publisher.publish(Bool(active))
+
+    def toggle_mode(self) -> None:
+        """Ask the arm for its other mode; the answer comes as a notice."""
+        if self._mode_request is not None and self._mode_request.is_alive():
+            return
+        wanted = "JOINT" if self.mode == "CARTESIAN" else "CARTESIAN"
+        self._mode_request = threading.Thread(
+            target=self._request_mode, args=(wanted,), daemon=True
+        )
+        self._mode_request.start()
+
+    @property
+    def mode(self) -> Optional[str]:
+        """Mode of the arm, None before its first status."""
+        status = self._statuses.get("arm")
+        return None if status is None else str(status[1].mode)
+
+    @property
+    def speed_scale(self) -> Optional[float]:
+        """The operator's speed, None before the first status."""
+        asked, wish = self._speed_wish
+        if time.monotonic() - asked < SPEED_PENDING:
+            return wish
+        status = self._latest_status()
+        return None if status is None else float(status.speed_scale)
+
+    @property
+    def drive(self) -> Velocity:
+        """What goes to the tracks now."""
+        status = self._statuses.get("tracks")
+        if status is None:
+            return STANDSTILL
+        return Velocity(status[1].command.linear.x, status[1].command.angular.z)
+
+    def node_views(self) -> Dict[str, NodeView]:
+        """Return what the nodes say, by name."""
+        now = time.monotonic()
+        return {
+            node: NodeView(now - received, bool(status.active), str(status.message))
+            for node, (received, status) in list(self._statuses.items())
+        }
+
+    def joint_views(self) -> Dict[str, JointView]:
+        """Return all joints that the nodes report."""
+        return {
+            name: JointView(position, name in status.limited)
+            for node, (_, status) in list(self._statuses.items())
+            if node != "tracks"
+            for name, position in zip(status.joint_names, status.position)
+        }
+
+    def _latest_status(self) -> Any:
+        statuses = sorted(self._statuses.values(), key=lambda entry: entry[0])
+        return statuses[-1][1] if statuses else None
+
+    def _publisher(self, name: str, kind: Any) -> rospy.Publisher:
+        return rospy.Publisher(f"{self.namespace}/{name}", kind, queue_size=10, tcp_nodelay=True)
+
+    def _listen(self, name: str, kind: Any, callback: Any, argument: Optional[str]) -> None:
+        rospy.Subscriber(
+            f"{self.namespace}/{name}",
+            kind,
+            callback,
+            callback_args=argument,
+            queue_size=1,
+            tcp_nodelay=True,
+        )
+
+    def _on_status(self, message: Any, node: str) -> None:
+        self._statuses[node] = (time.monotonic(), message)
+
+    def _on_e_stop(self, message: Any, _argument: None) -> None:
+        self.e_stop = bool(message.data)
+
+    def _request_mode(self, wanted: str) -> None:
+        name = f"{self.namespace}/arm_teleop/set_mode"
+        try:
+            rospy.wait_for_service(name, SERVICE_TIMEOUT)
+            answer = rospy.ServiceProxy(name, SetMode)(wanted)
+        except rospy.ROSException:
+            self.notice = f"mode: no answer from {name}"
+            return
+        except rospy.ServiceException as error:
+            self.notice = f"mode: {error}"
+            return
+        self.notice = "" if answer.success else str(answer.message)

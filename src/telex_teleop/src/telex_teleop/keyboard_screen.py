@@ -1,0 +1,304 @@
+"""The keyboard's screen as text: keys, what they move, where that is, whether it obeys."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import FrozenSet, List, Mapping, Optional, Sequence, Tuple
+
+from telex_teleop.keyboard_map import NODES, Action, Command, Drive, Jog, KeyMap
+from telex_teleop.track_drive import STANDSTILL, Velocity
+
+__all__ = ["JointView", "Line", "NodeView", "ScreenState", "Style", "render"]
+
+COLUMN = 39  # characters of one of the two columns
+KEYS = 10  # of them for the keys
+VALUE = 11  # and for the value
+LABEL = COLUMN - 2 - KEYS - 1 - 1 - VALUE
+TITLES = {"tracks": "TRACKS", "flipper": "FLIPPERS", "gripper": "GRIPPER", "arm": "ARM"}
+LEFT, RIGHT = ("tracks", "flipper", "gripper"), ("arm",)
+DRIVES = (
+    ("drive", Drive(1, 0), Drive(-1, 0)),
+    ("turn", Drive(0, 1), Drive(0, -1)),
+)
+COMMANDS: Tuple[Tuple[str, Tuple[Command, ...]], ...] = (
+    ("stop all", (Command.STOP,)),
+    ("e-stop", (Command.E_STOP,)),
+    ("release e-stop", (Command.RELEASE_E_STOP,)),
+    ("speed", (Command.FASTER, Command.SLOWER)),
+    ("mode", (Command.MODE,)),
+    ("help", (Command.HELP,)),
+    ("quit", (Command.QUIT,)),
+)
+
+
+class Style(Enum):
+    """How a line looks."""
+
+    NORMAL = "normal"
+    TITLE = "title"
+    GOOD = "good"
+    WARNING = "warning"
+    ALARM = "alarm"
+
+
+@dataclass(frozen=True)
+class Line:
+    """One line of the screen."""
+
+    text: str
+    style: Style = Style.NORMAL
+
+
+@dataclass(frozen=True)
+class NodeView:
+    """A teleoperation node as its last status shows it; `age` (s) is that of the status."""
+
+    age: float
+    active: bool
+    message: str
+
+
+@dataclass(frozen=True)
+class JointView:
+    """A joint as the last status shows it: position (rad or m), and whether something holds it."""
+
+    position: float
+    limited: bool
+
+
+@dataclass(frozen=True)
+class ScreenState:
+    """Everything that the screen shows.
+
+    Attributes
+    ----------
+    robot
+        Namespace of the robot.
+    exact_keys
+        Whether the terminal reports releases.
+    mode
+        Mode of the arm, None before its first status.
+    speed_scale
+        The operator's speed, None before the first status.
+    e_stop
+        Whether the emergency stop is known to be active.
+    nodes
+        ``tracks``, ``arm``, ``gripper``, ``flipper`` to what they say; those not heard of are
+        absent.
+    joints
+        By name.
+    drive
+        What goes to the tracks now.
+    held
+        Actions whose keys are held.
+    notice
+        Last message for the operator.
+    """
+
+    robot: str
+    exact_keys: bool = False
+    mode: Optional[str] = None
+    speed_scale: Optional[float] = None
+    e_stop: bool = False
+    nodes: Mapping[str, NodeView] = field(default_factory=dict)
+    joints: Mapping[str, JointView] = field(default_factory=dict)
+    drive: Velocity = STANDSTILL
+    held: FrozenSet[Action] = frozenset()
+    notice: str = ""
+
+
+def render(
+    keys: KeyMap,
+    lengths: Sequence[str],
+    state: ScreenState,
+    columns: int,
+    lines: int,
+    show_help: bool = False,
+) -> List[Line]:
+    """Return the screen, cut to the size of the terminal.
+
+    Parameters
+    ----------
+    keys
+        What is bound to what.
+    lengths
+        Joints whose position is shown in mm instead of degrees.
+    state
+        What to show.
+    columns, lines
+        Size of the terminal.
+    show_help
+        Whether the explanation takes the place of the table.
+    """
+    head = [_head(state), _obedience(keys, state), Line("")]
+    foot = [Line(""), *_commands(keys, columns), Line(state.notice, Style.WARNING)]
+    body = _help(keys, state, columns) if show_help else _table(keys, lengths, state, columns)
+    # What says whether the robot obeys, and how to stop it, stays on the smallest screen.
+    body = body[: max(lines - len(head) - len(foot), 0)]
+    picture = [*head, *body, *foot][:lines]
+    return [Line(line.text[:columns], line.style) for line in picture]
+
+
+def _head(state: ScreenState) -> Line:
+    speed = "-" if state.speed_scale is None else f"{100.0 * state.speed_scale:.0f} %"
+    return Line(
+        f"TELEX KEYBOARD   robot {state.robot}   mode {state.mode or '-'}   speed {speed}",
+        Style.TITLE,
+    )
+
+
+def _obedience(keys: KeyMap, state: ScreenState) -> Line:
+    if state.e_stop:
+        release = _names(keys, (Command.RELEASE_E_STOP,)) or "another console"
+        return Line(f"E-STOP IS ACTIVE, nothing obeys. Release: {release}", Style.ALARM)
+    silent = [node for node in ("tracks", *NODES) if _is_silent(state, node)]
+    if len(silent) == 1 + len(NODES):
+        return Line("NO ANSWER from the robot's teleoperation nodes", Style.ALARM)
+    if silent:
+        return Line(f"NO ANSWER from: {', '.join(silent)}", Style.WARNING)
+    for node in sorted(state.nodes, key=lambda name: not state.nodes[name].active):
+        if state.nodes[node].message:
+            return Line(f"NOT OBEYED ({node}): {state.nodes[node].message}", Style.WARNING)
+    active = [node for node, view in state.nodes.items() if view.active]
+    if active:
+        return Line(f"OBEYED by {', '.join(active)}", Style.GOOD)
+    return Line("READY")
+
+
+def _is_silent(state: ScreenState, node: str) -> bool:
+    view = state.nodes.get(node)
+    return view is None or view.age > 1.0
+
+
+def _table(keys: KeyMap, lengths: Sequence[str], state: ScreenState, columns: int) -> List[Line]:
+    left = [text for node in LEFT for text in _section(node, keys, lengths, state)]
+    right = [text for node in RIGHT for text in _section(node, keys, lengths, state)]
+    if columns < 2 * COLUMN + 1:
+        return [Line(text) for text in (*right, *left)]
+    height = max(len(left), len(right))
+    left += [""] * (height - len(left))
+    right += [""] * (height - len(right))
+    return [Line(f"{a:<{COLUMN}} {b}".rstrip()) for a, b in zip(left, right)]
+
+
+def _section(node: str, keys: KeyMap, lengths: Sequence[str], state: ScreenState) -> List[str]:
+    if node == "tracks":
+        values = (f"{state.drive.linear:+.2f} m/s", f"{state.drive.angular:+.2f} rad/s")
+        rows = [
+            _row(keys, (plus, minus), label, value, state)
+            for (label, plus, minus), value in zip(DRIVES, values)
+            if keys.keys_of(plus) or keys.keys_of(minus)
+        ]
+    else:
+        rows = [
+            _row(
+                keys,
+                (Jog(node, joints, 1), Jog(node, joints, -1)),
+                joint_label(joints, TITLES[node]),
+                _position(joints, lengths, state),
+                state,
+            )
+            for joints in _axes(node, keys)
+        ]
+    return [TITLES[node], *rows] if rows else []
+
+
+def _axes(node: str, keys: KeyMap) -> List[Tuple[str, ...]]:
+    jogs = [action for action in keys.actions.values() if isinstance(action, Jog)]
+    return list(dict.fromkeys(jog.joints for jog in jogs if jog.node == node))
+
+
+def _row(
+    keys: KeyMap, actions: Tuple[Action, Action], label: str, value: str, state: ScreenState
+) -> str:
+    marker = ">" if state.held.intersection(actions) else " "
+    # in the order of the file, which is that of the keyboard: the upper key comes first
+    bound = list(keys.actions.values())
+    ordered = sorted(actions, key=lambda a: bound.index(a) if a in bound else len(bound))
+    names = " ".join("/".join(keys.keys_of(action)) or "-" for action in ordered)
+    return f"{marker} {names:<{KEYS}.{KEYS}} {label:<{LABEL}.{LABEL}} {value:>{VALUE}.{VALUE}}"
+
+
+def joint_label(joints: Sequence[str], title: str) -> str:
+    """Return what the operator calls one joint, or several that move together, under a title."""
+    words = [joint.split("_") for joint in joints]
+    common = [word for word in words[0] if all(word in others for others in words[1:])]
+    said = [word for word in common if word != "joint" and word.upper() not in title]
+    while len(" ".join(said)) > LABEL:
+        said = said[1:]
+    return " ".join(said) or ("all" if len(joints) > 1 else joints[0])
+
+
+def _position(joints: Tuple[str, ...], lengths: Sequence[str], state: ScreenState) -> str:
+    views = [state.joints.get(joint) for joint in joints]
+    if len(views) != 1 or views[0] is None:
+        limited = any(view is not None and view.limited for view in views)
+        return "limit" if limited else ""
+    view = views[0]
+    if joints[0] in lengths:
+        value = f"{1000.0 * view.position:+.0f} mm"
+    else:
+        value = f"{math.degrees(view.position):+.1f} deg"
+    return f"!{value}" if view.limited else value
+
+
+def _commands(keys: KeyMap, columns: int) -> List[Line]:
+    parts = [
+        f"{_names(keys, commands)}: {label}"
+        for label, commands in COMMANDS
+        if _names(keys, commands)
+    ]
+    return [Line(text) for text in _fill(parts, columns)]
+
+
+def _fill(parts: Sequence[str], columns: int) -> List[str]:
+    """Return the parts on as few lines as they need, none of them broken."""
+    lines: List[str] = []
+    for part in parts:
+        if lines and len(lines[-1]) + 3 + len(part) <= columns:
+            lines[-1] += "   " + part
+        else:
+            lines.append(part)
+    return lines
+
+
+def _names(keys: KeyMap, commands: Sequence[Command]) -> str:
+    return " ".join(name for command in commands for name in keys.keys_of(command))
+
+
+EXACT_KEYS = """\
+This terminal reports when a key goes up: a motion lasts exactly as long as its key is held, and
+several keys work at once."""
+TYPED_KEYS = """\
+This terminal does not report when a key goes up. A short press is a nudge. A held key starts with
+that nudge, pauses until your keyboard begins to repeat it, then moves until just after you let go;
+of several held keys only the last one counts. A terminal with the kitty keyboard protocol (kitty,
+foot, WezTerm, Ghostty) is exact."""
+HELP = """\
+Hold a key to move, let it go to stop: the joint then holds its place. Every motion starts and ends
+on a ramp. The first key of a pair moves forward, up, out or open, or to the left. '!' marks a joint
+that a limit, or something in its way, holds back.
+
+{holding}
+
+The speed is a factor on all motions, for all nodes of the robot. It stays when you quit.
+
+{stop} stops everything at once and lets all held keys go. The e-stop also brakes the tracks; after
+it, press anew what you want to move.
+
+When this window loses the keyboard, or this program ends, everything stops."""
+
+
+def _help(keys: KeyMap, state: ScreenState, columns: int) -> List[Line]:
+    text = HELP.format(
+        holding=EXACT_KEYS if state.exact_keys else TYPED_KEYS,
+        stop=_names(keys, (Command.STOP,)),
+    )
+    lines: List[Line] = []
+    for paragraph in text.split("\n\n"):
+        lines.extend(Line(text) for text in textwrap.wrap(paragraph, max(columns - 1, 20)))
+        lines.append(Line(""))
+    return lines

@@ -1,0 +1,155 @@
+"""The keyboard: key events in, commands and a screen out."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, Callable, FrozenSet, List
+
+from telex_teleop.keyboard_commands import Commander
+from telex_teleop.keyboard_decoding import Event, FocusEvent, KeyDecoder, KeyEvent, KeyKind
+from telex_teleop.keyboard_held import HeldKeys
+from telex_teleop.keyboard_map import Action, Command, KeyboardSettings
+from telex_teleop.keyboard_screen import Line, ScreenState, render
+
+if TYPE_CHECKING:
+    from telex_teleop.keyboard_robot import Robot
+    from telex_teleop.keyboard_terminal import Terminal
+
+__all__ = ["KeyboardTeleop"]
+
+IDLE_PERIOD = 0.05  # s between two looks at the terminal while no key is held
+
+
+class KeyboardTeleop:
+    """Drives a robot from the keys of a terminal.
+
+    Parameters
+    ----------
+    settings
+        Keys and times.
+    robot
+        The robot.
+    terminal
+        The terminal, already entered.
+    """
+
+    def __init__(self, settings: KeyboardSettings, robot: Robot, terminal: Terminal) -> None:
+        self._settings = settings
+        self._robot = robot
+        self._terminal = terminal
+        self._decoder = KeyDecoder()
+        self._held = HeldKeys(settings.tap_time, settings.key_timeout)
+        self._commander = Commander(settings.jog_rate, settings.linear, settings.angular)
+        self._ended = False
+        self._exact_keys = False
+        self._show_help = False
+        self._sent_at = 0.0
+        self._sent: FrozenSet[Action] = frozenset()
+
+    def run(self, interrupted: Callable[[], bool]) -> None:
+        """Work until the operator quits, the terminal ends, or `interrupted` says so.
+
+        However it ends, what was moving is told to stop.
+        """
+        drawn = 0.0
+        last = time.monotonic()
+        try:
+            while not (self._ended or interrupted()):
+                data = self._terminal.read(self._wait())
+                now = time.monotonic()
+                if data is None:
+                    break
+                if now - last > self._settings.longest_gap:
+                    # held up: what the keys did meanwhile is unknown, and old input is no command
+                    self._held.release_all(now)
+                last = now
+                self.take(self._decoder.feed(data, now), now)
+                self.send(now)
+                if now - drawn >= 1.0 / self._settings.redraw_rate:
+                    drawn = now
+                    self._terminal.show(self.picture(now))
+        finally:
+            self._robot.send(self._commander.update(()))
+
+    def take(self, events: List[Event], now: float) -> None:
+        """Act on events that came at `now` (monotonic time, s)."""
+        for event in events:
+            if isinstance(event, KeyEvent):
+                self._take_key(event, now)
+            elif isinstance(event, FocusEvent):
+                if not event.gained:
+                    self._held.release_all(now)
+            else:
+                self._exact_keys = event.exact
+                self._terminal.answer(event.exact)
+
+    def send(self, now: float) -> None:
+        """Send what the held keys command: at once when it has changed, else at the send rate."""
+        held = self._held_actions(now)
+        due = now - self._sent_at >= 1.0 / self._settings.send_rate
+        if held != self._sent or (due and self._commander.busy):
+            self._sent, self._sent_at = held, now
+            self._robot.send(self._commander.update(held))
+
+    def picture(self, now: float) -> List[Line]:
+        """Return the screen at `now`."""
+        robot = self._robot
+        state = ScreenState(
+            robot=robot.namespace,
+            exact_keys=self._exact_keys,
+            mode=robot.mode,
+            speed_scale=robot.speed_scale,
+            e_stop=robot.e_stop,
+            nodes=robot.node_views(),
+            joints=robot.joint_views(),
+            drive=robot.drive,
+            held=self._held_actions(now),
+            notice=robot.notice,
+        )
+        columns, lines = self._terminal.size()
+        settings = self._settings
+        return render(settings.keys, settings.lengths, state, columns, lines, self._show_help)
+
+    def _wait(self) -> float:
+        busy = self._commander.busy or self._decoder.incomplete
+        return 1.0 / self._settings.send_rate if busy else IDLE_PERIOD
+
+    def _held_actions(self, now: float) -> FrozenSet[Action]:
+        actions = (self._settings.keys.action(name) for name in self._held.names(now))
+        return frozenset(
+            action for action in actions if action is not None and not isinstance(action, Command)
+        )
+
+    def _take_key(self, event: KeyEvent, now: float) -> None:
+        went_down = self._held.take(event, now)
+        action = self._settings.keys.action(event.name)
+        if not isinstance(action, Command) or event.kind is KeyKind.RELEASED:
+            return
+        # A stop is done however often it comes; of the others only the press counts.
+        if action is Command.STOP:
+            self._stop(now)
+        elif action is Command.E_STOP:
+            self._stop(now)
+            self._robot.set_e_stop(True)
+        elif went_down:
+            self._do(action)
+
+    def _stop(self, now: float) -> None:
+        self._held.release_all(now)
+        self._sent = frozenset()
+        self._robot.send(self._commander.stop(self._settings.keys.actions.values()))
+
+    def _do(self, command: Command) -> None:
+        self._robot.notice = ""
+        if command is Command.RELEASE_E_STOP:
+            self._robot.set_e_stop(False)
+        elif command is Command.FASTER:
+            self._robot.change_speed(self._settings.speed_step)
+        elif command is Command.SLOWER:
+            self._robot.change_speed(1.0 / self._settings.speed_step)
+        elif command is Command.MODE:
+            self._robot.toggle_mode()
+        elif command is Command.HELP:
+            self._show_help = not self._show_help
+        else:
+            self._ended = True

@@ -1,0 +1,139 @@
+"""Bytes of a terminal to key events, whole or cut anywhere."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from telex_teleop.keyboard_decoding import FocusEvent, KeyDecoder, KeyEvent, KeyKind, KittyReply
+
+TYPED, PRESSED = KeyKind.TYPED, KeyKind.PRESSED
+REPEATED, RELEASED = KeyKind.REPEATED, KeyKind.RELEASED
+
+
+def decode(data, exact=False):
+    decoder = KeyDecoder()
+    if exact:
+        decoder.feed(b"\x1b[?15u", 0.0)
+    return decoder.feed(data, 0.0)
+
+
+def typed(*names):
+    return [KeyEvent(name, name, TYPED) for name in names]
+
+
+@pytest.mark.parametrize(
+    ("data", "names"),
+    [
+        (b"wW1?", ["w", "W", "1", "?"]),
+        (b" \t\r\x7f", ["space", "tab", "enter", "backspace"]),
+        (b"\x03\x04\x12", ["ctrl+c", "ctrl+d", "ctrl+r"]),
+        ("äß€".encode(), ["ä", "ß", "€"]),
+        (b"\x1b[A\x1b[B\x1b[C\x1b[D", ["up", "down", "right", "left"]),
+        (b"\x1bOA\x1bOP", ["up", "f1"]),
+        (b"\x1b[1;5A", ["ctrl+up"]),
+        (b"\x1b[3~\x1b[5~\x1b[15~\x1b[17~", ["delete", "pageup", "f5", "f6"]),
+        (b"\x1b[Z", ["shift+tab"]),
+        (b"\x1bx", ["alt+x"]),
+    ],
+)
+def test_keys_as_terminals_type_them(data, names):
+    events = decode(data)
+    assert [event.name for event in events] == names
+    assert {event.kind for event in events} == {TYPED}
+
+
+def test_lone_escape_is_known_after_a_moment():
+    decoder = KeyDecoder(escape_time=0.05)
+    assert decoder.feed(b"\x1b", 1.0) == []
+    assert decoder.incomplete
+    assert decoder.feed(b"", 1.02) == []
+    assert decoder.feed(b"", 1.06) == typed("escape")
+    assert not decoder.incomplete
+
+
+def test_escape_twice_and_escape_before_a_sequence():
+    assert decode(b"\x1b\x1b[A") == typed("escape", "up")
+
+
+def test_sequence_that_breaks_off_does_not_block_what_follows():
+    decoder = KeyDecoder()
+    assert decoder.feed(b"\x1b[1;", 1.0) == []
+    # neither as keys nor as the escape key, which sets off the emergency stop
+    assert decoder.feed(b"", 2.0) == []
+    assert decoder.feed(b"w", 3.0) == typed("w")
+
+
+def test_endless_sequence_is_dropped():
+    assert decode(b"\x1b]" + b"1" * 5000) == []
+
+
+def test_pasted_text_is_no_command():
+    assert decode(b"\x1b[200~wasd\x1b[A\x1b[201~r") == typed("r")
+
+
+def test_focus():
+    assert decode(b"\x1b[O\x1b[I") == [FocusEvent(False), FocusEvent(True)]
+
+
+def test_answers_of_the_terminal_are_no_keys():
+    assert decode(b"\x1b[?62;4c\x1bP>|kitty\x1b\\\x1b]11;rgb:0/0/0\x07w") == typed("w")
+
+
+def test_kitty_answers():
+    assert decode(b"\x1b[?0u\x1b[?15u") == [KittyReply(False), KittyReply(True)]
+
+
+@pytest.mark.parametrize(
+    ("data", "name", "key", "kind"),
+    [
+        (b"\x1b[119u", "w", "119", PRESSED),
+        (b"\x1b[119;1:1u", "w", "119", PRESSED),
+        (b"\x1b[119;1:2u", "w", "119", REPEATED),
+        (b"\x1b[119;1:3u", "w", "119", RELEASED),
+        (b"\x1b[119:87;2:1u", "W", "119", PRESSED),
+        (b"\x1b[119;2u", "W", "119", PRESSED),
+        (b"\x1b[47:63;2u", "?", "47", PRESSED),
+        (b"\x1b[119;65u", "w", "119", PRESSED),  # caps lock
+        (b"\x1b[99;5u", "ctrl+c", "99", PRESSED),
+        (b"\x1b[32u", "space", "32", PRESSED),
+        (b"\x1b[27u", "escape", "27", PRESSED),
+        (b"\x1b[57401u", "2", "57401", PRESSED),
+        (b"\x1b[57413u", "+", "57413", PRESSED),
+        (b"\x1b[A", "up", "up", PRESSED),
+        (b"\x1b[1;1:3A", "up", "up", RELEASED),
+        (b"\x1b[1;2A", "shift+up", "up", PRESSED),
+        (b"\x1b[5;1:3~", "pageup", "pageup", RELEASED),
+    ],
+)
+def test_keys_as_kitty_reports_them(data, name, key, kind):
+    assert decode(data, exact=True) == [KeyEvent(name, key, kind)]
+
+
+@pytest.mark.parametrize("data", [b"\x1b[57441;2u", b"\x1b[99999999u", b"\x1b[u", b"\x1b[;u"])
+def test_modifiers_and_nonsense_are_no_keys(data):
+    assert decode(data, exact=True) == []
+
+
+def test_release_keeps_its_key_when_shift_came_meanwhile():
+    press, release = decode(b"\x1b[119u\x1b[119:87;2:3u", exact=True)
+    assert press.key == release.key
+
+
+SAMPLES = b"w\x1b[A\x1b[119;1:3u\x1b[O\x1b[?15u\xc3\xa4\x1bOP \x1b[1;5A\x03"
+
+
+@given(st.lists(st.integers(0, len(SAMPLES)), max_size=6))
+def test_cuts_change_nothing(cuts):
+    decoder, events, start = KeyDecoder(), [], 0
+    for cut in [*sorted(cuts), len(SAMPLES)]:
+        events += decoder.feed(SAMPLES[start:cut], 0.0)
+        start = cut
+    assert events == decode(SAMPLES)
+
+
+@given(st.binary(max_size=200))
+def test_any_bytes_end_somewhere(data):
+    decoder = KeyDecoder()
+    decoder.feed(data, 0.0)
+    decoder.feed(b"", 1.0)
+    assert not decoder.incomplete

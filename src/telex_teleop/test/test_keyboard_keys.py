@@ -1,0 +1,284 @@
+"""Held keys, the key map, the commands they make and the screen that shows them."""
+
+import re
+from pathlib import Path
+
+import pytest
+import yaml
+
+from telex_teleop.keyboard_commands import Commander
+from telex_teleop.keyboard_decoding import KeyEvent, KeyKind
+from telex_teleop.keyboard_held import HeldKeys
+from telex_teleop.keyboard_map import Command, Drive, Jog, KeyboardSettings, KeyMap, parse_action
+from telex_teleop.keyboard_screen import JointView, NodeView, ScreenState, Style, render
+from telex_teleop.settings import Section, SettingsError
+from telex_teleop.track_drive import Velocity
+
+FILE = Path(__file__).parents[1] / "config" / "keyboard_teleop.yaml"
+
+
+def event(name, kind=KeyKind.TYPED):
+    return KeyEvent(name, name, kind)
+
+
+class TestTypedKeys:
+    @pytest.fixture
+    def held(self):
+        return HeldKeys(tap_time=0.15, key_timeout=0.2)
+
+    def test_first_press_is_a_nudge(self, held):
+        assert held.take(event("w"), 1.0)
+        assert held.names(1.14) == ["w"]
+        assert held.names(1.16) == []
+
+    def test_repeats_bridge_to_the_next(self, held):
+        held.take(event("w"), 1.0)
+        assert held.names(1.4) == []  # the keyboard's repeat delay
+        for tick in range(20):
+            now = 1.5 + 0.033 * tick
+            held.take(event("w"), now)
+            assert held.names(now + 0.03) == ["w"]
+        assert held.names(now + 0.19) == ["w"]
+        assert held.names(now + 0.21) == []
+
+    def test_only_the_first_of_a_burst_went_down(self, held):
+        assert held.take(event("w"), 1.0)
+        assert not held.take(event("w"), 1.1)
+        assert held.take(event("w"), 2.0)
+
+    def test_repetition_that_goes_on_after_release_all_is_ignored(self, held):
+        held.take(event("w"), 1.0)
+        held.release_all(1.05)
+        assert held.names(1.05) == []
+        for tick in range(10):
+            assert not held.take(event("w"), 1.08 + 0.03 * tick)
+        assert held.names(1.36) == []
+        assert held.take(event("w"), 1.7)
+        assert held.names(1.7) == ["w"]
+
+
+class TestExactKeys:
+    @pytest.fixture
+    def held(self):
+        return HeldKeys(tap_time=0.15, key_timeout=0.2)
+
+    def press(self, held, name, now=0.0):
+        return held.take(event(name, KeyKind.PRESSED), now)
+
+    def test_key_is_held_until_released(self, held):
+        assert self.press(held, "w")
+        assert self.press(held, "a")
+        assert not held.take(event("w", KeyKind.REPEATED), 5.0)
+        assert held.names(60.0) == ["w", "a"]
+        assert not held.take(event("w", KeyKind.RELEASED), 61.0)
+        assert held.names(61.0) == ["a"]
+
+    def test_release_all_needs_a_new_press(self, held):
+        self.press(held, "w")
+        held.release_all(1.0)
+        held.take(event("w", KeyKind.REPEATED), 1.1)
+        assert held.names(1.1) == []
+        held.take(event("w", KeyKind.RELEASED), 1.2)
+        self.press(held, "w", 1.3)
+        assert held.names(1.3) == ["w"]
+
+    def test_press_after_a_lost_release_counts(self, held):
+        self.press(held, "w")
+        held.release_all(1.0)
+        self.press(held, "w", 2.0)
+        assert held.names(2.0) == ["w"]
+
+    def test_release_is_found_although_shift_changed_the_name(self, held):
+        held.take(KeyEvent("w", "119", KeyKind.PRESSED), 0.0)
+        held.take(KeyEvent("W", "119", KeyKind.RELEASED), 1.0)
+        assert held.names(1.0) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "action"),
+    [
+        ("tracks forward", Drive(1, 0)),
+        ("tracks right", Drive(0, -1)),
+        ("arm turret_joint +", Jog("arm", ("turret_joint",), 1)),
+        ("flipper a_joint b_joint -", Jog("flipper", ("a_joint", "b_joint"), -1)),
+        ("release  e-stop", Command.RELEASE_E_STOP),
+    ],
+)
+def test_actions(text, action):
+    assert parse_action(text) == action
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "tracks", "tracks up", "arm +", "arm turret_joint", "leg a +", "arm a a +", "jump"],
+)
+def test_unknown_actions_are_refused(text):
+    with pytest.raises(ValueError):
+        parse_action(text)
+
+
+BASE = {"space": "stop", "escape": "e-stop", "ctrl+c": "quit"}
+
+
+def key_map(**keys):
+    return KeyMap.from_settings(Section({**BASE, **keys}, "file/keys"))
+
+
+def test_bad_action_is_refused_with_key_value_and_remedy():
+    with pytest.raises(SettingsError, match="file/keys/w: is 'fly'.*'tracks DIRECTION'"):
+        key_map(w="fly")
+
+
+@pytest.mark.parametrize("missing", BASE)
+def test_keys_that_must_be_there(missing):
+    keys = {key: action for key, action in BASE.items() if key != missing}
+    with pytest.raises(SettingsError, match="no key has the action"):
+        KeyMap.from_settings(Section(keys, "file/keys"))
+
+
+def test_caps_lock_does_not_matter_unless_the_capital_is_bound():
+    keys = key_map(w="tracks forward", x="tracks back", X="help")
+    assert keys.action("W") == Drive(1, 0)
+    assert keys.action("X") is Command.HELP
+    assert keys.action("ctrl+w") is None
+
+
+@pytest.fixture
+def settings():
+    return KeyboardSettings.from_settings(Section(yaml.safe_load(FILE.read_text()), str(FILE)))
+
+
+def test_file_of_the_package_moves_everything_both_ways(settings):
+    actions = list(settings.keys.actions.values())
+    for node, count in (("arm", 9), ("gripper", 1), ("flipper", 6)):
+        axes = {action.joints for action in actions if getattr(action, "node", "") == node}
+        assert len(axes) == count
+        for joints in axes:
+            assert {Jog(node, joints, 1), Jog(node, joints, -1)} <= set(actions)
+    assert {Drive(1, 0), Drive(-1, 0), Drive(0, 1), Drive(0, -1), *Command} <= set(actions)
+
+
+def test_unknown_setting_is_refused():
+    values = yaml.safe_load(FILE.read_text())
+    with pytest.raises(SettingsError, match="unknown setting tap"):
+        KeyboardSettings.from_settings(Section({**values, "tap": 1.0}, "f"))
+
+
+class TestCommander:
+    turret = Jog("arm", ("turret_joint",), 1)
+    turret_back = Jog("arm", ("turret_joint",), -1)
+    pair = Jog("flipper", ("left", "right"), 1)
+
+    @pytest.fixture
+    def commander(self):
+        return Commander(jog_rate=100.0, linear=1.2, angular=1.0)
+
+    def test_held_keys_move_and_released_ones_stop_once(self, commander):
+        assert commander.update([self.turret]).jogs == {"arm": {"turret_joint": 100.0}}
+        assert commander.busy
+        assert commander.update([]).jogs == {"arm": {"turret_joint": 0.0}}
+        assert not commander.busy
+        assert commander.update([]).jogs == {}
+
+    def test_several_joints_and_nodes_at_once(self, commander):
+        commands = commander.update([self.turret_back, self.pair])
+        assert commands.jogs == {
+            "arm": {"turret_joint": -100.0},
+            "flipper": {"left": 100.0, "right": 100.0},
+        }
+
+    def test_opposite_keys_stand_still(self, commander):
+        assert commander.update([self.turret, self.turret_back]).jogs == {
+            "arm": {"turret_joint": 0.0}
+        }
+        assert not commander.busy
+
+    def test_two_keys_for_one_joint_are_not_faster(self, commander):
+        left = Jog("flipper", ("left",), 1)
+        assert commander.update([self.pair, left]).jogs["flipper"]["left"] == 100.0
+
+    def test_driving(self, commander):
+        both = commander.update([Drive(1, 0), Drive(0, -1)])
+        assert both.drive == (Velocity(1.2, -1.0),)
+        assert commander.update([]).drive == (Velocity(0.0, 0.0),)
+        assert commander.update([]).drive == ()
+
+    def test_stop_tells_everything(self, commander):
+        commander.update([self.turret, Drive(1, 0)])
+        commands = commander.stop([self.turret, self.turret_back, self.pair, Command.HELP])
+        assert commands.jogs == {
+            "arm": {"turret_joint": 0.0},
+            "flipper": {"left": 0.0, "right": 0.0},
+        }
+        assert commands.drive == (Velocity(0.0, 0.0),)
+        assert commander.update([]).jogs == {}
+
+
+class TestScreen:
+    nodes = {name: NodeView(0.1, False, "") for name in ("tracks", "arm", "gripper", "flipper")}
+
+    def show(self, settings, columns=80, lines=24, show_help=False, **state):
+        values = {"nodes": self.nodes, "mode": "JOINT", "speed_scale": 0.5, **state}
+        screen = ScreenState("/telex", **values)
+        return render(settings.keys, settings.lengths, screen, columns, lines, show_help)
+
+    def text(self, *arguments, **state):
+        return "\n".join(line.text for line in self.show(*arguments, **state))
+
+    @pytest.mark.parametrize("show_help", [False, True])
+    @pytest.mark.parametrize(("columns", "lines"), [(80, 24), (200, 60), (40, 60), (60, 8), (1, 1)])
+    def test_fits_any_terminal(self, settings, columns, lines, show_help):
+        picture = self.show(settings, columns, lines, show_help)
+        assert len(picture) <= lines
+        assert all(len(line.text) <= columns for line in picture)
+
+    def test_a_usual_terminal_shows_everything(self, settings):
+        text = self.text(settings)
+        for word in (
+            "mode JOINT",
+            "speed 50 %",
+            "elbow",
+            "camera tilt",
+            "rear right",
+            "space: stop",
+        ):
+            assert word in text
+
+    def test_the_smallest_still_says_how_to_stop(self, settings):
+        text = self.text(settings, 80, 8)
+        assert "space: stop all" in text
+        assert "READY" in text
+
+    def test_values(self, settings):
+        text = self.text(
+            settings,
+            joints={"telescope_joint": JointView(0.25, True), "elbow_joint": JointView(1.0, False)},
+            drive=Velocity(0.5, 0.0),
+            held=frozenset([Jog("arm", ("elbow_joint",), -1)]),
+        )
+        assert "!+250 mm" in text
+        assert re.search(r"> p ; +elbow +\+57.3 deg", text)
+        assert "+0.50 m/s" in text
+
+    def test_obedience(self, settings):
+        active = {**self.nodes, "arm": NodeView(0.1, True, "")}
+        deaf = {**self.nodes, "arm": NodeView(0.1, False, "the simulation is paused")}
+        gone = {**self.nodes, "arm": NodeView(3.0, False, "")}
+        for state, says, style in (
+            ({}, "READY", Style.NORMAL),
+            ({"nodes": active}, "OBEYED by arm", Style.GOOD),
+            ({"nodes": deaf}, "NOT OBEYED (arm): the simulation is paused", Style.WARNING),
+            ({"nodes": gone}, "NO ANSWER from: arm", Style.WARNING),
+            ({"nodes": {}}, "NO ANSWER from the robot's", Style.ALARM),
+            ({"e_stop": True}, "E-STOP IS ACTIVE, nothing obeys. Release: ctrl+r", Style.ALARM),
+        ):
+            line = self.show(settings, **state)[1]
+            assert line.text.startswith(says)
+            assert line.style is style
+
+    def test_notice(self, settings):
+        assert self.show(settings, notice="no such mode")[-1].text == "no such mode"
+
+    def test_help_explains_the_terminal_at_hand(self, settings):
+        assert "nudge" in self.text(settings, show_help=True)
+        assert "exactly as long" in self.text(settings, show_help=True, exact_keys=True)

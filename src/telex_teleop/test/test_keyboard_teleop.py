@@ -1,0 +1,194 @@
+"""The keyboard's main loop with a terminal and a robot of paper."""
+
+import pytest
+
+from telex_teleop.keyboard_decoding import FocusEvent, KeyDecoder, KittyReply
+from telex_teleop.keyboard_map import KeyboardSettings
+from telex_teleop.keyboard_teleop import KeyboardTeleop
+from telex_teleop.settings import Section
+from telex_teleop.track_drive import Velocity
+
+KEYS = {
+    "w": "tracks forward",
+    "j": "arm turret_joint +",
+    "space": "stop",
+    "escape": "e-stop",
+    "ctrl+r": "release e-stop",
+    "+": "faster",
+    "-": "slower",
+    "tab": "mode",
+    "?": "help",
+    "ctrl+c": "quit",
+}
+
+
+class Terminal:
+    """Answers `read` from a script of (bytes or None); keeps what it is shown."""
+
+    def __init__(self, script=()):
+        self.script = list(script)
+        self.pictures = []
+        self.answers = []
+
+    def read(self, timeout):
+        item = self.script.pop(0) if self.script else b"\x03"
+        return item(timeout) if callable(item) else item
+
+    def answer(self, exact):
+        self.answers.append(exact)
+
+    def size(self):
+        return 80, 24
+
+    def show(self, lines):
+        self.pictures.append(lines)
+
+
+class Robot:
+    namespace, mode, speed_scale, e_stop, drive, notice = (
+        "/r",
+        "JOINT",
+        1.0,
+        False,
+        Velocity(0, 0),
+        "",
+    )
+
+    def __init__(self):
+        self.sent = []
+        self.done = []
+
+    def send(self, commands):
+        self.sent.append(commands)
+
+    def change_speed(self, factor):
+        self.done.append(factor)
+
+    def set_e_stop(self, active):
+        self.done.append(active)
+
+    def toggle_mode(self):
+        self.done.append("mode")
+
+    def node_views(self):
+        return {}
+
+    def joint_views(self):
+        return {}
+
+
+@pytest.fixture
+def robot():
+    return Robot()
+
+
+@pytest.fixture
+def settings():
+    return KeyboardSettings.from_settings(Section({"keys": KEYS}, "f"))
+
+
+@pytest.fixture
+def keyboard(robot, settings):
+    return KeyboardTeleop(settings, robot, Terminal())
+
+
+def press(keyboard, data, now):
+    keyboard.take(KeyDecoder().feed(data, now), now)
+    keyboard.send(now)
+
+
+def test_command_leaves_with_the_press_and_repeats_at_the_rate(keyboard, robot):
+    press(keyboard, b"j", 1.0)
+    assert robot.sent[0].jogs == {"arm": {"turret_joint": 100.0}}
+    keyboard.send(1.01)
+    assert len(robot.sent) == 1
+    keyboard.send(1.021)
+    assert len(robot.sent) == 2
+    keyboard.send(1.2)
+    assert robot.sent[-1].jogs == {"arm": {"turret_joint": 0.0}}
+    keyboard.send(1.3)
+    assert len(robot.sent) == 3
+
+
+def test_idle_keyboard_sends_nothing(keyboard, robot):
+    for tick in range(100):
+        keyboard.send(0.02 * tick)
+    assert robot.sent == []
+
+
+def test_lost_focus_stops(keyboard, robot):
+    press(keyboard, b"w", 1.0)
+    keyboard.take([FocusEvent(False)], 1.02)
+    keyboard.send(1.02)
+    assert robot.sent[-1].drive == (Velocity(0.0, 0.0),)
+
+
+def test_stop_is_done_however_often_its_key_repeats(keyboard, robot):
+    for tick in range(3):
+        press(keyboard, b" ", 1.0 + 0.03 * tick)
+    stops = [commands for commands in robot.sent if commands.jogs]
+    assert len(stops) == 3
+    assert stops[0].jogs == {"arm": {"turret_joint": 0.0}}
+
+
+def test_e_stop_also_stops(keyboard, robot):
+    press(keyboard, b"j", 1.0)
+    press(keyboard, b"\x1b", 1.02)
+    decoder = KeyDecoder()
+    decoder.feed(b"\x1b", 1.02)
+    keyboard.take(decoder.feed(b"", 1.1), 1.1)
+    assert robot.done == [True]
+    assert robot.sent[-1].jogs == {"arm": {"turret_joint": 0.0}}
+
+
+def test_commands_happen_once_per_press(keyboard, robot):
+    for data in (b"+", b"-", b"\t", b"\x12"):
+        press(keyboard, data, 1.0)
+        press(keyboard, data, 1.05)
+    assert robot.done == [1.25, 0.8, "mode", False]
+
+
+def test_terminal_is_told_of_its_answers(robot, settings):
+    terminal = Terminal()
+    keyboard = KeyboardTeleop(settings, robot, terminal)
+    keyboard.take([KittyReply(False), KittyReply(True)], 1.0)
+    assert terminal.answers == [False, True]
+    assert "exactly" not in "".join(line.text for line in keyboard.picture(1.0))
+    press(keyboard, b"?", 1.0)
+    assert "exactly" in "".join(line.text for line in keyboard.picture(1.0))
+
+
+def test_quit_ends_the_loop_with_zeros(robot, settings):
+    KeyboardTeleop(settings, robot, Terminal([b"j", b"\x03"])).run(lambda: False)
+    assert robot.sent[-1].jogs == {"arm": {"turret_joint": 0.0}}
+
+
+def test_end_of_the_terminal_ends_the_loop_with_zeros(robot, settings):
+    terminal = Terminal([b"j", None])
+    KeyboardTeleop(settings, robot, terminal).run(lambda: False)
+    assert terminal.pictures
+    assert robot.sent[-1].jogs == {"arm": {"turret_joint": 0.0}}
+
+
+def test_failure_ends_with_zeros_too(robot, settings):
+    def fail(_timeout):
+        raise RuntimeError("out of paper")
+
+    with pytest.raises(RuntimeError, match="out of paper"):
+        KeyboardTeleop(settings, robot, Terminal([b"j", fail])).run(lambda: False)
+    assert robot.sent[-1].jogs == {"arm": {"turret_joint": 0.0}}
+
+
+def test_interruption_ends_the_loop(robot, settings):
+    terminal = Terminal([b""] * 100)
+    KeyboardTeleop(settings, robot, terminal).run(lambda: len(terminal.script) < 98)
+    assert len(terminal.script) == 97
+
+
+def test_standstill_of_the_program_releases_the_keys(robot, settings, monkeypatch):
+    clock = iter([0.0, 0.02, 0.04, 5.0, 5.02, 5.04])
+    monkeypatch.setattr("telex_teleop.keyboard_teleop.time.monotonic", lambda: next(clock))
+    exact = b"\x1b[?15u\x1b[106u"
+    KeyboardTeleop(settings, robot, Terminal([exact, b"", b"", b"", b"\x03"])).run(lambda: False)
+    moving = [commands.jogs["arm"]["turret_joint"] for commands in robot.sent if commands.jogs]
+    assert moving == [100.0, 100.0, 0.0]

@@ -1,0 +1,266 @@
+"""Core of the joint nodes: streams, watchdog, e-stop, resets and what a display is told."""
+
+import pytest
+
+from telex_teleop.axis import AxisSettings
+from telex_teleop.joint_jog import InvalidCommand, JogCommand
+from telex_teleop.joint_teleop import JointTeleop
+from telex_teleop.reference import MotionLimits
+from telex_teleop.speed import SpeedScale
+
+DT = 0.01
+TIMEOUT = 0.28
+LIMITS = MotionLimits(-2.0, 2.0, 0.6, 2.0, 0.2, 0.02)
+
+
+class Robot:
+    """A simulation whose joints follow their references, and a node."""
+
+    def __init__(self, core, joints):
+        self.core = core
+        self.time = 100.0
+        self.wall_offset = 0.0
+        self.positions = dict.fromkeys(joints, 0.0)
+        self.last = {}
+        self.step()
+
+    @property
+    def wall(self):
+        return self.time + self.wall_offset
+
+    def step(self):
+        self.time += DT
+        self.last = self.core.update(self.time, self.wall, self.positions)
+        self.positions.update(self.last)
+
+    def run(self, duration):
+        for _ in range(round(duration / DT)):
+            self.step()
+
+    def hold(self, duration, **rates):
+        """Send velocities at 50 Hz, as a held key does."""
+        for tick in range(round(duration / DT)):
+            if tick % 2 == 0:
+                self.send(**rates)
+            self.step()
+
+    def send(self, validity=None, **rates):
+        self.core.receive(JogCommand(rates, {}, validity), self.wall)
+
+    def displace(self, **increments):
+        self.core.receive(JogCommand({}, increments, None), self.wall)
+
+    def message(self):
+        return self.core.state(self.wall).message
+
+
+@pytest.fixture
+def robot():
+    axes = {name: AxisSettings(LIMITS, 0.5) for name in ("a", "b")}
+    return Robot(JointTeleop(axes, TIMEOUT, 0.5, SpeedScale()), axes)
+
+
+def test_held_key_moves_at_the_rate_and_only_that_joint(robot):
+    robot.hold(0.5, a=0.3)
+    start = robot.positions["a"]
+    robot.hold(1.0, a=0.3)
+    assert robot.positions["a"] - start == pytest.approx(0.3, rel=1e-6)
+    assert robot.positions["b"] == 0.0
+    assert set(robot.last) == {"a"}
+
+
+def test_speed_scale_slows(robot):
+    robot.core.speed.set(0.1)
+    robot.hold(0.5, a=9.0)
+    start = robot.positions["a"]
+    robot.hold(1.0, a=9.0)
+    assert robot.positions["a"] - start == pytest.approx(0.06, rel=1e-6)
+
+
+def test_silence_stops_within_timeout_and_ramp(robot):
+    robot.hold(1.0, a=0.6)
+    robot.run(TIMEOUT - 0.04)  # the last message came 0.02 s before
+    assert robot.core.axes["a"].generator.velocity == pytest.approx(0.6)
+    robot.run(0.04)
+    assert robot.core.axes["a"].generator.velocity < 0.6
+    robot.run(0.3)
+    assert robot.last == {}
+    held = robot.positions["a"]
+    robot.run(1.0)
+    assert robot.positions["a"] == held
+
+
+def test_zero_stops_at_once(robot):
+    robot.hold(1.0, a=0.6)
+    robot.send(a=0.0)
+    robot.step()
+    assert robot.core.axes["a"].generator.velocity < 0.6
+
+
+def test_joints_have_streams_of_their_own(robot):
+    robot.hold(0.5, a=0.3)
+    robot.hold(1.0, b=0.3)
+    assert robot.core.axes["a"].generator.velocity == 0.0
+    assert robot.core.axes["b"].generator.velocity == pytest.approx(0.3)
+
+
+def test_newest_of_two_clients_wins(robot):
+    robot.send(a=0.3)
+    robot.send(a=-0.3)
+    robot.run(0.25)
+    assert robot.positions["a"] < 0.0
+
+
+def test_short_validity(robot):
+    robot.send(a=0.3, validity=0.05)
+    robot.run(0.06)
+    before = robot.core.axes["a"].generator.velocity
+    robot.step()
+    assert robot.core.axes["a"].generator.velocity < before
+
+
+def test_stale_stream_moves_nothing_after_a_pause(robot):
+    robot.send(a=0.6)
+    robot.wall_offset += 0.3
+    robot.run(0.1)
+    assert robot.positions["a"] == 0.0
+
+
+def test_stream_through_a_pause_goes_on(robot):
+    robot.hold(0.5, a=0.3)
+    for _ in range(50):
+        robot.wall_offset += 0.02
+        robot.send(a=0.3)
+    before = robot.positions["a"]
+    robot.hold(0.1, a=0.3)
+    assert robot.positions["a"] == pytest.approx(before + 0.03)
+
+
+def test_displacement_goes_its_way_and_ends(robot):
+    robot.displace(a=0.2)
+    robot.displace(a=0.1)
+    robot.run(2.0)
+    assert robot.positions["a"] == pytest.approx(0.3, abs=1e-8)
+    assert robot.last == {}
+
+
+def test_displacement_from_before_a_pause_is_forgotten(robot):
+    robot.displace(a=0.2)
+    robot.wall_offset += 0.3
+    robot.run(1.0)
+    assert robot.positions["a"] == 0.0
+    robot.displace(a=0.4)
+    robot.run(0.2)
+    robot.wall_offset += 0.3
+    robot.run(2.0)
+    assert 0.0 < robot.positions["a"] < 0.2
+
+
+def test_long_displacement_is_refused_for_all_joints(robot):
+    with pytest.raises(InvalidCommand, match="displacements of b is 0.6; must be at most 0.5"):
+        robot.displace(a=0.1, b=0.6)
+    robot.run(0.5)
+    assert robot.positions == {"a": 0.0, "b": 0.0}
+
+
+def test_jog_takes_over_from_a_displacement(robot):
+    robot.displace(a=0.5)
+    robot.run(0.3)
+    robot.hold(0.5, a=-0.6)
+    robot.send(a=0.0)
+    robot.run(1.0)
+    assert robot.positions["a"] < 0.1
+    assert robot.last == {}
+
+
+class TestEmergencyStop:
+    def test_drops_motion_at_once(self, robot):
+        robot.hold(0.5, a=0.6)
+        robot.core.set_e_stop(True)
+        robot.step()
+        assert robot.last == {}
+        assert robot.message() == "the e-stop is active"
+
+    def test_running_stream_needs_a_new_press(self, robot):
+        robot.hold(0.5, a=0.3)
+        robot.core.set_e_stop(True)
+        robot.hold(0.5, a=0.3)
+        robot.core.set_e_stop(False)
+        before = dict(robot.positions)
+        robot.hold(1.0, a=0.3)
+        assert robot.positions == before
+        assert "press it again" in robot.message()
+        robot.run(TIMEOUT)
+        robot.hold(0.5, a=0.3)
+        assert robot.positions["a"] > before["a"]
+        assert robot.message() == ""
+
+    def test_zero_counts_as_release(self, robot):
+        robot.core.set_e_stop(True)
+        robot.hold(0.5, a=0.3)
+        robot.core.set_e_stop(False)
+        robot.hold(0.1, a=0.3)
+        robot.send(a=0.0)
+        robot.hold(0.5, a=0.3)
+        assert robot.positions["a"] > 0.0
+
+    def test_displacements_are_ignored(self, robot):
+        robot.core.set_e_stop(True)
+        robot.displace(a=0.3)
+        robot.core.set_e_stop(False)
+        robot.run(1.0)
+        assert robot.positions["a"] == 0.0
+
+    def test_repeated_release_changes_nothing(self, robot):
+        robot.core.set_e_stop(False)
+        robot.hold(0.3, a=0.3)
+        robot.core.set_e_stop(False)
+        robot.hold(0.3, a=0.3)
+        assert robot.core.axes["a"].generator.velocity == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize("jump", [-50.0, 0.6])
+def test_jump_of_the_sim_time_needs_a_new_press(robot, jump):
+    robot.hold(0.5, a=0.3)
+    robot.time += jump
+    robot.wall_offset -= jump
+    robot.positions["a"] = 0.0
+    robot.hold(1.0, a=0.3)
+    assert robot.positions["a"] == 0.0
+    robot.run(0.5)
+    robot.hold(0.5, a=0.3)
+    assert robot.positions["a"] > 0.0
+
+
+def test_nothing_before_joint_states(robot):
+    core = JointTeleop({"a": AxisSettings(LIMITS, 0.5)}, TIMEOUT, 0.5, SpeedScale())
+    core.receive(JogCommand({"a": 0.3}, {}, None), 1.0)
+    state = core.state(1.0)
+    assert not state.active
+    assert state.axes == ()
+    assert "no joint_states yet" in state.message
+    assert core.update(5.0, 1.0, {"a": 0.0}) == {}
+    assert core.update(5.01, 1.01, {"a": 0.0}) == {}
+
+
+def test_state_while_jogging(robot):
+    robot.hold(0.5, a=0.3)
+    state = robot.core.state(robot.wall)
+    assert state.active
+    assert state.message == ""
+    axis = state.axes[0]
+    assert (axis.name, axis.max_velocity, axis.limited) == ("a", 0.6, False)
+    assert axis.reference == robot.positions["a"]
+    assert axis.position == pytest.approx(axis.reference - 0.3 * DT)
+
+
+def test_state_says_that_the_simulation_stands_still(robot):
+    robot.hold(0.5, a=0.3)
+    state = robot.core.state(robot.wall + 1.0)
+    assert not state.active
+    assert "paused" in state.message
+
+
+def test_state_names_limited_joints(robot):
+    robot.hold(6.0, b=0.6)
+    assert [axis.limited for axis in robot.core.state(robot.wall).axes] == [False, True]

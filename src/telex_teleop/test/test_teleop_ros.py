@@ -1,0 +1,580 @@
+"""The nodes on a ROS master of their own, with a fake robot whose joints follow their references.
+
+One run of this file as a program (`python test_teleop_ros.py ROLE`) plays a drill and prints what
+it measured as JSON; the tests judge that. The drill has a process of its own because rospy can be
+initialised only once per process.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).parents[1]
+TICK = 0.01  # s between joint states
+ARM = {
+    "turret_joint": ("revolute", -3.4, 3.4, 0.6),
+    "shoulder_joint": ("revolute", -2.7, 1.0, 0.3),
+    "telescope_joint": ("prismatic", 0.0, 0.3, 0.05),
+    "elbow_joint": ("revolute", -2.9, 2.9, 0.6),
+    "forearm_roll_joint": ("revolute", -3.4, 3.4, 1.2),
+    "wrist_pitch_joint": ("revolute", -2.2, 2.2, 1.3),
+    "gripper_roll_joint": ("revolute", -6.2, 6.2, 1.3),
+    "turret_camera_pan_joint": ("revolute", -2.9, 2.9, 1.0),
+    "turret_camera_tilt_joint": ("revolute", -0.7, 1.0, 1.0),
+}
+FINGERS = {
+    f"{side}_finger_{part}_joint": ("revolute", -1.2, 1.2, 2.0)
+    for side in ("left", "right")
+    for part in ("base", "middle", "tip")
+}
+
+
+# ---------------------------------------------------------------- the tests
+
+
+@pytest.fixture(scope="module")
+def master(tmp_path_factory):
+    """Environment of a roscore on a free port."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    environment = dict(
+        os.environ,
+        ROS_MASTER_URI=f"http://127.0.0.1:{port}",
+        ROS_HOSTNAME="127.0.0.1",
+        ROS_LOG_DIR=str(tmp_path_factory.mktemp("ros_log")),
+    )
+    core = subprocess.Popen(
+        ["roscore", "-p", str(port)],
+        env=environment,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
+    try:
+        deadline = time.monotonic() + 20.0
+        while time.monotonic() < deadline:
+            with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port), 1.0):
+                break
+            time.sleep(0.1)
+        yield environment
+    finally:
+        end_group(core)
+
+
+def end_group(process):
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGINT)
+    try:
+        process.wait(10.0)
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+
+
+def play(environment, role):
+    done = subprocess.run(
+        [sys.executable, __file__, role],
+        env=dict(environment, ROS_NAMESPACE="/telex"),
+        capture_output=True,
+        text=True,
+        timeout=120.0,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout[-4000:] + done.stderr[-4000:]
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+@pytest.fixture(scope="module")
+def arm(master):
+    return play(master, "arm")
+
+
+@pytest.fixture(scope="module")
+def gripper(master):
+    return play(master, "gripper")
+
+
+@pytest.fixture(scope="module")
+def tracks(master):
+    return play(master, "tracks")
+
+
+@pytest.mark.ros
+class TestArm:
+    def test_moves_at_the_commanded_rate(self, arm):
+        assert arm["rate"] == pytest.approx(0.3, rel=0.02)
+
+    def test_moves_no_other_joint(self, arm):
+        assert arm["moved"] == ["turret_joint"]
+
+    def test_speed_scale_halves_the_rate(self, arm):
+        assert arm["half_rate"] == pytest.approx(0.15, rel=0.02)
+
+    def test_silence_is_a_command_to_stop(self, arm):
+        # from the last message to the first slower step, then the ramp of 0.3 s at full rate
+        assert 0.2 <= arm["slower_after"] <= 0.35
+        assert arm["rest_after"] <= 0.35 + arm["ramp"]
+
+    def test_holds_and_publishes_nothing_when_idle(self, arm):
+        assert arm["idle_messages"] == 0
+
+    def test_e_stop_ends_motion_and_latches(self, arm):
+        assert arm["e_stop_moved"] < 0.02
+        assert arm["held_key_moved"] == 0.0
+        assert arm["new_press_moved"] > 0.05
+
+    def test_bad_messages_move_nothing(self, arm):
+        assert arm["bad_moved"] == 0.0
+        assert arm["after_bad_moved"] > 0.05
+
+    def test_stale_stream_moves_nothing_after_a_pause(self, arm):
+        assert arm["pause_moved"] == 0.0
+
+    def test_killed_and_restarted_node_moves_nothing(self, arm):
+        assert arm["restart_messages"] == 0
+        assert arm["restart_moved"] == 0.0
+        assert arm["after_restart_moved"] > 0.05
+
+    def test_modes(self, arm):
+        assert arm["modes"]["JOINT"] == [True, ""]
+        assert arm["modes"]["CARTESIAN"][0] is False
+        assert "not available" in arm["modes"]["CARTESIAN"][1]
+        assert arm["modes"]["FLY"][0] is False
+
+    def test_status(self, arm):
+        assert arm["status_rate"] == pytest.approx(10.0, abs=2.0)
+        assert arm["status"]["mode"] == "JOINT"
+        assert arm["status"]["joint_names"] == list(ARM)
+        assert arm["status"]["max_velocity"] == pytest.approx([joint[3] for joint in ARM.values()])
+
+    def test_wrong_parameters_end_the_node_with_one_line(self, master):
+        done = subprocess.run(
+            [str(PACKAGE / "nodes" / "arm_teleop"), "__name:=broken", "_jonts:=[a]"],
+            env=master,
+            capture_output=True,
+            text=True,
+            timeout=30.0,
+            check=False,
+        )
+        assert done.returncode == 1
+        assert "/broken/joints: is missing" in done.stderr
+        assert "Traceback" not in done.stderr
+
+
+@pytest.mark.ros
+class TestGripper:
+    def test_six_joints_move_together(self, gripper):
+        opened = gripper["opened"]
+        assert opened > 0.05
+        for joint, position in gripper["positions"].items():
+            ratio = -2.0 if "tip" in joint else 1.0
+            assert position == pytest.approx(ratio * opened, abs=1e-6)
+
+
+@pytest.mark.ros
+class TestTracks:
+    def test_commands_at_fifty_hertz_while_alive(self, tracks):
+        assert tracks["count"] == pytest.approx(50, abs=4)
+        assert tracks["linear"] == pytest.approx(0.6)  # 2 m/s clamped to 1.2, at half speed
+        assert tracks["angular"] == pytest.approx(-0.25)
+
+    def test_stops_then_is_silent(self, tracks):
+        assert 0.2 <= tracks["stop_after"] <= 0.35
+        assert 5 <= tracks["stops"] <= 12
+        assert tracks["messages_later"] == 0
+
+    def test_bad_twists_drive_nothing(self, tracks):
+        assert tracks["bad_messages"] == 0
+
+
+# ---------------------------------------------------------------- the drill
+
+
+class FakeRobot:
+    """Publishes /clock and joint states; every joint is where its last reference says."""
+
+    def __init__(self, joints):
+        import rospy
+        from rosgraph_msgs.msg import Clock
+        from sensor_msgs.msg import JointState
+        from std_msgs.msg import Float64
+
+        self.joints = list(joints)
+        self.positions = dict.fromkeys(joints, 0.1)
+        self.history = []  # (sim time, positions), one per joint state
+        self.messages = 0
+        self.sim_time = 1.0
+        self.paused = False
+        self._ended = False
+        self._state = JointState
+        self._clock_message = Clock
+        self._clock = rospy.Publisher("/clock", Clock, queue_size=10)
+        self._joint_states = rospy.Publisher("joint_states", JointState, queue_size=10)
+        for joint in joints:
+            topic = joint.replace("_joint", "_position_controller/command")
+            rospy.Subscriber(
+                topic, Float64, self._on_reference, callback_args=joint, tcp_nodelay=True
+            )
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._thread.start()
+
+    def _on_reference(self, message, joint):
+        self.positions[joint] = message.data
+        self.messages += 1
+
+    def _run(self):
+        import rospy
+
+        due = time.monotonic()
+        while not self._ended:
+            due += TICK
+            time.sleep(max(0.0, due - time.monotonic()))
+            if self.paused:
+                continue
+            self.sim_time = round(self.sim_time + TICK, 6)
+            stamp = rospy.Time.from_sec(self.sim_time)
+            state = self._state(name=self.joints, position=list(self.positions.values()))
+            state.header.stamp = stamp
+            self.history.append((self.sim_time, dict(self.positions)))
+            self._clock.publish(self._clock_message(clock=stamp))
+            self._joint_states.publish(state)
+
+    def end(self):
+        self._ended = True
+        self._thread.join()
+
+    def rate(self, joint, duration):
+        """Mean velocity over the last `duration` seconds of sim time."""
+        count = round(duration / TICK)
+        (start, before), (end, after) = self.history[-count - 1], self.history[-1]
+        return (after[joint] - before[joint]) / (end - start)
+
+
+def description(joints):
+    links = "".join(f'<link name="{joint}_link"/>' for joint in joints)
+    parts = "".join(
+        f'<joint name="{name}" type="{kind}"><parent link="base_link"/>'
+        f'<child link="{name}_link"/>'
+        f'<limit lower="{lower}" upper="{upper}" velocity="{velocity}" effort="1"/></joint>'
+        for name, (kind, lower, upper, velocity) in joints.items()
+    )
+    return f'<robot name="fake"><link name="base_link"/>{links}{parts}</robot>'
+
+
+class Node:
+    """One of our nodes as a process."""
+
+    def __init__(self, name):
+        self.name = name
+        self.start()
+
+    def start(self):
+        command = [str(PACKAGE / "nodes" / self.name)]
+        # not our stdout: that carries the results, and its reader waits until everybody closes it
+        self.process = subprocess.Popen(command, stdout=sys.stderr)
+
+    def kill(self):
+        self.process.kill()
+        self.process.wait()
+
+    def end(self):
+        self.process.terminate()
+        try:
+            self.process.wait(10.0)
+        except subprocess.TimeoutExpired:
+            self.kill()
+
+
+def repeat(publisher, message, duration):
+    """Publish at 50 Hz, as a held key does."""
+    end = time.monotonic() + duration
+    while time.monotonic() < end:
+        publisher.publish(message)
+        time.sleep(0.02)
+
+
+def wait_for(condition, what, timeout=20.0):
+    deadline = time.monotonic() + timeout
+    while not condition():
+        if time.monotonic() > deadline:
+            raise TimeoutError(what)
+        time.sleep(0.05)
+
+
+def jog(joint="turret_joint", rate=0.3):
+    from control_msgs.msg import JointJog
+
+    return JointJog(joint_names=[joint], velocities=[rate])
+
+
+class ArmDrill:
+    """Everything that is measured on arm_teleop."""
+
+    def __init__(self, robot, node):
+        import rospy
+        from control_msgs.msg import JointJog
+        from std_msgs.msg import Bool, Float64
+        from telex_msgs.msg import JointTeleopStatus
+
+        self.robot = robot
+        self.node = node
+        self.jogs = rospy.Publisher("arm_teleop/delta_joint_cmds", JointJog, queue_size=10)
+        self.e_stop = rospy.Publisher("e_stop", Bool, queue_size=10)
+        self.speed = rospy.Publisher("arm_teleop/speed_scale", Float64, queue_size=10)
+        self.status = []
+        rospy.Subscriber("arm_teleop/status", JointTeleopStatus, self.status.append)
+        self.wait_until_ready()
+
+    def wait_until_ready(self):
+        self.status.clear()
+        wait_for(lambda: self.jogs.get_num_connections() and self.status, "arm_teleop")
+        wait_for(lambda: self.status[-1].joint_names, "first joint states in the status")
+
+    def travel(self, action):
+        before = self.robot.positions["turret_joint"]
+        action()
+        return abs(self.robot.positions["turret_joint"] - before)
+
+    def key(self, duration, rate=0.3):
+        repeat(self.jogs, jog(rate=rate), duration)
+
+    def settle(self):
+        time.sleep(0.8)
+
+    def run(self):
+        results = {}
+        before = dict(self.robot.positions)
+        self.key(1.6)
+        results["rate"] = self.robot.rate("turret_joint", 1.0)
+        results["moved"] = [j for j, p in self.robot.positions.items() if p != before[j]]
+        self.settle()
+        results.update(self.measure_stop())
+        results.update(self.measure_idle())
+        results.update(self.measure_speed())
+        results.update(self.measure_e_stop())
+        results.update(self.measure_bad_messages())
+        results.update(self.measure_pause())
+        results.update(self.measure_restart())
+        results["modes"] = self.ask_modes()
+        return results
+
+    def measure_stop(self):
+        self.key(1.0, rate=-0.6)
+        last = self.robot.sim_time
+        full_step = 0.6 * TICK
+        self.settle()
+        steps = [
+            (time_b, abs(b["turret_joint"] - a["turret_joint"]))
+            for (_, a), (time_b, b) in zip(self.robot.history, self.robot.history[1:])
+            if time_b > last
+        ]
+        slower = next(t for t, _ in steps if self.is_final(steps, t, 0.9 * full_step))
+        rest = next(t for t, _ in steps if self.is_final(steps, t, 1e-9))
+        return {"slower_after": slower - last, "rest_after": rest - last, "ramp": 0.3}
+
+    @staticmethod
+    def is_final(steps, moment, bound):
+        """Tell whether all steps from a moment on are small: jitter makes single ones so."""
+        return all(step < bound for t, step in steps if t >= moment)
+
+    def measure_idle(self):
+        before, count = self.robot.messages, len(self.status)
+        time.sleep(1.0)
+        message = self.status[-1]
+        return {
+            "idle_messages": self.robot.messages - before,
+            "status_rate": float(len(self.status) - count),
+            "status": {
+                "mode": message.mode,
+                "joint_names": list(message.joint_names),
+                "max_velocity": list(message.max_velocity),
+            },
+        }
+
+    def measure_speed(self):
+        from std_msgs.msg import Float64
+
+        for value in (0.5, float("nan")):
+            self.speed.publish(Float64(value))
+        time.sleep(0.2)
+        self.key(1.6)
+        half = self.robot.rate("turret_joint", 1.0)
+        self.speed.publish(Float64(1.0))
+        self.settle()
+        return {"half_rate": half}
+
+    def measure_e_stop(self):
+        from std_msgs.msg import Bool
+
+        self.key(0.6)
+        self.e_stop.publish(Bool(True))
+        stopping = self.travel(lambda: self.key(0.5))
+        self.e_stop.publish(Bool(False))
+        time.sleep(0.05)
+        held = self.travel(lambda: self.key(0.6))
+        time.sleep(0.4)
+        pressed = self.travel(lambda: self.key(0.6))
+        self.settle()
+        return {"e_stop_moved": stopping, "held_key_moved": held, "new_press_moved": pressed}
+
+    def measure_bad_messages(self):
+        from control_msgs.msg import JointJog
+
+        turret = "turret_joint"
+        bad = [
+            JointJog(joint_names=[turret], velocities=[float("nan")]),
+            JointJog(joint_names=[turret, "no_joint"], velocities=[0.3, 0.3]),
+            JointJog(joint_names=[turret, turret], velocities=[0.3, 0.3]),
+            JointJog(joint_names=[turret], velocities=[0.3, 0.3]),
+            JointJog(joint_names=[turret], velocities=[0.3], displacements=[0.1]),
+            JointJog(joint_names=[turret]),
+        ]
+        moved = self.travel(lambda: [repeat(self.jogs, message, 0.1) for message in bad])
+        after = self.travel(lambda: self.key(0.6))
+        self.settle()
+        return {"bad_moved": moved, "after_bad_moved": after}
+
+    def measure_pause(self):
+        self.robot.paused = True
+        time.sleep(0.1)
+        self.key(0.3)
+        time.sleep(0.5)
+
+        def unpause():
+            self.robot.paused = False
+            time.sleep(0.5)
+
+        return {"pause_moved": self.travel(unpause)}
+
+    def measure_restart(self):
+        self.key(0.6)
+        self.node.kill()
+        time.sleep(0.1)
+        before, messages = self.robot.positions["turret_joint"], self.robot.messages
+        self.node.start()
+        self.wait_until_ready()
+        time.sleep(0.5)
+        moved = abs(self.robot.positions["turret_joint"] - before)
+        messages = self.robot.messages - messages
+        after = self.travel(lambda: self.key(0.6))
+        return {
+            "restart_moved": moved,
+            "restart_messages": messages,
+            "after_restart_moved": after,
+        }
+
+    @staticmethod
+    def ask_modes():
+        import rospy
+        from telex_msgs.srv import SetMode
+
+        set_mode = rospy.ServiceProxy("arm_teleop/set_mode", SetMode)
+        answers = {mode: set_mode(mode) for mode in ("JOINT", "CARTESIAN", "FLY")}
+        return {mode: [answer.success, answer.message] for mode, answer in answers.items()}
+
+
+class GripperDrill:
+    def __init__(self, robot, _node):
+        import rospy
+        from control_msgs.msg import JointJog
+
+        self.robot = robot
+        self.robot.positions.update(dict.fromkeys(robot.joints, 0.0))
+        self.jogs = rospy.Publisher("gripper_teleop/delta_joint_cmds", JointJog, queue_size=10)
+        wait_for(self.jogs.get_num_connections, "gripper_teleop")
+        time.sleep(0.5)
+
+    def run(self):
+        repeat(self.jogs, jog("gripper", 0.1), 1.0)
+        time.sleep(0.8)
+        positions = dict(self.robot.positions)
+        return {"opened": positions["left_finger_base_joint"], "positions": positions}
+
+
+class TrackDrill:
+    def __init__(self, robot, _node):
+        import rospy
+        from geometry_msgs.msg import Twist
+        from std_msgs.msg import Float64
+
+        self.robot = robot
+        self.sent = []
+        self.twists = rospy.Publisher("track_teleop/cmd_vel", Twist, queue_size=10)
+        self.speed = rospy.Publisher("track_teleop/speed_scale", Float64, queue_size=10)
+        rospy.Subscriber(
+            "track_controller/cmd_vel",
+            Twist,
+            lambda message: self.sent.append((self.robot.sim_time, message)),
+        )
+        wait_for(
+            lambda: self.twists.get_num_connections() and self.speed.get_num_connections(),
+            "track_teleop",
+        )
+        time.sleep(0.5)
+
+    def run(self):
+        from geometry_msgs.msg import Twist, Vector3
+        from std_msgs.msg import Float64
+
+        bad = Twist(linear=Vector3(x=float("nan")))
+        repeat(self.twists, bad, 0.3)
+        time.sleep(0.2)
+        results = {"bad_messages": len(self.sent)}
+        self.speed.publish(Float64(0.5))
+        time.sleep(0.1)
+        repeat(self.twists, Twist(linear=Vector3(x=2.0, y=1.0), angular=Vector3(z=-0.5)), 1.2)
+        last = self.robot.sim_time
+        driven = [message for moment, message in self.sent if moment > last - 1.0]
+        results["count"] = len(driven)
+        results["linear"] = driven[-1].linear.x
+        results["angular"] = driven[-1].angular.z
+        time.sleep(0.8)
+        stops = [moment for moment, message in self.sent if message == Twist()]
+        results["stops"] = len(stops)
+        results["stop_after"] = stops[0] - last
+        before = len(self.sent)
+        time.sleep(0.5)
+        results["messages_later"] = len(self.sent) - before
+        return results
+
+
+def main(role):
+    """Play one drill and print its results."""
+    import rospy
+    import yaml
+
+    drill_class, joints, name = {
+        "arm": (ArmDrill, ARM, "arm_teleop"),
+        "gripper": (GripperDrill, FINGERS, "gripper_teleop"),
+        "tracks": (TrackDrill, ARM, "track_teleop"),
+    }[role]
+    rospy.set_param("/use_sim_time", True)
+    rospy.set_param("/telex/robot_description", description(joints))
+    settings = yaml.safe_load((PACKAGE / "config" / f"{name}.yaml").read_text())
+    rospy.set_param(f"/telex/{name}", settings)
+    rospy.init_node("drill", disable_signals=True)
+    robot = FakeRobot(joints)
+    node = Node(name)
+    try:
+        results = drill_class(robot, node).run()
+    finally:
+        robot.end()
+        node.end()
+    print(json.dumps(results))
+    rospy.signal_shutdown("done")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])
