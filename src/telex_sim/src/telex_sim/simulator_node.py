@@ -37,6 +37,8 @@ _PAUSED_REPEAT = 0.2
 _STATUS_PERIOD = 1.0
 """Wall time between status messages (s)."""
 _MAX_STEPS = 1_000_000
+_SWITCH_INTERVAL = 5e-4
+"""After this time (s) a thread of rospy that computes hands the interpreter back to the loop."""
 
 
 class _Request:
@@ -290,6 +292,7 @@ def _robot_description() -> str:
 def main() -> None:
     """Run the node; a mistake in the configuration ends it with one line that says what to do."""
     rospy.init_node("simulator")
+    sys.setswitchinterval(_SWITCH_INTERVAL)
     packages = rospkg.RosPack()
     try:
         paused = bool(rospy.get_param("~paused", False))

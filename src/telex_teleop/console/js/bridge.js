@@ -1,0 +1,171 @@
+// @ts-check
+/** A small client of the rosbridge v2 protocol that reconnects by itself. */
+
+const RETRY_AFTER = 1000; // ms between two attempts to connect
+const PING_PERIOD = 500; // ms between two questions that only measure the link
+const DEAD_AFTER = 3000; // ms without a word from the bridge after which the connection is given up
+
+/**
+ * @typedef {object} Subscription
+ * @property {string} topic
+ * @property {string} type
+ * @property {number} throttle    Least time between two messages (ms).
+ * @property {(message: any) => void} heard
+ */
+
+export class Bridge {
+  /**
+   * @param {() => Promise<string>} locate  Finds the bridge's address; asked anew before every attempt.
+   * @param {object} events
+   * @param {() => void} events.opened
+   * @param {(reason: string) => void} events.lost     Called once per lost connection.
+   * @param {(sentence: string) => void} events.refused  The bridge could not do what it was asked.
+   */
+  constructor(locate, events) {
+    this._locate = locate;
+    this._events = events;
+    /** @type {WebSocket | null} */
+    this._socket = null;
+    /** @type {Map<string, {type: string, latch: boolean}>} */
+    this._advertised = new Map();
+    /** @type {Map<string, Subscription>} */
+    this._subscriptions = new Map();
+    this._lastWord = 0;
+    this._pingSent = 0;
+    this._pingNumber = 0;
+    /** Round trip to the bridge (ms), null while unknown. @type {number | null} */
+    this.roundTrip = null;
+  }
+
+  /** Connect, and stay connected. */
+  start() {
+    setInterval(() => this._watch(), PING_PERIOD);
+    this._connect();
+  }
+
+  get connected() {
+    return this._socket !== null && this._socket.readyState === WebSocket.OPEN;
+  }
+
+  /** Bytes that the browser has not got rid of yet. */
+  get waiting() {
+    return this._socket === null ? 0 : this._socket.bufferedAmount;
+  }
+
+  /** Time (ms) since the bridge said anything; Infinity while not connected. */
+  get silence() {
+    return this.connected ? performance.now() - this._lastWord : Infinity;
+  }
+
+  /**
+   * @param {string} topic
+   * @param {string} type
+   * @param {{latch?: boolean}} [options]
+   */
+  advertise(topic, type, { latch = false } = {}) {
+    this._advertised.set(topic, { type, latch });
+    if (this.connected) this._advertiseNow(topic);
+  }
+
+  /**
+   * Publish on an advertised topic; nothing is kept for later if there is no connection.
+   * @param {string} topic
+   * @param {object} msg
+   * @returns {boolean} Whether it was sent.
+   */
+  publish(topic, msg) {
+    return this._send({ op: "publish", topic, msg });
+  }
+
+  /** @param {Subscription} subscription */
+  subscribe(subscription) {
+    this._subscriptions.set(subscription.topic, subscription);
+    if (this.connected) this._subscribeNow(subscription);
+  }
+
+  /** @param {string} topic */
+  _advertiseNow(topic) {
+    const { type, latch } = /** @type {{type: string, latch: boolean}} */ (this._advertised.get(topic));
+    // One message may wait for a slow subscriber, not a hundred: an old command is worse than none.
+    this._send({ op: "advertise", id: `advertise:${topic}`, topic, type, latch, queue_size: 1 });
+  }
+
+  /** @param {Subscription} subscription */
+  _subscribeNow({ topic, type, throttle }) {
+    this._send({
+      op: "subscribe", id: `subscribe:${topic}`, topic, type, throttle_rate: throttle, queue_length: 1,
+    });
+  }
+
+  /**
+   * @param {object} operation
+   * @returns {boolean}
+   */
+  _send(operation) {
+    if (!this.connected) return false;
+    /** @type {WebSocket} */ (this._socket).send(JSON.stringify(operation));
+    return true;
+  }
+
+  async _connect() {
+    let socket;
+    try {
+      socket = new WebSocket(await this._locate());
+    } catch {
+      setTimeout(() => this._connect(), RETRY_AFTER);
+      return;
+    }
+    this._socket = socket;
+    socket.onopen = () => {
+      this._lastWord = performance.now();
+      this.roundTrip = null;
+      this._pingSent = 0;
+      for (const topic of this._advertised.keys()) this._advertiseNow(topic);
+      for (const subscription of this._subscriptions.values()) this._subscribeNow(subscription);
+      this._events.opened();
+    };
+    socket.onmessage = ({ data }) => {
+      if (socket === this._socket) this._receive(JSON.parse(data));
+    };
+    socket.onclose = () => {
+      if (socket === this._socket) this._giveUp("the connection was closed");
+    };
+  }
+
+  /** @param {any} operation */
+  _receive(operation) {
+    this._lastWord = performance.now();
+    if (operation.op === "publish") {
+      this._subscriptions.get(operation.topic)?.heard(operation.msg);
+    } else if (operation.op === "service_response" && operation.id === `ping:${this._pingNumber}`) {
+      this.roundTrip = performance.now() - this._pingSent;
+      this._pingSent = 0;
+    } else if (operation.op === "status") {
+      this._events.refused(operation.msg);
+    }
+  }
+
+  _watch() {
+    if (!this.connected) return;
+    if (this.silence > DEAD_AFTER) {
+      this._giveUp("the bridge is silent");
+    } else if (this._pingSent === 0) {
+      this._pingSent = performance.now();
+      this._pingNumber += 1;
+      this._send({ op: "call_service", id: `ping:${this._pingNumber}`, service: "/rosapi/get_time" });
+    }
+  }
+
+  /**
+   * Forget the present connection at once: closing one whose other end is dead can take minutes.
+   * @param {string} reason
+   */
+  _giveUp(reason) {
+    const socket = this._socket;
+    this._socket = null;
+    this.roundTrip = null;
+    socket?.close();
+    this._events.lost(reason);
+    setTimeout(() => this._connect(), RETRY_AFTER);
+  }
+}

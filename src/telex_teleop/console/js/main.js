@@ -1,0 +1,177 @@
+// @ts-check
+/** Puts the console together. */
+
+import { Bridge } from "./bridge.js";
+import { COMMAND_PERIOD, Commander } from "./commander.js";
+import { keepPace, watchOperator } from "./deadman.js";
+import { Held } from "./held.js";
+import { labelKeys, listenToKeys, listenToPointers } from "./input.js";
+import { Panels, byId } from "./panels.js";
+import { ACTIONS, JOINT_NODES, TRACK_NODE, TYPES } from "./robot.js";
+import { SILENT_AFTER, StatusView } from "./status.js";
+import { VideoView } from "./video.js";
+
+const JOINTS_PERIOD = 100; // ms between two updates of the joint table
+const DISPLAY_PERIOD = 200; // ms between two updates of header and picture state
+const RETRY_AFTER = 1000; // ms
+
+/**
+ * @typedef {object} Config  What the video server tells the page.
+ * @property {string} namespace
+ * @property {string | null} rosbridge
+ * @property {{name: string, topic: string}[]} cameras
+ * @property {string} main_camera
+ */
+
+/** @returns {Promise<Config>} */
+async function fetchConfig() {
+  const reply = await fetch("/config.json", { cache: "no-store" });
+  if (!reply.ok) throw new Error(`the video server says ${reply.status}`);
+  return reply.json();
+}
+
+/** @returns {Promise<Config>} */
+async function waitForConfig() {
+  for (;;) {
+    try {
+      return await fetchConfig();
+    } catch {
+      await new Promise((resolve) => setTimeout(resolve, RETRY_AFTER));
+    }
+  }
+}
+
+async function locateBridge() {
+  const { rosbridge } = await fetchConfig();
+  if (rosbridge === null) throw new Error("the bridge is not running");
+  return rosbridge;
+}
+
+/** @param {Config} config */
+function startVideo(config) {
+  const video = new VideoView(/** @type {HTMLCanvasElement} */ (byId("picture")));
+  const camera = config.cameras.find(({ name }) => name === config.main_camera) ?? config.cameras[0];
+  byId("camera-name").textContent = camera?.name ?? config.main_camera;
+  // A camera that is not published yet has its place already.
+  video.show(camera?.topic ?? `${config.namespace}/cameras/${config.main_camera}/image_raw`);
+  return video;
+}
+
+async function start() {
+  const status = new StatusView();
+  const panels = new Panels();
+  labelKeys(document).catch(() => {}); // without a layout the caps of a US keyboard stay
+  const config = await waitForConfig();
+  const topic = (/** @type {string} */ name) => `${config.namespace}/${name}`;
+  const video = startVideo(config);
+
+  const held = new Held(() => {
+    commander.update();
+    panels.showHeld(held.actions);
+    panels.showSide(commander.sideOf([...held.actions].map((name) => ACTIONS[name])));
+  });
+
+  const letGo = (/** @type {string} */ reason) => {
+    if (!held.empty) status.warn(`released: ${reason}`);
+    held.releaseAll();
+  };
+
+  const bridge = new Bridge(locateBridge, {
+    opened: () => status.log("connected"),
+    lost: (reason) => {
+      letGo(reason);
+      commander.disconnected();
+      status.forgetSim();
+      status.setLinkBand("Connection lost. Everything is released. Reconnecting …");
+      status.log(`connection lost: ${reason}`, true);
+    },
+    refused: (sentence) => status.warn(`bridge: ${sentence}`),
+  });
+  const commander = new Commander(bridge, topic, () => held.actions, (sentence) => status.warn(sentence));
+
+  const mayPress = () => {
+    if (!bridge.connected) status.warn("not connected: nothing can be moved");
+    else if (status.estopped) status.warn("e-stop is active: release it first");
+    else return true;
+    return false;
+  };
+  const setEstop = (/** @type {boolean} */ data) => {
+    letGo("e-stop");
+    if (!bridge.publish(topic("e_stop"), { data })) status.warn("not connected: e-stop was NOT sent");
+  };
+  const commands = {
+    slower: () => commander.changeSpeed(-1),
+    faster: () => commander.changeSpeed(1),
+    stop: () => letGo("stop"),
+    estop: () => setEstop(true),
+  };
+
+  listenToKeys(held, mayPress, commands);
+  listenToPointers(document.body, held, mayPress);
+  watchOperator(letGo);
+  onClick("slower", commands.slower);
+  onClick("faster", commands.faster);
+  onClick("estop", commands.estop);
+  onClick("release", () => setEstop(false));
+  for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-side]"))) {
+    button.addEventListener("click", () => {
+      commander.side = /** @type {"left" | "both" | "right"} */ (button.dataset.side);
+      panels.showSide(commander.side);
+    });
+  }
+  panels.showSide(commander.side);
+
+  commander.advertise();
+  bridge.advertise(topic("e_stop"), TYPES.bool, { latch: true });
+  const listen = (
+    /** @type {string} */ name,
+    /** @type {string} */ type,
+    /** @type {(message: any) => void} */ heard,
+    throttle = 0,
+  ) => bridge.subscribe({ topic: topic(name), type, throttle, heard });
+  listen("joint_states", TYPES.jointStates, (states) => panels.showJoints(states), JOINTS_PERIOD);
+  listen("sim/status", TYPES.simStatus, (sim) => {
+    status.setSim(sim);
+    // Releasing the e-stop must not bring back a motion that is still held.
+    if (status.estopped) letGo("e-stop");
+  });
+  for (const node of JOINT_NODES) {
+    listen(`${node}/status`, TYPES.jointStatus, (report) => {
+      commander.setJointStatus(node, report);
+      panels.showLimited(node, report.limited);
+      status.logComplaint(node, report.message);
+    });
+  }
+  listen(`${TRACK_NODE}/status`, TYPES.trackStatus, (report) => {
+    commander.setTrackStatus(report);
+    panels.showDrive(report.command);
+    status.logComplaint(TRACK_NODE, report.message);
+  });
+
+  keepPace(COMMAND_PERIOD, () => {
+    if (!held.empty && bridge.silence > SILENT_AFTER) letGo("the robot does not answer");
+    if (!held.empty || commander.busy) commander.update();
+  }, letGo);
+  setInterval(() => {
+    status.showLink(bridge);
+    status.showSim();
+    status.showSpeed(commander.speeds);
+    status.showVideo(video);
+    status.fade();
+  }, DISPLAY_PERIOD);
+  bridge.start();
+}
+
+/**
+ * @param {string} id
+ * @param {() => void} act
+ */
+function onClick(id, act) {
+  const button = byId(id);
+  // The focus stays where it is: Space must never click a button that was clicked before.
+  button.addEventListener("pointerdown", (event) => event.preventDefault());
+  button.addEventListener("mousedown", (event) => event.preventDefault());
+  button.addEventListener("click", act);
+}
+
+start();

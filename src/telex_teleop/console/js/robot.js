@@ -1,0 +1,156 @@
+// @ts-check
+/** What the console knows of the robot: its topics, its joints, and which key moves what. */
+
+/** Nodes that take joint commands; their topics are `<node>/delta_joint_cmds`, `/speed_scale`, `/status`. */
+export const JOINT_NODES = ["arm_teleop", "gripper_teleop", "flipper_teleop"];
+
+export const TRACK_NODE = "track_teleop";
+
+export const TYPES = {
+  bool: "std_msgs/Bool",
+  jointJog: "control_msgs/JointJog",
+  jointStates: "sensor_msgs/JointState",
+  jointStatus: "telex_msgs/JointTeleopStatus",
+  number: "std_msgs/Float64",
+  simStatus: "telex_msgs/SimStatus",
+  trackStatus: "telex_msgs/TrackTeleopStatus",
+  twist: "geometry_msgs/Twist",
+};
+
+/**
+ * @typedef {object} JointMotion  Moves joints of one node while it is held.
+ * @property {"joints"} kind
+ * @property {string} node
+ * @property {string[]} joints    For flippers both; the chosen side decides which of them move.
+ * @property {1 | -1} direction   Of the joint's velocity.
+ *
+ * @typedef {object} DriveMotion  Drives the tracks while it is held.
+ * @property {"drive"} kind
+ * @property {"linear" | "angular"} axis
+ * @property {1 | -1} direction
+ *
+ * @typedef {object} SideChoice   Restricts flipper motions to one side while it is held.
+ * @property {"side"} kind
+ * @property {"left" | "right"} side
+ *
+ * @typedef {(JointMotion | DriveMotion | SideChoice) & {code: string, cap: string, label: string}} Action
+ *   `code`: key position (KeyboardEvent.code); `cap`: what a US keyboard shows there; `label`: what it does.
+ */
+
+/** @typedef {{name: string, label: string, metres?: boolean}} Joint */
+
+/** @type {Joint[]} */
+export const ARM_JOINTS = [
+  { name: "turret_joint", label: "turret" },
+  { name: "shoulder_joint", label: "shoulder" },
+  { name: "telescope_joint", label: "telescope", metres: true },
+  { name: "elbow_joint", label: "elbow" },
+  { name: "forearm_roll_joint", label: "forearm roll" },
+  { name: "wrist_pitch_joint", label: "wrist pitch" },
+  { name: "gripper_roll_joint", label: "gripper roll" },
+];
+
+/** Joint by which gripper_teleop opens and closes all fingers together. */
+export const GRIPPER_JOINT = "gripper";
+
+/** Joints whose angle shows how far the gripper is open. */
+export const FINGER_BASES = ["left_finger_base_joint", "right_finger_base_joint"];
+
+/** @param {string} side */
+export const fingerJoints = (side) => ["base", "middle", "tip"].map((part) => `${side}_finger_${part}_joint`);
+
+/** @param {string} end */
+export const flipperJoints = (end) => ["left", "right"].map((side) => `${end}_${side}_flipper_joint`);
+
+/**
+ * @param {string} joint
+ * @param {1 | -1} direction
+ * @param {string} code
+ * @param {string} cap
+ * @param {string} label
+ * @returns {Action}
+ */
+const arm = (joint, direction, code, cap, label) => ({
+  kind: "joints", node: "arm_teleop", joints: [joint], direction, code, cap, label,
+});
+
+/**
+ * @param {string} end
+ * @param {1 | -1} direction
+ * @param {string} code
+ * @param {string} cap
+ * @param {string} label
+ * @returns {Action}
+ */
+const flippers = (end, direction, code, cap, label) => ({
+  kind: "joints", node: "flipper_teleop", joints: flipperJoints(end), direction, code, cap, label,
+});
+
+/**
+ * @param {1 | -1} direction
+ * @param {string} code
+ * @param {string} cap
+ * @param {string} label
+ * @returns {Action}
+ */
+const gripper = (direction, code, cap, label) => ({
+  kind: "joints", node: "gripper_teleop", joints: [GRIPPER_JOINT], direction, code, cap, label,
+});
+
+/**
+ * @param {"linear" | "angular"} axis
+ * @param {1 | -1} direction
+ * @param {string} code
+ * @param {string} cap
+ * @param {string} label
+ * @returns {Action}
+ */
+const drive = (axis, direction, code, cap, label) => ({ kind: "drive", axis, direction, code, cap, label });
+
+/**
+ * Everything that can be held, by name. Pitch joints turn about +y, so their positive direction is down.
+ * @type {Record<string, Action>}
+ */
+export const ACTIONS = {
+  "drive:forward": drive("linear", 1, "KeyW", "W", "ahead"),
+  "drive:left": drive("angular", 1, "KeyA", "A", "left"),
+  "drive:back": drive("linear", -1, "KeyS", "S", "back"),
+  "drive:right": drive("angular", -1, "KeyD", "D", "right"),
+  "turret:left": arm("turret_joint", 1, "KeyJ", "J", "left"),
+  "turret:right": arm("turret_joint", -1, "KeyL", "L", "right"),
+  "shoulder:up": arm("shoulder_joint", -1, "KeyI", "I", "up"),
+  "shoulder:down": arm("shoulder_joint", 1, "KeyK", "K", "down"),
+  "telescope:in": arm("telescope_joint", -1, "KeyU", "U", "in"),
+  "telescope:out": arm("telescope_joint", 1, "KeyO", "O", "out"),
+  "elbow:up": arm("elbow_joint", -1, "KeyP", "P", "up"),
+  "elbow:down": arm("elbow_joint", 1, "Semicolon", ";", "down"),
+  "forearm_roll:left": arm("forearm_roll_joint", -1, "KeyN", "N", "left"),
+  "forearm_roll:right": arm("forearm_roll_joint", 1, "KeyM", "M", "right"),
+  "wrist_pitch:up": arm("wrist_pitch_joint", -1, "BracketLeft", "[", "up"),
+  "wrist_pitch:down": arm("wrist_pitch_joint", 1, "Quote", "'", "down"),
+  "gripper_roll:left": arm("gripper_roll_joint", -1, "Digit9", "9", "left"),
+  "gripper_roll:right": arm("gripper_roll_joint", 1, "Digit0", "0", "right"),
+  "gripper:close": gripper(-1, "Comma", ",", "close"),
+  "gripper:open": gripper(1, "Period", ".", "open"),
+  "front:up": flippers("front", 1, "KeyR", "R", "up"),
+  "front:down": flippers("front", -1, "KeyF", "F", "down"),
+  "rear:up": flippers("rear", 1, "KeyT", "T", "up"),
+  "rear:down": flippers("rear", -1, "KeyG", "G", "down"),
+  "side:left": { kind: "side", side: "left", code: "KeyQ", cap: "Q", label: "left" },
+  "side:right": { kind: "side", side: "right", code: "KeyE", cap: "E", label: "right" },
+};
+
+/** Names of actions by key position. */
+export const ACTION_OF_KEY = new Map(Object.entries(ACTIONS).map(([name, { code }]) => [code, name]));
+
+/** Keys that act once, by key position. */
+export const COMMAND_OF_KEY = new Map(
+  /** @type {[string, "slower" | "faster" | "stop" | "estop"][]} */ ([
+    ["Minus", "slower"],
+    ["NumpadSubtract", "slower"],
+    ["Equal", "faster"],
+    ["NumpadAdd", "faster"],
+    ["Space", "stop"],
+    ["Escape", "estop"],
+  ]),
+);

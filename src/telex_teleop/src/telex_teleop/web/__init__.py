@@ -1,0 +1,1 @@
+"""What the operator's browser speaks with: the video server, the rosbridge and what both share."""

@@ -1,0 +1,1 @@
+"""rosbridge v2 over WebSocket: ROS topics, services and parameters as JSON."""

@@ -1,0 +1,26 @@
+"""The bridge as a ROS node."""
+
+from __future__ import annotations
+
+import rospy
+from aiohttp import web
+
+from ..config import RosbridgeConfig
+from ..serving import run_node
+from .app import Rosbridge
+from .ros_graph import RosGraph
+
+WARNING_PERIOD = 5.0
+"""Shortest time (s) between two warnings."""
+
+
+def _make_app(config: RosbridgeConfig) -> web.Application:
+    def warn(sentence: str) -> None:
+        rospy.logwarn_throttle(WARNING_PERIOD, f"{rospy.get_name()}: {sentence}")
+
+    return Rosbridge(config, RosGraph(), warn).make_app()
+
+
+def main() -> int:
+    """Run the node and return its exit status."""
+    return run_node("rosbridge", "ws", RosbridgeConfig, _make_app)

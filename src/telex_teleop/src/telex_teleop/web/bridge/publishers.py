@@ -1,0 +1,109 @@
+"""Publishers, shared by all clients that publish a topic."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Optional, Tuple
+
+import genpy
+
+from ..workers import OrderedWorker
+from .message_json import MessageCodec, codec_of
+from .message_types import topic_class
+from .operations import OperationError
+from .ros import Publisher, Ros
+from .sharing import SharedResources
+
+LINGER = 1.0
+"""Time (s) that a publisher outlives its last client: its last message must still get out."""
+
+CONNECTION_POLL = 0.01
+"""Period (s) at which a new publisher is asked how many subscribers are connected."""
+
+
+class SharedPublisher:
+    """A publisher of a topic.
+
+    Parameters
+    ----------
+    publisher
+        Of ROS.
+    codec
+        Reads the topic's messages.
+    expected
+        How many subscribers the master knew when it was made; what is published before those are
+        connected is lost for them.
+    """
+
+    def __init__(self, publisher: Publisher, codec: MessageCodec, expected: int) -> None:
+        self.codec = codec
+        self._publisher = publisher
+        self._expected = expected
+        self._settled = False
+
+    async def settle(self, timeout: float) -> None:
+        """Wait until the subscribers are connected, for `timeout` (s) at most."""
+        loop = asyncio.get_running_loop()
+        deadline = loop.time() + timeout
+        while not self._settled and self._publisher.connections() < self._expected:
+            if loop.time() >= deadline:
+                break
+            await asyncio.sleep(CONNECTION_POLL)
+        self._settled = True
+
+    def publish(self, message: genpy.Message) -> None:
+        """Publish without blocking; raises OperationError if that cannot be done."""
+        self._publisher.publish(message)
+
+    def close(self) -> None:
+        """End it; blocks."""
+        self._publisher.unregister()
+
+
+class PublisherPool:
+    """All publishers of the bridge, on the loop's thread.
+
+    Parameters
+    ----------
+    ros
+        Where to publish.
+    worker
+        Thread for the calls that block.
+    linger
+        Time (s) that a publisher outlives its last client.
+    """
+
+    def __init__(self, ros: Ros, worker: OrderedWorker, linger: float = LINGER) -> None:
+        self._ros = ros
+        self._shared: SharedResources[Tuple[str, bool], SharedPublisher] = SharedResources(
+            worker, linger
+        )
+
+    def __len__(self) -> int:
+        return len(self._shared)
+
+    async def acquire(
+        self, topic: str, type_name: Optional[str], *, latch: bool, queue_size: int
+    ) -> SharedPublisher:
+        """Return the publisher of a topic; each one got must be released.
+
+        Raises
+        ------
+        OperationError
+            The type does not fit the topic, is unknown, or is missing.
+        """
+
+        def advertise() -> SharedPublisher:
+            found = topic_class(self._ros, topic, type_name)
+            publisher = self._ros.advertise(topic, found, latch=latch, queue_size=queue_size)
+            return SharedPublisher(publisher, codec_of(found), self._ros.subscriber_count(topic))
+
+        shared = await self._shared.acquire((topic, latch), advertise)
+        if type_name not in (None, shared.codec.type_name):
+            self.release(topic, latch=latch)
+            raise OperationError(f"{topic} has the type {shared.codec.type_name}, not {type_name}")
+        return shared
+
+    def release(self, topic: str, *, latch: bool) -> None:
+        """Give a publisher back; it ends a while after its last client."""
+        self._shared.release((topic, latch))

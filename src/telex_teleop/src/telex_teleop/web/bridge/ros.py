@@ -1,0 +1,80 @@
+"""What the bridge asks of ROS; behind this interface it can be tested without a master."""
+
+from __future__ import annotations
+
+from typing import Any, Callable, Dict, List, Optional, Protocol, Type
+
+import genpy
+
+Receive = Callable[[genpy.Message, Optional[str]], None]
+"""Takes a message in any thread; the name of its publisher, if that publisher latches."""
+
+
+class Publisher(Protocol):
+    """A publisher of one topic."""
+
+    def publish(self, message: genpy.Message) -> None:
+        """Publish without blocking; raises OperationError if that cannot be done."""
+
+    def connections(self) -> int:
+        """Return how many subscribers are connected now."""
+
+    def unregister(self) -> None:
+        """End it; may block."""
+
+
+class Ros(Protocol):
+    """Topics, services and parameters; all methods may block, unless they say otherwise.
+
+    They raise OperationError for what the client got wrong and OSError when the master does not
+    answer.
+    """
+
+    def now(self) -> genpy.Time:
+        """Return the present ROS time; does not block."""
+
+    def resolve(self, name: str) -> str:
+        """Return a name in its global form, relative to the bridge's namespace; does not block."""
+
+    def topic_types(self) -> Dict[str, str]:
+        """Return the types of all topics that have been published or subscribed to."""
+
+    def topics(self) -> List[str]:
+        """Return all topics that somebody publishes or subscribes to now."""
+
+    def nodes(self) -> List[str]:
+        """Return all nodes."""
+
+    def services(self) -> List[str]:
+        """Return all services."""
+
+    def subscriber_count(self, topic: str) -> int:
+        """Return how many nodes have subscribed to a topic."""
+
+    def advertise(
+        self, topic: str, message_class: Type[genpy.Message], *, latch: bool, queue_size: int
+    ) -> Publisher:
+        """Begin to publish a topic."""
+
+    def subscribe(
+        self, topic: str, message_class: Type[genpy.Message], receive: Receive
+    ) -> Callable[[], None]:
+        """Begin to receive a topic; return the function that ends it, which may block."""
+
+    def service_type(self, service: str) -> Optional[str]:
+        """Return the type of a service, None if there is no such service."""
+
+    def call_service(self, service: str, service_class: Any, request: genpy.Message) -> Any:
+        """Call a service and return its response."""
+
+    def get_param(self, name: str) -> Any:
+        """Return a parameter; raises KeyError if it is not set."""
+
+    def set_param(self, name: str, value: Any) -> None:
+        """Set a parameter."""
+
+    def delete_param(self, name: str) -> None:
+        """Delete a parameter; raises KeyError if it is not set."""
+
+    def param_names(self) -> List[str]:
+        """Return the names of all parameters."""

@@ -1,0 +1,158 @@
+"""The bridge's side towards ROS, by rospy."""
+
+from __future__ import annotations
+
+from typing import Any, Callable, Dict, List, Optional, Type
+
+import genpy
+import rosgraph
+import rosgraph.names
+import rospy
+import rosservice
+
+from .operations import OperationError
+from .ros import Publisher, Receive
+
+_ONLY_NEWEST_COUNTS = (
+    "sensor_msgs/Image",
+    "sensor_msgs/CompressedImage",
+    "sensor_msgs/PointCloud2",
+)
+_BUFFER_SIZE = 2**24
+_QUEUE_SIZE = 100
+
+
+class _RosPublisher:
+    """A rospy.Publisher that never blocks: it has a queue and a thread for each subscriber."""
+
+    def __init__(self, publisher: rospy.Publisher) -> None:
+        self._publisher = publisher
+
+    def publish(self, message: genpy.Message) -> None:
+        try:
+            self._publisher.publish(message)
+        except (rospy.ROSException, rospy.ROSSerializationException) as error:
+            raise OperationError(str(error)) from None
+
+    def connections(self) -> int:
+        return int(self._publisher.get_num_connections())
+
+    def unregister(self) -> None:
+        self._publisher.unregister()
+
+
+class RosGraph:
+    """Implements `ros.Ros`; the node must have been initialised."""
+
+    def now(self) -> genpy.Time:
+        """Return the present ROS time."""
+        return rospy.get_rostime()
+
+    def resolve(self, name: str) -> str:
+        """Return a name in its global form; raises OperationError if it is no ROS name."""
+        if not rosgraph.names.is_legal_name(name):
+            raise OperationError(f"{name[:80]!r} is no ROS name")
+        return str(rospy.resolve_name(name))
+
+    def topic_types(self) -> Dict[str, str]:
+        """Return the types of all topics that the master has heard of."""
+        return dict(self._master().getTopicTypes())
+
+    def topics(self) -> List[str]:
+        """Return all topics that somebody publishes or subscribes to now."""
+        publishers, subscribers, _ = self._master().getSystemState()
+        return sorted({topic for topic, _ in publishers + subscribers})
+
+    def nodes(self) -> List[str]:
+        """Return all nodes that publish, subscribe or serve."""
+        state = self._master().getSystemState()
+        return sorted({node for part in state for _, nodes in part for node in nodes})
+
+    def services(self) -> List[str]:
+        """Return all services."""
+        return sorted(name for name, _ in self._master().getSystemState()[2])
+
+    def subscriber_count(self, topic: str) -> int:
+        """Return how many nodes have subscribed to a topic."""
+        subscribers = dict(self._master().getSystemState()[1])
+        return len(subscribers.get(topic, []))
+
+    def advertise(
+        self, topic: str, message_class: Type[genpy.Message], *, latch: bool, queue_size: int
+    ) -> Publisher:
+        """Begin to publish a topic."""
+        try:
+            publisher = rospy.Publisher(
+                topic, message_class, latch=latch, queue_size=queue_size, tcp_nodelay=True
+            )
+        except (rospy.ROSException, ValueError) as error:
+            raise OperationError(str(error)) from None
+        return _RosPublisher(publisher)
+
+    def subscribe(
+        self, topic: str, message_class: Type[genpy.Message], receive: Receive
+    ) -> Callable[[], None]:
+        """Begin to receive a topic; return the function that ends it."""
+
+        def callback(message: Any) -> None:
+            header = message._connection_header
+            latching = header.get("latching") == "1"
+            receive(message, header.get("callerid", "") if latching else None)
+
+        only_newest = message_class._type in _ONLY_NEWEST_COUNTS
+        try:
+            subscriber = rospy.Subscriber(
+                topic,
+                message_class,
+                callback,
+                queue_size=1 if only_newest else _QUEUE_SIZE,
+                buff_size=_BUFFER_SIZE if only_newest else rospy.topics.DEFAULT_BUFF_SIZE,
+                tcp_nodelay=True,
+            )
+        except (rospy.ROSException, ValueError) as error:
+            raise OperationError(str(error)) from None
+        return subscriber.unregister
+
+    def service_type(self, service: str) -> Optional[str]:
+        """Return the type of a service, None if there is no such service."""
+        try:
+            uri = self._master().lookupService(service)
+        except rosgraph.MasterError:
+            return None
+        try:
+            return rosservice.get_service_headers(service, uri).get("type")
+        except (rosservice.ROSServiceException, rosgraph.network.ROSHandshakeException) as error:
+            raise OperationError(f"the service {service} does not answer: {error}") from None
+
+    def call_service(self, service: str, service_class: Any, request: genpy.Message) -> Any:
+        """Call a service and return its response."""
+        try:
+            return rospy.ServiceProxy(service, service_class)(request)
+        except (rospy.ServiceException, rospy.ROSException) as error:
+            raise OperationError(str(error)) from None
+
+    def get_param(self, name: str) -> Any:
+        """Return a parameter; raises KeyError if it is not set."""
+        try:
+            return self._master().getParam(name)
+        except rosgraph.MasterError:
+            raise KeyError(name) from None
+
+    def set_param(self, name: str, value: Any) -> None:
+        """Set a parameter."""
+        self._master().setParam(name, value)
+
+    def delete_param(self, name: str) -> None:
+        """Delete a parameter; raises KeyError if it is not set."""
+        try:
+            self._master().deleteParam(name)
+        except rosgraph.MasterError:
+            raise KeyError(name) from None
+
+    def param_names(self) -> List[str]:
+        """Return the names of all parameters."""
+        return list(self._master().getParamNames())
+
+    def _master(self) -> rosgraph.Master:
+        # A proxy is not made for several threads, and services are called in threads of their own.
+        return rosgraph.Master(rospy.get_name())

@@ -1,0 +1,107 @@
+"""What one client wants to hear of one topic."""
+
+from __future__ import annotations
+
+import asyncio
+import dataclasses
+from typing import Callable, Dict, Optional
+
+from .feeds import Feed, FeedPool, TopicMessage
+from .operations import Id
+
+Send = Callable[[str, str, int], None]
+"""Queues a text of a topic, of which at most so many may wait."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Wish:
+    """One subscribe operation: least time between messages (s), and how many may wait."""
+
+    throttle: float
+    depth: int
+
+
+class Subscription:
+    """The messages of a topic for one client, no more often than it asked for.
+
+    A message that comes too early waits until it is due, and a newer one replaces it: what the
+    client saw last is never old news for longer than the throttle period.
+
+    Parameters
+    ----------
+    topic
+        Global name of the topic.
+    spelled
+        The topic as the client spells it, which is how it expects to hear of it.
+    feeds
+        Where messages come from.
+    send
+        Queues a message for the client.
+    """
+
+    def __init__(self, topic: str, spelled: str, *, feeds: FeedPool, send: Send) -> None:
+        self._topic = topic
+        self._spelled = spelled
+        self._feeds = feeds
+        self._send = send
+        self._feed: Optional[Feed] = None
+        self._loop = asyncio.get_running_loop()
+        self._wishes: Dict[Id, Wish] = {}
+        self._due = 0.0
+        self._pending: Optional[TopicMessage] = None
+        self._timer: Optional[asyncio.TimerHandle] = None
+
+    @property
+    def wanted(self) -> bool:
+        """Tell whether any id still asks for the topic."""
+        return bool(self._wishes)
+
+    def add(self, subscription_id: Id, wish: Wish) -> None:
+        """Add a wish, or change the one of the same id; the most demanding ones hold."""
+        self._wishes[subscription_id] = wish
+
+    def remove(self, subscription_id: Id) -> None:
+        """Withdraw the wish of one id."""
+        self._wishes.pop(subscription_id, None)
+
+    async def open(self, type_name: Optional[str]) -> None:
+        """Begin to listen.
+
+        Raises
+        ------
+        OperationError
+            The type does not fit the topic, is unknown, or is missing.
+        """
+        self._feed = await self._feeds.join(self._topic, type_name, self)
+
+    def deliver(self, message: TopicMessage) -> None:
+        """Send a message now, or when it is due."""
+        if not self._wishes:
+            return
+        if self._loop.time() >= self._due:
+            self._send_now(message)
+            return
+        self._pending = message
+        if self._timer is None:
+            self._timer = self._loop.call_at(self._due, self._send_pending)
+
+    def close(self) -> None:
+        """Stop listening."""
+        self._wishes.clear()
+        self._pending = None
+        if self._timer is not None:
+            self._timer.cancel()
+        if self._feed is not None:
+            self._feeds.leave(self._topic, self._feed, self)
+            self._feed = None
+
+    def _send_now(self, message: TopicMessage) -> None:
+        self._pending = None
+        self._due = self._loop.time() + min(wish.throttle for wish in self._wishes.values())
+        depth = min(wish.depth for wish in self._wishes.values())
+        self._send(self._spelled, message.text(self._spelled), depth)
+
+    def _send_pending(self) -> None:
+        self._timer = None
+        if self._pending is not None and self._wishes:
+            self._send_now(self._pending)

@@ -1,0 +1,258 @@
+"""HTTP side of the video server."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from pathlib import Path
+from typing import Any, AsyncIterator, Callable, Dict, Optional, Protocol, TypeVar
+from urllib.parse import urlsplit, urlunsplit
+
+from aiohttp import web
+
+from ..config import VideoServerConfig
+from ..workers import OrderedWorker
+from . import mjpeg, pages, query
+from .hub import PictureHubs, PictureSource
+from .pictures import EncodedPicture, UnusablePictureError, encode
+from .topics import PictureTopic, Topics, base_topics, find_cameras
+from .viewers import SnapshotViewer, StreamViewer
+
+CHECK_PERIOD = 1.0
+"""Time (s) between two looks at whether viewers still read."""
+
+# The console speaks to the bridge on another port, and its pictures may be blobs; nothing else is
+# foreign.
+_PAGE_HEADERS = {
+    "Cache-Control": "no-cache",
+    "Content-Security-Policy": (
+        "default-src 'self'; connect-src 'self' ws: wss:; img-src 'self' blob: data:; "
+        "frame-ancestors 'self'; base-uri 'none'; form-action 'none'"
+    ),
+    "Referrer-Policy": "no-referrer",
+    "X-Content-Type-Options": "nosniff",
+}
+
+Result = TypeVar("Result")
+
+
+class Graph(PictureSource, Protocol):
+    """The pictures and what else the server asks of ROS; all methods may block."""
+
+    def topics(self) -> Topics:
+        """Return the published topics and their types."""
+
+    def parameter(self, name: str) -> object:
+        """Return a parameter, or None if it is not set."""
+
+
+class Log(Protocol):
+    """Where the server reports what an administrator should know."""
+
+    def __call__(self, sentence: str) -> None:
+        """Report a sentence, throttled."""
+
+
+class VideoServer:
+    """Handlers of the video server; make it on the loop's thread.
+
+    Parameters
+    ----------
+    config
+        The node's parameters.
+    graph
+        Pictures, topics and parameters.
+    namespace
+        The node's namespace, with slashes around it.
+    console
+        Directory of the console's static files.
+    warn
+        Called, in any thread, with what an administrator should know.
+    """
+
+    def __init__(
+        self, config: VideoServerConfig, graph: Graph, namespace: str, console: Path, warn: Log
+    ) -> None:
+        self._config = config
+        self._graph = graph
+        self._namespace = namespace
+        self._console = console.resolve()
+        self._warn = warn
+        self._worker = OrderedWorker("picture subscriptions")
+        self.hubs = PictureHubs(
+            graph,
+            self._worker,
+            lambda picture, variant: encode(picture, variant, config.quality),
+            on_unusable=self._report_unusable,
+            on_failure=lambda topic, error: warn(f"cannot subscribe to {topic}: {error}"),
+        )
+
+    def make_app(self) -> web.Application:
+        """Return the application with all routes."""
+        app = web.Application(middlewares=[self._answer_errors])
+        # HEAD would start a stream only to throw it away.
+        app.router.add_get("/stream", self.stream, allow_head=False)
+        app.router.add_get("/snapshot", self.snapshot, allow_head=False)
+        app.router.add_get("/stream_viewer", self.stream_viewer)
+        app.router.add_get("/streams", self.streams)
+        app.router.add_get("/config.json", self.console_config)
+        app.router.add_get("/{path:.*}", self.console_file)
+        app.on_response_prepare.append(_add_page_headers)
+        app.on_shutdown.append(self._close_hubs)
+        app.cleanup_ctx.append(self._check_viewers)
+        return app
+
+    async def stream(self, request: web.Request) -> web.StreamResponse:
+        """Send an MJPEG stream until the client goes."""
+        wish = query.parse(request.query, self._config.max_size)
+        topic = await self._find(wish.topic)
+        if request.transport is None:
+            raise ConnectionResetError
+        viewer = StreamViewer(
+            request.transport,
+            send_buffer=self._config.send_buffer,
+            max_in_flight=self._config.max_in_flight,
+            stall_timeout=self._config.stall_timeout,
+        )
+        viewer.start()
+        self.hubs.join(topic, viewer, wish.variant)
+        try:
+            # The server cancels a handler when its connection is lost: the only way out of here.
+            await asyncio.get_running_loop().create_future()
+            raise AssertionError("nobody sets this future")
+        finally:
+            self.hubs.leave(topic, viewer, wish.variant)
+
+    async def snapshot(self, request: web.Request) -> web.StreamResponse:
+        """Send the next picture of a topic."""
+        wish = query.parse(request.query, self._config.max_size)
+        topic = await self._find(wish.topic)
+        picture = await self._next_picture(topic, wish)
+        if picture is None:
+            limit = self._config.snapshot_timeout
+            return _page(
+                pages.error_page(504, f"No picture came on {topic.name} within {limit:g} s."), 504
+            )
+        headers = dict(mjpeg.SERVER_HEADERS)
+        headers["X-Timestamp"] = mjpeg.timestamp(picture.stamp)
+        headers["Access-Control-Allow-Origin"] = "*"
+        return web.Response(body=picture.data, content_type=picture.mime, headers=headers)
+
+    async def _next_picture(
+        self, topic: PictureTopic, wish: query.PictureQuery
+    ) -> Optional[EncodedPicture]:
+        viewer = SnapshotViewer()
+        hub = self.hubs.join(topic, viewer, wish.variant, show_newest=False)
+        try:
+            return await asyncio.wait_for(viewer.picture, self._config.snapshot_timeout)
+        except asyncio.TimeoutError:
+            return hub.newest(wish.variant)  # a latched topic has no next picture
+        finally:
+            self.hubs.leave(topic, viewer, wish.variant)
+
+    async def stream_viewer(self, request: web.Request) -> web.Response:
+        """Show a page with one stream."""
+        wish = query.parse(request.query, self._config.max_size)
+        await self._find(wish.topic)
+        return _page(pages.viewer_page(wish.topic, request.query))
+
+    async def streams(self, _request: web.Request) -> web.Response:
+        """List the image topics."""
+        topics = await self._ask(self._graph.topics)
+        return _page(pages.index_page(base_topics(topics), topics))
+
+    async def console_config(self, request: web.Request) -> web.Response:
+        """Tell the console where everything is."""
+        topics = await self._ask(self._graph.topics)
+        bridge = await self._ask(lambda: self._graph.parameter(f"{self._config.rosbridge}/url"))
+        config: Dict[str, Any] = {
+            "namespace": self._namespace.rstrip("/"),
+            "rosbridge": _seen_from(request, bridge) if isinstance(bridge, str) else None,
+            "cameras": find_cameras(topics, self._namespace),
+            "main_camera": self._config.main_camera,
+        }
+        return web.json_response(config)
+
+    async def console_file(self, request: web.Request) -> web.StreamResponse:
+        """Send a file of the console."""
+        try:
+            path = (self._console / (request.match_info["path"] or "index.html")).resolve()
+            found = self._console in path.parents and path.is_file()
+        except (OSError, ValueError):  # the name is too long, or holds a null byte
+            found = False
+        if not found:
+            raise web.HTTPNotFound
+        return web.FileResponse(path)
+
+    async def _find(self, name: str) -> PictureTopic:
+        topic = await self._ask(lambda: self._graph.find(name))
+        if topic is None:
+            raise _NoSuchTopicError(
+                f"No image topic '{name}' is published; /streams lists those that are."
+            )
+        return topic
+
+    async def _ask(self, call: Callable[[], Result]) -> Result:
+        """Run a call to the ROS master off the loop's thread."""
+        try:
+            return await self._worker.submit(call)
+        except (OSError, RuntimeError) as error:
+            raise _NoMasterError(f"The ROS master does not answer: {error}") from error
+
+    def _report_unusable(self, topic: str, error: UnusablePictureError) -> None:
+        self._warn(f"dropped a picture of {topic}: it {error}")
+
+    @web.middleware
+    async def _answer_errors(self, request: web.Request, handler: Any) -> web.StreamResponse:
+        """Answer errors with a page that says what is wrong."""
+        try:
+            return await handler(request)
+        except (query.QueryError, _NoSuchTopicError, _NoMasterError) as error:
+            return _page(pages.error_page(error.status, str(error)), error.status)
+        except web.HTTPNotFound:
+            return _page(pages.error_page(404), 404)
+
+    async def _close_hubs(self, _app: web.Application) -> None:
+        self.hubs.close()
+
+    async def _check_viewers(self, _app: web.Application) -> AsyncIterator[None]:
+        async def check_regularly() -> None:
+            while True:
+                await asyncio.sleep(CHECK_PERIOD)
+                self.hubs.check(time.monotonic())
+
+        task = asyncio.ensure_future(check_regularly())
+        yield
+        task.cancel()
+
+
+class _NoSuchTopicError(LookupError):
+    status = 404
+
+
+class _NoMasterError(OSError):
+    status = 503
+
+
+def _page(text: str, status: int = 200) -> web.Response:
+    return web.Response(text=text, content_type="text/html", status=status)
+
+
+async def _add_page_headers(_request: web.Request, response: web.StreamResponse) -> None:
+    for name, value in _PAGE_HEADERS.items():
+        response.headers.setdefault(name, value)
+
+
+def _seen_from(request: web.Request, url: str) -> str:
+    """Return the bridge's address as the client can reach it.
+
+    The bridge announces itself with a loopback address; for a client that came over the network
+    it is on this server's host.
+    """
+    parts = urlsplit(url)
+    asked = request.url.host
+    loopback = ("127.0.0.1", "::1", "localhost")
+    if asked is None or asked in loopback or parts.hostname not in loopback:
+        return url
+    host = f"[{asked}]" if ":" in asked else asked
+    return urlunsplit(parts._replace(netloc=f"{host}:{parts.port}"))

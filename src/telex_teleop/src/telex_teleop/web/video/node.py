@@ -1,0 +1,31 @@
+"""The video server as a ROS node."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import rospkg
+import rospy
+from aiohttp import web
+
+from ..config import VideoServerConfig
+from ..serving import run_node
+from .app import VideoServer
+from .ros_source import RosPictureSource
+
+WARNING_PERIOD = 5.0
+"""Shortest time (s) between two warnings."""
+
+
+def _make_app(config: VideoServerConfig) -> web.Application:
+    console = Path(rospkg.RosPack().get_path("telex_teleop")) / "console"
+
+    def warn(sentence: str) -> None:
+        rospy.logwarn_throttle(WARNING_PERIOD, f"{rospy.get_name()}: {sentence}")
+
+    return VideoServer(config, RosPictureSource(), rospy.get_namespace(), console, warn).make_app()
+
+
+def main() -> int:
+    """Run the node and return its exit status."""
+    return run_node("video_server", "http", VideoServerConfig, _make_app)

@@ -1,0 +1,100 @@
+"""Clients of a picture topic: those who watch a stream, and those who want one picture."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Protocol
+
+from ..freshness import Backlog
+from .mjpeg import STREAM_HEAD
+from .pictures import EncodedPicture
+
+
+class Viewer(Protocol):
+    """Somebody to whom a hub offers every new picture; all calls come on the loop's thread."""
+
+    def offer(self, picture: EncodedPicture, part: bytes) -> None:
+        """Take or skip a new picture; `part` is the picture as a part of a stream."""
+
+    def check(self, now: float) -> None:
+        """Called about once a second with the monotonic time (s)."""
+
+    def close(self) -> None:
+        """End: no more pictures will come."""
+
+
+class StreamViewer:
+    """Client of an MJPEG stream, who gets the newest picture or nothing.
+
+    A picture goes out only when the ones before it have arrived, so that a slow client skips
+    pictures instead of falling behind. One that has taken nothing for `stall_timeout` is dropped.
+
+    Parameters
+    ----------
+    transport
+        Connection to the client; its HTTP request has been read.
+    send_buffer
+        Size of the kernel's send buffer (bytes).
+    max_in_flight
+        Bytes that may still be under way when the next picture goes out; above 0 it trades
+        freshness for frame rate on links with a long round trip.
+    stall_timeout
+        Time (s) without progress after which the client counts as gone.
+    """
+
+    def __init__(
+        self,
+        transport: asyncio.Transport,
+        *,
+        send_buffer: int,
+        max_in_flight: int,
+        stall_timeout: float,
+    ) -> None:
+        self._transport = transport
+        self._backlog = Backlog(transport, send_buffer)
+        self._max_in_flight = max_in_flight
+        self._stall_timeout = stall_timeout
+        self._started = False
+
+    def start(self) -> None:
+        """Send the head of the reply."""
+        self._transport.write(STREAM_HEAD)
+
+    def offer(self, picture: EncodedPicture, part: bytes) -> None:
+        """Send the picture if it would arrive without delay."""
+        if self._transport.is_closing():
+            return
+        # The head may still be unacknowledged when the first picture comes; that must not cost
+        # the picture.
+        if not self._started or self._backlog.clear(self._max_in_flight):
+            self._started = True
+            self._transport.write(part)
+
+    def check(self, now: float) -> None:
+        """Drop the client if it has stopped reading."""
+        if self._backlog.stalled_for(now) > self._stall_timeout:
+            self.close()
+
+    def close(self) -> None:
+        """Cut the connection at once, with whatever is still in its buffers."""
+        self._transport.abort()
+
+
+class SnapshotViewer:
+    """Client who wants the next picture only."""
+
+    def __init__(self) -> None:
+        self.picture: asyncio.Future[EncodedPicture] = asyncio.get_running_loop().create_future()
+
+    def offer(self, picture: EncodedPicture, part: bytes) -> None:
+        """Take the first picture that comes."""
+        if not self.picture.done():
+            self.picture.set_result(picture)
+
+    def check(self, now: float) -> None:
+        """Nothing to do: whoever waits has a time limit."""
+
+    def close(self) -> None:
+        """Tell whoever waits that no picture will come."""
+        if not self.picture.done():
+            self.picture.cancel()

@@ -1,0 +1,140 @@
+"""The bridge as a server: connections, who may connect, and what happens when they end."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+
+import aiohttp
+import pytest
+from geometry_msgs.msg import Twist
+from web_fakes import FakeRos, becomes, on_loop, served
+
+from telex_teleop.web.bridge.app import Rosbridge
+from telex_teleop.web.config import RosbridgeConfig
+
+DRIVE = {"op": "advertise", "topic": "/drive", "type": "geometry_msgs/Twist"}
+AHEAD = {"op": "publish", "topic": "/drive", "msg": {"linear": {"x": 1.0}}}
+
+
+class Bench:
+    def __init__(self, **config):
+        self.ros = FakeRos()
+        self.warnings = []
+        self.bridge = Rosbridge(RosbridgeConfig(**config), self.ros, self.warnings.append)
+
+    def served(self):
+        return served(self.bridge.make_app(), "ws")
+
+
+@on_loop
+async def test_operations_travel_both_ways():
+    bench = Bench()
+    async with bench.served() as url, aiohttp.ClientSession() as client:
+        async with client.ws_connect(url) as socket, client.ws_connect(f"{url}/any") as other:
+            await socket.send_json(DRIVE)
+            await socket.send_json(AHEAD)
+            await socket.send_str("nonsense")
+            assert (await socket.receive_json(timeout=5))["op"] == "status"
+            await socket.send_bytes(b"\x00")
+            assert "must be text" in (await socket.receive_json(timeout=5))["msg"]
+            await other.send_json({"op": "subscribe", "topic": "/known"})
+            await becomes(lambda: "/known" in bench.ros.receivers and bench.ros.published)
+            assert bench.ros.published[0][1].linear.x == 1.0
+        await becomes(lambda: ("unsubscribe", "/known") in bench.ros.events)
+        assert bench.ros.published[-1] == ("/drive", Twist())
+
+
+@on_loop
+async def test_a_connection_that_is_cut_stops_what_it_drove():
+    bench = Bench()
+    async with bench.served() as url, aiohttp.ClientSession() as client:
+        socket = await client.ws_connect(url)
+        await socket.send_json(DRIVE)
+        await socket.send_json(AHEAD)
+        await becomes(lambda: bench.ros.published)
+        socket._response.connection.transport.abort()
+        await becomes(lambda: len(bench.ros.published) == 2, 1.0)
+        assert bench.ros.published[-1] == ("/drive", Twist())
+
+
+@on_loop
+async def test_the_bridges_end_stops_what_its_clients_drove():
+    bench = Bench()
+    loop = asyncio.get_running_loop()
+    async with aiohttp.ClientSession() as client:
+        async with bench.served() as url:
+            socket = await client.ws_connect(url, autoclose=False)
+            silent = await client.ws_connect(url, autoclose=False)
+            await socket.send_json(DRIVE)
+            await socket.send_json(AHEAD)
+            await becomes(lambda: bench.ros.published)
+            ended = loop.time()
+        # Neither of the two has answered the closing handshake.
+        assert loop.time() - ended < 0.8
+        assert bench.ros.published[-1] == ("/drive", Twist())
+        await socket.close()
+        await silent.close()
+
+
+@on_loop
+async def test_huge_messages_cost_their_sender_the_connection_only():
+    bench = Bench(max_message_size=2000)
+    async with bench.served() as url, aiohttp.ClientSession() as client:
+        other, socket = await client.ws_connect(url), await client.ws_connect(url)
+        await socket.send_str(json.dumps({**AHEAD, "padding": "x" * 4000}))
+        answer = await socket.receive(timeout=5)
+        assert answer.type == aiohttp.WSMsgType.CLOSE
+        assert answer.data == aiohttp.WSCloseCode.MESSAGE_TOO_BIG
+        await other.send_json({"op": "call_service", "service": "/rosapi/nodes"})
+        assert (await other.receive_json(timeout=5))["result"] is True
+    assert bench.ros.published == []
+
+
+@on_loop
+async def test_a_client_that_stops_reading_costs_bounded_memory_and_delays_nobody():
+    bench = Bench(max_queue_bytes=100000)
+    async with bench.served() as url, aiohttp.ClientSession() as client:
+        stalled = await client.ws_connect(url)
+        await stalled.send_json({"op": "subscribe", "topic": "/known"})
+        await becomes(lambda: "/known" in bench.ros.receivers)
+        stalled._response.connection.transport.pause_reading()
+        async with client.ws_connect(url) as reader:
+            await reader.send_json({"op": "subscribe", "topic": "/known", "queue_length": 1})
+            await asyncio.sleep(0.1)
+            for number in range(200):
+                text = f"{number:05d}" + "x" * 20000
+                bench.ros.receivers["/known"](type("S", (), {"data": text})(), None)
+                heard = json.loads((await reader.receive(timeout=5)).data)
+                assert heard["msg"]["data"].startswith(f"{number:05d}")
+        stalled._response.connection.transport.abort()
+
+
+@on_loop
+async def test_a_browser_is_let_in_from_this_machine_only():
+    bench = Bench(allowed_origins=("http://gui.example:3000",))
+    async with bench.served() as url, aiohttp.ClientSession() as client:
+        for origin in ("http://localhost:8080", "http://127.0.0.1", "http://gui.example:3000"):
+            async with client.ws_connect(url, origin=origin):
+                pass
+        for origin in ("http://evil.example", "null", "http://gui.example", "http://[x"):
+            with pytest.raises(aiohttp.WSServerHandshakeError) as refusal:
+                await client.ws_connect(url, origin=origin)
+            assert refusal.value.status == 403
+        # A foreign name that was made to point to this machine is no name of this machine.
+        rebound = {"Host": "evil.example:9090", "Origin": "http://evil.example:9090"}
+        with pytest.raises(aiohttp.WSServerHandshakeError):
+            await client.ws_connect(url, headers=rebound)
+        by_address = {"Host": "192.0.2.1:9090", "Origin": "http://192.0.2.1:8080"}
+        async with client.ws_connect(url, headers=by_address):
+            pass
+    assert any("add it to the parameter allowed_origins" in warning for warning in bench.warnings)
+
+
+@on_loop
+async def test_what_is_no_websocket_is_told_so():
+    bench = Bench()
+    async with bench.served() as url, aiohttp.ClientSession() as client:
+        reply = await client.get(url.replace("ws:", "http:"))
+        assert reply.status == 426
+        assert "WebSocket" in await reply.text()

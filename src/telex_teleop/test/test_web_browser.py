@@ -1,0 +1,532 @@
+"""The console in headless Chromium: what it shows, what it sends, and when it lets go."""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import json
+import shutil
+import statistics
+import time
+from urllib.parse import urlsplit
+
+import cv2
+import numpy as np
+import pytest
+import simplejpeg
+from selenium import webdriver
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.by import By
+from web_harness import Ros, wait_until
+
+pytestmark = [pytest.mark.ros, pytest.mark.browser]
+
+DRIVE = "/telex/track_teleop/cmd_vel"
+ARM = "/telex/arm_teleop/delta_joint_cmds"
+GRIPPER = "/telex/gripper_teleop/delta_joint_cmds"
+FLIPPERS = "/telex/flipper_teleop/delta_joint_cmds"
+ESTOP = "/telex/e_stop"
+NODES = ("arm_teleop", "gripper_teleop", "flipper_teleop", "track_teleop")
+ARM_JOINTS = [
+    "turret_joint",
+    "shoulder_joint",
+    "telescope_joint",
+    "elbow_joint",
+    "forearm_roll_joint",
+    "wrist_pitch_joint",
+    "gripper_roll_joint",
+]
+FINGERS = [f"{s}_finger_{p}_joint" for s in ("left", "right") for p in ("base", "middle", "tip")]
+FLIPPER_JOINTS = [f"{e}_{s}_flipper_joint" for e in ("front", "rear") for s in ("left", "right")]
+POSITIONS = [0.5, -1.0, 0.12, 2.0, 0.1, -0.5, 0.0]
+POSITIONS += [0.3, 0.3, -0.6, 0.3, 0.3, -0.6, 0.6, 0.61, -1.2, -1.2]
+
+
+def camera_picture():
+    """Draw a floor, a horizon and two boxes: something that an operator could drive by."""
+    picture = np.zeros((480, 640, 3), np.uint8)
+    picture[:240], picture[240:] = (70, 80, 90), (75, 70, 60)
+    for x in range(-20, 30):
+        cv2.line(picture, (320, 240), (320 + x * 80, 480), (105, 100, 90), 1, cv2.LINE_AA)
+    cv2.rectangle(picture, (100, 140), (220, 260), (90, 140, 130), -1)
+    cv2.rectangle(picture, (420, 180), (500, 330), (200, 110, 40), -1)
+    return simplejpeg.encode_jpeg(picture, quality=90)
+
+
+class Robot:
+    """Plays the robot's side: publishes states, hears commands."""
+
+    def __init__(self, ros):
+        self.probe = ros.probe()
+        self.scale = 0.4
+        for topic, kind in (
+            (DRIVE, "geometry_msgs/Twist"),
+            (ARM, "control_msgs/JointJog"),
+            (GRIPPER, "control_msgs/JointJog"),
+            (FLIPPERS, "control_msgs/JointJog"),
+            (ESTOP, "std_msgs/Bool"),
+        ):
+            self.probe.subscribe(topic, kind)
+        for node in NODES:
+            self.probe.subscribe(f"/telex/{node}/speed_scale", "std_msgs/Float64")
+
+    def publish_states(self):
+        names = ARM_JOINTS + FINGERS + FLIPPER_JOINTS
+        states = {"name": names, "position": POSITIONS}
+        self.probe.publish("/telex/joint_states", "sensor_msgs/JointState", states, rate=50)
+        self.publish_sim()
+        data = {"data": camera_picture().hex()}
+        topic = "/telex/cameras/front/image_raw/compressed"
+        self.probe.publish(topic, "sensor_msgs/CompressedImage", hex=data, rate=15)
+
+    def publish_sim(self, **changes):
+        status = {"real_time_factor": 0.998, "e_stop": False, "paused": False, **changes}
+        self.probe.publish("/telex/sim/status", "telex_msgs/SimStatus", status, rate=5)
+
+    def publish_node_status(self, scale=0.4):
+        speed = {"speed_scale": scale, "min_speed_scale": 0.05, "max_speed_scale": 1.0}
+        for node, joints, limit, limited in (
+            ("arm_teleop", ARM_JOINTS, 0.6, ["elbow_joint"]),
+            ("gripper_teleop", [*FINGERS, "gripper"], 0.16, []),
+            ("flipper_teleop", FLIPPER_JOINTS, 0.7, []),
+        ):
+            status = {"joint_names": joints, "max_velocity": [limit] * len(joints)}
+            status.update(limited=limited, **speed)
+            topic = f"/telex/{node}/status"
+            self.probe.publish(topic, "telex_msgs/JointTeleopStatus", status, rate=10)
+        drive = {"max_linear": 1.2, "max_angular": 1.0, "command": {"linear": {"x": 0.25}}}
+        topic = "/telex/track_teleop/status"
+        self.probe.publish(topic, "telex_msgs/TrackTeleopStatus", {**drive, **speed}, rate=10)
+
+    def heard(self, topic):
+        return self.probe.messages(topic)
+
+    def forget(self):
+        """Forget what was heard, once all that was sent has arrived."""
+        commands = (DRIVE, ARM, GRIPPER, FLIPPERS)
+        wait_until(lambda: all(self.is_quiet(topic, 0.03) for topic in commands))
+        for messages in self.probe.heard.values():
+            messages.clear()
+
+    def wait_for(self, topic, count=1, timeout=5.0):
+        wait_until(lambda: len(self.probe.heard[topic]) >= count, timeout)
+        return self.heard(topic)
+
+    def is_quiet(self, topic, period=0.3):
+        """Tell whether nothing comes on a topic for a while (s)."""
+        count = len(self.probe.heard[topic])
+        time.sleep(period)
+        return len(self.probe.heard[topic]) == count
+
+
+class Page:
+    """The console in a browser."""
+
+    def __init__(self, url, profile):
+        options = webdriver.ChromeOptions()
+        options.binary_location = "/usr/bin/chromium"
+        for flag in (
+            "--headless=new",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--disable-background-networking",
+            "--no-first-run",
+            "--disable-component-update",
+            "--disable-sync",
+            "--window-size=1280,720",
+            f"--user-data-dir={profile}",
+        ):
+            options.add_argument(flag)
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+        self.url = url
+        self.driver = webdriver.Chrome(options=options, service=Service("/usr/bin/chromedriver"))
+
+    def resize(self, width, height):
+        metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
+        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+
+    def load(self):
+        self.driver.get(self.url)
+        wait_until(lambda: self.attribute("link", "data-state") == "up", 15.0)
+
+    def script(self, text):
+        return self.driver.execute_script(text)
+
+    def element(self, selector):
+        return self.driver.find_element(By.CSS_SELECTOR, selector)
+
+    def text(self, element_id):
+        return self.element(f"#{element_id}").text
+
+    def attribute(self, element_id, name):
+        return self.element(f"#{element_id}").get_attribute(name)
+
+    def down(self, *keys):
+        actions = ActionChains(self.driver)
+        for key in keys:
+            actions.key_down(key)
+        actions.perform()
+
+    def up(self, *keys):
+        actions = ActionChains(self.driver)
+        for key in keys:
+            actions.key_up(key)
+        actions.perform()
+
+    @contextlib.contextmanager
+    def hold(self, *keys):
+        self.down(*keys)
+        try:
+            yield
+        finally:
+            self.up(*keys)
+
+    def press(self, key):
+        with self.hold(key):
+            pass
+
+    def errors(self):
+        """Return what the browser complained of since the last call."""
+        return [entry["message"] for entry in self.driver.get_log("browser")]
+
+    def hosts(self):
+        """Return the hosts that the browser has sent requests to."""
+        hosts = set()
+        for entry in self.driver.get_log("performance"):
+            event = json.loads(entry["message"])["message"]
+            address = {
+                "Network.requestWillBeSent": lambda p: p["request"]["url"],
+                "Network.webSocketCreated": lambda p: p["url"],
+            }.get(event["method"])
+            if address is not None:
+                parts = urlsplit(address(event["params"]))
+                if parts.scheme not in ("data", "blob", "chrome"):
+                    hosts.add(parts.hostname)
+        return hosts
+
+
+@pytest.fixture(scope="module")
+def ros(tmp_path_factory):
+    for program in ("/usr/bin/chromium", "/usr/bin/chromedriver"):
+        if shutil.which(program) is None:
+            pytest.skip(f"{program} is not installed")
+    with Ros(tmp_path_factory.mktemp("ros")) as ros:
+        yield ros
+
+
+@pytest.fixture(scope="module")
+def robot(ros):
+    robot = Robot(ros)
+    robot.publish_states()
+    return robot
+
+
+@pytest.fixture(scope="module")
+def page(ros, robot, tmp_path_factory):
+    _, url = ros.serve("video_server")
+    ros.bridge, _ = ros.serve("rosbridge")
+    page = Page(url, tmp_path_factory.mktemp("profile"))
+    try:
+        page.resize(1280, 720)
+        page.load()
+        yield page
+    finally:
+        page.driver.quit()
+
+
+@pytest.fixture(autouse=True)
+def clean(robot):
+    robot.forget()
+
+
+def test_nothing_moves_before_the_nodes_have_said_how_fast(robot, page):
+    with page.hold("w", "j", "r", "."):
+        time.sleep(0.3)
+        assert "has not said yet how fast" in page.text("warning")
+    assert all(robot.is_quiet(topic, 0.1) for topic in (DRIVE, ARM, GRIPPER, FLIPPERS))
+    assert robot.heard(DRIVE) == robot.heard(ARM) == []
+
+
+def test_the_page_shows_picture_joints_and_status(robot, page, tmp_path):
+    robot.publish_node_status()
+    wait_until(lambda: page.attribute("view", "data-state") == "live")
+    wait_until(lambda: page.text("speed") == "40 %")
+    wait_until(lambda: page.element('[data-joint="turret_joint"]').text == "28.6°")
+    assert page.element('[data-joint="telescope_joint"]').text == "120 mm"
+    assert page.element('[data-joint="gripper"]').text == "17.2°"
+    assert page.text("sim-speed").startswith("1.00")
+    assert page.text("sim-state") == "running"
+    assert page.text("camera-name") == "front"
+    assert page.text("link-text").startswith("connected")
+    assert page.text("drive-linear") == "+0.25 m/s"
+    assert "limited" in page.element('[data-joint="elbow_joint"]').get_attribute("class")
+    assert not page.element("#no-picture").is_displayed()
+    pixel = page.script(
+        "return [...document.getElementById('picture').getContext('2d')"
+        ".getImageData(160, 200, 1, 1).data]"
+    )
+    assert np.abs(np.subtract(pixel[:3], (90, 140, 130))).max() < 12
+    assert page.driver.save_screenshot(str(tmp_path / "console.png"))
+    assert page.errors() == []
+    assert page.hosts() == {"127.0.0.1"}
+
+
+@pytest.mark.parametrize("size", [(1280, 720), (1366, 768), (1920, 1080), (2560, 1440)])
+def test_everything_is_in_view_without_scrolling(page, size):
+    page.resize(*size)
+    outside = page.script("""
+        const room = document.documentElement;
+        if (room.scrollHeight > innerHeight || room.scrollWidth > innerWidth) return ["page"];
+        return [...document.querySelectorAll("button:not([hidden]), [data-joint], canvas")]
+          .filter((element) => {
+            const box = element.getBoundingClientRect();
+            const cut = element.scrollWidth > Math.ceil(element.clientWidth) + 1
+              && element.tagName === "BUTTON";
+            return cut || box.left < 0 || box.top < 0 || box.right > innerWidth
+              || box.bottom > innerHeight;
+          }).map((element) => element.outerHTML);
+    """)
+    page.resize(1280, 720)
+    assert outside == []
+
+
+def test_a_held_key_drives_50_times_a_second_until_it_is_let_go(robot, page):
+    with page.hold("w"):
+        robot.wait_for(DRIVE, 40)
+        assert "held" in page.element('[data-action="drive:forward"]').get_attribute("class")
+    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, 2.0)
+    assert robot.is_quiet(DRIVE)
+    commands = robot.heard(DRIVE)
+    assert {command["linear"]["x"] for command in commands[:-1]} == {1.2}
+    assert commands[-1]["linear"]["x"] == 0.0
+    times = [arrival for arrival, _ in robot.probe.heard[DRIVE][:40]]
+    period = statistics.median(b - a for a, b in zip(times, times[1:]))
+    assert 0.017 < period < 0.024
+
+
+@pytest.mark.parametrize(
+    ("keys", "linear", "angular"),
+    [("w", 1.2, 0.0), ("s", -1.2, 0.0), ("a", 0.0, 1.0), ("d", 0.0, -1.0), ("wd", 1.2, -1.0)],
+)
+def test_driving(robot, page, keys, linear, angular):
+    def command():
+        last = robot.heard(DRIVE)[-1]
+        return last["linear"]["x"], last["angular"]["z"]
+
+    with page.hold(*keys):
+        wait_until(lambda: command() == (linear, angular), 2.0)
+    wait_until(lambda: command() == (0.0, 0.0), 2.0)
+
+
+@pytest.mark.parametrize(
+    ("topic", "key", "joints", "velocity"),
+    [
+        (ARM, "j", ["turret_joint"], 0.6),
+        (ARM, "i", ["shoulder_joint"], -0.6),
+        (ARM, "o", ["telescope_joint"], 0.6),
+        (ARM, ";", ["elbow_joint"], 0.6),
+        (ARM, "n", ["forearm_roll_joint"], -0.6),
+        (ARM, "[", ["wrist_pitch_joint"], -0.6),
+        (ARM, "0", ["gripper_roll_joint"], 0.6),
+        (GRIPPER, ".", ["gripper"], 0.16),
+        (GRIPPER, ",", ["gripper"], -0.16),
+        (FLIPPERS, "r", ["front_left_flipper_joint", "front_right_flipper_joint"], 0.7),
+        (FLIPPERS, "g", ["rear_left_flipper_joint", "rear_right_flipper_joint"], -0.7),
+    ],
+)
+def test_joints_move_at_their_own_limit_and_stop(robot, page, topic, key, joints, velocity):
+    with page.hold(key):
+        jog = robot.wait_for(topic, 3)[0]
+    assert (jog["joint_names"], jog["velocities"]) == (joints, [velocity] * len(joints))
+    assert jog["header"]["stamp"]["secs"] > 0
+    wait_until(lambda: robot.heard(topic)[-1]["velocities"] == [0.0] * len(joints), 2.0)
+    assert robot.is_quiet(topic, 0.1)
+
+
+def test_a_joint_that_is_let_go_stops_while_another_moves_on(robot, page):
+    with page.hold("j"):
+        with page.hold("k"):
+            wait_until(lambda: len(robot.heard(ARM)[-1]["joint_names"]) == 2)
+        wait_until(lambda: robot.heard(ARM)[-1]["joint_names"] == ["turret_joint"])
+        both = [
+            dict(zip(jog["joint_names"], jog["velocities"]))
+            for jog in robot.heard(ARM)
+            if "shoulder_joint" in jog["joint_names"]
+        ]
+    assert both[0] == {"turret_joint": 0.6, "shoulder_joint": 0.6}
+    assert both[-1] == {"turret_joint": 0.6, "shoulder_joint": 0.0}
+
+
+def test_both_keys_of_a_pair_stand_still(robot, page):
+    with page.hold("j"):
+        robot.wait_for(ARM, 2)
+        with page.hold("l"):
+            wait_until(lambda: robot.heard(ARM)[-1]["velocities"] == [0.0])
+            assert robot.is_quiet(ARM)
+
+
+def test_one_side_of_the_flippers(robot, page):
+    with page.hold("q"), page.hold("r"):
+        assert robot.wait_for(FLIPPERS)[0]["joint_names"] == ["front_left_flipper_joint"]
+    robot.forget()
+    page.element('[data-side="right"]').click()
+    with page.hold("t"):
+        assert robot.wait_for(FLIPPERS)[0]["joint_names"] == ["rear_right_flipper_joint"]
+    page.element('[data-side="both"]').click()
+
+
+def test_a_button_moves_while_the_pointer_holds_it(robot, page):
+    button = page.element('[data-action="turret:left"]')
+    # Beside the button it is still held: the pointer belongs to it until it is lifted.
+    actions = ActionChains(page.driver).click_and_hold(button).pause(0.1).move_by_offset(-300, 0)
+    actions.pause(0.5).release().perform()
+    wait_until(lambda: robot.heard(ARM)[-1]["velocities"] == [0.0], 2.0)
+    assert robot.is_quiet(ARM)
+    held = robot.heard(ARM)[:-1]
+    assert {jog["velocities"][0] for jog in held} == {0.6}
+    assert len(held) > 30
+
+
+LOSSES = {
+    "blur": "window.dispatchEvent(new Event('blur'))",
+    "pagehide": "window.dispatchEvent(new Event('pagehide'))",
+    "freeze": "document.dispatchEvent(new Event('freeze'))",
+    "hang": "const end = performance.now() + 400; while (performance.now() < end);",
+}
+
+
+@pytest.mark.parametrize("loss", LOSSES)
+def test_losing_the_operator_stops_and_only_a_new_press_moves(robot, page, loss):
+    with page.hold("w"):
+        robot.wait_for(DRIVE, 5)
+        page.script(LOSSES[loss])
+        wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, 2.0)
+        # The key is still down, and the keyboard repeats it.
+        page.script(
+            "window.dispatchEvent(new KeyboardEvent('keydown', {code: 'KeyW', repeat: true}))"
+        )
+        assert robot.is_quiet(DRIVE)
+        assert "released:" in page.text("warning")
+    robot.forget()
+    with page.hold("w"):
+        assert robot.wait_for(DRIVE)[-1]["linear"]["x"] == 1.2
+
+
+def test_another_tab_in_front_stops(robot, page):
+    first = page.driver.current_window_handle
+    page.down("w")
+    robot.wait_for(DRIVE, 5)
+    page.driver.switch_to.new_window("tab")
+    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, 2.0)
+    assert robot.is_quiet(DRIVE)
+    page.driver.close()
+    page.driver.switch_to.window(first)
+    assert robot.is_quiet(DRIVE)
+    page.up("w")
+
+
+def test_keys_with_modifiers_and_space(robot, page):
+    for modifier in ("ctrlKey", "altKey", "metaKey"):
+        event = f"new KeyboardEvent('keydown', {{code: 'KeyW', {modifier}: true}})"
+        page.script(f"window.dispatchEvent({event})")
+    assert robot.is_quiet(DRIVE, 0.2)
+    with page.hold("w"):
+        robot.wait_for(DRIVE, 3)
+        page.press(" ")
+        wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, 2.0)
+        assert robot.is_quiet(DRIVE)
+
+
+def test_speed(robot, page):
+    page.press("=")
+    wait_until(lambda: page.text("speed") == "50 %")
+    for node in NODES:
+        assert robot.wait_for(f"/telex/{node}/speed_scale")[-1] == {"data": 0.5}
+    robot.publish_node_status(0.1)
+    wait_until(lambda: page.text("speed") == "10 %")
+    page.element("#slower").click()
+    topic = "/telex/arm_teleop/speed_scale"
+    wait_until(lambda: robot.heard(topic)[-1] == {"data": 0.05})
+    robot.publish_node_status(0.05)
+    wait_until(lambda: page.text("speed") == "5 %")
+    time.sleep(0.6)
+    page.press("=")
+    wait_until(lambda: robot.heard(topic)[-1] == {"data": 0.1})
+    robot.publish_node_status(0.4)
+
+
+def test_estop_lets_go_and_holds_until_it_is_released(robot, page):
+    with page.hold("w"):
+        robot.wait_for(DRIVE, 3)
+        page.press("\ue00c")  # Escape
+        assert robot.wait_for(ESTOP)[-1] == {"data": True}
+        wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, 2.0)
+        robot.publish_sim(e_stop=True)
+        wait_until(lambda: page.element("#estop-band").is_displayed())
+        robot.forget()
+    with page.hold("w"):
+        assert robot.is_quiet(DRIVE)
+        assert page.text("warning") == "e-stop is active: release it first"
+        page.element("#release").click()
+        wait_until(lambda: robot.heard(ESTOP)[-1] == {"data": False})
+        robot.publish_sim(e_stop=False)
+        wait_until(lambda: not page.element("#estop-band").is_displayed())
+        assert robot.is_quiet(DRIVE)
+    robot.forget()
+    page.element("#estop").click()
+    assert robot.wait_for(ESTOP)[-1] == {"data": True}
+    # Space after the click must not click again.
+    page.press(" ")
+    assert robot.is_quiet(ESTOP, 0.2)
+    assert robot.heard(ESTOP) == [{"data": True}]
+
+
+def test_paused_and_silent_simulator(robot, page):
+    robot.publish_sim(paused=True)
+    wait_until(lambda: page.text("sim-state") == "PAUSED")
+    status = {"paused": False, "real_time_factor": 1.0}
+    robot.probe.publish("/telex/sim/status", "telex_msgs/SimStatus", status)
+    wait_until(lambda: page.text("sim-state") == "NO STATUS")
+    assert "." not in page.text("sim-speed")
+    robot.publish_sim()
+
+
+def test_a_picture_that_stalls_is_not_shown_as_live(robot, page):
+    topic = "/telex/cameras/front/image_raw/compressed"
+    data = {"data": camera_picture().hex()}
+    robot.probe.publish(topic, "sensor_msgs/CompressedImage", hex=data)
+    wait_until(lambda: page.element("#no-picture").is_displayed())
+    assert "NO PICTURE" in page.text("no-picture")
+    robot.probe.publish(topic, "sensor_msgs/CompressedImage", hex=data, rate=15)
+    wait_until(lambda: page.attribute("view", "data-state") == "live")
+
+
+def test_a_lost_bridge_releases_is_announced_and_found_again(ros, robot, page):
+    page.errors()
+    with page.hold("w"):
+        robot.wait_for(DRIVE, 5)
+        ros.stop(ros.bridge)
+        wait_until(lambda: page.element("#link-band").is_displayed())
+        assert robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0
+        assert "Connection lost" in page.text("link-band")
+        robot.forget()
+        ros.bridge, _ = ros.serve("rosbridge")
+        wait_until(lambda: page.attribute("link", "data-state") == "up", 15.0)
+        wait_until(lambda: not page.element("#link-band").is_displayed())
+        assert robot.is_quiet(DRIVE)
+        assert robot.heard(DRIVE) == []
+    with page.hold("w"):
+        assert robot.wait_for(DRIVE)[-1]["linear"]["x"] == 1.2
+    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, 2.0)
+    # The browser itself reports connections that fail; nothing else may be there.
+    others = itertools.filterfalse(lambda text: "WebSocket connection to" in text, page.errors())
+    assert list(others) == []
+
+
+def test_closing_the_page_stops(robot, page):
+    page.down("w")
+    robot.wait_for(DRIVE, 5)
+    page.driver.get("about:blank")
+    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, 2.0)
+    assert robot.is_quiet(DRIVE)

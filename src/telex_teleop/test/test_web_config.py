@@ -1,0 +1,90 @@
+"""Parameters of the two servers, and the address that they listen on."""
+
+from __future__ import annotations
+
+import socket
+from pathlib import Path
+
+import pytest
+import yaml
+
+from telex_teleop.web.config import ConfigError, RosbridgeConfig, VideoServerConfig, load_config
+from telex_teleop.web.serving import BindError, bind, url_of
+
+PACKAGE = Path(__file__).resolve().parents[1]
+
+
+def test_defaults_without_parameters():
+    config = load_config(VideoServerConfig, {}, "/telex/video_server")
+    assert (config.address, config.port) == ("127.0.0.1", 8080)
+    assert load_config(RosbridgeConfig, {}, "/telex/rosbridge").port == 9090
+
+
+@pytest.mark.parametrize(
+    ("config_class", "name"), [(VideoServerConfig, "video_server"), (RosbridgeConfig, "rosbridge")]
+)
+def test_the_config_file_holds_every_parameter_with_its_default(config_class, name):
+    values = yaml.safe_load((PACKAGE / "config" / f"{name}.yaml").read_text())
+    assert load_config(config_class, values, name) == config_class()
+    assert set(values) == set(vars(config_class()))
+
+
+def test_values_are_taken_and_own_parameters_ignored():
+    values = {"port": 0, "stall_timeout": 2, "url": "http://127.0.0.1:1"}
+    config = load_config(VideoServerConfig, values, "/v")
+    assert config.port == 0
+    assert config.stall_timeout == 2.0
+    assert load_config(RosbridgeConfig, {"allowed_origins": ["null"]}, "/b").allowed_origins == (
+        "null",
+    )
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ({"port": 70000}, "/v/port: 70000 must lie between 0 and 65535"),
+        ({"port": "8080"}, "/v/port: '8080' must be an integer"),
+        ({"port": True}, "/v/port: True must be an integer"),
+        ({"quality": 0}, "/v/quality: 0"),
+        ({"stall_timeout": float("nan")}, "/v/stall_timeout: nan must be a number from 0.5"),
+        ({"address": ""}, "/v/address: '' must be a string that is not empty"),
+        ({"prot": 1}, "/v/prot: unknown parameter; known are address"),
+        ("x", "/v: the private parameters must be a dictionary"),
+    ],
+)
+def test_bad_values_are_refused_by_name(values, said):
+    with pytest.raises(ConfigError) as error:
+        load_config(VideoServerConfig, values, "/v")
+    assert str(error.value).startswith(said)
+
+
+def test_a_list_of_origins_must_be_a_list_of_strings():
+    with pytest.raises(ConfigError, match="allowed_origins: 'a' must be a list of strings"):
+        load_config(RosbridgeConfig, {"allowed_origins": "a"}, "/b")
+
+
+def test_port_0_takes_a_free_port():
+    with bind("127.0.0.1", 0, "/v") as listener:
+        assert url_of("http", listener) == f"http://127.0.0.1:{listener.getsockname()[1]}"
+
+
+def test_all_networks_are_announced_by_the_loopback_address():
+    with bind("0.0.0.0", 0, "/v") as listener:
+        assert url_of("ws", listener).startswith("ws://127.0.0.1:")
+
+
+def test_a_port_in_use_is_named_with_its_remedy():
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        port = other.getsockname()[1]
+        with pytest.raises(BindError) as error:
+            bind("127.0.0.1", port, "/telex/video_server")
+    assert str(error.value) == (
+        f"/telex/video_server/port: {port} on 127.0.0.1 is in use by another program; stop that "
+        "program, or set the parameter to another port (0: any free one)"
+    )
+
+
+@pytest.mark.parametrize("address", ["203.0.113.7", "no such host", "a" * 300])
+def test_an_address_of_another_machine_is_refused(address):
+    with pytest.raises(BindError, match="/v/address: "):
+        bind(address, 0, "/v")

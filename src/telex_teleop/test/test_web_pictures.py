@@ -1,0 +1,286 @@
+"""Pictures and what is asked of them: encoding, queries, framing, finding topics."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+import simplejpeg
+
+from telex_teleop.web.video import mjpeg, pages, query
+from telex_teleop.web.video.pictures import (
+    CompressedPicture,
+    RawPicture,
+    UnusablePictureError,
+    Variant,
+    encode,
+)
+from telex_teleop.web.video.topics import PictureTopic, base_topics, find_cameras, find_topic
+
+RED, BLUE = (220, 20, 20), (20, 20, 220)
+
+
+def two_halves(width=64, height=48):
+    """Left red, right blue (RGB)."""
+    pixels = np.zeros((height, width, 3), np.uint8)
+    pixels[:, : width // 2], pixels[:, width // 2 :] = RED, BLUE
+    return pixels
+
+
+def jpeg(quality=90, pixels=None):
+    return simplejpeg.encode_jpeg(two_halves() if pixels is None else pixels, quality=quality)
+
+
+def shown(encoded):
+    """Return size and the colours left and right of the middle."""
+    pixels = simplejpeg.decode_jpeg(encoded.data, colorspace="RGB")
+    height, width = pixels.shape[:2]
+    middle = pixels[height // 2]
+    return (width, height), middle[width // 4], middle[3 * width // 4]
+
+
+def is_like(colour, wanted):
+    return np.abs(colour.astype(int) - wanted).max() < 30
+
+
+def raw(encoding, pixels, padding=0):
+    rows = pixels.reshape(pixels.shape[0], -1)
+    padded = np.pad(rows, ((0, 0), (0, padding)))
+    step = padded.shape[1]
+    return RawPicture(1.5, pixels.shape[1], pixels.shape[0], step, encoding, padded.tobytes())
+
+
+# Encoding
+
+
+@pytest.mark.parametrize(
+    "variant",
+    [Variant(), Variant(unchanged=True), Variant(width=64), Variant(width=64, height=48)],
+)
+def test_a_jpeg_of_which_no_change_is_asked_keeps_its_bytes(variant):
+    data = jpeg()
+    encoded = encode(CompressedPicture(1.5, data), variant, 80)
+    assert (encoded.data, encoded.stamp, encoded.mime) == (data, 1.5, "image/jpeg")
+
+
+@pytest.mark.parametrize(
+    ("variant", "size"),
+    [
+        (Variant(width=32), (32, 48)),
+        (Variant(height=96), (64, 96)),
+        (Variant(width=16, height=12), (16, 12)),
+        (Variant(quality=30), (64, 48)),
+    ],
+)
+def test_sizes_and_quality_of_compressed_pictures(variant, size):
+    encoded = encode(CompressedPicture(0.0, jpeg()), variant, 95)
+    found, left, right = shown(encoded)
+    assert found == size
+    assert is_like(left, RED)
+    assert is_like(right, BLUE)
+
+
+def test_quality_changes_the_size_of_the_data():
+    noise = np.random.default_rng(1).integers(0, 255, (48, 64, 3), np.uint8)
+    picture = CompressedPicture(0.0, jpeg(100, noise))
+    small = encode(picture, Variant(quality=10), 95)
+    large = encode(picture, Variant(quality=90), 95)
+    assert len(small.data) < len(large.data) / 2
+    by_default = encode(raw("rgb8", noise), Variant(), 10)
+    assert len(by_default.data) == pytest.approx(len(small.data), rel=0.05)
+
+
+def test_invert_turns_the_picture():
+    _, left, right = shown(encode(CompressedPicture(0.0, jpeg()), Variant(invert=True), 95))
+    assert is_like(left, BLUE)
+    assert is_like(right, RED)
+
+
+def test_png_is_handed_on_or_made_a_jpeg():
+    png = cv2.imencode(".png", two_halves()[:, :, ::-1])[1].tobytes()
+    picture = CompressedPicture(0.0, png)
+    kept = encode(picture, Variant(unchanged=True), 95)
+    assert (kept.data, kept.mime) == (png, "image/png")
+    _, left, right = shown(encode(picture, Variant(), 95))
+    assert is_like(left, RED)
+    assert is_like(right, BLUE)
+
+
+@pytest.mark.parametrize("padding", [0, 5])
+@pytest.mark.parametrize(
+    ("encoding", "order"),
+    [("rgb8", [0, 1, 2]), ("bgr8", [2, 1, 0]), ("rgba8", [0, 1, 2, 0]), ("bgra8", [2, 1, 0, 0])],
+)
+def test_raw_pictures_keep_their_colours(encoding, order, padding):
+    pixels = np.ascontiguousarray(two_halves()[:, :, order])
+    encoded = encode(raw(encoding, pixels, padding), Variant(), 95)
+    size, left, right = shown(encoded)
+    assert size == (64, 48)
+    assert encoded.stamp == 1.5
+    assert is_like(left, RED)
+    assert is_like(right, BLUE)
+
+
+@pytest.mark.parametrize("variant", [Variant(), Variant(width=20), Variant(invert=True)])
+def test_grey_pictures_stay_grey(variant):
+    pixels = np.full((48, 64, 1), 90, np.uint8)
+    encoded = encode(raw("mono8", pixels), variant, 95)
+    assert simplejpeg.decode_jpeg_header(encoded.data)[2] == "Gray"
+    again = encode(CompressedPicture(0.0, encoded.data), Variant(width=10), 95)
+    assert simplejpeg.decode_jpeg_header(again.data)[1:3] == (10, "Gray")
+
+
+@pytest.mark.parametrize(
+    ("picture", "said"),
+    [
+        (CompressedPicture(0.0, b""), "is neither JPEG nor PNG"),
+        (CompressedPicture(0.0, b"GIF89a"), "is neither JPEG nor PNG"),
+        (CompressedPicture(0.0, b"\xff\xd8nonsense"), "is a damaged JPEG"),
+        (CompressedPicture(0.0, jpeg()[:60]), "is a damaged JPEG"),
+        (CompressedPicture(0.0, b"\x89PNG\r\n\x1a\nnonsense"), "is a damaged PNG"),
+        (RawPicture(0.0, 2, 2, 4, "16UC1", bytes(8)), "has the encoding '16UC1'; known are rgb8"),
+        (RawPicture(0.0, 2, 2, 6, "rgb8", bytes(11)), "has 11 bytes, which do not fit 2 x 2 rgb8"),
+        (RawPicture(0.0, 2, 2, 5, "rgb8", bytes(10)), "has 10 bytes, which do not fit"),
+        (RawPicture(0.0, 0, 0, 0, "rgb8", b""), "has 0 bytes, which do not fit 0 x 0"),
+    ],
+)
+def test_damaged_pictures_are_refused_with_a_reason(picture, said):
+    with pytest.raises(UnusablePictureError) as error:
+        encode(picture, Variant(width=10), 95)
+    assert str(error.value).startswith(said)
+
+
+# Queries
+
+
+def test_a_query_without_wishes_changes_nothing():
+    assert query.parse({"topic": "x"}, 4096) == query.PictureQuery("x", Variant())
+    as_upstream = {"topic": "x", "width": "-1", "height": "0", "bitrate": "x", "type": "mjpeg"}
+    assert query.parse(as_upstream, 4096).variant == Variant()
+
+
+def test_wishes_are_read():
+    asked = {"topic": "x", "width": "320", "height": "240", "quality": "50", "invert": ""}
+    assert query.parse(asked, 4096).variant == Variant(320, 240, 50, invert=True)
+    asked["type"] = "ros_compressed"
+    assert query.parse(asked, 4096).variant == Variant(unchanged=True)
+
+
+@pytest.mark.parametrize(
+    ("asked", "status", "said"),
+    [
+        ({}, 400, "The parameter 'topic' is missing"),
+        ({"topic": ""}, 400, "The parameter 'topic' is missing"),
+        ({"topic": "x", "type": "vp8"}, 404, "There is no stream type 'vp8'"),
+        ({"topic": "x", "width": "wide"}, 400, "The parameter 'width' is 'wide'; it must be"),
+        ({"topic": "x", "width": "1e3"}, 400, "The parameter 'width' is '1e3'"),
+        ({"topic": "x", "width": ""}, 400, "The parameter 'width' is ''"),
+        ({"topic": "x", "width": "-2"}, 400, "The parameter 'width' is -2"),
+        ({"topic": "x", "width": "1_0"}, 400, "The parameter 'width' is '1_0'"),
+        ({"topic": "x", "height": "5000"}, 400, "The parameter 'height' is 5000; it must be"),
+        ({"topic": "x", "height": "9" * 5000}, 400, "The parameter 'height'"),
+        ({"topic": "x", "quality": "0"}, 400, "The parameter 'quality' is 0; it must be"),
+        ({"topic": "x", "quality": "101"}, 400, "The parameter 'quality' is 101"),
+        ({"topic": "x", "quality": "²"}, 400, "The parameter 'quality' is '²'"),
+    ],
+)
+def test_bad_queries_are_refused_with_a_sentence(asked, status, said):
+    with pytest.raises(query.QueryError) as error:
+        query.parse(asked, 4096)
+    assert error.value.status == status
+    assert str(error.value).startswith(said)
+
+
+# Framing, as web_video_server does it
+
+
+def test_the_head_of_a_stream():
+    lines = mjpeg.STREAM_HEAD.decode().split("\r\n")
+    assert lines == [
+        "HTTP/1.0 200 OK",
+        "Connection: close",
+        "Server: web_video_server",
+        "Cache-Control: no-cache, no-store, must-revalidate, pre-check=0, post-check=0, max-age=0",
+        "Pragma: no-cache",
+        "Content-type: multipart/x-mixed-replace;boundary=boundarydonotcross",
+        "Access-Control-Allow-Origin: *",
+        "Access-Control-Allow-Methods: GET,POST,PUT,DELETE,HEAD,OPTIONS",
+        "Access-Control-Allow-Headers: Origin, Authorization, Accept, Content-Type",
+        "Access-Control-Max-Age: 3600",
+        "",
+        "--boundarydonotcross",
+        "",
+    ]
+
+
+def test_a_part_of_a_stream():
+    head, _, rest = mjpeg.part(b"\xff\xd8data", 12.3456789, "image/jpeg").partition(b"\r\n\r\n")
+    assert head.decode().split("\r\n") == [
+        "Content-type: image/jpeg",
+        "X-Timestamp: 12.345679",
+        "Access-Control-Allow-Origin: *",
+        "Access-Control-Allow-Methods: GET,POST,PUT,DELETE,HEAD,OPTIONS",
+        "Access-Control-Allow-Headers: Origin, Authorization, Accept, Content-Type",
+        "Access-Control-Max-Age: 3600",
+        "Content-Length: 6",
+    ]
+    assert rest == b"\xff\xd8data\r\n--boundarydonotcross\r\n"
+
+
+# Topics
+
+TOPICS = {
+    "/telex/cameras/front/image_raw": "sensor_msgs/Image",
+    "/telex/cameras/front/image_raw/compressed": "sensor_msgs/CompressedImage",
+    "/telex/cameras/front/camera_info": "sensor_msgs/CameraInfo",
+    "/telex/cameras/rear/image_raw/compressed": "sensor_msgs/CompressedImage",
+    "/raw": "sensor_msgs/Image",
+    "/joint_states": "sensor_msgs/JointState",
+}
+FRONT = PictureTopic("/telex/cameras/front/image_raw/compressed", compressed=True)
+
+
+@pytest.mark.parametrize(
+    ("name", "found"),
+    [
+        ("/telex/cameras/front/image_raw", FRONT),
+        ("telex/cameras/front/image_raw", FRONT),
+        ("cameras/front/image_raw", FRONT),
+        ("/telex/cameras/front/image_raw/compressed", FRONT),
+        ("raw", PictureTopic("/raw", compressed=False)),
+        ("/joint_states", None),
+        ("/cameras/front/image_raw", None),
+        ("nothing", None),
+        ("", None),
+    ],
+)
+def test_topics_are_found_as_clients_spell_them(name, found):
+    assert find_topic(name, TOPICS, "/telex/") == found
+
+
+def test_cameras_and_image_topics():
+    assert [camera["name"] for camera in find_cameras(TOPICS, "/telex/")] == ["front", "rear"]
+    assert base_topics(TOPICS) == [
+        "/raw",
+        "/telex/cameras/front/image_raw",
+        "/telex/cameras/rear/image_raw",
+    ]
+
+
+def test_the_index_groups_topics_by_camera():
+    page = pages.index_page(base_topics(TOPICS), TOPICS)
+    camera, rest = page.split("</ul></li></ul>")
+    assert "/stream_viewer?topic=/telex/cameras/front/image_raw" in camera
+    assert "/snapshot?topic=/raw" in rest
+    assert "/stream?topic=/telex/cameras/rear/image_raw" in rest
+
+
+def test_pages_escape_what_comes_from_outside():
+    evil = '"><script>alert(1)</script>'
+    for page in (
+        pages.viewer_page(evil, {"topic": evil, evil: evil}),
+        pages.error_page(404, evil),
+        pages.index_page([evil], [f"{evil}/camera_info"]),
+        pages.index_page([f"{evil}/image"], [f"{evil}/camera_info"]),
+    ):
+        assert "<script" not in page

@@ -1,0 +1,341 @@
+"""The video server and the bridge as nodes on a ROS master of their own."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import signal
+import socket
+import time
+import urllib.error
+import urllib.request
+
+import aiohttp
+import numpy as np
+import pytest
+import simplejpeg
+from web_harness import Ros, free_port, wait_until
+
+pytestmark = pytest.mark.ros
+
+CAMERA = "/telex/cameras/front/image_raw"
+COMPRESSED = f"{CAMERA}/compressed"
+DRIVE = "/telex/track_teleop/cmd_vel"
+NOISE = np.random.default_rng(2).integers(0, 255, (240, 320, 3), np.uint8)
+JPEG = simplejpeg.encode_jpeg(NOISE, quality=90)
+
+
+@pytest.fixture(scope="module")
+def ros(tmp_path_factory):
+    with Ros(tmp_path_factory.mktemp("ros")) as ros:
+        yield ros
+
+
+@pytest.fixture(scope="module")
+def probe(ros):
+    return ros.probe()
+
+
+@pytest.fixture(scope="module")
+def video(ros):
+    return ros.serve("video_server")[1]
+
+
+@pytest.fixture(scope="module")
+def bridge(ros):
+    return ros.serve("rosbridge")[1]
+
+
+@pytest.fixture
+def camera(probe):
+    """Publish one JPEG at 30 Hz for the time of a test."""
+    kind = "sensor_msgs/CompressedImage"
+    hex_data = {"data": JPEG.hex()}
+    probe.publish(COMPRESSED, kind, {"format": "jpeg"}, hex=hex_data, rate=30)
+    yield
+    probe.publish(COMPRESSED, kind, {"format": "jpeg"}, hex=hex_data)
+
+
+def get(url):
+    try:
+        with urllib.request.urlopen(url, timeout=10) as reply:
+            return reply.status, reply.read().decode()
+    except urllib.error.HTTPError as error:
+        return error.code, error.read().decode()
+
+
+def open_stream(url, target, receive_buffer=None):
+    host, port = url[len("http://") :].split(":")
+    client = socket.socket()
+    if receive_buffer:
+        client.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer)
+    client.settimeout(10.0)
+    client.connect((host, int(port)))
+    client.sendall(f"GET {target} HTTP/1.0\r\n\r\n".encode())
+    return client
+
+
+def read_parts(client, count):
+    """Return (time of arrival, X-Timestamp, data) of the next parts of a stream."""
+    parts, buffered = [], b""
+    stream = client.makefile("rb")
+    while len(parts) < count:
+        line = stream.readline()
+        assert line, "the stream has ended"
+        if line.startswith(b"X-Timestamp"):
+            stamp = float(line.split()[1])
+        elif line.startswith(b"Content-Length"):
+            length = int(line.split()[1])
+            assert stream.readline() == b"\r\n"
+            parts.append((time.monotonic(), stamp, stream.read(length)))
+    assert not buffered
+    return parts
+
+
+# Video server
+
+
+def test_a_stream_delivers_the_published_bytes(video, camera):
+    with open_stream(video, f"/stream?topic={CAMERA}") as client:
+        parts = read_parts(client, 20)
+    assert all(data == JPEG for _, _, data in parts)
+    assert 0.3 < parts[-1][0] - parts[0][0] < 2.0
+
+
+def test_the_server_subscribes_only_while_somebody_watches(ros, video, camera):
+    wait_until(lambda: not ros.subscribers(COMPRESSED))
+    with open_stream(video, f"/stream?topic={CAMERA}") as client:
+        read_parts(client, 1)
+        assert ros.subscribers(COMPRESSED) == ["/telex/video_server"]
+        assert ros.subscribers(CAMERA) == []
+    wait_until(lambda: not ros.subscribers(COMPRESSED))
+
+
+def test_a_stalled_client_delays_nobody_and_gets_fresh_pictures_on_resume(video, camera):
+    stalled = open_stream(video, f"/stream?topic={CAMERA}", receive_buffer=65536)
+    with stalled, open_stream(video, f"/stream?topic={CAMERA}") as reader:
+        parts = read_parts(reader, 60)
+        gaps = np.diff([arrival for arrival, _, _ in parts])
+        assert np.median(gaps) < 0.05
+        resumed = time.time()
+        stale = [stamp for _, stamp, _ in read_parts(stalled, 20) if stamp < resumed - 0.25]
+    assert len(stale) <= 6
+
+
+def test_raw_images_are_encoded(probe, video):
+    pixels = np.full((48, 64, 3), (200, 30, 30), np.uint8)
+    fields = {"height": 48, "width": 64, "step": 192, "encoding": "rgb8"}
+    hex_data = {"data": pixels.tobytes().hex()}
+    probe.publish("/telex/raw", "sensor_msgs/Image", fields, hex=hex_data, rate=20)
+    with urllib.request.urlopen(f"{video}/snapshot?topic=raw&height=24", timeout=10) as reply:
+        picture = simplejpeg.decode_jpeg(reply.read(), colorspace="RGB")
+    assert picture.shape == (24, 64, 3)
+    assert np.abs(picture.astype(int) - (200, 30, 30)).max() < 12
+
+
+def test_unknown_topics_and_the_console(video, bridge, camera):
+    status, text = get(f"{video}/stream?topic=/no/such/topic")
+    assert status == 404
+    assert "No image topic" in text
+    assert get(f"{video}/stream?topic={CAMERA}&quality=500")[0] == 400
+    assert CAMERA in get(f"{video}/streams")[1]
+    assert "<title>Telex console</title>" in get(f"{video}/")[1]
+    config = json.loads(get(f"{video}/config.json")[1])
+    assert config == {
+        "namespace": "/telex",
+        "rosbridge": bridge,
+        "cameras": [{"name": "front", "topic": CAMERA}],
+        "main_camera": "front",
+    }
+
+
+@pytest.mark.parametrize("name", ["video_server", "rosbridge"])
+def test_a_port_in_use_is_one_clear_line(ros, name):
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        port = other.getsockname()[1]
+        process = ros.start_node(
+            name, f"_port:={port}", f"__name:={name}_2", stdout=-1, stderr=-1, text=True
+        )
+        _, said = process.communicate(timeout=20)
+    assert process.returncode == 1
+    assert f"/telex/{name}_2/port: {port} on 127.0.0.1 is in use by another program" in said
+    assert "Traceback" not in said
+    assert len([line for line in said.splitlines() if line.strip()]) == 1
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_the_server_leaves_at_once_with_streams_open(ros, camera, number):
+    process, url = ros.serve("video_server", "short_lived")
+    clients = [open_stream(url, f"/stream?topic={CAMERA}") for _ in range(3)]
+    for client in clients[:2]:
+        read_parts(client, 2)
+    started = time.monotonic()
+    assert ros.stop(process, number) == 0
+    # rospy itself takes 0.6 s of this to end its threads.
+    assert time.monotonic() - started < 2.0
+    for client in clients:
+        client.close()
+    assert ros.param("/telex/short_lived/url") is None
+
+
+# Bridge
+
+
+def in_thread(call, *arguments):
+    return asyncio.get_running_loop().run_in_executor(None, call, *arguments)
+
+
+def on_bridge(bridge, check):
+    async def connected():
+        async with aiohttp.ClientSession() as http, http.ws_connect(bridge) as socket:
+            client = Client(socket)
+            await check(client)
+
+    asyncio.run(asyncio.wait_for(connected(), 30.0))
+
+
+class Client:
+    def __init__(self, socket):
+        self.socket = socket
+
+    async def say(self, op, **fields):
+        await self.socket.send_json({"op": op, **fields})
+
+    async def hear(self):
+        return await self.socket.receive_json(timeout=10)
+
+    async def ask(self, service, args=None):
+        await self.say("call_service", service=service, args=args or {}, id="q")
+        answer = await self.hear()
+        return answer["result"], answer["values"]
+
+
+def test_the_first_message_after_advertise_arrives(probe, bridge):
+    probe.subscribe("/telex/chat", "std_msgs/String")
+
+    async def check(client):
+        await client.say("advertise", topic="chat", type="std_msgs/String")
+        for word in ("one", "two"):
+            await client.say("publish", topic="chat", msg={"data": word})
+        await in_thread(wait_until, lambda: len(probe.heard["/telex/chat"]) == 2)
+
+    on_bridge(bridge, check)
+    assert probe.messages("/telex/chat") == [{"data": "one"}, {"data": "two"}]
+
+
+def test_topics_are_heard_throttled_and_latched(probe, bridge):
+    probe.publish("/telex/scene", "std_msgs/String", {"data": "floor"}, latch=True)
+    states = {"name": ["a"], "position": [0.5, float("nan")]}
+    probe.publish("/telex/joint_states", "sensor_msgs/JointState", states, rate=100)
+
+    async def check(client):
+        await client.say("subscribe", topic="/telex/scene")
+        assert (await client.hear())["msg"] == {"data": "floor"}
+        await client.say("subscribe", topic="/telex/scene", id="again")
+        await client.say("subscribe", topic="joint_states", throttle_rate=100)
+        arrivals = []
+        for _ in range(10):
+            heard = await client.hear()
+            assert (heard["topic"], heard["msg"]["position"]) == ("joint_states", [0.5, None])
+            arrivals.append(time.monotonic())
+        assert 0.8 < arrivals[-1] - arrivals[0] < 1.5
+
+    on_bridge(bridge, check)
+
+    async def later(client):
+        await client.say("subscribe", topic="/telex/scene")
+        assert (await client.hear())["msg"] == {"data": "floor"}
+
+    on_bridge(bridge, later)
+
+
+def test_services_and_parameters(ros, probe, bridge):
+    kind = "std_srvs/SetBool"
+    probe.do("serve", service="/telex/lamp", type=kind, response={"success": True, "message": "on"})
+
+    async def check(client):
+        lamp = {"success": True, "message": "on"}
+        assert await client.ask("lamp", {"data": True}) == (True, lamp)
+        assert await client.ask("/rosapi/service_type", {"service": "/telex/lamp"}) == (
+            True,
+            {"type": kind},
+        )
+        assert "/telex/lamp" in (await client.ask("rosapi/services"))[1]["services"]
+        failed, why = await client.ask("/telex/no_lamp")
+        assert (failed, why) == (False, "there is no service /telex/no_lamp")
+        value = {"name": "/telex/limits", "value": '{"speed": 1.5, "names": ["a"]}'}
+        assert (await client.ask("/rosapi/set_param", value))[0]
+        answer = await client.ask("rosapi/get_param", {"name": "limits"})
+        assert json.loads(answer[1]["value"]) == {"speed": 1.5, "names": ["a"]}
+        names = (await client.ask("rosapi/get_param_names"))[1]["names"]
+        assert "/telex/limits/speed" in names
+        assert (await client.ask("rosapi/delete_param", {"name": "limits"}))[0]
+        assert (await client.ask("rosapi/get_param", {"name": "limits"}))[1] == {"value": "null"}
+        assert not (await client.ask("rosapi/delete_param", {"name": "limits"}))[0]
+        assert "/telex/rosbridge" in (await client.ask("/rosapi/nodes"))[1]["nodes"]
+        now = (await client.ask("/rosapi/get_time"))[1]["time"]
+        assert abs(now["secs"] - time.time()) < 10
+
+    on_bridge(bridge, check)
+    assert probe.requests == [{"data": True}]
+    assert ros.param("/telex/limits") is None
+
+
+def test_a_client_that_is_killed_stops_what_it_drove(probe, bridge):
+    probe.subscribe(DRIVE, "geometry_msgs/Twist")
+
+    async def check(client):
+        await client.say("advertise", topic=DRIVE, type="geometry_msgs/Twist")
+        await client.say("publish", topic=DRIVE, msg={"linear": {"x": 1}})
+        await in_thread(wait_until, lambda: probe.heard[DRIVE])
+        client.socket._response.connection.transport.abort()
+
+    on_bridge(bridge, check)
+    wait_until(lambda: len(probe.heard[DRIVE]) == 2, 2.0)
+    assert [message["linear"]["x"] for message in probe.messages(DRIVE)] == [1.0, 0.0]
+
+
+def test_nonsense_moves_nothing_and_the_bridge_lives_on(probe, bridge):
+    topic = "/telex/arm_teleop/delta_joint_cmds"
+    probe.subscribe(topic, "control_msgs/JointJog")
+    jog = {"joint_names": ["turret_joint"], "velocities": ["fast"]}
+
+    async def check(client):
+        await client.say("advertise", topic=topic, type="control_msgs/JointJog")
+        await client.say("publish", topic=topic, msg=jog)
+        assert (await client.hear())["msg"] == (
+            f"publish to {topic}: velocities[0]: expected a number, got a string"
+        )
+        for text in ("{", "[" * 50000, '{"op":"fly"}', "null"):
+            await client.socket.send_str(text)
+            assert (await client.hear())["level"] == "error"
+        huge = json.dumps({"op": "publish", "topic": topic, "msg": "x" * 2000000})
+        await client.socket.send_str(huge)
+        assert (await client.socket.receive(timeout=10)).type == aiohttp.WSMsgType.CLOSE
+
+    on_bridge(bridge, check)
+
+    async def still_there(client):
+        assert (await client.ask("/rosapi/get_time"))[0]
+
+    on_bridge(bridge, still_there)
+    assert probe.messages(topic) == []
+
+
+def test_the_launch_file_starts_both_nodes(tmp_path):
+    with Ros(tmp_path) as ros:
+        ports = {"video_port": free_port(), "bridge_port": free_port()}
+        arguments = [f"{name}:={port}" for name, port in ports.items()]
+        environment = {**ros.environment, "ROS_NAMESPACE": "/telex"}
+        ros.environment = environment
+        launched = ros.start(
+            ["roslaunch", "telex_teleop", "console.launch", *arguments], stdout=-3, stderr=-3
+        )
+        url = wait_until(lambda: ros.param("/telex/video_server/url"), 30.0)
+        assert url == f"http://127.0.0.1:{ports['video_port']}"
+        bridge = wait_until(lambda: ros.param("/telex/rosbridge/url"), 30.0)
+        assert bridge == f"ws://127.0.0.1:{ports['bridge_port']}"
+        assert json.loads(get(f"{url}/config.json")[1])["rosbridge"] == bridge
+        ros.stop(launched)
+        assert ros.param("/telex/video_server/url") is None
+        assert ros.param("/telex/rosbridge/url") is None

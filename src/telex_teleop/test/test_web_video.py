@@ -1,0 +1,383 @@
+"""The video server over HTTP, fed by hand."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import socket
+import time
+
+import aiohttp
+import pytest
+import simplejpeg
+from test_web_pictures import jpeg, raw, two_halves
+from web_fakes import FakePictures, becomes, served
+
+import telex_teleop.web.video.app as video_app
+from telex_teleop.web.config import VideoServerConfig
+from telex_teleop.web.video.app import VideoServer
+from telex_teleop.web.video.pictures import CompressedPicture
+
+CAMERA = "/telex/cameras/front/image_raw"
+COMPRESSED = f"{CAMERA}/compressed"
+
+
+class Bench:
+    """A video server with one camera, and a console of one page."""
+
+    def __init__(self, tmp_path, **config):
+        self.pictures = FakePictures(
+            {
+                CAMERA: "sensor_msgs/Image",
+                COMPRESSED: "sensor_msgs/CompressedImage",
+                "/raw": "sensor_msgs/Image",
+            }
+        )
+        self.warnings = []
+        (tmp_path / "index.html").write_text("<title>console</title>")
+        (tmp_path / "main.js").write_text("start();")
+        self.server_config = VideoServerConfig(**config)
+        self.console = tmp_path
+
+    def served(self):
+        self.server = VideoServer(
+            self.server_config, self.pictures, "/telex/", self.console, self.warnings.append
+        )
+        return served(self.server.make_app())
+
+    async def feed(self, data, topic=COMPRESSED, stamp=1.25):
+        await becomes(lambda: topic in self.pictures.receivers)
+        self.pictures.feed(topic, CompressedPicture(stamp, data))
+
+
+@pytest.fixture
+def bench(tmp_path):
+    return Bench(tmp_path)
+
+
+def run(coroutine):
+    asyncio.run(asyncio.wait_for(coroutine, 20.0))
+
+
+class Stream:
+    """A client of a stream that reads the bytes as they are."""
+
+    def __init__(self, url, target, receive_buffer=None):
+        host, port = url[len("http://") :].split(":")
+        self.socket = socket.socket()
+        if receive_buffer is not None:
+            self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer)
+        self.socket.connect((host, int(port)))
+        self.socket.sendall(f"GET {target} HTTP/1.1\r\nHost: {host}\r\n\r\n".encode())
+        self.socket.setblocking(False)
+        self.bytes = b""
+
+    async def until(self, end, timeout=5.0):
+        """Return all that came up to the end of some bytes."""
+        loop = asyncio.get_running_loop()
+        while end not in self.bytes:
+            chunk = await asyncio.wait_for(loop.sock_recv(self.socket, 65536), timeout)
+            assert chunk, f"the stream ended after {self.bytes!r}"
+            self.bytes += chunk
+        head, found, self.bytes = self.bytes.partition(end)
+        return head + found
+
+    async def part(self):
+        """Return headers and data of the next part."""
+        head = (await self.until(b"\r\n\r\n")).decode()
+        headers = dict(line.split(": ", 1) for line in head.strip().split("\r\n"))
+        tail = b"\r\n--boundarydonotcross\r\n"
+        body = await self.until(tail)
+        data = body[: -len(tail)]
+        while len(data) < int(headers["Content-Length"]):
+            data = body + (await self.until(tail))[: -len(tail)]
+        return headers, data
+
+    async def ended(self):
+        loop = asyncio.get_running_loop()
+        while await asyncio.wait_for(loop.sock_recv(self.socket, 65536), 5.0):
+            pass
+
+
+def test_a_stream_hands_on_pictures_unchanged(bench):
+    async def check():
+        async with bench.served() as url:
+            client = Stream(url, f"/stream?topic={CAMERA}")
+            head = (await client.until(b"--boundarydonotcross\r\n")).decode()
+            assert head.startswith("HTTP/1.0 200 OK\r\n")
+            assert "multipart/x-mixed-replace;boundary=boundarydonotcross" in head
+            for quality in (90, 80):
+                await bench.feed(jpeg(quality), stamp=quality)
+                headers, data = await client.part()
+                assert data == jpeg(quality)
+                assert headers["X-Timestamp"] == f"{quality}.000000"
+                assert headers["Content-type"] == "image/jpeg"
+            client.socket.close()
+
+    run(check())
+
+
+def test_subscriptions_last_from_the_first_client_to_the_last(bench):
+    async def check():
+        async with bench.served() as url:
+            assert bench.pictures.events == []
+            first = Stream(url, f"/stream?topic={CAMERA}")
+            await becomes(lambda: bench.pictures.events == [("subscribe", COMPRESSED)])
+            second = Stream(url, "/stream?topic=cameras/front/image_raw&width=32")
+            await second.until(b"--boundarydonotcross\r\n")
+            first.socket.close()
+            await bench.feed(jpeg())
+            _, data = await second.part()
+            assert simplejpeg.decode_jpeg_header(data)[:2] == (48, 32)
+            assert len(bench.pictures.events) == 1
+            second.socket.close()
+            await becomes(lambda: bench.pictures.events[-1] == ("unsubscribe", COMPRESSED))
+            assert len(bench.server.hubs) == 0
+            third = Stream(url, f"/stream?topic={CAMERA}")
+            await becomes(lambda: len(bench.pictures.events) == 3)
+            third.socket.close()
+
+    run(check())
+
+
+def test_a_new_client_sees_the_last_picture_at_once_in_its_own_variant(bench):
+    async def check():
+        async with bench.served() as url:
+            clients = [Stream(url, f"/stream?topic={CAMERA}")]
+            await bench.feed(jpeg())
+            await clients[0].until(b"--boundarydonotcross\r\n")
+            await clients[0].part()
+            for target, width in (("", 64), ("&width=32", 32), ("&width=32", 32)):
+                clients.append(Stream(url, f"/stream?topic={CAMERA}{target}"))
+                await clients[-1].until(b"--boundarydonotcross\r\n")
+                _, data = await clients[-1].part()
+                assert simplejpeg.decode_jpeg_header(data)[1] == width
+            for client in clients:
+                client.socket.close()
+
+    run(check())
+
+
+def test_each_variant_is_encoded_once_for_all_its_clients(bench, monkeypatch):
+    encode, encoded = video_app.encode, []
+
+    def count(picture, variant, quality):
+        encoded.append(variant)
+        return encode(picture, variant, quality)
+
+    monkeypatch.setattr(video_app, "encode", count)
+
+    async def check():
+        async with bench.served() as url:
+            targets = ["&width=32"] * 3 + ["&quality=50"] * 2
+            clients = [Stream(url, f"/stream?topic=/raw{target}") for target in targets]
+            for client in clients:
+                await client.until(b"--boundarydonotcross\r\n")
+            bench.pictures.feed("/raw", raw("rgb8", two_halves()))
+            for client in clients:
+                await client.part()
+                client.socket.close()
+            assert len(encoded) == 2
+
+    run(check())
+
+
+def test_a_stalled_client_delays_nobody_and_gets_fresh_pictures_afterwards(tmp_path):
+    bench = Bench(tmp_path, send_buffer=4096)
+    pictures = [jpeg()[:-2] + bytes([number]) * 20000 + b"\xff\xd9" for number in range(60)]
+
+    async def check():
+        async with bench.served() as url:
+            stalled = Stream(url, f"/stream?topic={CAMERA}", receive_buffer=4096)
+            reader = Stream(url, f"/stream?topic={CAMERA}")
+            await reader.until(b"--boundarydonotcross\r\n")
+            await becomes(lambda: COMPRESSED in bench.pictures.receivers)
+            for number, data in enumerate(pictures):
+                await bench.feed(data, stamp=number)
+                headers, received = await reader.part()
+                assert received == data
+            viewers = [v for hub in bench.server.hubs._hubs.values() for v in hub.viewers]
+            buffered = [viewer._backlog.buffered() for viewer in viewers]
+            assert len(buffered) == 2
+            assert max(buffered) <= len(pictures[0]) + 500
+            await stalled.until(b"--boundarydonotcross\r\n")
+            stamps = []
+            while not stamps or stamps[-1] < len(pictures):
+                await bench.feed(jpeg(), stamp=len(pictures) + len(stamps))
+                headers, _ = await stalled.part()
+                stamps.append(float(headers["X-Timestamp"]))
+            stale = [stamp for stamp in stamps if stamp < len(pictures)]
+            assert len(stale) <= 3
+            stalled.socket.close()
+            reader.socket.close()
+
+    run(check())
+
+
+def test_a_client_that_takes_nothing_is_dropped_after_a_while(tmp_path, monkeypatch):
+    monkeypatch.setattr(video_app, "CHECK_PERIOD", 0.05)
+    bench = Bench(tmp_path, send_buffer=4096, stall_timeout=0.5)
+
+    async def check():
+        async with bench.served() as url:
+            stalled = Stream(url, f"/stream?topic={CAMERA}", receive_buffer=4096)
+            await bench.feed(jpeg()[:-2] + bytes(2000000) + b"\xff\xd9")
+            assert len(bench.server.hubs) == 1
+            await becomes(lambda: len(bench.server.hubs) == 0)
+            stalled.socket.close()
+
+    run(check())
+
+
+def test_unusable_pictures_are_skipped_with_a_warning(bench):
+    async def check():
+        async with bench.served() as url:
+            client = Stream(url, f"/stream?topic={CAMERA}")
+            await client.until(b"--boundarydonotcross\r\n")
+            await bench.feed(b"nonsense")
+            await becomes(lambda: bench.warnings)
+            assert bench.warnings[0] == (
+                f"dropped a picture of {COMPRESSED}: it is neither JPEG nor PNG"
+            )
+            await bench.feed(jpeg())
+            assert (await client.part())[1] == jpeg()
+            client.socket.close()
+
+    run(check())
+
+
+def test_the_servers_end_ends_open_streams_at_once(bench):
+    async def check():
+        async with bench.served() as url:
+            client = Stream(url, f"/stream?topic={CAMERA}")
+            await client.until(b"--boundarydonotcross\r\n")
+            ended = time.monotonic()
+        assert time.monotonic() - ended < 0.8
+        with contextlib.suppress(ConnectionResetError):
+            await client.ended()
+        client.socket.close()
+
+    run(check())
+
+
+def test_snapshot_is_the_next_picture(bench):
+    async def check():
+        async with bench.served() as url, aiohttp.ClientSession() as http:
+            asked = asyncio.ensure_future(http.get(f"{url}/snapshot?topic=/raw&width=32"))
+            await becomes(lambda: "/raw" in bench.pictures.receivers)
+            bench.pictures.feed("/raw", raw("rgb8", two_halves()))
+            reply = await asked
+            assert (reply.status, reply.content_type) == (200, "image/jpeg")
+            assert reply.headers["X-Timestamp"] == "1.500000"
+            assert reply.headers["Access-Control-Allow-Origin"] == "*"
+            assert simplejpeg.decode_jpeg_header(await reply.read())[:2] == (48, 32)
+            await becomes(lambda: bench.pictures.events[-1] == ("unsubscribe", "/raw"))
+
+    run(check())
+
+
+def test_snapshot_of_a_silent_topic_says_so_and_of_a_latched_one_repeats(tmp_path):
+    bench = Bench(tmp_path, snapshot_timeout=0.2)
+
+    async def check():
+        async with bench.served() as url, aiohttp.ClientSession() as http:
+            reply = await http.get(f"{url}/snapshot?topic={CAMERA}")
+            assert reply.status == 504
+            assert "within 0.2 s" in await reply.text()
+            watcher = Stream(url, f"/stream?topic={CAMERA}")
+            await becomes(lambda: len(bench.pictures.events) == 3)
+            await bench.feed(jpeg())
+            await watcher.until(b"\xff\xd9")
+            reply = await http.get(f"{url}/snapshot?topic={CAMERA}")
+            assert await reply.read() == jpeg()
+            watcher.socket.close()
+
+    run(check())
+
+
+@pytest.mark.parametrize("path", ["stream", "snapshot", "stream_viewer"])
+@pytest.mark.parametrize(
+    ("asked", "status", "said"),
+    [
+        ("", 400, "The parameter &#x27;topic&#x27; is missing"),
+        ("topic=/none", 404, "No image topic &#x27;/none&#x27; is published; /streams lists"),
+        ("topic=%3Cscript%3E", 404, "&lt;script&gt;"),
+        ("topic=/raw&type=vp8", 404, "There is no stream type"),
+        ("topic=/raw&width=x", 400, "must be an integer from 1 to 4096 (pixels)"),
+    ],
+)
+def test_requests_that_cannot_be_served_are_answered_with_a_sentence(
+    bench, path, asked, status, said
+):
+    async def check():
+        async with bench.served() as url, aiohttp.ClientSession() as http:
+            reply = await http.get(f"{url}/{path}?{asked}")
+            text = await reply.text()
+            assert reply.status == status
+            assert said in text
+            assert "<script" not in text
+            assert bench.pictures.events == []
+
+    run(check())
+
+
+def test_pages(bench):
+    async def check():
+        async with bench.served() as url, aiohttp.ClientSession() as http:
+            viewer = await (await http.get(f"{url}/stream_viewer?topic=/raw&width=32")).text()
+            assert '<img src="/stream?topic=%2Fraw&amp;width=32"' in viewer
+            index = await (await http.get(f"{url}/streams")).text()
+            assert f"/stream_viewer?topic={CAMERA}" in index
+            console = await http.get(f"{url}/")
+            assert await console.text() == "<title>console</title>"
+            assert console.headers["Cache-Control"] == "no-cache"
+            assert "default-src 'self'" in console.headers["Content-Security-Policy"]
+            script = await http.get(f"{url}/main.js")
+            assert "javascript" in script.content_type
+            too_long = "/" + "x" * 5000
+            for missing in ("/no.html", "/%2e%2e/secret", "/..%2fsecret", "/%00", too_long, "//"):
+                reply = await http.get(aiohttp.client.URL(f"{url}{missing}", encoded=True))
+                assert reply.status == 404
+                assert "404 Not Found" in await reply.text()
+            assert (await http.post(f"{url}/stream?topic=/raw")).status == 405
+            assert (await http.head(f"{url}/stream?topic=/raw")).status == 404
+            assert (await http.head(f"{url}/")).status == 200
+            assert bench.pictures.events == []
+
+    run(check())
+
+
+def test_the_console_is_told_where_everything_is(bench):
+    async def check():
+        async with bench.served() as url, aiohttp.ClientSession() as http:
+            config = await (await http.get(f"{url}/config.json")).json()
+            assert config == {
+                "namespace": "/telex",
+                "rosbridge": None,
+                "cameras": [{"name": "front", "topic": CAMERA}],
+                "main_camera": "front",
+            }
+            bench.pictures.params["rosbridge/url"] = "ws://127.0.0.1:9090"
+            for host, told in (
+                ("localhost:8080", "ws://127.0.0.1:9090"),
+                ("robot.example:8080", "ws://robot.example:9090"),
+                ("[2001:db8::1]:8080", "ws://[2001:db8::1]:9090"),
+            ):
+                reply = await http.get(f"{url}/config.json", headers={"Host": host})
+                assert json.loads(await reply.text())["rosbridge"] == told
+
+    run(check())
+
+
+def test_without_a_master_the_server_says_so(bench):
+    async def check():
+        bench.pictures.down = True
+        async with bench.served() as url, aiohttp.ClientSession() as http:
+            for path in ("/streams", "/config.json", "/stream?topic=/raw"):
+                reply = await http.get(f"{url}{path}")
+                assert reply.status == 503
+                assert "The ROS master does not answer" in await reply.text()
+            assert (await http.get(f"{url}/")).status == 200
+
+    run(check())

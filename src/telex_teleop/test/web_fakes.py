@@ -1,0 +1,170 @@
+"""Played ROS graphs for the tests of the web nodes, and a loop to run them on."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import threading
+
+import genpy
+from std_srvs.srv import SetBoolResponse
+
+from telex_teleop.web.bridge.operations import OperationError
+from telex_teleop.web.serving import bind, serve, url_of
+from telex_teleop.web.video.topics import find_topic
+
+
+def on_loop(check):
+    """Make a test of a coroutine function."""
+
+    def test():
+        asyncio.run(asyncio.wait_for(check(), 20.0))
+
+    test.__doc__ = check.__doc__
+    return test
+
+
+@contextlib.asynccontextmanager
+async def served(app, scheme="http"):
+    """Serve an application on a free port; gives its address."""
+    listener = bind("127.0.0.1", 0, "test")
+    stop, ready = asyncio.Event(), asyncio.Event()
+    running = asyncio.ensure_future(serve(app, listener, stop, ready.set))
+    try:
+        await asyncio.wait_for(ready.wait(), 5.0)
+        yield url_of(scheme, listener)
+    finally:
+        stop.set()
+        await asyncio.wait_for(running, 5.0)
+
+
+async def becomes(condition, timeout=5.0):
+    """Wait until a condition holds."""
+    deadline = asyncio.get_running_loop().time() + timeout
+    while not condition():
+        assert asyncio.get_running_loop().time() < deadline, f"not so within {timeout} s"
+        await asyncio.sleep(0.005)
+
+
+class FakePublisher:
+    def __init__(self, ros, topic):
+        self.ros = ros
+        self.topic = topic
+
+    def publish(self, message):
+        self.ros.published.append((self.topic, message))
+
+    def connections(self):
+        return self.ros.connected
+
+    def unregister(self):
+        self.ros.events.append(("unregister", self.topic))
+
+
+class FakeRos:
+    """A ROS graph that remembers what was asked of it."""
+
+    def __init__(self):
+        self.types = {"/known": "std_msgs/String", "/telex/joint_states": "sensor_msgs/JointState"}
+        self.active = set(self.types)
+        self.published = []
+        self.events = []
+        self.receivers = {}
+        self.params = {"/telex/limit": 1.5, "/nan": float("nan")}
+        self.expected = 0
+        self.connected = 0
+        self.release_service = threading.Event()
+        self.release_service.set()
+
+    def now(self):
+        return genpy.Time(7, 8)
+
+    def resolve(self, name):
+        if " " in name:
+            raise OperationError(f"{name!r} is no ROS name")
+        return name if name.startswith("/") else f"/telex/{name}"
+
+    def topic_types(self):
+        return dict(self.types)
+
+    def topics(self):
+        return sorted(self.active)
+
+    def nodes(self):
+        return ["/telex/arm_teleop"]
+
+    def services(self):
+        return ["/telex/switch"]
+
+    def subscriber_count(self, topic):
+        return self.expected
+
+    def advertise(self, topic, message_class, *, latch, queue_size):
+        self.events.append(("advertise", topic, message_class._type, latch, queue_size))
+        return FakePublisher(self, topic)
+
+    def subscribe(self, topic, message_class, receive):
+        self.events.append(("subscribe", topic, message_class._type))
+        self.receivers[topic] = receive
+        return lambda: self.events.append(("unsubscribe", topic))
+
+    def service_type(self, service):
+        return "std_srvs/SetBool" if service == "/telex/switch" else None
+
+    def call_service(self, service, service_class, request):
+        self.release_service.wait(5.0)
+        if request.data:
+            return SetBoolResponse(success=True, message="on")
+        raise OperationError("it is broken")
+
+    def get_param(self, name):
+        return self.params[name]
+
+    def set_param(self, name, value):
+        if value is None:
+            raise TypeError("cannot marshal None")
+        self.params[name] = value
+
+    def delete_param(self, name):
+        del self.params[name]
+
+    def param_names(self):
+        return list(self.params)
+
+
+class FakePictures:
+    """Image topics that a test feeds by hand."""
+
+    def __init__(self, topics):
+        self.published = dict(topics)
+        self.params = {}
+        self.receivers = {}
+        self.events = []
+        self.down = False
+
+    def topics(self):
+        if self.down:
+            raise ConnectionRefusedError("no master")
+        return dict(self.published)
+
+    def find(self, topic):
+        return find_topic(topic, self.topics(), "/telex/")
+
+    def subscribe(self, topic, receive):
+        self.events.append(("subscribe", topic.name))
+        self.receivers[topic.name] = receive
+
+        def unsubscribe():
+            self.events.append(("unsubscribe", topic.name))
+            del self.receivers[topic.name]
+
+        return unsubscribe
+
+    def parameter(self, name):
+        return self.params.get(name)
+
+    def feed(self, topic, picture):
+        """Hand over a picture from another thread, as rospy does."""
+        thread = threading.Thread(target=self.receivers[topic], args=(picture,))
+        thread.start()
+        return thread

@@ -1,0 +1,181 @@
+"""What the tests of the web nodes share: a ROS master, node processes, a probe on the ROS side."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import queue
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import rosgraph
+
+PACKAGE = Path(__file__).resolve().parents[1]
+SOURCE = PACKAGE / "src"
+
+
+def free_port():
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        return listener.getsockname()[1]
+
+
+def wait_until(condition, timeout=10.0, period=0.02):
+    """Return the first true value of condition(), or fail after `timeout` (s).
+
+    An element that is not there yet (LookupError) counts as false.
+    """
+    deadline = time.monotonic() + timeout
+    while True:
+        with contextlib.suppress(LookupError):
+            value = condition()
+            if value:
+                return value
+        assert time.monotonic() < deadline, f"not so within {timeout} s"
+        time.sleep(period)
+
+
+def stop_process(process, number=signal.SIGINT, timeout=5.0):
+    """Stop a process and all of its group; return its exit status."""
+    with contextlib.suppress(ProcessLookupError):
+        process.send_signal(number)
+    try:
+        return process.wait(timeout)
+    except subprocess.TimeoutExpired:
+        return None
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait(5.0)
+        for stream in (process.stdin, process.stdout, process.stderr):
+            if stream is not None:
+                stream.close()
+
+
+class Ros:
+    """A ROS master on a free port, and the processes that use it; all end with it."""
+
+    def __init__(self, directory):
+        self.port = free_port()
+        self.uri = f"http://127.0.0.1:{self.port}"
+        self.environment = {
+            **os.environ,
+            "ROS_MASTER_URI": self.uri,
+            "ROS_IP": "127.0.0.1",
+            "ROS_HOME": str(directory),
+            "ROS_LOG_DIR": str(directory / "log"),
+            "PYTHONUNBUFFERED": "1",
+            "PYTHONPATH": os.pathsep.join(
+                [str(SOURCE), *filter(None, [os.environ.get("PYTHONPATH")])]
+            ),
+        }
+        self.master = rosgraph.Master("/test", self.uri)
+        self.processes = []
+
+    def __enter__(self):
+        try:
+            self.start(["roscore", "-p", str(self.port)], stdout=subprocess.DEVNULL)
+            wait_until(lambda: self.answers("/rosout_agg"), 30.0)
+        except BaseException:
+            self.__exit__()
+            raise
+        return self
+
+    def answers(self, topic):
+        with contextlib.suppress(OSError, rosgraph.MasterException):
+            return topic in dict(self.master.getTopicTypes())
+        return False
+
+    def __exit__(self, *_):
+        while self.processes:
+            stop_process(self.processes.pop())
+
+    def start(self, command, **options):
+        process = subprocess.Popen(command, env=self.environment, start_new_session=True, **options)
+        self.processes.append(process)
+        return process
+
+    def start_node(self, name, *arguments, **options):
+        """Start a node of this package in the namespace /telex."""
+        return self.start(
+            [sys.executable, str(PACKAGE / "nodes" / name), "__ns:=/telex", *arguments], **options
+        )
+
+    def stop(self, process, number=signal.SIGINT):
+        self.processes.remove(process)
+        return stop_process(process, number)
+
+    def serve(self, name, node_name=None):
+        """Start a server node on a free port; return its process and its address."""
+        node_name = node_name or name
+        process = self.start_node(name, "_port:=0", f"__name:={node_name}")
+        return process, wait_until(lambda: self.param(f"/telex/{node_name}/url"), 20.0)
+
+    def param(self, name):
+        try:
+            return self.master.getParam(name)
+        except rosgraph.MasterError:
+            return None
+
+    def subscribers(self, topic):
+        return dict(self.master.getSystemState()[1]).get(topic, [])
+
+    def publishers(self, topic):
+        return dict(self.master.getSystemState()[0]).get(topic, [])
+
+    def probe(self):
+        return Probe(self)
+
+
+class Probe:
+    """Speaks with the process of web_probe.py."""
+
+    def __init__(self, ros):
+        self._process = ros.start(
+            [sys.executable, str(Path(__file__).with_name("web_probe.py"))],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        self._answers = queue.Queue()
+        self.heard = {}
+        self.requests = []
+        threading.Thread(target=self._read, args=(self._process.stdout,), daemon=True).start()
+        assert self._answer(20.0) == "ready"
+
+    def _read(self, lines):
+        with contextlib.suppress(ValueError):  # the pipe is closed when the test ends
+            for line in lines:
+                news = json.loads(line)
+                if "topic" in news:
+                    self.heard[news["topic"]].append((news["time"], news["message"]))
+                elif "service" in news:
+                    self.requests.append(news["request"])
+                else:
+                    self._answers.put(news)
+
+    def _answer(self, timeout=10.0):
+        news = self._answers.get(timeout=timeout)
+        assert "error" not in news, news
+        return news["answer"]
+
+    def do(self, what, **order):
+        self._process.stdin.write(json.dumps({"do": what, **order}) + "\n")
+        self._process.stdin.flush()
+        return self._answer()
+
+    def subscribe(self, topic, type_name):
+        self.heard[topic] = []
+        self.do("subscribe", topic=topic, type=type_name)
+
+    def publish(self, topic, type_name, message=None, **options):
+        self.do("publish", topic=topic, type=type_name, message=message, **options)
+
+    def messages(self, topic):
+        return [message for _, message in tuple(self.heard[topic])]
