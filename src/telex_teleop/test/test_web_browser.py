@@ -39,7 +39,7 @@ ARM_JOINTS = [
 ]
 FINGERS = [f"{s}_finger_{p}_joint" for s in ("left", "right") for p in ("base", "middle", "tip")]
 FLIPPER_JOINTS = [f"{e}_{s}_flipper_joint" for e in ("front", "rear") for s in ("left", "right")]
-POSITIONS = [0.5, -1.0, 0.12, 2.0, 0.1, -0.5, 0.0]
+POSITIONS = [0.5, -1.0, 0.12, 2.0, 0.1, -0.5, -1e-6]
 POSITIONS += [0.3, 0.3, -0.6, 0.3, 0.3, -0.6, 0.6, 0.61, -1.2, -1.2]
 
 
@@ -255,6 +255,7 @@ def test_the_page_shows_picture_joints_and_status(robot, page, tmp_path):
     wait_until(lambda: page.element('[data-joint="turret_joint"]').text == "28.6°")
     assert page.element('[data-joint="telescope_joint"]').text == "120 mm"
     assert page.element('[data-joint="gripper"]').text == "17.2°"
+    assert page.element('[data-joint="gripper_roll_joint"]').text == "0.0°"
     assert page.text("sim-speed").startswith("1.00")
     assert page.text("sim-state") == "running"
     assert page.text("camera-name") == "front"

@@ -59,7 +59,7 @@ function row(className, ...cells) {
   return made;
 }
 
-/** @param {Node[]} nodes */
+/** @param {(string | Node)[]} nodes */
 function cell(...nodes) {
   const made = element("span", "num");
   made.append(...nodes);
@@ -151,8 +151,8 @@ export class Panels {
    */
   _format(joint, position) {
     if (position === undefined || position === null) return "–";
-    if (this._metres.has(joint)) return `${(position * 1000).toFixed(0)} mm`;
-    return `${((position * 180) / Math.PI).toFixed(joint.includes("finger") ? 0 : 1)}°`;
+    if (this._metres.has(joint)) return `${fixed(position * 1000, 0)} mm`;
+    return `${fixed((position * 180) / Math.PI, joint.includes("finger") ? 0 : 1)}°`;
   }
 }
 
@@ -165,10 +165,21 @@ function spaced(values) {
 }
 
 /**
+ * A number with so many digits after the point, and no "-0".
+ * @param {number} value
+ * @param {number} digits
+ */
+function fixed(value, digits) {
+  const text = value.toFixed(digits);
+  return Number(text) === 0 ? text.replace("-", "") : text;
+}
+
+/**
+ * The same with its sign, also when it is positive.
  * @param {number} value
  * @param {number} digits
  */
 function signed(value, digits) {
-  const text = value.toFixed(digits);
-  return Number(text) === 0 ? text.replace("-", "") : value > 0 ? `+${text}` : text;
+  const text = fixed(value, digits);
+  return Number(text) > 0 ? `+${text}` : text;
 }
