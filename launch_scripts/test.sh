@@ -27,6 +27,7 @@ export ROS_IP=127.0.0.1
 unset ROS_HOSTNAME
 ROS_LOG_DIR="$(mktemp -d)"
 export ROS_LOG_DIR
+export ROS_TEST_RESULTS_DIR="$ROS_LOG_DIR/test_results"
 trap 'rm -rf "$ROS_LOG_DIR"' EXIT
 failed=()
 

@@ -6,6 +6,7 @@ import os
 import pty
 import re
 import select
+import signal
 import socket
 import time
 import urllib.request
@@ -29,6 +30,9 @@ class Terminal:
         self.text = ""
         self.pid, self.fd = pty.fork()
         if self.pid == 0:
+            # Whoever started the tests may ignore it (a shell's background job does), and a shell
+            # cannot trap what was ignored when it began.
+            signal.signal(signal.SIGINT, signal.SIG_DFL)
             os.chdir(ROOT)
             os.execvpe(command[0], command, environment)
 
