@@ -66,6 +66,8 @@ class SimulatorNode:
         self._pacer = RealTimePacer(config.timing.real_time_factor)
         self._factor = RealTimeFactor()
         self._late_cycles = 0
+        self._resets = 0
+        self._told_e_stop = False
         self._scene = SceneMessages(config.model, simulation.body.link_names(), simulation.urdf)
         self._clock = rospy.Publisher("/clock", Clock, queue_size=4, tcp_nodelay=True)
         self._scene_publisher = rospy.Publisher(
@@ -99,7 +101,6 @@ class SimulatorNode:
     def _on_e_stop(self, message: Bool) -> None:
         rospy.logwarn("emergency stop %s", "set" if message.data else "released")
         self._simulation.request_e_stop(message.data)
-        self._requests.put(_Request(self._status_soon))
 
     def _empty(self, action: Callable[[], None]) -> EmptyResponse:
         self._in_loop(action)
@@ -155,7 +156,7 @@ class SimulatorNode:
         repeat_at = 0.0
         while not rospy.is_shutdown():
             self._serve_requests()
-            if wall.monotonic() >= self._next_status:
+            if wall.monotonic() >= self._next_status or self._e_stop_changed():
                 self._publish_status()
             if not self._paused:
                 self._step()
@@ -196,6 +197,7 @@ class SimulatorNode:
 
     def _reset(self) -> None:
         self._simulation.reset()
+        self._resets += 1
         self._restart_pace()
         self._publish_all()
         self._status_soon()
@@ -203,6 +205,10 @@ class SimulatorNode:
     def _restart_pace(self) -> None:
         self._pacer.restart(self._simulation.time)
         self._factor.restart(self._simulation.time)
+
+    def _e_stop_changed(self) -> bool:
+        """Whether the last status tells of the emergency stop what is no longer so."""
+        return self._simulation.hw.e_stop != self._told_e_stop
 
     def _status_soon(self) -> None:
         self._next_status = 0.0
@@ -245,6 +251,7 @@ class SimulatorNode:
     def _publish_status(self) -> None:
         self._next_status = wall.monotonic() + _STATUS_PERIOD
         simulation = self._simulation
+        self._told_e_stop = simulation.hw.e_stop
         timing = simulation.config.timing
         means = simulation.timer.take_means()
         factor = 0.0 if self._paused else self._factor.since_last(simulation.time)
@@ -256,6 +263,7 @@ class SimulatorNode:
             control_period=timing.control_period,
             target_real_time_factor=timing.real_time_factor,
             real_time_factor=factor,
+            resets=self._resets,
             steps=simulation.steps,
             late_cycles=self._late_cycles,
             phases=[phase for phase, _ in means],
