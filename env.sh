@@ -1,10 +1,10 @@
-# Source this file (bash): ROS, the workspace and its Python environment for the present shell.
+# Source this file (bash only): ROS, the workspace and its Python environment for the present shell.
 #
 #   source env.sh
 #
 # rosrun, roslaunch, rostopic and rostest then work in this shell. A ROS_MASTER_URI that is already set is kept.
 
-_telex_root="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
+_telex_root="$(CDPATH= cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)"
 if [ ! -f "$_telex_root/devel/setup.bash" ] || [ ! -x "$_telex_root/.venv/bin/python" ]; then
   echo "env.sh: the workspace is not built yet; run $_telex_root/launch_scripts/setup.sh first" >&2
   unset _telex_root

@@ -6,7 +6,7 @@
 # Ctrl-C ends it all. A running ROS master (ROS_MASTER_URI) is used; without one, one is started.
 set -uo pipefail
 
-root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+root="$(CDPATH= cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)"
 case "${1:-}" in
   -h | --help)
     sed -n '2,6s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
@@ -17,42 +17,42 @@ esac
 # shellcheck disable=SC1091
 . "$root/env.sh" || exit 1
 
+is_false() { case "${1,,}" in 0 | false) return 0 ;; *) return 1 ;; esac; }
 namespace=telex
 expected=()
 for argument in "$@"; do
   case "$argument" in
     ns:=*) namespace="${argument#ns:=}" ;;
-    console:=false) expected+=(--no-console) ;;
-    cameras:=false) expected+=(--no-picture) ;;
+    console:=*) is_false "${argument#console:=}" && expected+=(--no-console) ;;
+    cameras:=*) is_false "${argument#cameras:=}" && expected+=(--no-picture) ;;
   esac
 done
 
+# Whatever is started here carries this mark in its environment, so that nothing else is ever ended.
+mark="TELEX_RUN=$$-$(date +%s%N)"
 launch_pid=
-children_of() { ps -o pid= --ppid "$1" 2>/dev/null; }
+started() { grep -lszxF "$mark" /proc/[0-9]*/environ 2>/dev/null | cut -d/ -f3; }
 
-# All descendants of a process. roslaunch's nodes lead groups of their own, so a group is not enough.
-descendants() {
-  local child
-  for child in $(children_of "$1"); do
-    echo "$child"
-    descendants "$child"
-  done
-}
-
-# Ends what this script started and nothing else: asks first, then insists, within 5 s.
+# Asks everything to end, then insists, within 5 s. roslaunch, when it may, ends its nodes in order.
 stop() {
   trap '' INT TERM HUP
   [ -n "$launch_pid" ] || return
-  local pids pid waited
-  pids="$(descendants "$launch_pid")"
   printf '\nStopping the simulator ...\n'
-  kill -INT "$launch_pid" 2>/dev/null
-  for waited in $(seq 1 40); do
-    kill -0 "$launch_pid" 2>/dev/null || break
+  local round
+  for round in $(seq 1 30); do
+    [ -z "$(started)" ] && break
+    if kill -0 "$launch_pid" 2>/dev/null; then
+      # Again and again: a program that is just being started does not hear the first one.
+      [ $((round % 10)) -eq 1 ] && kill -INT "$launch_pid" 2>/dev/null
+    else
+      # shellcheck disable=SC2046
+      kill -TERM $(started) 2>/dev/null
+    fi
     sleep 0.1
   done
-  for pid in $launch_pid $pids; do kill -KILL "$pid" 2>/dev/null; done
-  wait "$launch_pid" 2>/dev/null
+  # shellcheck disable=SC2046
+  [ -z "$(started)" ] || kill -KILL $(started) 2>/dev/null
+  wait 2>/dev/null
   launch_pid=
   printf 'The simulator has ended.\n'
 }
@@ -61,16 +61,22 @@ trap 'stop; exit 143' TERM HUP
 trap stop EXIT
 
 echo "Starting the simulator ..."
-# Its own session, so that Ctrl-C reaches this script alone, which then ends the rest in order.
-setsid roslaunch --no-summary --sigint-timeout=1.5 --sigterm-timeout=1.0 telex_teleop bringup.launch "$@" &
+# A session of its own, so that Ctrl-C reaches this script alone, which then ends the rest in order. The
+# shell starts background jobs deaf to SIGINT; roslaunch must hear it.
+env "$mark" setsid python -c '
+import os, signal, sys
+signal.signal(signal.SIGINT, signal.SIG_DFL)
+os.execvp(sys.argv[1], sys.argv[1:])
+' roslaunch --no-summary --sigint-timeout=1.5 --sigterm-timeout=1.0 telex_teleop bringup.launch "$@" &
 launch_pid=$!
 
-python "$root/launch_scripts/wait_ready.py" --namespace "$namespace" --launch-pid "$launch_pid" \
+env "$mark" python "$root/launch_scripts/wait_ready.py" --namespace "$namespace" --launch-pid "$launch_pid" \
   "${expected[@]}" &
-waiter=$!
-wait "$waiter" || { echo "run.sh: the simulator did not start; the messages above say why" >&2; exit 1; }
+wait $! || {
+  echo "run.sh: the simulator did not start; the messages above say why" >&2
+  exit 1
+}
 
 wait "$launch_pid"
-status=$?
-launch_pid=
-exit "$status"
+echo "run.sh: the simulator has ended by itself; the messages above say why" >&2
+exit 1

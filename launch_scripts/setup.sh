@@ -6,7 +6,7 @@
 # --test adds what only the tests need. What is done already is skipped. run.sh and test.sh call this.
 set -euo pipefail
 
-root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+root="$(CDPATH= cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)"
 state="$root/.setup"
 log="$state/setup.log"
 with_tests=
@@ -17,10 +17,13 @@ for argument in "$@"; do
     *) echo "setup.sh: unknown argument '$argument'; only --test is known" >&2; exit 2 ;;
   esac
 done
-mkdir -p "$state"
+if ! mkdir -p "$state" 2>/dev/null || [ ! -w "$state" ] || [ ! -w "$root" ]; then
+  echo "setup.sh: $root cannot be written; was it set up by another user? chown -R \"\$USER\" '$root'" >&2
+  exit 1
+fi
 # Two set-ups at once would spoil each other's build.
 exec 8>"$state/lock"
-flock 8
+flock -n 8 || { echo "Another set-up is running in $root; waiting for it ..."; flock 8; }
 
 # fail STEP WHY WHAT_TO_DO
 fail() {
@@ -28,6 +31,8 @@ fail() {
   exit 1
 }
 
+# Set while steps run that must not be broken off.
+finishes=
 # step TITLE WHAT_TO_DO COMMAND...: runs it with a running clock, output to the log, its end shown when it fails.
 step() {
   local title="$1" remedy="$2" started status=0 last pid
@@ -35,9 +40,17 @@ step() {
   started=$SECONDS
   printf '%s ...' "$title"
   printf '\n==== %s: %s\n' "$title" "$*" >>"$log"
-  "$@" >>"$log" 2>&1 8>&- &
-  pid=$!
-  trap 'kill "$pid" 2>/dev/null; exit 130' INT TERM
+  if [ -n "$finishes" ]; then
+    # A package manager that is killed half-way leaves a broken system.
+    "$@" >>"$log" 2>&1 8>&- &
+    pid=$!
+    trap 'printf "\nInterrupted; waiting for the package manager to finish ...\n"; wait "$pid"; exit 130' INT TERM
+  else
+    # A session of its own, so that all of its children end with it.
+    setsid "$@" >>"$log" 2>&1 8>&- &
+    pid=$!
+    trap 'kill -TERM -- "-$pid" 2>/dev/null; wait "$pid" 2>/dev/null; exit 130' INT TERM
+  fi
   while kill -0 "$pid" 2>/dev/null; do
     sleep 0.2
     [ -t 1 ] && printf '\r%s ... %d s ' "$title" $((SECONDS - started))
@@ -70,7 +83,7 @@ packages_of() { sed 's/#.*//' "$@" | tr -s ' \t\n' '\n' | sed '/^$/d' | sort -u;
 missing_packages() {
   local wanted="$1" installed
   # shellcheck disable=SC2086
-  installed="$(dpkg-query -W -f '${db:Status-Abbrev} ${Package}\n' $wanted 2>/dev/null | awk '$1 == "ii" {print $2}' | sort -u)"
+  installed="$(dpkg-query -W -f '${db:Status-Abbrev} ${Package}\n' $wanted 2>/dev/null | awk '$1 ~ /^.i$/ {print $2}' | sort -u)"
   comm -23 <(printf '%s\n' $wanted) <(printf '%s\n' "$installed")
 }
 
@@ -84,11 +97,13 @@ install_system_packages() {
   if [ "$(id -u)" -ne 0 ]; then
     command -v sudo >/dev/null ||
       fail "System packages" "not root, and there is no sudo" "as root: apt-get install --no-install-recommends $(echo $missing)"
-    sudo -v || fail "System packages" "sudo refused" "as root: apt-get install --no-install-recommends $(echo $missing)"
+    sudo -n true 2>/dev/null || sudo -v || fail "System packages" "sudo refused" "as root: apt-get install --no-install-recommends $(echo $missing)"
   fi
+  finishes=1
   step "Package lists" "$remedy" as_root apt-get update -q
   step "System packages ($(echo "$missing" | wc -l) missing)" "$remedy" \
     as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends $missing
+  finishes=
 }
 
 make_venv() {
@@ -149,6 +164,10 @@ if [ -f /opt/ros/noetic/setup.bash ]; then
   set -u
 else
   platform=debian12
+  # shellcheck disable=SC1091
+  system="$(. /etc/os-release && echo "${ID:-} ${VERSION_ID:-}")"
+  [ "$system" = "debian 12" ] ||
+    echo "setup.sh: this is '$system'; only Debian 12 is tested, its package names are tried" >&2
 fi
 # ROS belongs to the system's Python; another one first on PATH lacks it.
 python=/usr/bin/python3

@@ -6,7 +6,7 @@
 # --fast: lint, types and the tests that need no ROS master. Further arguments go to pytest.
 set -uo pipefail
 
-root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+root="$(CDPATH= cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)"
 cd "$root" || exit 1
 fast=
 pytest_arguments=()

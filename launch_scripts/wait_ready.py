@@ -9,12 +9,15 @@ import sys
 import time
 import urllib.error
 import urllib.request
-from typing import Callable, Optional
+from typing import Callable, Optional, Tuple
 from xmlrpc.client import Error as XmlRpcError
 
 import rosgraph
 import rospy
 from controller_manager_msgs.srv import ListControllers
+
+_NODE_START = 20.0
+"""Time (s) in which a node must have registered."""
 
 KEYS = """
   Console   {url}
@@ -44,6 +47,23 @@ class Waiter:
         self._launch_pid = launch_pid
         self._started = time.monotonic()
         self._deadline = self._started + timeout
+        self._needed: Optional[Tuple[str, str]] = None
+        self._seen = False
+
+    def need(self, node: str, advice: str) -> None:
+        """Give up from now on when `node` has been there and is gone."""
+        self._needed, self._seen = (node, advice), False
+
+    def _check_needed(self) -> None:
+        if self._needed is None:
+            return
+        node, advice = self._needed
+        try:
+            rosgraph.Master("/wait_ready").lookupNode(node)
+            self._seen = True
+        except rosgraph.MasterException:
+            if self._seen or time.monotonic() - self._started > _NODE_START:
+                sys.exit(f"the node {node} has ended: {advice}")
 
     def wait(self, what: str, condition: Callable[[], Optional[object]]) -> object:
         """Return the first true value of `condition`; ends the program when none comes."""
@@ -54,6 +74,7 @@ class Waiter:
                 return value
             if self._launch_pid and not alive(self._launch_pid):
                 sys.exit(f"waiting for '{what}': roslaunch has ended")
+            self._check_needed()
             if time.monotonic() > self._deadline:
                 sys.exit(f"'{what}' did not come in time; see the messages of the nodes above")
             time.sleep(0.1)
@@ -66,24 +87,25 @@ def controllers_run(namespace: str) -> bool:
             f"{namespace}/controller_manager/list_controllers", ListControllers
         )
         states = [controller.state for controller in service().controller]
-    except rospy.ServiceException:
+    except (rospy.ServiceException, OSError):
         return False
     return bool(states) and all(state == "running" for state in states)
 
 
-def console_url(namespace: str) -> Optional[str]:
-    """Address of the console, once the video server has one; None while it has not."""
-    return rospy.get_param(f"{namespace}/video_server/url", None)
+def fetch(namespace: str, path: str, begins: bytes) -> Optional[str]:
+    """Address of the video server, if it answers `path` with something that begins so.
 
-
-def first_picture(url: str, namespace: str) -> bool:
-    """Whether the video server delivers a picture of the front camera."""
-    address = f"{url}/snapshot?topic={namespace}/cameras/front/image_raw"
+    The address is read anew each time: on a master that was running before, it may still be that
+    of an earlier video server.
+    """
     try:
-        with urllib.request.urlopen(address, timeout=5.0) as answer:
-            return answer.read(2) == b"\xff\xd8"
+        url = rospy.get_param(f"{namespace}/video_server/url", None)
+        if url is None:
+            return None
+        with urllib.request.urlopen(f"{url}{path}", timeout=5.0) as answer:
+            return str(url) if answer.read(len(begins)).lower() == begins else None
     except (urllib.error.URLError, OSError):
-        return False
+        return None
 
 
 def main() -> None:
@@ -108,9 +130,12 @@ def main() -> None:
     waiter.wait("robot controllable", lambda: controllers_run(namespace))
     url = "(not started)"
     if not options.no_console:
-        url = str(waiter.wait("console", lambda: console_url(namespace)))
+        waiter.need(f"{namespace}/video_server", "is its port in use? try video_port:=8081")
+        url = str(waiter.wait("console", lambda: fetch(namespace, "/", b"<!doctype html>")))
         if not options.no_picture:
-            waiter.wait("first camera picture", lambda: first_picture(url, namespace))
+            waiter.need(f"{namespace}/cameras", "its last message says why")
+            picture = f"/snapshot?topic={namespace}/cameras/front/image_raw"
+            waiter.wait("first camera picture", lambda: fetch(namespace, picture, b"\xff\xd8"))
     print(KEYS.format(url=url, namespace=namespace), flush=True)
 
 
