@@ -14,13 +14,9 @@ from pathlib import Path
 
 import pytest
 
+from telex_control.private_master import free_port
+
 ROOT = Path(__file__).resolve().parents[1]
-
-
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
 
 
 class Terminal:
@@ -99,6 +95,52 @@ def test_run_starts_everything_and_ctrl_c_leaves_nothing(tmp_path):
     _, status = os.waitpid(terminal.pid, 0)
     assert took < 5.0
     assert os.WEXITSTATUS(status) == 130
+    assert processes_of(marker.encode()) == []
+
+
+@pytest.mark.ros
+@pytest.mark.parametrize("delay", [1.0, 2.0, 3.5])
+def test_ctrl_c_while_it_starts_leaves_nothing_either(tmp_path, delay):
+    marker = f"http://127.0.0.1:{free_port()}"
+    environment = {
+        **os.environ,
+        "ROS_MASTER_URI": marker,
+        "ROS_IP": "127.0.0.1",
+        "ROS_LOG_DIR": str(tmp_path),
+    }
+    terminal = Terminal(["./launch_scripts/run.sh", "video_port:=0", "bridge_port:=0"], environment)
+    time.sleep(delay)
+    os.write(terminal.fd, b"\x03")
+    stopped_at = time.monotonic()
+    assert not terminal.read_until(None, 30.0)
+    took = time.monotonic() - stopped_at
+    _, status = os.waitpid(terminal.pid, 0)
+    assert processes_of(marker.encode()) == []
+    assert took < 5.0
+    assert os.WEXITSTATUS(status) == 130
+
+
+@pytest.mark.ros
+def test_a_port_in_use_is_said_and_ends_the_start(tmp_path):
+    marker = f"http://127.0.0.1:{free_port()}"
+    environment = {
+        **os.environ,
+        "ROS_MASTER_URI": marker,
+        "ROS_IP": "127.0.0.1",
+        "ROS_LOG_DIR": str(tmp_path),
+    }
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        terminal = Terminal(
+            ["./launch_scripts/run.sh", f"video_port:={port}", "bridge_port:=0"], environment
+        )
+        assert not terminal.read_until(None, 60.0)
+    _, status = os.waitpid(terminal.pid, 0)
+    assert os.WEXITSTATUS(status) == 1
+    assert "try video_port:=8081" in terminal.text
+    assert str(port) in terminal.text
     assert processes_of(marker.encode()) == []
 
 

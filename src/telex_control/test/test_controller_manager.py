@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import threading
+import time
 
 import pytest
 
@@ -58,6 +59,11 @@ def recorders(bench):
             "no_joint": {"type": RECORDER, "claims": {"effort": ["nose"]}},
             "bad_init": {"type": RECORDER, "fail_in": "init"},
             "bad_start": {"type": RECORDER, "fail_in": "starting"},
+            "bad_stop": {
+                "type": RECORDER,
+                "fail_in": "stopping",
+                "claims": {"effort": ["elbow"]},
+            },
             "bad_update": {
                 "type": RECORDER,
                 "fail_in": "update",
@@ -69,6 +75,13 @@ def recorders(bench):
             "no_controller": {"type": "telex_control.pid.Pid"},
         }
     )
+
+
+def wait_for_switch(bench):
+    end = time.monotonic() + 5.0
+    while bench.manager._switch is None:
+        assert time.monotonic() < end, "the switch did not reach the loop"
+        time.sleep(0.001)
 
 
 def test_loaded_controllers_are_initialized_and_listed_in_load_order(recorders):
@@ -181,21 +194,23 @@ def test_unknown_strictness_counts_as_best_effort(recorders, caplog):
 
 @pytest.mark.parametrize("timeout", [float("nan"), float("inf"), -1.0])
 def test_timeouts_must_be_usable(recorders, timeout):
+    recorders.manager.load_controller("a")
     assert not recorders.switch(start=["a"], timeout=timeout)
+    assert recorders.states() == {"a": "initialized"}
 
 
 def test_a_switch_happens_in_one_cycle_after_the_updates(recorders):
     (a,) = recorders.load_and_start("a")
     recorders.manager.load_controller("rival")
     thread = threading.Thread(
-        target=recorders.manager.switch_controller, args=(["rival"], ["a"], 2)
+        target=recorders.manager.switch_controller, args=(["rival"], ["a"], 2), daemon=True
     )
     thread.start()
-    while recorders.manager._switch is None:
-        pass
+    wait_for_switch(recorders)
     a.calls.clear()
     recorders.cycle()
-    thread.join()
+    thread.join(5.0)
+    assert not thread.is_alive()
     rival = recorders.manager._controllers[1].controller
     assert a.calls == ["update", "stopping"]
     assert rival.calls == ["starting"]
@@ -205,15 +220,17 @@ def test_a_switch_happens_in_one_cycle_after_the_updates(recorders):
 def test_hardware_that_takes_its_time(recorders):
     recorders.hw.switch_result = lambda info=None: SwitchState.ONGOING
     recorders.manager.load_controller("a")
-    thread = threading.Thread(target=recorders.manager.switch_controller, args=(["a"], [], 2))
+    thread = threading.Thread(
+        target=recorders.manager.switch_controller, args=(["a"], [], 2), daemon=True
+    )
     thread.start()
-    while recorders.manager._switch is None:
-        pass
+    wait_for_switch(recorders)
     recorders.cycle(3)
     assert recorders.states() == {"a": "waiting"}
     recorders.hw.switch_result = lambda info=None: SwitchState.DONE
     recorders.cycle()
-    thread.join()
+    thread.join(5.0)
+    assert not thread.is_alive()
     assert recorders.states() == {"a": "running"}
 
 
@@ -230,10 +247,11 @@ def test_hardware_that_fails_or_is_late_aborts_the_start(recorders):
 
 def test_listing_does_not_wait_for_a_switch(recorders):
     recorders.manager.load_controller("a")
-    thread = threading.Thread(target=recorders.manager.switch_controller, args=(["a"], [], 2))
+    thread = threading.Thread(
+        target=recorders.manager.switch_controller, args=(["a"], [], 2), daemon=True
+    )
     thread.start()
-    while recorders.manager._switch is None:
-        pass
+    wait_for_switch(recorders)
     assert recorders.states() == {"a": "initialized"}
     recorders.manager.close()
     thread.join(5.0)
@@ -264,6 +282,68 @@ def test_reset_controllers_restarts_every_running_one(recorders):
     recorders.cycle(reset_controllers=True)
     assert a.calls == ["stopping", "starting", "update"]
     assert recorders.states() == {"a": "running", "b": "initialized"}
+
+
+def test_a_failed_controller_does_not_take_the_joint_from_its_successor(recorders):
+    recorders.manager.load_controller("bad_stop")
+    assert recorders.switch(start=["bad_stop"])
+    recorders.manager.load_controller("a")
+    assert recorders.switch(start=["a"], stop=["bad_stop"])
+    assert recorders.states() == {"bad_stop": "stopped", "a": "running"}
+    # what the hardware is told last of "a" is that it starts
+    assert [call for call in recorders.hw.switches if "a" in call[0] or "a" in call[1]] == [
+        (["a"], ["bad_stop"])
+    ]
+
+
+def test_start_asap_starts_what_is_ready(recorders):
+    ready = {"b"}
+    recorders.hw.switch_result = lambda info=None: (
+        SwitchState.DONE if info is not None and info.name in ready else SwitchState.ONGOING
+    )
+    recorders.manager.load_controller("a")
+    recorders.manager.load_controller("b")
+    thread = threading.Thread(
+        target=recorders.manager.switch_controller, args=(["a", "b"], [], 2, True), daemon=True
+    )
+    thread.start()
+    wait_for_switch(recorders)
+    recorders.cycle(2)
+    assert recorders.states() == {"a": "waiting", "b": "running"}
+    ready.add("a")
+    recorders.cycle()
+    thread.join(5.0)
+    assert recorders.states() == {"a": "running", "b": "running"}
+
+
+def test_a_switch_that_was_given_up_is_taken_back(recorders):
+    recorders.manager.load_controller("a")
+    assert not recorders.manager.switch_controller(["a"], [], 2, timeout=0.01)
+    recorders.cycle(3)
+    assert recorders.states() == {"a": "initialized"}
+    assert recorders.hw.switches == []
+    assert recorders.switch(start=["a"])
+
+
+def test_world_reset_starts_again_what_had_failed(recorders):
+    (bad,) = recorders.load_and_start("bad_update")
+    recorders.cycle()
+    assert recorders.states() == {"bad_update": "stopped"}
+    bad.fail_in = ""
+    recorders.manager.reset(1.0)
+    assert recorders.states() == {"bad_update": "running"}
+    assert recorders.hw.switches[-1] == (["bad_update"], [])
+
+
+def test_every_interface_that_a_controller_uses_is_listed(bench):
+    tested = bench(
+        {"j": {"type": "joint_state_controller/JointStateController", "publish_rate": 5}}
+    )
+    tested.manager.load_controller("j")
+    ((info, _),) = tested.manager.list_controllers()
+    (used,) = info.claimed_resources
+    assert used.hardware_interface == "hardware_interface::JointStateInterface"
+    assert used.resources == ()
 
 
 def test_world_reset_restarts_every_running_one(recorders):

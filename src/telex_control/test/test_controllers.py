@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+import sys
 
 import pytest
 from geometry_msgs.msg import Twist
@@ -78,6 +79,28 @@ def test_the_command_filter_takes_the_kick_out_of_a_stream(bench):
     # d = 1: a step of 0.002 rad in one cycle of 0.002 s kicks by 1
     assert efforts[0] > 0.9
     assert efforts[1] < 0.1
+
+
+def test_a_continuous_joint_takes_the_short_way_with_the_command_filter_too(bench):
+    params = {**position_controller("wheel"), "command_filter_frequency": 100.0}
+    tested = bench({"c": params})
+    tested.hw.states["wheel"].position = 3.1
+    (controller,) = tested.load_and_start("c")
+    tested.node.advertise("c/command", Float64).publish(Float64(-3.1))
+    for _ in range(100):
+        tested.cycle()
+        assert abs(math.remainder(controller._filter.position - math.pi, 2 * math.pi)) < 0.05
+    assert math.remainder(controller._filter.position + 3.1, 2 * math.pi) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_stopped_position_controller_leaves_no_effort(bench):
+    tested = bench({"c": position_controller("elbow")})
+    (controller,) = tested.load_and_start("c")
+    tested.node.advertise("c/command", Float64).publish(Float64(1.0))
+    tested.cycle()
+    assert controller._joint.command != 0.0
+    assert tested.switch(stop=["c"])
+    assert controller._joint.command == 0.0
 
 
 def test_a_restart_forgets_commands(bench):
@@ -219,6 +242,27 @@ def test_twists_that_are_no_numbers_are_dropped(bench, bad):
     tested, controller = drive(bench)
     tested.node.advertise("d/cmd_vel", Twist).publish(twist(*bad))
     tested.cycle(10)
+    assert speeds(controller) == (0.0, 0.0)
+
+
+def test_a_stopped_drive_controller_brakes_at_once(bench):
+    tested, controller = drive(bench)
+    tested.node.advertise("d/cmd_vel", Twist).publish(twist(0.2, 0.0))
+    tested.cycle(100)
+    assert speeds(controller)[0] > 1.0
+    assert tested.switch(stop=["d"])
+    assert speeds(controller) == (0.0, 0.0)
+
+
+def test_a_command_that_is_old_by_the_wall_is_not_driven(bench, monkeypatch):
+    tested, controller = drive(bench)
+    now = [100.0]
+    module = sys.modules[type(controller).__module__]
+    monkeypatch.setattr(module.wall, "monotonic", lambda: now[0])
+    # it comes while the simulation is paused, and the pause goes on
+    tested.node.advertise("d/cmd_vel", Twist).publish(twist(0.2, 0.0))
+    now[0] += 5.0
+    tested.cycle(50)
     assert speeds(controller) == (0.0, 0.0)
 
 

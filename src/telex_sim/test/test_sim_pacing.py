@@ -74,7 +74,10 @@ def test_achieved_factor():
     assert tested.since_last(1.0) == pytest.approx(0.5)
     time.now += 1.0
     assert tested.since_last(2.0) == pytest.approx(1.0)
-    assert tested.since_last(3.0) == 0.0  # no time has passed
+    time.now += 0.01
+    assert tested.since_last(3.0) == pytest.approx(1.0)  # too short to measure
+    time.now += 1.99
+    assert tested.since_last(3.0) == pytest.approx(0.5)
 
 
 def test_phase_means_are_per_cycle_and_start_anew():

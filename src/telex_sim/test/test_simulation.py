@@ -10,6 +10,9 @@ from geometry_msgs.msg import Twist
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
+from telex_control.params import ConfigError
+from telex_sim.offline import OfflineSimulation
+
 ARM = (
     "turret_joint",
     "shoulder_joint",
@@ -200,6 +203,42 @@ def test_an_emergency_stop_while_paused_is_obeyed_too(robot):
     assert tested.positions()["elbow_joint"] == pytest.approx(before, abs=2e-3)
 
 
+def test_a_stop_that_is_released_at_once_still_stops(robot):
+    tested = robot()
+    tested.run(0.2)
+    command(tested, "turret_joint", 0.5)
+    tested.simulation.request_e_stop(True)
+    tested.simulation.request_e_stop(False)
+    tested.run(1.0)
+    assert tested.positions()["turret_joint"] == pytest.approx(0.0, abs=2e-3)
+    assert not tested.simulation.hw.e_stop
+
+
+def test_braked_joints_show_the_brakes_effort_not_a_command(robot):
+    tested = robot()
+    tested.run(0.5)
+    tested.simulation.request_e_stop(True)
+    command(tested, "turret_joint", 1.0)
+    tested.run(0.5)
+    efforts = {name: tested.simulation.hw.joint_state(name).effort for name in ARM}
+    assert abs(efforts["turret_joint"]) < 5.0  # nothing pulls at it
+    assert abs(efforts["shoulder_joint"]) > 5.0  # the brake carries the arm
+
+
+def test_a_controller_that_ends_badly_leaves_its_joint_to_the_next(robot):
+    tested = robot()
+    tested.run(0.2)
+    loaded = {c.name: c for c in tested.simulation.controllers._controllers}
+    first = loaded["turret_position_controller"]
+    hw = tested.simulation.hw
+    second = type(first.info)("other", first.info.type, first.info.claimed_resources)
+    hw.do_switch([second], [first.info])
+    hw.do_switch([], [first.info])
+    assert not hw._joints["turret_joint"].braked
+    hw.do_switch([], [second])
+    assert hw._joints["turret_joint"].braked
+
+
 def test_joints_without_a_controller_are_held_by_their_brakes(robot):
     tested = robot()
     tested.run(0.2)
@@ -221,6 +260,20 @@ def test_joint_states_show_effort(robot):
     assert len(received) in (100, 101)
     assert abs(state["shoulder_joint"]) > 5.0  # it carries the arm
     assert len(state) == 23
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"tracks__belts": {"nose": 0.1}}, "tracks/belts/nose"),
+        ({"start__poses": {"ready": {"nose": 0.1}}}, "start/poses/ready/nose"),
+        ({"start__poses": {"ready": {"shoulder_joint": 9.0}}}, "shoulder_joint is 9.0"),
+    ],
+)
+def test_joints_that_are_not_there_or_out_of_range_are_named(urdf, change, named):
+    with pytest.raises(ConfigError) as caught:
+        OfflineSimulation(urdf, **change)
+    assert named in str(caught.value)
 
 
 def test_control_runs_at_its_own_period(robot):

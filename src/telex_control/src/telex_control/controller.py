@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import enum
-from typing import Tuple
 
-from .hardware_interface import ControllerInfo, InterfaceResources, RobotHW
+from .hardware_interface import ControllerInfo, RobotHW
 from .node_handle import NodeHandle
 
 
@@ -72,12 +71,14 @@ class Controller:
 class LoadedController:
     """A controller, with what the controller manager knows of it."""
 
-    __slots__ = ("controller", "info", "node", "state")
+    __slots__ = ("controller", "failed", "info", "node", "state")
 
     def __init__(self, name: str, type_name: str, controller: Controller, node: NodeHandle) -> None:
         self.controller = controller
         self.node = node
         self.state = ControllerState.CONSTRUCTED
+        # It raised while it ran: stopped by the manager, not by somebody's wish.
+        self.failed = False
         self.info = ControllerInfo(name, type_name, ())
 
     @property
@@ -93,20 +94,14 @@ class LoadedController:
         Exception
             Whatever the controller raises.
         """
-        for interface in hw.interfaces():
-            interface.take_claims()
+        hw.take_claims()  # of a controller whose init failed
         self.controller.init(hw, root, self.node)
-        claims: Tuple[InterfaceResources, ...] = tuple(
-            InterfaceResources(interface.type_name, claimed)
-            for interface in hw.interfaces()
-            for claimed in [interface.take_claims()]
-            if claimed
-        )
-        self.info = ControllerInfo(self.info.name, self.info.type, claims)
+        self.info = ControllerInfo(self.info.name, self.info.type, hw.take_claims())
         self.state = ControllerState.INITIALIZED
 
     def start(self, time: float) -> None:
         """Start the controller from any state."""
+        self.failed = False
         self.controller.starting(time)
         self.state = ControllerState.RUNNING
 

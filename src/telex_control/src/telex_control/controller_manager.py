@@ -15,7 +15,7 @@ import math
 import sys
 import threading
 import time as wall
-from typing import Callable, Dict, Iterable, List, Optional, Sequence, Tuple
+from typing import Callable, Dict, Iterable, List, Optional, Sequence, Set, Tuple
 
 from .controller import ControllerInitError, ControllerState, LoadedController
 from .controllers import controller_class
@@ -50,6 +50,7 @@ class _Switch:
         self.begun_at: Optional[float] = None
         self.pending = list(start)
         self.failed = False
+        self.given_up = False
         self.done = threading.Event()
 
 
@@ -73,6 +74,7 @@ class ControllerManager:
         # One load, unload or switch at a time. Listing takes no lock.
         self._services = threading.Lock()
         self._closing = threading.Event()
+        self._modules: Set[str] = set()
 
     # --- the control loop's side -------------------------------------------------------------
 
@@ -108,10 +110,21 @@ class ControllerManager:
                 self._guarded(loaded.start, loaded, time)
 
     def reset(self, time: float) -> None:
-        """Let every running controller begin anew at `time` (s), as when the world is reset."""
+        """Let every running controller begin anew at `time` (s), as when the world is reset.
+
+        A controller that was stopped because it raised is started again, unless another has its
+        joints by now.
+        """
         for loaded in self._controllers:
             if _is_running(loaded.state):
                 self._guarded(loaded.controller.reset, loaded, time)
+        for loaded in self._controllers:
+            if not loaded.failed:
+                continue
+            running = [c.info for c in self._controllers if _is_running(c.state)]
+            if self._hw.check_for_conflict([*running, loaded.info]) is None:
+                self._hw.do_switch([loaded.info], [])
+                self._guarded(loaded.start, loaded, time)
 
     def apply_switch(self, time: float) -> None:
         """Advance a pending switch at `time` (s). Part of `update`; called alone while paused."""
@@ -119,6 +132,9 @@ class ControllerManager:
         if switch is None:
             return
         if switch.begun_at is None:
+            if switch.given_up:
+                self._switch = None
+                return
             switch.begun_at = time
             self._hw.do_switch([c.info for c in switch.start], [c.info for c in switch.stop])
             for loaded in switch.stop:
@@ -131,7 +147,7 @@ class ControllerManager:
     def _start_pending(self, switch: _Switch, time: float) -> None:
         overall = self._hw.switch_result()
         assert switch.begun_at is not None
-        late = 0.0 < switch.timeout < time - switch.begun_at
+        late = switch.given_up or 0.0 < switch.timeout < time - switch.begun_at
         for loaded in list(switch.pending):
             result = self._hw.switch_result(loaded.info) if switch.start_asap else overall
             if result is SwitchState.DONE:
@@ -139,6 +155,7 @@ class ControllerManager:
             elif result is SwitchState.ERROR or late:
                 loaded.state = ControllerState.ABORTED
                 switch.failed = True
+                self._hw.do_switch([], [loaded.info])
             else:
                 loaded.state = ControllerState.WAITING
                 continue
@@ -164,6 +181,7 @@ class ControllerManager:
         except Exception:
             self._log.exception("controller '%s' raised again while it was stopped", loaded.name)
         loaded.state = ControllerState.STOPPED
+        loaded.failed = True
         self._hw.do_switch([], [loaded.info])
 
     # --- the services' side ------------------------------------------------------------------
@@ -207,6 +225,7 @@ class ControllerManager:
                 self._log.exception("Could not load controller '%s': it raised", name)
                 node.shutdown()
                 return False
+            self._modules.add(type(loaded.controller).__module__)
             self._controllers = (*self._controllers, loaded)
             return True
 
@@ -244,11 +263,14 @@ class ControllerManager:
         running = [info.name for info, state in self.list_controllers() if _is_running(state)]
         if running and not self.switch_controller([], running, Strictness.BEST_EFFORT):
             return False
-        modules = {type(c.controller).__module__ for c in self._controllers}
         if not all(self.unload_controller(c.name) for c in self._controllers):
             return False
-        for module in modules:
-            importlib.reload(sys.modules[module])
+        for module in sorted(self._modules):
+            try:
+                importlib.reload(sys.modules[module])
+            except Exception:  # whatever the user's module does when it is imported
+                self._log.exception("Could not reload the module %s", module)
+                return False
         return True
 
     def switch_controller(
@@ -296,6 +318,11 @@ class ControllerManager:
                 return True
             if not self._feasible(to_start, to_stop):
                 return False
+            if self._switch is not None:
+                self._log.error(
+                    "Could not switch controllers: the control loop has not finished the last one"
+                )
+                return False
             switch = _Switch(to_start, to_stop, start_asap, timeout)
             self._switch = switch
             return self._wait_for(switch)
@@ -311,7 +338,8 @@ class ControllerManager:
                 return False
             if wall.monotonic() > give_up:
                 self._log.error("Could not switch controllers: the control loop did not respond")
-                self._switch = None
+                # The loop takes back what has not started, should it run again.
+                switch.given_up = True
                 return False
         return not switch.failed
 

@@ -12,9 +12,11 @@ while a controller is initialised, which happens outside the loop.
 from __future__ import annotations
 
 import enum
+import logging
 from typing import Dict, Generic, Iterable, List, Optional, Set, Tuple, Type, TypeVar
 
 Handle = TypeVar("Handle", bound="_NamedHandle")
+_log = logging.getLogger("rosout")
 
 
 class HardwareInterfaceError(Exception):
@@ -85,7 +87,11 @@ class HardwareInterface(Generic[Handle]):
         self._claims: Set[str] = set()
 
     def register_handle(self, handle: Handle) -> None:
-        """Add a handle; one of the same name is replaced."""
+        """Add a handle; one of the same name is replaced, with a warning."""
+        if handle.name in self._handles:
+            _log.warning(
+                "Replacing previously registered handle '%s' in '%s'", handle.name, self.type_name
+            )
         self._handles[handle.name] = handle
 
     def get_handle(self, name: str) -> Handle:
@@ -202,6 +208,7 @@ class RobotHW:
 
     def __init__(self) -> None:
         self._interfaces: Dict[Type[HardwareInterface], HardwareInterface] = {}
+        self._used: Dict[HardwareInterface, None] = {}
 
     def register_interface(self, interface: HardwareInterface) -> None:
         """Offer `interface` to controllers."""
@@ -222,7 +229,17 @@ class RobotHW:
                 "which this robot does not have; it has: "
                 + ", ".join(i.type_name for i in self.interfaces())
             )
+        self._used[interface] = None
         return interface  # type: ignore[return-value]
+
+    def take_claims(self) -> Tuple[InterfaceResources, ...]:
+        """Return what was claimed since the last call, and forget it.
+
+        There is one element for every interface that was asked for, also when nothing of it was
+        claimed.
+        """
+        used, self._used = self._used, {}
+        return tuple(InterfaceResources(each.type_name, each.take_claims()) for each in used)
 
     def interfaces(self) -> List[HardwareInterface]:
         """All interfaces, in the order of their registration."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import abc
 import logging
+import time
 from typing import Any, Callable, Dict, List
 
 _REQUIRED = object()
@@ -41,6 +42,13 @@ class NodeHandle(abc.ABC):
 
     namespace: str
     logger: logging.Logger
+    _next_warning = 0.0
+
+    def warn(self, text: str) -> None:
+        """Log a warning about what comes from outside: at most one a second."""
+        if time.monotonic() >= self._next_warning:
+            self._next_warning = time.monotonic() + 1.0
+            self.logger.warning("%s", text)
 
     @abc.abstractmethod
     def child(self, name: str) -> NodeHandle:

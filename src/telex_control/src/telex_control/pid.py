@@ -64,6 +64,9 @@ class PidGains:
                 raise ValueError(f"parameter {name}/{key} is {value}; it must be finite")
             return float(value)
 
+        for key in ("antiwindup", "publish_state"):
+            if not isinstance(params.get(key, False), bool):
+                raise ValueError(f"parameter {name}/{key} is {params[key]!r}; a bool is needed")
         clamp = abs(number("i_clamp", 0.0))
         gains = cls(
             p=number("p", 0.0),
@@ -71,7 +74,7 @@ class PidGains:
             d=number("d", 0.0),
             i_max=number("i_clamp_max", clamp),
             i_min=number("i_clamp_min", -clamp),
-            antiwindup=bool(params.get("antiwindup", False)),
+            antiwindup=params.get("antiwindup", False),
         )
         if gains.i_min > gains.i_max:
             raise ValueError(

@@ -58,12 +58,21 @@ class SpeedLimiter:
             )
 
         def limits(quantity: str) -> Optional[Range]:
-            if not params.get(f"has_{quantity}_limits", False):
+            limited = params.get(f"has_{quantity}_limits", False)
+            if not isinstance(limited, bool):
+                raise ValueError(
+                    f"parameter {name}/has_{quantity}_limits is {limited!r}; a bool is needed"
+                )
+            if not limited:
                 return None
             high = _finite(params.get(f"max_{quantity}"), f"{name}/max_{quantity}")
             low = _finite(params.get(f"min_{quantity}", -high), f"{name}/min_{quantity}")
-            if low > high:
-                raise ValueError(f"parameter {name}/min_{quantity} {low} is above the max {high}")
+            # A range without 0 would drive a robot that is told to stand.
+            if not low <= 0.0 <= high:
+                raise ValueError(
+                    f"parameter {name}: min_{quantity} {low} and max_{quantity} {high} must have "
+                    "0 between them"
+                )
             return Range(low, high)
 
         return cls(limits("velocity"), limits("acceleration"), limits("jerk"))

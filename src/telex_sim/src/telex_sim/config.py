@@ -38,6 +38,10 @@ class TimingConfig:
             f"got {self.control_period} s and {self.step_size} s",
         )
         require(
+            self.control_period <= 0.1,
+            f"control_period is {self.control_period} s; at most 0.1 s is possible",
+        )
+        require(
             self.real_time_factor >= 0.0,
             f"real_time_factor is {self.real_time_factor}; 0 (as fast as possible) or more is "
             "needed",

@@ -8,6 +8,9 @@ from typing import Callable
 _GIVE_UP_BEHIND = 0.1
 """A backlog longer than this (s) is forgotten, not caught up in a burst."""
 
+_MEASURED_SPAN = 0.5
+"""Shortest span (s) over which the real-time factor is measured."""
+
 
 class RealTimePacer:
     """Sleeps so that sim time runs at a factor of wall time.
@@ -64,11 +67,16 @@ class RealTimeFactor:
     def restart(self, sim_time: float) -> None:
         """Measure from here and now."""
         self._wall, self._sim = self._clock(), sim_time
+        self._factor = 0.0
 
     def since_last(self, sim_time: float) -> float:
-        """Sim time per wall time since the last call or restart."""
+        """Sim time per wall time since the last measurement.
+
+        A span too short to measure gives the last value again.
+        """
         wall = self._clock()
         elapsed = wall - self._wall
-        factor = (sim_time - self._sim) / elapsed if elapsed > 0.0 else 0.0
-        self._wall, self._sim = wall, sim_time
-        return factor
+        if elapsed >= _MEASURED_SPAN:
+            self._factor = (sim_time - self._sim) / elapsed
+            self._wall, self._sim = wall, sim_time
+        return self._factor

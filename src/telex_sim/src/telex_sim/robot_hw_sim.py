@@ -43,11 +43,12 @@ _BRAKE_VELOCITY_GAIN = 1.0
 class _Joint:
     """A driven joint: its description, its handles and its place in PyBullet."""
 
-    __slots__ = ("description", "handle", "index", "limits", "state", "takes_effort")
+    __slots__ = ("braked", "description", "handle", "index", "limits", "state", "takes_effort")
 
     def __init__(self, description: UrdfJoint, takes_effort: bool, tolerance: float) -> None:
         self.description = description
         self.takes_effort = takes_effort
+        self.braked = True
         self.state = JointStateHandle(description.name)
         self.handle = JointHandle(self.state)
         self.index = -1
@@ -117,7 +118,8 @@ class RobotHWSim(RobotHW):
         for interface in (states, efforts, velocities):
             self.register_interface(interface)
         self._all = list(self._joints.values())
-        self._claimed: Set[str] = set()
+        # By controller, so that one that ends takes nothing from the next that has its joint.
+        self._claims: Dict[str, Set[str]] = {}
         self._e_stop = False
         self._body: Optional[Body] = None
         self._indices: List[int] = []
@@ -128,6 +130,10 @@ class RobotHWSim(RobotHW):
     def e_stop(self) -> bool:
         """Whether the emergency stop holds all joints."""
         return self._e_stop
+
+    def has_joint(self, name: str) -> bool:
+        """Whether the robot has a driven joint of this name."""
+        return name in self._joints
 
     def joint_state(self, name: str) -> JointStateHandle:
         """State handle of a driven joint.
@@ -180,7 +186,11 @@ class RobotHWSim(RobotHW):
     # --- RobotHW -----------------------------------------------------------------------------
 
     def read(self, time: float, period: float) -> None:
-        """Fill the state handles; the effort is the one last commanded to effort joints."""
+        """Fill the state handles.
+
+        The effort is what was last applied: to a joint driven by effort its limited command, to
+        one that a velocity motor or the brake moves that motor's force.
+        """
         body = self._body
         assert body is not None
         states = pybullet.getJointStates(body.uid, self._indices, physicsClientId=body.client)
@@ -188,7 +198,8 @@ class RobotHWSim(RobotHW):
             handle = joint.state
             handle.position = state[0]
             handle.velocity = state[1]
-            handle.effort = joint.handle.command if joint.takes_effort else state[3]
+            applied = joint.takes_effort and not joint.braked
+            handle.effort = joint.handle.command if applied else state[3]
 
     def write(self, time: float, period: float) -> None:
         """Limit the commands and give them to PyBullet; its torques act for one step only."""
@@ -220,8 +231,12 @@ class RobotHWSim(RobotHW):
 
     def do_switch(self, start: List[ControllerInfo], stop: List[ControllerInfo]) -> None:
         """Set the brakes of joints that lose their controller, release those that get one."""
-        self._claimed -= _claims(stop)
-        self._claimed |= _claims(start)
+        for controller in stop:
+            self._claims.pop(controller.name, None)
+        for controller in start:
+            self._claims[controller.name] = {
+                resource for claim in controller.claimed_resources for resource in claim.resources
+            }
         self._set_brakes()
 
     def set_e_stop(self, active: bool) -> None:
@@ -233,18 +248,17 @@ class RobotHWSim(RobotHW):
     def _set_brakes(self) -> None:
         if self._body is None:
             return
-        driven = (
-            [] if self._e_stop else [j for j in self._all if j.description.name in self._claimed]
-        )
-        was_driven = {*self._driven_by_effort, *self._driven_by_velocity}
+        claimed: Set[str] = set().union(*self._claims.values())
+        for joint in self._all:
+            braked = self._e_stop or joint.description.name not in claimed
+            if braked and not joint.braked:
+                joint.handle.command = 0.0
+            joint.braked = braked
+        driven = [joint for joint in self._all if not joint.braked]
         self._driven_by_effort = [joint for joint in driven if joint.takes_effort]
         self._driven_by_velocity = [joint for joint in driven if not joint.takes_effort]
         self._release(self._driven_by_effort)
-        held = [joint for joint in self._all if joint not in driven]
-        for joint in held:
-            if joint in was_driven:
-                joint.handle.command = 0.0
-        self._hold(held)
+        self._hold([joint for joint in self._all if joint.braked])
 
     def _release(self, released: List[_Joint]) -> None:
         """Leave only the dry friction of effort drives, as a motor that wants standstill.
@@ -278,15 +292,6 @@ class RobotHWSim(RobotHW):
             velocityGains=[_BRAKE_VELOCITY_GAIN] * len(held),
             physicsClientId=self._body.client,
         )
-
-
-def _claims(controllers: List[ControllerInfo]) -> Set[str]:
-    return {
-        resource
-        for controller in controllers
-        for claim in controller.claimed_resources
-        for resource in claim.resources
-    }
 
 
 def _finite(effort: float) -> float:

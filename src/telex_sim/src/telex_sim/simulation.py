@@ -9,7 +9,8 @@ from typing import Callable, List
 
 from telex_control.controller_manager import ControllerManager
 from telex_control.node_handle import NodeHandle
-from telex_control.urdf_joints import parse_urdf
+from telex_control.params import ConfigError
+from telex_control.urdf_joints import joints, parse_urdf
 
 from .config import SimulatorConfig
 from .phase_timer import PhaseTimer
@@ -35,7 +36,7 @@ class Simulation:
 
     Raises
     ------
-    UrdfError, WorldError
+    ConfigError, UrdfError, WorldError
         With a message for a person.
     """
 
@@ -55,13 +56,33 @@ class Simulation:
         self.steps = 0
         self.hw = RobotHWSim(parse_urdf(urdf), config.hardware)
         self.controllers = ControllerManager(self.hw, node)
+        self._check_joints()
         self._belts = [
             (self.hw.joint_state(joint), radius) for joint, radius in config.tracks.belts.items()
         ]
-        # What was asked for last, whoever asked; never cleared, so that no request is lost.
+        # What was asked for last, and how often a stop was: each one is obeyed for a cycle at
+        # least, even if its release follows at once.
         self._e_stop_wanted = False
+        self._e_stop_presses = 0
+        self._e_stop_obeyed = 0
         self.world = World(self._step_size, config.solver_iterations, config.gui)
         self._place_robot()
+
+    def _check_joints(self) -> None:
+        """Refuse a configuration that names joints which are not there, or beyond their limits."""
+        for joint in self.config.tracks.belts:
+            if not self.hw.has_joint(joint):
+                raise ConfigError(f"tracks/belts/{joint}: the robot has no driven joint '{joint}'")
+        described = joints(parse_urdf(self.urdf))
+        for joint, position in self.config.start.joint_positions().items():
+            where = f"start/poses/{self.config.start.pose}/{joint}"
+            if joint not in described:
+                raise ConfigError(f"{where}: the robot has no joint '{joint}'")
+            limits = described[joint]
+            if not limits.lower <= position <= limits.upper:
+                raise ConfigError(
+                    f"{where} is {position}; its limits are {limits.lower} to {limits.upper}"
+                )
 
     def _place_robot(self) -> None:
         start = self.config.start
@@ -84,6 +105,8 @@ class Simulation:
     def request_e_stop(self, active: bool) -> None:
         """Set or release the emergency stop with the next step. May be called from any thread."""
         self._e_stop_wanted = active
+        if active:
+            self._e_stop_presses += 1
 
     def step(self) -> None:
         """Advance by one physics step, with a control cycle before it when one is due."""
@@ -111,7 +134,8 @@ class Simulation:
 
     def _obey_e_stop(self) -> bool:
         """Carry out a request; returns whether the stop was released just now."""
-        wanted = self._e_stop_wanted
+        presses, self._e_stop_obeyed = self._e_stop_obeyed, self._e_stop_presses
+        wanted = self._e_stop_wanted or presses != self._e_stop_obeyed
         if wanted == self.hw.e_stop:
             return False
         self.hw.set_e_stop(wanted)

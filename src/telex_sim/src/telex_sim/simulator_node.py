@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import queue
 import sys
 import threading
@@ -37,6 +38,10 @@ _PAUSED_REPEAT = 0.2
 _STATUS_PERIOD = 1.0
 """Wall time between status messages (s)."""
 _MAX_STEPS = 1_000_000
+_STEPS_AT_ONCE = 50
+"""Steps of ``sim/step`` between two looks at the requests."""
+_SLOW = 0.95
+"""Share of the wanted real-time factor below which the status warns."""
 _SWITCH_INTERVAL = 5e-4
 """After this time (s) a thread of rospy that computes hands the interpreter back to the loop."""
 
@@ -48,6 +53,14 @@ class _Request:
         self.action = action
         self.done = threading.Event()
         self.error: Optional[Exception] = None
+
+
+class _Stepping:
+    """Steps of a paused simulation that are still to be made."""
+
+    def __init__(self, steps: int) -> None:
+        self.remaining = steps
+        self.done = threading.Event()
 
 
 class SimulatorNode:
@@ -63,6 +76,7 @@ class SimulatorNode:
         config = simulation.config
         self._step_ns = round(config.timing.step_size * 1e9)
         self._requests: queue.Queue[_Request] = queue.Queue()
+        self._stepping: Optional[_Stepping] = None
         self._pacer = RealTimePacer(config.timing.real_time_factor)
         self._factor = RealTimeFactor()
         self._late_cycles = 0
@@ -91,7 +105,9 @@ class SimulatorNode:
         self._e_stop = rospy.Subscriber("e_stop", Bool, self._on_e_stop, tcp_nodelay=True)
 
     def _steps_between(self, rate: float) -> int:
-        return max(1, round(1.0 / (rate * self._simulation.config.timing.step_size)))
+        """Steps from one message to the next, so that the rate is never exceeded."""
+        steps = 1.0 / (rate * self._simulation.config.timing.step_size)
+        return max(1, math.ceil(steps - 1e-6))
 
     def _now(self) -> rospy.Time:
         return rospy.Time(0, self._simulation.steps * self._step_ns)
@@ -99,7 +115,8 @@ class SimulatorNode:
     # --- callbacks: other threads ------------------------------------------------------------
 
     def _on_e_stop(self, message: Bool) -> None:
-        rospy.logwarn("emergency stop %s", "set" if message.data else "released")
+        if message.data != self._simulation.hw.e_stop:
+            rospy.logwarn("emergency stop %s", "set" if message.data else "released")
         self._simulation.request_e_stop(message.data)
 
     def _empty(self, action: Callable[[], None]) -> EmptyResponse:
@@ -114,22 +131,24 @@ class SimulatorNode:
                 message=f"steps is {steps}; at most {_MAX_STEPS} at once are possible",
                 sim_time=self._now(),
             )
-        answer = StepResponse(success=True)
+        stepping = _Stepping(steps)
+        problem: List[str] = []
 
-        def action() -> None:
+        def begin() -> None:
             if not self._paused:
-                answer.success = False
-                answer.message = "the simulation is running; call sim/pause first"
-                return
-            for _ in range(steps):
-                if rospy.is_shutdown():
-                    break
-                self._step()
-            self._status_soon()
+                problem.append("the simulation is running; call sim/pause first")
+            elif self._stepping is not None:
+                problem.append("another call of sim/step is not finished yet")
+            else:
+                self._stepping = stepping
 
-        self._in_loop(action)
-        answer.sim_time = self._now()
-        return answer
+        self._in_loop(begin)
+        while not problem and not stepping.done.wait(0.1):
+            if rospy.is_shutdown():
+                raise rospy.ServiceException("the simulator shuts down")
+        if stepping.remaining and not problem:
+            problem.append(f"{stepping.remaining} steps were left when sim/unpause was called")
+        return StepResponse(success=not problem, message=" ".join(problem), sim_time=self._now())
 
     def _in_loop(self, action: Callable[[], None]) -> None:
         """Have the loop's thread carry out `action`, and wait for it.
@@ -159,15 +178,34 @@ class SimulatorNode:
             if wall.monotonic() >= self._next_status or self._e_stop_changed():
                 self._publish_status()
             if not self._paused:
+                begins_cycle = self._simulation.at_cycle_start
                 self._step()
                 late = self._pacer.wait(self._simulation.time)
-                self._late_cycles += late > self._simulation.config.timing.control_period
+                if begins_cycle and late > self._simulation.config.timing.control_period:
+                    self._late_cycles += 1
+                continue
+            if self._stepping is not None:
+                self._step_while_paused(self._stepping)
                 continue
             self._simulation.idle()
             if wall.monotonic() >= repeat_at:
                 repeat_at = wall.monotonic() + _PAUSED_REPEAT
                 self._publish_all()
             wall.sleep(_PAUSED_PERIOD)
+
+    def _step_while_paused(self, stepping: _Stepping) -> None:
+        """Make some of the steps, so that requests are served in between."""
+        for _ in range(min(stepping.remaining, _STEPS_AT_ONCE)):
+            self._step()
+            stepping.remaining -= 1
+        if not stepping.remaining:
+            self._end_stepping()
+
+    def _end_stepping(self) -> None:
+        if self._stepping is not None:
+            self._stepping.done.set()
+            self._stepping = None
+            self._status_soon()
 
     def close(self) -> None:
         """Take the services back and release PyBullet."""
@@ -192,6 +230,7 @@ class SimulatorNode:
 
     def _unpause(self) -> None:
         self._paused = False
+        self._end_stepping()
         self._restart_pace()
         self._status_soon()
 
@@ -268,9 +307,16 @@ class SimulatorNode:
             late_cycles=self._late_cycles,
             phases=[phase for phase, _ in means],
             phase_cpu=[cpu for _, cpu in means],
+            warnings=self._warnings(factor),
         )
         message.header.stamp = self._now()
         self._status.publish(message)
+
+    def _warnings(self, factor: float) -> List[str]:
+        wanted = self._simulation.config.timing.real_time_factor
+        if self._paused or not factor or factor >= _SLOW * wanted:
+            return []
+        return [f"this computer is too slow: real-time factor {factor:.2f} of {wanted:g}"]
 
 
 def _simulator_config() -> SimulatorConfig:

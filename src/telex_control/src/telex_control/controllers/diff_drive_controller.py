@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time as wall
 from typing import Any, List, NamedTuple, Tuple
 
 from geometry_msgs.msg import TransformStamped, Twist
@@ -23,6 +24,7 @@ class _Command(NamedTuple):
     linear: float
     angular: float
     serial: int
+    received: float  # wall time (s, monotonic)
 
 
 class DiffDriveController(Controller):
@@ -41,7 +43,7 @@ class DiffDriveController(Controller):
 
     def init(self, hw: RobotHW, root: NodeHandle, node: NodeHandle) -> None:
         """Claim the wheels and open the topics."""
-        self._log = node.logger
+        self._node = node
         wheels = hw.get(VelocityJointInterface)
         sides: List[List[JointHandle]] = [
             [wheels.get_handle(joint) for joint in _names(node, side)]
@@ -85,17 +87,17 @@ class DiffDriveController(Controller):
         self._tf = (
             node.advertise("/tf", TFMessage) if node.param("enable_odom_tf", bool, True) else None
         )
-        self._command = _Command(0.0, 0.0, 0)
+        self._command = _Command(0.0, 0.0, 0, 0.0)
         node.subscribe("cmd_vel", Twist, self._on_command)
 
     def _on_command(self, message: Twist) -> None:
         linear, angular = message.linear.x, message.angular.z
         if not (math.isfinite(linear) and math.isfinite(angular)):
-            self._log.warning(
-                "cmd_vel: linear.x %s, angular.z %s is not finite and is dropped", linear, angular
+            self._node.warn(
+                f"cmd_vel: linear.x {linear}, angular.z {angular} is not finite and is dropped"
             )
             return
-        self._command = _Command(linear, angular, self._command.serial + 1)
+        self._command = _Command(linear, angular, self._command.serial + 1, wall.monotonic())
 
     def starting(self, time: float) -> None:
         """Stand still; commands from before are forgotten."""
@@ -115,10 +117,12 @@ class DiffDriveController(Controller):
             self._publish(time)
         command = self._command
         if command.serial != self._obeyed:
-            # Commands are dated by the cycle that first sees them: their age in sim time.
             self._obeyed = command.serial
-            self._received = time
-            self._active = (command.linear, command.angular)
+            # Its age in sim time counts from this cycle. A command that came while the simulation
+            # was paused may be old by the wall's clock, which is the operator's.
+            if wall.monotonic() - command.received <= self._timeout:
+                self._received = time
+                self._active = (command.linear, command.angular)
         elif time - self._received > self._timeout:
             self._active = (0.0, 0.0)
         linear = self._linear_limiter.limit(self._active[0], *self._linear, period)

@@ -49,7 +49,7 @@ class JointPositionController(Controller):
         limits = description[name]
         self._lower, self._upper = limits.lower, limits.upper
         self._wraps = limits.kind == CONTINUOUS
-        self._log = node.logger
+        self._node = node
         self._pid = Pid(gains)
         frequency = node.param("command_filter_frequency", float, 0.0)
         if frequency < 0.0:
@@ -71,10 +71,8 @@ class JointPositionController(Controller):
 
     def _on_command(self, message: Float64) -> None:
         if not math.isfinite(message.data):
-            self._log.warning(
-                "joint '%s': command %s is not finite and is dropped",
-                self._joint.name,
-                message.data,
+            self._node.warn(
+                f"joint '{self._joint.name}': command {message.data} is not finite and is dropped"
             )
             return
         self._set_point = clamp(message.data, self._lower, self._upper)
@@ -94,6 +92,9 @@ class JointPositionController(Controller):
             error = self._difference(set_point)
             joint.command = self._pid.update(error, period)
         else:
+            if self._wraps:
+                start = self._filter.position
+                set_point = start + math.remainder(set_point - start, 2.0 * math.pi)
             reference, velocity = self._filter.update(set_point, period)
             joint.command = self._pid.update(
                 self._difference(reference), period, velocity - joint.state.velocity
@@ -102,7 +103,7 @@ class JointPositionController(Controller):
         if self._cycle >= STATE_DIVIDER:
             self._cycle = 0
             if self._state.has_subscribers():
-                self._publish_state(time, period, set_point)
+                self._publish_state(time, period, self._set_point)
 
     def stopping(self, time: float) -> None:
         """Leave the joint without effort."""
