@@ -90,7 +90,9 @@ def test_a_continuous_joint_takes_the_short_way_with_the_command_filter_too(benc
     for _ in range(100):
         tested.cycle()
         assert abs(math.remainder(controller._filter.position - math.pi, 2 * math.pi)) < 0.05
-    assert math.remainder(controller._filter.position + 3.1, 2 * math.pi) == pytest.approx(0.0, abs=1e-6)
+    assert math.remainder(controller._filter.position + 3.1, 2 * math.pi) == pytest.approx(
+        0.0, abs=1e-6
+    )
 
 
 def test_a_stopped_position_controller_leaves_no_effort(bench):
@@ -140,6 +142,12 @@ def test_wrong_parameters_are_named(bench, caplog, change, logged):
     tested = bench({"c": {key: value for key, value in params.items() if value is not None}})
     assert not tested.manager.load_controller("c")
     assert logged in caplog.text
+
+
+def test_a_misspelt_parameter_is_named_in_a_warning(bench, caplog):
+    tested = bench({"c": {**position_controller("elbow"), "comand_filter_frequency": 1.0}})
+    assert tested.manager.load_controller("c")
+    assert "comand_filter_frequency; known are command_filter_frequency, joint, pid" in caplog.text
 
 
 def test_joint_states_are_published_at_their_rate_in_alphabetical_order(bench):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+from typing import FrozenSet, Optional
 
 from .hardware_interface import ControllerInfo, RobotHW
 from .node_handle import NodeHandle
@@ -29,7 +30,16 @@ class Controller:
     `init` runs outside the control loop and may take its time. `starting`, `update` and
     `stopping` run inside it: they neither block nor allocate without need. Callbacks of
     subscriptions run in other threads and only store one value, by assignment.
+
+    Attributes
+    ----------
+    parameters : frozenset of str or None
+        Names of the parameters that the controller reads, beside ``type``. Others in its
+        namespace are named in a warning, since they may be misspelt; they are not refused,
+        because upstream's controllers know more. None checks nothing.
     """
+
+    parameters: Optional[FrozenSet[str]] = None
 
     def init(self, hw: RobotHW, root: NodeHandle, node: NodeHandle) -> None:
         """Read the parameters, take the joint handles (which claims them) and open topics.

@@ -216,6 +216,7 @@ class ControllerManager:
             try:
                 type_name = node.param("type", str)
                 loaded = LoadedController(name, type_name, controller_class(type_name)(), node)
+                self._warn_of_unknown_params(loaded)
                 loaded.init(self._hw, self._root)
             except (ParameterError, HardwareInterfaceError, ControllerInitError) as error:
                 self._log.error("Could not load controller '%s': %s", name, error)
@@ -228,6 +229,19 @@ class ControllerManager:
             self._modules.add(type(loaded.controller).__module__)
             self._controllers = (*self._controllers, loaded)
             return True
+
+    def _warn_of_unknown_params(self, loaded: LoadedController) -> None:
+        known = loaded.controller.parameters
+        if known is None:
+            return
+        unknown = sorted(set(loaded.node.params()) - known - {"type"})
+        if unknown:
+            self._log.warning(
+                "controller '%s' does not know its parameter(s) %s; known are %s",
+                loaded.name,
+                ", ".join(unknown),
+                ", ".join(sorted(known)),
+            )
 
     def unload_controller(self, name: str) -> bool:
         """Unload a controller that is not running; False, with the reason in the log, if not."""

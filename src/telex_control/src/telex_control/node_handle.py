@@ -55,6 +55,10 @@ class NodeHandle(abc.ABC):
         """Return the handle of the namespace `name` inside this one."""
 
     @abc.abstractmethod
+    def params(self) -> Dict[str, Any]:
+        """Return all parameters of this namespace."""
+
+    @abc.abstractmethod
     def find_param(self, name: str, default: Any) -> Any:
         """Return the value of parameter `name` here, or `default`."""
 
@@ -144,6 +148,13 @@ class LocalNodeHandle(NodeHandle):
         node = LocalNodeHandle(self._params, f"{self.namespace}/{name}")
         node._topics = self._topics
         return node
+
+    def params(self) -> Dict[str, Any]:
+        """Return the part of the dict that stands at this namespace."""
+        value: Any = self._params
+        for part in self.namespace.strip("/").split("/") if self.namespace else ():
+            value = value.get(part, {}) if isinstance(value, dict) else {}
+        return value if isinstance(value, dict) else {}
 
     def find_param(self, name: str, default: Any) -> Any:
         """Return the value at the full name of `name` in the nested dict, or `default`."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from typing import Any, Callable, List
+from typing import Any, Callable, Dict, List
 
 import rospy
 
@@ -46,6 +46,11 @@ class RosNodeHandle(NodeHandle):
     def child(self, name: str) -> RosNodeHandle:
         """Return the handle of a namespace inside."""
         return RosNodeHandle(self.resolve(name))
+
+    def params(self) -> Dict[str, Any]:
+        """Ask the parameter server for the whole namespace."""
+        values = rospy.get_param(self.namespace or "/", {})
+        return values if isinstance(values, dict) else {}
 
     def find_param(self, name: str, default: Any) -> Any:
         """Ask the parameter server."""

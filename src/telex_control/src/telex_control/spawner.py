@@ -8,9 +8,11 @@ from __future__ import annotations
 import argparse
 import sys
 import threading
+import time
 from typing import List, Optional
 
 import rospy
+import yaml
 from controller_manager_msgs.srv import (
     LoadController,
     SwitchController,
@@ -26,31 +28,67 @@ _STOP_TIMEOUT = 1.0
 def parse(arguments: List[str]) -> argparse.Namespace:
     """Read the command line (without the program's name and ROS's remappings)."""
     parser = argparse.ArgumentParser(prog="spawner", description=__doc__.split("\n", 1)[0])
-    parser.add_argument("controllers", nargs="+", metavar="NAME", help="controllers, in load order")
+    parser.add_argument(
+        "controllers",
+        nargs="+",
+        metavar="NAME|FILE.yaml",
+        help="controllers in load order, or files whose parameters are loaded first",
+    )
     parser.add_argument("--stopped", action="store_true", help="load only, do not start")
     parser.add_argument("--wait-for", metavar="TOPIC", help="a std_msgs/Bool that must be true")
     parser.add_argument("--namespace", metavar="NS", help="namespace of the controller manager")
     parser.add_argument(
         "--timeout", type=float, default=30.0, help="seconds to wait for the manager"
     )
+    parser.add_argument(
+        "--shutdown-timeout", type=float, help="taken for compatibility, without effect"
+    )
     parser.add_argument("--no-timeout", action="store_true", help="wait for the manager for ever")
     return parser.parse_args(arguments)
+
+
+class SpawnerError(Exception):
+    """The command line cannot be carried out; the message says why."""
 
 
 class Spawner:
     """Brings a group of controllers up and down."""
 
     def __init__(self, namespace: str) -> None:
+        self._namespace = namespace
         self._prefix = f"{namespace}/controller_manager" if namespace else "controller_manager"
         self._loaded: List[str] = []
         self._started = False
 
+    def names_of(self, argument: str) -> List[str]:
+        """Controllers that an argument stands for; a file's parameters are loaded.
+
+        Raises
+        ------
+        SpawnerError
+            The file cannot be read, or holds no controllers.
+        """
+        if not argument.endswith((".yaml", ".yml")):
+            return [argument]
+        try:
+            with open(argument) as file:
+                params = yaml.safe_load(file)
+        except (OSError, yaml.YAMLError) as error:
+            raise SpawnerError(f"{argument}: {error}") from error
+        if not isinstance(params, dict) or not all(isinstance(v, dict) for v in params.values()):
+            raise SpawnerError(f"{argument}: a mapping of controller names to parameters is needed")
+        for name, values in params.items():
+            rospy.set_param(f"{self._namespace}/{name}" if self._namespace else str(name), values)
+        return [str(name) for name in params]
+
     def wait_for_manager(self, timeout: Optional[float]) -> bool:
         """Wait for the services; False, with a warning, when they do not come."""
         rospy.loginfo("Controller Spawner: waiting for service %s/load_controller", self._prefix)
+        end = None if timeout is None else time.monotonic() + timeout
         try:
             for name in ("load_controller", "switch_controller", "unload_controller"):
-                rospy.wait_for_service(f"{self._prefix}/{name}", timeout=timeout)
+                left = None if end is None else max(end - time.monotonic(), 0.01)
+                rospy.wait_for_service(f"{self._prefix}/{name}", timeout=left)
         except rospy.ROSException:
             if not rospy.is_shutdown():
                 rospy.logwarn(
@@ -119,15 +157,19 @@ def main() -> None:
     options = parse(rospy.myargv(sys.argv)[1:])
     rospy.init_node("spawner", anonymous=True)
     spawner = Spawner(options.namespace or "")
-    if options.wait_for:
-        message = None
-        while message is None or not message.data:
-            message = rospy.wait_for_message(options.wait_for, Bool)
-    if not spawner.wait_for_manager(None if options.no_timeout else options.timeout):
-        return
-    rospy.on_shutdown(spawner.stop)
     try:
-        ok = spawner.start(options.controllers, options.stopped)
+        names = [name for argument in options.controllers for name in spawner.names_of(argument)]
+        if options.wait_for:
+            message = None
+            while message is None or not message.data:
+                message = rospy.wait_for_message(options.wait_for, Bool)
+        if not spawner.wait_for_manager(None if options.no_timeout else options.timeout):
+            return
+        rospy.on_shutdown(spawner.stop)
+        ok = spawner.start(names, options.stopped)
+    except SpawnerError as error:
+        rospy.logerr("%s", error)
+        sys.exit(1)
     except (rospy.ServiceException, rospy.ROSInterruptException) as error:
         if not rospy.is_shutdown():
             rospy.logerr("The controller manager did not answer: %s", error)

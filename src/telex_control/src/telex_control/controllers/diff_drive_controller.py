@@ -41,6 +41,27 @@ class DiffDriveController(Controller):
     `SpeedLimiter`).
     """
 
+    parameters = frozenset(
+        (
+            "angular",
+            "base_frame_id",
+            "cmd_vel_timeout",
+            "enable_odom_tf",
+            "left_wheel",
+            "linear",
+            "odom_frame_id",
+            "pose_covariance_diagonal",
+            "publish_rate",
+            "right_wheel",
+            "twist_covariance_diagonal",
+            "velocity_rolling_window_size",
+            "wheel_radius",
+            "wheel_radius_multiplier",
+            "wheel_separation",
+            "wheel_separation_multiplier",
+        )
+    )
+
     def init(self, hw: RobotHW, root: NodeHandle, node: NodeHandle) -> None:
         """Claim the wheels and open the topics."""
         self._node = node

@@ -33,6 +33,8 @@ class JointPositionController(Controller):
     commands (at 100 Hz, the turret's effort runs from limit to limit).
     """
 
+    parameters = frozenset(("command_filter_frequency", "joint", "pid"))
+
     def init(self, hw: RobotHW, root: NodeHandle, node: NodeHandle) -> None:
         """Claim the joint and open the topics."""
         name = node.param("joint", str)

@@ -19,6 +19,8 @@ class JointStateController(Controller):
     default, in alphabetical order).
     """
 
+    parameters = frozenset(("joints", "publish_rate"))
+
     def init(self, hw: RobotHW, root: NodeHandle, node: NodeHandle) -> None:
         """Take the state handles; state handles claim nothing."""
         rate = node.param("publish_rate", float)
