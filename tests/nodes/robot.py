@@ -4,14 +4,21 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import Callable, Dict, List, Optional
+from typing import Any, Callable, Dict, List, Optional
 
 import rospy
 from control_msgs.msg import JointJog
 from controller_manager_msgs.srv import ListControllers
 from geometry_msgs.msg import PoseStamped, Twist
 from sensor_msgs.msg import JointState
-from telex_msgs.msg import SimStatus
+from telex_msgs.msg import JointTeleopStatus, SimStatus, TrackTeleopStatus
+
+TELEOP_NODES = {
+    "arm_teleop": JointTeleopStatus,
+    "gripper_teleop": JointTeleopStatus,
+    "flipper_teleop": JointTeleopStatus,
+    "track_teleop": TrackTeleopStatus,
+}
 
 
 def eventually(condition: Callable[[], object], timeout: float, what: str) -> object:
@@ -32,7 +39,11 @@ class Robot:
         self.state: Optional[JointState] = None
         self.base: Optional[PoseStamped] = None
         self.status: Optional[SimStatus] = None
+        self.teleop: Dict[str, str] = {}
         self._subscribers = [
+            rospy.Subscriber(f"{node}/status", kind, self._on_teleop, node)
+            for node, kind in TELEOP_NODES.items()
+        ] + [
             rospy.Subscriber("joint_states", JointState, self._on_state, tcp_nodelay=True),
             rospy.Subscriber("sim/base_pose", PoseStamped, self._on_base),
             rospy.Subscriber("sim/status", SimStatus, self._on_status),
@@ -46,6 +57,23 @@ class Robot:
 
     def _on_status(self, message: SimStatus) -> None:
         self.status = message
+
+    def _on_teleop(self, message: Any, node: str) -> None:
+        self.teleop[node] = message.message
+
+    def wait_until_obedient(self, *nodes: str, timeout: float = 20.0) -> None:
+        """Wait until teleoperation nodes (all, if none is named) say that they obey.
+
+        A node that has just started is deaf for a moment.
+        """
+        wanted = nodes or tuple(TELEOP_NODES)
+        for node in wanted:
+            self.teleop.pop(node, None)
+        eventually(
+            lambda: all(self.teleop.get(node) == "" for node in wanted),
+            timeout,
+            f"{', '.join(wanted)} to obey",
+        )
 
     def wait_until_controllable(self, timeout: float = 60.0) -> None:
         """Wait until all controllers run and the joint states come."""

@@ -33,6 +33,34 @@ def test_soft_limits_and_friction():
     assert (joint.soft.lower, joint.soft.upper, joint.soft.k_velocity) == (-0.9, 0.8, 30.0)
 
 
+def safety(kind, attributes):
+    return joints(
+        robot(
+            f'<joint name="j" type="{kind}"><limit lower="-1" upper="1" velocity="1" effort="1"/>'
+            f"<safety_controller {attributes}/></joint>"
+        )
+    )["j"].soft
+
+
+def test_absent_soft_limits_are_zero_as_urdf_has_it():
+    soft = safety("revolute", 'soft_upper_limit="0.8"')
+    assert (soft.lower, soft.upper, soft.k_position) == (0.0, 0.8, 0.0)
+
+
+def test_continuous_joints_have_gains_only():
+    soft = safety("continuous", 'k_velocity="10" soft_upper_limit="0.8"')
+    assert (soft.lower, soft.upper, soft.k_velocity) == (-math.inf, math.inf, 10.0)
+
+
+@pytest.mark.parametrize(
+    "attributes",
+    ['k_velocity="10"', 'soft_lower_limit="0.5"', 'soft_lower_limit="1" soft_upper_limit="-1"'],
+)
+def test_soft_limits_that_leave_no_room_are_named(attributes):
+    with pytest.raises(UrdfError, match=r"joint 'j': soft_lower_limit .* must be below"):
+        safety("revolute", attributes)
+
+
 def test_fixed_joints_are_left_out():
     assert joints(robot('<joint name="j" type="fixed"/>')) == {}
 

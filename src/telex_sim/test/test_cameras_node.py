@@ -7,11 +7,7 @@ per process.
 
 from __future__ import annotations
 
-import contextlib
 import json
-import os
-import signal
-import socket
 import subprocess
 import sys
 import threading
@@ -20,6 +16,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
+from telex_control.private_master import PrivateMaster, end_tree
 
 NODE = Path(__file__).parents[1] / "nodes" / "cameras"
 SIZE = (160, 120)
@@ -43,42 +41,8 @@ PARAMS = {
 @pytest.fixture(scope="module")
 def master():
     """Environment of a roscore on a free port."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    environment = dict(
-        os.environ,
-        ROS_MASTER_URI=f"http://127.0.0.1:{port}",
-        ROS_HOSTNAME="127.0.0.1",
-        ROS_NAMESPACE="/telex",
-        PYTHONUNBUFFERED="1",
-    )
-    core = subprocess.Popen(
-        ["roscore", "-p", str(port)],
-        env=environment,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        start_new_session=True,
-    )
-    try:
-        deadline = time.monotonic() + 20.0
-        while time.monotonic() < deadline:
-            with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port), 1.0):
-                break
-            time.sleep(0.1)
-        yield environment
-    finally:
-        end_group(core)
-
-
-def end_group(process):
-    with contextlib.suppress(ProcessLookupError):
-        os.killpg(process.pid, signal.SIGINT)
-    try:
-        process.wait(10.0)
-    except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
+    with PrivateMaster() as master:
+        yield master.environment(ROS_NAMESPACE="/telex", PYTHONUNBUFFERED="1")
 
 
 def set_params(environment, params):
@@ -113,7 +77,7 @@ def seen(master, tmp_path_factory):
             )
             alive = node.poll() is None
         finally:
-            end_group(node)
+            end_tree(node)
     assert drill.returncode == 0, drill.stdout[-4000:] + drill.stderr[-4000:] + log.read_text()
     result = json.loads(drill.stdout.splitlines()[-1])
     return {**result, "alive": alive, "exit": node.returncode, "log": log.read_text()}

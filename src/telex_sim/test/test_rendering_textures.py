@@ -42,6 +42,22 @@ class TestLoading:
         cv2.imwrite(str(tmp_path / "a.png"), np.zeros((100, 2 * MAX_TEXTURE_SIZE, 3), np.uint8))
         assert load_texture(tmp_path / "a.png").shape == (50, MAX_TEXTURE_SIZE, 3)
 
+    @pytest.mark.parametrize(
+        ("size", "reduced"),
+        [((1, 5000), (1, MAX_TEXTURE_SIZE)), ((5000, 1), (MAX_TEXTURE_SIZE, 1))],
+    )
+    def test_of_strips_a_line_remains(self, tmp_path, size, reduced):
+        cv2.imwrite(str(tmp_path / "strip.png"), np.full((*size, 3), 90, np.uint8))
+        picture = load_texture(tmp_path / "strip.png")
+        assert picture.shape == (*reduced, 3)
+        assert (picture == 90).all()
+
+    def test_a_picture_that_opencv_refuses_is_named(self, tmp_path):
+        # A header that promises more pixels than OpenCV takes.
+        (tmp_path / "huge.pgm").write_bytes(b"P5 100000 100000 255\n")
+        with pytest.raises(TextureFileError, match=r"huge\.pgm: OpenCV cannot read it: .*pixels"):
+            load_texture(tmp_path / "huge.pgm")
+
     def test_missing_file_is_named(self, tmp_path):
         with pytest.raises(TextureFileError, match=r"nowhere\.png: no such file"):
             load_texture(tmp_path / "nowhere.png")

@@ -33,7 +33,7 @@ def typed(*names):
         (b"\x1b[1;5A", ["ctrl+up"]),
         (b"\x1b[3~\x1b[5~\x1b[15~\x1b[17~", ["delete", "pageup", "f5", "f6"]),
         (b"\x1b[Z", ["shift+tab"]),
-        (b"\x1bx", ["alt+x"]),
+        (b"\x1bx", ["escape", "x"]),
     ],
 )
 def test_keys_as_terminals_type_them(data, names):
@@ -58,17 +58,81 @@ def test_escape_twice_and_escape_before_a_sequence():
 def test_sequence_that_breaks_off_does_not_block_what_follows():
     decoder = KeyDecoder()
     assert decoder.feed(b"\x1b[1;", 1.0) == []
-    # neither as keys nor as the escape key, which sets off the emergency stop
-    assert decoder.feed(b"", 2.0) == []
+    assert decoder.feed(b"", 2.0) == typed("escape")
     assert decoder.feed(b"w", 3.0) == typed("w")
 
 
-def test_endless_sequence_is_dropped():
-    assert decode(b"\x1b]" + b"1" * 5000) == []
+@pytest.mark.parametrize(
+    "second", [b"[", b"O", b"P", b"X", b"^", b"_", b"]", b"\xc3", b"[1;", b"[ "]
+)
+def test_escape_before_another_key_is_still_escape(second):
+    decoder = KeyDecoder(escape_time=0.05)
+    assert decoder.feed(b"\x1b", 1.0) == []
+    assert decoder.feed(second, 1.03) == []
+    assert decoder.feed(b"", 1.06) == typed("escape")
+    assert not decoder.incomplete
+
+
+@pytest.mark.parametrize("second", [b"[", b"P", b"]"])
+def test_keys_that_repeat_do_not_hold_escape_back(second):
+    decoder = KeyDecoder(escape_time=0.05)
+    events = decoder.feed(b"\x1b" + second, 1.0)
+    for tick in range(1, 5):
+        events += decoder.feed(b"1", 1.0 + 0.03 * tick)
+    assert events[0] == typed("escape")[0]
+
+
+@pytest.mark.parametrize("data", [b"\x1b[w", b"\x1b[u", b"\x1bOj", b"\x1b[ w", b"\x1b[5w"])
+def test_what_no_terminal_sends_was_escape_and_no_other_key(data):
+    assert decode(data) == typed("escape")
+
+
+@pytest.mark.parametrize(
+    ("data", "names"),
+    [
+        (b"\x1b\x03", ["escape", "ctrl+c"]),
+        (b"\x1b ", ["escape", "space"]),
+        (b"\x1b[\x03", ["escape", "ctrl+c"]),
+        (b"\x1bO\x03", ["escape", "ctrl+c"]),
+        (b"\x1b[\x1b[A", ["escape", "up"]),
+    ],
+)
+def test_stop_and_quit_right_after_escape_are_not_lost(data, names):
+    assert decode(data) == typed(*names)
+
+
+def test_alt_is_known_where_a_key_has_it():
+    decoder = KeyDecoder({"alt+x"})
+    assert decoder.feed(b"\x1bx\x1by", 1.0) == typed("alt+x", "escape", "y")
+
+
+def test_endless_sequence_is_given_up():
+    assert decode(b"\x1b]" + b"1" * 5000) == typed("escape")
 
 
 def test_pasted_text_is_no_command():
     assert decode(b"\x1b[200~wasd\x1b[A\x1b[201~r") == typed("r")
+
+
+def test_paste_that_does_not_end_ends():
+    decoder = KeyDecoder()
+    assert decoder.feed(b"\x1b[200~abc", 1.0) == []
+    assert decoder.feed(b"w", 1.2) == []
+    assert decoder.feed(b"", 1.55) == []
+    assert decoder.feed(b" \x03", 1.6) == typed("space", "ctrl+c")
+
+
+def test_paste_that_we_were_late_to_read_goes_on():
+    decoder = KeyDecoder()
+    decoder.feed(b"\x1b[200~abc", 1.0)
+    assert decoder.feed(b"wasd\x1b[201~r", 3.0) == typed("r")
+
+
+def test_escape_counts_in_a_paste_that_does_not_end():
+    decoder = KeyDecoder()
+    decoder.feed(b"\x1b[200~abc", 1.0)
+    decoder.feed(b"\x1b", 1.1)
+    assert decoder.feed(b"", 1.2) == typed("escape")
 
 
 def test_focus():
@@ -109,7 +173,7 @@ def test_keys_as_kitty_reports_them(data, name, key, kind):
     assert decode(data, exact=True) == [KeyEvent(name, key, kind)]
 
 
-@pytest.mark.parametrize("data", [b"\x1b[57441;2u", b"\x1b[99999999u", b"\x1b[u", b"\x1b[;u"])
+@pytest.mark.parametrize("data", [b"\x1b[57441;2u", b"\x1b[99999999u", b"\x1b[;u"])
 def test_modifiers_and_nonsense_are_no_keys(data):
     assert decode(data, exact=True) == []
 

@@ -6,12 +6,12 @@ from pathlib import Path
 import pytest
 import yaml
 
+from telex_control.params import ConfigError, read_config
 from telex_teleop.keyboard_commands import Commander
 from telex_teleop.keyboard_decoding import KeyEvent, KeyKind
 from telex_teleop.keyboard_held import HeldKeys
 from telex_teleop.keyboard_map import Command, Drive, Jog, KeyboardSettings, KeyMap, parse_action
 from telex_teleop.keyboard_screen import JointView, NodeView, ScreenState, Style, render
-from telex_teleop.settings import Section, SettingsError
 from telex_teleop.track_drive import Velocity
 
 FILE = Path(__file__).parents[1] / "config" / "keyboard_teleop.yaml"
@@ -121,19 +121,19 @@ BASE = {"space": "stop", "escape": "e-stop", "ctrl+c": "quit"}
 
 
 def key_map(**keys):
-    return KeyMap.from_settings(Section({**BASE, **keys}, "file/keys"))
+    return KeyMap.from_texts({**BASE, **keys})
 
 
 def test_bad_action_is_refused_with_key_value_and_remedy():
-    with pytest.raises(SettingsError, match="file/keys/w: is 'fly'.*'tracks DIRECTION'"):
-        key_map(w="fly")
+    with pytest.raises(ConfigError, match="file: keys/w is 'fly'.*'tracks DIRECTION'"):
+        read_config(KeyboardSettings, {"keys": {**BASE, "w": "fly"}}, "file")
 
 
 @pytest.mark.parametrize("missing", BASE)
 def test_keys_that_must_be_there(missing):
     keys = {key: action for key, action in BASE.items() if key != missing}
-    with pytest.raises(SettingsError, match="no key has the action"):
-        KeyMap.from_settings(Section(keys, "file/keys"))
+    with pytest.raises(ConfigError, match="no key has the action"):
+        KeyMap.from_texts(keys)
 
 
 def test_caps_lock_does_not_matter_unless_the_capital_is_bound():
@@ -145,11 +145,11 @@ def test_caps_lock_does_not_matter_unless_the_capital_is_bound():
 
 @pytest.fixture
 def settings():
-    return KeyboardSettings.from_settings(Section(yaml.safe_load(FILE.read_text()), str(FILE)))
+    return read_config(KeyboardSettings, yaml.safe_load(FILE.read_text()), str(FILE))
 
 
 def test_file_of_the_package_moves_everything_both_ways(settings):
-    actions = list(settings.keys.actions.values())
+    actions = list(settings.key_map.actions.values())
     for node, count in (("arm", 9), ("gripper", 1), ("flipper", 6)):
         axes = {action.joints for action in actions if getattr(action, "node", "") == node}
         assert len(axes) == count
@@ -160,8 +160,28 @@ def test_file_of_the_package_moves_everything_both_ways(settings):
 
 def test_unknown_setting_is_refused():
     values = yaml.safe_load(FILE.read_text())
-    with pytest.raises(SettingsError, match="unknown setting tap"):
-        KeyboardSettings.from_settings(Section({**values, "tap": 1.0}, "f"))
+    with pytest.raises(ConfigError, match="f/tap is unknown"):
+        read_config(KeyboardSettings, {**values, "tap": 1.0}, "f")
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"tap_time": 2.0}, "f: tap_time is 2.0; it must be at least 0.02 and at most 1"),
+        ({"jog_rate": 0.0}, "f: jog_rate is 0.0; it must be above 0"),
+        ({"linear": float("nan")}, "f/linear is nan"),
+        ({"lengths": ["a", "a"]}, "lengths is .*distinct names"),
+        ({"keys": {**BASE, "w": 3}}, "f/keys/w is 3; a string is needed"),
+    ],
+)
+def test_bad_settings_are_refused(changes, says):
+    with pytest.raises(ConfigError, match=says):
+        read_config(KeyboardSettings, {"keys": BASE, **changes}, "f")
+
+
+def test_bare_numbers_are_keys():
+    settings = read_config(KeyboardSettings, {"keys": {**BASE, 1: "tracks back"}}, "f")
+    assert settings.key_map.action("1") == Drive(-1, 0)
 
 
 class TestCommander:
@@ -220,7 +240,7 @@ class TestScreen:
     def show(self, settings, columns=80, lines=24, show_help=False, **state):
         values = {"nodes": self.nodes, "mode": "JOINT", "speed_scale": 0.5, **state}
         screen = ScreenState("/telex", **values)
-        return render(settings.keys, settings.lengths, screen, columns, lines, show_help)
+        return render(settings.key_map, settings.lengths, screen, columns, lines, show_help)
 
     def text(self, *arguments, **state):
         return "\n".join(line.text for line in self.show(*arguments, **state))

@@ -5,7 +5,6 @@ import pytest
 from telex_teleop.keyboard_decoding import FocusEvent, KeyDecoder, KittyReply
 from telex_teleop.keyboard_map import KeyboardSettings
 from telex_teleop.keyboard_teleop import KeyboardTeleop
-from telex_teleop.settings import Section
 from telex_teleop.track_drive import Velocity
 
 KEYS = {
@@ -29,6 +28,10 @@ class Terminal:
         self.script = list(script)
         self.pictures = []
         self.answers = []
+        self.asked = 0
+
+    def ask(self):
+        self.asked += 1
 
     def read(self, timeout):
         item = self.script.pop(0) if self.script else b"\x03"
@@ -84,12 +87,17 @@ def robot():
 
 @pytest.fixture
 def settings():
-    return KeyboardSettings.from_settings(Section({"keys": KEYS}, "f"))
+    return KeyboardSettings(KEYS)
 
 
 @pytest.fixture
-def keyboard(robot, settings):
-    return KeyboardTeleop(settings, robot, Terminal())
+def terminal():
+    return Terminal()
+
+
+@pytest.fixture
+def keyboard(robot, settings, terminal):
+    return KeyboardTeleop(settings, robot, terminal)
 
 
 def press(keyboard, data, now):
@@ -192,3 +200,79 @@ def test_standstill_of_the_program_releases_the_keys(robot, settings, monkeypatc
     KeyboardTeleop(settings, robot, Terminal([exact, b"", b"", b"", b"\x03"])).run(lambda: False)
     moving = [commands.jogs["arm"]["turret_joint"] for commands in robot.sent if commands.jogs]
     assert moving == [100.0, 100.0, 0.0]
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """Set what the loop takes for the time at each of its turns."""
+
+    def set_moments(*moments):
+        turns = iter(moments)
+        monkeypatch.setattr("telex_teleop.keyboard_teleop.time.monotonic", lambda: next(turns))
+
+    return set_moments
+
+
+def rates(robot):
+    return [commands.jogs["arm"]["turret_joint"] for commands in robot.sent if commands.jogs]
+
+
+@pytest.mark.parametrize("piled_up", [b"j", b"jjjjjjjj", b"\x1b[106u", b"+++"])
+def test_what_was_typed_while_the_program_stood_still_is_no_command(
+    robot, settings, clock, piled_up
+):
+    clock(0.0, 0.02, 1.1, 1.12, 1.3, 1.32)
+    terminal = Terminal([b"\x1b[?15u", piled_up, piled_up[:1].strip(b"\x1b"), b"", b"\x03"])
+    KeyboardTeleop(settings, robot, terminal).run(lambda: False)
+    assert rates(robot) == []
+    assert robot.done == []
+
+
+def test_stops_that_were_typed_meanwhile_are_obeyed(robot, settings, clock):
+    clock(0.0, 0.02, 1.1, 1.12, 1.2, 1.22)
+    script = [b"", b"j\x1b\x1b j", b"", b"\x03"]
+    KeyboardTeleop(settings, robot, Terminal(script)).run(lambda: False)
+    assert robot.done == [True, True]
+    assert rates(robot) == [0.0, 0.0, 0.0]
+
+
+def test_quit_that_was_typed_meanwhile_is_obeyed(robot, settings, clock):
+    clock(0.0, 0.02, 1.1)
+    terminal = Terminal([b"", b"jj\x03", b"x"])
+    KeyboardTeleop(settings, robot, terminal).run(lambda: False)
+    assert terminal.script == [b"x"]
+
+
+class TestLine:
+    """A key is held by an exact report; its release may never come."""
+
+    def hold(self, keyboard, start, duration, answers):
+        for tick in range(round(duration / 0.02)):
+            now = start + 0.02 * tick
+            if answers and tick % 5 == 4:
+                keyboard.hear(now)
+            keyboard.check_line(now)
+            keyboard.send(now)
+
+    @pytest.fixture
+    def holding(self, keyboard):
+        decoder = KeyDecoder()
+        keyboard.take(decoder.feed(b"\x1b[?15u\x1b[106u", 1.0), 1.0)
+        return keyboard
+
+    def test_dead_line_releases_the_keys(self, holding, robot):
+        self.hold(holding, 1.0, 0.36, answers=False)
+        assert rates(robot)[-1] == 100.0
+        self.hold(holding, 1.36, 0.1, answers=False)
+        assert rates(robot)[-1] == 0.0
+
+    def test_key_is_held_while_the_terminal_answers(self, holding, robot, terminal):
+        self.hold(holding, 1.0, 5.0, answers=True)
+        assert set(rates(robot)) == {100.0}
+        assert terminal.asked == pytest.approx(50, abs=9)
+
+    def test_terminal_is_not_asked_while_nothing_is_held(self, keyboard, terminal):
+        self.hold(keyboard, 1.0, 5.0, answers=True)
+        keyboard.take(KeyDecoder().feed(b"j", 6.0), 6.0)
+        self.hold(keyboard, 6.0, 1.0, answers=True)
+        assert terminal.asked == 0

@@ -28,7 +28,8 @@ class Gripper:
         self.positions = dict.fromkeys(RATIOS, 0.0)
         self.blocked = set()
         self.history = []
-        self.step()
+        self.run(0.6)  # a new node is deaf for a while
+        self.history.clear()
 
     def step(self):
         self.time += DT
@@ -148,6 +149,27 @@ def test_e_stop_drops_the_group(gripper):
     gripper.core.set_e_stop(False)
     gripper.hold(0.5, gripper=0.1)
     assert gripper.history[-1] == {}
+
+
+def test_old_stream_of_the_group_does_not_hold_up_a_finger(gripper):
+    gripper.hold(0.3, gripper=0.1)
+    gripper.core.set_e_stop(True)
+    gripper.hold(0.3, gripper=0.1)
+    gripper.core.set_e_stop(False)
+    for _ in range(200):
+        gripper.core.receive(JogCommand({"left_tip": -0.2}, {}, None), gripper.time)
+        gripper.core.receive(JogCommand({"gripper": 0.1}, {}, None), gripper.time)
+        gripper.step()
+    assert gripper.positions["left_tip"] < -0.2
+
+
+def test_reset_leaves_all_fingers_where_they_were_put(gripper):
+    gripper.hold(0.5, gripper=0.1)
+    gripper.core.restart(gripper.time)
+    gripper.positions = dict.fromkeys(RATIOS, 0.001)
+    assert gripper.step() == gripper.positions
+    gripper.hold(0.5, gripper=0.1)
+    assert gripper.positions == dict.fromkeys(RATIOS, 0.001)
 
 
 def test_state_shows_the_group_first(gripper):

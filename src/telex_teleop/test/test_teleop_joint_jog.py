@@ -32,6 +32,7 @@ def test_duration_is_the_validity():
         ([], [], [], 0.0, "joint_names is empty"),
         (["knee_joint"], [], [1.0], 0.0, "unknown 'knee_joint'; this node moves turret_joint"),
         (["elbow_joint"] * 2, [], [1.0, 1.0], 0.0, "elbow_joint stands there twice"),
+        (["elbow_joint"] * 5000, [], [1.0] * 5000, 0.0, "has 5000 entries; this node moves 2"),
         (["elbow_joint"], [1.0], [1.0], 0.0, "both given"),
         (["elbow_joint"], [], [], 0.0, "both empty"),
         (["elbow_joint"], [], [1.0, 2.0], 0.0, "velocities has 2 entries for 1"),

@@ -22,7 +22,7 @@ class Robot:
         self.wall_offset = 0.0
         self.positions = dict.fromkeys(joints, 0.0)
         self.last = {}
-        self.step()
+        self.run(2 * TIMEOUT + DT)  # a new node is deaf for a while
 
     @property
     def wall(self):
@@ -44,8 +44,8 @@ class Robot:
                 self.send(**rates)
             self.step()
 
-    def send(self, validity=None, **rates):
-        self.core.receive(JogCommand(rates, {}, validity), self.wall)
+    def send(self, validity=None, caller="", **rates):
+        self.core.receive(JogCommand(rates, {}, validity), self.wall, caller)
 
     def displace(self, **increments):
         self.core.receive(JogCommand({}, increments, None), self.wall)
@@ -230,6 +230,126 @@ def test_jump_of_the_sim_time_needs_a_new_press(robot, jump):
     robot.run(0.5)
     robot.hold(0.5, a=0.3)
     assert robot.positions["a"] > 0.0
+
+
+class TestReset:
+    """The simulator puts the robot back; its clock goes on."""
+
+    def test_held_key_needs_a_new_press(self, robot):
+        robot.hold(0.2, a=0.3)
+        robot.core.restart(robot.time)
+        robot.positions["a"] = 0.0
+        robot.hold(1.0, a=0.3)
+        assert robot.positions["a"] == 0.0
+        assert "press it again" in robot.message()
+        robot.run(TIMEOUT)
+        robot.hold(0.5, a=0.3)
+        assert robot.positions["a"] > 0.0
+
+    def test_displacement_ends(self, robot):
+        robot.displace(a=0.3)
+        robot.run(0.1)
+        robot.core.restart(robot.time)
+        robot.positions["a"] = 0.0
+        robot.run(2.0)
+        assert robot.positions["a"] == 0.0
+
+    def test_joint_that_was_moving_is_told_to_stay_where_it_was_put(self, robot):
+        robot.hold(0.5, a=0.3)
+        robot.core.restart(robot.time + DT)
+        robot.step()  # measured before the reset
+        assert robot.last == {}
+        robot.positions["a"] = 0.01
+        robot.step()
+        assert robot.last == {"a": 0.01}
+        robot.step()
+        assert robot.last == {}
+
+    def test_idle_node_says_nothing(self, robot):
+        robot.core.restart(robot.time)
+        robot.step()
+        assert robot.last == {}
+
+
+class TestThrownJoint:
+    """Nobody tells of the reset, but a joint is suddenly somewhere else."""
+
+    @pytest.mark.parametrize("start", ["hold", "displace"])
+    def test_ends_what_was_under_way(self, robot, start):
+        robot.hold(3.0, a=0.3)
+        robot.run(1.0)
+        {"hold": lambda: robot.hold(0.5, a=0.3), "displace": lambda: robot.displace(a=0.3)}[start]()
+        robot.run(0.1)
+        robot.positions["a"] = 0.0
+        highest = 0.0
+        for _ in range(100):
+            if start == "hold":
+                robot.send(a=0.3)
+            robot.step()
+            highest = max(highest, *robot.last.values(), 0.0)
+        assert highest == 0.0
+
+    def test_one_wrong_measurement_moves_nothing(self, robot):
+        robot.hold(0.5, a=0.3)
+        true = robot.positions["a"]
+        robot.positions["a"] = true + 1.0
+        robot.step()
+        assert robot.last == {}
+        robot.positions["a"] = true
+        robot.step()
+        assert robot.last == {}
+        robot.step()
+        assert robot.last == {"a": true}
+
+    def test_what_the_lead_explains_goes_on(self, robot):
+        robot.hold(0.5, a=0.3)
+        robot.positions["a"] -= 0.19
+        robot.hold(0.1, a=0.3)
+        assert robot.core.state(robot.wall).active
+
+
+class TestStart:
+    @pytest.fixture
+    def started(self):
+        axes = {"a": AxisSettings(LIMITS, 0.5)}
+        robot = Robot.__new__(Robot)
+        robot.core = JointTeleop(axes, TIMEOUT, 0.5, SpeedScale())
+        robot.time, robot.wall_offset, robot.positions, robot.last = 100.0, 0.0, {"a": 0.0}, {}
+        return robot
+
+    def test_stream_from_before_needs_a_new_press(self, started):
+        started.hold(3.0, a=0.3)
+        assert started.positions["a"] == 0.0
+        assert "press it again" in started.message()
+        started.run(TIMEOUT)
+        started.hold(0.5, a=0.3)
+        assert started.positions["a"] > 0.0
+
+    def test_stream_that_begins_later_is_obeyed(self, started):
+        started.run(0.1)
+        assert started.message() == "just started"
+        started.run(0.5)
+        assert started.message() == ""
+        started.hold(0.5, a=0.3)
+        assert started.positions["a"] > 0.0
+
+    def test_end_of_the_start_does_not_release_the_e_stop(self, started):
+        started.core.set_e_stop(True)
+        started.run(1.0)
+        started.hold(0.5, a=0.3)
+        assert started.positions["a"] == 0.0
+        assert started.message() == "the e-stop is active"
+
+
+def test_stop_of_another_client_does_not_release_a_key_held_through_the_e_stop(robot):
+    robot.send(a=0.3, caller="keyboard")
+    robot.core.set_e_stop(True)
+    robot.core.set_e_stop(False)
+    for _ in range(50):
+        robot.send(a=0.3, caller="keyboard")
+        robot.send(a=0.0, caller="console")
+        robot.step()
+    assert robot.positions["a"] == 0.0
 
 
 def test_nothing_before_joint_states(robot):

@@ -307,3 +307,16 @@ def test_always_comes_to_rest_within_the_braking_time(rate, count, dt):
     for _ in range(math.ceil(motion.max_velocity / motion.max_acceleration / dt) + 1):
         generator.update(dt, position)
     assert not generator.moving
+
+
+@pytest.mark.parametrize("position", [0.01 * step for step in range(40)])
+def test_pressed_joint_starts_again_from_its_reference_whatever_rounding_does(position):
+    generator = ReferenceGenerator(limits())
+    generator.jog(-0.6)
+    for _ in range(300):
+        generator.update(DT, position)
+    generator.stop()
+    for _ in range(100):
+        generator.update(DT, position)
+    assert generator.reference == pytest.approx(position - 0.2, abs=1e-6)
+    assert generator.start_from(position) == generator.reference

@@ -7,11 +7,7 @@ initialised only once per process.
 
 from __future__ import annotations
 
-import contextlib
 import json
-import os
-import signal
-import socket
 import subprocess
 import sys
 import threading
@@ -20,8 +16,12 @@ from pathlib import Path
 
 import pytest
 
+from telex_control.private_master import PrivateMaster
+
 PACKAGE = Path(__file__).parents[1]
 TICK = 0.01  # s between joint states
+LONGEST_SILENCE = 0.5  # s from the last message to the first sign of the stop
+BELT = "front_left_track_joint"
 ARM = {
     "turret_joint": ("revolute", -3.4, 3.4, 0.6),
     "shoulder_joint": ("revolute", -2.7, 1.0, 0.3),
@@ -44,43 +44,10 @@ FINGERS = {
 
 
 @pytest.fixture(scope="module")
-def master(tmp_path_factory):
+def master():
     """Environment of a roscore on a free port."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    environment = dict(
-        os.environ,
-        ROS_MASTER_URI=f"http://127.0.0.1:{port}",
-        ROS_HOSTNAME="127.0.0.1",
-        ROS_LOG_DIR=str(tmp_path_factory.mktemp("ros_log")),
-    )
-    core = subprocess.Popen(
-        ["roscore", "-p", str(port)],
-        env=environment,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        start_new_session=True,
-    )
-    try:
-        deadline = time.monotonic() + 20.0
-        while time.monotonic() < deadline:
-            with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port), 1.0):
-                break
-            time.sleep(0.1)
-        yield environment
-    finally:
-        end_group(core)
-
-
-def end_group(process):
-    with contextlib.suppress(ProcessLookupError):
-        os.killpg(process.pid, signal.SIGINT)
-    try:
-        process.wait(10.0)
-    except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
+    with PrivateMaster() as master:
+        yield master.environment()
 
 
 def play(environment, role):
@@ -123,9 +90,11 @@ class TestArm:
         assert arm["half_rate"] == pytest.approx(0.15, rel=0.02)
 
     def test_silence_is_a_command_to_stop(self, arm):
-        # from the last message to the first slower step, then the ramp of 0.3 s at full rate
-        assert 0.2 <= arm["slower_after"] <= 0.35
-        assert arm["rest_after"] <= 0.35 + arm["ramp"]
+        # From the last message to the first slower step, then the ramp of 0.3 s at full rate. The
+        # watchdog's 0.28 s are judged to the millisecond in test_teleop_stream.py; here two
+        # processes on a loaded machine take their time between sending, hearing and being seen.
+        assert 0.2 <= arm["slower_after"] <= LONGEST_SILENCE
+        assert arm["rest_after"] <= LONGEST_SILENCE + arm["ramp"]
 
     def test_holds_and_publishes_nothing_when_idle(self, arm):
         assert arm["idle_messages"] == 0
@@ -146,6 +115,18 @@ class TestArm:
         assert arm["restart_messages"] == 0
         assert arm["restart_moved"] == 0.0
         assert arm["after_restart_moved"] > 0.05
+
+    def test_stream_that_outlives_its_node_needs_a_new_press(self, arm):
+        assert arm["old_stream_moved"] == 0.0
+
+    def test_stream_that_outlives_a_reset_needs_a_new_press(self, arm):
+        assert arm["reset_moved"] == 0.0
+        assert arm["after_reset_moved"] > 0.05
+
+    def test_restarted_node_believes_the_status_that_the_e_stop_is_set(self, arm):
+        assert arm["respawned_message"] == "the e-stop is active"
+        assert arm["respawned_moved"] == 0.0
+        assert arm["after_release_moved"] > 0.05
 
     def test_modes(self, arm):
         assert arm["modes"]["JOINT"] == [True, ""]
@@ -169,7 +150,7 @@ class TestArm:
             check=False,
         )
         assert done.returncode == 1
-        assert "/broken/joints: is missing" in done.stderr
+        assert "parameter /broken/jonts is unknown; known are" in done.stderr
         assert "Traceback" not in done.stderr
 
 
@@ -191,9 +172,12 @@ class TestTracks:
         assert tracks["angular"] == pytest.approx(-0.25)
 
     def test_stops_then_is_silent(self, tracks):
-        assert 0.2 <= tracks["stop_after"] <= 0.35
+        assert 0.2 <= tracks["stop_after"] <= LONGEST_SILENCE
         assert 5 <= tracks["stops"] <= 12
         assert tracks["messages_later"] == 0
+
+    def test_joint_states_of_others_do_not_disturb_the_drive(self, tracks):
+        assert tracks["count_beside_others"] == pytest.approx(50, abs=4)
 
     def test_bad_twists_drive_nothing(self, tracks):
         assert tracks["bad_messages"] == 0
@@ -313,6 +297,34 @@ def wait_for(condition, what, timeout=20.0):
         time.sleep(0.05)
 
 
+class Held:
+    """Publishes at 50 Hz while something else is done."""
+
+    def __init__(self, publisher, message):
+        self._publisher, self._message = publisher, message
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._run)
+
+    def _run(self):
+        while not self._ended.wait(0.02):
+            self._publisher.publish(self._message)
+
+    def __enter__(self):
+        self._thread.start()
+
+    def __exit__(self, *exception):
+        self._ended.set()
+        self._thread.join()
+
+
+def wait_until_listening(statuses):
+    """Wait until a node has joint states and the time is over in which it is deaf."""
+    wait_for(
+        lambda: statuses and not statuses[-1].message.startswith(("just started", "no joint")),
+        "the node to listen",
+    )
+
+
 def jog(joint="turret_joint", rate=0.3):
     from control_msgs.msg import JointJog
 
@@ -326,13 +338,14 @@ class ArmDrill:
         import rospy
         from control_msgs.msg import JointJog
         from std_msgs.msg import Bool, Float64
-        from telex_msgs.msg import JointTeleopStatus
+        from telex_msgs.msg import JointTeleopStatus, SimStatus
 
         self.robot = robot
         self.node = node
         self.jogs = rospy.Publisher("arm_teleop/delta_joint_cmds", JointJog, queue_size=10)
         self.e_stop = rospy.Publisher("e_stop", Bool, queue_size=10)
         self.speed = rospy.Publisher("arm_teleop/speed_scale", Float64, queue_size=10)
+        self.sim_status = rospy.Publisher("sim/status", SimStatus, queue_size=10, latch=True)
         self.status = []
         rospy.Subscriber("arm_teleop/status", JointTeleopStatus, self.status.append)
         self.wait_until_ready()
@@ -340,7 +353,7 @@ class ArmDrill:
     def wait_until_ready(self):
         self.status.clear()
         wait_for(lambda: self.jogs.get_num_connections() and self.status, "arm_teleop")
-        wait_for(lambda: self.status[-1].joint_names, "first joint states in the status")
+        wait_until_listening(self.status)
 
     def travel(self, action):
         before = self.robot.positions["turret_joint"]
@@ -367,6 +380,8 @@ class ArmDrill:
         results.update(self.measure_bad_messages())
         results.update(self.measure_pause())
         results.update(self.measure_restart())
+        results.update(self.measure_reset())
+        results.update(self.measure_e_stop_across_a_restart())
         results["modes"] = self.ask_modes()
         return results
 
@@ -469,10 +484,71 @@ class ArmDrill:
         moved = abs(self.robot.positions["turret_joint"] - before)
         messages = self.robot.messages - messages
         after = self.travel(lambda: self.key(0.6))
+        self.settle()
         return {
             "restart_moved": moved,
             "restart_messages": messages,
             "after_restart_moved": after,
+            "old_stream_moved": self.hold_across_a_restart(),
+        }
+
+    def hold_across_a_restart(self):
+        with Held(self.jogs, jog()):
+            self.node.kill()
+            # what it had sent is on its way, and is not what is measured
+            time.sleep(0.1)
+            before = self.robot.positions["turret_joint"]
+            self.node.start()
+            self.wait_until_ready()
+            time.sleep(0.6)
+            moved = abs(self.robot.positions["turret_joint"] - before)
+        self.settle()
+        return moved
+
+    def tell_status(self, **values):
+        from telex_msgs.msg import SimStatus
+
+        message = SimStatus(**values)
+        message.header.stamp.secs = int(self.robot.sim_time)
+        message.header.stamp.nsecs = round(self.robot.sim_time % 1.0 * 1e9)
+        self.sim_status.publish(message)
+
+    def measure_reset(self):
+        self.tell_status(resets=3)
+        time.sleep(0.3)
+        with Held(self.jogs, jog()):
+            time.sleep(0.6)
+            # so little that only the status tells of it
+            self.robot.positions["turret_joint"] -= 0.05
+            self.tell_status(resets=4)
+            time.sleep(0.1)
+            moved = self.travel(lambda: time.sleep(0.6))
+        self.settle()
+        after = self.travel(lambda: self.key(0.6))
+        self.settle()
+        return {"reset_moved": moved, "after_reset_moved": after}
+
+    def measure_e_stop_across_a_restart(self):
+        """The one who pressed is gone; what is left of the topic is somebody's older release."""
+        import rospy
+        from std_msgs.msg import Bool
+
+        released = rospy.Publisher("e_stop", Bool, queue_size=1, latch=True)
+        released.publish(Bool(False))
+        self.tell_status(resets=4, e_stop=True)
+        self.node.kill()
+        self.node.start()
+        self.wait_until_ready()
+        moved = self.travel(lambda: self.key(0.6))
+        message = self.status[-1].message
+        self.tell_status(resets=4)
+        time.sleep(0.5)
+        after = self.travel(lambda: self.key(0.6))
+        self.settle()
+        return {
+            "respawned_moved": moved,
+            "respawned_message": message,
+            "after_release_moved": after,
         }
 
     @staticmethod
@@ -489,12 +565,15 @@ class GripperDrill:
     def __init__(self, robot, _node):
         import rospy
         from control_msgs.msg import JointJog
+        from telex_msgs.msg import JointTeleopStatus
 
         self.robot = robot
         self.robot.positions.update(dict.fromkeys(robot.joints, 0.0))
         self.jogs = rospy.Publisher("gripper_teleop/delta_joint_cmds", JointJog, queue_size=10)
+        status = []
+        rospy.Subscriber("gripper_teleop/status", JointTeleopStatus, status.append)
         wait_for(self.jogs.get_num_connections, "gripper_teleop")
-        time.sleep(0.5)
+        wait_until_listening(status)
 
     def run(self):
         repeat(self.jogs, jog("gripper", 0.1), 1.0)
@@ -507,10 +586,16 @@ class TrackDrill:
     def __init__(self, robot, _node):
         import rospy
         from geometry_msgs.msg import Twist
+        from sensor_msgs.msg import JointState
         from std_msgs.msg import Float64
+        from telex_msgs.msg import TrackTeleopStatus
 
         self.robot = robot
         self.sent = []
+        # another robot's, with a clock of its own; the topic is shared
+        self.other = rospy.Publisher("joint_states", JointState, queue_size=10)
+        status = []
+        rospy.Subscriber("track_teleop/status", TrackTeleopStatus, status.append)
         self.twists = rospy.Publisher("track_teleop/cmd_vel", Twist, queue_size=10)
         self.speed = rospy.Publisher("track_teleop/speed_scale", Float64, queue_size=10)
         rospy.Subscriber(
@@ -522,7 +607,7 @@ class TrackDrill:
             lambda: self.twists.get_num_connections() and self.speed.get_num_connections(),
             "track_teleop",
         )
-        time.sleep(0.5)
+        wait_until_listening(status)
 
     def run(self):
         from geometry_msgs.msg import Twist, Vector3
@@ -547,7 +632,17 @@ class TrackDrill:
         before = len(self.sent)
         time.sleep(0.5)
         results["messages_later"] = len(self.sent) - before
+        results["count_beside_others"] = self.drive_beside_others()
         return results
+
+    def drive_beside_others(self):
+        from geometry_msgs.msg import Twist, Vector3
+        from sensor_msgs.msg import JointState
+
+        with Held(self.other, JointState(name=["wheel_joint"], position=[0.0])):
+            repeat(self.twists, Twist(linear=Vector3(x=0.5)), 1.2)
+            last = self.robot.sim_time
+        return len([m for moment, m in self.sent if moment > last - 1.0 and m != Twist()])
 
 
 def main(role):
@@ -558,7 +653,7 @@ def main(role):
     drill_class, joints, name = {
         "arm": (ArmDrill, ARM, "arm_teleop"),
         "gripper": (GripperDrill, FINGERS, "gripper_teleop"),
-        "tracks": (TrackDrill, ARM, "track_teleop"),
+        "tracks": (TrackDrill, {**ARM, BELT: ("continuous", 0.0, 0.0, 11.0)}, "track_teleop"),
     }[role]
     rospy.set_param("/use_sim_time", True)
     rospy.set_param("/telex/robot_description", description(joints))

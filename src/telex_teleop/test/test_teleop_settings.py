@@ -6,47 +6,86 @@ from pathlib import Path
 import pytest
 import yaml
 
-from telex_teleop.limits import JointLimits, LimitsError, limits_from_urdf
-from telex_teleop.motion_settings import CoupledSettings, JointTeleopSettings
-from telex_teleop.settings import Section, SettingsError
+from telex_control.params import ConfigError, read_config
+from telex_control.urdf_joints import UrdfError
+from telex_teleop.limits import JointLimits, limits_from_urdf
+from telex_teleop.motion_settings import GripperTeleopSettings, JointTeleopSettings
 from telex_teleop.speed import SpeedScale
 from telex_teleop.track_drive import TrackSettings
 
 CONFIG = Path(__file__).parents[1] / "config"
 
 
-@pytest.mark.parametrize("value", ["fast", None, True, math.nan, math.inf, 0.5, 3.5])
-def test_bad_number_is_refused_with_place_value_and_remedy(value):
-    section = Section({"rate": value}, "file.yaml")
-    with pytest.raises(SettingsError) as refusal:
-        section.number("rate", minimum=1.0, maximum=3.0)
-    for part in ("file.yaml/rate", repr(value), "at least 1 and at most 3"):
+def read(values):
+    return read_config(JointTeleopSettings, {"joints": ["hinge"], **values}, "/node")
+
+
+@pytest.mark.parametrize("value", ["fast", None, True, math.nan, math.inf, 0.0, 100.5])
+def test_bad_number_is_refused_with_place_and_value(value):
+    with pytest.raises(ConfigError) as refusal:
+        read({"status_rate": value})
+    for part in ("/node", "status_rate is", repr(value)):
         assert part in str(refusal.value)
 
 
-def test_missing_and_unknown_settings_are_refused():
-    section = Section({"ratte": 1.0}, "file.yaml")
-    with pytest.raises(SettingsError, match="rate: is missing"):
-        section.number("rate")
-    with pytest.raises(SettingsError, match="unknown setting ratte; known here: rate"):
-        section.finish()
+def test_number_out_of_range_is_refused_with_remedy():
+    with pytest.raises(ConfigError, match=r"/node: status_rate is 0.0; .* above 0 and at most 100"):
+        read({"status_rate": 0})
 
 
-@pytest.mark.parametrize("value", ["a", [], ["a", "a"], ["a", 1], [""], None])
-def test_bad_names_are_refused(value):
-    with pytest.raises(SettingsError, match="distinct names"):
-        Section({"joints": value}, "f").names("joints")
+def test_joints_are_required():
+    with pytest.raises(ConfigError, match="/node/joints is missing"):
+        read_config(JointTeleopSettings, {}, "/node")
 
 
-def test_no_mapping_is_refused():
-    with pytest.raises(SettingsError, match="must be a mapping"):
-        Section([1, 2], "f")
-    assert Section(None, "f").names_given() == []
+@pytest.mark.parametrize(
+    ("value", "says"),
+    [
+        ("a", "a list is needed"),
+        ([], "distinct names"),
+        (["a", "a"], "distinct names"),
+        (["a", 1], "a string is needed"),
+        ([""], "distinct names"),
+        (None, "a list is needed"),
+    ],
+)
+def test_bad_names_are_refused(value, says):
+    with pytest.raises(ConfigError, match=says):
+        read({"joints": value})
+
+
+@pytest.mark.parametrize("value", [[1, 2], "x", None])
+def test_no_mapping_is_refused(value):
+    with pytest.raises(ConfigError, match="a struct is needed"):
+        read_config(JointTeleopSettings, value, "f")
 
 
 def test_nested_source_is_named():
-    with pytest.raises(SettingsError, match="f/inner/x: is 'y'"):
-        Section({"inner": {"x": "y"}}, "f").section("inner").number("x")
+    with pytest.raises(ConfigError, match="/node/revolute/max_lead is 'y'"):
+        read({"revolute": {"max_lead": "y"}})
+
+
+@pytest.mark.parametrize(
+    ("values", "says"),
+    [
+        ({"min_speed_scale": 0.0}, "min_speed_scale is 0.0; it must be above 0 and at most 1"),
+        ({"max_speed_scale": 1.1}, "max_speed_scale is 1.1; it must be at least 0.05 and at most"),
+        ({"max_speed_scale": 0.01}, "max_speed_scale is 0.01"),
+        (
+            {"initial_speed_scale": 0.6, "max_speed_scale": 0.5},
+            "initial_speed_scale is 0.6; it must be at least 0.05 and at most 0.5",
+        ),
+    ],
+)
+def test_bad_speed_settings_are_refused(values, says):
+    with pytest.raises(ConfigError, match=says):
+        read(values)
+
+
+def test_speed_begins_as_it_is_set_or_with_the_largest():
+    assert read({"max_speed_scale": 0.5}).speed_scale().value == 0.5
+    speed = read({"initial_speed_scale": 0.3, "min_speed_scale": 0.2}).speed_scale()
+    assert (speed.minimum, speed.value, speed.maximum) == (0.2, 0.3, 1.0)
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
@@ -98,28 +137,24 @@ def test_limits_come_from_the_urdf():
 @pytest.mark.parametrize(
     ("text", "joint", "says"),
     [
-        (URDF, "arm", "no joint arm"),
-        (URDF, "glue", "fixed"),
-        (URDF, "still", "velocity"),
-        (URDF.replace('lower="0"', 'lower="0.4"'), "slide", "below upper"),
-        (URDF.replace('velocity="0.05"', ""), "slide", "velocity"),
-        ("<robot", "slide", "not a valid URDF"),
-        ("", "slide", "not a valid URDF"),
+        (URDF, "arm", "no revolute, continuous or prismatic joint arm"),
+        (URDF, "glue", "no revolute, continuous or prismatic joint glue"),
+        (URDF, "still", "'still' needs <limit velocity"),
+        (URDF.replace('lower="0"', 'lower="0.4"'), "slide", "0.4 is above upper limit 0.3"),
+        (URDF.replace('lower="0"', 'lower="0.3"'), "slide", "from 0.3 to 0.3.* below upper"),
+        (URDF.replace('limit="-0.9"', 'limit="2.1"'), "hinge", "2.1 must be below"),
+        (URDF.replace('="-0.9"', '="2.1"').replace('="1.9"', '="3"'), "hinge", "below upper"),
+        (URDF.replace('velocity="0.05"', ""), "slide", "'slide' needs <limit velocity"),
+        ("<robot", "slide", "no XML"),
+        ("", "slide", "no XML"),
     ],
 )
 def test_useless_descriptions_are_refused(text, joint, says):
-    with pytest.raises(LimitsError, match=says):
+    with pytest.raises(UrdfError, match=says):
         limits_from_urdf(text, [joint])
 
 
 HINGE = JointLimits("revolute", -1.0, 1.0, 0.6)
-
-
-def read(values):
-    section = Section({"joints": ["hinge"], **values}, "/node")
-    settings = JointTeleopSettings.from_settings(section)
-    section.finish()
-    return settings
 
 
 def test_rules_and_limits_make_the_motion():
@@ -142,84 +177,98 @@ def test_single_joints_may_be_slower():
     [
         (
             {"joint_settings": {"hinge": {"max_velocity": 0.7}}},
-            "max_velocity: is 0.7; must be at most",
+            "hinge/max_velocity is 0.7; it must be at most 0.6",
         ),
-        ({"joint_settings": {"elbow": {}}}, "unknown setting elbow"),
-        ({"joint_settings": {"hinge": {"lead": 1.0}}}, "unknown setting lead"),
+        ({"joint_settings": {"elbow": {}}}, "joint_settings/elbow is unknown; known are hinge"),
+        ({"joint_settings": {"hinge": {"lead": 1.0}}}, "joint_settings/hinge/lead is unknown"),
         ({"revolute": {"max_lead": 0.01}}, "braking distance"),
-        ({"revolute": {"max_velocity": 0.1}}, "unknown setting max_velocity"),
+        ({"revolute": {"max_velocity": 0.1}}, "revolute/max_velocity is unknown"),
         ({"command_timeout": 0.5}, "at most 0.3"),
-        ({"comand_timeout": 0.2}, "unknown setting comand_timeout"),
+        ({"prismatic": {"limit_margin": -0.1}}, "/prismatic: limit_margin is -0.1"),
+        ({"joint_settings": {"hinge": {"max_lead": 0.0}}}, "hinge: max_lead is 0.0"),
+        ({"joint_settings": {"hinge": {"max_velocity": 0}}}, "hinge: max_velocity is 0.0"),
+        ({"comand_timeout": 0.2}, "/node/comand_timeout is unknown"),
     ],
 )
 def test_bad_motion_settings_are_refused(values, says):
-    with pytest.raises(SettingsError, match=says):
+    with pytest.raises(ConfigError, match=says):
         read(values).axes({"hinge": HINGE})
 
 
 COUPLING = {"ratios": {"a": 1.0, "b": -2.0}, "measured_by": ["a"], "align_velocity": 0.1}
 
 
+def read_gripper(changes):
+    coupling = {**COUPLING, **changes}
+    return read_config(GripperTeleopSettings, {"joints": ["a", "b"], "coupling": coupling}, "f")
+
+
 @pytest.mark.parametrize(
     ("changes", "says"),
     [
-        ({"ratios": {"a": 1.0}}, "ratios/b: is missing"),
+        ({"ratios": {"a": 1.0}}, "coupling/ratios/b is missing"),
         ({"ratios": {"a": 1.0, "b": 0.0}}, "other than 0"),
-        ({"ratios": {"a": 1.0, "b": 1.0, "c": 1.0}}, "unknown setting c"),
+        ({"ratios": {"a": 1.0, "b": math.nan}}, "coupling/ratios/b is nan"),
+        ({"ratios": {"a": 1.0, "b": 1.0, "c": 1.0}}, "ratios/c is unknown; known are a, b"),
         ({"measured_by": ["c"]}, "names out of joints"),
+        ({"measured_by": []}, "distinct names"),
+        ({"name": ""}, "name is ''"),
+        ({"align_time": 0.0}, "align_time is 0.0; it must be above 0"),
+        ({"speed": 1.0}, "coupling/speed is unknown"),
     ],
 )
 def test_bad_couplings_are_refused(changes, says):
-    with pytest.raises(SettingsError, match=says):
-        CoupledSettings.from_settings(Section({**COUPLING, **changes}, "f"), ("a", "b"))
+    with pytest.raises(ConfigError, match=says):
+        read_gripper(changes)
+
+
+def test_coupling_is_required():
+    with pytest.raises(ConfigError, match="f/coupling is missing"):
+        read_config(GripperTeleopSettings, {"joints": ["a"]}, "f")
 
 
 def coupled_axes(**limits):
-    return JointTeleopSettings.from_settings(Section({"joints": list(limits)}, "f")).axes(
+    return read({"joints": list(limits)}).axes(
         {name: JointLimits("revolute", *bounds) for name, bounds in limits.items()}
     )
 
 
 def test_group_gets_the_limits_that_all_its_joints_allow():
-    coupled = CoupledSettings.from_settings(Section(COUPLING, "f"), ("a", "b"))
-    limits = coupled.limits(coupled_axes(a=(-0.102, 0.502, 1.0), b=(-1.202, 0.102, 1.0)))
+    coupling = read_gripper({}).coupling
+    limits = coupling.limits(coupled_axes(a=(-0.102, 0.502, 1.0), b=(-1.202, 0.102, 1.0)))
     assert limits.lower == pytest.approx(-0.05)
     assert limits.upper == pytest.approx(0.5)
     assert limits.max_velocity == pytest.approx(0.45)
 
 
 def test_group_without_common_values_is_refused():
-    coupled = CoupledSettings.from_settings(Section(COUPLING, "f"), ("a", "b"))
-    with pytest.raises(SettingsError, match="suits the position limits"):
-        coupled.limits(coupled_axes(a=(0.1, 0.5, 1.0), b=(0.1, 0.5, 1.0)))
-    with pytest.raises(SettingsError, match="align_velocity"):
-        coupled.limits(coupled_axes(a=(-0.5, 0.5, 0.1), b=(-0.5, 0.5, 1.0)))
+    coupling = read_gripper({}).coupling
+    with pytest.raises(ConfigError, match="suits the position limits"):
+        coupling.limits(coupled_axes(a=(0.1, 0.5, 1.0), b=(0.1, 0.5, 1.0)))
+    with pytest.raises(ConfigError, match="align_velocity"):
+        coupling.limits(coupled_axes(a=(-0.5, 0.5, 0.1), b=(-0.5, 0.5, 1.0)))
+
+
+def read_file(kind, node):
+    path = CONFIG / f"{node}_teleop.yaml"
+    return read_config(kind, yaml.safe_load(path.read_text()), str(path))
 
 
 @pytest.mark.parametrize("node", ["arm", "flipper"])
 def test_joint_files_of_the_package_are_complete(node):
-    section = Section(yaml.safe_load((CONFIG / f"{node}_teleop.yaml").read_text()), node)
-    JointTeleopSettings.from_settings(section)
-    SpeedScale.from_settings(section)
-    section.finish()
+    assert read_file(JointTeleopSettings, node).joints
 
 
 def test_gripper_file_of_the_package_fits_a_parallel_gripper():
-    section = Section(yaml.safe_load((CONFIG / "gripper_teleop.yaml").read_text()), "gripper")
-    coupled = CoupledSettings.from_settings(section.section("coupling"), section.names("joints"))
-    settings = JointTeleopSettings.from_settings(section, coupled.name)
-    SpeedScale.from_settings(section)
-    section.finish()
+    settings = read_file(GripperTeleopSettings, "gripper")
     limits = {joint: JointLimits("revolute", -1.2, 1.2, 2.0) for joint in settings.joints}
     axes = settings.axes(limits)
-    group = settings.axis(coupled.name, coupled.limits(axes)).motion
+    coupling = settings.coupling
+    group = settings.axis(coupling.name, coupling.limits(axes)).motion
     assert group.max_velocity == 0.16
     assert group.upper == pytest.approx(0.6, abs=0.01)
 
 
 def test_track_file_of_the_package_is_complete():
-    section = Section(yaml.safe_load((CONFIG / "track_teleop.yaml").read_text()), "track")
-    settings = TrackSettings.from_settings(section)
-    SpeedScale.from_settings(section)
-    section.finish()
+    settings = read_file(TrackSettings, "track")
     assert (settings.max_linear, settings.max_angular) == (1.2, 1.0)

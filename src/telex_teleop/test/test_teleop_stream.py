@@ -2,7 +2,7 @@
 
 import pytest
 
-from telex_teleop.stream import Clocks, CommandStream, SimTicks, Tick
+from telex_teleop.stream import Clocks, CommandStream, SimTicks, StartingTime, Tick
 
 TIMEOUT = 0.28
 
@@ -36,10 +36,10 @@ def test_either_clock_makes_it_stale(stream, later):
 
 
 def test_validity_shortens_but_never_lengthens(stream):
-    stream.receive("go", at(1.0), 0.1)
+    stream.receive("go", at(1.0), validity=0.1)
     assert stream.command(at(1.09)) == "go"
     assert stream.command(at(1.11)) is None
-    stream.receive("go", at(2.0), 5.0)
+    stream.receive("go", at(2.0), validity=5.0)
     assert stream.command(at(2.29)) is None
 
 
@@ -103,6 +103,48 @@ def test_latch_needs_a_pause_too(stream):
     assert stream.command(at(1.0)) is None
     assert not stream.receive("go", at(1.1))
     assert stream.receive("go", at(1.4))
+
+
+class TestTwoClients:
+    @pytest.fixture
+    def latched(self, stream):
+        stream.receive("go", at(1.0), "a")
+        stream.latch()
+        assert not stream.receive("go", at(1.02), "a")
+        return stream
+
+    def test_stop_of_another_does_not_release_a_held_key(self, latched):
+        latched.end("b")
+        assert not latched.receive("go", at(1.04), "a")
+        latched.end("a")
+        assert latched.receive("go", at(1.06), "a")
+
+    def test_press_of_another_is_obeyed_and_lets_nobody_else_in(self, latched):
+        assert latched.receive("back", at(1.04), "b")
+        assert not latched.receive("go", at(1.06), "a")
+        assert latched.command(at(1.06)) == "back"
+
+    def test_stop_of_another_stops(self, stream):
+        stream.receive("go", at(1.0), "a")
+        stream.end("b")
+        assert stream.command(at(1.0)) is None
+
+    def test_pause_of_one_is_not_filled_by_the_other(self, latched):
+        for tick in range(20):
+            latched.receive("back", at(1.04 + 0.02 * tick), "b")
+        assert latched.receive("go", at(1.5), "a")
+
+
+def test_starting_time_counts_from_the_first_joint_state_and_ends_once():
+    starting = StartingTime(TIMEOUT)
+    assert [starting.ends(100.0 + 0.25 * tick) for tick in range(5)] == [
+        False,
+        False,
+        False,
+        True,
+        False,
+    ]
+    assert not starting.lasts
 
 
 def test_ticks_are_differences_of_stamps():

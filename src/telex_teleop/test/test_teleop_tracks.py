@@ -4,8 +4,8 @@ import math
 
 import pytest
 
+from telex_control.params import ConfigError, read_config
 from telex_teleop.joint_jog import InvalidCommand
-from telex_teleop.settings import Section
 from telex_teleop.speed import SpeedScale
 from telex_teleop.track_drive import TrackDrive, TrackSettings, Velocity, parse_twist
 
@@ -15,11 +15,11 @@ STOP = Velocity(0.0, 0.0)
 
 class Base:
     def __init__(self):
-        self.core = TrackDrive(TrackSettings.from_settings(Section({}, "f")), SpeedScale())
+        self.core = TrackDrive(TrackSettings(), SpeedScale())
         self.time = 10.0
         self.wall_offset = 0.0
         self.sent = []
-        self.step()
+        self.run(0.6)  # a new node is deaf for a while
 
     @property
     def wall(self):
@@ -110,6 +110,27 @@ def test_stale_command_drives_nothing_after_a_pause(base):
     assert base.core.state(base.wall).command == STOP
 
 
+def test_reset_stops_and_needs_a_new_press(base):
+    base.hold(0.5, 0.5)
+    base.core.restart(base.time)
+    base.sent.clear()
+    base.hold(1.0, 0.5)
+    assert base.sent[0][0] == pytest.approx(base.time - 0.99)
+    assert {velocity for _, velocity in base.sent} == {STOP}
+    base.run(0.3)
+    base.hold(0.1, 0.5)
+    assert base.sent[-1][1] == Velocity(0.5, 0.0)
+
+
+def test_stream_from_before_the_start_needs_a_new_press(base):
+    base.core = TrackDrive(base.core.settings, SpeedScale())
+    base.hold(2.0, 0.5)
+    assert base.sent == []
+    base.run(0.3)
+    base.hold(0.1, 0.5)
+    assert base.sent[-1][1] == Velocity(0.5, 0.0)
+
+
 @pytest.mark.parametrize("jump", [-5.0, 3.0])
 def test_jump_of_the_sim_time_stops(base, jump):
     base.hold(0.5, 0.5)
@@ -153,7 +174,21 @@ def test_twist_without_numbers_is_refused(value):
 
 
 def test_unknown_track_settings_are_refused():
-    section = Section({"max_speed": 1.0}, "f")
-    TrackSettings.from_settings(section)
-    with pytest.raises(ValueError, match="max_speed"):
-        section.finish()
+    with pytest.raises(ConfigError, match="f/max_speed is unknown"):
+        read_config(TrackSettings, {"max_speed": 1.0}, "f")
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"max_linear": 0.0},
+        {"max_angular": math.nan},
+        {"publish_rate": 5.0},
+        {"stop_time": -0.1},
+        {"command_timeout": 0.31},
+    ],
+)
+def test_bad_track_settings_are_refused(settings):
+    (name,) = settings
+    with pytest.raises(ConfigError, match=f"{name} is .*; it must be"):
+        read_config(TrackSettings, settings, "f")

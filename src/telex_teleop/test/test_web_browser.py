@@ -207,11 +207,11 @@ class Page:
 
 
 @pytest.fixture(scope="module")
-def ros(tmp_path_factory):
+def ros():
     for program in ("/usr/bin/chromium", "/usr/bin/chromedriver"):
         if shutil.which(program) is None:
             pytest.skip(f"{program} is not installed")
-    with Ros(tmp_path_factory.mktemp("ros")) as ros:
+    with Ros() as ros:
         yield ros
 
 

@@ -8,16 +8,17 @@ from pathlib import Path
 import pytest
 import yaml
 
-from telex_teleop.web.config import ConfigError, RosbridgeConfig, VideoServerConfig, load_config
+from telex_control.params import ConfigError
+from telex_teleop.web.config import RosbridgeConfig, VideoServerConfig, read_server_config
 from telex_teleop.web.serving import BindError, bind, url_of
 
 PACKAGE = Path(__file__).resolve().parents[1]
 
 
 def test_defaults_without_parameters():
-    config = load_config(VideoServerConfig, {}, "/telex/video_server")
+    config = read_server_config(VideoServerConfig, {}, "/telex/video_server")
     assert (config.address, config.port) == ("127.0.0.1", 8080)
-    assert load_config(RosbridgeConfig, {}, "/telex/rosbridge").port == 9090
+    assert read_server_config(RosbridgeConfig, {}, "/telex/rosbridge").port == 9090
 
 
 @pytest.mark.parametrize(
@@ -25,42 +26,44 @@ def test_defaults_without_parameters():
 )
 def test_the_config_file_holds_every_parameter_with_its_default(config_class, name):
     values = yaml.safe_load((PACKAGE / "config" / f"{name}.yaml").read_text())
-    assert load_config(config_class, values, name) == config_class()
+    assert read_server_config(config_class, values, name) == config_class()
     assert set(values) == set(vars(config_class()))
 
 
 def test_values_are_taken_and_own_parameters_ignored():
     values = {"port": 0, "stall_timeout": 2, "url": "http://127.0.0.1:1"}
-    config = load_config(VideoServerConfig, values, "/v")
+    config = read_server_config(VideoServerConfig, values, "/v")
     assert config.port == 0
     assert config.stall_timeout == 2.0
-    assert load_config(RosbridgeConfig, {"allowed_origins": ["null"]}, "/b").allowed_origins == (
-        "null",
-    )
+    bridge = read_server_config(RosbridgeConfig, {"allowed_origins": ["null"]}, "/b")
+    assert bridge.allowed_origins == ("null",)
 
 
 @pytest.mark.parametrize(
     ("values", "said"),
     [
-        ({"port": 70000}, "/v/port: 70000 must lie between 0 and 65535"),
-        ({"port": "8080"}, "/v/port: '8080' must be an integer"),
-        ({"port": True}, "/v/port: True must be an integer"),
-        ({"quality": 0}, "/v/quality: 0"),
-        ({"stall_timeout": float("nan")}, "/v/stall_timeout: nan must be a number from 0.5"),
-        ({"address": ""}, "/v/address: '' must be a string that is not empty"),
-        ({"prot": 1}, "/v/prot: unknown parameter; known are address"),
-        ("x", "/v: the private parameters must be a dictionary"),
+        ({"port": 70000}, "parameter /v: port is 70000; it must be at least 0 and at most 65535"),
+        ({"port": "8080"}, "parameter /v/port is '8080'; an integer is needed"),
+        ({"port": True}, "parameter /v/port is True; an integer is needed"),
+        ({"quality": 0}, "parameter /v: quality is 0; it must be at least 1"),
+        ({"stall_timeout": float("nan")}, "parameter /v/stall_timeout is nan; it must be finite"),
+        ({"stall_timeout": 0.4}, "parameter /v: stall_timeout is 0.4; it must be at least 0.5"),
+        ({"address": ""}, "parameter /v: address is ''; it must not be empty"),
+        ({"prot": 1}, "parameter /v/prot is unknown; known are address"),
+        ("x", "parameter /v is 'x'; a struct is needed"),
     ],
 )
 def test_bad_values_are_refused_by_name(values, said):
     with pytest.raises(ConfigError) as error:
-        load_config(VideoServerConfig, values, "/v")
+        read_server_config(VideoServerConfig, values, "/v")
     assert str(error.value).startswith(said)
 
 
 def test_a_list_of_origins_must_be_a_list_of_strings():
-    with pytest.raises(ConfigError, match="allowed_origins: 'a' must be a list of strings"):
-        load_config(RosbridgeConfig, {"allowed_origins": "a"}, "/b")
+    with pytest.raises(ConfigError, match="/b/allowed_origins is 'a'; a list is needed"):
+        read_server_config(RosbridgeConfig, {"allowed_origins": "a"}, "/b")
+    with pytest.raises(ConfigError, match=r"/b/allowed_origins\[1\] is 1; a string is needed"):
+        read_server_config(RosbridgeConfig, {"allowed_origins": ["a", 1]}, "/b")
 
 
 def test_port_0_takes_a_free_port():

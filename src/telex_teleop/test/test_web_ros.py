@@ -14,7 +14,9 @@ import aiohttp
 import numpy as np
 import pytest
 import simplejpeg
-from web_harness import Ros, free_port, wait_until
+from web_harness import Ros, wait_until
+
+from telex_control.private_master import free_port
 
 pytestmark = pytest.mark.ros
 
@@ -26,8 +28,8 @@ JPEG = simplejpeg.encode_jpeg(NOISE, quality=90)
 
 
 @pytest.fixture(scope="module")
-def ros(tmp_path_factory):
-    with Ros(tmp_path_factory.mktemp("ros")) as ros:
+def ros():
+    with Ros() as ros:
         yield ros
 
 
@@ -322,8 +324,8 @@ def test_nonsense_moves_nothing_and_the_bridge_lives_on(probe, bridge):
     assert probe.messages(topic) == []
 
 
-def test_the_launch_file_starts_both_nodes(tmp_path):
-    with Ros(tmp_path) as ros:
+def test_the_launch_file_starts_both_nodes():
+    with Ros() as ros:
         ports = {"video_port": free_port(), "bridge_port": free_port()}
         arguments = [f"{name}:={port}" for name, port in ports.items()]
         environment = {**ros.environment, "ROS_NAMESPACE": "/telex"}

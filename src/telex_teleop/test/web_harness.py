@@ -7,7 +7,6 @@ import json
 import os
 import queue
 import signal
-import socket
 import subprocess
 import sys
 import threading
@@ -16,14 +15,10 @@ from pathlib import Path
 
 import rosgraph
 
+from telex_control.private_master import PrivateMaster
+
 PACKAGE = Path(__file__).resolve().parents[1]
 SOURCE = PACKAGE / "src"
-
-
-def free_port():
-    with socket.socket() as listener:
-        listener.bind(("127.0.0.1", 0))
-        return listener.getsockname()[1]
 
 
 def wait_until(condition, timeout=10.0, period=0.02):
@@ -61,40 +56,25 @@ def stop_process(process, number=signal.SIGINT, timeout=5.0):
 class Ros:
     """A ROS master on a free port, and the processes that use it; all end with it."""
 
-    def __init__(self, directory):
-        self.port = free_port()
-        self.uri = f"http://127.0.0.1:{self.port}"
-        self.environment = {
-            **os.environ,
-            "ROS_MASTER_URI": self.uri,
-            "ROS_IP": "127.0.0.1",
-            "ROS_HOME": str(directory),
-            "ROS_LOG_DIR": str(directory / "log"),
-            "PYTHONUNBUFFERED": "1",
-            "PYTHONPATH": os.pathsep.join(
+    def __init__(self):
+        self._master = PrivateMaster()
+        self.environment = self._master.environment(
+            PYTHONUNBUFFERED="1",
+            PYTHONPATH=os.pathsep.join(
                 [str(SOURCE), *filter(None, [os.environ.get("PYTHONPATH")])]
             ),
-        }
-        self.master = rosgraph.Master("/test", self.uri)
+        )
+        self.master = rosgraph.Master("/test", self._master.uri)
         self.processes = []
 
     def __enter__(self):
-        try:
-            self.start(["roscore", "-p", str(self.port)], stdout=subprocess.DEVNULL)
-            wait_until(lambda: self.answers("/rosout_agg"), 30.0)
-        except BaseException:
-            self.__exit__()
-            raise
+        self._master.__enter__()
         return self
-
-    def answers(self, topic):
-        with contextlib.suppress(OSError, rosgraph.MasterException):
-            return topic in dict(self.master.getTopicTypes())
-        return False
 
     def __exit__(self, *_):
         while self.processes:
             stop_process(self.processes.pop())
+        self._master.__exit__()
 
     def start(self, command, **options):
         process = subprocess.Popen(command, env=self.environment, start_new_session=True, **options)

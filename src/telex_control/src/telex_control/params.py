@@ -1,16 +1,20 @@
 """Validated reading of nested parameters into frozen dataclasses.
 
-A dataclass field is a number, a string, a bool, a list, a dict or another such dataclass; what the
-parameters leave out keeps the field's default, and a key that is no field is an error.
+A dataclass field is a number, a string, a bool, a list, a dict, another such dataclass, or Optional
+of one of these; what the parameters leave out keeps the field's default, and a key that is no field
+is an error. What a type cannot say, a dataclass checks in its `__post_init__`, with `require` and
+its relatives; they name a parameter within its struct, `read_config` adds the struct's own name.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import math
-from typing import Any, Mapping, Type, TypeVar, get_type_hints
+from typing import Any, Iterable, Mapping, Type, TypeVar, Union, get_type_hints
 
 Config = TypeVar("Config")
+
+_WANTED = {int: "an integer", str: "a string", bool: "true or false"}
 
 
 class ConfigError(ValueError):
@@ -44,12 +48,31 @@ def read_config(kind: Type[Config], params: Any, name: str) -> Config:
     for key, field in fields.items():
         if key in params:
             values[key] = _value(hints[key], params[key], f"{name}/{key}")
-        elif field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING:
+        elif _is_required(field):
             raise ConfigError(f"parameter {name}/{key} is missing")
     try:
         return kind(**values)
     except ConfigError as error:
         raise ConfigError(f"parameter {name}: {error}") from None
+
+
+def required() -> Any:
+    """Stand in as the default_factory of a field that has none but follows fields with a default.
+
+    A derived dataclass needs it; Python 3.8 does not have what the standard library offers for it,
+    `kw_only`.
+
+    Raises
+    ------
+    ConfigError
+        Always.
+    """
+    raise ConfigError("a required parameter is missing")
+
+
+def _is_required(field: Any) -> bool:
+    no_default = field.default is dataclasses.MISSING
+    return no_default and field.default_factory in (dataclasses.MISSING, required)
 
 
 def _value(kind: Any, value: Any, name: str) -> Any:
@@ -62,26 +85,99 @@ def _value(kind: Any, value: Any, name: str) -> Any:
             raise ConfigError(f"parameter {name} is {value}; it must be finite")
         return float(value)
     origin = getattr(kind, "__origin__", None)
+    if origin is Union:
+        return None if value is None else _value(kind.__args__[0], value, name)
     if origin is dict:
         if not isinstance(value, Mapping):
             raise ConfigError(f"parameter {name} is {value!r}; a struct is needed")
         element = kind.__args__[1]
-        return {key: _value(element, item, f"{name}/{key}") for key, item in value.items()}
+        # YAML reads a bare 1 as a number, also where it is a key.
+        return {str(key): _value(element, item, f"{name}/{key}") for key, item in value.items()}
     if origin in (tuple, list):
-        if not isinstance(value, (list, tuple)):
-            raise ConfigError(f"parameter {name} is {value!r}; a list is needed")
-        element = kind.__args__[0]
-        if origin is tuple and Ellipsis not in kind.__args__ and len(value) != len(kind.__args__):
-            raise ConfigError(
-                f"parameter {name} has {len(value)} elements; {len(kind.__args__)} are needed"
-            )
-        return tuple(_value(element, item, f"{name}[{i}]") for i, item in enumerate(value))
+        return _elements(kind, value, name)
     if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
-        raise ConfigError(f"parameter {name} is {value!r}; a {kind.__name__} is needed")
+        raise ConfigError(f"parameter {name} is {value!r}; {_WANTED[kind]} is needed")
     return value
+
+
+def _elements(kind: Any, value: Any, name: str) -> Any:
+    if not isinstance(value, (list, tuple)):
+        raise ConfigError(f"parameter {name} is {value!r}; a list is needed")
+    element = kind.__args__[0]
+    fixed = kind.__origin__ is tuple and Ellipsis not in kind.__args__
+    if fixed and len(value) != len(kind.__args__):
+        raise ConfigError(
+            f"parameter {name} has {len(value)} elements; {len(kind.__args__)} are needed"
+        )
+    return tuple(_value(element, item, f"{name}[{i}]") for i, item in enumerate(value))
 
 
 def require(condition: bool, message: str) -> None:
     """Raise a `ConfigError` with `message` unless `condition` holds."""
     if not condition:
         raise ConfigError(message)
+
+
+def require_range(
+    config: object,
+    name: str,
+    minimum: float = -math.inf,
+    maximum: float = math.inf,
+    *,
+    above: float = -math.inf,
+) -> None:
+    """Raise a `ConfigError` unless a number is finite and in range.
+
+    Parameters
+    ----------
+    config : dataclass
+    name : str
+        Its field to check; None is taken there, as "not given".
+    minimum, maximum : float
+        Inclusive.
+    above : float
+        Exclusive.
+    """
+    value = getattr(config, name)
+    if value is None:
+        return
+    bounds = [
+        words
+        for words, bound in (
+            (f"above {above:g}", above),
+            (f"at least {minimum:.12g}", minimum),
+            (f"at most {maximum:.12g}", maximum),
+        )
+        if math.isfinite(bound)
+    ]
+    require(
+        math.isfinite(value) and minimum <= value <= maximum and value > above,
+        f"{name} is {value!r}; it must be {' and '.join(bounds) or 'finite'}",
+    )
+
+
+def require_choice(config: object, name: str, choices: Iterable[str]) -> None:
+    """Raise a `ConfigError` unless the field `name` of `config` is one of `choices`."""
+    value, known = getattr(config, name), list(choices)
+    require(value in known, f"{name} is {value!r}; {', '.join(known)} are possible")
+
+
+def require_text(config: object, name: str) -> None:
+    """Raise a `ConfigError` when the string `name` of `config` is empty."""
+    require(bool(getattr(config, name)), f"{name} is ''; it must not be empty")
+
+
+def require_names(config: object, name: str) -> None:
+    """Raise a `ConfigError` unless the field is a list, not empty, of distinct strings, not empty.
+
+    Parameters
+    ----------
+    config : dataclass
+    name : str
+        Its field to check.
+    """
+    names = getattr(config, name)
+    require(
+        bool(names) and all(names) and len(set(names)) == len(names),
+        f"{name} is {list(names)}; a list of distinct names is needed",
+    )

@@ -19,7 +19,12 @@ class UrdfError(ValueError):
 
 @dataclass(frozen=True)
 class SoftLimits:
-    """URDF ``<safety_controller>``: soft position limits and their gains."""
+    """URDF ``<safety_controller>``: soft position limits (rad, m) and their gains.
+
+    A limit that is left out is 0, as URDF has it and as ros_control enforces it: taking it for the
+    hard limit would let a joint move here where the real robot stops it. A continuous joint has
+    no soft position limits, whatever the element says.
+    """
 
     lower: float
     upper: float
@@ -99,7 +104,8 @@ def joints(robot: ElementTree.Element) -> Dict[str, UrdfJoint]:
     Raises
     ------
     UrdfError
-        A limit is missing where it is required, is no number, or lower is above upper.
+        A limit is missing where it is required, is no number, or lower is above upper; soft limits
+        leave no room.
     """
     result: Dict[str, UrdfJoint] = {}
     for element in robot.findall("joint"):
@@ -115,15 +121,6 @@ def joints(robot: ElementTree.Element) -> Dict[str, UrdfJoint]:
         upper = infinite if kind == CONTINUOUS else _number(limit, "upper", 0.0, name)
         if lower > upper:
             raise UrdfError(f"joint '{name}': lower limit {lower} is above upper limit {upper}")
-        safety = element.find("safety_controller")
-        soft = None
-        if safety is not None:
-            soft = SoftLimits(
-                lower=_number(safety, "soft_lower_limit", lower, name),
-                upper=_number(safety, "soft_upper_limit", upper, name),
-                k_position=_number(safety, "k_position", 0.0, name),
-                k_velocity=_number(safety, "k_velocity", 0.0, name),
-            )
         result[name] = UrdfJoint(
             name=name,
             kind=kind,
@@ -132,9 +129,31 @@ def joints(robot: ElementTree.Element) -> Dict[str, UrdfJoint]:
             velocity=_number(limit, "velocity", infinite, name),
             effort=_number(limit, "effort", infinite, name),
             friction=_number(element.find("dynamics"), "friction", 0.0, name),
-            soft=soft,
+            soft=_soft_limits(element.find("safety_controller"), kind, name),
         )
     return result
+
+
+def _soft_limits(
+    safety: Optional[ElementTree.Element], kind: str, owner: str
+) -> Optional[SoftLimits]:
+    if safety is None:
+        return None
+    lower, upper = -math.inf, math.inf
+    if kind != CONTINUOUS:
+        lower = _number(safety, "soft_lower_limit", 0.0, owner)
+        upper = _number(safety, "soft_upper_limit", 0.0, owner)
+    if not lower < upper:
+        raise UrdfError(
+            f"joint '{owner}': soft_lower_limit {lower} must be below soft_upper_limit {upper} "
+            "(0 where it is not given) in its <safety_controller>"
+        )
+    return SoftLimits(
+        lower=lower,
+        upper=upper,
+        k_position=_number(safety, "k_position", 0.0, owner),
+        k_velocity=_number(safety, "k_velocity", 0.0, owner),
+    )
 
 
 def transmissions(robot: ElementTree.Element) -> List[Transmission]:

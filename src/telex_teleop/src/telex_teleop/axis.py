@@ -61,24 +61,29 @@ class Axis:
         reference = self.generator.reference
         return self.position if reference is None else reference
 
-    def jog(self, rate: float, now: Clocks, validity: Optional[float]) -> None:
-        """Take a rate (rad/s or m/s), 0 to stop; see `CommandStream.receive`."""
-        if rate == 0.0:
-            self.stop()
-        else:
-            self.stream.receive(_Rate(rate), now, validity)
+    def jog(self, rate: float, now: Clocks, caller: str, validity: Optional[float]) -> bool:
+        """Take a rate (rad/s or m/s), 0 to stop; return whether it is obeyed and moves something.
 
-    def displace(self, increment: float, now: Clocks) -> None:
-        """Take a one-shot increment of the reference (rad or m)."""
+        See `CommandStream.receive`.
+        """
+        if rate == 0.0:
+            self.stop(caller)
+            return False
+        return self.stream.receive(_Rate(rate), now, caller, validity)
+
+    def displace(self, increment: float, now: Clocks, caller: str) -> bool:
+        """Take a one-shot increment of the reference (rad or m); return whether it is obeyed."""
+        if increment == 0.0:
+            return False
         # two of them between two joint states add up
         waiting = self.stream.command(now)
         if isinstance(waiting, _Increment):
             increment += waiting.value
-        self.stream.receive(_Increment(increment), now)
+        return self.stream.receive(_Increment(increment), now, caller)
 
-    def stop(self) -> None:
+    def stop(self, caller: str) -> None:
         """Take a command to stop: the reference comes to rest along its braking distance."""
-        self.stream.end()
+        self.stream.end(caller)
         self.generator.stop()
 
     def yield_to_another(self) -> None:
@@ -102,6 +107,15 @@ class Axis:
     def obeying(self, now: Clocks) -> bool:
         """Tell whether a command is being carried out."""
         return self.stream.command(now) is not None or self.generator.displacing
+
+    def thrown(self, dt: float, position: float) -> bool:
+        """Tell whether the joint is further from where it was than it can have moved in a step.
+
+        Then it was put there, and a reference from before would send it back.
+        """
+        motion = self.settings.motion
+        farthest = motion.max_lead + motion.max_velocity * dt
+        return self.position is not None and abs(position - self.position) > farthest
 
     def update(
         self, dt: float, now: Clocks, position: float, speed_scale: float, blocked: bool = False

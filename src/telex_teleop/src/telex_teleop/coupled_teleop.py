@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Dict, Mapping, Tuple
+from typing import Dict, FrozenSet, Mapping, Tuple
 
 from telex_teleop.axis import AxisSettings
 from telex_teleop.joint_jog import InvalidCommand, JogCommand
@@ -92,7 +92,7 @@ class CoupledTeleop(JointTeleop):
         """Joints whose controllers get references."""
         return self._joints
 
-    def receive(self, jog: JogCommand, wall: float) -> None:
+    def receive(self, jog: JogCommand, wall: float, caller: str = "") -> FrozenSet[str]:
         """Take a jog of the group or of single joints; see `JointTeleop.receive`."""
         wanted = {**jog.velocities, **jog.displacements}
         moving = {name for name, value in wanted.items() if value != 0.0}
@@ -102,17 +102,15 @@ class CoupledTeleop(JointTeleop):
             raise InvalidCommand(
                 f"joint_names: {group} moves all its joints; send it without {others}"
             )
-        super().receive(jog, wall)
-        if moving:
-            for name in self._joints if group in moving else (group,):
+        obeying = super().receive(jog, wall, caller)
+        if obeying:
+            for name in self._joints if group in obeying else (group,):
                 self.axes[name].yield_to_another()
+        return obeying
 
-    def update(self, stamp: float, wall: float, positions: Mapping[str, float]) -> Dict[str, float]:
-        """Advance to a new joint state; see `JointTeleop.update`."""
-        dt = self.advance(stamp, wall)
-        if dt is None:
-            return {}
-        now = Clocks(wall, stamp)
+    def _references(
+        self, dt: float, now: Clocks, positions: Mapping[str, float]
+    ) -> Dict[str, float]:
         scale = self.speed.value
         singles_moving = any(self.axes[joint].generator.moving for joint in self._joints)
         value = self._group.update(

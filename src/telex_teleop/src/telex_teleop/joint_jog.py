@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from dataclasses import dataclass
 from typing import Collection, Dict, Optional, Sequence
 
@@ -70,13 +71,17 @@ def parse_joint_jog(
 def _check_names(joint_names: Sequence[str], known: Collection[str]) -> None:
     if len(joint_names) == 0:
         raise InvalidCommand("joint_names is empty; name the joints to move")
+    if len(joint_names) > len(known):
+        raise InvalidCommand(
+            f"joint_names has {len(joint_names)} entries; this node moves {len(known)} joints"
+        )
     unknown = [name for name in joint_names if name not in known]
     if unknown:
         raise InvalidCommand(
             f"joint_names: unknown {', '.join(map(repr, unknown))}; "
             f"this node moves {', '.join(known)}"
         )
-    twice = sorted({name for name in joint_names if list(joint_names).count(name) > 1})
+    twice = sorted(name for name, count in Counter(joint_names).items() if count > 1)
     if twice:
         raise InvalidCommand(f"joint_names: {', '.join(twice)} stands there twice; give it once")
 

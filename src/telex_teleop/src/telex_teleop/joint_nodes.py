@@ -10,10 +10,9 @@ from telex_msgs.srv import SetMode, SetModeResponse
 from telex_teleop.coupled_teleop import CoupledTeleop
 from telex_teleop.joint_teleop import JointTeleop
 from telex_teleop.limits import limits_from_urdf
-from telex_teleop.motion_settings import CoupledSettings, JointTeleopSettings
+from telex_teleop.motion_settings import GripperTeleopSettings, JointTeleopSettings
 from telex_teleop.ros_common import private_settings, run_node, wait_for_robot_description
 from telex_teleop.ros_joint_teleop import JOINT_MODE, JointTeleopNode
-from telex_teleop.speed import SpeedScale
 
 __all__ = ["arm_main", "flipper_main", "gripper_main"]
 
@@ -36,13 +35,13 @@ def gripper_main() -> int:
 
 
 def _start_joints() -> JointTeleopNode:
-    section = private_settings()
-    settings = JointTeleopSettings.from_settings(section)
-    speed = SpeedScale.from_settings(section)
-    section.finish()
+    settings = private_settings(JointTeleopSettings)
     limits = limits_from_urdf(wait_for_robot_description(), settings.joints)
     core = JointTeleop(
-        settings.axes(limits), settings.command_timeout, settings.longest_step, speed
+        settings.axes(limits),
+        settings.command_timeout,
+        settings.longest_step,
+        settings.speed_scale(),
     )
     return JointTeleopNode(core, settings.status_rate)
 
@@ -68,20 +67,15 @@ def _set_mode(request: Any) -> SetModeResponse:
 
 
 def _start_gripper() -> JointTeleopNode:
-    section = private_settings()
-    coupled = CoupledSettings.from_settings(
-        section.section("coupling", required=True), section.names("joints")
-    )
-    settings = JointTeleopSettings.from_settings(section, coupled.name)
-    speed = SpeedScale.from_settings(section)
-    section.finish()
+    settings = private_settings(GripperTeleopSettings)
+    group = settings.coupling
     joints = settings.axes(limits_from_urdf(wait_for_robot_description(), settings.joints))
     core = CoupledTeleop(
         joints=joints,
-        group=settings.axis(coupled.name, coupled.limits(joints)),
-        coupling=coupled.coupling,
+        group=settings.axis(group.name, group.limits(joints)),
+        coupling=group.coupling(),
         command_timeout=settings.command_timeout,
         longest_step=settings.longest_step,
-        speed=speed,
+        speed=settings.speed_scale(),
     )
     return JointTeleopNode(core, settings.status_rate)

@@ -5,13 +5,14 @@ Free of ROS, not thread-safe: whoever owns it serialises the calls.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import Dict, List, Mapping, Optional, Tuple
+from typing import Dict, FrozenSet, List, Mapping, Optional, Set, Tuple
 
 from telex_teleop.axis import Axis, AxisSettings
 from telex_teleop.joint_jog import InvalidCommand, JogCommand
 from telex_teleop.speed import SpeedScale
-from telex_teleop.stream import Clocks, SimTicks
+from telex_teleop.stream import Clocks, SimTicks, StartingTime
 
 __all__ = ["AxisState", "JointTeleop", "TeleopState"]
 
@@ -49,6 +50,8 @@ class TeleopState:
 class JointTeleop:
     """Jogs a set of independent joints.
 
+    It begins deaf, for a stream of commands may be running that was meant for its predecessor.
+
     Parameters
     ----------
     axes
@@ -76,7 +79,12 @@ class JointTeleop:
         self._command_timeout = command_timeout
         self._ticks = SimTicks(longest_step)
         self._last_wall: Optional[float] = None
+        self._starting = StartingTime(command_timeout)
         self._e_stop = False
+        self._commanded: Set[str] = set()  # got references with the last joint state
+        self._to_hold: Set[str] = set()
+        self._restarted = -math.inf
+        self._inhibit()
 
     @property
     def commanded_names(self) -> Tuple[str, ...]:
@@ -93,8 +101,22 @@ class JointTeleop:
         """Joints whose controllers get references."""
         return tuple(self.axes)
 
-    def receive(self, jog: JogCommand, wall: float) -> None:
-        """Take a jog that arrived at `wall` (monotonic time, s).
+    def receive(self, jog: JogCommand, wall: float, caller: str = "") -> FrozenSet[str]:
+        """Take a jog.
+
+        Parameters
+        ----------
+        jog
+            What is wanted.
+        wall
+            Time of arrival (monotonic, s).
+        caller
+            Who sent it; see `CommandStream`.
+
+        Returns
+        -------
+        frozenset
+            Names that are to move and obey.
 
         Raises
         ------
@@ -109,20 +131,31 @@ class JointTeleop:
                     "message, because nobody holds a key for it"
                 )
         if self._ticks.now is None:
-            return
+            return frozenset()
         now = Clocks(wall, self._ticks.now)
-        for name, rate in jog.velocities.items():
-            self.axes[name].jog(rate, now, jog.validity)
+        obeying = {
+            name: self.axes[name].jog(rate, now, caller, jog.validity)
+            for name, rate in jog.velocities.items()
+        }
         for name, increment in jog.displacements.items():
-            self.axes[name].displace(increment, now)
+            obeying[name] = self.axes[name].displace(increment, now, caller)
+        return frozenset(name for name, obeys in obeying.items() if obeys)
 
     def set_e_stop(self, active: bool) -> None:
         """Begin or end an emergency stop."""
-        if active == self._e_stop:
-            return
-        self._e_stop = active
-        for axis in self.axes.values():
-            axis.inhibit(active)
+        if active != self._e_stop:
+            self._e_stop = active
+            self._inhibit()
+
+    def restart(self, stamp: float) -> None:
+        """Forget all motion, because the robot was put somewhere else at `stamp` (s of sim time).
+
+        A reference from before may still be on its way to a controller and would send the joint
+        back, so what was moving is told once to stay where it is found afterwards.
+        """
+        self._drop()
+        self._restarted = stamp
+        self._to_hold |= self._commanded
 
     def update(self, stamp: float, wall: float, positions: Mapping[str, float]) -> Dict[str, float]:
         """Advance to a new joint state.
@@ -141,25 +174,43 @@ class JointTeleop:
         dict
             Joint to reference (rad or m); joints that are idle are not in it.
         """
-        dt = self.advance(stamp, wall)
+        dt = self._advance(stamp, wall)
         if dt is None:
             return {}
-        now = Clocks(wall, stamp)
+        if any(self.axes[name].thrown(dt, positions[name]) for name in self.measured_joints):
+            self.restart(stamp)
+        references = self._references(dt, Clocks(wall, stamp), positions)
+        self._commanded = set(references)
+        return {**self._held(stamp, positions), **references}
+
+    def _held(self, stamp: float, positions: Mapping[str, float]) -> Dict[str, float]:
+        # Not with the joint state of the throw itself: that may be one wrong measurement.
+        if stamp <= self._restarted:
+            return {}
+        held = {name: positions[name] for name in self._to_hold}
+        self._to_hold.clear()
+        return held
+
+    def _references(
+        self, dt: float, now: Clocks, positions: Mapping[str, float]
+    ) -> Dict[str, float]:
         references = {
             name: axis.update(dt, now, positions[name], self.speed.value)
             for name, axis in self.axes.items()
         }
         return {name: value for name, value in references.items() if value is not None}
 
-    def advance(self, stamp: float, wall: float) -> Optional[float]:
+    def _advance(self, stamp: float, wall: float) -> Optional[float]:
         """Return the step (s) to a new stamp; None when there is nothing to do in it."""
+        if self._starting.ends(wall):
+            self._inhibit()
         tick = self._ticks.advance(stamp)
         last_wall, self._last_wall = self._last_wall, wall
         if tick is None:
             return None
         if tick.jumped:
-            for axis in self.axes.values():
-                axis.drop()
+            self._drop()
+            self._to_hold.clear()
             return None
         # After a pause of the simulation a displacement is no longer what the operator expects.
         if last_wall is not None and wall - last_wall > self._command_timeout:
@@ -167,6 +218,14 @@ class JointTeleop:
                 if axis.generator.displacing:
                     axis.generator.stop()
         return tick.dt
+
+    def _inhibit(self) -> None:
+        for axis in self.axes.values():
+            axis.inhibit(self._e_stop or self._starting.lasts)
+
+    def _drop(self) -> None:
+        for axis in self.axes.values():
+            axis.drop()
 
     def state(self, wall: float) -> TeleopState:
         """Return what a display shows at `wall` (monotonic time, s)."""
@@ -179,6 +238,8 @@ class JointTeleop:
             message = "the e-stop is active"
         elif silence > 2.0 * self._command_timeout:
             message = "no joint_states: the simulation is paused or has ended"
+        elif self._starting.lasts:
+            message = "just started"
         elif any(axis.stream.waiting(wall) for axis in self.axes.values()):
             message = "a command from before the stop goes on: release the key and press it again"
         else:

@@ -11,7 +11,7 @@ import codecs
 import re
 from dataclasses import dataclass
 from enum import Enum
-from typing import Dict, List, Optional, Tuple, Union
+from typing import Collection, Dict, List, Optional, Tuple, Union
 
 __all__ = ["Event", "FocusEvent", "KeyDecoder", "KeyEvent", "KeyKind", "KittyReply"]
 
@@ -110,47 +110,72 @@ REPORT_EVENT_TYPES = 2  # kitty's flag
 # In the order in which they stand in a name; caps lock and num lock are none.
 MODIFIERS: Dict[int, str] = {4: "ctrl", 2: "alt", 8: "super", 16: "hyper", 32: "meta"}
 
-CSI = re.compile(rb"\x1b\[([\x30-\x3f]*)[\x20-\x2f]*([\x40-\x7e])")
+CSI = re.compile(rb"\x1b\[([\x30-\x3f]*)([\x20-\x2f]*)([\x40-\x7e])?")
 SS3 = re.compile(rb"\x1bO([\x40-\x7e])")
 # Strings that terminals send in answer to questions: DCS, OSC and their like, up to their end.
 STRING = re.compile(rb"\x1b[P\]X^_].*?(?:\x1b\\|\x07)", re.DOTALL)
+# Ends of control sequences that are no keys: answers to questions and reports of the mouse.
+ANSWERS = frozenset("RcntyMm")
 
 
 class KeyDecoder:
     """Decodes a stream of bytes that may be cut anywhere.
 
+    The byte of the escape key also begins every sequence. Escape is the emergency stop, so what is
+    not clearly something else is the escape key.
+
     Parameters
     ----------
+    alt_names
+        Keys with alt, ``"alt+x"``, that mean something; for others it was escape and then ``x``.
     escape_time
-        An escape byte that nothing follows for so long (s) was the escape key.
+        An escape byte that nothing follows for so long (s), or no complete sequence, was the escape
+        key.
+    paste_time
+        A pasted text that does not go on for so long (s) has ended.
     """
 
-    def __init__(self, escape_time: float = 0.05) -> None:
+    def __init__(
+        self,
+        alt_names: Collection[str] = (),
+        escape_time: float = 0.05,
+        paste_time: float = 0.3,
+    ) -> None:
+        self._alt_names = alt_names
         self._escape_time = escape_time
+        self._paste_time = paste_time
         self._buffer = bytearray()
+        self._waiting_since = 0.0
         self._last_byte = 0.0
         self._exact = False
         self._pasting = False
 
     def feed(self, data: bytes, now: float) -> List[Event]:
         """Decode what has come, perhaps nothing, by `now` (monotonic time, s)."""
+        if not data and now - self._last_byte >= self._paste_time:
+            self._pasting = False
         if data:
+            # A sequence is waited for from its first byte on: keys that follow do not prolong it.
+            if not self._buffer:
+                self._waiting_since = now
             self._buffer += data
             self._last_byte = now
         events: List[Event] = []
         while self._buffer:
             taken, event = self._next()
             if taken == 0:
-                waited = now - self._last_byte >= self._escape_time
+                waited = now - self._waiting_since >= self._escape_time
                 if not waited and len(self._buffer) < LONGEST_SEQUENCE:
                     break
-                # The rest is not coming. A piece of a sequence must not pass for keys.
+                # The rest is not coming. A piece of a sequence must not pass for other keys.
+                event = ESCAPE_KEY if self._buffer[0] == ESCAPE else None
                 taken = len(self._buffer)
-                event = _plain("escape") if self._buffer == bytes([ESCAPE]) else None
             del self._buffer[:taken]
+            self._waiting_since = now
             if isinstance(event, KittyReply):
                 self._exact = event.exact
-            if event is not None and not self._pasting:
+            # terminals take escape out of pasted text, so there too it was the key
+            if event is not None and (not self._pasting or _is_escape(event)):
                 events.append(event)
         return events
 
@@ -167,11 +192,11 @@ class KeyDecoder:
             return 0, None
         second = self._buffer[1]
         if second == ESCAPE:
-            return 1, _plain("escape")
+            return 1, ESCAPE_KEY
         if second == ord("["):
-            return self._sequence(CSI)
+            return self._control_sequence()
         if second == ord("O"):
-            return self._sequence(SS3)
+            return self._function_key()
         if second in b"P]X^_":
             found = STRING.match(self._buffer)
             return (found.end(), None) if found else (0, None)
@@ -195,26 +220,53 @@ class KeyDecoder:
             taken, event = self._character()
         finally:
             self._buffer.insert(0, escape)
-        if isinstance(event, KeyEvent):
-            event = _plain(f"alt+{event.name}")
-        return (taken + 1, event) if taken else (0, None)
-
-    def _sequence(self, pattern: re.Pattern[bytes]) -> Tuple[int, Optional[Event]]:
-        found = pattern.match(self._buffer)
-        if found is None:
+        if not taken:
             return 0, None
-        if pattern is SS3:
-            name = LETTER_KEYS.get(found.group(1).decode())
-            return found.end(), _plain(name) if name else None
-        parameters, final = found.group(1).decode(), found.group(2).decode()
+        name = f"alt+{event.name}" if isinstance(event, KeyEvent) else ""
+        return (taken + 1, _plain(name)) if name in self._alt_names else (1, ESCAPE_KEY)
+
+    def _function_key(self) -> Tuple[int, Optional[Event]]:
+        if len(self._buffer) == 2:
+            return 0, None
+        found = SS3.match(self._buffer)
+        name = LETTER_KEYS.get(found.group(1).decode()) if found else None
+        if found is None or name is None:
+            return (found.end() if found else 2), ESCAPE_KEY
+        return found.end(), _plain(name)
+
+    def _control_sequence(self) -> Tuple[int, Optional[Event]]:
+        found = CSI.match(self._buffer)
+        assert found is not None
+        if found.group(3) is None:
+            # either the rest is still to come, or a byte that no sequence has
+            return (0, None) if found.end() == len(self._buffer) else (found.end(), ESCAPE_KEY)
+        parameters, final = found.group(1).decode(), found.group(3).decode()
+        if not _is_known(parameters, found.group(2), final):
+            return found.end(), ESCAPE_KEY
         if final == "~" and parameters in PASTE_MARKS:
             # a text that is dropped on the window is no command to a robot
             self._pasting = PASTE_MARKS[parameters]
         return found.end(), _control_sequence(parameters, final, self._exact)
 
 
+def _is_known(parameters: str, intermediates: bytes, final: str) -> bool:
+    """Tell whether terminals send such a sequence, whatever it means."""
+    if intermediates:
+        return final == "y"
+    if not parameters:
+        return final in LETTER_KEYS or final in "IOZ"
+    return final in LETTER_KEYS or final in "~u" or final in ANSWERS
+
+
+def _is_escape(event: Event) -> bool:
+    return isinstance(event, KeyEvent) and event.name == "escape"
+
+
 def _plain(name: str) -> KeyEvent:
     return KeyEvent(name, name, KeyKind.TYPED)
+
+
+ESCAPE_KEY = _plain("escape")
 
 
 def _control_sequence(parameters: str, final: str, exact: bool) -> Optional[Event]:

@@ -54,6 +54,11 @@ class HeldKeys:
         self._pressed[event.key] = event.name
         return True
 
+    @property
+    def exact(self) -> bool:
+        """Whether a key is held of which only its release will tell the end."""
+        return any(key not in self._ignored for key in self._pressed)
+
     def names(self, now: float) -> List[str]:
         """Return the keys that are held at `now`, in the order of their presses."""
         for name in [name for name, until in self._typed.items() if now >= until]:

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Dict, List, Optional, Tuple, Union
+from functools import cached_property
+from typing import Dict, List, Mapping, Optional, Tuple, Union
 
-from telex_teleop.settings import Section, SettingsError
+from telex_control.params import ConfigError, require, require_names, require_range
 
 __all__ = ["Action", "Command", "Drive", "Jog", "KeyMap", "KeyboardSettings"]
 
@@ -112,24 +113,22 @@ class KeyMap:
         return [name for name, other in self.actions.items() if other == action]
 
     @classmethod
-    def from_settings(cls, settings: Section) -> KeyMap:
-        """Read a map of key to action.
+    def from_texts(cls, texts: Mapping[str, str]) -> KeyMap:
+        """Read a map of key to the text of its action.
 
         Raises
         ------
-        SettingsError
+        telex_control.params.ConfigError
             When an action is unknown, or no key stops, quits or sets off the emergency stop.
         """
         actions: Dict[str, Action] = {}
-        for key in settings.names_given():
-            text = settings.text(key)
+        for key, text in texts.items():
             try:
                 actions[key] = parse_action(text)
             except ValueError:
-                raise settings.error(key, text, GRAMMAR) from None
+                raise ConfigError(f"keys/{key} is {text!r}; it must be {GRAMMAR}") from None
         for needed in (Command.STOP, Command.E_STOP, Command.QUIT):
-            if needed not in actions.values():
-                raise SettingsError(f"{settings.source}: no key has the action {needed.value!r}")
+            require(needed in actions.values(), f"keys: no key has the action {needed.value!r}")
         return cls(actions)
 
 
@@ -139,6 +138,8 @@ class KeyboardSettings:
 
     Attributes
     ----------
+    keys
+        Name of a key to the text of its action.
     tap_time, key_timeout
         See `keyboard_held.HeldKeys` (s).
     send_rate
@@ -155,37 +156,42 @@ class KeyboardSettings:
         Factor of one step of the speed scale.
     lengths
         Joints whose position is a length and shown in mm; the others are angles, shown in degrees.
-    keys
-        The keys.
+
+    Raises
+    ------
+    telex_control.params.ConfigError
+        When one is out of range, or an action is unknown.
     """
 
-    tap_time: float
-    key_timeout: float
-    send_rate: float
-    redraw_rate: float
-    longest_gap: float
-    jog_rate: float
-    linear: float
-    angular: float
-    speed_step: float
-    lengths: Tuple[str, ...]
-    keys: KeyMap
+    keys: Dict[str, str]
+    tap_time: float = 0.15
+    key_timeout: float = 0.2
+    send_rate: float = 50.0
+    redraw_rate: float = 10.0
+    longest_gap: float = 0.2
+    jog_rate: float = 100.0
+    linear: float = 1.2
+    angular: float = 1.0
+    speed_step: float = 1.25
+    lengths: Tuple[str, ...] = ()
 
-    @classmethod
-    def from_settings(cls, settings: Section) -> KeyboardSettings:
-        """Read and check all parameters."""
-        read = cls(
-            tap_time=settings.number("tap_time", 0.15, minimum=0.02, maximum=1.0),
-            key_timeout=settings.number("key_timeout", 0.2, minimum=0.02, maximum=1.0),
-            send_rate=settings.number("send_rate", 50.0, minimum=10.0, maximum=200.0),
-            redraw_rate=settings.number("redraw_rate", 10.0, minimum=1.0, maximum=30.0),
-            longest_gap=settings.number("longest_gap", 0.2, minimum=0.05, maximum=1.0),
-            jog_rate=settings.number("jog_rate", 100.0, positive=True),
-            linear=settings.number("linear", 1.2, positive=True),
-            angular=settings.number("angular", 1.0, positive=True),
-            speed_step=settings.number("speed_step", 1.25, minimum=1.01, maximum=4.0),
-            lengths=settings.names("lengths") if settings.has("lengths") else (),
-            keys=KeyMap.from_settings(settings.section("keys", required=True)),
-        )
-        settings.finish()
-        return read
+    def __post_init__(self) -> None:
+        for name, minimum, maximum in (
+            ("tap_time", 0.02, 1.0),
+            ("key_timeout", 0.02, 1.0),
+            ("send_rate", 10.0, 200.0),
+            ("redraw_rate", 1.0, 30.0),
+            ("longest_gap", 0.05, 1.0),
+            ("speed_step", 1.01, 4.0),
+        ):
+            require_range(self, name, minimum, maximum)
+        for name in ("jog_rate", "linear", "angular"):
+            require_range(self, name, above=0.0)
+        if self.lengths:
+            require_names(self, "lengths")
+        _ = self.key_map
+
+    @cached_property
+    def key_map(self) -> KeyMap:
+        """The keys and their actions."""
+        return KeyMap.from_texts(self.keys)

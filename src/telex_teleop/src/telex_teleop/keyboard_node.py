@@ -14,11 +14,11 @@ import rospkg
 import rospy
 import yaml
 
+from telex_control.params import ConfigError, read_config
 from telex_teleop.keyboard_map import KeyboardSettings
 from telex_teleop.keyboard_robot import Robot
 from telex_teleop.keyboard_teleop import KeyboardTeleop
 from telex_teleop.keyboard_terminal import Terminal, TerminalError
-from telex_teleop.settings import Section, SettingsError
 
 __all__ = ["keyboard_main"]
 
@@ -71,7 +71,7 @@ def keyboard_main() -> int:
             KeyboardTeleop(settings, robot, terminal).run(
                 lambda: bool(interruptions) or rospy.is_shutdown()
             )
-    except (SettingsError, TerminalError) as error:
+    except (ConfigError, TerminalError) as error:
         return _fail(str(error))
     finally:
         time.sleep(FAREWELL_TIME)
@@ -96,9 +96,9 @@ def _read_settings() -> KeyboardSettings:
     path = str(rospy.get_param("~config", default))
     try:
         with open(path, encoding="utf-8") as file:
-            return KeyboardSettings.from_settings(Section(yaml.safe_load(file), path))
+            return read_config(KeyboardSettings, yaml.safe_load(file), path)
     except (OSError, yaml.YAMLError) as error:
-        raise SettingsError(f"{path}: cannot be read: {error}") from error
+        raise ConfigError(f"{path}: cannot be read: {error}") from error
 
 
 def _divert_logs(robot: Robot) -> None:

@@ -10,9 +10,10 @@ import rospy
 from control_msgs.msg import JointJog
 from geometry_msgs.msg import Twist
 from std_msgs.msg import Bool, Float64
-from telex_msgs.msg import JointTeleopStatus, TrackTeleopStatus
+from telex_msgs.msg import JointTeleopStatus, SimStatus, TrackTeleopStatus
 from telex_msgs.srv import SetMode
 
+from telex_teleop.e_stop_state import EStopState
 from telex_teleop.keyboard_commands import Commands
 from telex_teleop.keyboard_map import NODES
 from telex_teleop.keyboard_screen import JointView, NodeView
@@ -37,21 +38,29 @@ class Robot:
     def __init__(self, namespace: str) -> None:
         self.namespace = namespace
         self.notice = ""
-        self.e_stop = False
+        self._e_stop = EStopState()
         self._statuses: Dict[str, Tuple[float, Any]] = {}
         self._speed_wish: Tuple[float, float] = (-SPEED_PENDING, 1.0)
-        self._e_stop_publisher: Optional[rospy.Publisher] = None
         self._mode_request: Optional[threading.Thread] = None
         self._jogs = {
             node: self._publisher(f"{node}_teleop/delta_joint_cmds", JointJog) for node in NODES
         }
         self._twist = self._publisher("track_teleop/cmd_vel", Twist)
+        # Made now, for a press must reach the robot even when the master is gone by then. Latched,
+        # but an idle keyboard holds no message of its own.
+        self._e_stop_publisher = self._publisher("e_stop", Bool, latch=True)
         self._speeds = [self._publisher(f"{node}_teleop/speed_scale", Float64) for node in NODES]
         self._speeds.append(self._publisher("track_teleop/speed_scale", Float64))
         for node in NODES:
             self._listen(f"{node}_teleop/status", JointTeleopStatus, self._on_status, node)
         self._listen("track_teleop/status", TrackTeleopStatus, self._on_status, "tracks")
-        self._listen("e_stop", Bool, self._on_e_stop, None)
+        self._listen("e_stop", Bool, self._on_e_stop)
+        self._listen("sim/status", SimStatus, self._on_sim_status)
+
+    @property
+    def e_stop(self) -> bool:
+        """Whether the emergency stop is set."""
+        return self._e_stop.active
 
     def send(self, commands: Commands) -> None:
         """Publish commands."""
@@ -80,11 +89,6 @@ class Robot:
 
     def set_e_stop(self, active: bool) -> None:
         """Set or release the emergency stop."""
-        if self._e_stop_publisher is None:
-            # Not before it is needed: an idle keyboard must not hold a latched message of its own.
-            self._e_stop_publisher = rospy.Publisher(
-                f"{self.namespace}/e_stop", Bool, queue_size=1, latch=True, tcp_nodelay=True
-            )
         self._e_stop_publisher.publish(Bool(active))
 
     def toggle_mode(self) -> None:
@@ -141,10 +145,12 @@ class Robot:
         statuses = sorted(self._statuses.values(), key=lambda entry: entry[0])
         return statuses[-1][1] if statuses else None
 
-    def _publisher(self, name: str, kind: Any) -> rospy.Publisher:
-        return rospy.Publisher(f"{self.namespace}/{name}", kind, queue_size=10, tcp_nodelay=True)
+    def _publisher(self, name: str, kind: Any, latch: bool = False) -> rospy.Publisher:
+        return rospy.Publisher(
+            f"{self.namespace}/{name}", kind, queue_size=10, latch=latch, tcp_nodelay=True
+        )
 
-    def _listen(self, name: str, kind: Any, callback: Any, argument: Optional[str]) -> None:
+    def _listen(self, name: str, kind: Any, callback: Any, argument: Optional[str] = None) -> None:
         rospy.Subscriber(
             f"{self.namespace}/{name}",
             kind,
@@ -157,8 +163,11 @@ class Robot:
     def _on_status(self, message: Any, node: str) -> None:
         self._statuses[node] = (time.monotonic(), message)
 
-    def _on_e_stop(self, message: Any, _argument: None) -> None:
-        self.e_stop = bool(message.data)
+    def _on_e_stop(self, message: Any) -> None:
+        self._e_stop.take_request(bool(message.data))
+
+    def _on_sim_status(self, message: Any) -> None:
+        self._e_stop.take_status(bool(message.e_stop))
 
     def _request_mode(self, wanted: str) -> None:
         name = f"{self.namespace}/arm_teleop/set_mode"

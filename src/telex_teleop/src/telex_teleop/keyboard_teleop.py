@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Callable, FrozenSet, List
 from telex_teleop.keyboard_commands import Commander
 from telex_teleop.keyboard_decoding import Event, FocusEvent, KeyDecoder, KeyEvent, KeyKind
 from telex_teleop.keyboard_held import HeldKeys
+from telex_teleop.keyboard_line import LineCheck
 from telex_teleop.keyboard_map import Action, Command, KeyboardSettings
 from telex_teleop.keyboard_screen import Line, ScreenState, render
 
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 __all__ = ["KeyboardTeleop"]
 
 IDLE_PERIOD = 0.05  # s between two looks at the terminal while no key is held
+# What an operator may have meant for good while the program did not listen.
+NEVER_TOO_LATE = (Command.STOP, Command.E_STOP, Command.QUIT)
 
 
 class KeyboardTeleop:
@@ -37,7 +40,8 @@ class KeyboardTeleop:
         self._settings = settings
         self._robot = robot
         self._terminal = terminal
-        self._decoder = KeyDecoder()
+        self._decoder = KeyDecoder(settings.key_map.actions)
+        self._line = LineCheck()
         self._held = HeldKeys(settings.tap_time, settings.key_timeout)
         self._commander = Commander(settings.jog_rate, settings.linear, settings.angular)
         self._ended = False
@@ -59,11 +63,12 @@ class KeyboardTeleop:
                 now = time.monotonic()
                 if data is None:
                     break
-                if now - last > self._settings.longest_gap:
-                    # held up: what the keys did meanwhile is unknown, and old input is no command
-                    self._held.release_all(now)
+                late = now - last > self._settings.longest_gap
                 last = now
-                self.take(self._decoder.feed(data, now), now)
+                if data:
+                    self.hear(now)
+                self.take(self._decoder.feed(data, now), now, late)
+                self.check_line(now)
                 self.send(now)
                 if now - drawn >= 1.0 / self._settings.redraw_rate:
                     drawn = now
@@ -71,17 +76,41 @@ class KeyboardTeleop:
         finally:
             self._robot.send(self._commander.update(()))
 
-    def take(self, events: List[Event], now: float) -> None:
-        """Act on events that came at `now` (monotonic time, s)."""
+    def take(self, events: List[Event], now: float, late: bool = False) -> None:
+        """Act on events.
+
+        Parameters
+        ----------
+        events
+            What was read.
+        now
+            When it was read (monotonic time, s).
+        late
+            The program was held up before: what the keys did meanwhile is unknown, and what was
+            typed long ago is no command any more, unless it is to stop.
+        """
         for event in events:
             if isinstance(event, KeyEvent):
-                self._take_key(event, now)
+                self._take_key(event, now, late)
             elif isinstance(event, FocusEvent):
                 if not event.gained:
                     self._held.release_all(now)
             else:
                 self._exact_keys = event.exact
                 self._terminal.answer(event.exact)
+        if late:
+            self._held.release_all(now)
+
+    def hear(self, now: float) -> None:
+        """Take note that the terminal said something at `now` (monotonic time, s)."""
+        self._line.hear(now)
+
+    def check_line(self, now: float) -> None:
+        """Let the keys go whose release a dead line would never tell."""
+        if self._line.dead(self._held.exact, now):
+            self._held.release_all(now)
+        elif self._line.asks(now):
+            self._terminal.ask()
 
     def send(self, now: float) -> None:
         """Send what the held keys command: at once when it has changed, else at the send rate."""
@@ -108,22 +137,24 @@ class KeyboardTeleop:
         )
         columns, lines = self._terminal.size()
         settings = self._settings
-        return render(settings.keys, settings.lengths, state, columns, lines, self._show_help)
+        return render(settings.key_map, settings.lengths, state, columns, lines, self._show_help)
 
     def _wait(self) -> float:
         busy = self._commander.busy or self._decoder.incomplete
         return 1.0 / self._settings.send_rate if busy else IDLE_PERIOD
 
     def _held_actions(self, now: float) -> FrozenSet[Action]:
-        actions = (self._settings.keys.action(name) for name in self._held.names(now))
+        actions = (self._settings.key_map.action(name) for name in self._held.names(now))
         return frozenset(
             action for action in actions if action is not None and not isinstance(action, Command)
         )
 
-    def _take_key(self, event: KeyEvent, now: float) -> None:
+    def _take_key(self, event: KeyEvent, now: float, late: bool) -> None:
         went_down = self._held.take(event, now)
-        action = self._settings.keys.action(event.name)
+        action = self._settings.key_map.action(event.name)
         if not isinstance(action, Command) or event.kind is KeyKind.RELEASED:
+            return
+        if late and action not in NEVER_TOO_LATE:
             return
         # A stop is done however often it comes; of the others only the press counts.
         if action is Command.STOP:
@@ -137,7 +168,7 @@ class KeyboardTeleop:
     def _stop(self, now: float) -> None:
         self._held.release_all(now)
         self._sent = frozenset()
-        self._robot.send(self._commander.stop(self._settings.keys.actions.values()))
+        self._robot.send(self._commander.stop(self._settings.key_map.actions.values()))
 
     def _do(self, command: Command) -> None:
         self._robot.notice = ""

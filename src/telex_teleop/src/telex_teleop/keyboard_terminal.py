@@ -74,7 +74,7 @@ class Terminal:
         raw[6][termios.VMIN], raw[6][termios.VTIME] = 1, 0
         termios.tcsetattr(self._input, termios.TCSAFLUSH, raw)
         self._write(ALTERNATE_SCREEN + HIDE_CURSOR + REPORTS_ON)
-        self._ask()
+        self.ask()
         return self
 
     def __exit__(
@@ -110,7 +110,12 @@ class Terminal:
             self._kitty = True
             self._write(KITTY_ON)
             # the second answer tells from which byte on its reports are exact
-            self._ask()
+            self.ask()
+
+    def ask(self) -> None:
+        """Ask whether it speaks the kitty protocol; a terminal that does answers at once."""
+        self._asked = time.monotonic()
+        self._write(ASK_KITTY)
 
     def size(self) -> Tuple[int, int]:
         """Return columns and lines."""
@@ -128,10 +133,6 @@ class Terminal:
         self._shown, self._shown_size = list(lines), size
         rows = [f"{STYLES[line.style]}{line.text}{PLAIN}{CLEAR_LINE}" for line in lines]
         self._write(HOME + "\r\n".join(rows) + CLEAR_BELOW)
-
-    def _ask(self) -> None:
-        self._asked = time.monotonic()
-        self._write(ASK_KITTY)
 
     def _write(self, text: str) -> None:
         data = text.encode("utf-8", "replace")

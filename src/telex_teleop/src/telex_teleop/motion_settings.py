@@ -3,26 +3,41 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import Dict, Mapping, Optional, Tuple
+from dataclasses import dataclass, field, fields
+from typing import Dict, Mapping, Optional, Tuple, Union
 
+from telex_control.params import (
+    ConfigError,
+    require,
+    require_names,
+    require_range,
+    require_text,
+    required,
+)
+from telex_control.urdf_joints import PRISMATIC, REVOLUTE
 from telex_teleop.axis import AxisSettings
 from telex_teleop.coupled_teleop import Coupling
-from telex_teleop.limits import PRISMATIC, REVOLUTE, JointLimits
+from telex_teleop.limits import JointLimits
 from telex_teleop.reference import MotionLimits
-from telex_teleop.settings import Section, SettingsError
+from telex_teleop.teleop_settings import TeleopSettings
 
-__all__ = ["CoupledSettings", "JointTeleopSettings", "MotionRules"]
+__all__ = [
+    "CouplingSettings",
+    "GripperTeleopSettings",
+    "JointRules",
+    "JointTeleopSettings",
+    "MotionRules",
+]
 
 
 @dataclass(frozen=True)
 class MotionRules:
     """How the reference of a joint may move, beside the joint's own limits; rad or m.
 
+    The defaults are those of revolute joints.
+
     Attributes
     ----------
-    max_velocity
-        Bound below the URDF's (per second), None for the URDF's own.
     acceleration_time
         Time (s) from rest to the largest velocity.
     max_lead
@@ -35,135 +50,116 @@ class MotionRules:
         Largest one-shot increment.
     """
 
-    max_velocity: Optional[float]
-    acceleration_time: float
-    max_lead: float
-    hold_tolerance: float
-    limit_margin: float
-    max_displacement: float
+    acceleration_time: float = 0.3
+    max_lead: float = 0.35
+    hold_tolerance: float = 0.02
+    limit_margin: float = 0.002
+    max_displacement: float = 0.5
 
-    @classmethod
-    def defaults(cls, kind: str) -> MotionRules:
-        """Return the rules for ``"revolute"`` (rad) or ``"prismatic"`` (m) joints."""
-        if kind == PRISMATIC:
-            return cls(None, 0.3, 0.03, 0.005, 0.0005, 0.1)
-        return cls(None, 0.3, 0.35, 0.02, 0.002, 0.5)
-
-    def overridden(self, settings: Section, *, velocity: bool) -> MotionRules:
-        """Return these rules with what a section gives instead.
-
-        Parameters
-        ----------
-        settings
-            Any of the attributes.
-        velocity
-            Whether `max_velocity` may be among them.
-        """
-        rules = replace(
-            self,
-            acceleration_time=settings.number(
-                "acceleration_time", self.acceleration_time, positive=True
-            ),
-            max_lead=settings.number("max_lead", self.max_lead, positive=True),
-            hold_tolerance=settings.number("hold_tolerance", self.hold_tolerance, positive=True),
-            limit_margin=settings.number("limit_margin", self.limit_margin, minimum=0.0),
-            max_displacement=settings.number(
-                "max_displacement", self.max_displacement, positive=True
-            ),
-        )
-        if velocity and settings.has("max_velocity"):
-            rules = replace(rules, max_velocity=settings.number("max_velocity", positive=True))
-        settings.finish()
-        return rules
+    def __post_init__(self) -> None:
+        _require_rules(self)
 
 
 @dataclass(frozen=True)
-class JointTeleopSettings:
-    """Parameters of a joint teleoperation node.
+class PrismaticRules(MotionRules):
+    """The same with the defaults of prismatic joints (m)."""
+
+    max_lead: float = 0.03
+    hold_tolerance: float = 0.005
+    limit_margin: float = 0.0005
+    max_displacement: float = 0.1
+
+
+@dataclass(frozen=True)
+class JointRules:
+    """What one joint does otherwise than the others of its kind.
 
     Attributes
     ----------
-    source
-        Where they came from, for messages.
-    joints
-        Joints that the node moves, in the order of its status.
-    command_timeout
-        Age (s) at which a command that is not repeated ends.
-    longest_step
-        Joint states further apart than this (s of sim time) start everything anew.
-    status_rate
-        Status messages per second of wall time.
-    kinds
-        Rules for revolute and prismatic joints.
-    overrides
-        Sections of single joints.
+    max_velocity
+        Bound below the URDF's (per second); None for the URDF's own.
+    acceleration_time, max_lead, hold_tolerance, limit_margin, max_displacement
+        See `MotionRules`; None for what holds for the kind.
     """
 
-    source: str
-    joints: Tuple[str, ...]
-    command_timeout: float
-    longest_step: float
-    status_rate: float
-    kinds: Dict[str, MotionRules]
-    overrides: Dict[str, Section]
+    max_velocity: Optional[float] = None
+    acceleration_time: Optional[float] = None
+    max_lead: Optional[float] = None
+    hold_tolerance: Optional[float] = None
+    limit_margin: Optional[float] = None
+    max_displacement: Optional[float] = None
 
-    @classmethod
-    def from_settings(cls, settings: Section, *groups: str) -> JointTeleopSettings:
-        """Read the parameters that all joint nodes have.
+    def __post_init__(self) -> None:
+        require_range(self, "max_velocity", above=0.0)
+        _require_rules(self)
 
-        Parameters
-        ----------
-        settings
-            The node's parameters; the caller finishes it after reading its own.
-        groups
-            Pseudo joints that `joint_settings` may also name.
+    def applied_to(self, rules: MotionRules) -> MotionRules:
+        """Return the rules of the kind with what this joint does otherwise."""
+        values = {}
+        for each in fields(MotionRules):
+            own = getattr(self, each.name)
+            values[each.name] = getattr(rules, each.name) if own is None else own
+        return MotionRules(**values)
 
-        Raises
-        ------
-        SettingsError
-            When one is missing or out of range.
-        """
-        joints = settings.names("joints")
-        by_joint = settings.section("joint_settings")
-        overrides = {
-            name: by_joint.section(name) for name in (*joints, *groups) if by_joint.has(name)
-        }
-        by_joint.finish()
-        return cls(
-            source=settings.source,
-            joints=joints,
-            command_timeout=settings.number("command_timeout", 0.28, positive=True, maximum=0.3),
-            longest_step=settings.number("longest_step", 0.5, positive=True),
-            status_rate=settings.number("status_rate", 10.0, positive=True, maximum=100.0),
-            kinds={
-                kind: MotionRules.defaults(kind).overridden(settings.section(kind), velocity=False)
-                for kind in (REVOLUTE, PRISMATIC)
-            },
-            overrides=overrides,
-        )
+
+def _require_rules(rules: Union[MotionRules, JointRules]) -> None:
+    for name in ("acceleration_time", "max_lead", "hold_tolerance", "max_displacement"):
+        require_range(rules, name, above=0.0)
+    require_range(rules, "limit_margin", 0.0)
+
+
+@dataclass(frozen=True)
+class JointTeleopSettings(TeleopSettings):
+    """Parameters of a joint teleoperation node, beside those of every node.
+
+    Attributes
+    ----------
+    joints
+        Joints that the node moves, in the order of its status.
+    revolute, prismatic
+        Rules for the joints of either kind.
+    joint_settings
+        Rules of single joints.
+    """
+
+    joints: Tuple[str, ...] = field(default_factory=required)
+    revolute: MotionRules = field(default_factory=MotionRules)
+    prismatic: PrismaticRules = field(default_factory=PrismaticRules)
+    joint_settings: Dict[str, JointRules] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require_names(self, "joints")
+        axes = self.axis_names()
+        for name in self.joint_settings:
+            require(name in axes, f"joint_settings/{name} is unknown; known are {', '.join(axes)}")
+
+    def axis_names(self) -> Tuple[str, ...]:
+        """Return what can be jogged: the joints, and in a derived class also groups of them."""
+        return self.joints
 
     def axes(self, limits: Mapping[str, JointLimits]) -> Dict[str, AxisSettings]:
         """Return the bounds of motion of every joint.
 
         Raises
         ------
-        SettingsError
+        telex_control.params.ConfigError
             When the rules do not fit a joint's limits.
         """
         return {name: self.axis(name, limits[name]) for name in self.joints}
 
     def axis(self, name: str, limits: JointLimits) -> AxisSettings:
         """Return the bounds of motion of one joint or group with the given limits."""
-        rules = self._rules(name, limits.kind)
-        source = f"{self.source}/joint_settings/{name}"
+        own = self.joint_settings.get(name, JointRules())
+        rules = own.applied_to(self.prismatic if limits.kind == PRISMATIC else self.revolute)
         velocity = limits.max_velocity
-        if rules.max_velocity is not None:
-            if rules.max_velocity > velocity:
-                raise SettingsError(
-                    f"{source}/max_velocity: is {rules.max_velocity:g}; must be at most "
-                    f"{velocity:g}, what the robot allows"
-                )
-            velocity = rules.max_velocity
+        if own.max_velocity is not None:
+            require(
+                own.max_velocity <= velocity,
+                f"joint_settings/{name}/max_velocity is {own.max_velocity:g}; it must be at most "
+                f"{velocity:g}, what the robot allows",
+            )
+            velocity = own.max_velocity
         try:
             motion = MotionLimits(
                 lower=limits.lower + rules.limit_margin,
@@ -174,50 +170,38 @@ class JointTeleopSettings:
                 hold_tolerance=rules.hold_tolerance,
             )
         except ValueError as error:
-            raise SettingsError(f"{self.source}: joint {name}: {error}") from error
+            raise ConfigError(f"joint {name}: {error}") from error
         return AxisSettings(motion, rules.max_displacement)
-
-    def _rules(self, name: str, kind: str) -> MotionRules:
-        rules = self.kinds[kind]
-        section = self.overrides.get(name)
-        return rules if section is None else rules.overridden(section, velocity=True)
 
 
 @dataclass(frozen=True)
-class CoupledSettings:
-    """Section ``coupling`` of a gripper node: how a group of joints moves as one."""
+class CouplingSettings:
+    """How a group of joints moves as one.
 
-    name: str
+    Attributes
+    ----------
+    ratios, measured_by, name, align_velocity
+        See `coupled_teleop.Coupling`.
+    align_time
+        Time (s) from rest to `align_velocity`.
+    """
+
     ratios: Dict[str, float]
     measured_by: Tuple[str, ...]
-    align_velocity: float
-    align_time: float
+    name: str = "gripper"
+    align_velocity: float = 0.1
+    align_time: float = 0.3
 
-    @classmethod
-    def from_settings(cls, settings: Section, joints: Tuple[str, ...]) -> CoupledSettings:
-        """Read the section; every one of `joints` must have a ratio."""
-        ratios_section = settings.section("ratios", required=True)
-        ratios = {joint: ratios_section.number(joint) for joint in joints}
-        ratios_section.finish()
-        for joint, ratio in ratios.items():
-            if ratio == 0.0:
-                raise ratios_section.error(joint, ratio, "a number other than 0")
-        measured_by = settings.names("measured_by")
-        if not set(measured_by) <= set(joints):
-            raise settings.error("measured_by", list(measured_by), "names out of joints")
-        coupled = cls(
-            name=settings.text("name", "gripper"),
-            ratios=ratios,
-            measured_by=measured_by,
-            align_velocity=settings.number("align_velocity", 0.1, positive=True),
-            align_time=settings.number("align_time", 0.3, positive=True),
-        )
-        settings.finish()
-        return coupled
+    def __post_init__(self) -> None:
+        for joint, ratio in self.ratios.items():
+            require(ratio != 0.0, f"ratios/{joint} is {ratio}; a number other than 0 is needed")
+        require_names(self, "measured_by")
+        require_text(self, "name")
+        require_range(self, "align_velocity", above=0.0)
+        require_range(self, "align_time", above=0.0)
 
-    @property
     def coupling(self) -> Coupling:
-        """The coupling that these settings describe."""
+        """Return the coupling that these settings describe."""
         return Coupling(
             name=self.name,
             ratios=self.ratios,
@@ -231,7 +215,7 @@ class CoupledSettings:
 
         Raises
         ------
-        SettingsError
+        telex_control.params.ConfigError
             When no value suits all joints, or aligning leaves no speed for the common motion.
         """
         lower, upper, rate = -math.inf, math.inf, math.inf
@@ -240,14 +224,47 @@ class CoupledSettings:
             ends = sorted((motion.lower / ratio, motion.upper / ratio))
             lower, upper = max(lower, ends[0]), min(upper, ends[1])
             rate = min(rate, (motion.max_velocity - self.align_velocity) / abs(ratio))
-        if not lower < upper:
-            raise SettingsError(
-                f"coupling/ratios: no value of {self.name} suits the position limits of all its "
-                "joints; check the signs"
-            )
-        if rate <= 0.0:
-            raise SettingsError(
-                f"coupling/align_velocity: is {self.align_velocity!r}; must leave speed for the "
-                "common motion, so be below the slowest joint's"
-            )
+        require(
+            lower < upper,
+            f"coupling/ratios: no value of {self.name} suits the position limits of all its "
+            "joints; check the signs",
+        )
+        require(
+            rate > 0.0,
+            f"coupling/align_velocity is {self.align_velocity!r}; it must leave speed for the "
+            "common motion, so be below the slowest joint's",
+        )
         return JointLimits(REVOLUTE, lower, upper, rate)
+
+
+@dataclass(frozen=True)
+class GripperTeleopSettings(JointTeleopSettings):
+    """Parameters of the gripper's node, beside those of every joint node.
+
+    Attributes
+    ----------
+    coupling
+        How all its joints move as one.
+    """
+
+    coupling: CouplingSettings = field(default_factory=required)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        ratios = self.coupling.ratios
+        for joint in self.joints:
+            require(joint in ratios, f"coupling/ratios/{joint} is missing")
+        for joint in ratios:
+            require(
+                joint in self.joints,
+                f"coupling/ratios/{joint} is unknown; known are {', '.join(self.joints)}",
+            )
+        measured_by = self.coupling.measured_by
+        require(
+            set(measured_by) <= set(self.joints),
+            f"coupling/measured_by is {list(measured_by)}; names out of joints are needed",
+        )
+
+    def axis_names(self) -> Tuple[str, ...]:
+        """Return what can be jogged: the joints and the group of them."""
+        return (*self.joints, self.coupling.name)

@@ -158,9 +158,11 @@ class ReferenceGenerator:
 
     def start_from(self, position: float) -> float:
         """Return where a new motion of a joint measured at `position` starts (rad or m)."""
-        if self._reference is None or abs(self._reference - position) > self.limits.max_lead:
+        if self._reference is None:
             return position
-        return self._reference
+        # a joint that is pressed rests at the lead itself, which rounding must not exceed
+        near = abs(self._reference - position) <= self.limits.max_lead + GOAL_TOLERANCE
+        return self._reference if near else position
 
     def update(self, dt: float, position: float, speed_scale: float = 1.0) -> Optional[float]:
         """Move the reference by one step.

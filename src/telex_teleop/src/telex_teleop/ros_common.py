@@ -4,29 +4,45 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import Any, Callable
+from typing import Any, Callable, Optional, Protocol, Type, TypeVar
 
 import rospy
 from std_msgs.msg import Bool, Float64
+from telex_msgs.msg import SimStatus
 
-from telex_teleop.limits import LimitsError
-from telex_teleop.settings import Section, SettingsError
+from telex_control.params import ConfigError, read_config
+from telex_control.urdf_joints import UrdfError
+from telex_teleop.e_stop_state import EStopState
 from telex_teleop.speed import SpeedScale
 
 __all__ = [
     "OperatorInputs",
     "StatusTimer",
+    "caller_of",
     "private_settings",
     "run_node",
     "wait_for_robot_description",
 ]
 
+Settings = TypeVar("Settings")
+
 WARNING_PERIOD = 2.0  # s between two warnings of one kind
 
 
-def private_settings() -> Section:
-    """Return the node's private parameters."""
-    return Section(rospy.get_param("~", {}), rospy.get_name())
+def private_settings(kind: Type[Settings]) -> Settings:
+    """Return the node's private parameters.
+
+    Parameters
+    ----------
+    kind
+        Dataclass to read them into.
+
+    Raises
+    ------
+    telex_control.params.ConfigError
+        When one is missing, unknown or wrong.
+    """
+    return read_config(kind, rospy.get_param("~", {}), rospy.get_name())
 
 
 def wait_for_robot_description() -> str:
@@ -79,40 +95,68 @@ class StatusTimer:
                 return
 
 
+class TeleopCore(Protocol):
+    """What all cores have in common."""
+
+    @property
+    def speed(self) -> SpeedScale:
+        """The operator's speed."""
+
+    def set_e_stop(self, active: bool) -> None:
+        """Begin or end an emergency stop."""
+
+    def restart(self, stamp: float) -> None:
+        """Forget all motion, because the robot was put somewhere else at `stamp` (s)."""
+
+
 class OperatorInputs:
-    """The two inputs that every teleoperation node has: ``~speed_scale`` and ``e_stop``.
+    """What every teleoperation node hears: ``~speed_scale``, ``e_stop`` and ``sim/status``.
 
     Parameters
     ----------
-    speed
-        Set by ``~speed_scale``.
-    set_e_stop
-        Called with the state of the emergency stop.
+    core
+        What is told of them.
     lock
-        Held during both.
+        Held meanwhile.
     """
 
-    def __init__(
-        self, speed: SpeedScale, set_e_stop: Callable[[bool], None], lock: threading.Lock
-    ) -> None:
-        self._speed = speed
-        self._set_e_stop = set_e_stop
+    def __init__(self, core: TeleopCore, lock: threading.Lock) -> None:
+        self._core = core
         self._lock = lock
+        self._e_stop = EStopState()
+        self._resets: Optional[int] = None
         rospy.Subscriber(
             "~speed_scale", Float64, self._on_speed_scale, queue_size=10, tcp_nodelay=True
         )
         rospy.Subscriber("e_stop", Bool, self._on_e_stop, queue_size=10, tcp_nodelay=True)
+        rospy.Subscriber(
+            "sim/status", SimStatus, self._on_sim_status, queue_size=10, tcp_nodelay=True
+        )
 
     def _on_speed_scale(self, message: Any) -> None:
         try:
             with self._lock:
-                self._speed.set(message.data)
+                self._core.speed.set(message.data)
         except ValueError as error:
             rospy.logwarn_throttle(WARNING_PERIOD, f"dropped: {error}")
 
     def _on_e_stop(self, message: Any) -> None:
         with self._lock:
-            self._set_e_stop(bool(message.data))
+            self._e_stop.take_request(bool(message.data))
+            self._core.set_e_stop(self._e_stop.active)
+
+    def _on_sim_status(self, message: Any) -> None:
+        with self._lock:
+            self._e_stop.take_status(bool(message.e_stop))
+            self._core.set_e_stop(self._e_stop.active)
+            if self._resets is not None and message.resets != self._resets:
+                self._core.restart(message.header.stamp.to_sec())
+            self._resets = message.resets
+
+
+def caller_of(message: Any) -> str:
+    """Return the name of the node that sent a message."""
+    return str(message._connection_header["callerid"])
 
 
 def run_node(name: str, start: Callable[[], object]) -> int:
@@ -133,7 +177,7 @@ def run_node(name: str, start: Callable[[], object]) -> int:
     rospy.init_node(name)
     try:
         node = start()
-    except (SettingsError, LimitsError) as error:
+    except (ConfigError, UrdfError) as error:
         rospy.logfatal(f"{rospy.get_name()} cannot start: {error}")
         return 1
     except rospy.ROSInterruptException:

@@ -15,7 +15,7 @@ from telex_msgs.msg import JointTeleopStatus
 
 from telex_teleop.joint_jog import InvalidCommand, parse_joint_jog
 from telex_teleop.joint_teleop import JointTeleop
-from telex_teleop.ros_common import WARNING_PERIOD, OperatorInputs, StatusTimer
+from telex_teleop.ros_common import WARNING_PERIOD, OperatorInputs, StatusTimer, caller_of
 
 __all__ = ["JointTeleopNode"]
 
@@ -46,7 +46,7 @@ class JointTeleopNode:
             for joint in core.output_joints
         }
         self._status = rospy.Publisher("~status", JointTeleopStatus, queue_size=1)
-        self._inputs = OperatorInputs(core.speed, core.set_e_stop, self._lock)
+        self._inputs = OperatorInputs(core, self._lock)
         rospy.Subscriber(
             "~delta_joint_cmds", JointJog, self._on_jog, queue_size=10, tcp_nodelay=True
         )
@@ -88,7 +88,7 @@ class JointTeleopNode:
                 self._core.commanded_names,
             )
             with self._lock:
-                self._core.receive(jog, arrival)
+                self._core.receive(jog, arrival, caller_of(message))
         except InvalidCommand as error:
             topic = rospy.resolve_name("~delta_joint_cmds")
             rospy.logwarn_throttle(WARNING_PERIOD, f"message on {topic} dropped: {error}")

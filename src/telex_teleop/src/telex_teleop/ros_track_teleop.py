@@ -16,10 +16,10 @@ from telex_teleop.ros_common import (
     WARNING_PERIOD,
     OperatorInputs,
     StatusTimer,
+    caller_of,
     private_settings,
     run_node,
 )
-from telex_teleop.speed import SpeedScale
 from telex_teleop.track_drive import (
     STANDSTILL,
     TrackDrive,
@@ -47,7 +47,7 @@ class TrackTeleopNode:
             "track_controller/cmd_vel", Twist, queue_size=1, tcp_nodelay=True
         )
         self._status = rospy.Publisher("~status", TrackTeleopStatus, queue_size=1)
-        self._inputs = OperatorInputs(core.speed, core.set_e_stop, self._lock)
+        self._inputs = OperatorInputs(core, self._lock)
         rospy.Subscriber("~cmd_vel", Twist, self._on_twist, queue_size=10, tcp_nodelay=True)
         # Joint states are the pulse of the simulation: nothing is sent while it stands still.
         rospy.Subscriber(
@@ -93,10 +93,13 @@ class TrackTeleopNode:
                 f"{topic}: {', '.join(ignored)} ignored; tracks follow linear.x and angular.z only"
             )
         with self._lock:
-            self._core.receive(velocity, arrival)
+            self._core.receive(velocity, arrival, caller_of(message))
 
     def _on_joint_states(self, message: Any) -> None:
         arrival = time.monotonic()
+        # other publishers may share the topic, each with stamps of its own
+        if self._core.settings.pulse_joint not in message.name:
+            return
         with self._lock:
             velocity = self._core.update(message.header.stamp.to_sec(), arrival)
         if velocity is not None:
@@ -117,11 +120,8 @@ def _twist(velocity: Velocity) -> Twist:
 
 
 def _start() -> TrackTeleopNode:
-    section = private_settings()
-    settings = TrackSettings.from_settings(section)
-    speed = SpeedScale.from_settings(section)
-    section.finish()
-    return TrackTeleopNode(TrackDrive(settings, speed))
+    settings = private_settings(TrackSettings)
+    return TrackTeleopNode(TrackDrive(settings, settings.speed_scale()))
 
 
 def track_main() -> int:

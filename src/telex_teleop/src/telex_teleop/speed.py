@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-from telex_teleop.settings import Section
-
 __all__ = ["SpeedScale"]
 
 
@@ -49,11 +47,3 @@ class SpeedScale:
                 f"{self.maximum:g}"
             )
         self._value = max(self.minimum, min(self.maximum, value))
-
-    @classmethod
-    def from_settings(cls, settings: Section) -> SpeedScale:
-        """Read ``min_speed_scale``, ``max_speed_scale`` and ``initial_speed_scale``."""
-        minimum = settings.number("min_speed_scale", 0.05, positive=True, maximum=1.0)
-        maximum = settings.number("max_speed_scale", 1.0, minimum=minimum, maximum=1.0)
-        initial = settings.number("initial_speed_scale", maximum, minimum=minimum, maximum=maximum)
-        return cls(initial, minimum, maximum)

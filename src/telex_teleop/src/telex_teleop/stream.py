@@ -6,9 +6,9 @@ A client repeats its command while a key is held. Silence is a command to stop, 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Generic, Optional, TypeVar
+from typing import Dict, Generic, Optional, Set, TypeVar
 
-__all__ = ["Clocks", "CommandStream", "SimTicks", "Tick"]
+__all__ = ["Clocks", "CommandStream", "SimTicks", "StartingTime", "Tick"]
 
 Command = TypeVar("Command")
 
@@ -32,6 +32,10 @@ class Clocks:
 class CommandStream(Generic[Command]):
     """The newest command of one stream, while it is valid.
 
+    Several clients may send; each is known by the name of its node. What is latched is the stream
+    of each of them: only its own pause or its own stop lets it in again, so that nobody can release
+    a key that another operator still holds.
+
     Parameters
     ----------
     timeout
@@ -43,16 +47,13 @@ class CommandStream(Generic[Command]):
         self._command: Optional[Command] = None
         self._received: Optional[Clocks] = None
         self._validity = timeout
-        self._heard: Optional[float] = None
+        self._heard: Dict[str, float] = {}  # client to the wall time of its last command
+        self._ignored: Set[str] = set()
         self._inhibited = False
-        self._latched = False
 
-    @property
-    def latched(self) -> bool:
-        """Whether a running stream is ignored until it pauses."""
-        return self._latched
-
-    def receive(self, command: Command, now: Clocks, validity: Optional[float] = None) -> bool:
+    def receive(
+        self, command: Command, now: Clocks, caller: str = "", validity: Optional[float] = None
+    ) -> bool:
         """Take a command that asks for motion.
 
         Parameters
@@ -61,6 +62,8 @@ class CommandStream(Generic[Command]):
             What is wanted.
         now
             Time of arrival.
+        caller
+            Who sent it.
         validity
             Time (s) that the command holds when it is not repeated; never longer than the timeout.
 
@@ -69,33 +72,34 @@ class CommandStream(Generic[Command]):
         bool
             Whether the command is obeyed.
         """
-        paused = self._heard is None or now.wall - self._heard >= self._timeout
-        self._heard = now.wall
-        if self._inhibited or (self._latched and not paused):
+        self._forget_paused(now.wall)
+        self._heard[caller] = now.wall
+        if self._inhibited:
+            self._ignored.add(caller)
+        if caller in self._ignored:
             return False
-        self._latched = False
         self._command = command
         self._received = now
         self._validity = self._timeout if validity is None else min(validity, self._timeout)
         return True
 
-    def end(self) -> None:
-        """Take a command to stop; it also ends the wait for a pause."""
+    def end(self, caller: str = "") -> None:
+        """Take a command to stop from anybody; it also ends the wait for the pause of `caller`."""
         self._command = None
-        self._heard = None
-        self._latched = self._inhibited
+        self._heard.pop(caller, None)
+        self._ignored.discard(caller)
 
     def discard(self) -> None:
         """Forget the command; the stream may go on with its next message."""
         self._command = None
 
     def latch(self) -> None:
-        """Forget the command and ignore the stream until it has paused or sent a stop."""
+        """Forget the command, ignore each running stream until it has paused or sent a stop."""
         self._command = None
-        self._latched = True
+        self._ignored.update(self._heard)
 
     def inhibit(self, inhibited: bool) -> None:
-        """Ignore all commands while inhibited, and then the stream that ran meanwhile."""
+        """Ignore all commands while inhibited, and then the streams that ran meanwhile."""
         self._inhibited = inhibited
         if inhibited:
             self.latch()
@@ -111,7 +115,40 @@ class CommandStream(Generic[Command]):
 
     def waiting(self, wall: float) -> bool:
         """Tell whether a stream is running now that the latch makes us ignore."""
-        return self._latched and self._heard is not None and wall - self._heard < self._timeout
+        return any(wall - self._heard[caller] < self._timeout for caller in self._ignored)
+
+    def _forget_paused(self, wall: float) -> None:
+        for caller in [c for c, heard in self._heard.items() if wall - heard >= self._timeout]:
+            del self._heard[caller]
+            self._ignored.discard(caller)
+
+
+class StartingTime:
+    """The time after its start in which a node learns who is already sending commands.
+
+    It counts from the first joint state: the node listens to commands before it listens to those,
+    so by then it is connected to whoever sends any. A stream repeats its command well within the
+    timeout; it is heard within this time, which is twice as long, and then needs a new press.
+
+    Parameters
+    ----------
+    timeout
+        Age (s) at which a command that is not repeated ends.
+    """
+
+    def __init__(self, timeout: float) -> None:
+        self._length = 2.0 * timeout
+        self._began: Optional[float] = None
+        self.lasts = True
+
+    def ends(self, wall: float) -> bool:
+        """Take a joint state that came at `wall` (monotonic, s); tell whether it is over now."""
+        if self._began is None:
+            self._began = wall
+        if not self.lasts or wall - self._began < self._length:
+            return False
+        self.lasts = False
+        return True
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,11 @@ import math
 from dataclasses import dataclass
 from typing import Mapping, Optional, Tuple
 
+from telex_control.params import require_range
 from telex_teleop.joint_jog import InvalidCommand
-from telex_teleop.settings import Section
 from telex_teleop.speed import SpeedScale
-from telex_teleop.stream import Clocks, CommandStream, SimTicks
+from telex_teleop.stream import Clocks, CommandStream, SimTicks, StartingTime
+from telex_teleop.teleop_settings import TeleopSettings
 
 __all__ = ["TrackDrive", "TrackSettings", "TrackState", "Velocity", "parse_twist"]
 
@@ -33,45 +34,33 @@ STANDSTILL = Velocity(0.0, 0.0)
 
 
 @dataclass(frozen=True)
-class TrackSettings:
-    """Parameters of the track teleoperation node.
+class TrackSettings(TeleopSettings):
+    """Parameters of the track teleoperation node, beside those of every node.
 
     Attributes
     ----------
     max_linear, max_angular
         Bounds at speed scale 1 (m/s, rad/s).
-    command_timeout
-        Age (s) at which a command that is not repeated ends.
-    longest_step
-        Joint states further apart than this (s of sim time) start everything anew.
     publish_rate
         Commands to the track controller per second of sim time.
     stop_time
         Time (s) for which the final stop is repeated.
-    status_rate
-        Status messages per second of wall time.
+    pulse_joint
+        One of the belts: joint states without it are not the base's and say nothing of its time.
     """
 
-    max_linear: float
-    max_angular: float
-    command_timeout: float
-    longest_step: float
-    publish_rate: float
-    stop_time: float
-    status_rate: float
+    max_linear: float = 1.2
+    max_angular: float = 1.0
+    publish_rate: float = 50.0
+    stop_time: float = 0.2
+    pulse_joint: str = "front_left_track_joint"
 
-    @classmethod
-    def from_settings(cls, settings: Section) -> TrackSettings:
-        """Read the parameters; the caller finishes the section."""
-        return cls(
-            max_linear=settings.number("max_linear", 1.2, positive=True),
-            max_angular=settings.number("max_angular", 1.0, positive=True),
-            command_timeout=settings.number("command_timeout", 0.28, positive=True, maximum=0.3),
-            longest_step=settings.number("longest_step", 0.5, positive=True),
-            publish_rate=settings.number("publish_rate", 50.0, minimum=10.0, maximum=100.0),
-            stop_time=settings.number("stop_time", 0.2, minimum=0.0, maximum=2.0),
-            status_rate=settings.number("status_rate", 10.0, positive=True, maximum=100.0),
-        )
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require_range(self, "max_linear", above=0.0)
+        require_range(self, "max_angular", above=0.0)
+        require_range(self, "publish_rate", 10.0, 100.0)
+        require_range(self, "stop_time", 0.0, 2.0)
 
 
 @dataclass(frozen=True)
@@ -127,25 +116,31 @@ class TrackDrive:
         self._stream: CommandStream[Velocity] = CommandStream(settings.command_timeout)
         self._ticks = SimTicks(settings.longest_step)
         self._last_wall: Optional[float] = None
+        self._starting = StartingTime(settings.command_timeout)
         self._e_stop = False
         self._sent = STANDSTILL
         self._sent_at: Optional[float] = None
         self._stopping_until: Optional[float] = None
+        self._inhibit()
 
-    def receive(self, velocity: Velocity, wall: float) -> None:
-        """Take a command that arrived at `wall` (monotonic time, s)."""
+    def receive(self, velocity: Velocity, wall: float, caller: str = "") -> None:
+        """Take a command of `caller` that arrived at `wall` (monotonic time, s)."""
         if self._ticks.now is None:
             return
         if velocity == STANDSTILL:
-            self._stream.end()
+            self._stream.end(caller)
         else:
-            self._stream.receive(velocity, Clocks(wall, self._ticks.now))
+            self._stream.receive(velocity, Clocks(wall, self._ticks.now), caller)
 
     def set_e_stop(self, active: bool) -> None:
         """Begin or end an emergency stop."""
         if active != self._e_stop:
             self._e_stop = active
-            self._stream.inhibit(active)
+            self._inhibit()
+
+    def restart(self, _stamp: float) -> None:
+        """Forget the drive, because the robot was put somewhere else; the belts are stopped."""
+        self._restart()
 
     def update(self, stamp: float, wall: float) -> Optional[Velocity]:
         """Advance to a new joint state.
@@ -162,6 +157,8 @@ class TrackDrive:
         Velocity or None
             What to send to the track controller, None for nothing.
         """
+        if self._starting.ends(wall):
+            self._inhibit()
         tick = self._ticks.advance(stamp)
         self._last_wall = wall
         if tick is None:
@@ -183,14 +180,19 @@ class TrackDrive:
             message = "the e-stop is active"
         elif wall - self._last_wall > 2.0 * self.settings.command_timeout:
             message = "no joint_states: the simulation is paused or has ended"
+        elif self._starting.lasts:
+            message = "just started"
         elif self._stream.waiting(wall):
             message = "a command from before the stop goes on: release the key and press it again"
         else:
             message = ""
         return TrackState(alive and not message, self._sent, message)
 
+    def _inhibit(self) -> None:
+        self._stream.inhibit(self._e_stop or self._starting.lasts)
+
     def _restart(self) -> None:
-        """Forget everything after a jump of the sim time, but stop what was driving."""
+        """Forget everything, but stop what was driving."""
         self._stream.latch()
         self._sent_at = None
         self._stopping_until = None

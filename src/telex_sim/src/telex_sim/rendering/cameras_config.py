@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import Dict
 
-from telex_control.params import require
+from telex_control.params import require, require_choice, require_range, require_text
 
 from .camera import PinholeCamera
 from .quality import AUTO, TIERS
@@ -55,27 +55,15 @@ class CameraConfig:
             bool(self.frame) and not self.frame.startswith("/"),
             f"frame is '{self.frame}'; the name of a link is needed",
         )
-        for key in ("width", "height"):
-            size = getattr(self, key)
-            require(
-                16 <= size <= _MAX_SIZE, f"{key} is {size}; 16 to {_MAX_SIZE} pixels are possible"
-            )
-        require(
-            0.05 <= self.horizontal_fov <= _MAX_FOV,
-            f"horizontal_fov is {self.horizontal_fov}; 0.05 to {_MAX_FOV} rad are possible",
-        )
-        require(self.near >= 0.001, f"near is {self.near}; it must be at least 0.001 m")
+        require_range(self, "width", 16, _MAX_SIZE)
+        require_range(self, "height", 16, _MAX_SIZE)
+        require_range(self, "horizontal_fov", 0.05, _MAX_FOV)
+        require_range(self, "near", 0.001)
         require(
             self.far > self.near, f"far is {self.far}; it must be beyond near, which is {self.near}"
         )
-        require(
-            0.0 < self.rate <= _MAX_RATE,
-            f"rate is {self.rate}; it must be above 0, up to {_MAX_RATE:.0f} per second",
-        )
-        require(
-            1 <= self.jpeg_quality <= 100,
-            f"jpeg_quality is {self.jpeg_quality}; 1 to 100 are possible",
-        )
+        require_range(self, "rate", above=0.0, maximum=_MAX_RATE)
+        require_range(self, "jpeg_quality", 1, 100)
 
     def optics(self) -> PinholeCamera:
         """Return what the renderer needs to know of the camera."""
@@ -127,22 +115,10 @@ class CamerasConfig:
                 bool(_NAME.match(name)),
                 f"cameras has the key '{name}'; letters, digits and _ make a name",
             )
-        require(bool(self.model), "model is empty; the robot's name in the scene is needed")
-        require(
-            self.quality == AUTO or self.quality in TIERS,
-            f"quality is '{self.quality}'; {', '.join([AUTO, *TIERS])} are possible",
-        )
-        require(
-            self.shadow_radius > 0.0,
-            f"shadow_radius is {self.shadow_radius}; it must be above 0 m",
-        )
-        require(
-            self.repeat_rate > 0.0,
-            f"repeat_rate is {self.repeat_rate}; it must be above 0 per second",
-        )
-        require(0 <= self.niceness <= 19, f"niceness is {self.niceness}; 0 to 19 are possible")
-        require(
-            0 <= self.software_threads <= 16,
-            f"software_threads is {self.software_threads}; 0 to 16 are possible",
-        )
-        require(self.egl_device >= 0, f"egl_device is {self.egl_device}; 0 or more is needed")
+        require_text(self, "model")
+        require_choice(self, "quality", (AUTO, *TIERS))
+        require_range(self, "shadow_radius", above=0.0)
+        require_range(self, "repeat_rate", above=0.0)
+        require_range(self, "niceness", 0, 19)
+        require_range(self, "software_threads", 0, 16)
+        require_range(self, "egl_device", 0)

@@ -53,16 +53,24 @@ def load_texture(path: Path) -> np.ndarray:
     Raises
     ------
     TextureFileError
-        When the file is missing or no picture.
+        When the file is missing, no picture, or larger than OpenCV takes.
     """
     if not path.is_file():
         raise TextureFileError(f"{path}: no such file")
-    picture = cv2.imread(str(path), cv2.IMREAD_COLOR)
-    if picture is None:
-        raise TextureFileError(f"{path}: no picture that OpenCV can read")
-    reduction = MAX_TEXTURE_SIZE / max(picture.shape[:2])
-    if reduction < 1.0:
-        picture = cv2.resize(
-            picture, None, fx=reduction, fy=reduction, interpolation=cv2.INTER_AREA
-        )
-    return cv2.cvtColor(picture, cv2.COLOR_BGR2RGB)
+    try:
+        picture = cv2.imread(str(path), cv2.IMREAD_COLOR)
+        if picture is None:
+            raise TextureFileError(f"{path}: no picture that OpenCV can read")
+        return cv2.cvtColor(_reduced(picture), cv2.COLOR_BGR2RGB)
+    except cv2.error as error:
+        raise TextureFileError(f"{path}: OpenCV cannot read it: {error.err}") from error
+
+
+def _reduced(picture: np.ndarray) -> np.ndarray:
+    height, width = picture.shape[:2]
+    reduction = MAX_TEXTURE_SIZE / max(height, width)
+    if reduction >= 1.0:
+        return picture
+    # Of a narrow strip at least a line has to remain.
+    size = (max(1, round(width * reduction)), max(1, round(height * reduction)))
+    return cv2.resize(picture, size, interpolation=cv2.INTER_AREA)

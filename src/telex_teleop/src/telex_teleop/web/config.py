@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import dataclasses
-import math
-from typing import Any, Dict, List, Mapping, Tuple, Type, TypeVar
+from dataclasses import dataclass
+from typing import Any, Mapping, Tuple, Type, TypeVar
+
+from telex_control.params import read_config, require_range, require_text
 
 Config = TypeVar("Config")
 
@@ -12,132 +13,84 @@ OWN_PARAMETERS = ("url",)
 """Private parameters that a server sets for others to read."""
 
 
-class ConfigError(ValueError):
-    """A parameter that cannot be used; the text names it, its value and what would be right."""
-
-
-@dataclasses.dataclass(frozen=True)
-class Whole:
-    """An integer between two bounds, both allowed."""
-
-    minimum: int
-    maximum: int
-
-    def read(self, value: Any) -> int:
-        """Return the value, or raise ValueError with what would be right."""
-        if isinstance(value, bool) or not isinstance(value, int):
-            raise ValueError(f"must be an integer from {self.minimum} to {self.maximum}")
-        if not self.minimum <= value <= self.maximum:
-            raise ValueError(f"must lie between {self.minimum} and {self.maximum}")
-        return value
-
-
-@dataclasses.dataclass(frozen=True)
-class Real:
-    """A finite number between two bounds, both allowed."""
-
-    minimum: float
-    maximum: float
-
-    def read(self, value: Any) -> float:
-        """Return the value, or raise ValueError with what would be right."""
-        number = isinstance(value, (int, float)) and not isinstance(value, bool)
-        if not number or not math.isfinite(value) or not self.minimum <= value <= self.maximum:
-            raise ValueError(f"must be a number from {self.minimum:g} to {self.maximum:g}")
-        return float(value)
-
-
-@dataclasses.dataclass(frozen=True)
-class Text:
-    """A string that is not empty."""
-
-    def read(self, value: Any) -> str:
-        """Return the value, or raise ValueError with what would be right."""
-        if not isinstance(value, str) or not value:
-            raise ValueError("must be a string that is not empty")
-        return value
-
-
-@dataclasses.dataclass(frozen=True)
-class Texts:
-    """A list of strings, perhaps empty."""
-
-    def read(self, value: Any) -> Tuple[str, ...]:
-        """Return the value, or raise ValueError with what would be right."""
-        if not isinstance(value, (list, tuple)) or not all(isinstance(v, str) for v in value):
-            raise ValueError("must be a list of strings")
-        return tuple(value)
-
-
-def setting(default: Any, check: Any) -> Any:
-    """Declare a field of a configuration dataclass: its default and the check of its value."""
-    return dataclasses.field(default=default, metadata={"check": check})
-
-
-def load_config(config_class: Type[Config], values: Mapping[str, Any], where: str) -> Config:
-    """Read a configuration out of private parameters.
+def read_server_config(kind: Type[Config], params: Any, name: str) -> Config:
+    """Read the private parameters of a server, except those that it sets itself.
 
     Parameters
     ----------
-    config_class
-        Frozen dataclass whose fields are all made by `setting`.
-    values
+    kind
+        Dataclass to read them into.
+    params
         The private parameters; missing ones take their default.
-    where
+    name
         Name of the node, for messages.
 
     Raises
     ------
-    ConfigError
+    telex_control.params.ConfigError
         A parameter is unknown, or its value cannot be used.
     """
-    if not isinstance(values, Mapping):
-        raise ConfigError(f"{where}: the private parameters must be a dictionary, not {values!r}")
-    fields = {field.name: field for field in dataclasses.fields(config_class)}  # type: ignore[arg-type]
-    unknown: List[str] = sorted(set(values) - set(fields) - set(OWN_PARAMETERS))
-    if unknown:
-        known = ", ".join(sorted(fields))
-        raise ConfigError(f"{where}/{unknown[0]}: unknown parameter; known are {known}")
-    read: Dict[str, Any] = {}
-    for name, field in fields.items():
-        if name in values:
-            try:
-                read[name] = field.metadata["check"].read(values[name])
-            except ValueError as error:
-                raise ConfigError(f"{where}/{name}: {values[name]!r} {error}") from None
-    return config_class(**read)
+    if isinstance(params, Mapping):
+        params = {key: value for key, value in params.items() if key not in OWN_PARAMETERS}
+    return read_config(kind, params, name)
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclass(frozen=True)
 class VideoServerConfig:
     """Parameters of the video server; see config/video_server.yaml for their meaning."""
 
-    address: str = setting("127.0.0.1", Text())
-    port: int = setting(8080, Whole(0, 65535))
-    quality: int = setting(95, Whole(1, 100))
-    max_size: int = setting(4096, Whole(16, 16384))
-    send_buffer: int = setting(131072, Whole(4096, 16777216))
-    max_in_flight: int = setting(0, Whole(0, 16777216))
-    stall_timeout: float = setting(5.0, Real(0.5, 3600.0))
-    snapshot_timeout: float = setting(5.0, Real(0.1, 60.0))
-    main_camera: str = setting("front", Text())
-    rosbridge: str = setting("rosbridge", Text())
+    address: str = "127.0.0.1"
+    port: int = 8080
+    quality: int = 95
+    max_size: int = 4096
+    send_buffer: int = 131072
+    max_in_flight: int = 0
+    stall_timeout: float = 5.0
+    snapshot_timeout: float = 5.0
+    main_camera: str = "front"
+    rosbridge: str = "rosbridge"
+
+    def __post_init__(self) -> None:
+        require_text(self, "address")
+        require_range(self, "port", 0, 65535)
+        require_range(self, "quality", 1, 100)
+        require_range(self, "max_size", 16, 16384)
+        require_range(self, "send_buffer", 4096, 16777216)
+        require_range(self, "max_in_flight", 0, 16777216)
+        require_range(self, "stall_timeout", 0.5, 3600.0)
+        require_range(self, "snapshot_timeout", 0.1, 60.0)
+        require_text(self, "main_camera")
+        require_text(self, "rosbridge")
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclass(frozen=True)
 class RosbridgeConfig:
     """Parameters of the bridge; see config/rosbridge.yaml for their meaning."""
 
-    address: str = setting("127.0.0.1", Text())
-    port: int = setting(9090, Whole(0, 65535))
-    allowed_origins: Tuple[str, ...] = setting((), Texts())
-    max_message_size: int = setting(1048576, Whole(1024, 268435456))
-    max_queue_length: int = setting(100, Whole(1, 10000))
-    max_queue_bytes: int = setting(4194304, Whole(65536, 1073741824))
-    max_subscriptions: int = setting(200, Whole(1, 100000))
-    max_service_calls: int = setting(16, Whole(1, 1000))
-    service_timeout: float = setting(30.0, Real(0.1, 3600.0))
-    connect_timeout: float = setting(0.5, Real(0.0, 10.0))
-    ping_interval: float = setting(5.0, Real(0.2, 600.0))
-    send_buffer: int = setting(65536, Whole(4096, 16777216))
-    max_in_flight: int = setting(32768, Whole(0, 16777216))
+    address: str = "127.0.0.1"
+    port: int = 9090
+    allowed_origins: Tuple[str, ...] = ()
+    max_message_size: int = 1048576
+    max_queue_length: int = 100
+    max_queue_bytes: int = 4194304
+    max_subscriptions: int = 200
+    max_service_calls: int = 16
+    service_timeout: float = 30.0
+    connect_timeout: float = 0.5
+    ping_interval: float = 5.0
+    send_buffer: int = 65536
+    max_in_flight: int = 32768
+
+    def __post_init__(self) -> None:
+        require_text(self, "address")
+        require_range(self, "port", 0, 65535)
+        require_range(self, "max_message_size", 1024, 268435456)
+        require_range(self, "max_queue_length", 1, 10000)
+        require_range(self, "max_queue_bytes", 65536, 1073741824)
+        require_range(self, "max_subscriptions", 1, 100000)
+        require_range(self, "max_service_calls", 1, 1000)
+        require_range(self, "service_timeout", 0.1, 3600.0)
+        require_range(self, "connect_timeout", 0.0, 10.0)
+        require_range(self, "ping_interval", 0.2, 600.0)
+        require_range(self, "send_buffer", 4096, 16777216)
+        require_range(self, "max_in_flight", 0, 16777216)

@@ -14,7 +14,9 @@ from typing import Any, Callable, Type, TypeVar
 import rospy
 from aiohttp import web
 
-from .config import ConfigError, load_config
+from telex_control.params import ConfigError
+
+from .config import read_server_config
 
 SHUTDOWN_GRACE = 0.3
 """Time (s) that requests under way get to finish when the node ends."""
@@ -148,7 +150,7 @@ def run_node(
         print(f"{name}: {error}", file=sys.stderr)
         return 1
     try:
-        config: Any = load_config(config_class, rospy.get_param("~", {}), rospy.get_name())
+        config: Any = read_server_config(config_class, rospy.get_param("~", {}), rospy.get_name())
         listener = bind(config.address, config.port, rospy.get_name())
     except (ConfigError, BindError) as error:
         rospy.logfatal("%s", error)

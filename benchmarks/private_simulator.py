@@ -6,27 +6,20 @@ For benchmarks and scripted runs that must not meet whatever else runs on the ma
 from __future__ import annotations
 
 import os
-import signal
-import socket
 import subprocess
 import tempfile
 import time
-from typing import Any, Callable, Dict, List, TypeVar
+from typing import Any, Callable, Dict, TypeVar
 
 import rosgraph
+
+from telex_control.private_master import descendants, end_tree, free_port
 
 Value = TypeVar("Value")
 
 
 class SimulatorStartError(RuntimeError):
     """The simulator did not come up; the message holds the end of its output."""
-
-
-def free_port() -> int:
-    """A TCP port that nobody listens on now."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 class PrivateSimulator:
@@ -79,13 +72,7 @@ class PrivateSimulator:
 
     def __exit__(self, *exception: object) -> None:
         """End every process that was started."""
-        if self._process.poll() is None:
-            self._process.send_signal(signal.SIGINT)
-            try:
-                self._process.wait(10.0)
-            except subprocess.TimeoutExpired:
-                self._process.kill()
-                self._process.wait()
+        end_tree(self._process)
         self._output.close()
         self._logs.cleanup()
 
@@ -126,7 +113,7 @@ class PrivateSimulator:
     def processes(self) -> Dict[str, int]:
         """Process ids of all nodes by node name, as their command lines tell."""
         found = {}
-        for pid in _descendants(self._process.pid):
+        for pid in descendants(self._process.pid):
             with open(f"/proc/{pid}/cmdline", "rb") as file:
                 words = file.read().decode(errors="replace").split("\0")
             for word in words:
@@ -146,14 +133,3 @@ def cpu_seconds(pid: int) -> float:
     with open(f"/proc/{pid}/stat") as file:
         fields = file.read().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-
-
-def _descendants(pid: int) -> List[int]:
-    children = []
-    try:
-        for task in os.listdir(f"/proc/{pid}/task"):
-            with open(f"/proc/{pid}/task/{task}/children") as file:
-                children += [int(word) for word in file.read().split()]
-    except FileNotFoundError:
-        return []
-    return children + [each for child in children for each in _descendants(child)]

@@ -1,0 +1,82 @@
+"""The ROS master that tests and benchmarks have for themselves."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+import rosgraph
+
+from telex_control import private_master
+from telex_control.private_master import (
+    PrivateMaster,
+    PrivateMasterError,
+    descendants,
+    end_tree,
+)
+
+# Starts a child in a session of its own, as roslaunch does, says its id, and waits.
+PARENT = """
+import signal, subprocess, sys, time
+polite = sys.argv[1] == "polite"
+signal.signal(signal.SIGINT, signal.SIG_DFL if polite else signal.SIG_IGN)
+child = subprocess.Popen(["sleep", "60"], start_new_session=True)
+print(child.pid, flush=True)
+time.sleep(60)
+"""
+
+
+def is_running(pid):
+    try:
+        with open(f"/proc/{pid}/stat") as file:
+            return file.read().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+@pytest.mark.parametrize(
+    ("manner", "end"), [("polite", signal.SIGINT), ("stubborn", signal.SIGKILL)]
+)
+def test_no_descendant_remains(manner, end):
+    process = subprocess.Popen(
+        [sys.executable, "-c", PARENT, manner], stdout=subprocess.PIPE, start_new_session=True
+    )
+    with process.stdout:
+        child = int(process.stdout.readline())
+        assert child in descendants(process.pid)
+        end_tree(process, timeout=5.0 if end == signal.SIGINT else 0.5)
+    deadline = time.monotonic() + 5.0
+    while is_running(child) and time.monotonic() < deadline:
+        time.sleep(0.01)
+    assert not is_running(child)
+    assert process.returncode == -end
+
+
+@pytest.mark.ros
+def test_master_is_there_and_gone(monkeypatch):
+    monkeypatch.setenv("ROS_NAMESPACE", "/elsewhere")
+    with PrivateMaster() as master:
+        environment = master.environment(PLACE="here")
+        assert rosgraph.is_master_online(master.uri)
+        assert environment["ROS_MASTER_URI"] == master.uri
+        assert environment["PLACE"] == "here"
+        assert "ROS_NAMESPACE" not in environment
+        tree = descendants(os.getpid())
+        assert os.path.isdir(environment["ROS_LOG_DIR"])
+    assert not rosgraph.is_master_online(master.uri)
+    assert not any(is_running(pid) for pid in tree)
+    assert not os.path.exists(environment["ROS_HOME"])
+
+
+def test_master_that_does_not_come_up_says_why(monkeypatch, tmp_path):
+    program = tmp_path / "roscore"
+    program.write_text("#!/bin/sh\necho no such thing\nexit 3\n")
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
+    monkeypatch.setattr(private_master, "START_TIMEOUT", 5.0)
+    with pytest.raises(PrivateMasterError, match="no such thing"), PrivateMaster():
+        pass

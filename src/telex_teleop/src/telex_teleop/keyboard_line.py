@@ -1,0 +1,49 @@
+"""Whether the line to a terminal is alive while it says nothing.
+
+A key that is held by exact reports is silent until it goes up. If the connection to the terminal
+has died meanwhile, its release never comes; so the terminal is asked something it must answer.
+"""
+
+from __future__ import annotations
+
+from typing import Optional
+
+__all__ = ["LineCheck"]
+
+
+class LineCheck:
+    """When to ask the terminal, and when to give it up.
+
+    Parameters
+    ----------
+    period
+        Time (s) between two questions.
+    timeout
+        After so long (s) without a byte the line counts as dead.
+    """
+
+    def __init__(self, period: float = 0.1, timeout: float = 0.4) -> None:
+        self._period = period
+        self._timeout = timeout
+        self._asked = 0.0
+        self._heard: Optional[float] = None  # None while nothing is at stake
+
+    def hear(self, now: float) -> None:
+        """Take note that bytes came at `now` (monotonic time, s)."""
+        if self._heard is not None:
+            self._heard = now
+
+    def dead(self, needed: bool, now: float) -> bool:
+        """Tell whether the line is dead at `now`; `needed`: something depends on it."""
+        if not needed:
+            self._heard = None
+        elif self._heard is None:
+            self._heard, self._asked = now, now - self._period
+        return self._heard is not None and now - self._heard >= self._timeout
+
+    def asks(self, now: float) -> bool:
+        """Tell whether it is time for a question at `now`."""
+        if self._heard is None or now - self._asked < self._period:
+            return False
+        self._asked = now
+        return True
