@@ -5,9 +5,11 @@ from __future__ import annotations
 
 import argparse
 import os
+import socket
 import sys
 import time
 import urllib.error
+import urllib.parse
 import urllib.request
 from typing import Callable, Optional, Tuple
 from xmlrpc.client import Error as XmlRpcError
@@ -40,6 +42,16 @@ def alive(pid: int) -> bool:
     return True
 
 
+def node_answers(name: str) -> bool:
+    """Whether a node is registered and listens; one that died may still be registered."""
+    try:
+        address = urllib.parse.urlparse(rosgraph.Master("/wait_ready").lookupNode(name))
+        socket.create_connection((address.hostname, address.port), timeout=5.0).close()
+    except (rosgraph.MasterException, OSError):
+        return False
+    return True
+
+
 class Waiter:
     """Waits for one condition after the other, with a common deadline."""
 
@@ -58,12 +70,10 @@ class Waiter:
         if self._needed is None:
             return
         node, advice = self._needed
-        try:
-            rosgraph.Master("/wait_ready").lookupNode(node)
+        if node_answers(node):
             self._seen = True
-        except rosgraph.MasterException:
-            if self._seen or time.monotonic() - self._started > _NODE_START:
-                sys.exit(f"the node {node} has ended: {advice}")
+        elif self._seen or time.monotonic() - self._started > _NODE_START:
+            sys.exit(f"the node {node} has ended: {advice}")
 
     def wait(self, what: str, condition: Callable[[], Optional[object]]) -> object:
         """Return the first true value of `condition`; ends the program when none comes."""
