@@ -124,6 +124,20 @@ def test_turning_in_place(robot, rate):
     assert drive(tested, 0.0, rate, 3.0) == pytest.approx(3.0 * rate, rel=0.15)
 
 
+def test_the_belts_accelerate_as_the_drive_controller_allows(robot):
+    tested = robot()
+    tested.run(0.5)
+    drive(tested, 1.2, 0.0, 0.25)
+    belt = tested.simulation.hw.joint_state("front_left_track_joint")
+    # 2 m/s2 for 0.25 s over the drive wheel of 0.110 m
+    assert belt.velocity == pytest.approx(2.0 * 0.25 / 0.110, rel=0.05)
+
+
+def test_the_shipped_controllers_know_all_their_parameters(robot, caplog):
+    robot()
+    assert "does not know" not in caplog.text
+
+
 def test_a_silent_command_stream_stops_the_tracks(robot):
     tested = robot()
     drive(tested, 0.5, 0.0, 1.0)
