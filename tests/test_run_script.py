@@ -65,15 +65,21 @@ def processes_of(session_marker):
     return found
 
 
-@pytest.mark.ros
-def test_run_starts_everything_and_ctrl_c_leaves_nothing(tmp_path):
+@pytest.fixture
+def private(tmp_path):
+    """A master address of one's own, which marks all processes, and the environment with it."""
     marker = f"http://127.0.0.1:{free_port()}"
-    environment = {
+    return marker, {
         **os.environ,
         "ROS_MASTER_URI": marker,
         "ROS_IP": "127.0.0.1",
         "ROS_LOG_DIR": str(tmp_path),
     }
+
+
+@pytest.mark.ros
+def test_run_starts_everything_and_ctrl_c_leaves_nothing(private):
+    marker, environment = private
     terminal = Terminal(
         ["./launch_scripts/run.sh", "video_port:=0", "bridge_port:=0", "pose:=drive"], environment
     )
@@ -100,14 +106,8 @@ def test_run_starts_everything_and_ctrl_c_leaves_nothing(tmp_path):
 
 @pytest.mark.ros
 @pytest.mark.parametrize("delay", [1.0, 2.0, 3.5])
-def test_ctrl_c_while_it_starts_leaves_nothing_either(tmp_path, delay):
-    marker = f"http://127.0.0.1:{free_port()}"
-    environment = {
-        **os.environ,
-        "ROS_MASTER_URI": marker,
-        "ROS_IP": "127.0.0.1",
-        "ROS_LOG_DIR": str(tmp_path),
-    }
+def test_ctrl_c_while_it_starts_leaves_nothing_either(private, delay):
+    marker, environment = private
     terminal = Terminal(["./launch_scripts/run.sh", "video_port:=0", "bridge_port:=0"], environment)
     time.sleep(delay)
     os.write(terminal.fd, b"\x03")
@@ -121,14 +121,8 @@ def test_ctrl_c_while_it_starts_leaves_nothing_either(tmp_path, delay):
 
 
 @pytest.mark.ros
-def test_a_port_in_use_is_said_and_ends_the_start(tmp_path):
-    marker = f"http://127.0.0.1:{free_port()}"
-    environment = {
-        **os.environ,
-        "ROS_MASTER_URI": marker,
-        "ROS_IP": "127.0.0.1",
-        "ROS_LOG_DIR": str(tmp_path),
-    }
+def test_a_port_in_use_is_said_and_ends_the_start(private):
+    marker, environment = private
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
@@ -145,14 +139,8 @@ def test_a_port_in_use_is_said_and_ends_the_start(tmp_path):
 
 
 @pytest.mark.ros
-def test_a_start_that_fails_says_why_and_leaves_nothing(tmp_path):
-    marker = f"http://127.0.0.1:{free_port()}"
-    environment = {
-        **os.environ,
-        "ROS_MASTER_URI": marker,
-        "ROS_IP": "127.0.0.1",
-        "ROS_LOG_DIR": str(tmp_path),
-    }
+def test_a_start_that_fails_says_why_and_leaves_nothing(private):
+    marker, environment = private
     terminal = Terminal(
         ["./launch_scripts/run.sh", "video_port:=0", "bridge_port:=0", "pose:=handstand"],
         environment,

@@ -8,6 +8,7 @@ setup(
     **generate_distutils_setup(
         packages=[
             "telex_teleop",
+            "telex_teleop.keyboard",
             "telex_teleop.web",
             "telex_teleop.web.bridge",
             "telex_teleop.web.video",

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from telex_teleop.keyboard_decoding import FocusEvent, KeyDecoder, KeyEvent, KeyKind, KittyReply
+from telex_teleop.keyboard.decoding import FocusEvent, KeyDecoder, KeyEvent, KeyKind, KittyReply
 
 TYPED, PRESSED = KeyKind.TYPED, KeyKind.PRESSED
 REPEATED, RELEASED = KeyKind.REPEATED, KeyKind.RELEASED

@@ -7,11 +7,11 @@ import pytest
 import yaml
 
 from telex_control.params import ConfigError, read_config
-from telex_teleop.keyboard_commands import Commander
-from telex_teleop.keyboard_decoding import KeyEvent, KeyKind
-from telex_teleop.keyboard_held import HeldKeys
-from telex_teleop.keyboard_map import Command, Drive, Jog, KeyboardSettings, KeyMap, parse_action
-from telex_teleop.keyboard_screen import JointView, NodeView, ScreenState, Style, render
+from telex_teleop.keyboard.commands import Commander
+from telex_teleop.keyboard.decoding import KeyEvent, KeyKind
+from telex_teleop.keyboard.held import HeldKeys
+from telex_teleop.keyboard.map import Command, Drive, Jog, KeyboardSettings, KeyMap, parse_action
+from telex_teleop.keyboard.screen import JointView, NodeView, ScreenState, Style, render
 from telex_teleop.track_drive import Velocity
 
 FILE = Path(__file__).parents[1] / "config" / "keyboard_teleop.yaml"

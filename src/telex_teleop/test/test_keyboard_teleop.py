@@ -2,9 +2,9 @@
 
 import pytest
 
-from telex_teleop.keyboard_decoding import FocusEvent, KeyDecoder, KittyReply
-from telex_teleop.keyboard_map import KeyboardSettings
-from telex_teleop.keyboard_teleop import KeyboardTeleop
+from telex_teleop.keyboard.decoding import FocusEvent, KeyDecoder, KittyReply
+from telex_teleop.keyboard.map import KeyboardSettings
+from telex_teleop.keyboard.teleop import KeyboardTeleop
 from telex_teleop.track_drive import Velocity
 
 KEYS = {
@@ -195,7 +195,7 @@ def test_interruption_ends_the_loop(robot, settings):
 
 def test_standstill_of_the_program_releases_the_keys(robot, settings, monkeypatch):
     clock = iter([0.0, 0.02, 0.04, 5.0, 5.02, 5.04])
-    monkeypatch.setattr("telex_teleop.keyboard_teleop.time.monotonic", lambda: next(clock))
+    monkeypatch.setattr("telex_teleop.keyboard.teleop.time.monotonic", lambda: next(clock))
     exact = b"\x1b[?15u\x1b[106u"
     KeyboardTeleop(settings, robot, Terminal([exact, b"", b"", b"", b"\x03"])).run(lambda: False)
     moving = [commands.jogs["arm"]["turret_joint"] for commands in robot.sent if commands.jogs]
@@ -208,7 +208,7 @@ def clock(monkeypatch):
 
     def set_moments(*moments):
         turns = iter(moments)
-        monkeypatch.setattr("telex_teleop.keyboard_teleop.time.monotonic", lambda: next(turns))
+        monkeypatch.setattr("telex_teleop.keyboard.teleop.time.monotonic", lambda: next(turns))
 
     return set_moments
 

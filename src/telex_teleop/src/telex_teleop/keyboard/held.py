@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Dict, List, Set
 
-from telex_teleop.keyboard_decoding import KeyEvent, KeyKind
+from telex_teleop.keyboard.decoding import KeyEvent, KeyKind
 
 __all__ = ["HeldKeys"]
 

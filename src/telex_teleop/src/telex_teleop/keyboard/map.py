@@ -94,7 +94,7 @@ class KeyMap:
     Parameters
     ----------
     actions
-        Name of a key, as `keyboard_decoding.KeyEvent` has it, to its action.
+        Name of a key, as `decoding.KeyEvent` has it, to its action.
     """
 
     def __init__(self, actions: Dict[str, Action]) -> None:
@@ -141,7 +141,7 @@ class KeyboardSettings:
     keys
         Name of a key to the text of its action.
     tap_time, key_timeout
-        See `keyboard_held.HeldKeys` (s).
+        See `held.HeldKeys` (s).
     send_rate
         Commands per second while a key is held.
     redraw_rate

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Dict, Iterable, List, Tuple
 
-from telex_teleop.keyboard_map import Action, Drive, Jog
+from telex_teleop.keyboard.map import Action, Drive, Jog
 from telex_teleop.track_drive import STANDSTILL, Velocity
 
 __all__ = ["Commander", "Commands"]

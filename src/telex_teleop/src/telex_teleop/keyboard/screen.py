@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import FrozenSet, List, Mapping, Optional, Sequence, Tuple
 
-from telex_teleop.keyboard_map import NODES, Action, Command, Drive, Jog, KeyMap
+from telex_teleop.keyboard.map import NODES, Action, Command, Drive, Jog, KeyMap
 from telex_teleop.track_drive import STANDSTILL, Velocity
 
 __all__ = ["JointView", "Line", "NodeView", "ScreenState", "Style", "render"]

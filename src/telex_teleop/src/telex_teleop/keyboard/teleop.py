@@ -5,16 +5,16 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING, Callable, FrozenSet, List
 
-from telex_teleop.keyboard_commands import Commander
-from telex_teleop.keyboard_decoding import Event, FocusEvent, KeyDecoder, KeyEvent, KeyKind
-from telex_teleop.keyboard_held import HeldKeys
-from telex_teleop.keyboard_line import LineCheck
-from telex_teleop.keyboard_map import Action, Command, KeyboardSettings
-from telex_teleop.keyboard_screen import Line, ScreenState, render
+from telex_teleop.keyboard.commands import Commander
+from telex_teleop.keyboard.decoding import Event, FocusEvent, KeyDecoder, KeyEvent, KeyKind
+from telex_teleop.keyboard.held import HeldKeys
+from telex_teleop.keyboard.line import LineCheck
+from telex_teleop.keyboard.map import Action, Command, KeyboardSettings
+from telex_teleop.keyboard.screen import Line, ScreenState, render
 
 if TYPE_CHECKING:
-    from telex_teleop.keyboard_robot import Robot
-    from telex_teleop.keyboard_terminal import Terminal
+    from telex_teleop.keyboard.robot import Robot
+    from telex_teleop.keyboard.terminal import Terminal
 
 __all__ = ["KeyboardTeleop"]
 

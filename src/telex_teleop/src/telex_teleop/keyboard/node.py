@@ -15,10 +15,10 @@ import rospy
 import yaml
 
 from telex_control.params import ConfigError, read_config
-from telex_teleop.keyboard_map import KeyboardSettings
-from telex_teleop.keyboard_robot import Robot
-from telex_teleop.keyboard_teleop import KeyboardTeleop
-from telex_teleop.keyboard_terminal import Terminal, TerminalError
+from telex_teleop.keyboard.map import KeyboardSettings
+from telex_teleop.keyboard.robot import Robot
+from telex_teleop.keyboard.teleop import KeyboardTeleop
+from telex_teleop.keyboard.terminal import Terminal, TerminalError
 
 __all__ = ["keyboard_main"]
 

@@ -10,7 +10,7 @@ import time
 from types import TracebackType
 from typing import Any, List, Optional, Sequence, Tuple, Type
 
-from telex_teleop.keyboard_screen import Line, Style
+from telex_teleop.keyboard.screen import Line, Style
 
 __all__ = ["Terminal", "TerminalError"]
 

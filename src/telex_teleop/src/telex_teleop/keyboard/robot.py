@@ -14,9 +14,9 @@ from telex_msgs.msg import JointTeleopStatus, SimStatus, TrackTeleopStatus
 from telex_msgs.srv import SetMode
 
 from telex_teleop.e_stop_state import EStopState
-from telex_teleop.keyboard_commands import Commands
-from telex_teleop.keyboard_map import NODES
-from telex_teleop.keyboard_screen import JointView, NodeView
+from telex_teleop.keyboard.commands import Commands
+from telex_teleop.keyboard.map import NODES
+from telex_teleop.keyboard.screen import JointView, NodeView
 from telex_teleop.track_drive import STANDSTILL, Velocity
 
 __all__ = ["Robot"]
