@@ -110,7 +110,20 @@ class World:
             raise WorldError(f"PyBullet's window cannot be opened: {error}") from error
         if self.client < 0:
             raise WorldError("PyBullet's window cannot be opened")
+        if gui:
+            self._arrange_window()
         self.clear()
+
+    def _arrange_window(self) -> None:
+        """Show the robot instead of PyBullet's panels."""
+        pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_GUI, 0, physicsClientId=self.client)
+        pybullet.resetDebugVisualizerCamera(
+            cameraDistance=2.2,
+            cameraYaw=40.0,
+            cameraPitch=-22.0,
+            cameraTargetPosition=(0.2, 0.0, 0.3),
+            physicsClientId=self.client,
+        )
 
     def close(self) -> None:
         """Disconnect."""
