@@ -6,7 +6,7 @@ from typing import Any, Dict
 
 import moderngl
 
-NEEDED_PACKAGES = "libegl1 libgl1-mesa-dri libopengl0"
+NEEDED_PACKAGES = "libegl1 libgl1 libgl1-mesa-dri"
 
 # OpenGL 3.3, the first with everything that the shaders use.
 _GL_VERSION = 330
