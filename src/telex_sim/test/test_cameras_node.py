@@ -179,7 +179,7 @@ def test_the_node_survives_all_that_and_ends_in_order(seen):
         (
             PARAMS,
             {"__EGL_VENDOR_LIBRARY_DIRS": "/nonexistent"},
-            "apt-get install libegl1 libgl1-mesa-dri",
+            "apt-get install libegl1 libgl1 libgl1-mesa-dri",
         ),
     ],
 )
