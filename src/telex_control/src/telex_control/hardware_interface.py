@@ -162,17 +162,6 @@ class InterfaceResources:
         self.hardware_interface = hardware_interface
         self.resources: Tuple[str, ...] = tuple(sorted(resources))
 
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, InterfaceResources):
-            return NotImplemented
-        return (self.hardware_interface, self.resources) == (
-            other.hardware_interface,
-            other.resources,
-        )
-
-    def __repr__(self) -> str:
-        return f"InterfaceResources({self.hardware_interface!r}, {self.resources!r})"
-
 
 class ControllerInfo:
     """What a robot is told of a controller: its name, type and claims."""

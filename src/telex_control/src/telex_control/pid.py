@@ -91,7 +91,7 @@ class Pid:
     differ from, and a kick of ``d e / period`` would follow every start.
     """
 
-    __slots__ = ("_integral", "_last_error", "error", "error_dot", "gains", "i_term", "output")
+    __slots__ = ("_integral", "_last_error", "gains", "output")
 
     def __init__(self, gains: PidGains) -> None:
         self.gains = gains
@@ -101,9 +101,6 @@ class Pid:
         """Forget the past."""
         self._integral = 0.0
         self._last_error: Optional[float] = None
-        self.error = 0.0
-        self.error_dot = 0.0
-        self.i_term = 0.0
         self.output = 0.0
 
     def update(self, error: float, period: float, error_dot: Optional[float] = None) -> float:
@@ -138,8 +135,5 @@ class Pid:
             integral = min(max(integral, bounds[0]), bounds[1])
         self._integral = integral
         i_term = min(max(gains.i * integral, gains.i_min), gains.i_max)
-        self.error = error
-        self.error_dot = error_dot
-        self.i_term = i_term
         self.output = gains.p * error + i_term + gains.d * error_dot
         return self.output

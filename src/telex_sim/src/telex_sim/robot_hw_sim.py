@@ -211,7 +211,7 @@ class RobotHWSim(RobotHW):
                 joint.limits.enforce(period)
             pybullet.setJointMotorControlArray(
                 body.uid,
-                [joint.index for joint in efforts],
+                self._effort_indices,
                 pybullet.TORQUE_CONTROL,
                 forces=[joint.handle.command for joint in efforts],
                 physicsClientId=body.client,
@@ -222,10 +222,10 @@ class RobotHWSim(RobotHW):
                 joint.limits.enforce(period)
             pybullet.setJointMotorControlArray(
                 body.uid,
-                [joint.index for joint in velocities],
+                self._velocity_indices,
                 pybullet.VELOCITY_CONTROL,
                 targetVelocities=[joint.handle.command for joint in velocities],
-                forces=[_finite(joint.description.effort) for joint in velocities],
+                forces=self._velocity_forces,
                 physicsClientId=body.client,
             )
 
@@ -257,6 +257,10 @@ class RobotHWSim(RobotHW):
         driven = [joint for joint in self._all if not joint.braked]
         self._driven_by_effort = [joint for joint in driven if joint.takes_effort]
         self._driven_by_velocity = [joint for joint in driven if not joint.takes_effort]
+        # What `write` needs in every step, made once.
+        self._effort_indices = [joint.index for joint in self._driven_by_effort]
+        self._velocity_indices = [joint.index for joint in self._driven_by_velocity]
+        self._velocity_forces = [_finite(j.description.effort) for j in self._driven_by_velocity]
         self._release(self._driven_by_effort)
         self._hold([joint for joint in self._all if joint.braked])
 

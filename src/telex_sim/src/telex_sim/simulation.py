@@ -5,12 +5,12 @@ One thread owns a `Simulation`; only `request_e_stop` may be called from others.
 
 from __future__ import annotations
 
-from typing import Callable, List
+from typing import Callable, Dict, List
 
 from telex_control.controller_manager import ControllerManager
 from telex_control.node_handle import NodeHandle
 from telex_control.params import ConfigError
-from telex_control.urdf_joints import joints, parse_urdf
+from telex_control.urdf_joints import UrdfJoint, joints, parse_urdf
 
 from .config import SimulatorConfig
 from .phase_timer import PhaseTimer
@@ -54,9 +54,10 @@ class Simulation:
         self._step_size = config.timing.step_size
         self._steps_per_cycle = config.timing.steps_per_cycle
         self.steps = 0
-        self.hw = RobotHWSim(parse_urdf(urdf), config.hardware)
+        robot = parse_urdf(urdf)
+        self.hw = RobotHWSim(robot, config.hardware)
         self.controllers = ControllerManager(self.hw, node)
-        self._check_joints()
+        self._check_joints(joints(robot))
         self._belts = [
             (self.hw.joint_state(joint), radius) for joint, radius in config.tracks.belts.items()
         ]
@@ -68,12 +69,11 @@ class Simulation:
         self.world = World(self._step_size, config.solver_iterations, config.gui)
         self._place_robot()
 
-    def _check_joints(self) -> None:
+    def _check_joints(self, described: Dict[str, UrdfJoint]) -> None:
         """Refuse a configuration that names joints which are not there, or beyond their limits."""
         for joint in self.config.tracks.belts:
             if not self.hw.has_joint(joint):
                 raise ConfigError(f"tracks/belts/{joint}: the robot has no driven joint '{joint}'")
-        described = joints(parse_urdf(self.urdf))
         for joint, position in self.config.start.joint_positions().items():
             where = f"start/poses/{self.config.start.pose}/{joint}"
             if joint not in described:

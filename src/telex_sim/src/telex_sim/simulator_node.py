@@ -20,6 +20,7 @@ from telex_msgs.srv import Step, StepResponse
 
 from telex_control.controller_manager_services import ControllerManagerServices
 from telex_control.params import ConfigError, read_config
+from telex_control.robot_description import wait_for_robot_description
 from telex_control.ros_node_handle import RosNodeHandle
 from telex_control.urdf_joints import UrdfError
 
@@ -331,18 +332,6 @@ def _simulator_config() -> SimulatorConfig:
     return read_config(SimulatorConfig, params, rospy.resolve_name("~"))
 
 
-def _robot_description() -> str:
-    """Wait for ``robot_description`` in the namespace, and say so."""
-    name = rospy.resolve_name("robot_description")
-    while not rospy.is_shutdown():
-        text = rospy.get_param("robot_description", None)
-        if text is not None:
-            return str(text)
-        rospy.logwarn_throttle(5.0, f"waiting for the parameter {name}")
-        wall.sleep(0.1)
-    raise rospy.ROSInterruptException("shut down while waiting for robot_description")
-
-
 def main() -> None:
     """Run the node; a mistake in the configuration ends it with one line that says what to do."""
     rospy.init_node("simulator")
@@ -352,7 +341,7 @@ def main() -> None:
         paused = bool(rospy.get_param("~paused", False))
         simulation = Simulation(
             _simulator_config(),
-            _robot_description(),
+            wait_for_robot_description(),
             RosNodeHandle(),
             lambda address: resolve_address(address, packages.get_path),
         )

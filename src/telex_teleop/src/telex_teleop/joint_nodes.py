@@ -7,11 +7,12 @@ from typing import Any
 import rospy
 from telex_msgs.srv import SetMode, SetModeResponse
 
+from telex_control.robot_description import wait_for_robot_description
 from telex_teleop.coupled_teleop import CoupledTeleop
 from telex_teleop.joint_teleop import JointTeleop
 from telex_teleop.limits import limits_from_urdf
 from telex_teleop.motion_settings import GripperTeleopSettings, JointTeleopSettings
-from telex_teleop.ros_common import private_settings, run_node, wait_for_robot_description
+from telex_teleop.ros_common import private_settings, run_node
 from telex_teleop.ros_joint_teleop import JOINT_MODE, JointTeleopNode
 
 __all__ = ["arm_main", "flipper_main", "gripper_main"]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-import time
 from typing import Any, Callable, Optional, Protocol, Type, TypeVar
 
 import rospy
@@ -21,7 +20,6 @@ __all__ = [
     "caller_of",
     "private_settings",
     "run_node",
-    "wait_for_robot_description",
 ]
 
 Settings = TypeVar("Settings")
@@ -43,28 +41,6 @@ def private_settings(kind: Type[Settings]) -> Settings:
         When one is missing, unknown or wrong.
     """
     return read_config(kind, rospy.get_param("~", {}), rospy.get_name())
-
-
-def wait_for_robot_description() -> str:
-    """Return the URDF of this namespace, as soon as it is there.
-
-    Raises
-    ------
-    rospy.ROSInterruptException
-        When the node is shut down meanwhile.
-    """
-    name = rospy.resolve_name("robot_description")
-    reminded = -30.0
-    while not rospy.is_shutdown():
-        description = rospy.get_param(name, None)
-        if description is not None:
-            return str(description)
-        # Not rospy's throttle and sleep: sim time need not run before there is a robot.
-        if time.monotonic() - reminded >= 10.0:
-            reminded = time.monotonic()
-            rospy.logwarn(f"waiting for the parameter {name}; the simulator's launch file sets it")
-        time.sleep(0.25)
-    raise rospy.ROSInterruptException("shut down while waiting for robot_description")
 
 
 class StatusTimer:

@@ -1,0 +1,29 @@
+"""The robot's URDF on the parameter server."""
+
+from __future__ import annotations
+
+import time
+
+import rospy
+
+
+def wait_for_robot_description() -> str:
+    """Return the URDF of this node's namespace, as soon as it is there.
+
+    Raises
+    ------
+    rospy.ROSInterruptException
+        When the node is shut down meanwhile.
+    """
+    name = rospy.resolve_name("robot_description")
+    reminded = -30.0
+    while not rospy.is_shutdown():
+        description = rospy.get_param(name, None)
+        if description is not None:
+            return str(description)
+        # Not rospy's throttle and sleep: sim time need not run before there is a robot.
+        if time.monotonic() - reminded >= 10.0:
+            reminded = time.monotonic()
+            rospy.logwarn(f"waiting for the parameter {name}; the simulator's launch file sets it")
+        time.sleep(0.1)
+    raise rospy.ROSInterruptException("shut down while waiting for robot_description")
