@@ -6,6 +6,12 @@ from catkin_pkg.python_setup import generate_distutils_setup
 
 setup(
     **generate_distutils_setup(
-        packages=["telex_sim", "telex_sim.rendering"], package_dir={"": "src"}
+        packages=[
+            "telex_sim",
+            "telex_sim.rendering",
+            "telex_sim.scene",
+            "telex_sim.scene.library",
+        ],
+        package_dir={"": "src"},
     )
 )

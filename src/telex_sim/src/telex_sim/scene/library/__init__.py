@@ -1,0 +1,1 @@
+"""The objects that scene files name by their type."""

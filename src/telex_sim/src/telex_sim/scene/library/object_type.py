@@ -1,0 +1,42 @@
+"""What every type of object in the library offers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Tuple
+
+from ..model import ObjectModel, SceneObject
+
+
+class ObjectType:
+    """Base of the library's types.
+
+    A type is a frozen dataclass; its fields are the parameters that a scene file may set, with
+    defaults, checked in ``__post_init__`` by `telex_control.params.require`.
+    """
+
+    def build(self, folder: Path) -> Tuple[SceneObject, ...]:
+        """Make the objects of one entry of a scene file.
+
+        Parameters
+        ----------
+        folder : Path
+            That relative addresses start from: the scene file's.
+
+        Returns
+        -------
+        tuple of SceneObject
+            Poses are relative to the entry's. Names are appended to the entry's with an
+            underscore; the only object of an entry has the empty name.
+
+        Raises
+        ------
+        ConfigError
+            A parameter makes no sense; the message names it.
+        """
+        raise NotImplementedError
+
+
+def single(model: ObjectModel) -> Tuple[SceneObject, ...]:
+    """The answer of a type that makes one object."""
+    return (SceneObject("", model),)
