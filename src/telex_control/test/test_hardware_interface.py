@@ -3,14 +3,31 @@ from __future__ import annotations
 import pytest
 
 from telex_control.hardware_interface import (
+    ActuatorHandle,
+    ActuatorStateHandle,
+    ActuatorStateInterface,
     ControllerInfo,
+    EffortActuatorInterface,
     EffortJointInterface,
+    ForceTorqueSensorHandle,
+    ForceTorqueSensorInterface,
+    HardwareInterface,
     HardwareInterfaceError,
+    ImuSensorHandle,
+    ImuSensorInterface,
     InterfaceResources,
     JointHandle,
     JointStateHandle,
     JointStateInterface,
+    PositionActuatorInterface,
+    PositionJointInterface,
+    PosVelAccJointHandle,
+    PosVelAccJointInterface,
+    PosVelJointHandle,
+    PosVelJointInterface,
     RobotHW,
+    SwitchState,
+    VelocityActuatorInterface,
     VelocityJointInterface,
 )
 
@@ -33,6 +50,89 @@ def test_command_interfaces_claim_and_state_interfaces_do_not():
     assert effort.take_claims() == set()
 
 
+STATE, ACTUATOR = JointStateHandle("x"), ActuatorStateHandle("x")
+KINDS = [
+    (JointStateInterface, STATE, False),
+    (EffortJointInterface, JointHandle(STATE), True),
+    (VelocityJointInterface, JointHandle(STATE), True),
+    (PositionJointInterface, JointHandle(STATE), True),
+    (PosVelJointInterface, PosVelJointHandle(STATE), True),
+    (PosVelAccJointInterface, PosVelAccJointHandle(STATE), True),
+    (ActuatorStateInterface, ACTUATOR, False),
+    (EffortActuatorInterface, ActuatorHandle(ACTUATOR), True),
+    (VelocityActuatorInterface, ActuatorHandle(ACTUATOR), True),
+    (PositionActuatorInterface, ActuatorHandle(ACTUATOR), True),
+    (ImuSensorInterface, ImuSensorHandle("x", "imu_link"), False),
+    (ForceTorqueSensorInterface, ForceTorqueSensorHandle("x", "wrist_link"), False),
+]
+
+
+@pytest.mark.parametrize(("kind", "handle", "claims"), KINDS)
+def test_every_interface_has_upstreams_name_and_claims(kind, handle, claims):
+    robot, interface = RobotHW(), kind()
+    interface.register_handle(handle)
+    robot.register_interface(interface)
+    assert robot.get(kind).get_handle("x") is handle
+    (taken,) = robot.take_claims()
+    assert taken.hardware_interface == f"hardware_interface::{kind.__name__}"
+    assert taken.resources == (("x",) if claims else ())
+    assert robot.take_claims() == ()
+
+
+def test_combined_commands_stand_beside_the_state():
+    handle = PosVelAccJointHandle(STATE)
+    assert handle.state is STATE
+    assert (handle.command_position, handle.command_velocity, handle.command_acceleration) == (
+        0.0,
+        0.0,
+        0.0,
+    )
+    with pytest.raises(AttributeError):
+        handle.command = 1.0  # a slot, so that a wrong name does not go unnoticed
+
+
+def test_sensors_measure_nothing_until_they_do():
+    imu = ImuSensorHandle("imu", "imu_link")
+    assert (imu.frame_id, imu.orientation, imu.angular_velocity_covariance) == (
+        "imu_link",
+        None,
+        None,
+    )
+    assert ForceTorqueSensorHandle("ft", "wrist_link").force is None
+    assert (STATE.absolute_position, STATE.torque_sensor) == (None, None)
+
+
+def test_registering_again_replaces_and_warns(caplog):
+    robot, interface = RobotHW(), JointStateInterface()
+    first, second = JointStateHandle("j"), JointStateHandle("j")
+    interface.register_handle(first)
+    assert caplog.text == ""
+    interface.register_handle(second)
+    assert interface.get_handle("j") is second
+    assert "Replacing previously registered handle 'j' in" in caplog.text
+    robot.register_interface(JointStateInterface())
+    robot.register_interface(interface)
+    assert robot.get(JointStateInterface) is interface
+    assert "interface 'hardware_interface::JointStateInterface'" in caplog.text
+
+
+def test_a_robots_own_interface_is_named_by_its_class():
+    class GripperInterface(HardwareInterface):
+        claims_resources = True
+
+    assert GripperInterface.type_name.endswith("GripperInterface")
+    with pytest.raises(HardwareInterfaceError, match="GripperInterface"):
+        RobotHW().get(GripperInterface)
+
+
+def test_a_robot_switches_at_once_unless_it_says_otherwise():
+    robot = RobotHW()
+    assert robot.prepare_switch([], []) is None
+    robot.do_switch([], [])
+    assert robot.switch_result() is SwitchState.DONE
+    assert robot.switch_result(info("a")) is SwitchState.DONE
+
+
 def test_a_handle_shows_what_the_robot_measured():
     state = JointStateHandle("j")
     handle = JointHandle(state)
@@ -53,7 +153,7 @@ def test_unknown_resources_are_named():
     states.register_handle(JointStateHandle("j"))
     with pytest.raises(
         HardwareInterfaceError,
-        match="'x' in 'hardware_interface::JointStateInterface'; it has: j",
+        match=r"Could not find resource 'x' in 'hardware_interface::JointStateInterface'\. .* j$",
     ):
         states.get_handle("x")
 
@@ -61,7 +161,11 @@ def test_unknown_resources_are_named():
 def test_missing_interfaces_are_named():
     robot = RobotHW()
     robot.register_interface(EffortJointInterface())
-    with pytest.raises(HardwareInterfaceError, match="VelocityJointInterface.*it has.*Effort"):
+    with pytest.raises(
+        HardwareInterfaceError,
+        match="requires a hardware interface of type 'hardware_interface::VelocityJointInterface'. "
+        "Make sure this is registered in the hardware_interface::RobotHW class.*Effort",
+    ):
         robot.get(VelocityJointInterface)
 
 

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from telex_control.urdf_joints import UrdfError, joints, parse_urdf, transmissions
+from telex_control.urdf_joints import UrdfError, joints, parse_urdf
 
 
 def robot(body):
@@ -83,26 +83,3 @@ def test_wrong_joints_are_named(body, named):
 def test_no_robot(text):
     with pytest.raises(UrdfError, match="robot_description"):
         parse_urdf(text)
-
-
-def transmission(joint="j", interface="hardware_interface/EffortJointInterface"):
-    tag = f"<hardwareInterface>{interface}</hardwareInterface>" if interface else ""
-    return robot(
-        '<joint name="j" type="continuous"/>'
-        f'<transmission name="t"><joint name="{joint}">{tag}</joint></transmission>'
-    )
-
-
-@pytest.mark.parametrize(
-    "interface", ["hardware_interface/EffortJointInterface", "EffortJointInterface"]
-)
-def test_transmissions(interface):
-    (found,) = transmissions(transmission(interface=interface))
-    assert (found.joint, found.hardware_interface) == ("j", "EffortJointInterface")
-
-
-def test_wrong_transmissions_are_named():
-    with pytest.raises(UrdfError, match="'t' names the joint 'x'"):
-        transmissions(transmission(joint="x"))
-    with pytest.raises(UrdfError, match="'t' has no <hardwareInterface>"):
-        transmissions(transmission(interface=""))

@@ -47,7 +47,9 @@ def robot(interface="hardware_interface/EffortJointInterface", limit='velocity="
     return parse_urdf(
         '<robot name="r"><link name="a"/><link name="b"/><joint name="j" type="continuous">'
         f'<parent link="a"/><child link="b"/><limit {limit}/></joint><transmission name="t">'
+        "<type>transmission_interface/SimpleTransmission</type>"
         f'<joint name="j"><hardwareInterface>{interface}</hardwareInterface></joint>'
+        '<actuator name="m"><mechanicalReduction>1</mechanicalReduction></actuator>'
         "</transmission></robot>"
     )
 
@@ -56,7 +58,7 @@ def robot(interface="hardware_interface/EffortJointInterface", limit='velocity="
     ("description", "config", "named"),
     [
         (robot(interface="hardware_interface/JointModeInterface"), HardwareConfig(), "simulated"),
-        (robot(limit='velocity="0" effort="1"'), HardwareConfig(), "'j': velocity limit 0.0"),
+        (robot(limit='velocity="0" effort="1"'), HardwareConfig(), "'j': max_velocity is 0.0"),
         (robot(), HardwareConfig(joints={"nose": JointHardware()}), "hardware/joints/nose"),
     ],
 )

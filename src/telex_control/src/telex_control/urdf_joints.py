@@ -1,10 +1,10 @@
-"""Joints, limits and transmissions of a URDF, as the control layer needs them."""
+"""Joints and limits of a URDF, as the control layer needs them."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Dict, List, Optional
+from typing import Dict, Optional
 from xml.etree import ElementTree
 
 REVOLUTE = "revolute"
@@ -55,15 +55,6 @@ class UrdfJoint:
     effort: float
     friction: float
     soft: Optional[SoftLimits]
-
-
-@dataclass(frozen=True)
-class Transmission:
-    """The first joint of a URDF ``<transmission>``, and its hardware interface."""
-
-    name: str
-    joint: str
-    hardware_interface: str
 
 
 def parse_urdf(text: str) -> ElementTree.Element:
@@ -154,33 +145,3 @@ def _soft_limits(
         k_position=_number(safety, "k_position", 0.0, owner),
         k_velocity=_number(safety, "k_velocity", 0.0, owner),
     )
-
-
-def transmissions(robot: ElementTree.Element) -> List[Transmission]:
-    """Return the transmissions of a ``<robot>`` element.
-
-    As in Gazebo, only the first joint and its first interface count, and an interface without
-    its ``hardware_interface/`` prefix is taken too.
-
-    Raises
-    ------
-    UrdfError
-        A transmission without a joint, an interface, or with a joint that does not exist.
-    """
-    known = {element.get("name") for element in robot.findall("joint")}
-    result = []
-    for element in robot.findall("transmission"):
-        name = element.get("name", "")
-        joint = element.find("joint")
-        if joint is None or joint.get("name") not in known:
-            named = None if joint is None else joint.get("name")
-            raise UrdfError(f"transmission '{name}' names the joint {named!r}, which is not there")
-        interface = joint.findtext("hardwareInterface") or element.findtext(
-            "actuator/hardwareInterface"
-        )
-        if not interface:
-            raise UrdfError(f"transmission '{name}' has no <hardwareInterface>")
-        result.append(
-            Transmission(name, joint.get("name", ""), interface.strip().rsplit("/", 1)[-1])
-        )
-    return result

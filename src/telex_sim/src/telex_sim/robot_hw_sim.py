@@ -9,6 +9,7 @@ controllers ask for.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from typing import Dict, List, Optional, Set
 from xml.etree import ElementTree
@@ -24,12 +25,14 @@ from telex_control.hardware_interface import (
     RobotHW,
     VelocityJointInterface,
 )
-from telex_control.joint_limits import (
+from telex_control.joint_limits import joint_limits
+from telex_control.joint_limits_interface import (
     EffortJointSaturationHandle,
     JointLimitsHandle,
     VelocityJointSaturationHandle,
 )
-from telex_control.urdf_joints import PRISMATIC, UrdfError, UrdfJoint, joints, transmissions
+from telex_control.transmission_parser import driven_joints
+from telex_control.urdf_joints import PRISMATIC, UrdfError, UrdfJoint, joints
 
 from .config import HardwareConfig
 from .world import Body
@@ -53,16 +56,12 @@ class _Joint:
         self.handle = JointHandle(self.state)
         self.index = -1
         self.limits: JointLimitsHandle
+        limits, _ = joint_limits(description)
         if takes_effort:
-            self.limits = EffortJointSaturationHandle(
-                self.handle,
-                description.lower,
-                description.upper,
-                description.velocity * tolerance,
-                description.effort,
-            )
+            limits = dataclasses.replace(limits, max_velocity=limits.max_velocity * tolerance)
+            self.limits = EffortJointSaturationHandle(self.handle, limits)
         else:
-            self.limits = VelocityJointSaturationHandle(self.handle, description.velocity)
+            self.limits = VelocityJointSaturationHandle(self.handle, limits)
 
 
 class RobotHWSim(RobotHW):
@@ -90,18 +89,16 @@ class RobotHWSim(RobotHW):
             EffortJointInterface(),
             VelocityJointInterface(),
         )
-        for transmission in transmissions(robot):
-            name = transmission.joint
-            if name in self._joints:
-                continue
-            if transmission.hardware_interface not in (_EFFORT, _VELOCITY):
+        for driven in driven_joints(robot):
+            name = driven.joint
+            if driven.hardware_interface not in (_EFFORT, _VELOCITY):
                 raise UrdfError(
-                    f"transmission '{transmission.name}' asks for "
-                    f"'{transmission.hardware_interface}'; simulated are {_EFFORT} and {_VELOCITY}"
+                    f"transmission '{driven.transmission}' asks for "
+                    f"'{driven.hardware_interface}'; simulated are {_EFFORT} and {_VELOCITY}"
                 )
             if name not in descriptions:
-                raise UrdfError(f"transmission '{transmission.name}': joint '{name}' cannot move")
-            takes_effort = transmission.hardware_interface == _EFFORT
+                raise UrdfError(f"transmission '{driven.transmission}': joint '{name}' cannot move")
+            takes_effort = driven.hardware_interface == _EFFORT
             try:
                 joint = _Joint(descriptions[name], takes_effort, config.velocity_tolerance)
             except ValueError as error:
