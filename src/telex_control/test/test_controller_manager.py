@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import sys
 import threading
 import time
 
@@ -25,6 +26,7 @@ class Recorder(Controller):
         self.fail_in = node.param("fail_in", str, "")
         if self.fail_in == "init":
             raise RuntimeError("broken")
+        return self.fail_in != "init as in C++"
 
     def _note(self, call):
         self.calls.append(call)
@@ -39,6 +41,11 @@ class Recorder(Controller):
 
     def stopping(self, time):
         self._note("stopping")
+
+
+class BadConstructor(Controller):
+    def __init__(self):
+        raise RuntimeError("broken")
 
 
 RECORDER = f"{__name__}.Recorder"
@@ -58,6 +65,7 @@ def recorders(bench):
             "free": {"type": RECORDER},
             "no_joint": {"type": RECORDER, "claims": {"effort": ["nose"]}},
             "bad_init": {"type": RECORDER, "fail_in": "init"},
+            "false_init": {"type": RECORDER, "fail_in": "init as in C++"},
             "bad_start": {"type": RECORDER, "fail_in": "starting"},
             "bad_stop": {
                 "type": RECORDER,
@@ -73,15 +81,42 @@ def recorders(bench):
             "unknown_type": {"type": "effort_controllers/NoSuchController"},
             "unknown_path": {"type": "telex_control.no_such_module.Controller"},
             "no_controller": {"type": "telex_control.pid.Pid"},
+            "bad_constructor": {"type": f"{__name__}.BadConstructor"},
+            "two": {
+                "type": RECORDER,
+                "claims": {"velocity": ["wheel", "elbow"], "effort": ["slide"]},
+            },
         }
     )
 
 
 def wait_for_switch(bench):
+    eventually(lambda: bench.manager._switch is not None, "a switch to reach the loop")
+
+
+def eventually(condition, what):
     end = time.monotonic() + 5.0
-    while bench.manager._switch is None:
-        assert time.monotonic() < end, "the switch did not reach the loop"
+    while not condition():
+        assert time.monotonic() < end, f"not within 5 s: {what}"
         time.sleep(0.001)
+
+
+class Call(threading.Thread):
+    """A call of the manager in a thread of its own, as a service makes it."""
+
+    def __init__(self, function, *arguments, **options):
+        super().__init__(daemon=True)
+        self._call = lambda: function(*arguments, **options)
+        self.answer = None
+        self.start()
+
+    def run(self):
+        self.answer = self._call()
+
+    def result(self):
+        self.join(5.0)
+        assert not self.is_alive(), "the call did not return"
+        return self.answer
 
 
 def test_loaded_controllers_are_initialized_and_listed_in_load_order(recorders):
@@ -99,13 +134,22 @@ def test_loaded_controllers_are_initialized_and_listed_in_load_order(recorders):
     ("name", "logged"),
     [
         ("", "empty"),
-        ("untyped", "/untyped/type is missing"),
-        ("not_there", "/not_there/type is missing"),
-        ("unknown_type", "list_controller_types"),
+        (
+            "untyped",
+            "the type was not specified. Did you load the controller configuration on the "
+            "parameter server (namespace: '/untyped')?",
+        ),
+        ("not_there", "'not_there' because the type was not specified"),
+        ("unknown_type", "type 'effort_controllers/NoSuchController' does not exist"),
+        ("unknown_type", "Use 'rosservice call controller_manager/list_controller_types'"),
         ("unknown_path", "no_such_module"),
         ("no_controller", "no subclass"),
         ("no_joint", "'nose'"),
-        ("bad_init", "raised"),
+        ("bad_init", "Exception thrown while initializing controller 'bad_init'"),
+        ("bad_init", "Initializing controller 'bad_init' failed"),
+        ("false_init", "Initializing controller 'false_init' failed: its init returned False"),
+        ("no_joint", "Initializing controller 'no_joint' failed: Could not find resource"),
+        ("bad_constructor", "while constructing controller 'bad_constructor'"),
     ],
 )
 def test_what_cannot_be_loaded_is_refused_and_says_why(recorders, caplog, name, logged):
@@ -335,6 +379,13 @@ def test_world_reset_starts_again_what_had_failed(recorders):
     assert recorders.hw.switches[-1] == (["bad_update"], [])
 
 
+def test_world_reset_leaves_alone_what_somebody_has_stopped(recorders):
+    recorders.load_and_start("bad_stop")
+    recorders.switch(stop=["bad_stop"])
+    recorders.manager.reset(1.0)
+    assert recorders.states() == {"bad_stop": "stopped"}
+
+
 def test_every_interface_that_a_controller_uses_is_listed(bench):
     tested = bench(
         {"j": {"type": "joint_state_controller/JointStateController", "publish_rate": 5}}
@@ -377,3 +428,219 @@ def test_types_are_listed(recorders):
     types = dict(recorders.manager.list_controller_types())
     assert "effort_controllers/JointPositionController" in types
     assert set(types.values()) == {"controller_interface::ControllerBase"}
+
+
+def test_users_types_are_listed_once_they_are_known(recorders):
+    recorders.manager.load_controller("a")
+    recorders.manager.load_controller("b")
+    recorders.manager.load_controller("unknown_path")
+    types = [name for name, _ in recorders.manager.list_controller_types()]
+    assert types.count(RECORDER) == 1
+    assert types == sorted(types)
+    assert "telex_control.no_such_module.Controller" not in types
+
+
+def test_a_changed_module_is_imported_anew(bench, tmp_path, monkeypatch):
+    source = (
+        "from telex_control.controller import Controller\n"
+        "class MyController(Controller):\n"
+        "    version = {}\n"
+        "    def init(self, hw, root, node): pass\n"
+    )
+    module = tmp_path / "changing_controllers.py"
+    module.write_text(source.format(1))
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    tested = bench({"x": {"type": "changing_controllers.MyController"}})
+    (first,) = tested.load_and_start("x")
+    module.write_text(source.format(2))
+    reload = Call(tested.manager.reload_controller_libraries, True)
+    while reload.is_alive():
+        tested.cycle()
+        reload.join(0.001)
+    assert reload.answer
+    (second,) = tested.load_and_start("x")
+    assert (first.version, second.version) == (1, 2)
+
+
+def test_claims_are_listed_by_interface(recorders):
+    assert recorders.manager.load_controller("two")
+    ((info, _),) = recorders.manager.list_controllers()
+    assert [(claim.hardware_interface, claim.resources) for claim in info.claimed_resources] == [
+        ("hardware_interface::VelocityJointInterface", ("elbow", "wheel")),
+        ("hardware_interface::EffortJointInterface", ("slide",)),
+    ]
+
+
+def test_claims_of_a_failed_init_are_not_those_of_the_next(recorders):
+    recorders.manager.load_controller("no_joint")
+    assert recorders.manager.load_controller("free")
+    ((info, _),) = recorders.manager.list_controllers()
+    assert info.claimed_resources == ()
+
+
+def test_controllers_are_updated_in_load_order(recorders, monkeypatch):
+    order = []
+    monkeypatch.setattr(Recorder, "update", lambda self, time, period: order.append(self))
+    b, a = recorders.load_and_start("b", "a")
+    order.clear()
+    recorders.cycle()
+    assert order == [b, a]
+
+
+def test_a_switch_to_rivals_at_once_is_refused(recorders, caplog):
+    recorders.manager.load_controller("a")
+    recorders.manager.load_controller("rival")
+    for strictness in (1, 2):
+        assert not recorders.switch(start=["a", "rival"], strictness=strictness)
+    assert "Could not switch controllers, due to resource conflict" in caplog.text
+    assert set(recorders.states().values()) == {"initialized"}
+
+
+def test_best_effort_does_what_it_can(recorders):
+    recorders.load_and_start("a")
+    recorders.manager.load_controller("rival")
+    assert recorders.switch(["rival", "ghost"], ["ghost", "b", "a"], strictness=1)
+    assert recorders.states() == {"a": "stopped", "rival": "running"}
+
+
+def test_strict_does_all_or_nothing(recorders, caplog):
+    recorders.load_and_start("a")
+    recorders.manager.load_controller("rival")
+    assert not recorders.switch(["rival", "ghost"], ["a"])
+    assert not recorders.switch(["rival"], ["a", "ghost"])
+    assert recorders.states() == {"a": "running", "rival": "initialized"}
+    for verb in ("start", "stop"):
+        assert f"Could not {verb} controller with name 'ghost' because no" in caplog.text
+
+
+def test_the_robot_may_refuse_a_combination(recorders, caplog):
+    asked = []
+
+    def prepare(start, stop):
+        asked.append(([c.name for c in start], [c.name for c in stop]))
+        return "one drive is off"
+
+    recorders.hw.prepare_switch = prepare
+    recorders.manager.load_controller("a")
+    assert not recorders.switch(start=["a"], strictness=1)
+    assert asked == [(["a"], [])]
+    assert "for the requested controllers is unfeasible: one drive is off" in caplog.text
+    assert recorders.states() == {"a": "initialized"}
+    assert recorders.hw.switches == []
+
+
+def test_asap_aborts_only_what_its_hardware_fails(recorders):
+    recorders.hw.switch_result = lambda info=None: (
+        SwitchState.ERROR if info is not None and info.name == "a" else SwitchState.DONE
+    )
+    recorders.manager.load_controller("a")
+    recorders.manager.load_controller("b")
+    assert not recorders.switch(start=["a", "b"], start_asap=True)
+    assert recorders.states() == {"a": "aborted", "b": "running"}
+
+
+def test_an_aborted_controller_can_be_started_or_unloaded(recorders):
+    recorders.hw.switch_result = lambda info=None: SwitchState.ERROR
+    for name in ("a", "b"):
+        recorders.manager.load_controller(name)
+    assert not recorders.switch(start=["a", "b"])
+    del recorders.hw.switch_result
+    assert recorders.switch(start=["a"])
+    assert recorders.manager.unload_controller("b")
+    assert recorders.states() == {"a": "running"}
+
+
+def test_loading_and_unloading_do_not_wait_for_a_switch(recorders, caplog):
+    recorders.hw.switch_result = lambda info=None: SwitchState.ONGOING
+    recorders.manager.load_controller("a")
+    recorders.manager.load_controller("free")
+    switch = Call(recorders.manager.switch_controller, ["a"], [], 2)
+    wait_for_switch(recorders)
+    recorders.cycle()
+    assert Call(recorders.manager.load_controller, "b").result()
+    assert Call(recorders.manager.unload_controller, "free").result()
+    assert recorders.states() == {"a": "waiting", "b": "initialized"}
+    # what is being switched stays
+    assert Call(recorders.manager.unload_controller, "a").result() is False
+    assert "because it is being switched" in caplog.text
+    del recorders.hw.switch_result
+    recorders.cycle()
+    assert switch.result()
+
+
+def test_a_second_switch_waits_for_the_first(recorders):
+    recorders.manager.load_controller("a")
+    recorders.manager.load_controller("b")
+    switches = [Call(recorders.manager.switch_controller, [name], [], 2) for name in ("a", "b")]
+    wait_for_switch(recorders)
+    recorders.cycle()
+    wait_for_switch(recorders)
+    assert sorted(recorders.states().values()) == ["initialized", "running"]
+    recorders.cycle()
+    assert all(switch.result() for switch in switches)
+
+
+def test_closing_releases_everybody_who_waits(recorders):
+    recorders.manager.load_controller("a")
+    recorders.manager.load_controller("b")
+    switches = [Call(recorders.manager.switch_controller, [name], [], 2) for name in ("a", "b")]
+    wait_for_switch(recorders)
+    recorders.manager.close()
+    assert [switch.result() for switch in switches] == [False, False]
+
+
+def test_a_switch_that_waits_too_long_is_given_up_and_aborted(recorders):
+    recorders.hw.switch_result = lambda info=None: SwitchState.ONGOING
+    recorders.manager.load_controller("a")
+    switch = Call(recorders.manager.switch_controller, ["a"], [], 2, False, 0.01)
+    wait_for_switch(recorders)
+    # the clock stands, as while paused: only the wall's time passes
+    while switch.is_alive():
+        recorders.manager.apply_switch(recorders.time)
+        switch.join(0.01)
+    assert switch.answer is False
+    assert recorders.states() == {"a": "aborted"}
+    assert recorders.hw.switches[-1] == ([], ["a"])
+
+
+def test_a_controller_that_raises_in_every_way_harms_nobody(recorders):
+    (good,) = recorders.load_and_start("b")
+    for name in ("bad_update", "bad_stop"):
+        assert recorders.manager.load_controller(name)
+        assert recorders.switch(start=[name])
+        recorders.cycle(2)
+        recorders.switch(stop=[name], strictness=1)
+        assert recorders.states()[name] == "stopped"
+    good.calls.clear()
+    recorders.cycle(5)
+    assert good.calls == ["update"] * 5
+
+
+def test_four_clients_at_once(recorders):
+    """Load, switch, unload and list from four threads while the loop runs: nobody gets stuck."""
+    names = ["a", "b", "rival", "free"]
+    ended = threading.Event()
+    counts = dict.fromkeys(names, 0)
+
+    def client(name):
+        manager = recorders.manager
+        while not ended.is_set():
+            if manager.load_controller(name):
+                started = manager.switch_controller([name], [], 1)
+                manager.list_controllers()
+                if started:
+                    assert manager.switch_controller([], [name], 2)
+                assert manager.unload_controller(name)
+                counts[name] += 1
+
+    clients = [Call(client, name) for name in names]
+    end = time.monotonic() + 2.0
+    while time.monotonic() < end:
+        recorders.cycle()
+    ended.set()
+    while any(each.is_alive() for each in clients):
+        recorders.cycle()
+        assert time.monotonic() < end + 5.0, "a client got stuck"
+    assert recorders.states() == {}
+    assert min(counts.values()) >= 3

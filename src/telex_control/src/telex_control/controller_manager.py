@@ -2,8 +2,8 @@
 
 One thread, the control loop, calls `ControllerManager.update`. All other methods may be called
 from any number of other threads. A switch is prepared in the calling thread, carried out by the
-loop at the end of one cycle, and only its caller waits for it: listing never blocks, and a paused
-simulation goes on calling `apply_switch`.
+loop at the end of one cycle, and only its caller, and whoever wants the next switch, waits for it:
+listing, loading and unloading do not. A paused simulation goes on calling `apply_switch`.
 """
 
 from __future__ import annotations
@@ -25,6 +25,12 @@ from .node_handle import NodeHandle, ParameterError
 
 BASE_CLASS = "controller_interface::ControllerBase"
 
+_GIVE_UP_MARGIN = 1.0
+"""Wall time (s) beyond its timeout for which a switch waits for the control loop."""
+
+_TAKE_BACK_TIME = 0.2
+"""Wall time (s) that the loop gets to answer a switch that is given up, as it may just begin it."""
+
 
 class Strictness(enum.IntEnum):
     """What happens to a switch that cannot be carried out in every detail."""
@@ -34,7 +40,10 @@ class Strictness(enum.IntEnum):
 
 
 class _Switch:
-    """A switch on its way through the control loop."""
+    """A switch on its way through the control loop.
+
+    The caller prepares it and waits for `done`; from `begun_at` on, the rest is the loop's.
+    """
 
     def __init__(
         self,
@@ -52,6 +61,10 @@ class _Switch:
         self.failed = False
         self.given_up = False
         self.done = threading.Event()
+
+    def concerns(self, loaded: LoadedController) -> bool:
+        """Whether it starts or stops this controller."""
+        return loaded in self.start or loaded in self.stop
 
 
 class ControllerManager:
@@ -71,10 +84,14 @@ class ControllerManager:
         # Replaced as a whole, never changed: the loop reads it without a lock.
         self._controllers: Tuple[LoadedController, ...] = ()
         self._switch: Optional[_Switch] = None
-        # One load, unload or switch at a time. Listing takes no lock.
-        self._services = threading.Lock()
+        # Held while controllers are loaded, unloaded, or a switch is planned; never while one
+        # waits for the loop. Listing takes no lock.
+        self._changes = threading.Lock()
+        # One switch at a time; taken before `_changes`.
+        self._switching = threading.Lock()
         self._closing = threading.Event()
         self._modules: Set[str] = set()
+        self._user_types: Set[str] = set()
 
     # --- the control loop's side -------------------------------------------------------------
 
@@ -133,16 +150,21 @@ class ControllerManager:
             return
         if switch.begun_at is None:
             if switch.given_up:
-                self._switch = None
+                switch.failed = True
+                self._finish(switch)
                 return
             switch.begun_at = time
             self._hw.do_switch([c.info for c in switch.start], [c.info for c in switch.stop])
             for loaded in switch.stop:
-                self._guarded(loaded.stop, loaded, time)
+                if not self._guarded(loaded.stop, loaded, time):
+                    loaded.failed = False  # somebody wanted it stopped, and so it stays
         self._start_pending(switch, time)
         if not switch.pending:
-            self._switch = None
-            switch.done.set()
+            self._finish(switch)
+
+    def _finish(self, switch: _Switch) -> None:
+        self._switch = None
+        switch.done.set()
 
     def _start_pending(self, switch: _Switch, time: float) -> None:
         overall = self._hw.switch_result()
@@ -191,8 +213,8 @@ class ControllerManager:
         return [(loaded.info, loaded.state) for loaded in self._controllers]
 
     def list_controller_types(self) -> List[Tuple[str, str]]:
-        """Type name and base class of the controllers of this package."""
-        return [(name, BASE_CLASS) for name in builtin_types()]
+        """Type name and base class of the controllers of this package, and of users' so far."""
+        return [(name, BASE_CLASS) for name in sorted({*builtin_types(), *self._user_types})]
 
     def load_controller(self, name: str) -> bool:
         """Load and initialise the controller whose parameters stand under `name`.
@@ -202,7 +224,7 @@ class ControllerManager:
         bool
             False, with the reason in the log, when it cannot be loaded.
         """
-        with self._services:
+        with self._changes:
             if not name:
                 self._log.error("Could not load a controller: its name is empty")
                 return False
@@ -213,22 +235,54 @@ class ControllerManager:
                 )
                 return False
             node = self._root.child(name)
-            try:
-                type_name = node.param("type", str)
-                loaded = LoadedController(name, type_name, controller_class(type_name)(), node)
-                self._warn_of_unknown_params(loaded)
-                loaded.init(self._hw, self._root)
-            except (ParameterError, HardwareInterfaceError, ControllerInitError) as error:
-                self._log.error("Could not load controller '%s': %s", name, error)
+            loaded = self._construct(name, node)
+            if loaded is None or not self._init(loaded):
                 node.shutdown()
                 return False
-            except Exception:  # a user's class may raise anything
-                self._log.exception("Could not load controller '%s': it raised", name)
-                node.shutdown()
-                return False
-            self._modules.add(type(loaded.controller).__module__)
             self._controllers = (*self._controllers, loaded)
             return True
+
+    def _construct(self, name: str, node: NodeHandle) -> Optional[LoadedController]:
+        type_name = node.find_param("type", None)
+        if not isinstance(type_name, str):
+            self._log.error(
+                "Could not load controller '%s' because the type was not specified. Did you load "
+                "the controller configuration on the parameter server (namespace: '%s')?",
+                name,
+                node.namespace,
+            )
+            return None
+        try:
+            kind = controller_class(type_name)
+        except ControllerInitError as error:
+            self._log.error(
+                "Could not load controller '%s' because controller type '%s' does not exist.",
+                name,
+                type_name,
+            )
+            self._log.error("%s", error)
+            return None
+        self._modules.add(kind.__module__)
+        if type_name not in builtin_types():
+            self._user_types.add(type_name)
+        try:
+            return LoadedController(name, type_name, kind(), node)
+        except Exception:  # a user's class may raise anything
+            self._log.exception("Exception thrown while constructing controller '%s'", name)
+            return None
+
+    def _init(self, loaded: LoadedController) -> bool:
+        self._warn_of_unknown_params(loaded)
+        try:
+            loaded.init(self._hw, self._root)
+        except (ParameterError, HardwareInterfaceError, ControllerInitError) as error:
+            self._log.error("Initializing controller '%s' failed: %s", loaded.name, error)
+            return False
+        except Exception:  # as above
+            self._log.exception("Exception thrown while initializing controller '%s'", loaded.name)
+            self._log.error("Initializing controller '%s' failed", loaded.name)
+            return False
+        return True
 
     def _warn_of_unknown_params(self, loaded: LoadedController) -> None:
         known = loaded.controller.parameters
@@ -245,21 +299,32 @@ class ControllerManager:
 
     def unload_controller(self, name: str) -> bool:
         """Unload a controller that is not running; False, with the reason in the log, if not."""
-        with self._services:
-            loaded = self._find(name)
-            if loaded is None:
-                self._log.error(
-                    "Could not unload controller '%s': no controller of this name is loaded", name
-                )
-                return False
-            if loaded.state is ControllerState.RUNNING:
-                self._log.error(
-                    "Could not unload controller '%s' because it is still running", name
-                )
-                return False
-            self._controllers = tuple(c for c in self._controllers if c is not loaded)
-            loaded.node.shutdown()
-            return True
+        with self._changes:
+            return self._unload(name)
+
+    def _unload(self, name: str) -> bool:
+        loaded = self._find(name)
+        if loaded is None:
+            self._log.error(
+                "Could not unload controller with name '%s' because no controller with this name "
+                "exists",
+                name,
+            )
+            return False
+        if _is_running(loaded.state):
+            self._log.error(
+                "Could not unload controller with name '%s' because it is still running", name
+            )
+            return False
+        switch = self._switch
+        if switch is not None and switch.concerns(loaded):
+            self._log.error(
+                "Could not unload controller with name '%s' because it is being switched", name
+            )
+            return False
+        self._controllers = tuple(c for c in self._controllers if c is not loaded)
+        loaded.node.shutdown()
+        return True
 
     def reload_controller_libraries(self, force_kill: bool) -> bool:
         """Import the modules of controller classes anew.
@@ -269,23 +334,31 @@ class ControllerManager:
         force_kill : bool
             Stop and unload what is loaded; without it, the call fails while anything is loaded.
         """
-        if self._controllers and not force_kill:
-            self._log.error(
-                "Cannot reload controller libraries because there are still controllers loaded"
-            )
+        if not force_kill and self._controllers:
+            self._refuse_reload()
             return False
         running = [info.name for info, state in self.list_controllers() if _is_running(state)]
         if running and not self.switch_controller([], running, Strictness.BEST_EFFORT):
             return False
-        if not all(self.unload_controller(c.name) for c in self._controllers):
-            return False
-        for module in sorted(self._modules):
-            try:
-                importlib.reload(sys.modules[module])
-            except Exception:  # whatever the user's module does when it is imported
-                self._log.exception("Could not reload the module %s", module)
+        with self._changes:
+            for loaded in self._controllers:
+                self._unload(loaded.name)
+            if self._controllers:
+                self._refuse_reload()
                 return False
+            for module in sorted(self._modules):
+                try:
+                    importlib.reload(sys.modules[module])
+                except Exception:  # as when it was first imported
+                    self._log.exception("Could not reload the module %s", module)
+                    return False
         return True
+
+    def _refuse_reload(self) -> None:
+        self._log.error(
+            "Cannot reload controller libraries because there are still %d controllers loaded",
+            len(self._controllers),
+        )
 
     def switch_controller(
         self,
@@ -323,22 +396,26 @@ class ControllerManager:
                 strictness,
             )
             strictness = Strictness.BEST_EFFORT
-        with self._services:
-            plan = self._plan(start, stop, strictness == Strictness.STRICT)
-            if plan is None:
+        with self._switching:
+            if self._closing.is_set():
                 return False
-            to_start, to_stop = plan
-            if not (to_start or to_stop):
-                return True
-            if not self._feasible(to_start, to_stop):
-                return False
-            if self._switch is not None:
-                self._log.error(
-                    "Could not switch controllers: the control loop has not finished the last one"
-                )
-                return False
-            switch = _Switch(to_start, to_stop, start_asap, timeout)
-            self._switch = switch
+            with self._changes:
+                plan = self._plan(start, stop, strictness == Strictness.STRICT)
+                if plan is None:
+                    return False
+                to_start, to_stop = plan
+                if not (to_start or to_stop):
+                    return True
+                if not self._feasible(to_start, to_stop):
+                    return False
+                if self._switch is not None:
+                    self._log.error(
+                        "Could not switch controllers: the control loop has not finished the "
+                        "last switch, which was given up"
+                    )
+                    return False
+                switch = _Switch(to_start, to_stop, start_asap, timeout)
+                self._switch = switch
             return self._wait_for(switch)
 
     def close(self) -> None:
@@ -346,14 +423,17 @@ class ControllerManager:
         self._closing.set()
 
     def _wait_for(self, switch: _Switch) -> bool:
-        give_up = wall.monotonic() + switch.timeout + 1.0 if switch.timeout > 0.0 else math.inf
+        timeout = switch.timeout + _GIVE_UP_MARGIN if switch.timeout > 0.0 else math.inf
+        give_up = wall.monotonic() + timeout
         while not switch.done.wait(0.05):
             if self._closing.is_set():
                 return False
             if wall.monotonic() > give_up:
-                self._log.error("Could not switch controllers: the control loop did not respond")
-                # The loop takes back what has not started, should it run again.
+                # The loop takes back what has not started, now or when it runs again.
                 switch.given_up = True
+                if switch.done.wait(_TAKE_BACK_TIME):
+                    break
+                self._log.error("Could not switch controllers: the control loop did not respond")
                 return False
         return not switch.failed
 
@@ -365,23 +445,27 @@ class ControllerManager:
     ) -> Optional[Tuple[List[LoadedController], List[LoadedController]]]:
         """Turn names into what is really to be started and stopped; None when it must fail."""
         found: Dict[str, LoadedController] = {c.name: c for c in self._controllers}
-        for name in [*stop, *start]:
-            if name in found:
-                continue
-            if strict:
-                self._log.error(
-                    "Could not switch controllers: no controller named '%s' is loaded", name
+        for verb, names in (("stop", stop), ("start", start)):
+            for name in names:
+                if name in found:
+                    continue
+                self._log.log(
+                    logging.ERROR if strict else logging.DEBUG,
+                    "Could not %s controller with name '%s' because no controller with this name "
+                    "exists",
+                    verb,
+                    name,
                 )
-                return None
-            self._log.debug("no controller named '%s' is loaded; it is left out", name)
+                if strict:
+                    return None
         to_stop = _unique(found[name] for name in stop if name in found)
         to_start = _unique(found[name] for name in start if name in found)
         for loaded in list(to_stop):
             if _is_running(loaded.state):
                 if loaded in to_start:
                     self._log.error(
-                        "Could not switch controllers: '%s' is in both lists, a conflicting "
-                        "switching command",
+                        "Could not start or stop controller '%s' because of conflicting switching "
+                        "command: it is in both lists",
                         loaded.name,
                     )
                     return None

@@ -1,0 +1,7 @@
+"""Tells catkin where the Python package lives; not meant to be run by hand."""
+
+from distutils.core import setup
+
+from catkin_pkg.python_setup import generate_distutils_setup
+
+setup(**generate_distutils_setup(packages=["controller_manager_msgs"], package_dir={"": "src"}))

@@ -1,0 +1,1 @@
+"""Messages and services of the controller manager, and `utils` to find it and its controllers."""

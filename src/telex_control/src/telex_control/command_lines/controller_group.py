@@ -1,0 +1,116 @@
+"""Starts groups of controllers, and switches between them.
+
+Groups stand in the parameter ``controller_groups`` of this node's namespace, as names to lists of
+controllers. Output and exit status are upstream's, except that an unknown group has status 1.
+"""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any, Dict, List
+
+import rospy
+
+from ..controller_manager_client import ControllerManagerClient
+from ..node_handle import ParameterError
+from . import program
+from .controller_manager import load, switch
+
+
+def groups_of(value: Any, name: str) -> Dict[str, List[str]]:
+    """Check the parameter ``controller_groups``.
+
+    Parameters
+    ----------
+    value
+        What the parameter server holds.
+    name : str
+        Full name of the parameter, for messages.
+
+    Raises
+    ------
+    ParameterError
+        It is no mapping of names to lists of names.
+    """
+    if not isinstance(value, dict):
+        raise ParameterError(
+            f"parameter {name} is {value!r}; groups with lists of names are needed"
+        )
+    for group, names in value.items():
+        if not isinstance(names, list) or not all(isinstance(each, str) for each in names):
+            raise ParameterError(
+                f"parameter {name}/{group} is {names!r}; a list of controller names is needed"
+            )
+    return value
+
+
+def list_groups(groups: Dict[str, List[str]]) -> None:
+    """Print all groups, sorted, and their controllers."""
+    print(f"Number of groups: {len(groups)}")
+    for group, names in sorted(groups.items()):
+        print(f"  {group}")
+        for name in names:
+            print(f"      {name}")
+
+
+def spawn_group(client: ControllerManagerClient, names: List[str]) -> None:
+    """Load all controllers of a group, then start each."""
+    for name in names:
+        load(client, name)
+    for name in names:
+        switch(client, start=[name])
+
+
+def switch_group(client: ControllerManagerClient, groups: Dict[str, List[str]], group: str) -> None:
+    """Stop what only other groups have and start what this group has, in one switch."""
+    wanted = list(dict.fromkeys(groups[group]))
+    others = {name for names in groups.values() for name in names} - set(wanted)
+    states = {each.name: each.state for each in client.list_controllers()}
+    for name in wanted:
+        if name not in states and not load(client, name):
+            print("Cancel group switching")
+            return
+    switch(
+        client,
+        start=[name for name in wanted if states.get(name) != "running"],
+        stop=[name for name in states if name in others and states[name] == "running"],
+    )
+
+
+def parse(arguments: List[str]) -> argparse.Namespace:
+    """Read the command line."""
+    parser = argparse.ArgumentParser(prog="controller_group", description=__doc__.split("\n", 1)[0])
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    commands.add_parser("list", help="list the groups")
+    for name, text in (
+        ("spawn", "load and start all controllers of a group"),
+        ("switch", "start a group and stop what only other groups have"),
+    ):
+        command = commands.add_parser(name, help=text)
+        command.add_argument("group", help="name of the group")
+    return parser.parse_args(arguments)
+
+
+def main() -> None:
+    """Carry out one command."""
+    options = parse(program.arguments())
+
+    def work() -> int:
+        name = rospy.resolve_name("controller_groups")
+        try:
+            groups = groups_of(rospy.get_param(name, {}), name)
+        except ParameterError as error:
+            rospy.logerr("%s", error)
+            return 1
+        if options.command == "list":
+            list_groups(groups)
+        elif not groups.get(options.group):
+            rospy.logerr("There is no controller defined in group %s", options.group)
+            return 1
+        elif options.command == "spawn":
+            spawn_group(ControllerManagerClient(), list(dict.fromkeys(groups[options.group])))
+        else:
+            switch_group(ControllerManagerClient(), groups, options.group)
+        return 0
+
+    program.run("controller_group", work)

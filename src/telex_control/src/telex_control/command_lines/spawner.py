@@ -1,0 +1,247 @@
+"""Loads and starts controllers, and stops and unloads them again when it ends."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import threading
+import time
+from typing import Any, Dict, List, Optional
+
+import rospy
+import yaml
+from std_msgs.msg import Bool
+
+from ..controller_manager_client import ControllerManagerClient
+from . import program
+
+_STALL = 1.0
+"""Wall time (s) without an answer after which a manager counts as gone when the spawner ends."""
+
+
+class SpawnerError(Exception):
+    """The command line cannot be carried out; the message says why."""
+
+
+def parse(arguments: List[str]) -> argparse.Namespace:
+    """Read the command line.
+
+    Returns
+    -------
+    argparse.Namespace
+        `timeout` is None when the manager is waited for without end.
+    """
+    parser = argparse.ArgumentParser(prog="spawner", description=__doc__)
+    parser.add_argument(
+        "controllers",
+        nargs="+",
+        metavar="NAME|FILE.yaml",
+        help="controllers in load order, or files whose parameters are loaded first",
+    )
+    parser.add_argument("--stopped", action="store_true", help="load only, do not start")
+    parser.add_argument(
+        "--wait-for", metavar="TOPIC", help="load nothing before a std_msgs/Bool on it is true"
+    )
+    parser.add_argument("--namespace", metavar="NS", help="namespace of the controller manager")
+    parser.add_argument(
+        "--timeout",
+        metavar="T",
+        type=float,
+        default=30.0,
+        help="seconds to wait for the manager (30); 0 waits without end",
+    )
+    parser.add_argument(
+        "--no-timeout", action="store_true", help="wait for the manager without end"
+    )
+    parser.add_argument("--shutdown-timeout", metavar="T", help="deprecated; it has no effect")
+    options = parser.parse_args(arguments)
+    if options.no_timeout or options.timeout <= 0.0:
+        options.timeout = None
+    return options
+
+
+def read_file(path: str) -> Dict[str, Any]:
+    """Read a YAML file of parameters: names to values.
+
+    Raises
+    ------
+    SpawnerError
+        It cannot be read, or holds no controller, that is, no struct with a ``type``.
+    """
+    try:
+        with open(path) as file:
+            params = yaml.safe_load(file)
+    except (OSError, yaml.YAMLError) as error:
+        raise SpawnerError(f"{path}: {error}") from error
+    if not isinstance(params, dict) or not controllers_of(params):
+        raise SpawnerError(f"{path}: a mapping of controller names to parameters is needed")
+    return {str(name): value for name, value in params.items()}
+
+
+def controllers_of(params: Dict[str, Any]) -> List[str]:
+    """Names of those parameters that describe a controller."""
+    return [
+        str(name) for name, value in params.items() if isinstance(value, dict) and "type" in value
+    ]
+
+
+class Spawner:
+    """Brings a group of controllers up and down.
+
+    Parameters
+    ----------
+    namespace : str
+        Of the robot; relative to this node's when it does not begin with a slash.
+    """
+
+    def __init__(self, namespace: str) -> None:
+        self._namespace = namespace.rstrip("/")
+        self._client = ControllerManagerClient(namespace)
+        self._loaded: List[str] = []
+        self._answers = 0
+
+    def names_of(self, argument: str) -> List[str]:
+        """Controllers that an argument stands for; a file's parameters are loaded.
+
+        Raises
+        ------
+        SpawnerError
+            The file cannot be read, or holds no controllers.
+        """
+        if not (argument.endswith((".yaml", ".yml")) or os.path.isfile(argument)):
+            return [argument]
+        params = read_file(argument)
+        for name, value in params.items():
+            rospy.set_param(f"{self._namespace}/{name}" if self._namespace else name, value)
+        return controllers_of(params)
+
+    def wait_for_manager(self, timeout: Optional[float]) -> bool:
+        """Wait for the services; False, with a warning, when they do not come in `timeout` s."""
+        prefix = self._client.prefix
+        end = None if timeout is None else time.monotonic() + timeout
+        for name in ("load_controller", "switch_controller", "unload_controller"):
+            service = f"{prefix}/{name}"
+            rospy.loginfo("Controller Spawner: Waiting for service %s", service)
+            while True:
+                left = None if end is None else max(end - time.monotonic(), 0.01)
+                try:
+                    rospy.wait_for_service(service, timeout=left)
+                    break
+                except rospy.ROSInterruptException:
+                    raise
+                except rospy.ROSException:
+                    # A simulator that has not published its clock is still coming up.
+                    if not (rospy.get_param("/use_sim_time", False) and rospy.Time.now().is_zero()):
+                        rospy.logwarn(
+                            "Controller Spawner couldn't find the expected controller_manager ROS "
+                            "interface (%s) within %s s; is the simulator running, and is this "
+                            "its namespace?",
+                            rospy.resolve_name(service),
+                            timeout,
+                        )
+                        return False
+                    rospy.loginfo("Waiting for /clock to be available...")
+                    end = time.monotonic() + (timeout or 0.0)
+        return True
+
+    def load(self, names: List[str]) -> List[str]:
+        """Load controllers; those that cannot be loaded are reported and left out."""
+        for name in names:
+            rospy.loginfo("Loading controller: %s", name)
+            if self._client.load(name):
+                self._loaded.append(name)
+            else:
+                rospy.logerr("Failed to load %s; the controller manager's log says why", name)
+        rospy.loginfo("Controller Spawner: Loaded controllers: %s", ", ".join(self._loaded))
+        return self._loaded
+
+    def start(self) -> None:
+        """Start everything that was loaded, in one switch."""
+        names = ", ".join(self._loaded)
+        if self._client.switch(self._loaded, []):
+            rospy.loginfo("Started controllers: %s", names)
+        else:
+            rospy.logerr("Failed to start controllers: %s", names)
+
+    def stop(self) -> None:
+        """Stop and unload what was loaded, in reverse order.
+
+        When everything is shut down together, the manager may die while it is asked; a service
+        call has no timeout, so it is waited for only while answers come.
+        """
+        if not self._loaded:
+            return
+        worker = threading.Thread(target=self._stop, daemon=True)
+        worker.start()
+        seen = -1
+        while worker.is_alive() and seen != self._answers:
+            seen = self._answers
+            worker.join(_STALL)
+
+    def _stop(self) -> None:
+        names = self._loaded[::-1]
+        try:
+            # Others may have stopped some: a STRICT switch would then stop none.
+            listed = self._client.list_controllers()
+            running = {each.name for each in listed if each.state == "running"}
+            self._answers += 1
+            to_stop = [name for name in names if name in running]
+            if to_stop:
+                self._client.switch([], to_stop)
+            for name in names:
+                self._answers += 1
+                self._client.unload(name)
+        except (rospy.ServiceException, rospy.ROSException):
+            rospy.logdebug("the controller manager went before its spawner")
+
+
+def wait_until_true(topic: str, timeout: Optional[float]) -> None:
+    """Wait for a true std_msgs/Bool; after `timeout` s without any message, warn."""
+    heard, allowed = threading.Event(), threading.Event()
+
+    def receive(message: Bool) -> None:
+        heard.set()
+        if message.data:
+            allowed.set()
+
+    subscriber = rospy.Subscriber(topic, Bool, receive)
+    warn_at = time.monotonic() + (timeout if timeout is not None else 30.0)
+    warned = False
+    while not allowed.wait(0.05):
+        if rospy.is_shutdown():
+            raise rospy.ROSInterruptException("shut down while waiting for a topic")
+        if not (warned or heard.is_set()) and time.monotonic() > warn_at:
+            warned = True
+            rospy.logwarn(
+                'Controller Spawner hasn\'t heard anything from its "wait for" topic (%s)',
+                subscriber.resolved_name,
+            )
+    subscriber.unregister()
+
+
+def main() -> None:
+    """Run the spawner until it is shut down."""
+    options = parse(program.arguments())
+
+    def work() -> int:
+        if options.shutdown_timeout is not None:
+            rospy.logwarn("DEPRECATION warning: --shutdown-timeout has no effect.")
+        spawner = Spawner(options.namespace or "")
+        try:
+            names = [name for each in options.controllers for name in spawner.names_of(each)]
+        except SpawnerError as error:
+            rospy.logerr("%s", error)
+            return 1
+        if not spawner.wait_for_manager(options.timeout):
+            return 0
+        if options.wait_for:
+            wait_until_true(options.wait_for, options.timeout)
+        rospy.on_shutdown(spawner.stop)
+        if not spawner.load(names):
+            return 1
+        if not options.stopped:
+            spawner.start()
+        rospy.spin()
+        return 0
+
+    program.run("spawner", work)

@@ -1,0 +1,271 @@
+"""The logic of the command lines on a manager in memory; tests/nodes/command_lines runs them."""
+
+from __future__ import annotations
+
+import threading
+
+import pytest
+from controller_manager_msgs.msg import ControllerState, HardwareInterfaceResources
+
+from telex_control.command_lines import controller_group, controller_manager, spawner, unspawner
+from telex_control.controller_manager_client import STRICT
+from telex_control.node_handle import ParameterError
+
+
+class FakeManager:
+    """Has the methods of ControllerManagerClient; knows the controllers a, b and c."""
+
+    prefix = "controller_manager"
+
+    def __init__(self, **states):
+        self.states = dict(states)
+        self.calls = []
+
+    def list_controllers(self):
+        claims = [HardwareInterfaceResources("i::E", ["j"]), HardwareInterfaceResources("i::V", [])]
+        return [
+            ControllerState(
+                name=name, state=state, type="t", claimed_resources=[*claims, claims[0]]
+            )
+            for name, state in self.states.items()
+        ]
+
+    def list_controller_types(self):
+        return ["x/X", "y/Y"]
+
+    def load(self, name):
+        self.calls.append(f"load {name}")
+        if name not in "abc" or name in self.states:
+            return False
+        self.states[name] = "initialized"
+        return True
+
+    def unload(self, name):
+        self.calls.append(f"unload {name}")
+        if self.states.get(name, "running") == "running":
+            return False
+        del self.states[name]
+        return True
+
+    def switch(self, start, stop, strictness=STRICT):
+        self.calls.append(f"switch +{''.join(start)} -{''.join(stop)} {strictness}")
+        if strictness == STRICT:
+            known = all(name in self.states for name in [*start, *stop])
+            if not known or any(self.states[name] != "running" for name in stop):
+                return False
+        self.states.update(dict.fromkeys(start, "running"))
+        self.states.update(dict.fromkeys(stop, "stopped"))
+        return True
+
+    def reload_libraries(self, force_kill):
+        if self.states and not force_kill:
+            return False
+        self.states.clear()
+        return True
+
+
+def run(client, command, *names):
+    controller_manager.COMMANDS[command](client, list(names))
+
+
+@pytest.mark.parametrize(
+    ("command", "names", "printed"),
+    [
+        ("load", ["b", "x"], "Loaded 'b'\nError when loading 'x'\n"),
+        ("unload", ["s", "a"], "Unloaded 's' successfully\nError when unloading 'a'\n"),
+        ("start", ["s"], "Started ['s'] successfully\n"),
+        ("stop", ["a"], "Stopped ['a'] successfully\n"),
+        ("stop", ["s"], "Error when starting [] and stopping ['s']\n"),
+        ("sp", ["b"], "Loaded 'b'\nStarted ['b'] successfully\n"),
+        ("kill", ["a"], "Stopped ['a'] successfully\nUnloaded 'a' successfully\n"),
+        ("list", [], "'a' - 'i::E+i::V' ( running )\n's' - 'i::E+i::V' ( stopped )\n"),
+        ("list-types", [], "x/X\ny/Y\n"),
+        ("reload-libraries", [], "Restore: False\nSuccessfully reloaded libraries\n"),
+    ],
+)
+def test_output_is_upstreams(command, names, printed, capsys):
+    run(FakeManager(a="running", s="stopped"), command, *names)
+    assert capsys.readouterr().out == printed
+
+
+def test_an_empty_list_is_told(capsys):
+    run(FakeManager(), "lc")
+    assert capsys.readouterr().out == "No controllers are loaded in mechanism control\n"
+
+
+def test_reloading_restores_what_was(capsys):
+    client = FakeManager(a="running", b="stopped")
+    run(client, "reload-libraries", "--restore")
+    assert client.states == {"a": "running", "b": "initialized"}
+    assert capsys.readouterr().out == (
+        "Restore: True\nSuccessfully reloaded libraries\nControllers restored to original state\n"
+    )
+
+
+def test_reloading_without_force_is_refused_while_controllers_are_loaded(capsys):
+    assert not controller_manager.reload_libraries(FakeManager(a="running"), force_kill=False)
+    assert "Failed to reload libraries. Do you still have" in capsys.readouterr().out
+
+
+def test_starting_and_stopping_in_one_switch(capsys):
+    client = FakeManager(a="running", b="stopped")
+    assert controller_manager.switch(client, start=["b"], stop=["a"])
+    assert capsys.readouterr().out == "Started ['b'] successfully\nStopped ['a'] successfully\n"
+
+
+GROUPS = {"one": ["a", "c"], "two": ["b", "c"]}
+
+
+def test_groups_are_switched_in_one_switch():
+    client = FakeManager(a="running", c="running")
+    controller_group.switch_group(client, GROUPS, "two")
+    assert client.calls == ["load b", f"switch +b -a {STRICT}"]
+    controller_group.switch_group(client, GROUPS, "two")
+    assert client.calls[-1] == f"switch + - {STRICT}"
+
+
+def test_a_group_that_cannot_be_loaded_changes_nothing(capsys):
+    client = FakeManager(a="running")
+    controller_group.switch_group(client, {**GROUPS, "bad": ["x"]}, "bad")
+    assert client.states == {"a": "running"}
+    assert capsys.readouterr().out == "Error when loading 'x'\nCancel group switching\n"
+
+
+def test_groups_are_listed_in_alphabetical_order(capsys):
+    controller_group.list_groups({"z": ["b"], "a": []})
+    assert capsys.readouterr().out == "Number of groups: 2\n  a\n  z\n      b\n"
+
+
+@pytest.mark.parametrize(
+    ("value", "named"),
+    [
+        (["a"], "/controller_groups is"),
+        ({"one": "a"}, "/controller_groups/one is 'a'"),
+        ({"one": [1]}, "/controller_groups/one is"),
+    ],
+)
+def test_wrong_groups_are_named(value, named):
+    with pytest.raises(ParameterError, match=named):
+        controller_group.groups_of(value, "/controller_groups")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "timeout"),
+    [
+        (["a"], 30.0),
+        (["--timeout", "5", "a"], 5.0),
+        (["--timeout", "0", "a"], None),
+        (["--timeout=-1", "a"], None),
+        (["--no-timeout", "a"], None),
+    ],
+)
+def test_the_spawners_timeout(arguments, timeout):
+    assert spawner.parse(arguments).timeout == timeout
+
+
+def test_the_spawners_arguments_are_upstreams():
+    options = spawner.parse(
+        ["--stopped", "--wait-for", "go", "--namespace", "/r", "--shutdown-timeout", "3", "a", "b"]
+    )
+    assert (options.stopped, options.wait_for, options.namespace) == (True, "go", "/r")
+    assert options.controllers == ["a", "b"]
+    for wrong in ([], ["--unknown", "a"], ["--timeout", "soon", "a"]):
+        with pytest.raises(SystemExit) as caught:
+            spawner.parse(wrong)
+        assert caught.value.code == 2
+
+
+def test_a_file_names_its_controllers(tmp_path):
+    file = tmp_path / "controllers.yaml"
+    file.write_text("a: {type: x/X}\ngains: {p: 1}\n7: {type: x/X}\n")
+    params = spawner.read_file(str(file))
+    assert list(params) == ["a", "gains", "7"]
+    assert spawner.controllers_of(params) == ["a", "7"]
+
+
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        (None, "No such file"),
+        ("a: [", "while parsing"),
+        ("just words", "a mapping of controller names"),
+        ("gains: {p: 1}", "a mapping of controller names"),
+        ("!!python/object/apply:os.getcwd []", "could not determine a constructor"),
+    ],
+)
+def test_wrong_files_are_named(tmp_path, text, named):
+    file = tmp_path / "controllers.yaml"
+    if text is not None:
+        file.write_text(text)
+    with pytest.raises(spawner.SpawnerError, match=named) as caught:
+        spawner.read_file(str(file))
+    assert str(file) in str(caught.value)
+
+
+@pytest.fixture
+def spawned(monkeypatch):
+    def make(client):
+        monkeypatch.setattr(spawner, "ControllerManagerClient", lambda namespace: client)
+        return spawner.Spawner("")
+
+    return make
+
+
+def test_the_spawner_starts_all_in_one_switch_and_ends_in_reverse(spawned):
+    client = FakeManager()
+    tested = spawned(client)
+    assert tested.load(["a", "x", "b"]) == ["a", "b"]
+    tested.start()
+    assert client.calls == ["load a", "load x", "load b", f"switch +ab - {STRICT}"]
+    client.calls.clear()
+    tested.stop()
+    assert client.calls == [f"switch + -ba {STRICT}", "unload b", "unload a"]
+    assert client.states == {}
+
+
+def test_the_spawner_unloads_also_what_others_have_stopped(spawned):
+    client = FakeManager()
+    tested = spawned(client)
+    tested.load(["a", "b"])
+    tested.start()
+    client.states["b"] = "stopped"
+    tested.stop()
+    assert client.states == {}
+
+
+def test_the_spawner_does_not_wait_for_a_manager_that_is_gone(spawned, monkeypatch):
+    monkeypatch.setattr(spawner, "_STALL", 0.05)
+    client = FakeManager()
+    tested = spawned(client)
+    tested.load(["a"])
+    ended, answered = threading.Event(), threading.Event()
+
+    def answer_late():
+        ended.wait(30.0)
+        answered.set()
+        return []
+
+    client.list_controllers = answer_late
+    tested.stop()
+    assert not answered.is_set()
+    ended.set()
+
+
+def test_the_unspawner_stops_what_runs_and_starts_it_again():
+    client = FakeManager(a="running", b="stopped", c="running")
+    tested = unspawner.Unspawner(client, ["b", "a"])
+    tested.stop_running()
+    assert client.states == {"a": "stopped", "b": "stopped", "c": "running"}
+    client.states["b"] = "running"
+    tested.stop_running()
+    tested.restart()
+    assert client.states == {"a": "running", "b": "running", "c": "running"}
+    client.calls.clear()
+    tested.stop_running()
+    assert client.calls == []
+
+
+def test_the_unspawner_takes_names():
+    assert unspawner.parse(["a", "b", "a"]) == ["a", "b"]
+    with pytest.raises(SystemExit):
+        unspawner.parse([])
