@@ -15,7 +15,7 @@ from telex_control.hardware_interface import (
     RobotHW,
     VelocityJointInterface,
 )
-from telex_control.node_handle import LocalNodeHandle
+from telex_control.local_node_handle import LocalNodeHandle
 
 URDF = """
 <robot name="bench">

@@ -5,7 +5,8 @@ from typing import Dict, Optional, Tuple
 
 import pytest
 
-from telex_control.node_handle import LocalNodeHandle, ParameterError
+from telex_control.local_node_handle import LocalNodeHandle
+from telex_control.node_handle import ParameterError
 from telex_control.params import (
     ConfigError,
     read_config,

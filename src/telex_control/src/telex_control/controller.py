@@ -101,11 +101,15 @@ class LoadedController:
 
         Raises
         ------
+        ControllerInitError
+            Its init returned False, as one that is written after C++ may do.
         Exception
             Whatever the controller raises.
         """
         hw.take_claims()  # of a controller whose init failed
-        self.controller.init(hw, root, self.node)
+        result: object = self.controller.init(hw, root, self.node)  # type: ignore[func-returns-value]
+        if result is False:
+            raise ControllerInitError("its init returned False")
         self.info = ControllerInfo(self.info.name, self.info.type, hw.take_claims())
         self.state = ControllerState.INITIALIZED
 

@@ -1,7 +1,8 @@
-"""The little of ROS that a controller needs: parameters and topics, under one namespace.
+"""The little of ROS that a controller needs, under one namespace.
 
-Controllers see only this, so that they run in tests and benchmarks without a ROS master
-(`LocalNodeHandle`), and in a node (`ros_node_handle.RosNodeHandle`).
+Parameters, topics, services, action servers and parameters that change at run time. Controllers
+see only this, so that they run in tests and benchmarks without a ROS master
+(`local_node_handle.LocalNodeHandle`), and in a node (`ros_node_handle.RosNodeHandle`).
 """
 
 from __future__ import annotations
@@ -9,13 +10,20 @@ from __future__ import annotations
 import abc
 import logging
 import time
-from typing import Any, Callable, Dict, List
+from dataclasses import dataclass
+from typing import Any, Callable, Dict, Sequence, Union
 
 _REQUIRED = object()
+
+Number = Union[bool, int, float]
 
 
 class ParameterError(ValueError):
     """A parameter is missing or wrong; the message names it, its value and what would be right."""
+
+
+class ServiceError(Exception):
+    """A service cannot answer; the message tells the caller why."""
 
 
 class Publisher(abc.ABC):
@@ -30,8 +38,79 @@ class Publisher(abc.ABC):
         """Whether anybody listens; what nobody hears need not be built."""
 
 
+class Subscription(abc.ABC):
+    """The receiving end of a topic."""
+
+    @abc.abstractmethod
+    def publisher_count(self) -> int:
+        """How many publishers there are."""
+
+
+class ActionGoal(abc.ABC):
+    """One goal that an action server has received.
+
+    A new goal is pending: it is to be accepted or rejected. An accepted goal is active, until it
+    succeeds, is aborted or cancelled. Every method returns at once, so that the control loop may
+    call it.
+
+    Attributes
+    ----------
+    message
+        The goal, e.g. a control_msgs/FollowJointTrajectoryGoal.
+    cancel_requested : bool
+        Whether a client has asked to cancel it; the server of the goal looks at it now and then.
+    """
+
+    def __init__(self, message: Any) -> None:
+        self.message = message
+        self.cancel_requested = False
+
+    @abc.abstractmethod
+    def accept(self) -> None:
+        """Make the goal active."""
+
+    @abc.abstractmethod
+    def reject(self, result: Any, text: str) -> None:
+        """Refuse a pending goal; `text` says why."""
+
+    @abc.abstractmethod
+    def succeed(self, result: Any, text: str = "") -> None:
+        """End the goal: it was reached."""
+
+    @abc.abstractmethod
+    def abort(self, result: Any, text: str) -> None:
+        """End the goal: it cannot be reached; `text` says why."""
+
+    @abc.abstractmethod
+    def cancel(self, result: Any, text: str = "") -> None:
+        """End the goal because a client, or a newer goal, wanted so."""
+
+    @abc.abstractmethod
+    def publish_feedback(self, feedback: Any) -> None:
+        """Tell clients how far it is."""
+
+
+@dataclass(frozen=True)
+class ReconfigurableParameter:
+    """A parameter that may be changed at run time, as dynamic_reconfigure describes it.
+
+    Attributes
+    ----------
+    default : bool, int or float
+        Its type is the parameter's type.
+    minimum, maximum : bool, int or float
+        Values outside are bounded to them.
+    """
+
+    name: str
+    default: Number
+    minimum: Number
+    maximum: Number
+    description: str
+
+
 class NodeHandle(abc.ABC):
-    """Parameters and topics under one namespace.
+    """Everything that one namespace offers.
 
     Attributes
     ----------
@@ -63,7 +142,7 @@ class NodeHandle(abc.ABC):
         """Return the value of parameter `name` here, or `default`."""
 
     @abc.abstractmethod
-    def subscribe(self, topic: str, kind: Any, callback: Callable[[Any], None]) -> None:
+    def subscribe(self, topic: str, kind: Any, callback: Callable[[Any], None]) -> Subscription:
         """Call `callback` in another thread for each message of class `kind` on `topic`."""
 
     @abc.abstractmethod
@@ -71,11 +150,45 @@ class NodeHandle(abc.ABC):
         """Return a publisher of messages of class `kind` on `topic`."""
 
     @abc.abstractmethod
+    def advertise_service(self, name: str, kind: Any, handler: Callable[[Any], Any]) -> None:
+        """Answer requests of the service class `kind` by what `handler` returns.
+
+        The handler runs in another thread, and raises `ServiceError` when it has no answer.
+        """
+
+    @abc.abstractmethod
+    def serve_action(self, name: str, kind: Any, on_goal: Callable[[ActionGoal], None]) -> None:
+        """Offer an action of class `kind`; `on_goal` runs in another thread for each new goal."""
+
+    @abc.abstractmethod
+    def serve_reconfiguration(
+        self,
+        name: str,
+        parameters: Sequence[ReconfigurableParameter],
+        values: Dict[str, Number],
+        on_change: Callable[[Dict[str, Any]], None],
+    ) -> None:
+        """Let `parameters` in the namespace `name` be changed at run time.
+
+        Parameters
+        ----------
+        name : str
+            Where they stand; empty for this namespace itself.
+        values : dict
+            What they are now.
+        on_change
+            Called in another thread with all values, each within its range and of its type. It
+            raises a ValueError to refuse them.
+        """
+
+    @abc.abstractmethod
     def shutdown(self) -> None:
-        """End all subscriptions and publishers made through this handle."""
+        """End everything that was made through this handle."""
 
     def resolve(self, name: str) -> str:
         """Full name of `name`, which is relative to this namespace unless it begins with /."""
+        if not name:
+            return self.namespace
         return name if name.startswith("/") else f"{self.namespace}/{name}"
 
     def param(self, name: str, kind: Any, default: Any = _REQUIRED) -> Any:
@@ -110,73 +223,32 @@ class NodeHandle(abc.ABC):
             raise ParameterError(f"parameter {full_name} is {value}; it must be finite")
         return value
 
+    def positive_param(self, name: str, default: Any = _REQUIRED, *, zero: bool = False) -> float:
+        """Return the number `name`, checked to be above 0 (or, with `zero`, at least 0).
 
-class LocalPublisher(Publisher):
-    """A publisher of `LocalNodeHandle`: hands messages straight to the subscribers."""
-
-    def __init__(self, subscribers: List[Callable[[Any], None]]) -> None:
-        self._subscribers = subscribers
-
-    def publish(self, message: Any) -> None:
-        """Call every subscriber, in this thread."""
-        for callback in list(self._subscribers):
-            callback(message)
-
-    def has_subscribers(self) -> bool:
-        """Whether anybody listens."""
-        return bool(self._subscribers)
-
-
-class LocalNodeHandle(NodeHandle):
-    """A node handle without ROS: parameters from a dict, topics within the process.
-
-    Parameters
-    ----------
-    params : dict, optional
-        Nested parameters, as the YAML file has them.
-    """
-
-    def __init__(self, params: Any = None, namespace: str = "") -> None:
-        self.namespace = namespace
-        self.logger = logging.getLogger("telex_control")
-        self._params: Dict[str, Any] = params if params is not None else {}
-        self._topics: Dict[str, List[Callable[[Any], None]]] = {}
-        self._own: List[Any] = []
-
-    def child(self, name: str) -> LocalNodeHandle:
-        """Return the handle of a namespace inside; parameters and topics are shared."""
-        node = LocalNodeHandle(self._params, f"{self.namespace}/{name}")
-        node._topics = self._topics
-        return node
-
-    def params(self) -> Dict[str, Any]:
-        """Return the part of the dict that stands at this namespace."""
-        value: Any = self._params
-        for part in self.namespace.strip("/").split("/") if self.namespace else ():
-            value = value.get(part, {}) if isinstance(value, dict) else {}
-        return value if isinstance(value, dict) else {}
-
-    def find_param(self, name: str, default: Any) -> Any:
-        """Return the value at the full name of `name` in the nested dict, or `default`."""
-        value: Any = self._params
-        for part in self.resolve(name).strip("/").split("/"):
-            if not isinstance(value, dict) or part not in value:
-                return default
-            value = value[part]
+        Raises
+        ------
+        ParameterError
+        """
+        value = self.param(name, float, default)
+        if value < 0.0 or (value == 0.0 and not zero):
+            raise ParameterError(
+                f"parameter {self.resolve(name)} is {value}; it must be "
+                f"{'0 or more' if zero else 'above 0'}"
+            )
         return value
 
-    def subscribe(self, topic: str, kind: Any, callback: Callable[[Any], None]) -> None:
-        """Register `callback`; it runs in the publishing thread."""
-        name = self.resolve(topic)
-        self._topics.setdefault(name, []).append(callback)
-        self._own.append((name, callback))
+    def names_param(self, name: str) -> list:
+        """Return the list `name`, checked to hold distinct names, at least one.
 
-    def advertise(self, topic: str, kind: Any, queue_size: int = 4) -> LocalPublisher:
-        """Return a publisher on `topic`."""
-        return LocalPublisher(self._topics.setdefault(self.resolve(topic), []))
-
-    def shutdown(self) -> None:
-        """End the subscriptions."""
-        for name, callback in self._own:
-            self._topics[name].remove(callback)
-        self._own = []
+        Raises
+        ------
+        ParameterError
+        """
+        names = self.param(name, list)
+        usable = names and all(isinstance(each, str) and each for each in names)
+        if not usable or len(set(names)) != len(names):
+            raise ParameterError(
+                f"parameter {self.resolve(name)} is {names!r}; a list of distinct names is needed"
+            )
+        return names

@@ -1,4 +1,4 @@
-"""Dead reckoning of a differential drive from its wheel positions."""
+"""Dead reckoning of a differential drive."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Deque, Optional, Tuple
 
 
 class DifferentialOdometry:
-    """Integrates wheel positions to a pose in the plane.
+    """Integrates wheel positions, or commanded velocities, to a pose in the plane.
 
     Parameters
     ----------
@@ -21,9 +21,7 @@ class DifferentialOdometry:
     def __init__(
         self, wheel_separation: float, left_radius: float, right_radius: float, window: int
     ) -> None:
-        self._separation = wheel_separation
-        self._left_radius = left_radius
-        self._right_radius = right_radius
+        self.set_geometry(wheel_separation, left_radius, right_radius)
         self._window: Deque[Tuple[float, float]] = deque(maxlen=window)
         self._sums = [0.0, 0.0]
         self._last: Optional[Tuple[float, float]] = None
@@ -32,6 +30,14 @@ class DifferentialOdometry:
         self.heading = 0.0
         self.linear = 0.0
         self.angular = 0.0
+
+    def set_geometry(
+        self, wheel_separation: float, left_radius: float, right_radius: float
+    ) -> None:
+        """Change the effective geometry (m) from the next cycle on."""
+        self._separation = wheel_separation
+        self._left_radius = left_radius
+        self._right_radius = right_radius
 
     def reset(self) -> None:
         """Start again at the origin."""
@@ -62,13 +68,21 @@ class DifferentialOdometry:
         right_way = (right - last[1]) * self._right_radius
         way = 0.5 * (left_way + right_way)
         turn = (right_way - left_way) / self._separation
+        self._integrate(way, turn)
+        self._average(way / period, turn / period)
+
+    def update_open_loop(self, linear: float, angular: float, period: float) -> None:
+        """Advance by one cycle of commanded velocities (m/s, rad/s), as if they were obeyed."""
+        self.linear, self.angular = linear, angular
+        self._integrate(linear * period, angular * period)
+
+    def _integrate(self, way: float, turn: float) -> None:
         # Exact for a circular arc: the chord lies at half the turn.
         half = 0.5 * turn
         chord = way * (math.sin(half) / half if abs(half) > 1e-9 else 1.0)
         self.x += chord * math.cos(self.heading + half)
         self.y += chord * math.sin(self.heading + half)
         self.heading = math.remainder(self.heading + turn, 2.0 * math.pi)
-        self._average(way / period, turn / period)
 
     def _average(self, linear: float, angular: float) -> None:
         window, sums = self._window, self._sums

@@ -89,9 +89,25 @@ class Pid:
     The output is ``p e + clamp(i integral(e)) + d de/dt``. Unlike control_toolbox, the first
     sample after `reset` has no derivative from differences: there is no earlier error to
     differ from, and a kick of ``d e / period`` would follow every start.
+
+    Attributes
+    ----------
+    gains : PidGains
+        May be replaced at any time, also from another thread.
+    error, error_dot, integral, i_term, output, period : float
+        Of the last sample that was usable.
     """
 
-    __slots__ = ("_integral", "_last_error", "gains", "output")
+    __slots__ = (
+        "_last_error",
+        "error",
+        "error_dot",
+        "gains",
+        "i_term",
+        "integral",
+        "output",
+        "period",
+    )
 
     def __init__(self, gains: PidGains) -> None:
         self.gains = gains
@@ -99,9 +115,13 @@ class Pid:
 
     def reset(self) -> None:
         """Forget the past."""
-        self._integral = 0.0
+        self.integral = 0.0
         self._last_error: Optional[float] = None
+        self.error = 0.0
+        self.error_dot = 0.0
+        self.i_term = 0.0
         self.output = 0.0
+        self.period = 0.0
 
     def update(self, error: float, period: float, error_dot: Optional[float] = None) -> float:
         """Advance by one sample and return the output.
@@ -129,11 +149,18 @@ class Pid:
             return 0.0
         self._last_error = error
         gains = self.gains
-        integral = self._integral + period * error
+        integral = self.integral + period * error
         if gains.antiwindup and gains.i != 0.0:
-            bounds = sorted((gains.i_min / gains.i, gains.i_max / gains.i))
-            integral = min(max(integral, bounds[0]), bounds[1])
-        self._integral = integral
-        i_term = min(max(gains.i * integral, gains.i_min), gains.i_max)
+            low, high = gains.i_min / gains.i, gains.i_max / gains.i
+            if low > high:
+                low, high = high, low
+            integral = low if integral < low else (high if integral > high else integral)
+        self.integral = integral
+        i_term = gains.i * integral
+        low, high = gains.i_min, gains.i_max
+        self.i_term = i_term = low if i_term < low else (high if i_term > high else i_term)
+        self.error = error
+        self.error_dot = error_dot
+        self.period = period
         self.output = gains.p * error + i_term + gains.d * error_dot
         return self.output

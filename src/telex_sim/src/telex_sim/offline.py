@@ -10,7 +10,7 @@ from typing import Any, Dict, List
 import rospkg
 import yaml
 
-from telex_control.node_handle import LocalNodeHandle
+from telex_control.local_node_handle import LocalNodeHandle
 from telex_control.params import read_config
 
 from .config import SimulatorConfig

@@ -7,17 +7,64 @@ from typing import Dict, List, Type
 
 from ..controller import Controller, ControllerInitError
 
-TYPES: Dict[str, str] = {
-    "diff_drive_controller/DiffDriveController": (
-        "telex_control.controllers.diff_drive_controller.DiffDriveController"
+_MODULES: Dict[str, str] = {
+    "diff_drive_controller/DiffDriveController": "diff_drive_controller.DiffDriveController",
+    "effort_controllers/GripperActionController": (
+        "gripper_action_controller.EffortGripperActionController"
+    ),
+    "effort_controllers/JointEffortController": (
+        "forward_command_controllers.JointEffortController"
+    ),
+    "effort_controllers/JointGroupEffortController": (
+        "forward_command_controllers.JointGroupEffortController"
+    ),
+    "effort_controllers/JointGroupPositionController": (
+        "effort_joint_group_position_controller.JointGroupPositionController"
     ),
     "effort_controllers/JointPositionController": (
-        "telex_control.controllers.effort_joint_position_controller.JointPositionController"
+        "effort_joint_position_controller.JointPositionController"
     ),
-    "joint_state_controller/JointStateController": (
-        "telex_control.controllers.joint_state_controller.JointStateController"
+    "effort_controllers/JointTrajectoryController": (
+        "joint_trajectory_controller.EffortJointTrajectoryController"
+    ),
+    "effort_controllers/JointVelocityController": (
+        "effort_joint_velocity_controller.JointVelocityController"
+    ),
+    "force_torque_sensor_controller/ForceTorqueSensorController": (
+        "sensor_controllers.ForceTorqueSensorController"
+    ),
+    "imu_sensor_controller/ImuSensorController": "sensor_controllers.ImuSensorController",
+    "joint_state_controller/JointStateController": "joint_state_controller.JointStateController",
+    "position_controllers/GripperActionController": (
+        "gripper_action_controller.PositionGripperActionController"
+    ),
+    "position_controllers/JointGroupPositionController": (
+        "forward_command_controllers.JointGroupPositionController"
+    ),
+    "position_controllers/JointPositionController": (
+        "forward_command_controllers.JointPositionController"
+    ),
+    "position_controllers/JointTrajectoryController": (
+        "joint_trajectory_controller.PositionJointTrajectoryController"
+    ),
+    "telex_controllers/ParallelGripperController": (
+        "parallel_gripper_controller.ParallelGripperController"
+    ),
+    "velocity_controllers/JointGroupVelocityController": (
+        "forward_command_controllers.JointGroupVelocityController"
+    ),
+    "velocity_controllers/JointPositionController": (
+        "velocity_joint_position_controller.JointPositionController"
+    ),
+    "velocity_controllers/JointTrajectoryController": (
+        "joint_trajectory_controller.VelocityJointTrajectoryController"
+    ),
+    "velocity_controllers/JointVelocityController": (
+        "forward_command_controllers.JointVelocityController"
     ),
 }
+
+TYPES: Dict[str, str] = {name: f"{__name__}.{path}" for name, path in _MODULES.items()}
 
 
 def type_names() -> List[str]:
@@ -36,20 +83,36 @@ def controller_class(type_name: str) -> Type[Controller]:
     Raises
     ------
     ControllerInitError
-        There is no such class, or it is no controller.
+        There is no such class, it cannot be imported, or it is no controller.
     """
-    path = TYPES.get(type_name, type_name)
-    module_name, _, class_name = path.rpartition(".")
-    if not module_name:
+    module_name, _, class_name = TYPES.get(type_name, type_name).rpartition(".")
+    if "/" in module_name or not module_name:
         raise ControllerInitError(
             f"controller type '{type_name}' does not exist; "
             "Use 'rosservice call controller_manager/list_controller_types' to get the available "
             "types, or give the Python path of a class (package.module.Class)"
         )
+    # A package that was installed after this process began is found too.
+    importlib.invalidate_caches()
     try:
-        found = getattr(importlib.import_module(module_name), class_name)
-    except (ImportError, AttributeError) as error:
-        raise ControllerInitError(f"controller type '{type_name}': {error}") from error
+        module = importlib.import_module(module_name)
+    except ModuleNotFoundError as error:
+        missing = error.name or module_name
+        if module_name == missing or module_name.startswith(f"{missing}."):
+            problem = f"there is no Python module '{missing}' on this node's PYTHONPATH"
+        else:
+            problem = f"its module needs '{missing}', which is not there"
+        raise ControllerInitError(f"controller type '{type_name}': {problem}") from error
+    except Exception as error:  # whatever a user's module does when it is imported
+        raise ControllerInitError(
+            f"controller type '{type_name}': its module raised {type(error).__name__} when it was "
+            f"imported: {error}"
+        ) from error
+    found = getattr(module, class_name, None)
+    if found is None:
+        raise ControllerInitError(
+            f"controller type '{type_name}': module '{module_name}' has no class '{class_name}'"
+        )
     if not (isinstance(found, type) and issubclass(found, Controller)):
         raise ControllerInitError(
             f"controller type '{type_name}' is no subclass of telex_control.controller.Controller"

@@ -4,18 +4,38 @@ from __future__ import annotations
 
 import math
 import time as wall
-from typing import Any, List, NamedTuple, Tuple
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
-from geometry_msgs.msg import TransformStamped, Twist
+from control_msgs.msg import JointTrajectoryControllerState
+from geometry_msgs.msg import TransformStamped, Twist, TwistStamped
 from nav_msgs.msg import Odometry
 from tf2_msgs.msg import TFMessage
+from trajectory_msgs.msg import JointTrajectoryPoint
 
 from ..controller import Controller, ControllerInitError
 from ..hardware_interface import JointHandle, RobotHW, VelocityJointInterface
-from ..node_handle import NodeHandle
+from ..node_handle import NodeHandle, Publisher, ReconfigurableParameter, Subscription
 from ..odometry import DifferentialOdometry
+from ..periodic import Periodic
 from ..ros_time import stamp
 from ..speed_limiter import SpeedLimiter
+from ..urdf_joints import UrdfError, parse_urdf
+from ..wheel_geometry import wheel_radius, wheel_separation
+
+RECONFIGURABLE = (
+    ReconfigurableParameter(
+        "left_wheel_radius_multiplier", 1.0, 0.5, 1.5, "Corrects the radius of the left wheels."
+    ),
+    ReconfigurableParameter(
+        "right_wheel_radius_multiplier", 1.0, 0.5, 1.5, "Corrects the radius of the right wheels."
+    ),
+    ReconfigurableParameter(
+        "wheel_separation_multiplier", 1.0, 0.5, 1.5, "Corrects the distance of the wheels."
+    ),
+    ReconfigurableParameter("publish_rate", 50.0, 0.0, 2000.0, "Of odometry and transform (Hz)."),
+    ReconfigurableParameter("enable_odom_tf", True, False, True, "Publish the transform."),
+)
+"""Names, defaults and ranges are those of diff_drive_controller."""
 
 
 class _Command(NamedTuple):
@@ -25,6 +45,17 @@ class _Command(NamedTuple):
     angular: float
     serial: int
     received: float  # wall time (s, monotonic)
+    brake: bool = False  # at once
+
+
+class _Tuning(NamedTuple):
+    """What may change at run time, replaced as a whole by the service's thread."""
+
+    left_wheel_radius_multiplier: float
+    right_wheel_radius_multiplier: float
+    wheel_separation_multiplier: float
+    publish_rate: float
+    enable_odom_tf: bool
 
 
 class DiffDriveController(Controller):
@@ -34,25 +65,36 @@ class DiffDriveController(Controller):
     that too: the robot brakes, it does not jump. Publishes ``odom`` and its transform.
 
     Parameters: ``left_wheel``, ``right_wheel`` (a joint or a list of joints), ``wheel_radius``,
-    ``wheel_separation`` (m), ``wheel_radius_multiplier``, ``wheel_separation_multiplier``,
-    ``cmd_vel_timeout`` (s), ``publish_rate`` (Hz), ``base_frame_id``, ``odom_frame_id``,
+    ``wheel_separation`` (m; from ``robot_description`` when they are not given),
+    ``wheel_radius_multiplier`` (or one each: ``left_wheel_radius_multiplier``,
+    ``right_wheel_radius_multiplier``), ``wheel_separation_multiplier``,
+    ``cmd_vel_timeout`` (s), ``allow_multiple_cmd_vel_publishers``, ``publish_rate`` (Hz),
+    ``open_loop`` (odometry from commands), ``base_frame_id``, ``odom_frame_id``,
     ``enable_odom_tf``, ``velocity_rolling_window_size``, ``pose_covariance_diagonal``,
     ``twist_covariance_diagonal`` (six numbers each), ``linear/x`` and ``angular/z`` (limits, see
-    `SpeedLimiter`).
+    `SpeedLimiter`), ``publish_cmd`` (the limited command, on ``cmd_vel_out``),
+    ``publish_wheel_joint_controller_state`` (on ``wheel_joint_controller_state``). The
+    multipliers, ``publish_rate`` and ``enable_odom_tf`` may be changed at run time.
     """
 
     parameters = frozenset(
         (
+            "allow_multiple_cmd_vel_publishers",
             "angular",
             "base_frame_id",
             "cmd_vel_timeout",
             "enable_odom_tf",
             "left_wheel",
+            "left_wheel_radius_multiplier",
             "linear",
             "odom_frame_id",
+            "open_loop",
             "pose_covariance_diagonal",
+            "publish_cmd",
             "publish_rate",
+            "publish_wheel_joint_controller_state",
             "right_wheel",
+            "right_wheel_radius_multiplier",
             "twist_covariance_diagonal",
             "velocity_rolling_window_size",
             "wheel_radius",
@@ -76,14 +118,9 @@ class DiffDriveController(Controller):
                 f"{len(sides[0])} and {len(sides[1])} joints; both need the same number"
             )
         self._left, self._right = sides
-        self._radius = _positive(node, "wheel_radius") * _positive(
-            node, "wheel_radius_multiplier", 1.0
-        )
-        self._separation = _positive(node, "wheel_separation") * _positive(
-            node, "wheel_separation_multiplier", 1.0
-        )
-        self._timeout = _positive(node, "cmd_vel_timeout", 0.5)
-        self._publish_period = 1.0 / _positive(node, "publish_rate", 50.0)
+        self._wheels = [*self._left, *self._right]
+        self._nominal_radius, self._nominal_separation = self._geometry(root, node)
+        self._timeout = node.positive_param("cmd_vel_timeout", 0.5)
         try:
             self._linear_limiter = SpeedLimiter.from_params(
                 node.param("linear/x", dict, {}), node.resolve("linear/x")
@@ -99,17 +136,52 @@ class DiffDriveController(Controller):
                 f"parameter {node.resolve('velocity_rolling_window_size')} is {window}; "
                 "at least 1 is needed"
             )
-        self._odometry = DifferentialOdometry(self._separation, self._radius, self._radius, window)
+        self._open_loop = node.param("open_loop", bool, False)
         self._pose_covariance = _covariance(node, "pose_covariance_diagonal")
         self._twist_covariance = _covariance(node, "twist_covariance_diagonal")
         self._base_frame = node.param("base_frame_id", str, "base_link")
         self._odom_frame = node.param("odom_frame_id", str, "odom")
+        self._tuning = _read_tuning(node)
+        self._odometry = DifferentialOdometry(1.0, 1.0, 1.0, window)
+        self._apply(self._tuning)
         self._odom = node.advertise("odom", Odometry)
-        self._tf = (
-            node.advertise("/tf", TFMessage) if node.param("enable_odom_tf", bool, True) else None
-        )
+        self._tf = node.advertise("/tf", TFMessage)
+        self._limited: Optional[Publisher] = None
+        if node.param("publish_cmd", bool, False):
+            self._limited = node.advertise("cmd_vel_out", TwistStamped, queue_size=1)
+        self._wheel_state: Optional[_WheelStatePublisher] = None
+        if node.param("publish_wheel_joint_controller_state", bool, False):
+            self._wheel_state = _WheelStatePublisher(node, self._wheels)
         self._command = _Command(0.0, 0.0, 0, 0.0)
-        node.subscribe("cmd_vel", Twist, self._on_command)
+        # Limited commands of the last two cycles.
+        self._linear: Tuple[float, float] = (0.0, 0.0)
+        self._angular: Tuple[float, float] = (0.0, 0.0)
+        self._several_publishers = node.param("allow_multiple_cmd_vel_publishers", bool, True)
+        self._subscription: Optional[Subscription] = None
+        self._subscription = node.subscribe("cmd_vel", Twist, self._on_command)
+        node.serve_reconfiguration("", RECONFIGURABLE, self._tuning._asdict(), self._on_tuning)
+
+    def _geometry(self, root: NodeHandle, node: NodeHandle) -> Tuple[float, float]:
+        """Return radius and separation of the wheels (m)."""
+        left, right = self._left[0].name, self._right[0].name
+        known = [
+            node.positive_param(key) if node.find_param(key, None) is not None else None
+            for key in ("wheel_radius", "wheel_separation")
+        ]
+        radius, separation = known
+        try:
+            if radius is None:
+                radius = wheel_radius(parse_urdf(root.param("robot_description", str)), left)
+            if separation is None:
+                separation = wheel_separation(
+                    parse_urdf(root.param("robot_description", str)), left, right
+                )
+        except UrdfError as error:
+            raise ControllerInitError(
+                f"{error}; parameters {node.resolve('wheel_radius')} and "
+                f"{node.resolve('wheel_separation')} give them without it"
+            ) from error
+        return radius, separation
 
     def _on_command(self, message: Twist) -> None:
         linear, angular = message.linear.x, message.angular.z
@@ -118,44 +190,88 @@ class DiffDriveController(Controller):
                 f"cmd_vel: linear.x {linear}, angular.z {angular} is not finite and is dropped"
             )
             return
-        self._command = _Command(linear, angular, self._command.serial + 1, wall.monotonic())
+        serial = self._command.serial + 1
+        if not self._several_publishers and self._subscription is not None:
+            count = self._subscription.publisher_count()
+            if count > 1:
+                self._node.warn(
+                    f"{self._node.resolve('cmd_vel')} has {count} publishers, and "
+                    "allow_multiple_cmd_vel_publishers is false; going to brake"
+                )
+                self._command = _Command(0.0, 0.0, serial, wall.monotonic(), brake=True)
+                return
+        self._command = _Command(linear, angular, serial, wall.monotonic())
+
+    def _on_tuning(self, values: Dict[str, Any]) -> None:
+        if values["publish_rate"] <= 0.0:
+            raise ValueError(f"publish_rate is {values['publish_rate']}; it must be above 0 Hz")
+        self._tuning = _Tuning(**values)
+
+    def _apply(self, tuning: _Tuning) -> None:
+        self._applied = tuning
+        self._left_radius = self._nominal_radius * tuning.left_wheel_radius_multiplier
+        self._right_radius = self._nominal_radius * tuning.right_wheel_radius_multiplier
+        self._separation = self._nominal_separation * tuning.wheel_separation_multiplier
+        self._odometry.set_geometry(self._separation, self._left_radius, self._right_radius)
+        self._publish_timer = Periodic(tuning.publish_rate)
 
     def starting(self, time: float) -> None:
         """Stand still; commands from before are forgotten."""
         self._obeyed = self._command.serial
         self._received = time
-        self._linear = (0.0, 0.0)
-        self._angular = (0.0, 0.0)
-        self._next_publish = time
+        self._publish_timer.restart()
         self._odometry.restart()
+        if self._wheel_state is not None:
+            self._wheel_state.restart()
         self._brake()
 
     def update(self, time: float, period: float) -> None:
         """Limit the command, turn it into wheel speeds, and keep the odometry."""
-        self._odometry.update(_mean_position(self._left), _mean_position(self._right), period)
-        if time >= self._next_publish - 5e-7:
-            self._next_publish = max(self._next_publish + self._publish_period, time)
+        if self._tuning is not self._applied:
+            self._apply(self._tuning)
+        if self._open_loop:
+            self._odometry.update_open_loop(self._linear[0], self._angular[0], period)
+        else:
+            self._odometry.update(_mean_position(self._left), _mean_position(self._right), period)
+        if self._publish_timer.is_due(time):
             self._publish(time)
-        command = self._command
-        if command.serial != self._obeyed:
-            self._obeyed = command.serial
-            # Its age in sim time counts from this cycle. A command that came while the simulation
-            # was paused may be old by the wall's clock, which is the operator's.
-            if wall.monotonic() - command.received <= self._timeout:
-                self._received = time
-                self._active = (command.linear, command.angular)
-        elif time - self._received > self._timeout:
-            self._active = (0.0, 0.0)
+        self._obey(self._command, time)
         linear = self._linear_limiter.limit(self._active[0], *self._linear, period)
         angular = self._angular_limiter.limit(self._active[1], *self._angular, period)
         self._linear = (linear, self._linear[0])
         self._angular = (angular, self._angular[0])
         difference = 0.5 * angular * self._separation
-        left, right = (linear - difference) / self._radius, (linear + difference) / self._radius
+        left, right = (
+            (linear - difference) / self._left_radius,
+            (linear + difference) / self._right_radius,
+        )
         for wheel in self._left:
             wheel.command = left
         for wheel in self._right:
             wheel.command = right
+        if self._limited is not None and self._limited.has_subscribers():
+            message = TwistStamped()
+            message.header.stamp = stamp(time)
+            message.header.frame_id = self._base_frame
+            message.twist.linear.x, message.twist.angular.z = linear, angular
+            self._limited.publish(message)
+        if self._wheel_state is not None:
+            self._wheel_state.update(time, period)
+
+    def _obey(self, command: _Command, time: float) -> None:
+        """Take a new command over, or give up an old one."""
+        if command.serial == self._obeyed:
+            if time - self._received > self._timeout:
+                self._active = (0.0, 0.0)
+            return
+        self._obeyed = command.serial
+        # Its age in sim time counts from this cycle. A command that came while the simulation
+        # was paused may be old by the wall's clock, which is the operator's.
+        if wall.monotonic() - command.received <= self._timeout:
+            self._received = time
+            self._active = (command.linear, command.angular)
+        if command.brake:
+            self._brake()
 
     def stopping(self, time: float) -> None:
         """Brake at once."""
@@ -168,14 +284,16 @@ class DiffDriveController(Controller):
 
     def _brake(self) -> None:
         self._active = (0.0, 0.0)
-        for wheel in (*self._left, *self._right):
+        self._linear = (0.0, 0.0)
+        self._angular = (0.0, 0.0)
+        for wheel in self._wheels:
             wheel.command = 0.0
 
     def _publish(self, time: float) -> None:
         odometry = self._odometry
         now = stamp(time)
         sine, cosine = math.sin(0.5 * odometry.heading), math.cos(0.5 * odometry.heading)
-        if self._tf is not None:
+        if self._applied.enable_odom_tf:
             transform = TransformStamped()
             transform.header.stamp = now
             transform.header.frame_id = self._odom_frame
@@ -202,6 +320,67 @@ class DiffDriveController(Controller):
         self._odom.publish(message)
 
 
+class _WheelStatePublisher:
+    """Publishes commands and measurements of the wheels in every cycle, when anybody listens."""
+
+    def __init__(self, node: NodeHandle, wheels: List[JointHandle]) -> None:
+        self._wheels = wheels
+        self._publisher = node.advertise(
+            "wheel_joint_controller_state", JointTrajectoryControllerState, queue_size=1
+        )
+        self.restart()
+
+    def restart(self) -> None:
+        """Begin at the measured state."""
+        self._desired = [wheel.state.position for wheel in self._wheels]
+        self._last_commands = [0.0] * len(self._wheels)
+        self._last_velocities = [wheel.state.velocity for wheel in self._wheels]
+
+    def update(self, time: float, period: float) -> None:
+        """Publish the cycle at `time`, `period` after the last (s)."""
+        wheels = self._wheels
+        commands = [wheel.command for wheel in wheels]
+        velocities = [wheel.state.velocity for wheel in wheels]
+        self._desired = [
+            position + command * period for position, command in zip(self._desired, commands)
+        ]
+        if self._publisher.has_subscribers():
+            desired = JointTrajectoryPoint(
+                positions=self._desired,
+                velocities=commands,
+                accelerations=_rates(commands, self._last_commands, period),
+                effort=[math.nan] * len(wheels),
+            )
+            actual = JointTrajectoryPoint(
+                positions=[wheel.state.position for wheel in wheels],
+                velocities=velocities,
+                accelerations=_rates(velocities, self._last_velocities, period),
+                effort=[wheel.state.effort for wheel in wheels],
+            )
+            message = JointTrajectoryControllerState()
+            message.header.stamp = stamp(time)
+            message.joint_names = [wheel.name for wheel in wheels]
+            message.desired, message.actual = desired, actual
+            message.error = JointTrajectoryPoint(
+                positions=_differences(desired.positions, actual.positions),
+                velocities=_differences(desired.velocities, actual.velocities),
+                accelerations=_differences(desired.accelerations, actual.accelerations),
+                effort=[math.nan] * len(wheels),
+            )
+            self._publisher.publish(message)
+        self._last_commands, self._last_velocities = commands, velocities
+
+
+def _differences(first: List[float], second: List[float]) -> List[float]:
+    return [a - b for a, b in zip(first, second)]
+
+
+def _rates(now: List[float], before: List[float], period: float) -> List[float]:
+    if period <= 0.0:
+        return [0.0] * len(now)
+    return [difference / period for difference in _differences(now, before)]
+
+
 def _mean_position(wheels: List[JointHandle]) -> float:
     return sum(wheel.state.position for wheel in wheels) / len(wheels)
 
@@ -216,11 +395,15 @@ def _names(node: NodeHandle, key: str) -> List[str]:
     return names
 
 
-def _positive(node: NodeHandle, key: str, *default: float) -> float:
-    value = node.param(key, float, *default)
-    if value <= 0.0:
-        raise ControllerInitError(f"parameter {node.resolve(key)} is {value}; it must be above 0")
-    return value
+def _read_tuning(node: NodeHandle) -> _Tuning:
+    both = node.positive_param("wheel_radius_multiplier", 1.0)
+    return _Tuning(
+        node.positive_param("left_wheel_radius_multiplier", both),
+        node.positive_param("right_wheel_radius_multiplier", both),
+        node.positive_param("wheel_separation_multiplier", 1.0),
+        node.positive_param("publish_rate", 50.0),
+        node.param("enable_odom_tf", bool, True),
+    )
 
 
 def _covariance(node: NodeHandle, key: str) -> Tuple[float, ...]:

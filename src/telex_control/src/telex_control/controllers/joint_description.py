@@ -1,0 +1,36 @@
+"""Lookup of joints in the robot description, for controllers."""
+
+from __future__ import annotations
+
+import functools
+from typing import Dict
+
+from ..controller import ControllerInitError
+from ..node_handle import NodeHandle
+from ..urdf_joints import UrdfError, UrdfJoint, joints, parse_urdf
+
+
+def joint_description(root: NodeHandle, name: str) -> UrdfJoint:
+    """Return what ``robot_description`` in the robot's namespace `root` says of the joint `name`.
+
+    Raises
+    ------
+    ControllerInitError
+        There is no description, it cannot be read, or it lacks the joint.
+    """
+    try:
+        described = _joints(root.param("robot_description", str))
+    except UrdfError as error:
+        raise ControllerInitError(str(error)) from error
+    if name not in described:
+        raise ControllerInitError(
+            f"{root.resolve('robot_description')} has no movable joint '{name}'; "
+            f"it has: {', '.join(described) or 'none'}"
+        )
+    return described[name]
+
+
+@functools.lru_cache(maxsize=4)
+def _joints(urdf: str) -> Dict[str, UrdfJoint]:
+    # Each of a robot's controllers asks, and reading takes some ms.
+    return joints(parse_urdf(urdf))

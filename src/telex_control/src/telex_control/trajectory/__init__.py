@@ -1,0 +1,1 @@
+"""Joint trajectories, without ROS's wires: splines, replacement of a running one, tolerances."""

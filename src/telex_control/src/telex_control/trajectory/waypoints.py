@@ -1,0 +1,93 @@
+"""Reading of trajectory_msgs/JointTrajectory."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Dict, List, Sequence
+
+from control_msgs.msg import FollowJointTrajectoryResult as Result
+
+from .path import Track
+from .spline import State
+
+
+class TrajectoryError(ValueError):
+    """A trajectory cannot be carried out.
+
+    Attributes
+    ----------
+    code : int
+        One of FollowJointTrajectoryResult's.
+    """
+
+    def __init__(self, code: int, text: str) -> None:
+        super().__init__(text)
+        self.code = code
+
+
+def read_tracks(trajectory: Any, joints: Sequence[str], allow_partial: bool) -> Dict[str, Track]:
+    """Return what each joint is to do.
+
+    Parameters
+    ----------
+    trajectory : trajectory_msgs/JointTrajectory
+        With at least one point. Its joints may come in any order.
+    joints : sequence of str
+        Joints of the controller.
+    allow_partial : bool
+        Whether the trajectory may leave out some of them.
+
+    Raises
+    ------
+    TrajectoryError
+        INVALID_JOINTS, or INVALID_GOAL for points that are incomplete, not finite, or not in order.
+    """
+    names = list(trajectory.joint_names)
+    _check_joints(names, joints, allow_partial)
+    times: List[float] = []
+    states: List[List[State]] = [[] for _ in names]
+    last = -math.inf
+    for number, point in enumerate(trajectory.points):
+        time = point.time_from_start.to_sec()
+        if time < 0.0 or time <= last:
+            raise TrajectoryError(
+                Result.INVALID_GOAL,
+                f"point {number} has time_from_start {time:g} s; it must be 0 or more and after "
+                f"that of the point before{f', {last:g} s' if number else ''}",
+            )
+        last = time
+        times.append(time)
+        for column, state in zip(states, _states(point, number, names)):
+            column.append(state)
+    return {name: Track(times, column) for name, column in zip(names, states)}
+
+
+def _check_joints(names: List[str], joints: Sequence[str], allow_partial: bool) -> None:
+    expected = f"this controller has {', '.join(joints)}"
+    unknown = [name for name in names if name not in joints]
+    if unknown:
+        raise TrajectoryError(Result.INVALID_JOINTS, f"joint '{unknown[0]}' is unknown; {expected}")
+    if len(set(names)) != len(names):
+        raise TrajectoryError(Result.INVALID_JOINTS, "a joint is named twice")
+    missing = [name for name in joints if name not in names]
+    if missing and (not allow_partial or not names):
+        raise TrajectoryError(Result.INVALID_JOINTS, f"joint '{missing[0]}' is missing; {expected}")
+
+
+def _states(point: Any, number: int, names: Sequence[str]) -> List[State]:
+    columns: List[Sequence[Any]] = []
+    for field in ("positions", "velocities", "accelerations"):
+        values = getattr(point, field)
+        if len(values) != len(names) and (len(values) or field == "positions"):
+            raise TrajectoryError(
+                Result.INVALID_GOAL,
+                f"point {number} has {len(values)} {field}; {len(names)} are needed, one a joint",
+            )
+        for name, value in zip(names, values):
+            if not math.isfinite(value):
+                raise TrajectoryError(
+                    Result.INVALID_GOAL,
+                    f"point {number}: {field} of joint '{name}' is {value}, which is not finite",
+                )
+        columns.append(values or (None,) * len(names))
+    return [State(*row) for row in zip(*columns)]
