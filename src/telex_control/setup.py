@@ -6,6 +6,7 @@ from catkin_pkg.python_setup import generate_distutils_setup
 
 setup(
     **generate_distutils_setup(
-        packages=["telex_control", "telex_control.controllers"], package_dir={"": "src"}
+        packages=["telex_control", "telex_control.controllers", "telex_control.kinematics"],
+        package_dir={"": "src"},
     )
 )
