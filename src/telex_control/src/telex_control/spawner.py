@@ -1,6 +1,6 @@
 """Loads and starts controllers, and stops and unloads them again when it ends.
 
-The command line is that of ros_control's ``spawner``.
+The command line is that of ros_control's ``spawner``, and ``--optional`` beyond it.
 """
 
 from __future__ import annotations
@@ -21,6 +21,9 @@ from controller_manager_msgs.srv import (
 )
 from std_msgs.msg import Bool
 
+from telex_control.controller_joints import controller_joints
+from telex_control.urdf_joints import UrdfError, parse_urdf, transmissions
+
 _STOP_TIMEOUT = 1.0
 """Wall time (s) that the manager gets to stop and unload when the spawner ends."""
 
@@ -33,6 +36,13 @@ def parse(arguments: List[str]) -> argparse.Namespace:
         nargs="+",
         metavar="NAME|FILE.yaml",
         help="controllers in load order, or files whose parameters are loaded first",
+    )
+    parser.add_argument(
+        "--optional",
+        nargs="*",
+        default=[],
+        metavar="NAME",
+        help="further controllers, left out where the robot lacks all their joints",
     )
     parser.add_argument("--stopped", action="store_true", help="load only, do not start")
     parser.add_argument("--wait-for", metavar="TOPIC", help="a std_msgs/Bool that must be true")
@@ -78,7 +88,7 @@ class Spawner:
         if not isinstance(params, dict) or not all(isinstance(v, dict) for v in params.values()):
             raise SpawnerError(f"{argument}: a mapping of controller names to parameters is needed")
         for name, values in params.items():
-            rospy.set_param(f"{self._namespace}/{name}" if self._namespace else str(name), values)
+            rospy.set_param(self._param(str(name)), values)
         return [str(name) for name in params]
 
     def wait_for_manager(self, timeout: Optional[float]) -> bool:
@@ -100,6 +110,57 @@ class Spawner:
                 )
             return False
         return True
+
+    def present(self, names: List[str], optional: List[str]) -> List[str]:
+        """Return `names` and those of the `optional` controllers whose joints the robot has.
+
+        Raises
+        ------
+        SpawnerError
+            An optional controller has no joints, or the robot has a joint that no controller takes
+            while one is left out for a joint that is not there: its name is wrong, then.
+        """
+        if not optional:
+            return names
+        driven = self._driven_joints()
+        kept, absent = list(names), {}
+        for name in optional:
+            joints = self._joints_of(name)
+            if not joints:
+                raise SpawnerError(f"--optional {name}: its parameters name no joint")
+            if any(joint in driven for joint in joints):
+                kept.append(name)
+            else:
+                absent[name] = joints
+        taken = {joint for name in kept for joint in self._joints_of(name)}
+        without = [joint for joint in driven if joint not in taken]
+        for name, joints in absent.items():
+            if without:
+                raise SpawnerError(
+                    f"controller {name} is for {', '.join(joints)}, which the robot lacks, and no "
+                    f"controller is for its {', '.join(without)}; one of the names is wrong, or a "
+                    "controller is missing"
+                )
+            rospy.loginfo("Left out: %s, for this robot has no %s", name, ", ".join(joints))
+        return kept
+
+    def _driven_joints(self) -> List[str]:
+        description = rospy.get_param(self._param("robot_description"), None)
+        if description is None:
+            raise SpawnerError(
+                f"--optional needs the parameter {self._param('robot_description')}, which is not "
+                "set"
+            )
+        try:
+            return [each.joint for each in transmissions(parse_urdf(str(description)))]
+        except UrdfError as error:
+            raise SpawnerError(str(error)) from error
+
+    def _joints_of(self, controller: str) -> List[str]:
+        return controller_joints(rospy.get_param(self._param(controller), {}))
+
+    def _param(self, name: str) -> str:
+        return f"{self._namespace}/{name}" if self._namespace else name
 
     def start(self, names: List[str], stopped: bool) -> bool:
         """Load all of `names`, and start them in one switch unless `stopped`."""
@@ -166,7 +227,7 @@ def main() -> None:
         if not spawner.wait_for_manager(None if options.no_timeout else options.timeout):
             return
         rospy.on_shutdown(spawner.stop)
-        ok = spawner.start(names, options.stopped)
+        ok = spawner.start(spawner.present(names, options.optional), options.stopped)
     except SpawnerError as error:
         rospy.logerr("%s", error)
         sys.exit(1)
