@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Sets everything up, starts the whole simulator, and says where the console is.
 #
-#   ./launch_scripts/run.sh [roslaunch arguments, e.g. gui:=true video_port:=8081]
+#   ./launch_scripts/run.sh [roslaunch arguments, e.g. world:=training_hall video_port:=8081]
 #
 # Ctrl-C ends it all. A running ROS master (ROS_MASTER_URI) is used; without one, one is started.
 set -uo pipefail
@@ -20,12 +20,19 @@ esac
 is_false() { case "${1,,}" in 0 | false) return 0 ;; *) return 1 ;; esac; }
 namespace=telex
 expected=()
+arguments=()
 for argument in "$@"; do
   case "$argument" in
+    world:=*/* | world:=*.yaml | variant:=*/* | variant:=*.yaml | robot:=*/*)
+      # Nodes do not run in the caller's folder, and the shell leaves this tilde alone.
+      file="${argument#*:=}"
+      argument="${argument%%:=*}:=$(realpath -m -- "${file/#\~\//$HOME/}")"
+      ;;
     ns:=*) namespace="${argument#ns:=}" ;;
     console:=*) is_false "${argument#console:=}" && expected+=(--no-console) ;;
     cameras:=*) is_false "${argument#cameras:=}" && expected+=(--no-picture) ;;
   esac
+  arguments+=("$argument")
 done
 
 # Whatever is started here carries this mark in its environment, so that nothing else is ever ended.
@@ -67,7 +74,7 @@ env "$mark" setsid python -c '
 import os, signal, sys
 signal.signal(signal.SIGINT, signal.SIG_DFL)
 os.execvp(sys.argv[1], sys.argv[1:])
-' roslaunch --no-summary --sigint-timeout=1.5 --sigterm-timeout=1.0 telex_teleop bringup.launch "$@" &
+' roslaunch --no-summary --sigint-timeout=1.5 --sigterm-timeout=1.0 telex_teleop bringup.launch "${arguments[@]}" &
 launch_pid=$!
 
 env "$mark" python "$root/launch_scripts/wait_ready.py" --namespace "$namespace" --launch-pid "$launch_pid" \

@@ -6,7 +6,13 @@ from catkin_pkg.python_setup import generate_distutils_setup
 
 setup(
     **generate_distutils_setup(
-        packages=["telex_control", "telex_control.command_lines", "telex_control.controllers"],
+        packages=[
+            "telex_control",
+            "telex_control.command_lines",
+            "telex_control.controllers",
+            "telex_control.kinematics",
+            "telex_control.trajectory",
+        ],
         package_dir={"": "src"},
     )
 )

@@ -20,6 +20,7 @@ def described(kind="revolute", **changes):
         "velocity": 3.0,
         "effort": 4.0,
         "friction": 0.0,
+        "damping": 0.0,
         "soft": SoftLimits(-0.9, 1.9, 20.0, 30.0),
     }
     return UrdfJoint(**{**values, **changes})

@@ -10,6 +10,7 @@ from telex_control.node_handle import ParameterError
 from telex_control.params import (
     ConfigError,
     read_config,
+    read_struct,
     require,
     require_choice,
     require_names,
@@ -173,3 +174,26 @@ def test_local_topics_reach_their_subscribers_until_shutdown():
     other.shutdown()
     publisher.publish(2)
     assert received == [1]
+
+
+@pytest.mark.parametrize(
+    ("values", "name", "said"),
+    [
+        ({"name": 3}, "", "name is 3; a string is needed"),
+        ({"name": "x", "inner": {"gain": -1.0}}, "", "inner: gain is -1.0; it must be above 0"),
+        ({"name": "x", "inner": {"gain": 10**400}}, "box", "box/inner/gain is 1000"),
+        ({"name": "x", "colour": 1}, "box", "box/colour is unknown; known are "),
+        ([1], "", "it is [1]; a struct is needed"),
+        ({"name": list(range(1000))}, "", "name is [0, 1, 2"),
+    ],
+)
+def test_values_of_a_file_are_named_without_a_parameters_prefix(values, name, said):
+    with pytest.raises(ConfigError) as caught:
+        read_struct(Outer, values, name)
+    assert str(caught.value).startswith(said)
+    assert len(str(caught.value)) < 150
+
+
+def test_a_struct_checks_itself_in_a_file_too():
+    with pytest.raises(ConfigError, match="^gain is -1.0; it must be above 0$"):
+        read_struct(Inner, {"gain": -1.0})

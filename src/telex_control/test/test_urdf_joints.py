@@ -20,15 +20,15 @@ def test_joints_and_limits(bench_urdf):
     assert found["wheel"].velocity == 10.0
 
 
-def test_soft_limits_and_friction():
+def test_soft_limits_friction_and_damping():
     joint = joints(
         robot(
             '<joint name="j" type="revolute"><limit lower="-1" upper="1" velocity="1" effort="1"/>'
-            '<dynamics friction="0.5"/><safety_controller soft_lower_limit="-0.9" '
+            '<dynamics friction="0.5" damping="3"/><safety_controller soft_lower_limit="-0.9" '
             'soft_upper_limit="0.8" k_position="20" k_velocity="30"/></joint>'
         )
     )["j"]
-    assert joint.friction == 0.5
+    assert (joint.friction, joint.damping) == (0.5, 3.0)
     assert joint.soft is not None
     assert (joint.soft.lower, joint.soft.upper, joint.soft.k_velocity) == (-0.9, 0.8, 30.0)
 
@@ -72,6 +72,8 @@ def test_fixed_joints_are_left_out():
         ('<joint name="j" type="revolute"><limit lower="x"/></joint>', 'lower="x"'),
         ('<joint name="j" type="revolute"><limit effort="nan"/></joint>', "not finite"),
         ('<joint name="j" type="revolute"><limit lower="2" upper="1"/></joint>', "above"),
+        ('<joint name="j" type="continuous"><dynamics friction="-1"/></joint>', "friction is -1"),
+        ('<joint name="j" type="continuous"><dynamics damping="-2"/></joint>', "damping is -2"),
     ],
 )
 def test_wrong_joints_are_named(body, named):

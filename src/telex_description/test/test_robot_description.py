@@ -1,11 +1,9 @@
-"""The robot model: complete names, plausible bodies, limits, transmissions, poses and cameras."""
+"""The URDF of the standard robot: complete names, plausible bodies, limits, cameras, lamps."""
 
 from __future__ import annotations
 
 import math
 import subprocess
-import sys
-from itertools import combinations
 from pathlib import Path
 from typing import Dict, Iterator, List, Tuple
 from xml.etree import ElementTree
@@ -22,6 +20,7 @@ MODEL = PACKAGE / "urdf" / "telex.urdf.xacro"
 MESH_ADDRESS = "package://telex_description"
 
 CAMERAS = ("gripper", "arm", "turret", "front", "rear", "mast")
+LAMPS = ("front_left", "front_right", "rear_left", "rear_right", "turret_camera", "gripper")
 SIDES = ("left", "right")
 CORNERS = [f"{end}_{side}" for end in ("front", "rear") for side in SIDES]
 ARM_JOINTS = [
@@ -42,8 +41,7 @@ FINGER_JOINTS = [
 FLIPPER_JOINTS = [f"{corner}_flipper_joint" for corner in CORNERS]
 TRACK_JOINTS = [f"{corner}_track_joint" for corner in CORNERS]
 CAMERA_JOINTS = ["turret_camera_pan_joint", "turret_camera_tilt_joint"]
-SOFT_LIMITED = ARM_JOINTS + FINGER_JOINTS + FLIPPER_JOINTS
-POSITIONED = SOFT_LIMITED + CAMERA_JOINTS
+POSITIONED = ARM_JOINTS + FINGER_JOINTS + FLIPPER_JOINTS + CAMERA_JOINTS
 MOVABLE = POSITIONED + TRACK_JOINTS
 LINKS = (
     [
@@ -63,6 +61,7 @@ LINKS = (
     + [joint.replace("_joint", "_link") for joint in FINGER_JOINTS + FLIPPER_JOINTS + TRACK_JOINTS]
     + [f"{camera}_camera_link" for camera in CAMERAS]
     + [f"{camera}_camera_optical_frame" for camera in CAMERAS]
+    + [f"{lamp}_lamp_link" for lamp in LAMPS]
 )
 # Drives: lower, upper (rad, m), velocity (rad/s, m/s), effort (N m, N).
 DRIVES = {
@@ -75,14 +74,6 @@ DRIVES = {
     "gripper_roll_joint": (-2 * math.pi, 2 * math.pi, 1.292, 40),
     "front_left_flipper_joint": (-2.0, 2.0, 0.6, 300),
     "left_finger_tip_joint": (-1.12, 0.10, 2.0, 12),
-}
-# Named poses: tool in base_link (m), its angle below the horizon (rad) or None.
-TOOL = {
-    "stow": ((0.06, 0.0, 0.689), None),
-    "drive": ((0.06, 0.0, 0.689), None),
-    "ready": ((0.80, 0.0, 0.30), math.radians(25)),
-    "look_front": ((0.62, 0.0, 0.95), 0.0),
-    "floor_pick": ((0.775, 0.0, -0.05), math.radians(70)),
 }
 
 
@@ -107,12 +98,12 @@ class LoadedRobot:
 
     def __init__(self, urdf_file: Path) -> None:
         self.bullet = BulletClient(pybullet.DIRECT)
-        self.body = self.bullet.loadURDF(str(urdf_file), flags=pybullet.URDF_USE_SELF_COLLISION)
+        flags = pybullet.URDF_USE_SELF_COLLISION | pybullet.URDF_USE_INERTIA_FROM_FILE
+        self.body = self.bullet.loadURDF(str(urdf_file), flags=flags)
         indices = range(self.bullet.getNumJoints(self.body))
         infos = [self.bullet.getJointInfo(self.body, index) for index in indices]
         self.joints = {info[1].decode(): info[0] for info in infos}
         self.links = {info[12].decode(): info[0] for info in infos}
-        self.parents = {info[0]: info[16] for info in infos}
         # PyBullet places the centre of mass; the link frame is wanted.
         dynamics = self.bullet.getDynamicsInfo(self.body, -1)
         base = self.bullet.getBasePositionAndOrientation(self.body)
@@ -137,20 +128,6 @@ class LoadedRobot:
         )
         rotation = np.reshape(self.bullet.getMatrixFromQuaternion(quaternion), (3, 3))
         return np.array(position), rotation
-
-    def overlaps(self) -> List[Tuple[str, str, float]]:
-        """Return pairs of links, not parent and child, that overlap by more than 0.1 mm."""
-        names = {-1: "base_link", **{index: name for name, index in self.links.items()}}
-        shaped = [i for i in names if self.bullet.getCollisionShapeData(self.body, i)]
-        found = []
-        for first, second in combinations(shaped, 2):
-            if self.parents.get(first) == second or self.parents.get(second) == first:
-                continue
-            points = self.bullet.getClosestPoints(self.body, self.body, 0.0, first, second)
-            depth = min((point[8] for point in points), default=0.0)
-            if depth < -1e-4:
-                found.append((names[first], names[second], depth))
-        return found
 
 
 @pytest.fixture(scope="module")
@@ -228,11 +205,17 @@ def test_other_figures_make_another_robot(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", MOVABLE)
-def test_joint_has_limits_and_no_explicit_damping(robot: URDF, name: str) -> None:
+def test_joint_has_limits_friction_and_damping(robot: URDF, name: str) -> None:
     joint = joint_named(robot, name)
     assert joint.limit.effort > 0
     assert joint.limit.velocity > 0
-    assert joint.dynamics.damping == 0
+    assert joint.dynamics.friction > 0
+    assert joint.dynamics.damping > 0
+    # what friction takes leaves most of the drive's effort
+    lost = joint.dynamics.friction + joint.dynamics.damping * joint.limit.velocity
+    assert lost < 0.15 * joint.limit.effort
+    assert joint.safety_controller.k_position > 0
+    assert joint.safety_controller.k_velocity > 0
     if name in TRACK_JOINTS:
         assert joint.type == "continuous"
     else:
@@ -245,12 +228,10 @@ def test_drive_figures(robot: URDF, name: str) -> None:
     assert (limit.lower, limit.upper, limit.velocity, limit.effort) == pytest.approx(DRIVES[name])
 
 
-@pytest.mark.parametrize("name", SOFT_LIMITED)
+@pytest.mark.parametrize("name", POSITIONED)
 def test_soft_limits_lie_within_hard_limits(robot: URDF, name: str) -> None:
     joint = joint_named(robot, name)
     soft = joint.safety_controller
-    assert soft.k_position > 0
-    assert soft.k_velocity > 0
     assert joint.limit.lower <= soft.soft_lower_limit < soft.soft_upper_limit <= joint.limit.upper
 
 
@@ -295,7 +276,9 @@ def test_inertias_are_those_of_real_bodies(robot: URDF) -> None:
         assert inertial.mass > 0
         moments = np.linalg.eigvalsh(np.array(inertial.inertia.to_matrix()))
         assert moments[0] > 0, link.name
-        assert moments[0] + moments[1] >= moments[2] * (1 - 1e-9), link.name
+        assert moments[0] + moments[1] >= moments[2] * (1 - 1e-6), link.name
+        # No part of a link is further from its centre than the robot is long.
+        assert moments[2] < inertial.mass * 0.5**2 + 1e-8, link.name
 
 
 def test_mass_is_75_kg(robot: URDF) -> None:
@@ -306,10 +289,18 @@ def test_pybullet_finds_the_same_mass(robot: URDF, loaded: LoadedRobot) -> None:
     assert loaded.mass() == pytest.approx(sum(link.inertial.mass for link in robot.links), abs=1e-6)
 
 
-def test_pybullet_keeps_every_inertia(loaded: LoadedRobot) -> None:
+def test_pybullet_has_the_mass_of_every_link(robot: URDF, loaded: LoadedRobot) -> None:
+    for name, index in {"base_link": -1, **loaded.links}.items():
+        mass = loaded.bullet.getDynamicsInfo(loaded.body, index)[0]
+        assert mass == pytest.approx(robot.link_map[name].inertial.mass, rel=1e-6), name
+
+
+def test_pybullet_has_the_principal_moments_of_every_link(robot: URDF, loaded: LoadedRobot) -> None:
     # PyBullet sets an impossible inertia to zero and goes on.
-    for name, index in loaded.links.items():
-        assert min(loaded.bullet.getDynamicsInfo(loaded.body, index)[2]) > 0, name
+    for name, index in {"base_link": -1, **loaded.links}.items():
+        tensor = np.array(robot.link_map[name].inertial.inertia.to_matrix())
+        found = sorted(loaded.bullet.getDynamicsInfo(loaded.body, index)[2])
+        assert found == pytest.approx(np.linalg.eigvalsh(tensor), rel=1e-3), name
 
 
 @pytest.mark.parametrize("corner", CORNERS)
@@ -324,14 +315,6 @@ def test_flipper_at_zero_lies_flat_on_the_floor(robot: URDF, corner: str) -> Non
     touching = vertices[vertices[:, 2] < lowest + 1e-5]
     assert np.ptp(touching[:, 0]) == pytest.approx(math.sqrt(0.44**2 - 0.04**2), abs=1e-4)
     assert np.abs(vertices[:, 1]).max() == pytest.approx(0.200, abs=1e-5)
-
-
-def test_hull_script_writes_what_is_in_the_repository(tmp_path: Path) -> None:
-    script = PACKAGE / "scripts" / "make_flipper_hull"
-    subprocess.run([sys.executable, str(script), "--output", str(tmp_path)], check=True)
-    for end in ("front", "rear"):
-        name = f"flipper_{end}.obj"
-        assert (tmp_path / name).read_bytes() == (PACKAGE / "meshes" / name).read_bytes()
 
 
 # ---- cameras and frames
@@ -372,77 +355,38 @@ def test_camera_table_is_complete_and_sound(robot: URDF) -> None:
             "far",
             "rate",
             "jpeg_quality",
-        }
+        } | ({"zoom_max"} if name == "turret" else set())
         assert camera["frame"] == f"{name}_camera_optical_frame"
         assert camera["frame"] in robot.link_map
         assert 0 < camera["horizontal_fov"] < math.pi
         assert 0 < camera["near"] < camera["far"]
         assert camera["rate"] > 0
         assert 1 <= camera["jpeg_quality"] <= 100
+    assert table["turret"]["zoom_max"] > 1
 
 
-# ---- poses
+@pytest.mark.parametrize("end", [1, -1])
+def test_hull_lamps_shine_along_x_of_their_frames(loaded: LoadedRobot, end: int) -> None:
+    name = "front" if end > 0 else "rear"
+    for side, y in (("left", 1), ("right", -1)):
+        position, rotation = loaded.frame(f"{name}_{side}_lamp_link")
+        assert np.sign(position[:2]).tolist() == [end, y]
+        beam = rotation[:, 0]
+        assert beam[0] * end > 0.98
+        assert beam[1] == pytest.approx(0, abs=1e-6)
+        assert beam[2] < 0
 
 
-def test_poses_name_every_positioned_joint() -> None:
-    poses = read_yaml("poses.yaml")["poses"]
-    assert set(poses) == set(TOOL)
-    for name, pose in poses.items():
-        assert sorted(pose) == sorted(POSITIONED), name
-
-
-def test_poses_lie_within_the_soft_limits(robot: URDF) -> None:
-    for pose_name, pose in read_yaml("poses.yaml")["poses"].items():
-        for name, position in pose.items():
-            joint = joint_named(robot, name)
-            lower, upper = joint.limit.lower, joint.limit.upper
-            if joint.safety_controller is not None:
-                lower = joint.safety_controller.soft_lower_limit
-                upper = joint.safety_controller.soft_upper_limit
-            assert lower <= position <= upper, f"{pose_name}: {name}"
-
-
-def test_fingers_stay_parallel_in_the_poses() -> None:
-    for pose in read_yaml("poses.yaml")["poses"].values():
-        for side in SIDES:
-            base, middle, tip = (
-                pose[f"{side}_finger_{part}_joint"] for part in ("base", "middle", "tip")
-            )
-            assert (middle, tip) == pytest.approx((base, -2 * base))
-
-
-@pytest.mark.parametrize("name", sorted(TOOL))
-def test_tool_is_where_the_pose_says(loaded: LoadedRobot, name: str) -> None:
-    expected_position, expected_pitch = TOOL[name]
-    loaded.move(read_yaml("poses.yaml")["poses"][name])
-    position, rotation = loaded.frame("tool_link")
-    assert position == pytest.approx(expected_position, abs=0.01)
-    if expected_pitch is not None:
-        assert -math.asin(rotation[2, 0]) == pytest.approx(expected_pitch, abs=0.01)
-
-
-@pytest.mark.parametrize("name", sorted(TOOL))
-def test_no_link_reaches_into_another_in_the_poses(loaded: LoadedRobot, name: str) -> None:
-    loaded.move(read_yaml("poses.yaml")["poses"][name])
-    assert loaded.overlaps() == []
-
-
-@pytest.mark.parametrize("opening", [-0.04, 0.0, 0.3, 0.55])
-def test_pads_open_parallel_and_symmetric(loaded: LoadedRobot, opening: float) -> None:
-    for side in SIDES:
-        loaded.move({f"{side}_finger_base_joint": opening})
-        loaded.move({f"{side}_finger_middle_joint": opening})
-        loaded.move({f"{side}_finger_tip_joint": -2 * opening})
-    tool_position, tool = loaded.frame("tool_link")
-    left_position, left = loaded.frame("left_finger_tip_link")
-    right_position, right = loaded.frame("right_finger_tip_link")
-    assert left == pytest.approx(tool, abs=1e-6)
-    assert right == pytest.approx(tool, abs=1e-6)
-    left_offset = tool.T @ (left_position - tool_position)
-    right_offset = tool.T @ (right_position - tool_position)
-    assert left_offset == pytest.approx(right_offset * [1, -1, 1], abs=1e-6)
-    # Closed, both links of a finger lean in by 25 degrees; the middle one turns with the base.
-    first = math.radians(25) - opening
-    second = math.radians(25) - 2 * opening
-    pivot = 0.065 - 0.045 * math.sin(first) - 0.075 * math.sin(second)
-    assert left_offset[1] == pytest.approx(pivot, abs=1e-6)
+def test_lamp_table_is_complete_and_sound(robot: URDF) -> None:
+    table = read_yaml("lamps.yaml")["lamps"]
+    assert sorted(table) == sorted(LAMPS)
+    for name, lamp in table.items():
+        assert set(lamp) == {"frame", "angle", "intensity", "reach", "color", "level"}
+        assert lamp["frame"] == f"{name}_lamp_link"
+        assert lamp["frame"] in robot.link_map
+        assert 0 < lamp["angle"] < math.pi
+        assert lamp["intensity"] > 0
+        assert lamp["reach"] > 0
+        assert len(lamp["color"]) == 3
+        assert all(0 <= value <= 1 for value in lamp["color"])
+        assert lamp["level"] == 0, "the robot starts with its lamps off"

@@ -49,6 +49,8 @@ def test_defaults_and_optics():
         ({"rate": 0.0}, "rate is 0"),
         ({"rate": 1000.0}, "rate is 1000"),
         ({"jpeg_quality": 0}, "jpeg_quality is 0; it must be at least 1 and at most 100"),
+        ({"zoom_max": 0.5}, "zoom_max is 0.5; it must be at least 1"),
+        ({"zoom_max": math.inf}, "zoom_max is inf"),
         ({"zoom": 2.0}, "cameras/front/zoom is unknown"),
     ],
 )
@@ -81,3 +83,39 @@ def test_bad_parameter_of_the_node(changes, complaint):
 def test_cameras_are_needed():
     with pytest.raises(ConfigError, match="/telex/cameras/cameras is missing"):
         read_config(CamerasConfig, {}, "/telex/cameras")
+
+
+LAMP = {"frame": "front_lamp_link"}
+
+
+def test_a_lamp_shines_along_the_x_axis_of_its_link():
+    lamp = read(lamps={"head": {**LAMP, "level": 0.3}}).lamps["head"].lamp("head", "telex")
+    assert (lamp.frame, lamp.name) == ("telex/front_lamp_link", "head")
+    assert (lamp.position, lamp.direction) == ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0))
+
+
+def test_zoom_multiplies_the_focal_length():
+    camera = read({**FRONT, "zoom_max": 10.0}).cameras["front"]
+    assert camera.optics(7.0).focal_length == pytest.approx(7.0 * camera.optics().focal_length)
+
+
+@pytest.mark.parametrize(
+    ("changes", "complaint"),
+    [
+        ({"frame": ""}, "lamps/head: frame is ''"),
+        ({"angle": 0.0}, "angle is 0.0; it must be above 0"),
+        ({"intensity": -1.0}, "intensity is -1"),
+        ({"reach": math.nan}, "reach is nan"),
+        ({"color": [1.0, 2.0, 0.0]}, r"color is \[1.0, 2.0, 0.0\]; numbers from 0 to 1"),
+        ({"level": 1.5}, "level is 1.5"),
+        ({"power": 3.0}, "lamps/head/power is unknown"),
+    ],
+)
+def test_bad_lamp(changes, complaint):
+    with pytest.raises(ConfigError, match=complaint):
+        read(lamps={"head": {**LAMP, **changes}})
+
+
+def test_bad_name_of_a_lamp():
+    with pytest.raises(ConfigError, match="lamps has the key 'a/b'"):
+        read(lamps={"a/b": LAMP})

@@ -27,9 +27,18 @@ RED, GREEN, BLUE = (0.9, 0.05, 0.05), (0.05, 0.8, 0.05), (0.05, 0.1, 0.9)
 CAMERA = {"width": SIZE[0], "height": SIZE[1], "horizontal_fov": 1.2}
 PARAMS = {
     "cameras": {
-        "front": {**CAMERA, "frame": "front_camera_optical_frame", "rate": 20.0},
+        "front": {
+            **CAMERA,
+            "frame": "front_camera_optical_frame",
+            "rate": 20.0,
+            "zoom_max": 4.0,
+        },
         "rear": {**CAMERA, "frame": "rear_camera_optical_frame", "rate": 20.0},
         "ghost": {**CAMERA, "frame": "no_such_link"},
+    },
+    "lamps": {
+        "head": {"frame": "lamp_link", "intensity": 2.0, "level": 0.5},
+        "lost": {"frame": "no_lamp_link"},
     },
     "model": "telex",
 }
@@ -136,9 +145,24 @@ def test_raw_pictures_while_somebody_listens(seen):
     assert all(looks(picture, RED) for picture in seen["raw"])
 
 
-def test_a_camera_without_its_frame_is_named_and_keeps_still(seen):
+def test_what_this_robot_lacks_is_named_once_and_keeps_still(seen):
     assert seen["ghost"] == []
-    assert "no frame 'telex/no_such_link'" in seen["log"]
+    assert seen["log"].count("this robot has no telex/no_lamp_link, telex/no_such_link") == 1
+
+
+def test_zoom_is_taken_within_its_range_and_told_by_camera_info(seen):
+    focal = SIZE[0] / 2 / np.tan(0.6)
+    assert seen["zoom"] == pytest.approx([focal, 2.5 * focal, 2.5 * focal, 4.0 * focal, focal])
+    assert "camera front: zoom is nan; 1 to 4 is possible" in seen["log"]
+    assert "camera front: zoom is 99; 1 to 4 is possible, 4 is taken" in seen["log"]
+    assert "camera front: zoom is -1; 1 to 4 is possible, 1 is taken" in seen["log"]
+
+
+def test_lamps_are_switched(seen):
+    starting, off, still_off, full = seen["lamp"]
+    assert off == still_off == 0.0
+    assert 10.0 < starting < full
+    assert "lamp head: level is nan; 0 to 1 is possible, it stays at 0" in seen["log"]
 
 
 def test_while_paused_a_picture_now_and_then(seen):
@@ -222,7 +246,7 @@ class Simulator:
     def followed(self):
         return self._poses.get_num_connections() > 0
 
-    def describe(self, color):
+    def describe(self, color, ambient=1.0):
         from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
         from std_msgs.msg import ColorRGBA
         from telex_msgs.msg import SceneDescription, SceneVisual
@@ -239,7 +263,10 @@ class Simulator:
         frames = ["world", "telex/front_camera_optical_frame", "telex/rear_camera_optical_frame"]
         self._scenes.publish(
             SceneDescription(
-                revision=self.revision, frames=frames, visuals=[box(3.0, color), box(-3.0, GREEN)]
+                revision=self.revision,
+                frames=[*frames, "telex/lamp_link"],
+                visuals=[box(3.0, color), box(-3.0, GREEN)],
+                ambient=ambient,
             )
         )
 
@@ -253,6 +280,7 @@ class Simulator:
             # Optical frames that look along x, and against it.
             poses += [0.0, 0.0, 0.0, -0.5, 0.5, -0.5, 0.5]
             poses += [0.0, 0.0, 0.0, 0.5, 0.5, -0.5, -0.5]
+            poses += [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
             if self.broken:
                 poses[7] = float("nan")
             message = ScenePoses(revision=self.revision, poses=poses)
@@ -313,6 +341,7 @@ def drill():
     """Play the simulator and the viewer, and print what was seen."""
     import rospy
     from sensor_msgs.msg import CameraInfo, CompressedImage, Image
+    from std_msgs.msg import Float64
 
     rospy.init_node("drill")
     simulator = Simulator()
@@ -364,6 +393,32 @@ def drill():
     simulator.describe(GREEN)
     front.note_for(0.3)
     seen["restarted"] = front.note_for(0.5)
+
+    def command(topic, values, look):
+        """Look once before and once after each of the values."""
+        publisher = rospy.Publisher(topic, Float64, queue_size=1)
+        seen_values = [look()]
+        while not publisher.get_num_connections():
+            time.sleep(0.01)
+        for value in values:
+            publisher.publish(value)
+            time.sleep(0.3)
+            seen_values.append(look())
+        return seen_values
+
+    seen["zoom"] = command(
+        "cameras/front/zoom",
+        (2.5, float("nan"), 99.0, -1.0),
+        lambda: infos.note_for(0.3)[-1]["k"][0],
+    )
+    simulator.revision = 2
+    simulator.describe(RED, ambient=0.0)
+    front.note_for(0.3)
+    seen["lamp"] = command(
+        "lamps/head/command",
+        (0.0, float("nan"), 1.0),
+        lambda: max(front.note_for(0.3)[-1]["middle"]),
+    )
     print(json.dumps(seen))
 
 

@@ -6,7 +6,7 @@ import pytest
 from telex_sim.rendering.camera import PinholeCamera
 from telex_sim.rendering.culling import spheres_in_view, spheres_in_world
 from telex_sim.rendering.gl_context import NEEDED_PACKAGES, NoContextError, create_context
-from telex_sim.rendering.lighting import Lighting, sun_view
+from telex_sim.rendering.lighting import sun_view
 from telex_sim.rendering.quality import TIERS, choose_quality
 from telex_sim.rendering.transforms import pose_matrices
 
@@ -75,12 +75,12 @@ class TestCulling:
 
 
 class TestSunView:
-    lighting = Lighting(to_sun=(-1.0, 0.5, 2.0), shadow_radius=3.0)
+    to_sun = (-1.0, 0.5, 2.0)
     centers = np.array([(0.0, 0.0, 1.0), (100.0, 0.0, 1.0)])
     radii = np.array([0.5, 0.5])
 
     def view(self, focus):
-        return sun_view(self.lighting, 100, np.array(focus), self.centers, self.radii)
+        return sun_view(self.to_sun, 3.0, 100, np.array(focus), self.centers, self.radii)
 
     def project(self, view, point):
         return (view.clip_from_world @ [*point, 1.0])[:3]
@@ -88,13 +88,13 @@ class TestSunView:
     def test_points_along_a_ray_fall_together(self):
         view = self.view((0.0, 0.0, 0.0))
         high = self.project(view, (0.0, 0.0, 1.0))
-        low = self.project(view, np.array([0.0, 0.0, 1.0]) - self.lighting.to_sun)
+        low = self.project(view, np.array([0.0, 0.0, 1.0]) - self.to_sun)
         np.testing.assert_allclose(high[:2], low[:2], atol=1e-9)
         assert high[2] < low[2]
 
     def test_casters_over_the_map_lie_within_its_depths(self):
         view = self.view((0.0, 0.0, 0.0))
-        to_sun = np.array(self.lighting.to_sun) / np.linalg.norm(self.lighting.to_sun)
+        to_sun = np.array(self.to_sun) / np.linalg.norm(self.to_sun)
         assert self.project(view, self.centers[0] + 0.5 * to_sun)[2] == pytest.approx(-1.0)
         assert self.project(view, self.centers[0] - 0.5 * to_sun)[2] == pytest.approx(1.0)
 
@@ -108,7 +108,7 @@ class TestSunView:
 
     @pytest.mark.parametrize("to_sun", [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)])
     def test_any_direction_of_the_sun(self, to_sun):
-        view = sun_view(Lighting(to_sun=to_sun), 64, np.zeros(3), np.zeros((0, 3)), np.zeros(0))
+        view = sun_view(to_sun, 4.0, 64, np.zeros(3), np.zeros((0, 3)), np.zeros(0))
         axes = view.clip_from_world[:3, :3]
         gram = axes @ axes.T
         np.testing.assert_allclose(gram, np.diag(np.diag(gram)), atol=1e-12)

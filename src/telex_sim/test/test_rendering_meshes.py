@@ -4,9 +4,12 @@ import struct
 import numpy as np
 import pytest
 
+from telex_sim.rendering import mesh_files
 from telex_sim.rendering.mesh_files import MeshFileError, load_mesh
 from telex_sim.rendering.mesh_normals import mesh_from_corners
-from telex_sim.rendering.meshes import box_mesh, cylinder_mesh, plane_mesh, sphere_mesh
+from telex_sim.rendering.meshes import Mesh, box_mesh, cylinder_mesh, plane_mesh, sphere_mesh
+from telex_sim.rendering.simplification import simplified
+from telex_sim.rendering.texture_mapping import box_mapped
 
 CUBE = """
 # a cube without normals
@@ -89,22 +92,112 @@ class TestPrimitives:
         extents = np.ptp(cylinder_mesh(0.2, 1.5).positions, axis=0)
         np.testing.assert_allclose(extents, [0.4, 0.4, 1.5], rtol=1e-2)
 
-    def test_plane_faces_up_with_coordinates_in_metres(self):
+    def test_plane_faces_up(self):
         mesh = plane_mesh(4.0, 2.0)
         assert_sound(mesh)
         assert (mesh.normals == [0.0, 0.0, 1.0]).all()
-        np.testing.assert_allclose(mesh.uvs, mesh.positions[:, :2])
-
-    def test_textures_of_a_box_are_not_mirrored(self):
-        mesh = box_mesh((1.0, 2.0, 3.0))
-        for triangle in mesh.triangles:
-            (u1, v1), (u2, v2) = mesh.uvs[triangle[1:]] - mesh.uvs[triangle[0]]
-            assert u1 * v2 - u2 * v1 > 0.0
 
     def test_mirroring_keeps_the_outside_out(self):
         mesh = sphere_mesh(0.5).scaled((-1.0, 2.0, 1.0))
         assert_sound(mesh)
         assert volume_of(mesh) == pytest.approx(2.0 * volume_of(sphere_mesh(0.5)), rel=1e-5)
+
+
+class TestTextureMapping:
+    @pytest.mark.parametrize("scale", [0.0, 0.5])
+    @pytest.mark.parametrize(
+        "make",
+        [
+            lambda scale: box_mapped(box_mesh((1.0, 2.0, 3.0)), np.zeros(3), scale),
+            lambda scale: box_mapped(plane_mesh(1.0, 2.0), np.zeros(3), scale),
+            lambda scale: cylinder_mesh(0.3, 1.0, scale),
+            lambda scale: sphere_mesh(0.3, scale),
+        ],
+    )
+    def test_nothing_is_mirrored(self, make, scale):
+        mesh = make(scale)
+        along = mesh.uvs[mesh.triangles].astype(float)
+        turn = along[:, 1:] - along[:, :1]
+        area = turn[:, 0, 0] * turn[:, 1, 1] - turn[:, 0, 1] * turn[:, 1, 0]
+        assert (area > 0.0).all()
+
+    def test_once_over_each_face_of_a_box(self):
+        mesh = box_mapped(box_mesh((1.0, 2.0, 3.0)), np.zeros(3), 0.0)
+        corners = {tuple(uv) for uv in mesh.uvs.tolist()}
+        assert corners == {(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)}
+        # On the four sides, the picture's top is the box's.
+        sides = np.abs(mesh.normals[:, 2]) < 0.5
+        np.testing.assert_allclose(mesh.uvs[sides, 1], mesh.positions[sides, 2] / 3.0 + 0.5)
+
+    def test_in_metres_it_keeps_its_proportions(self):
+        mesh = box_mapped(box_mesh((1.0, 2.0, 3.0)), np.zeros(3), 0.5)
+        edges = np.diff(mesh.positions[mesh.triangles], axis=1).astype(float)
+        turns = np.diff(mesh.uvs[mesh.triangles], axis=1).astype(float)
+        np.testing.assert_allclose(
+            np.linalg.norm(turns, axis=2), np.linalg.norm(edges, axis=2) / 0.5, rtol=1e-5
+        )
+
+    def test_neighbours_in_one_frame_continue_one_another(self):
+        left, right = (
+            box_mapped(box_mesh((1.0, 1.0, 1.0)), np.array([x, 0.0, 0.0]), 0.7) for x in (0.0, 1.0)
+        )
+
+        def on_top_edge(mesh, x):
+            """Texture where the upper face ends."""
+            rows = (mesh.normals[:, 2] > 0.5) & np.isclose(mesh.positions[:, 0], x)
+            return sorted(mesh.uvs[rows].tolist())
+
+        np.testing.assert_allclose(on_top_edge(left, 0.5), on_top_edge(right, -0.5), atol=1e-6)
+
+    def test_round_a_cylinder_it_closes_without_a_seam(self):
+        mesh = cylinder_mesh(0.29, 0.88, 0.5)
+        side = np.abs(mesh.normals[:, 2]) < 0.5
+        around = np.ptp(mesh.uvs[side, 0])
+        assert around == round(2.0 * math.pi * 0.29 / 0.5)
+        assert np.ptp(mesh.uvs[side, 1]) == pytest.approx(0.88 / 0.5)
+        # A small one still gets the whole picture once.
+        thin = cylinder_mesh(0.01, 0.5, 1.0)
+        assert np.ptp(thin.uvs[np.abs(thin.normals[:, 2]) < 0.5, 0]) == 1.0
+
+    def test_a_smooth_mesh_is_cut_where_it_turns_to_another_side(self):
+        ball = sphere_mesh(0.5)
+        mesh = box_mapped(ball, np.zeros(3), 0.25)
+        assert len(mesh.triangles) == len(ball.triangles)
+        assert len(mesh.positions) > len(ball.positions)
+        turns = np.ptp(mesh.uvs[mesh.triangles], axis=1)
+        edges = np.ptp(mesh.positions[mesh.triangles], axis=1).max(axis=1)
+        # Nowhere does a triangle reach across the texture.
+        assert (turns.max(axis=1) <= edges / 0.25 + 1e-5).all()
+
+
+class TestSimplification:
+    def test_a_box_stays_what_it_is(self):
+        box = box_mesh((0.5, 0.3, 0.2))
+        positions, triangles = simplified(box.positions, box.triangles, 0.01)
+        assert (len(positions), len(triangles)) == (8, 12)
+        mesh = Mesh(positions, positions, None, triangles)
+        assert volume_of(mesh) == pytest.approx(0.03)
+
+    def test_a_fine_mesh_becomes_coarse_and_keeps_its_form(self):
+        ball = sphere_mesh(0.05)
+        positions, triangles = simplified(ball.positions, ball.triangles, 0.02)
+        assert len(triangles) < len(ball.triangles) / 2
+        distances = np.linalg.norm(positions, axis=1)
+        assert 0.05 - 0.02 * math.sqrt(3.0) < distances.min() <= distances.max() <= 0.0501
+        # Its outside is still outside.
+        mesh = Mesh(positions, positions, None, triangles)
+        assert volume_of(mesh) > 0.6 * volume_of(ball)
+
+    def test_without_a_grid_only_doubles_go(self):
+        ball = sphere_mesh(0.05)
+        positions, triangles = simplified(ball.positions, ball.triangles, 0.0)
+        assert len(positions) == len(np.unique(ball.positions, axis=0))
+        assert len(triangles) == len(ball.triangles)
+
+    def test_what_is_smaller_than_a_cell_does_not_vanish(self):
+        grain = box_mesh((0.001, 0.001, 0.001))
+        _, triangles = simplified(grain.positions + 0.005, grain.triangles, 0.02)
+        assert len(triangles) == 12
 
 
 class TestNormalsByAngle:
@@ -221,3 +314,34 @@ def test_missing_file_is_named(tmp_path):
 def test_unknown_kind_is_named(tmp_path):
     with pytest.raises(MeshFileError, match=r"a\.dae: unknown kind .* \.obj or \.stl"):
         load_mesh(write(tmp_path / "a.dae", "<COLLADA/>"))
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "complaint"),
+    [
+        ("a.obj", b"\x89PNG\r\n\x1a\n" + bytes(range(256)), "no face"),
+        ("a.stl", b"\x89PNG\r\n\x1a\n" + bytes(range(256)), "triangles take"),
+        ("a.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3", "not finite"),
+        ("a.obj", "v 1e9 0 0\nv 0 0 0\nv 0 1e9 0\nf 1 2 3", "beyond 1e\\+06"),
+        ("a.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3", "no triangle with an area"),
+    ],
+)
+def test_what_is_no_mesh_is_refused(tmp_path, name, content, complaint):
+    with pytest.raises(MeshFileError, match=rf"{name}: .*{complaint}"):
+        load_mesh(write(tmp_path / name, content))
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("a.obj", CUBE),
+        ("a.stl", binary_stl(np.repeat(TRIANGLE, 12, axis=0))),
+        ("a.stl", ascii_stl(np.repeat(TRIANGLE, 12, axis=0))),
+    ],
+)
+def test_too_many_triangles_are_refused(tmp_path, monkeypatch, name, content):
+    monkeypatch.setattr(mesh_files, "MOST_TRIANGLES", 11)
+    with pytest.raises(MeshFileError, match=rf"{name}: .*it has more than 11 triangles"):
+        load_mesh(write(tmp_path / name, content))
+    monkeypatch.setattr(mesh_files, "MOST_TRIANGLES", 12)
+    assert load_mesh(write(tmp_path / name, content))

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
 from std_msgs.msg import ColorRGBA, Header
-from telex_msgs.msg import SceneDescription, ScenePoses, SceneVisual
+from telex_msgs.msg import SceneDescription, SceneLamp, ScenePoses, SceneVisual
 
 from telex_sim.rendering.camera import PinholeCamera
 from telex_sim.rendering.messages import (
@@ -15,7 +15,7 @@ from telex_sim.rendering.messages import (
     image_message,
     scene_from_message,
 )
-from telex_sim.rendering.scene import Shape
+from telex_sim.rendering.scene import Daylight, Lamp, Shape
 
 CAMERA = PinholeCamera(64, 48, 1.2, 0.1, 50.0)
 
@@ -44,18 +44,70 @@ def picture():
 
 class TestScene:
     def test_everything_arrives(self):
-        result, problems = scene_from_message(scene(visual(texture="checker", texture_scale=2.0)))
+        result, problems = scene_from_message(
+            scene(visual(texture="a", texture_scale=2.0, glow=0.5))
+        )
         assert problems == []
         assert result.revision == 3
         (box,) = result.visuals
         assert (box.frame, box.shape, box.size) == ("telex/arm", Shape.BOX, (1.0, 2.0, 3.0))
         assert (box.position, box.orientation) == ((0.0, 0.0, 1.0), (0.0, 0.0, 0.0, 1.0))
         assert box.color == (1.0, 0.5, 0.0, 1.0)
-        assert (box.texture, box.texture_scale) == ("checker", 2.0)
+        assert (box.texture, box.texture_scale, box.glow) == ("a", 2.0, 0.5)
 
-    def test_a_scale_that_was_left_at_zero_is_one_metre(self):
-        result, _ = scene_from_message(scene(visual(texture="checker")))
-        assert result.visuals[0].texture_scale == 1.0
+    def test_a_scale_of_zero_is_once_over_each_face(self):
+        result, _ = scene_from_message(scene(visual(texture="a")))
+        assert result.visuals[0].texture_scale == 0.0
+
+    def test_light_arrives(self):
+        message = scene()
+        message.lamps = [
+            SceneLamp(
+                frame=1,
+                position=Point(1.0, 2.0, 3.0),
+                direction=Vector3(0.0, 0.0, -2.0),
+                angle=1.5,
+                intensity=4.0,
+                reach=6.0,
+                color=ColorRGBA(1.0, 0.5, 0.25, 0.0),
+            )
+        ]
+        message.to_sun = Vector3(0.0, 0.6, 0.8)
+        message.sun = ColorRGBA(2.0, 1.5, 1.0, 0.0)
+        message.ambient, message.visibility = 0.5, 25.0
+        message.fog = ColorRGBA(0.75, 0.5, 0.25, 0.0)
+        result, problems = scene_from_message(message)
+        assert problems == []
+        assert result.lamps == (
+            Lamp("telex/arm", (1.0, 2.0, 3.0), (0.0, 0.0, -2.0), 1.5, 4.0, 6.0, (1.0, 0.5, 0.25)),
+        )
+        assert result.daylight == Daylight(
+            (0.0, 0.6, 0.8), (2.0, 1.5, 1.0), 0.5, 25.0, (0.75, 0.5, 0.25)
+        )
+
+    @pytest.mark.parametrize(
+        ("changes", "complaint"),
+        [
+            ({"frame": 7}, "frame 7 of a scene with 2"),
+            ({"direction": Vector3()}, "direction is zero"),
+            ({"reach": math.nan}, "not finite"),
+        ],
+    )
+    def test_one_bad_lamp_alone_is_left_out(self, changes, complaint):
+        good = {"direction": Vector3(x=1.0), "angle": 1.0, "intensity": 1.0, "reach": 1.0}
+        message = scene()
+        message.lamps = [SceneLamp(**good), SceneLamp(**{**good, **changes})]
+        result, (problem,) = scene_from_message(message)
+        assert len(result.lamps) == 1
+        assert problem.startswith("lamp 1 is left out")
+        assert complaint in problem
+
+    def test_light_that_makes_no_sense_is_the_day(self):
+        message = scene()
+        message.ambient = math.nan
+        result, (problem,) = scene_from_message(message)
+        assert result.daylight == Daylight()
+        assert "not finite" in problem
 
     @pytest.mark.parametrize(
         ("changes", "complaint"),

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from telex_sim.rendering.addresses import AddressError, resolve_address
-from telex_sim.rendering.scene import Placement, Scene, Shape, Visual
+from telex_sim.rendering.scene import Daylight, Lamp, Scene, Shape, Visual
 from telex_sim.rendering.transforms import pose_matrices, quaternion_from_rpy, rigid_inverse
 
 
@@ -72,7 +72,10 @@ class TestVisual:
             {"position": (math.inf, 0.0, 0.0)},
             {"orientation": (0.0, 0.0, 0.0, 0.0)},
             {"color": (1.2, 0.0, 0.0, 1.0)},
-            {"texture": "checker", "texture_scale": -1.0},
+            {"texture_scale": -1.0},
+            {"texture_scale": math.nan},
+            {"glow": 1.1},
+            {"glow": math.nan},
         ],
     )
     def test_refuses_nonsense(self, changes):
@@ -98,20 +101,46 @@ class TestScene:
         with pytest.raises(ValueError, match="no such frame"):
             Scene(1, ("a",), (Visual("b", Shape.SPHERE, (1.0, 0.0, 0.0)),))
 
-    def test_visuals_follow_their_frames(self):
-        visuals = (
-            Visual("b", Shape.SPHERE, (1.0, 0.0, 0.0), position=(0.0, 1.0, 0.0)),
-            Visual("a", Shape.SPHERE, (1.0, 0.0, 0.0)),
-        )
-        half = math.sqrt(0.5)
-        frames = pose_matrices([[0, 0, 5, 0, 0, 0, 1], [2, 0, 0, 0, 0, half, half]])
-        model = Placement(("a", "b"), visuals).model_matrices(frames)
-        np.testing.assert_allclose(model[0, :3, 3], [1.0, 0.0, 0.0], atol=1e-12)
-        np.testing.assert_allclose(model[1, :3, 3], [0.0, 0.0, 5.0], atol=1e-12)
+    def test_refuses_a_lamp_on_an_unknown_frame(self):
+        with pytest.raises(ValueError, match="lamp of frame 'b': no such frame"):
+            Scene(1, ("a",), (), (Lamp("b", (0.0, 0.0, 1.0)),))
 
-    def test_refuses_poses_of_another_scene(self):
-        with pytest.raises(ValueError, match="3 frames for a scene of 2"):
-            Placement(("a", "b"), ()).model_matrices(np.zeros((3, 4, 4)))
+
+class TestLamp:
+    @pytest.mark.parametrize(
+        "changes",
+        [
+            {"position": (math.nan, 0.0, 0.0)},
+            {"direction": (0.0, 0.0, 0.0)},
+            {"angle": 0.0},
+            {"intensity": -1.0},
+            {"intensity": math.inf},
+            {"reach": 0.0},
+            {"color": (1.0, 2.0, 0.0)},
+        ],
+    )
+    def test_refuses_nonsense(self, changes):
+        with pytest.raises(ValueError, match="lamp head of frame 'a'"):
+            Lamp(**{"frame": "a", "position": (0.0, 0.0, 0.0), "name": "head", **changes})
+
+
+class TestDaylight:
+    @pytest.mark.parametrize(
+        "changes",
+        [
+            {"to_sun": (0.0, 0.0, 0.0)},
+            {"sun": (-1.0, 0.0, 0.0)},
+            {"ambient": math.nan},
+            {"visibility": -2.0},
+            {"fog": (math.inf, 0.0, 0.0)},
+        ],
+    )
+    def test_refuses_nonsense(self, changes):
+        with pytest.raises(ValueError, match="the light: "):
+            Daylight(**changes)
+
+    def test_without_sun_it_needs_no_direction(self):
+        assert Daylight(to_sun=(0.0, 0.0, 0.0), sun=(0.0, 0.0, 0.0)).ambient == 1.0
 
 
 class TestAddresses:

@@ -6,28 +6,8 @@ from telex_sim.rendering.smoothing import smooth_edges
 from telex_sim.rendering.textures import (
     MAX_TEXTURE_SIZE,
     TextureFileError,
-    checker_texture,
     load_texture,
 )
-
-
-class TestChecker:
-    def test_two_tones_in_turn(self):
-        picture = checker_texture()
-        quarter = len(picture) // 4 + len(picture) // 32
-        tones = picture[[quarter, quarter, -quarter, -quarter], [quarter, -quarter] * 2, 0]
-        assert tones[0] == tones[3]
-        assert tones[1] == tones[2]
-        assert tones[0] != tones[1]
-
-    def test_has_no_seam(self):
-        picture = checker_texture()
-        size = len(picture)
-        joined = np.tile(picture, (2, 2, 1))
-        half = size // 2
-        shifted = joined[half : half + size, half : half + size]
-        # Half a repetition further is the same pattern, the seam now in its middle.
-        np.testing.assert_array_equal(shifted, picture)
 
 
 class TestLoading:

@@ -8,6 +8,8 @@ import pybullet
 import pytest
 
 from telex_sim.config import TrackConfig
+from telex_sim.scene.bodies import SceneBodies
+from telex_sim.scene.model import Floor
 from telex_sim.traction import Traction
 from telex_sim.world import GRAVITY, World
 
@@ -33,6 +35,7 @@ MU, LATERAL = 0.8, 0.6
 @pytest.fixture
 def world():
     made = World(STEP, 50)
+    SceneBodies(made.client, STEP).load(Floor(), (), lambda done, count: None)
     yield made
     made.close()
 

@@ -60,6 +60,14 @@ def robot():
     return Robot(JointTeleop(axes, TIMEOUT, 0.5, SpeedScale()), axes)
 
 
+def test_a_robot_without_these_joints_is_told_of():
+    robot = Robot(JointTeleop({}, TIMEOUT, 0.5, SpeedScale()), ())
+    assert robot.last == {}
+    state = robot.core.state(robot.wall)
+    assert (state.active, state.axes) == (False, ())
+    assert "none of the joints" in state.message
+
+
 def test_held_key_moves_at_the_rate_and_only_that_joint(robot):
     robot.hold(0.5, a=0.3)
     start = robot.positions["a"]

@@ -249,6 +249,27 @@ def test_group_without_common_values_is_refused():
         coupling.limits(coupled_axes(a=(-0.5, 0.5, 0.1), b=(-0.5, 0.5, 1.0)))
 
 
+def test_an_optional_joint_must_be_one_of_the_nodes_joints():
+    with pytest.raises(ConfigError, match="optional_joints names 'hinj'; known are hinge"):
+        read({"optional_joints": ["hinj"]})
+
+
+def test_only_optional_joints_may_be_lacking():
+    settings = read({"joints": ["a", "b", "c"], "optional_joints": ["b", "c"]})
+    assert settings.lacking(["a", "b", "c", "d"]) == ()
+    assert settings.lacking(["b"]) == ("c",)
+    limits = JointLimits("revolute", -1.0, 1.0, 1.0)
+    assert list(settings.axes({"a": limits, "b": limits})) == ["a", "b"]
+
+
+def test_a_gripper_lacks_all_its_joints_or_none():
+    settings = read_file(GripperTeleopSettings, "gripper")
+    assert settings.lacking(settings.joints) == ()
+    assert settings.lacking(["elbow_joint"]) == settings.joints
+    with pytest.raises(ConfigError, match="no left_finger_base_joint; it must have all joints of"):
+        settings.lacking(settings.joints[1:])
+
+
 def read_file(kind, node):
     path = CONFIG / f"{node}_teleop.yaml"
     return read_config(kind, yaml.safe_load(path.read_text()), str(path))

@@ -35,25 +35,44 @@ def read_config(kind: Type[Config], params: Any, name: str) -> Config:
     ------
     ConfigError
     """
+    try:
+        return read_struct(kind, params, name)
+    except ConfigError as error:
+        raise ConfigError(f"parameter {error}") from None
+
+
+def read_struct(kind: Type[Config], params: Any, name: str = "") -> Config:
+    """Make a `kind` of nested values that are no ROS parameters, as those of a file.
+
+    Parameters
+    ----------
+    kind : dataclass type
+    params : mapping
+    name : str
+        Of the struct, for messages; without one they begin with the name of the value.
+
+    Raises
+    ------
+    ConfigError
+    """
     if not isinstance(params, Mapping):
-        raise ConfigError(f"parameter {name} is {params!r}; a struct is needed")
+        raise ConfigError(f"{name or 'it'} is {_shown(params)}; a struct is needed")
+    inside = f"{name}/" if name else ""
     hints = get_type_hints(kind)
     fields = {field.name: field for field in dataclasses.fields(kind)}  # type: ignore[arg-type]
     for key in params:
         if key not in fields:
-            raise ConfigError(
-                f"parameter {name}/{key} is unknown; known are {', '.join(sorted(fields))}"
-            )
+            raise ConfigError(f"{inside}{key} is unknown; known are {', '.join(sorted(fields))}")
     values = {}
     for key, field in fields.items():
         if key in params:
-            values[key] = _value(hints[key], params[key], f"{name}/{key}")
+            values[key] = _value(hints[key], params[key], f"{inside}{key}")
         elif _is_required(field):
-            raise ConfigError(f"parameter {name}/{key} is missing")
+            raise ConfigError(f"{inside}{key} is missing")
     try:
         return kind(**values)
     except ConfigError as error:
-        raise ConfigError(f"parameter {name}: {error}") from None
+        raise ConfigError(f"{name}: {error}" if name else str(error)) from None
 
 
 def required() -> Any:
@@ -75,40 +94,52 @@ def _is_required(field: Any) -> bool:
     return no_default and field.default_factory in (dataclasses.MISSING, required)
 
 
+def _shown(value: Any) -> str:
+    """Show a value in a message, shortened where somebody gave a whole file of it."""
+    text = repr(value)
+    return text if len(text) <= 80 else text[:77] + "..."
+
+
 def _value(kind: Any, value: Any, name: str) -> Any:
     if dataclasses.is_dataclass(kind):
-        return read_config(kind, value, name)  # type: ignore[arg-type]
+        return read_struct(kind, value, name)  # type: ignore[arg-type]
     if kind is float:
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise ConfigError(f"parameter {name} is {value!r}; a number is needed")
-        if not math.isfinite(value):
-            raise ConfigError(f"parameter {name} is {value}; it must be finite")
-        return float(value)
+        return _number(value, name)
     origin = getattr(kind, "__origin__", None)
     if origin is Union:
         return None if value is None else _value(kind.__args__[0], value, name)
     if origin is dict:
         if not isinstance(value, Mapping):
-            raise ConfigError(f"parameter {name} is {value!r}; a struct is needed")
+            raise ConfigError(f"{name} is {_shown(value)}; a struct is needed")
         element = kind.__args__[1]
         # YAML reads a bare 1 as a number, also where it is a key.
         return {str(key): _value(element, item, f"{name}/{key}") for key, item in value.items()}
     if origin in (tuple, list):
         return _elements(kind, value, name)
     if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
-        raise ConfigError(f"parameter {name} is {value!r}; {_WANTED[kind]} is needed")
+        raise ConfigError(f"{name} is {_shown(value)}; {_WANTED[kind]} is needed")
     return value
+
+
+def _number(value: Any, name: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise ConfigError(f"{name} is {_shown(value)}; a number is needed")
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise ConfigError(f"{name} is {_shown(value)}; it must be finite")
+    return number
 
 
 def _elements(kind: Any, value: Any, name: str) -> Any:
     if not isinstance(value, (list, tuple)):
-        raise ConfigError(f"parameter {name} is {value!r}; a list is needed")
+        raise ConfigError(f"{name} is {_shown(value)}; a list is needed")
     element = kind.__args__[0]
     fixed = kind.__origin__ is tuple and Ellipsis not in kind.__args__
     if fixed and len(value) != len(kind.__args__):
-        raise ConfigError(
-            f"parameter {name} has {len(value)} elements; {len(kind.__args__)} are needed"
-        )
+        raise ConfigError(f"{name} has {len(value)} elements; {len(kind.__args__)} are needed")
     return tuple(_value(element, item, f"{name}[{i}]") for i, item in enumerate(value))
 
 

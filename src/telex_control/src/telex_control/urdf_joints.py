@@ -43,7 +43,9 @@ class UrdfJoint:
     velocity, effort : float
         Limits; infinite when the URDF gives none.
     friction : float
-        Dry friction (``<dynamics friction>``).
+        Dry friction (``<dynamics friction>``), 0 or more.
+    damping : float
+        Viscous friction (``<dynamics damping>``; N m s/rad, N s/m), 0 or more.
     soft : SoftLimits or None
     """
 
@@ -54,6 +56,7 @@ class UrdfJoint:
     velocity: float
     effort: float
     friction: float
+    damping: float
     soft: Optional[SoftLimits]
 
 
@@ -89,6 +92,13 @@ def _number(
     return value
 
 
+def _not_negative(element: Optional[ElementTree.Element], attribute: str, owner: str) -> float:
+    value = _number(element, attribute, 0.0, owner)
+    if value < 0.0:
+        raise UrdfError(f"joint '{owner}': {attribute} is {value:g}; 0 or more is needed")
+    return value
+
+
 def joints(robot: ElementTree.Element) -> Dict[str, UrdfJoint]:
     """Return the movable joints of a ``<robot>`` element by name, in the order of the file.
 
@@ -96,7 +106,7 @@ def joints(robot: ElementTree.Element) -> Dict[str, UrdfJoint]:
     ------
     UrdfError
         A limit is missing where it is required, is no number, or lower is above upper; soft limits
-        leave no room.
+        leave no room; friction or damping is below 0.
     """
     result: Dict[str, UrdfJoint] = {}
     for element in robot.findall("joint"):
@@ -119,7 +129,8 @@ def joints(robot: ElementTree.Element) -> Dict[str, UrdfJoint]:
             upper=upper,
             velocity=_number(limit, "velocity", infinite, name),
             effort=_number(limit, "effort", infinite, name),
-            friction=_number(element.find("dynamics"), "friction", 0.0, name),
+            friction=_not_negative(element.find("dynamics"), "friction", name),
+            damping=_not_negative(element.find("dynamics"), "damping", name),
             soft=_soft_limits(element.find("safety_controller"), kind, name),
         )
     return result

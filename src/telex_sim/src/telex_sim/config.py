@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Dict, Tuple
 
-from telex_control.params import require
+from telex_control.params import require, require_range, require_text
+
+from .self_collision import SelfCollisionConfig
 
 
 @dataclass(frozen=True)
@@ -79,10 +81,14 @@ class HardwareConfig:
         Factor on the URDF's velocity limit at which a drive stops accelerating; above 1, so that
         a joint can run at its limit.
     joints : dict of str to JointHardware
+    optional_joints : tuple of str
+        Joints that a variant of the robot may lack: `joints` and named poses may name them all the
+        same. Any other name that is not there is a mistake.
     """
 
     velocity_tolerance: float = 1.05
     joints: Dict[str, JointHardware] = field(default_factory=dict)
+    optional_joints: Tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         require(
@@ -135,34 +141,42 @@ class TrackConfig:
 
 @dataclass(frozen=True)
 class StartConfig:
-    """Where and how the robot starts.
+    """How the robot starts; the scene says where.
 
     Attributes
     ----------
-    position : tuple of float
-        Of base_link in the world (m); the robot settles from there.
-    yaw : float
-        Heading (rad).
+    height : float
+        Of base_link above the ground (m); the robot settles from there.
     pose : str
-        Name of one of `poses`.
+        Name of one of `poses`; empty leaves the choice to the scene.
+    default_pose : str
+        Where the scene does not choose either.
     poses : dict
         Named poses: joint positions (rad, m) by joint name; joints left out start at 0.
     """
 
-    position: Tuple[float, float, float] = (0.0, 0.0, 0.115)
-    yaw: float = 0.0
+    height: float = 0.115
     pose: str = ""
+    default_pose: str = ""
     poses: Dict[str, Dict[str, float]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        require(
-            not self.pose or self.pose in self.poses,
-            f"pose is '{self.pose}'; there are: {', '.join(sorted(self.poses)) or 'none'}",
-        )
+        require_range(self, "height", 0.0, 10.0)
+        for name in ("pose", "default_pose"):
+            value = getattr(self, name)
+            require(
+                not value or value in self.poses,
+                f"{name} is '{value}'; there are: {', '.join(sorted(self.poses)) or 'none'}",
+            )
 
-    def joint_positions(self) -> Dict[str, float]:
-        """Joint positions of the chosen pose."""
-        return self.poses[self.pose] if self.pose else {}
+    def pose_name(self, of_scene: str = "") -> str:
+        """Name of the pose to start in, when the scene names `of_scene`; empty for none."""
+        return self.pose or of_scene or self.default_pose
+
+    def joint_positions(self, of_scene: str = "") -> Dict[str, float]:
+        """Joint positions of the pose to start in."""
+        name = self.pose_name(of_scene)
+        return self.poses[name] if name else {}
 
 
 @dataclass(frozen=True)
@@ -188,7 +202,7 @@ class SimulatorConfig:
     model : str
         Name of the robot in the scene; its frames are ``<model>/<link>``.
     world : str
-        Name of the scene.
+        Name of the scene, or path of its file.
     gui : bool
         Open PyBullet's window.
     solver_iterations : int
@@ -204,10 +218,11 @@ class SimulatorConfig:
     tracks: TrackConfig = field(default_factory=TrackConfig)
     start: StartConfig = field(default_factory=StartConfig)
     publish: PublishConfig = field(default_factory=PublishConfig)
+    self_collision: SelfCollisionConfig = field(default_factory=SelfCollisionConfig)
 
     def __post_init__(self) -> None:
         require(
             1 <= self.solver_iterations <= 1000,
             f"solver_iterations is {self.solver_iterations}; 1 to 1000 is possible",
         )
-        require(self.world == "floor", f"world is '{self.world}'; the only one so far is 'floor'")
+        require_text(self, "world")

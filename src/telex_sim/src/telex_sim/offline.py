@@ -10,6 +10,7 @@ from typing import Any, Dict, List
 import rospkg
 import yaml
 
+from telex_control.controller_joints import controller_joints
 from telex_control.local_node_handle import LocalNodeHandle
 from telex_control.params import read_config
 
@@ -42,6 +43,7 @@ def shipped_config(**changes: Any) -> SimulatorConfig:
     """
     params = _yaml("telex_sim", "config", "simulator.yaml")
     params["start"].update(_yaml("telex_description", "config", "poses.yaml"))
+    params["self_collision"] = _yaml("telex_description", "config", "self_collision.yaml")
     for path, value in changes.items():
         *parents, key = path.split("__")
         target = params
@@ -52,7 +54,7 @@ def shipped_config(**changes: Any) -> SimulatorConfig:
 
 
 class OfflineSimulation:
-    """The shipped robot with all its controllers running, advanced by calls.
+    """The shipped robot, or a variant, with all its controllers running, advanced by calls.
 
     Attributes
     ----------
@@ -63,7 +65,7 @@ class OfflineSimulation:
 
     def __init__(self, urdf: str, **changes: Any) -> None:
         params = _yaml("telex_control", "config", "telex_controllers.yaml")
-        names = [name for name, value in params.items() if "type" in value]
+        controllers = {name: value for name, value in params.items() if "type" in value}
         params["robot_description"] = urdf
         self.node = LocalNodeHandle(params)
         packages = rospkg.RosPack()
@@ -73,6 +75,11 @@ class OfflineSimulation:
             self.node,
             lambda address: resolve_address(address, packages.get_path),
         )
+        names = [
+            name
+            for name, value in controllers.items()
+            if all(map(self.simulation.hw.has_joint, controller_joints(value)))
+        ]
         for name in names:
             if not self.simulation.controllers.load_controller(name):
                 raise RuntimeError(f"controller '{name}' cannot be loaded; the log says why")

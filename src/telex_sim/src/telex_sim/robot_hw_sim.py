@@ -2,9 +2,9 @@
 
 Drives are simulated in joint space, as Gazebo's default hardware does: effort joints by torque,
 velocity joints by a velocity motor as strong as the URDF's effort limit. Beyond that, every drive
-has a brake. It holds whatever no running controller has claimed, so that the arm does not fall
-before its controllers start or after they end; an emergency stop sets all brakes, whatever the
-controllers ask for.
+has the dry and the viscous friction of the URDF (``<dynamics>``), and a brake. The brake holds
+whatever no running controller has claimed, so that the arm does not fall before its controllers
+start or after they end; an emergency stop sets all brakes, whatever the controllers ask for.
 """
 
 from __future__ import annotations
@@ -41,6 +41,8 @@ _EFFORT = "EffortJointInterface"
 _VELOCITY = "VelocityJointInterface"
 _BRAKE_POSITION_GAIN = 0.2
 _BRAKE_VELOCITY_GAIN = 1.0
+_STANDSTILL = 1.0e-6
+"""Speed below which a joint rests (rad/s, m/s); PyBullet's solver leaves some noise."""
 
 
 class _Joint:
@@ -106,7 +108,7 @@ class RobotHWSim(RobotHW):
             self._joints[name] = joint
             states.register_handle(joint.state)
             (efforts if takes_effort else velocities).register_handle(joint.handle)
-        unknown = sorted(set(config.joints) - set(self._joints))
+        unknown = sorted(set(config.joints) - set(self._joints) - set(config.optional_joints))
         if unknown:
             raise UrdfError(
                 f"parameter hardware/joints/{unknown[0]}: the robot has no driven joint of this "
@@ -213,10 +215,18 @@ class RobotHWSim(RobotHW):
                 forces=[joint.handle.command for joint in efforts],
                 physicsClientId=body.client,
             )
+            self._resist(efforts)
         velocities = self._driven_by_velocity
         if velocities:
             for joint in velocities:
                 joint.limits.enforce(period)
+            pybullet.setJointMotorControlArray(
+                body.uid,
+                self._velocity_indices,
+                pybullet.TORQUE_CONTROL,
+                forces=[_drag(joint) for joint in velocities],
+                physicsClientId=body.client,
+            )
             pybullet.setJointMotorControlArray(
                 body.uid,
                 self._velocity_indices,
@@ -257,25 +267,23 @@ class RobotHWSim(RobotHW):
         # What `write` needs in every step, made once.
         self._effort_indices = [joint.index for joint in self._driven_by_effort]
         self._velocity_indices = [joint.index for joint in self._driven_by_velocity]
+        self._standstill = [0.0] * len(self._driven_by_effort)
         self._velocity_forces = [_finite(j.description.effort) for j in self._driven_by_velocity]
-        self._release(self._driven_by_effort)
         self._hold([joint for joint in self._all if joint.braked])
 
-    def _release(self, released: List[_Joint]) -> None:
-        """Leave only the dry friction of effort drives, as a motor that wants standstill.
+    def _resist(self, joints: List[_Joint]) -> None:
+        """Let the friction of effort drives act, as a motor that wants standstill.
 
-        PyBullet's own joint friction acts explicitly and is unstable when it is large; a motor
-        is part of the constraint solver.
+        A motor is part of the constraint solver: it never turns a joint back, whatever its force.
+        As a torque, or as PyBullet's own joint damping, a large friction would be unstable.
         """
-        if not released:
-            return
         assert self._body is not None
         pybullet.setJointMotorControlArray(
             self._body.uid,
-            [joint.index for joint in released],
+            self._effort_indices,
             pybullet.VELOCITY_CONTROL,
-            targetVelocities=[0.0] * len(released),
-            forces=[joint.description.friction for joint in released],
+            targetVelocities=self._standstill,
+            forces=[_resistance(joint) for joint in joints],
             physicsClientId=self._body.client,
         )
 
@@ -293,6 +301,19 @@ class RobotHWSim(RobotHW):
             velocityGains=[_BRAKE_VELOCITY_GAIN] * len(held),
             physicsClientId=self._body.client,
         )
+
+
+def _resistance(joint: _Joint) -> float:
+    """Amount of dry and viscous friction in the joint's drive (Nm, N)."""
+    return joint.description.friction + joint.description.damping * abs(joint.state.velocity)
+
+
+def _drag(joint: _Joint) -> float:
+    """Friction in the drive of a joint that moves, against its motion (Nm, N)."""
+    velocity = joint.state.velocity
+    if abs(velocity) < _STANDSTILL:
+        return 0.0
+    return -math.copysign(_resistance(joint), velocity)
 
 
 def _finite(effort: float) -> float:

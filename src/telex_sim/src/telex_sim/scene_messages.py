@@ -1,72 +1,177 @@
-"""The scene as messages for renderers."""
+"""The scene as messages for renderers.
+
+What stands fast is part of the frame ``world``: its poses are said once, with its looks, and cost
+nothing afterwards.
+"""
 
 from __future__ import annotations
 
+import math
 import time
-from typing import List, Sequence
+from typing import Dict, List, Sequence, Tuple
 
 from genpy import Time
 from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
 from std_msgs.msg import ColorRGBA
-from telex_msgs.msg import SceneDescription, ScenePoses, SceneVisual
+from telex_msgs.msg import SceneDescription, SceneLamp, ScenePoses, SceneVisual
 
 from .rendering.urdf_visuals import UrdfVisual, urdf_visuals
-from .world import FLOOR_SIZE
+from .scene import poses
+from .scene.model import (
+    WORLD_FRAME,
+    Floor,
+    Form,
+    Lamp,
+    Lights,
+    Part,
+    Scene,
+    SceneObject,
+    Surface,
+)
 
-WORLD_FRAME = "world"
+_WORLD = 0
 _IDENTITY = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+_SHAPES = {
+    Form.BOX: SceneVisual.BOX,
+    Form.SPHERE: SceneVisual.SPHERE,
+    Form.CYLINDER: SceneVisual.CYLINDER,
+    Form.MESH: SceneVisual.MESH,
+}
 
 
 class SceneMessages:
-    """Describes one robot on the floor.
+    """Describes one robot in a scene.
 
     Parameters
     ----------
     model : str
-        Name of the robot; its frames are ``<model>/<link>``.
+        Name of the robot; its frames are ``<model>/<link>``, and come before those of objects.
     links : sequence of str
         In the order in which `poses` gets their poses.
     urdf : str
+    scene : Scene
+        Its floor and light; objects come by `show`.
+
+    Attributes
+    ----------
+    revision : int
+        Of what is described; rises with every change.
     """
 
-    def __init__(self, model: str, links: Sequence[str], urdf: str) -> None:
+    def __init__(self, model: str, links: Sequence[str], urdf: str, scene: Scene) -> None:
         self.revision = 1
-        self._frames = [WORLD_FRAME, *(f"{model}/{link}" for link in links)]
+        self._lights = scene.lights
+        self._robot_frames = [WORLD_FRAME, *(f"{model}/{link}" for link in links)]
         index = {link: number + 1 for number, link in enumerate(links)}
-        self._visuals = [_floor()]
-        self._visuals += [_visual(index[v.link], v) for v in urdf_visuals(urdf) if v.link in index]
+        self._fixed = [_floor(scene.floor)]
+        self._fixed += [_robot(index[v.link], v) for v in urdf_visuals(urdf) if v.link in index]
+        self._objects: Tuple[SceneObject, ...] = ()
+        self._frames: List[str] = list(self._robot_frames)
+        self._visuals: List[SceneVisual] = []
+
+    def show(self, objects: Sequence[SceneObject]) -> bool:
+        """Describe these objects from now on; returns whether that is a change."""
+        if tuple(objects) == self._objects:
+            return False
+        self._objects = tuple(objects)
+        self._frames = list(self._robot_frames)
+        self._visuals = []
+        for item in objects:
+            self._show(item)
+        self.revision += 1
+        return True
+
+    def _show(self, item: SceneObject) -> None:
+        frames: Dict[str, int] = {}
+        for link in item.model.moving_links():
+            frames[link.name] = len(self._frames)
+            self._frames.append(f"{item.name}/{link.name}")
+        origin = (item.position, item.orientation)
+        for link in item.model.links:
+            frame = frames.get(link.name, _WORLD)
+            within = origin if frame == _WORLD else poses.IDENTITY
+            self._visuals += [
+                _part(frame, within, part, part.surface)
+                for part in link.parts
+                if part.surface is not None
+            ]
 
     def description(self, stamp: Time) -> SceneDescription:
         """What there is to see."""
+        lights = self._lights
+        sun, fog = lights.sun, lights.fog
         message = SceneDescription(
-            revision=self.revision, frames=self._frames, visuals=self._visuals
+            revision=self.revision,
+            frames=self._frames,
+            visuals=self._fixed + self._visuals,
+            lamps=[_lamp(lamp) for lamp in lights.lamps],
+            to_sun=_to_sun(lights),
+            sun=ColorRGBA(*(part * sun.intensity for part in sun.color), 1.0),
+            ambient=lights.ambient,
+            visibility=fog.visibility,
+            fog=ColorRGBA(*fog.color, 1.0),
         )
         message.header.stamp = stamp
         message.header.frame_id = WORLD_FRAME
         return message
 
     def poses(self, stamp: Time, link_poses: Sequence[float]) -> ScenePoses:
-        """Where everything is at `stamp`; `link_poses` has 7 numbers for each link."""
-        poses: List[float] = [*_IDENTITY, *link_poses]
-        message = ScenePoses(revision=self.revision, wall_time=time.time(), poses=poses)
+        """Where everything is at `stamp`.
+
+        Parameters
+        ----------
+        stamp : Time
+        link_poses : sequence of float
+            7 numbers each: the robot's links, then those of the objects shown that can move.
+        """
+        message = ScenePoses(
+            revision=self.revision, wall_time=time.time(), poses=[*_IDENTITY, *link_poses]
+        )
         message.header.stamp = stamp
         message.header.frame_id = WORLD_FRAME
         return message
 
 
-def _floor() -> SceneVisual:
-    return SceneVisual(
-        frame=0,
-        shape=SceneVisual.PLANE,
-        size=Vector3(FLOOR_SIZE, FLOOR_SIZE, 0.0),
-        pose=Pose(orientation=Quaternion(w=1.0)),
-        color=ColorRGBA(0.62, 0.63, 0.64, 1.0),
-        texture="checker",
-        texture_scale=2.0,
+def _floor(floor: Floor) -> SceneVisual:
+    return _visual(
+        _WORLD,
+        SceneVisual.PLANE,
+        (floor.size, floor.size, 0.0),
+        "",
+        poses.IDENTITY,
+        floor.surface,
     )
 
 
-def _visual(frame: int, visual: UrdfVisual) -> SceneVisual:
+def _part(frame: int, within: poses.Pose, part: Part, surface: Surface) -> SceneVisual:
+    geometry = part.geometry
+    pose = poses.compose(within, (part.position, part.orientation))
+    shape = _SHAPES[geometry.form]
+    return _visual(frame, shape, geometry.size, geometry.mesh, pose, surface)
+
+
+def _visual(
+    frame: int,
+    shape: int,
+    size: Sequence[float],
+    mesh: str,
+    pose: poses.Pose,
+    surface: Surface,
+) -> SceneVisual:
+    return SceneVisual(
+        frame=frame,
+        shape=shape,
+        size=Vector3(*size),
+        mesh=mesh,
+        pose=Pose(Point(*pose[0]), Quaternion(*pose[1])),
+        color=ColorRGBA(*surface.color),
+        texture=surface.texture,
+        texture_scale=surface.texture_scale,
+        glow=surface.glow,
+    )
+
+
+def _robot(frame: int, visual: UrdfVisual) -> SceneVisual:
     return SceneVisual(
         frame=frame,
         shape=int(visual.shape),
@@ -77,3 +182,21 @@ def _visual(frame: int, visual: UrdfVisual) -> SceneVisual:
         texture=visual.texture,
         texture_scale=0.0,
     )
+
+
+def _lamp(lamp: Lamp) -> SceneLamp:
+    return SceneLamp(
+        frame=_WORLD,
+        position=Point(*lamp.position),
+        direction=Vector3(*lamp.direction),
+        angle=lamp.angle,
+        intensity=lamp.intensity,
+        reach=lamp.reach,
+        color=ColorRGBA(*lamp.color, 1.0),
+    )
+
+
+def _to_sun(lights: Lights) -> Vector3:
+    azimuth, elevation = lights.sun.azimuth, lights.sun.elevation
+    across = math.cos(elevation)
+    return Vector3(across * math.cos(azimuth), across * math.sin(azimuth), math.sin(elevation))

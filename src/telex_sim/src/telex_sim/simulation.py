@@ -1,11 +1,13 @@
-"""The simulation of one robot: the loop's order, reset and emergency stop, without ROS.
+"""The simulation of one robot in a scene: the loop's order, reset and emergency stop, without ROS.
 
-One thread owns a `Simulation`; only `request_e_stop` may be called from others.
+One thread owns a `Simulation`; only `request_e_stop` and `plan` may be called from others.
 """
 
 from __future__ import annotations
 
-from typing import Callable, Dict, List
+import logging
+import time
+from typing import Callable, Dict, List, Sequence
 
 from telex_control.controller_manager import ControllerManager
 from telex_control.node_handle import NodeHandle
@@ -15,12 +17,22 @@ from telex_control.urdf_joints import UrdfJoint, joints, parse_urdf
 from .config import SimulatorConfig
 from .phase_timer import PhaseTimer
 from .robot_hw_sim import RobotHWSim
+from .scene.assembly import Assembly
+from .scene.assets import Assets
+from .scene.bodies import SceneBodies
+from .scene.catalog import find_scene
+from .scene.model import WORLD_FRAME
+from .scene.planning import PlannedScene, Progress, plan_entry, plan_scene
+from .scene.scene_file import SceneError
+from .self_collision import disable_pairs
 from .traction import Traction
-from .world import Body, World
+from .world import Body, World, WorldError
+
+_log = logging.getLogger("rosout")
 
 
 class Simulation:
-    """World, robot, controllers and tracks, advanced step by step.
+    """World, robot, scene, controllers and tracks, advanced step by step.
 
     Sim time never runs back: a reset restores the scene, not the clock, since tf, bags and
     timers do not survive a clock that jumps.
@@ -34,9 +46,15 @@ class Simulation:
     resolve : callable
         Turns a mesh address (``package://…``) into a path.
 
+    Attributes
+    ----------
+    scene : Scene
+        As its file says; what is spawned and deleted changes `objects` only.
+    objects : SceneBodies
+
     Raises
     ------
-    ConfigError, UrdfError, WorldError
+    ConfigError, SceneError, UrdfError, WorldError
         With a message for a person.
     """
 
@@ -54,10 +72,14 @@ class Simulation:
         self._step_size = config.timing.step_size
         self._steps_per_cycle = config.timing.steps_per_cycle
         self.steps = 0
+        self._assets = Assets()
+        self._planned = self._plan_scene()
+        self.scene = self._planned.scene
         robot = parse_urdf(urdf)
         self.hw = RobotHWSim(robot, config.hardware)
         self.controllers = ControllerManager(self.hw, node)
-        self._check_joints(joints(robot))
+        self._start_positions = self._check_joints(joints(robot))
+        config.self_collision.check_links([link.get("name", "") for link in robot.iter("link")])
         self._belts = [
             (self.hw.joint_state(joint), radius) for joint, radius in config.tracks.belts.items()
         ]
@@ -67,30 +89,83 @@ class Simulation:
         self._e_stop_presses = 0
         self._e_stop_obeyed = 0
         self.world = World(self._step_size, config.solver_iterations, config.gui)
-        self._place_robot()
+        self.objects = SceneBodies(self.world.client, self._step_size)
+        self._fill_world()
 
-    def _check_joints(self, described: Dict[str, UrdfJoint]) -> None:
-        """Refuse a configuration that names joints which are not there, or beyond their limits."""
+    def _check_joints(self, described: Dict[str, UrdfJoint]) -> Dict[str, float]:
+        """Refuse a configuration that names joints which are not there, or beyond their limits.
+
+        Returns
+        -------
+        dict of str to float
+            Where the robot's joints start; without those of the pose that only variants have.
+        """
         for joint in self.config.tracks.belts:
             if not self.hw.has_joint(joint):
                 raise ConfigError(f"tracks/belts/{joint}: the robot has no driven joint '{joint}'")
-        for joint, position in self.config.start.joint_positions().items():
-            where = f"start/poses/{self.config.start.pose}/{joint}"
+        start, asked = self.config.start, self.scene.start.pose
+        if start.pose_name(asked) not in ("", *start.poses):
+            raise SceneError(
+                f"{self._planned.path}: start/pose is '{asked}'; "
+                f"there are: {', '.join(sorted(start.poses)) or 'none'}"
+            )
+        positions = {}
+        for joint, position in start.joint_positions(asked).items():
+            where = f"start/poses/{start.pose_name(asked)}/{joint}"
+            if joint not in described and joint in self.config.hardware.optional_joints:
+                _log.info("%s: left out, for this robot has no such joint", where)
+                continue
             if joint not in described:
-                raise ConfigError(f"{where}: the robot has no joint '{joint}'")
+                raise ConfigError(
+                    f"{where}: the robot has no joint '{joint}'; one that only some variants have "
+                    "belongs into hardware/optional_joints"
+                )
             limits = described[joint]
             if not limits.lower <= position <= limits.upper:
                 raise ConfigError(
                     f"{where} is {position}; its limits are {limits.lower} to {limits.upper}"
                 )
+            positions[joint] = position
+        return positions
 
-    def _place_robot(self) -> None:
-        start = self.config.start
+    def _plan_scene(self) -> PlannedScene:
+        began = time.monotonic()
+        planned = plan_scene(find_scene(self.config.world), self._assets, self._step_size)
+        try:
+            self._check_names(planned.assemblies)
+        except ConfigError as error:
+            raise SceneError(f"{planned.path}: objects: {error}") from error
+        _log.info("scene %s: read in %.1f s", planned.scene.name, time.monotonic() - began)
+        return planned
+
+    def _check_names(self, assemblies: Sequence[Assembly]) -> None:
+        for name in (assembly.source.name for assembly in assemblies):
+            if name in (self.config.model, WORLD_FRAME):
+                raise ConfigError(f"name is '{name}'; it is that of another frame already")
+
+    def _fill_world(self) -> None:
+        """Put the scene and the robot into an empty world."""
+        self._load_scene()
+        start, where = self.config.start, self.scene.start
         self.body: Body = self.world.load_robot(
-            self.urdf, self._resolve, start.position, start.yaw, start.joint_positions()
+            self.urdf,
+            self._resolve,
+            (where.x, where.y, where.ground + start.height),
+            where.yaw,
+            self._start_positions,
         )
+        disable_pairs(self.body, self.config.self_collision)
         self.hw.attach(self.body)
         self._traction = Traction(self.body, self.config.tracks, self._step_size)
+
+    def _load_scene(self) -> None:
+        name, began = self.scene.name, time.monotonic()
+        plans = self._planned.assemblies
+        try:
+            self.objects.load(self.scene.floor, plans, Progress(name, "in place"))
+        except ConfigError as error:
+            raise WorldError(f"{self._planned.path}: {error}") from error
+        _log.info("scene %s: %d objects in %.1f s", name, len(plans), time.monotonic() - began)
 
     @property
     def time(self) -> float:
@@ -118,6 +193,8 @@ class Simulation:
         timer.end("write")
         self._traction.apply([state.velocity * radius for state, radius in self._belts])
         timer.end("traction")
+        self.objects.apply()
+        timer.end("mechanisms")
         self.world.step()
         self.steps += 1
         timer.end("step")
@@ -151,12 +228,62 @@ class Simulation:
     def reset(self) -> None:
         """Put everything back to where it began; time goes on."""
         self.world.clear()
-        self._place_robot()
+        self._fill_world()
         self.controllers.reset(self.time)
 
+    def plan(self, text: str, name: str = "", folder: str = "") -> List[Assembly]:
+        """Prepare an entry for `spawn`; may be called from any thread.
+
+        Parameters
+        ----------
+        text : str
+            YAML of an entry of a scene file's ``objects``.
+        name : str
+            Of the entry; empty: its own, or else its type and a number.
+        folder : str
+            That relative addresses start from; empty allows none.
+
+        Raises
+        ------
+        ConfigError
+        """
+        taken = [item.name for item in self.objects.objects()]
+        plans = plan_entry(text, name, folder, taken, self._assets, self._step_size)
+        self._check_names(plans)
+        return plans
+
+    def spawn(self, plans: Sequence[Assembly]) -> None:
+        """Put objects into the running scene, all or none.
+
+        Raises
+        ------
+        ConfigError
+            A name is taken, an object would stand in the robot, or there are too many.
+        """
+        self.objects.add(plans, (self.body.uid,))
+        self._traction.forget_surfaces()
+
+    def delete(self, name: str) -> List[str]:
+        """Take an object, or all that one entry made, out of the running scene.
+
+        Raises
+        ------
+        ConfigError
+            There is nothing of this name.
+        """
+        gone = self.objects.remove(name)
+        if not gone:
+            raise ConfigError(f"name is '{name}'; there is no such object")
+        self._traction.forget_surfaces()
+        return gone
+
     def link_poses(self) -> List[float]:
-        """Poses of the robot's links, 7 numbers each, in the order of ``body.link_names()``."""
-        return self.body.link_poses()
+        """Poses of all that moves, 7 numbers each.
+
+        The robot's links come in the order of ``body.link_names()``, then the objects' in that of
+        ``objects.frames()``.
+        """
+        return self.body.link_poses() + self.objects.poses()
 
     def close(self) -> None:
         """Release the controllers' callers and PyBullet."""

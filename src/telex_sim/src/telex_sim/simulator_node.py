@@ -16,7 +16,7 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Bool
 from std_srvs.srv import Empty, EmptyResponse
 from telex_msgs.msg import SceneDescription, ScenePoses, SimStatus
-from telex_msgs.srv import Step, StepResponse
+from telex_msgs.srv import Delete, DeleteResponse, Spawn, SpawnResponse, Step, StepResponse
 
 from telex_control.controller_manager_services import ControllerManagerServices
 from telex_control.params import ConfigError, read_config
@@ -28,7 +28,9 @@ from .config import SimulatorConfig
 from .pacing import RealTimeFactor, RealTimePacer
 from .rendering.addresses import resolve_address
 from .rendering.urdf_visuals import UrdfVisualError
-from .scene_messages import WORLD_FRAME, SceneMessages
+from .scene.model import WORLD_FRAME
+from .scene.scene_file import SceneError
+from .scene_messages import SceneMessages
 from .simulation import Simulation
 from .world import WorldError
 
@@ -83,7 +85,11 @@ class SimulatorNode:
         self._late_cycles = 0
         self._resets = 0
         self._told_e_stop = False
-        self._scene = SceneMessages(config.model, simulation.body.link_names(), simulation.urdf)
+        self._scene = SceneMessages(
+            config.model, simulation.body.link_names(), simulation.urdf, simulation.scene
+        )
+        self._scene.show(simulation.objects.objects())
+        self._spawning = threading.Lock()
         self._clock = rospy.Publisher("/clock", Clock, queue_size=4, tcp_nodelay=True)
         self._scene_publisher = rospy.Publisher(
             "sim/scene", SceneDescription, queue_size=1, latch=True
@@ -102,6 +108,8 @@ class SimulatorNode:
             rospy.Service("sim/unpause", Empty, lambda _: self._empty(self._unpause)),
             rospy.Service("sim/reset", Empty, lambda _: self._empty(self._reset)),
             rospy.Service("sim/step", Step, self._on_step),
+            rospy.Service("sim/spawn", Spawn, self._on_spawn),
+            rospy.Service("sim/delete", Delete, self._on_delete),
         ]
         self._e_stop = rospy.Subscriber("e_stop", Bool, self._on_e_stop, tcp_nodelay=True)
 
@@ -150,6 +158,53 @@ class SimulatorNode:
         if stepping.remaining and not problem:
             problem.append(f"{stepping.remaining} steps were left when sim/unpause was called")
         return StepResponse(success=not problem, message=" ".join(problem), sim_time=self._now())
+
+    def _on_spawn(self, request: Any) -> SpawnResponse:
+        simulation = self._simulation
+        try:
+            # One after the other, so that each knows the names that there are. Reading and checking
+            # happen here, beside the loop.
+            with self._spawning:
+                plans = simulation.plan(request.object, request.name, request.folder)
+                self._change(lambda: simulation.spawn(plans))
+        except ConfigError as error:
+            rospy.logwarn("sim/spawn: %s", error)
+            return SpawnResponse(success=False, message=str(error))
+        names = [plan.source.name for plan in plans]
+        return SpawnResponse(success=True, message=f"spawned: {', '.join(names)}", names=names)
+
+    def _on_delete(self, request: Any) -> DeleteResponse:
+        gone: List[str] = []
+        try:
+            self._change(lambda: gone.extend(self._simulation.delete(request.name)))
+        except ConfigError as error:
+            rospy.logwarn("sim/delete: %s", error)
+            return DeleteResponse(success=False, message=str(error))
+        return DeleteResponse(success=True, message=f"gone: {', '.join(gone)}")
+
+    def _change(self, action: Callable[[], None]) -> None:
+        """Have the loop's thread change the scene.
+
+        Raises
+        ------
+        ConfigError
+            What the change was refused for.
+        rospy.ServiceException
+            The node shuts down.
+        """
+        refused: List[ConfigError] = []
+
+        def change() -> None:
+            try:
+                action()
+            except ConfigError as error:
+                refused.append(error)
+            else:
+                self._show_scene()
+
+        self._in_loop(change)
+        if refused:
+            raise refused[0]
 
     def _in_loop(self, action: Callable[[], None]) -> None:
         """Have the loop's thread carry out `action`, and wait for it.
@@ -239,8 +294,15 @@ class SimulatorNode:
         self._simulation.reset()
         self._resets += 1
         self._restart_pace()
+        self._show_scene()
         self._publish_all()
         self._status_soon()
+
+    def _show_scene(self) -> None:
+        """Tell renderers what has come and gone, and where it is."""
+        if self._scene.show(self._simulation.objects.objects()):
+            self._scene_publisher.publish(self._scene.description(self._now()))
+            self._publish_poses()
 
     def _restart_pace(self) -> None:
         self._pacer.restart(self._simulation.time)
@@ -298,7 +360,7 @@ class SimulatorNode:
         message = SimStatus(
             paused=self._paused,
             e_stop=simulation.hw.e_stop,
-            world=simulation.config.world,
+            world=simulation.scene.name,
             step_size=timing.step_size,
             control_period=timing.control_period,
             target_real_time_factor=timing.real_time_factor,
@@ -348,7 +410,7 @@ def main() -> None:
         node = SimulatorNode(simulation, paused)
     except rospy.ROSInterruptException:
         return
-    except (ConfigError, UrdfError, UrdfVisualError, WorldError) as error:
+    except (ConfigError, SceneError, UrdfError, UrdfVisualError, WorldError) as error:
         rospy.logfatal("%s", error)
         sys.exit(1)
     rospy.loginfo("simulator: ready")

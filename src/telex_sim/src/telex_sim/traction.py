@@ -68,6 +68,10 @@ class Traction:
                 physicsClientId=self._client,
             )
 
+    def forget_surfaces(self) -> None:
+        """Look at every surface anew: PyBullet gives a new body the number of one that went."""
+        self._surfaces.clear()
+
     def apply(self, belt_speeds: Sequence[float]) -> None:
         """Apply the forces for the next step.
 

@@ -15,8 +15,6 @@ import pybullet
 GRAVITY = 9.81
 Vector = Tuple[float, float, float]
 Quaternion = Tuple[float, float, float, float]
-FLOOR_SIZE = 80.0
-"""Edge of the visible floor (m); the floor that carries is endless."""
 
 
 class WorldError(RuntimeError):
@@ -83,7 +81,7 @@ class Body:
 
 
 class World:
-    """A PyBullet client with gravity, a floor and what is put on it.
+    """A PyBullet client with gravity, and the robot in it.
 
     Parameters
     ----------
@@ -130,7 +128,7 @@ class World:
         pybullet.disconnect(self.client)
 
     def clear(self) -> None:
-        """Remove everything, and lay the floor anew."""
+        """Remove everything."""
         client = self.client
         pybullet.resetSimulation(physicsClientId=client)
         pybullet.setGravity(0.0, 0.0, -GRAVITY, physicsClientId=client)
@@ -141,10 +139,6 @@ class World:
             deterministicOverlappingPairs=1,
             physicsClientId=client,
         )
-        # Surfaces carry friction 1: the coefficient of a pair is the product of both.
-        plane = pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=client)
-        floor = pybullet.createMultiBody(0.0, plane, physicsClientId=client)
-        pybullet.changeDynamics(floor, -1, lateralFriction=1.0, physicsClientId=client)
 
     def load_robot(
         self,
@@ -180,7 +174,7 @@ class World:
                 file.write(_with_local_meshes(urdf, resolve))
             uid = pybullet.loadURDF(
                 path,
-                flags=pybullet.URDF_USE_INERTIA_FROM_FILE,
+                flags=pybullet.URDF_USE_INERTIA_FROM_FILE | pybullet.URDF_USE_SELF_COLLISION,
                 physicsClientId=client,
             )
         except pybullet.error as error:

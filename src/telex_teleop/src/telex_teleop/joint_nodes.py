@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Dict
 
 import rospy
 from telex_msgs.srv import SetMode, SetModeResponse
 
 from telex_control.robot_description import wait_for_robot_description
+from telex_control.urdf_joints import joints, parse_urdf
 from telex_teleop.coupled_teleop import CoupledTeleop
 from telex_teleop.joint_teleop import JointTeleop
-from telex_teleop.limits import limits_from_urdf
+from telex_teleop.limits import JointLimits, limits_from_urdf
 from telex_teleop.motion_settings import GripperTeleopSettings, JointTeleopSettings
 from telex_teleop.ros_common import private_settings, run_node
 from telex_teleop.ros_joint_teleop import JOINT_MODE, JointTeleopNode
@@ -37,14 +38,25 @@ def gripper_main() -> int:
 
 def _start_joints() -> JointTeleopNode:
     settings = private_settings(JointTeleopSettings)
-    limits = limits_from_urdf(wait_for_robot_description(), settings.joints)
-    core = JointTeleop(
+    return JointTeleopNode(_independent(settings, _limits(settings)), settings.status_rate)
+
+
+def _limits(settings: JointTeleopSettings) -> Dict[str, JointLimits]:
+    """Wait for the robot, and return the limits of those of the node's joints that it has."""
+    description = wait_for_robot_description()
+    lacking = settings.lacking(joints(parse_urdf(description)))
+    if lacking:
+        rospy.loginfo(f"{rospy.get_name()}: left out, for this robot has no {', '.join(lacking)}")
+    return limits_from_urdf(description, [name for name in settings.joints if name not in lacking])
+
+
+def _independent(settings: JointTeleopSettings, limits: Dict[str, JointLimits]) -> JointTeleop:
+    return JointTeleop(
         settings.axes(limits),
         settings.command_timeout,
         settings.longest_step,
         settings.speed_scale(),
     )
-    return JointTeleopNode(core, settings.status_rate)
 
 
 def _start_arm() -> object:
@@ -69,11 +81,14 @@ def _set_mode(request: Any) -> SetModeResponse:
 
 def _start_gripper() -> JointTeleopNode:
     settings = private_settings(GripperTeleopSettings)
+    limits = _limits(settings)
+    if not limits:
+        return JointTeleopNode(_independent(settings, limits), settings.status_rate)
     group = settings.coupling
-    joints = settings.axes(limits_from_urdf(wait_for_robot_description(), settings.joints))
+    fingers = settings.axes(limits)
     core = CoupledTeleop(
-        joints=joints,
-        group=settings.axis(group.name, group.limits(joints)),
+        joints=fingers,
+        group=settings.axis(group.name, group.limits(fingers)),
         coupling=group.coupling(),
         command_timeout=settings.command_timeout,
         longest_step=settings.longest_step,

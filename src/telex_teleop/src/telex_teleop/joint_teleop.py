@@ -229,6 +229,8 @@ class JointTeleop:
 
     def state(self, wall: float) -> TeleopState:
         """Return what a display shows at `wall` (monotonic time, s)."""
+        if not self.axes:
+            return TeleopState(False, (), "this robot has none of the joints of this node")
         if self._ticks.now is None or self._last_wall is None:
             return TeleopState(False, (), "no joint_states yet: is the simulator running?")
         now = Clocks(wall, self._ticks.now)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, fields
-from typing import Dict, Mapping, Optional, Tuple, Union
+from typing import Collection, Dict, Mapping, Optional, Tuple, Union
 
 from telex_control.params import (
     ConfigError,
@@ -116,6 +116,8 @@ class JointTeleopSettings(TeleopSettings):
     ----------
     joints
         Joints that the node moves, in the order of its status.
+    optional_joints
+        Those of them that a variant of the robot may lack.
     revolute, prismatic
         Rules for the joints of either kind.
     joint_settings
@@ -123,6 +125,7 @@ class JointTeleopSettings(TeleopSettings):
     """
 
     joints: Tuple[str, ...] = field(default_factory=required)
+    optional_joints: Tuple[str, ...] = ()
     revolute: MotionRules = field(default_factory=MotionRules)
     prismatic: PrismaticRules = field(default_factory=PrismaticRules)
     joint_settings: Dict[str, JointRules] = field(default_factory=dict)
@@ -130,6 +133,11 @@ class JointTeleopSettings(TeleopSettings):
     def __post_init__(self) -> None:
         super().__post_init__()
         require_names(self, "joints")
+        for name in self.optional_joints:
+            require(
+                name in self.joints,
+                f"optional_joints names '{name}'; known are {', '.join(self.joints)}",
+            )
         axes = self.axis_names()
         for name in self.joint_settings:
             require(name in axes, f"joint_settings/{name} is unknown; known are {', '.join(axes)}")
@@ -138,15 +146,19 @@ class JointTeleopSettings(TeleopSettings):
         """Return what can be jogged: the joints, and in a derived class also groups of them."""
         return self.joints
 
+    def lacking(self, movable: Collection[str]) -> Tuple[str, ...]:
+        """Return the optional joints that a robot with these movable joints lacks."""
+        return tuple(name for name in self.optional_joints if name not in movable)
+
     def axes(self, limits: Mapping[str, JointLimits]) -> Dict[str, AxisSettings]:
-        """Return the bounds of motion of every joint.
+        """Return the bounds of motion of every joint whose limits are given.
 
         Raises
         ------
         telex_control.params.ConfigError
             When the rules do not fit a joint's limits.
         """
-        return {name: self.axis(name, limits[name]) for name in self.joints}
+        return {name: self.axis(name, limits[name]) for name in self.joints if name in limits}
 
     def axis(self, name: str, limits: JointLimits) -> AxisSettings:
         """Return the bounds of motion of one joint or group with the given limits."""
@@ -264,6 +276,22 @@ class GripperTeleopSettings(JointTeleopSettings):
             set(measured_by) <= set(self.joints),
             f"coupling/measured_by is {list(measured_by)}; names out of joints are needed",
         )
+
+    def lacking(self, movable: Collection[str]) -> Tuple[str, ...]:
+        """Return the joints that a robot without gripper lacks: all or none.
+
+        Raises
+        ------
+        telex_control.params.ConfigError
+            When it lacks some of them, for the others cannot keep the pads parallel.
+        """
+        lacking = super().lacking(movable)
+        require(
+            len(lacking) in (0, len(self.joints)),
+            f"the robot has no {', '.join(lacking)}; it must have all joints of "
+            f"{self.coupling.name}, or none",
+        )
+        return lacking
 
     def axis_names(self) -> Tuple[str, ...]:
         """Return what can be jogged: the joints and the group of them."""

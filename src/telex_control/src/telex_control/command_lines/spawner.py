@@ -1,4 +1,7 @@
-"""Loads and starts controllers, and stops and unloads them again when it ends."""
+"""Loads and starts controllers, and stops and unloads them again when it ends.
+
+The command line is that of ros_control's ``spawner``, and ``--optional`` beyond it.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,10 @@ import rospy
 import yaml
 from std_msgs.msg import Bool
 
+from ..controller_joints import controller_joints
 from ..controller_manager_client import ControllerManagerClient
+from ..transmission_parser import driven_joints
+from ..urdf_joints import UrdfError, parse_urdf
 from . import program
 
 _STALL = 1.0
@@ -37,6 +43,13 @@ def parse(arguments: List[str]) -> argparse.Namespace:
         nargs="+",
         metavar="NAME|FILE.yaml",
         help="controllers in load order, or files whose parameters are loaded first",
+    )
+    parser.add_argument(
+        "--optional",
+        nargs="*",
+        default=[],
+        metavar="NAME",
+        help="further controllers, left out where the robot lacks all their joints",
     )
     parser.add_argument("--stopped", action="store_true", help="load only, do not start")
     parser.add_argument(
@@ -112,7 +125,7 @@ class Spawner:
             return [argument]
         params = read_file(argument)
         for name, value in params.items():
-            rospy.set_param(f"{self._namespace}/{name}" if self._namespace else name, value)
+            rospy.set_param(self._param(name), value)
         return controllers_of(params)
 
     def wait_for_manager(self, timeout: Optional[float]) -> bool:
@@ -143,6 +156,57 @@ class Spawner:
                     rospy.loginfo("Waiting for /clock to be available...")
                     end = time.monotonic() + (timeout or 0.0)
         return True
+
+    def present(self, names: List[str], optional: List[str]) -> List[str]:
+        """Return `names` and those of the `optional` controllers whose joints the robot has.
+
+        Raises
+        ------
+        SpawnerError
+            An optional controller has no joints, or the robot has a joint that no controller takes
+            while one is left out for a joint that is not there: its name is wrong, then.
+        """
+        if not optional:
+            return names
+        driven = self._driven_joints()
+        kept, absent = list(names), {}
+        for name in optional:
+            joints = self._joints_of(name)
+            if not joints:
+                raise SpawnerError(f"--optional {name}: its parameters name no joint")
+            if any(joint in driven for joint in joints):
+                kept.append(name)
+            else:
+                absent[name] = joints
+        taken = {joint for name in kept for joint in self._joints_of(name)}
+        without = [joint for joint in driven if joint not in taken]
+        for name, joints in absent.items():
+            if without:
+                raise SpawnerError(
+                    f"controller {name} is for {', '.join(joints)}, which the robot lacks, and no "
+                    f"controller is for its {', '.join(without)}; one of the names is wrong, or a "
+                    "controller is missing"
+                )
+            rospy.loginfo("Left out: %s, for this robot has no %s", name, ", ".join(joints))
+        return kept
+
+    def _driven_joints(self) -> List[str]:
+        description = rospy.get_param(self._param("robot_description"), None)
+        if description is None:
+            raise SpawnerError(
+                f"--optional needs the parameter {self._param('robot_description')}, which is not "
+                "set"
+            )
+        try:
+            return [each.joint for each in driven_joints(parse_urdf(str(description)))]
+        except UrdfError as error:
+            raise SpawnerError(str(error)) from error
+
+    def _joints_of(self, controller: str) -> List[str]:
+        return controller_joints(rospy.get_param(self._param(controller), {}))
+
+    def _param(self, name: str) -> str:
+        return f"{self._namespace}/{name}" if self._namespace else name
 
     def load(self, names: List[str]) -> List[str]:
         """Load controllers; those that cannot be loaded are reported and left out."""
@@ -237,6 +301,11 @@ def main() -> None:
         if options.wait_for:
             wait_until_true(options.wait_for, options.timeout)
         rospy.on_shutdown(spawner.stop)
+        try:
+            names = spawner.present(names, options.optional)
+        except SpawnerError as error:
+            rospy.logerr("%s", error)
+            return 1
         if not spawner.load(names):
             return 1
         if not options.stopped:

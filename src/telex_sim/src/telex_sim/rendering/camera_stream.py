@@ -1,12 +1,15 @@
-"""What one camera publishes."""
+"""The topics of one camera."""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 import rospy
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
-from std_msgs.msg import Header
+from std_msgs.msg import Float64, Header
 
+from .camera import PinholeCamera
 from .cameras_config import CameraConfig
 from .frame_pacer import FramePacer
 from .messages import camera_info_message, compressed_image_message, image_message
@@ -31,13 +34,40 @@ class CameraStream:
         self, name: str, config: CameraConfig, scene_frame: str, repeat_rate: float
     ) -> None:
         self.scene_frame = scene_frame
+        self._name = name
         self._config = config
-        self.optics = config.optics()
+        # Replaced as a whole by ROS's thread, read once a picture by the one that renders.
+        self._optics = config.optics()
         self.pacer = FramePacer(config.rate, repeat_rate)
         topic = f"cameras/{name}"
         self._compressed = _publisher(f"{topic}/image_raw/compressed", CompressedImage)
         self._raw = _publisher(f"{topic}/image_raw", Image)
         self._info = _publisher(f"{topic}/camera_info", CameraInfo)
+        if config.zoom_max > 1.0:
+            self._zoom = rospy.Subscriber(
+                f"{topic}/zoom", Float64, self._take_zoom, queue_size=1, tcp_nodelay=True
+            )
+
+    def _take_zoom(self, message: Float64) -> None:
+        wanted, most = message.data, self._config.zoom_max
+        if math.isnan(wanted):
+            rospy.logwarn("camera %s: zoom is nan; 1 to %g is possible", self._name, most)
+            return
+        zoom = min(max(wanted, 1.0), most)
+        if zoom != wanted:
+            rospy.logwarn(
+                "camera %s: zoom is %g; 1 to %g is possible, %g is taken",
+                self._name,
+                wanted,
+                most,
+                zoom,
+            )
+        self._optics = self._config.optics(zoom)
+
+    @property
+    def optics(self) -> PinholeCamera:
+        """As the camera is zoomed now; ask once for each picture."""
+        return self._optics
 
     @property
     def wants_picture(self) -> bool:
@@ -49,9 +79,9 @@ class CameraStream:
         """Whether somebody listens to any of the topics."""
         return self.wants_picture or self._info.get_num_connections() > 0
 
-    def publish_info(self, stamp: rospy.Time) -> None:
+    def publish_info(self, optics: PinholeCamera, stamp: rospy.Time) -> None:
         """Publish the camera's description, with the sim time of the poses."""
-        self._info.publish(camera_info_message(self.optics, self._header(stamp)))
+        self._info.publish(camera_info_message(optics, self._header(stamp)))
 
     def publish_picture(self, picture: np.ndarray, stamp: rospy.Time) -> None:
         """Publish a picture in the forms that somebody listens to.

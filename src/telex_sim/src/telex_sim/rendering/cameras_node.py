@@ -19,6 +19,7 @@ from telex_control.params import ConfigError, read_config
 from .camera_stream import CameraStream
 from .cameras_config import CamerasConfig
 from .gl_context import NoContextError, create_context
+from .lamp_switches import LampSwitches
 from .lighting import Lighting
 from .quality import choose_quality
 from .renderer import Renderer
@@ -55,7 +56,12 @@ class CamerasNode:
             CameraStream(name, camera, f"{config.model}/{camera.frame}", config.repeat_rate)
             for name, camera in config.cameras.items()
         ]
-        self._mirror = SceneMirror(renderer, (stream.scene_frame for stream in self._streams))
+        self._lamps = LampSwitches(config.lamps)
+        self._mirror = SceneMirror(
+            renderer,
+            (stream.scene_frame for stream in self._streams),
+            [lamp.lamp(name, config.model) for name, lamp in config.lamps.items()],
+        )
         self._inbox = SceneInbox()
         self._scene_subscriber = rospy.Subscriber(
             "sim/scene", SceneDescription, self._inbox.put_scene, queue_size=1
@@ -101,14 +107,16 @@ class CamerasNode:
         due = [stream for stream in wanted if stream.pacer.is_due(now, stamp.to_nsec())]
         if not due or not self._mirror.place(poses):
             return
+        self._renderer.set_lamp_levels(self._lamps.levels())
         for stream in due:
             stream.pacer.sent(now, stamp.to_nsec())
             camera_in_world = self._mirror.camera_in_world(stream.scene_frame)
             if camera_in_world is None:
                 continue
-            stream.publish_info(stamp)
+            optics = stream.optics
+            stream.publish_info(optics, stamp)
             if stream.wants_picture:
-                stream.publish_picture(self._renderer.render(stream.optics, camera_in_world), stamp)
+                stream.publish_picture(self._renderer.render(optics, camera_in_world), stamp)
 
 
 def main() -> None:

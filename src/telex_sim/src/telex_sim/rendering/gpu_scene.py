@@ -4,78 +4,37 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Callable, Dict, Hashable, List, Optional, Tuple, TypeVar
+from typing import Hashable, List, Optional, Sequence, Set, Tuple
 
 import moderngl
 import numpy as np
 
 from .addresses import AddressError, PackagePath, resolve_address
+from .batching import Batch, Part, batches, bounding_radius, merge
+from .gpu_mesh import GpuMesh
 from .mesh_files import MeshFileError, load_mesh
 from .meshes import Mesh, primitive_mesh
-from .scene import CHECKER, Placement, Scene, Shape, Visual
-from .textures import TextureFileError, checker_texture, load_texture
-
-Resource = TypeVar("Resource", "GpuMesh", moderngl.Texture)
-
-
-@dataclass(frozen=True)
-class GpuMesh:
-    """A mesh, ready to be drawn by each of the programs.
-
-    Attributes
-    ----------
-    plain, textured, depth
-        Vertex arrays; ``textured`` is None for a mesh without texture coordinates.
-    center, radius
-        Bounding sphere in the mesh's own coordinates (m).
-    """
-
-    plain: moderngl.VertexArray
-    textured: Optional[moderngl.VertexArray]
-    depth: moderngl.VertexArray
-    buffers: Tuple[moderngl.Buffer, ...]
-    center: np.ndarray
-    radius: float
-
-    def release(self) -> None:
-        """Free the memory."""
-        for array in (self.plain, self.textured, self.depth):
-            if array is not None:
-                array.release()
-        for buffer in self.buffers:
-            buffer.release()
+from .procedural_textures import TextureNameError, generate_texture, is_generated
+from .programs import PICTURE_UNIT, LitProgram
+from .renewed_cache import RenewedCache
+from .scene import Scene, Shape, Visual
+from .textures import TextureFileError, load_texture
 
 
 @dataclass(frozen=True)
 class Drawable:
-    """A visual with its mesh and texture.
+    """What one call draws."""
 
-    Attributes
-    ----------
-    color
-        Linear red, green, blue, and alpha: four float32, as uniforms are written.
-    """
-
-    visual: Visual
     mesh: GpuMesh
     texture: Optional[moderngl.Texture]
-    color: bytes
+    opacity: float
 
-    @property
-    def surface(self) -> moderngl.VertexArray:
-        """What draws it in the light."""
-        return self.mesh.textured if self.texture and self.mesh.textured else self.mesh.plain
-
-    @property
-    def uv_scale(self) -> float:
-        """Repetitions of the texture per unit of the mesh's texture coordinates."""
-        # Those of a file are laid out for its texture already.
-        return 1.0 if self.visual.shape is Shape.MESH else 1.0 / self.visual.texture_scale
-
-    @property
-    def transparent(self) -> bool:
-        """Whether what is behind shines through."""
-        return self.visual.color[3] < 1.0
+    def draw(self, program: LitProgram) -> None:
+        """Draw it where the program has been told that it is."""
+        if self.texture is not None:
+            self.texture.use(PICTURE_UNIT)
+        program.opacity.value = self.opacity
+        self.mesh.array(program.program).render()
 
 
 class GpuScene:
@@ -85,33 +44,41 @@ class GpuScene:
     ----------
     context
         To draw with.
-    programs
-        That draw surfaces without texture, with texture, and depth alone.
     anisotropy
         Of the textures.
+    shadow_detail
+        What is smaller need not show in shadows (m).
     package_path
         Gives the directory of a ROS package.
+
+    Attributes
+    ----------
+    drawables
+        In no particular order; the arrays below have the same.
+    frames
+        Number of the frame that each is fixed to, shape (N,).
+    centers, radii
+        Bounding spheres in their frames (m), shapes (N, 3) and (N,).
+    casts_shadow, transparent
+        Shape (N,), bool.
     """
 
     def __init__(
         self,
         context: moderngl.Context,
-        programs: Tuple[moderngl.Program, moderngl.Program, moderngl.Program],
         anisotropy: float,
+        shadow_detail: float,
         package_path: PackagePath,
     ) -> None:
         self._context = context
-        self._plain, self._textured, self._depth = programs
         self._anisotropy = anisotropy
+        self._shadow_detail = shadow_detail
         self._package_path = package_path
-        self._meshes: Dict[Hashable, GpuMesh] = {}
-        self._textures: Dict[Hashable, moderngl.Texture] = {}
-        self.drawables: Tuple[Drawable, ...] = ()
-        self.placement = Placement((), ())
-        self.centers = np.zeros((0, 3))
-        self.radii = np.zeros(0)
-        self.casts_shadow = np.zeros(0, dtype=bool)
-        self.transparent = np.zeros(0, dtype=bool)
+        self._files: RenewedCache[Mesh] = RenewedCache(lambda _: None)
+        self._meshes: RenewedCache[GpuMesh] = RenewedCache(lambda mesh: mesh.release())
+        self._textures: RenewedCache[moderngl.Texture] = RenewedCache(lambda item: item.release())
+        self._frame_count = 0
+        self._arrange([], [], 0)
 
     def load(self, scene: Scene) -> List[str]:
         """Put a scene in the place of the present one.
@@ -122,94 +89,111 @@ class GpuScene:
             What could not be loaded, and why. A visual without its mesh is left out, one without
             its texture keeps its colour; the rest of the scene is there.
         """
-        old_meshes, self._meshes = self._meshes, {}
-        old_textures, self._textures = self._textures, {}
+        caches: Sequence[RenewedCache] = (self._files, self._meshes, self._textures)
+        for cache in caches:
+            cache.begin()
+        problems: Set[str] = set()
+        visuals = [visual for visual in scene.visuals if self._is_drawable(visual, problems)]
         drawables: List[Drawable] = []
-        problems: List[str] = []
-        for visual in scene.visuals:
-            if visual.color[3] == 0.0:
-                continue
+        groups = batches(
+            visuals, lambda visual: bounding_radius(visual, lambda item: self._radius(item))
+        )
+        for batch in groups:
+            texture = self._texture_or_none(batch, problems)
+            drawables.append(Drawable(self._mesh(batch), texture, batch.opacity))
+        for cache in caches:
+            cache.end()
+        number = {name: index for index, name in enumerate(scene.frames)}
+        self._arrange(
+            [(drawable, batch) for drawable, batch in zip(drawables, groups)],
+            [number[batch.frame] for batch in groups],
+            len(scene.frames),
+        )
+        return sorted(problems)
+
+    def model_matrices(self, frames_in_world: np.ndarray) -> np.ndarray:
+        """World from the frame of each drawable, shape (N, 4, 4).
+
+        Raises
+        ------
+        ValueError
+            When the number of frames is not the scene's.
+        """
+        if len(frames_in_world) != self._frame_count:
+            raise ValueError(
+                f"poses of {len(frames_in_world)} frames for a scene of {self._frame_count}"
+            )
+        return frames_in_world[self.frames]
+
+    def _arrange(
+        self, items: Sequence[Tuple[Drawable, Batch]], frames: Sequence[int], count: int
+    ) -> None:
+        self._frame_count = count
+        self.drawables = tuple(drawable for drawable, _ in items)
+        self.frames = np.array(frames, dtype=np.intp)
+        self.centers = np.array([item.mesh.center for item in self.drawables]).reshape(-1, 3)
+        self.radii = np.array([item.mesh.radius for item in self.drawables])
+        self.casts_shadow = np.array([batch.casts_shadow for _, batch in items], dtype=bool)
+        self.transparent = np.array([batch.opacity < 1.0 for _, batch in items], dtype=bool)
+
+    def _is_drawable(self, visual: Visual, problems: Set[str]) -> bool:
+        if visual.color[3] == 0.0:
+            return False
+        if visual.shape is Shape.MESH:
             try:
-                mesh = self._mesh(visual, old_meshes)
+                self._file(visual)
             except (AddressError, MeshFileError) as error:
-                problems.append(f"{visual.label} is left out: {error}")
-                continue
-            texture, problem = self._texture_or_problem(visual, mesh, old_textures)
-            if problem:
-                problems.append(f"{visual.label} has no texture: {problem}")
-            drawables.append(Drawable(visual, mesh, texture, _linear_color(visual)))
-        _release_unused(old_meshes, self._meshes)
-        _release_unused(old_textures, self._textures)
-        self._arrange(scene, drawables)
-        return problems
+                problems.add(f"{visual.label} is left out: {error}")
+                return False
+        return True
 
-    def _arrange(self, scene: Scene, drawables: List[Drawable]) -> None:
-        self.drawables = tuple(drawables)
-        visuals = [drawable.visual for drawable in drawables]
-        self.placement = Placement(scene.frames, visuals)
-        self.centers = np.array([item.mesh.center for item in drawables]).reshape(-1, 3)
-        self.radii = np.array([item.mesh.radius for item in drawables])
-        self.casts_shadow = np.array([visual.casts_shadow for visual in visuals], dtype=bool)
-        self.transparent = np.array([item.transparent for item in drawables], dtype=bool)
+    def _file(self, visual: Visual) -> Mesh:
+        path = self._path(visual)
+        return self._files.get((path, _last_change(path)), lambda: load_mesh(path))
 
-    def _mesh(self, visual: Visual, old: Dict[Hashable, GpuMesh]) -> GpuMesh:
-        if visual.shape is not Shape.MESH:
-            key: Hashable = (visual.shape, visual.size)
-            return _cached(key, old, self._meshes, lambda: self._upload(primitive_mesh(visual)))
-        path = Path(resolve_address(visual.mesh, self._package_path))
-        return _cached(
-            (path, _last_change(path), visual.size),
-            old,
-            self._meshes,
-            lambda: self._upload(load_mesh(path).scaled(visual.size)),
+    def _path(self, visual: Visual) -> Path:
+        return Path(resolve_address(visual.mesh, self._package_path))
+
+    def _radius(self, visual: Visual) -> float:
+        reach = np.abs(self._file(visual).positions).max(axis=0)
+        return float(np.linalg.norm(reach * visual.size))
+
+    def _mesh(self, batch: Batch) -> GpuMesh:
+        files = tuple(
+            _last_change(self._path(visual))
+            for visual in batch.visuals
+            if visual.shape is Shape.MESH
         )
 
-    def _upload(self, mesh: Mesh) -> GpuMesh:
-        context = self._context
-        triangles = context.buffer(np.ascontiguousarray(mesh.triangles, dtype=np.int32).tobytes())
-        positions = context.buffer(np.ascontiguousarray(mesh.positions).tobytes())
-        normals = context.buffer(np.ascontiguousarray(mesh.normals).tobytes())
-        buffers = [triangles, positions, normals]
-        lit = [(positions, "3f", "in_position"), (normals, "3f", "in_normal")]
-        textured = None
-        if mesh.uvs is not None:
-            uvs = context.buffer(np.ascontiguousarray(mesh.uvs).tobytes())
-            buffers.append(uvs)
-            textured = context.vertex_array(self._textured, [*lit, (uvs, "2f", "in_uv")], triangles)
-        center, radius = mesh.bounding_sphere()
-        return GpuMesh(
-            plain=context.vertex_array(self._plain, lit, triangles),
-            textured=textured,
-            depth=context.vertex_array(self._depth, lit[:1], triangles),
-            buffers=tuple(buffers),
-            center=center,
-            radius=radius,
-        )
+        def upload() -> GpuMesh:
+            merged = merge([self._part(item) for item in batch.visuals])
+            return GpuMesh(self._context, *merged, self._shadow_detail)
 
-    def _texture_or_problem(
-        self, visual: Visual, mesh: GpuMesh, old: Dict[Hashable, moderngl.Texture]
-    ) -> Tuple[Optional[moderngl.Texture], str]:
-        if not visual.texture:
-            return None, ""
-        if mesh.textured is None:
-            return None, "its mesh has no texture coordinates"
+        return self._meshes.get((batch.content, files), upload)
+
+    def _part(self, visual: Visual) -> Part:
+        if visual.shape is Shape.MESH:
+            return Part(visual, self._file(visual).scaled(visual.size))
+        return Part(visual, primitive_mesh(visual))
+
+    def _texture_or_none(self, batch: Batch, problems: Set[str]) -> Optional[moderngl.Texture]:
+        if not batch.texture:
+            return None
         try:
-            return self._texture(visual.texture, old), ""
-        except (AddressError, TextureFileError) as error:
-            return None, str(error)
+            return self._texture(batch.texture)
+        except (AddressError, TextureFileError, TextureNameError) as error:
+            for visual in batch.visuals:
+                problems.add(f"{visual.label} has no texture: {error}")
+            return None
 
-    def _texture(self, address: str, old: Dict[Hashable, moderngl.Texture]) -> moderngl.Texture:
-        if address == CHECKER:
-            return _cached(
-                CHECKER, old, self._textures, lambda: self._upload_texture(checker_texture())
+    def _texture(self, address: str) -> moderngl.Texture:
+        if is_generated(address):
+            return self._textures.get(
+                address, lambda: self._upload_texture(generate_texture(address))
             )
         path = Path(resolve_address(address, self._package_path))
-        return _cached(
-            (path, _last_change(path)),
-            old,
-            self._textures,
-            lambda: self._upload_texture(load_texture(path)),
-        )
+        key: Hashable = (path, _last_change(path))
+        return self._textures.get(key, lambda: self._upload_texture(load_texture(path)))
 
     def _upload_texture(self, picture: np.ndarray) -> moderngl.Texture:
         height, width = picture.shape[:2]
@@ -229,27 +213,3 @@ def _last_change(path: Path) -> int:
     except OSError:
         # The reader will say what is wrong.
         return 0
-
-
-def _cached(
-    key: Hashable,
-    old: Dict[Hashable, Resource],
-    new: Dict[Hashable, Resource],
-    make: Callable[[], Resource],
-) -> Resource:
-    """Find the resource of this key in this scene or in the one before, or make it."""
-    if key not in new:
-        new[key] = old[key] if key in old else make()
-    return new[key]
-
-
-def _release_unused(old: Dict[Hashable, Resource], new: Dict[Hashable, Resource]) -> None:
-    for key, resource in old.items():
-        if key not in new:
-            resource.release()
-
-
-def _linear_color(visual: Visual) -> bytes:
-    """Convert the colour to the shaders' linear terms (a gamma of 2)."""
-    red, green, blue, alpha = visual.color
-    return np.array([red**2, green**2, blue**2, alpha], dtype=np.float32).tobytes()

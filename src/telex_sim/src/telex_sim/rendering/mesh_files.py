@@ -10,6 +10,12 @@ import numpy as np
 from .mesh_normals import mesh_from_corners
 from .meshes import Mesh
 
+MOST_TRIANGLES = 500_000
+"""A file with more is refused: pictures would take longer than anybody waits."""
+
+# A coordinate beyond this is a mistake, and too coarse in single precision (in the file's unit).
+_LARGEST = 1.0e6
+
 _STL_HEADER = 84
 _STL_FACET = np.dtype([("normal", "<f4", (3,)), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
@@ -30,13 +36,17 @@ def load_mesh(path: Path) -> Mesh:
     Raises
     ------
     MeshFileError
-        When the file is missing, of another kind, or broken.
+        When the file is missing, of another kind, broken or too large; or when it has a
+        coordinate that is not finite, or no triangle with an area.
     """
     reader = _READERS.get(path.suffix.lower())
     if reader is None:
         raise MeshFileError(f"{path}: unknown kind of mesh, expected {' or '.join(_READERS)}")
     try:
-        return reader(path.read_bytes())
+        mesh = reader(path.read_bytes())
+        if np.abs(mesh.positions).max() > _LARGEST:
+            raise ValueError(f"a coordinate is beyond {_LARGEST:g}")
+        return mesh
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else error
         raise MeshFileError(f"{path}: {reason}") from error
@@ -60,6 +70,7 @@ def _read_obj(content: bytes) -> Mesh:
             elif keyword == "f":
                 counts = (len(positions), len(uvs), len(normals))
                 triangles += _fan([_obj_corner(word, counts) for word in words])
+                _check_count(len(triangles) // 3)
         except ValueError as error:
             raise ValueError(f"line {number}: {error}") from error
     if not triangles:
@@ -119,6 +130,7 @@ def _read_stl(content: bytes) -> Mesh:
         count = int.from_bytes(content[_STL_HEADER - 4 : _STL_HEADER], "little")
         expected = _STL_HEADER + count * _STL_FACET.itemsize
         if len(content) == expected:
+            _check_count(count)
             facets = np.frombuffer(content, dtype=_STL_FACET, offset=_STL_HEADER)
             return mesh_from_corners(facets["corners"].astype(np.float64), None, None)
     if content.lstrip()[:5].lower() == b"solid":
@@ -140,7 +152,13 @@ def _read_ascii_stl(content: bytes) -> Mesh:
             raise ValueError(f"line {number}: {error}") from error
     if not vertices or len(vertices) % 3:
         raise ValueError(f"{len(vertices)} vertices do not make triangles")
+    _check_count(len(vertices) // 3)
     return mesh_from_corners(np.array(vertices).reshape(-1, 3, 3), None, None)
+
+
+def _check_count(triangles: int) -> None:
+    if triangles > MOST_TRIANGLES:
+        raise ValueError(f"it has more than {MOST_TRIANGLES} triangles, at most so many are drawn")
 
 
 _READERS: Dict[str, Callable[[bytes], Mesh]] = {".obj": _read_obj, ".stl": _read_stl}

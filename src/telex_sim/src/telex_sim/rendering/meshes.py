@@ -23,8 +23,8 @@ class Mesh:
     positions, normals
         Shape (V, 3), float32; normals have length 1.
     uvs
-        Texture coordinates, shape (V, 2), float32; of primitives in metres along the surface, of
-        files as they stand there; None when the file has none.
+        Texture coordinates, shape (V, 2), float32; None where `texture_mapping` has to lay a
+        texture on.
     triangles
         Shape (T, 3), int32.
     """
@@ -50,13 +50,16 @@ class Mesh:
 
 
 def primitive_mesh(visual: Visual) -> Mesh:
-    """Mesh of a box, sphere, cylinder or plane, of the visual's size (m)."""
+    """Mesh of a box, sphere, cylinder or plane, of the visual's size (m).
+
+    Round ones have texture coordinates, for the visual's texture_scale; flat ones have none.
+    """
     if visual.shape is Shape.BOX:
         return box_mesh(visual.size)
     if visual.shape is Shape.SPHERE:
-        return sphere_mesh(visual.size[0])
+        return sphere_mesh(visual.size[0], visual.texture_scale)
     if visual.shape is Shape.CYLINDER:
-        return cylinder_mesh(visual.size[0], visual.size[2])
+        return cylinder_mesh(visual.size[0], visual.size[2], visual.texture_scale)
     if visual.shape is Shape.PLANE:
         return plane_mesh(visual.size[0], visual.size[1])
     raise ValueError(f"{visual.label} is no primitive")
@@ -64,79 +67,76 @@ def primitive_mesh(visual: Visual) -> Mesh:
 
 def plane_mesh(length_x: float, length_y: float) -> Mesh:
     """Make a rectangle in the plane z = 0 around the origin, seen from above (m)."""
-    corners = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
-    uvs = corners * (length_x, length_y)
+    corners = np.array([(-0.5, -0.5, 0.0), (0.5, -0.5, 0.0), (0.5, 0.5, 0.0), (-0.5, 0.5, 0.0)])
     return _mesh(
-        np.column_stack([uvs, np.zeros(4)]),
+        corners * (length_x, length_y, 0.0),
         np.tile((0.0, 0.0, 1.0), (4, 1)),
-        uvs,
+        None,
         np.array([(0, 1, 2), (0, 2, 3)]),
     )
 
 
 def box_mesh(size: Vector3) -> Mesh:
     """Make a box around the origin with the full extents ``size`` (m)."""
+    corners = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
     positions = np.zeros((6, 4, 3))
     normals = np.zeros((6, 4, 3))
-    uvs = np.zeros((6, 4, 2))
     for face, (axis, side) in enumerate((axis, side) for axis in range(3) for side in (-1, 1)):
         normal = side * np.eye(3)[axis]
-        # Pictures stand upright on the four sides; sideways, up and the normal are right-handed.
         up = np.eye(3)[2 if axis < 2 else 1]
-        sideways = np.cross(up, normal)
-        rectangle = plane_mesh(float(np.abs(sideways) @ size), float(up @ size))
-        along = np.stack([sideways, up])
-        positions[face] = rectangle.positions[:, :2] @ along + 0.5 * size[axis] * normal
+        # Sideways, up and the normal are right-handed.
+        along = np.stack([np.cross(up, normal), up])
+        positions[face] = (corners @ along + 0.5 * normal) * size
         normals[face] = normal
-        uvs[face] = rectangle.positions[:, :2]
-    triangles = 4 * np.arange(6)[:, None, None] + rectangle.triangles
-    return _mesh(
-        positions.reshape(-1, 3),
-        normals.reshape(-1, 3),
-        uvs.reshape(-1, 2),
-        triangles.reshape(-1, 3),
-    )
+    triangles = 4 * np.arange(6)[:, None, None] + np.array([(0, 1, 2), (0, 2, 3)])
+    return _mesh(positions.reshape(-1, 3), normals.reshape(-1, 3), None, triangles.reshape(-1, 3))
 
 
-def sphere_mesh(radius: float) -> Mesh:
-    """Make a sphere around the origin (m)."""
+def sphere_mesh(radius: float, texture_scale: float = 1.0) -> Mesh:
+    """Make a sphere around the origin (m); a texture goes round it from +x over +y."""
     around = _segments(radius)
     upwards = max(around // 2, 6)
-    azimuth, polar = np.meshgrid(
-        np.linspace(0.0, 2.0 * math.pi, around + 1), np.linspace(math.pi, 0.0, upwards + 1)
+    turn, height = np.meshgrid(
+        np.linspace(0.0, 1.0, around + 1), np.linspace(0.0, 1.0, upwards + 1)
     )
+    azimuth, polar = 2.0 * math.pi * turn, math.pi * (1.0 - height)
     normals = np.stack(
         [np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), np.cos(polar)], axis=-1
     ).reshape(-1, 3)
-    uvs = radius * np.stack([azimuth, math.pi - polar], axis=-1).reshape(-1, 2)
+    extents = (2.0 * math.pi * radius, math.pi * radius)
+    uvs = np.stack([turn, height], axis=-1).reshape(-1, 2) * _repeats(extents, texture_scale)
     triangles = _grid_triangles(around + 1, upwards + 1)
     # The rows at the poles have triangles of no area.
     return _mesh(radius * normals, normals, uvs, _without_degenerate(radius * normals, triangles))
 
 
-def cylinder_mesh(radius: float, length: float) -> Mesh:
-    """Make a cylinder around the origin, its axis along z (m)."""
+def cylinder_mesh(radius: float, length: float, texture_scale: float = 1.0) -> Mesh:
+    """Make a cylinder around the origin, its axis along z (m).
+
+    A texture goes round its side from +x over +y, and lies on its ends as seen from outside, its
+    top towards +y.
+    """
     around = _segments(radius)
-    azimuth = np.linspace(0.0, 2.0 * math.pi, around + 1)
+    turn = np.linspace(0.0, 1.0, around + 1)
+    azimuth = 2.0 * math.pi * turn
     circle = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)
-    flat = np.zeros((around + 1, 1))
-    half = np.full((around + 1, 1), 0.5 * length)
-    side_normals = np.hstack([circle, flat])
+    side_normals = np.hstack([circle, np.zeros((around + 1, 1))])
     rim = radius * circle
-    center = np.zeros((1, 2))
-    positions = [np.hstack([rim, -half]), np.hstack([rim, half])]
-    normals = [side_normals, side_normals]
-    uvs = [
-        np.column_stack([radius * azimuth, np.zeros(around + 1)]),
-        np.column_stack([radius * azimuth, np.full(around + 1, length)]),
-    ]
+    positions, normals, uvs = [], [], []
+    side_repeats = _repeats((2.0 * math.pi * radius, length), texture_scale)
+    for height in (0.0, 1.0):
+        at = np.full(around + 1, (height - 0.5) * length)
+        positions.append(np.column_stack([rim, at]))
+        normals.append(side_normals)
+        uvs.append(np.column_stack([turn, np.full(around + 1, height)]) * side_repeats)
     triangles = [_grid_triangles(around + 1, 2)]
+    disc = np.vstack([np.zeros((1, 2)), rim])
     for side in (-1.0, 1.0):
         first = sum(len(part) for part in positions)
-        disc = np.vstack([center, rim])
         positions.append(np.column_stack([disc, np.full(len(disc), side * 0.5 * length)]))
         normals.append(np.tile((0.0, 0.0, side), (len(disc), 1)))
-        uvs.append(disc)
+        seen = disc * (side, 1.0)
+        uvs.append(seen / texture_scale if texture_scale else seen / (2.0 * radius) + 0.5)
         ring = np.arange(1, around + 1)
         fan = np.column_stack([np.zeros(around, dtype=int), ring, ring + 1])
         triangles.append(first + (fan if side > 0.0 else fan[:, ::-1]))
@@ -146,6 +146,16 @@ def cylinder_mesh(radius: float, length: float) -> Mesh:
         np.concatenate(uvs),
         np.concatenate(triangles),
     )
+
+
+def _repeats(extents: Tuple[float, float], texture_scale: float) -> Tuple[float, float]:
+    """How often a texture fits round a surface and upwards.
+
+    Round it, it fits a whole number of times, so that there is no seam where it closes.
+    """
+    if not texture_scale:
+        return 1.0, 1.0
+    return max(1.0, float(round(extents[0] / texture_scale))), extents[1] / texture_scale
 
 
 def _segments(radius: float) -> int:
@@ -170,11 +180,11 @@ def _without_degenerate(positions: np.ndarray, triangles: np.ndarray) -> np.ndar
 
 
 def _mesh(
-    positions: np.ndarray, normals: np.ndarray, uvs: np.ndarray, triangles: np.ndarray
+    positions: np.ndarray, normals: np.ndarray, uvs: Optional[np.ndarray], triangles: np.ndarray
 ) -> Mesh:
     return Mesh(
         positions.astype(np.float32),
         normals.astype(np.float32),
-        uvs.astype(np.float32),
+        None if uvs is None else uvs.astype(np.float32),
         np.ascontiguousarray(triangles, dtype=np.int32),
     )

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from typing import List, Tuple
+from typing import Any, Callable, Iterator, List, Sequence, Tuple, TypeVar
 
 import cv2
 import numpy as np
 import simplejpeg
 from geometry_msgs.msg import Pose
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
-from std_msgs.msg import Header
-from telex_msgs.msg import SceneDescription, ScenePoses, SceneVisual
+from std_msgs.msg import ColorRGBA, Header
+from telex_msgs.msg import SceneDescription, SceneLamp, ScenePoses, SceneVisual
 
 from .camera import PinholeCamera
-from .scene import Scene, Shape, Vector3, Visual
+from .scene import Daylight, Lamp, Rgb, Scene, Shape, Vector3, Visual
 from .transforms import Quaternion, pose_matrices
+
+Message = TypeVar("Message")
+Thing = TypeVar("Thing")
 
 
 def scene_from_message(message: SceneDescription) -> Tuple[Scene, List[str]]:
@@ -23,48 +26,99 @@ def scene_from_message(message: SceneDescription) -> Tuple[Scene, List[str]]:
     Returns
     -------
     tuple of Scene and list of str
-        The second says which visuals were left out because they make no sense, and why.
+        The second says what was left out because it makes no sense, and why.
 
     Raises
     ------
     ValueError
         When not even the frames make sense.
     """
-    visuals: List[Visual] = []
     problems: List[str] = []
-    for number, visual in enumerate(message.visuals):
+    scene = Scene(
+        message.revision,
+        tuple(message.frames),
+        tuple(_readable("visual", message.visuals, _visual, message.frames, problems)),
+        tuple(_readable("lamp", message.lamps, _lamp, message.frames, problems)),
+        _daylight(message, problems),
+    )
+    return scene, problems
+
+
+def _readable(
+    kind: str,
+    messages: Sequence[Message],
+    read: Callable[[Message, List[str]], Thing],
+    frames: List[str],
+    problems: List[str],
+) -> Iterator[Thing]:
+    """Read what makes sense, and note what does not."""
+    for number, message in enumerate(messages):
         try:
-            visuals.append(_visual(visual, message.frames))
+            yield read(message, frames)
         except ValueError as error:
-            problems.append(f"visual {number} is left out: {error}")
-    return Scene(message.revision, tuple(message.frames), tuple(visuals)), problems
+            problems.append(f"{kind} {number} is left out: {error}")
+
+
+def _frame(number: int, frames: List[str]) -> str:
+    if number >= len(frames):
+        raise ValueError(f"frame {number} of a scene with {len(frames)}")
+    return frames[number]
 
 
 def _visual(message: SceneVisual, frames: List[str]) -> Visual:
-    if message.frame >= len(frames):
-        raise ValueError(f"frame {message.frame} of a scene with {len(frames)}")
     position, orientation = _pose(message.pose)
     color = message.color
     return Visual(
-        frame=frames[message.frame],
+        frame=_frame(message.frame, frames),
         shape=Shape(message.shape),
-        size=(message.size.x, message.size.y, message.size.z),
+        size=_vector(message.size),
         position=position,
         orientation=orientation,
         color=(color.r, color.g, color.b, color.a),
         mesh=message.mesh,
         texture=message.texture,
-        # Left at zero it would say nothing.
-        texture_scale=message.texture_scale or 1.0,
+        texture_scale=message.texture_scale,
+        glow=message.glow,
     )
+
+
+def _lamp(message: SceneLamp, frames: List[str]) -> Lamp:
+    return Lamp(
+        frame=_frame(message.frame, frames),
+        position=_vector(message.position),
+        direction=_vector(message.direction),
+        angle=message.angle,
+        intensity=message.intensity,
+        reach=message.reach,
+        color=_rgb(message.color),
+    )
+
+
+def _daylight(message: SceneDescription, problems: List[str]) -> Daylight:
+    try:
+        return Daylight(
+            to_sun=_vector(message.to_sun),
+            sun=_rgb(message.sun),
+            ambient=message.ambient,
+            visibility=message.visibility,
+            fog=_rgb(message.fog),
+        )
+    except ValueError as error:
+        problems.append(f"{error}; it is shown by day")
+        return Daylight()
+
+
+def _vector(message: Any) -> Vector3:
+    return message.x, message.y, message.z
+
+
+def _rgb(message: ColorRGBA) -> Rgb:
+    return message.r, message.g, message.b
 
 
 def _pose(message: Pose) -> Tuple[Vector3, Quaternion]:
     position, orientation = message.position, message.orientation
-    return (
-        (position.x, position.y, position.z),
-        (orientation.x, orientation.y, orientation.z, orientation.w),
-    )
+    return _vector(position), (orientation.x, orientation.y, orientation.z, orientation.w)
 
 
 def frames_from_message(message: ScenePoses, count: int) -> np.ndarray:

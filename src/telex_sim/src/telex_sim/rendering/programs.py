@@ -2,71 +2,71 @@
 
 from __future__ import annotations
 
-from typing import Any, Tuple
+from typing import Any, Dict, Mapping
 
 import moderngl
 import numpy as np
 
-from .lighting import Lighting, Rgb, unit
-from .shaders import ShaderSource, depth_source, lit_source, sky_source
+from .lamps import NEAREST
+from .shaders import LitVariant, ShaderSource, depth_source, lit_source, sky_source
 
-PICTURE_UNIT, SHADOW_MAP_UNIT = 0, 1
+PICTURE_UNIT, SHADOW_MAP_UNIT, COVER_MAP_UNIT = range(3)
+
+Uniforms = Mapping[str, np.ndarray]
+"""Values by name, float32; matrices as OpenGL takes them (`column_major`)."""
 
 
 class LitProgram:
-    """Draws surfaces in daylight; one variant with textures, one without.
+    """Draws lit surfaces, in one of the variants.
 
     The uniforms that change with every surface are attributes, because looking them up by name
     would take longer than writing them.
     """
 
-    def __init__(self, context: moderngl.Context, textured: bool, shadow_lookups: int) -> None:
-        self.program: Any = _compile(context, lit_source(textured, shadow_lookups))
+    def __init__(self, context: moderngl.Context, variant: LitVariant, shadow_lookups: int) -> None:
+        self.program: Any = _compile(context, lit_source(variant, shadow_lookups, NEAREST))
         self.world_from_model: Any = self.program["world_from_model"]
-        self.color: Any = self.program["color"]
-        self.uv_scale: Any = self.program["uv_scale"] if textured else None
-        self.program["shadow_map"] = SHADOW_MAP_UNIT
-        if textured:
+        self.opacity: Any = self.program["opacity"]
+        if variant.textured:
             self.program["picture"] = PICTURE_UNIT
+        if variant.cover:
+            self.program["cover_map"] = COVER_MAP_UNIT
+        if variant.sun:
+            self.program["shadow_map"] = SHADOW_MAP_UNIT
 
-    def set_lighting(self, lighting: Lighting, shadow_softness: float) -> None:
-        """Write what stays the same from picture to picture.
+    def set(self, uniforms: Uniforms) -> None:
+        """Write those of the uniforms that this variant has."""
+        _write(self.program, uniforms)
 
-        ``shadow_softness`` is half the width of soft edges, as a share of the shadow map's side.
-        """
-        program = self.program
-        program["to_sun"] = tuple(unit(lighting.to_sun))
-        program["to_fill"] = tuple(unit(lighting.to_fill))
-        for name in ("sun", "fill", "sky_ambient", "ground_ambient"):
-            program[name] = getattr(lighting, name)
-        program["horizon"] = light_of_display(lighting.horizon)
-        program["specular"] = lighting.specular
-        program["haze"] = lighting.haze_distance**-2
-        program["shadow_softness"] = shadow_softness
 
-    def set_view(self, clip_from_world: np.ndarray, eye: np.ndarray) -> None:
-        """Write the camera's projection, shape (4, 4), and position, shape (3,)."""
-        self.program["clip_from_world"].write(column_major(clip_from_world))
-        self.program["eye"] = tuple(eye)
+class LitPrograms:
+    """All variants, each compiled when it is first needed."""
 
-    def set_shadow(self, map_from_world: np.ndarray, normal_offset: float) -> None:
-        """Write the shadow map's projection, and how far above a surface to look it up (m)."""
-        self.program["map_from_world"].write(column_major(map_from_world))
-        self.program["normal_offset"] = normal_offset
+    def __init__(self, context: moderngl.Context, shadow_lookups: int) -> None:
+        self._context = context
+        self._shadow_lookups = shadow_lookups
+        self._programs: Dict[LitVariant, LitProgram] = {}
+
+    def get(self, variant: LitVariant) -> LitProgram:
+        """Return the program of a variant."""
+        if variant not in self._programs:
+            self._programs[variant] = LitProgram(self._context, variant, self._shadow_lookups)
+        return self._programs[variant]
 
 
 class SkyProgram:
     """Fills what nothing else covers."""
 
-    def __init__(self, context: moderngl.Context, lighting: Lighting) -> None:
-        program: Any = _compile(context, sky_source())
-        program["horizon"] = light_of_display(lighting.horizon)
-        program["zenith"] = light_of_display(lighting.zenith)
+    def __init__(self, context: moderngl.Context, fog: bool) -> None:
+        self._program: Any = _compile(context, sky_source(fog))
         # One triangle that reaches beyond the picture on all sides, clockwise as all is seen.
         corners = np.array([(-1.0, -1.0), (-1.0, 3.0), (3.0, -1.0)], dtype=np.float32)
         buffer = context.buffer(corners.tobytes())
-        self._program = program
-        self._triangle = context.vertex_array(program, [(buffer, "2f", "in_corner")])
+        self._triangle = context.vertex_array(self._program, [(buffer, "2f", "in_corner")])
+
+    def set(self, uniforms: Uniforms) -> None:
+        """Write those of the uniforms that it has."""
+        _write(self._program, uniforms)
 
     def draw(self, clip_from_optical: np.ndarray, optical_in_world: np.ndarray) -> None:
         """Draw behind everything; the camera's matrices have the shape (4, 4)."""
@@ -79,7 +79,7 @@ class SkyProgram:
             ]
         )
         ray_from_corner = optical_in_world[:3, :3] @ optical_from_corner
-        self._program["ray_from_corner"].write(column_major(ray_from_corner))
+        self._program["ray_from_corner"].write(column_major(ray_from_corner).tobytes())
         self._triangle.render()
 
 
@@ -88,15 +88,16 @@ def depth_program(context: moderngl.Context) -> moderngl.Program:
     return _compile(context, depth_source())
 
 
-def column_major(matrices: np.ndarray) -> bytes:
-    """One or more matrices as OpenGL takes them."""
-    return np.swapaxes(matrices, -1, -2).astype(np.float32).tobytes()
+def column_major(matrices: np.ndarray) -> np.ndarray:
+    """One or more matrices as OpenGL takes them, float32."""
+    return np.ascontiguousarray(np.swapaxes(matrices, -1, -2), dtype=np.float32)
 
 
-def light_of_display(color: Rgb) -> Tuple[float, ...]:
-    """Find the light that ``to_display`` in the shaders turns into this colour."""
-    squares = np.square(color)
-    return tuple(squares / (1.25 - 0.25 * squares))
+def _write(program: Any, uniforms: Uniforms) -> None:
+    for name, value in uniforms.items():
+        uniform = program.get(name, None)
+        if uniform is not None:
+            uniform.write(value.tobytes())
 
 
 def _compile(context: moderngl.Context, source: ShaderSource) -> moderngl.Program:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Dict, List, Tuple
+from dataclasses import replace
+from typing import Dict, List, Mapping, NamedTuple, Sequence, Set, Tuple
 
 import moderngl
 import numpy as np
@@ -12,17 +13,22 @@ from .camera import PinholeCamera
 from .culling import spheres_in_view, spheres_in_world
 from .frame_target import FrameTarget
 from .gpu_scene import GpuScene
-from .lighting import Lighting
+from .lamps import LampRig
+from .lighting import Lighting, light_uniforms
 from .programs import (
-    PICTURE_UNIT,
+    COVER_MAP_UNIT,
     SHADOW_MAP_UNIT,
     LitProgram,
+    LitPrograms,
     SkyProgram,
+    column_major,
     depth_program,
 )
 from .quality import Quality
-from .scene import Scene
+from .scene import Daylight, Scene
+from .shaders import LitVariant
 from .shadow_map import ShadowMap
+from .sky_cover import SkyCover
 from .smoothing import smooth_edges
 from .transforms import rigid_inverse
 
@@ -52,22 +58,19 @@ class Renderer:
     ) -> None:
         self._context = context
         self._quality = quality
-        self._plain = LitProgram(context, False, quality.shadow_lookups)
-        self._textured = LitProgram(context, True, quality.shadow_lookups)
-        self._sky = SkyProgram(context, lighting)
+        self._lighting = lighting
+        self._programs = LitPrograms(context, quality.shadow_lookups)
+        self._skies = {fog: SkyProgram(context, fog) for fog in (False, True)}
         depth = depth_program(context)
-        self._scene = GpuScene(
-            context,
-            (self._plain.program, self._textured.program, depth),
-            quality.anisotropy,
-            package_path,
-        )
-        self._shadows = ShadowMap(context, depth, lighting, quality.shadow_map_size)
+        self._scene = GpuScene(context, quality.anisotropy, quality.shadow_detail, package_path)
+        radius = lighting.shadow_radius
+        self._shadows = ShadowMap(context, depth, radius, quality.shadow_map_size)
+        self._cover = SkyCover(context, depth, radius)
         self._targets: Dict[Tuple[int, int], FrameTarget] = {}
+        self._warm: Set[LitVariant] = set()
         self._model = np.zeros((0, 4, 4))
         self._centers = np.zeros((0, 3))
-        for program in (self._plain, self._textured):
-            program.set_lighting(lighting, quality.shadow_softness / quality.shadow_map_size)
+        self._take_light(Scene(0, (), ()))
 
     def load_scene(self, scene: Scene) -> List[str]:
         """Take over a scene; ``place`` must follow before the next picture.
@@ -77,8 +80,57 @@ class Renderer:
         list of str
             What could not be loaded, and why; the rest is there.
         """
-        self._shadows.invalidate()
-        return self._scene.load(scene)
+        self._take_light(scene)
+        problems = self._scene.load(scene)
+        self._warm_up(len(scene.lamps))
+        return problems
+
+    def _warm_up(self, lamps: int) -> None:
+        """Use each program that the scene can need once.
+
+        Drivers compile a program when it first draws; that would interrupt the pictures.
+        """
+        rooms = [0]
+        while rooms[-1] < _room_for(lamps, self._quality.lamps):
+            rooms.append(_room_for(rooms[-1] + 1, self._quality.lamps))
+        self._begin_pass()
+        self._target(1, 1).begin()
+        self._use_maps()
+        # Any surface does, but what its texture is like matters.
+        samples = {drawable.texture is not None: drawable for drawable in self._scene.drawables}
+        for textured, drawable in samples.items():
+            for room in rooms:
+                variant = replace(self._base, textured=textured, lamps=room)
+                if variant not in self._warm:
+                    self._warm.add(variant)
+                    drawable.draw(self._programs.get(variant))
+
+    def _take_light(self, scene: Scene) -> None:
+        daylight: Daylight = scene.daylight
+        sun = any(daylight.sun)
+        # Lamps that can be switched are the robot's, and do not shine from above.
+        light_above = daylight.ambient > 0.0 or not all(lamp.name for lamp in scene.lamps)
+        if sun:
+            self._shadows.invalidate(daylight.to_sun)
+        self._cover.invalidate()
+        self._base = LitVariant(
+            textured=False,
+            sun=sun,
+            cover=light_above and not sun,
+            fog=daylight.visibility > 0.0,
+            lamps=0,
+        )
+        self._sky = self._skies[self._base.fog]
+        self._lamps = LampRig(scene.lamps, scene.frames, self._lighting.sun)
+        self._uniforms = light_uniforms(self._lighting, daylight)
+        # Half the width of soft edges, as a share of the shadow map's side.
+        softness = self._quality.shadow_softness / self._quality.shadow_map_size
+        self._uniforms["shadow_softness"] = np.array(softness, dtype=np.float32)
+        self._sky.set(self._uniforms)
+
+    def set_lamp_levels(self, levels: Mapping[str, float]) -> None:
+        """Dim the lamps that have names: 0 is off, 1 full."""
+        self._lamps.set_levels(levels)
 
     def place(self, frames_in_world: np.ndarray, focus: np.ndarray) -> None:
         """Move everything to where it is now and cast the shadows.
@@ -95,15 +147,20 @@ class Renderer:
         ValueError
             When the number of frames is not the scene's.
         """
-        self._model = self._scene.placement.model_matrices(frames_in_world)
+        self._model = self._scene.model_matrices(frames_in_world)
         self._centers = spheres_in_world(self._model, self._scene.centers)
+        self._lamps.place(frames_in_world)
         self._begin_pass()
+        if self._base.cover:
+            self._cover.update(self._scene, self._model, self._centers, focus)
+            self._uniforms["cover_place"] = self._cover.place()
+        if not self._base.sun:
+            return
         self._shadows.update(self._scene, self._model, self._centers, focus)
-        view = self._shadows.view
         # No look-up of the ring, nor the pixel that it falls into, may dip into the surface itself.
-        normal_offset = (1.0 + self._quality.shadow_softness) * view.texel
-        for program in (self._plain, self._textured):
-            program.set_shadow(self._shadows.map_from_world(), normal_offset)
+        offset = (1.0 + self._quality.shadow_softness) * self._shadows.view.texel
+        self._uniforms["normal_offset"] = np.array(offset, dtype=np.float32)
+        self._uniforms["map_from_world"] = column_major(self._shadows.map_from_world())
 
     def render(self, camera: PinholeCamera, optical_in_world: np.ndarray) -> np.ndarray:
         """Take a picture.
@@ -124,19 +181,18 @@ class Renderer:
         clip_from_optical = camera.clip_from_optical()
         clip_from_world = clip_from_optical @ rigid_inverse(optical_in_world)
         eye = optical_in_world[:3, 3]
-        for program in (self._plain, self._textured):
-            program.set_view(clip_from_world, eye)
         solid, transparent = self._visible(clip_from_world, eye)
+        drawing = self._drawing(clip_from_world, eye, np.concatenate([solid, transparent]))
         target = self._target(camera.width, camera.height)
         self._begin_pass()
         framebuffer = target.begin()
-        self._shadows.use(SHADOW_MAP_UNIT)
-        self._draw(solid)
+        self._use_maps()
+        drawing.draw(solid)
         self._sky.draw(clip_from_optical, optical_in_world)
         if transparent.size:
             self._context.enable(moderngl.BLEND)
             framebuffer.depth_mask = False
-            self._draw(transparent)
+            drawing.draw(transparent)
             framebuffer.depth_mask = True
         picture = target.read()
         return smooth_edges(picture) if self._quality.edge_smoothing else picture
@@ -152,6 +208,10 @@ class Renderer:
         context.front_face = "cw"
         # The sky lies at the greatest depth, where the depth buffer begins.
         context.depth_func = "<="
+
+    def _use_maps(self) -> None:
+        self._shadows.use(SHADOW_MAP_UNIT)
+        self._cover.use(COVER_MAP_UNIT)
 
     def _target(self, width: int, height: int) -> FrameTarget:
         size = (width, height)
@@ -180,15 +240,91 @@ class Renderer:
             seen[~solid][np.argsort(-distances[~solid])],
         )
 
-    def _draw(self, numbers: np.ndarray) -> None:
-        matrices = self._model[numbers].transpose(0, 2, 1).astype(np.float32)
-        for number, matrix in zip(numbers, matrices):
+    def _drawing(
+        self, clip_from_world: np.ndarray, eye: np.ndarray, numbers: np.ndarray
+    ) -> _Drawing:
+        """Prepare to draw some of the drawables as a camera sees them."""
+        chosen = self._lamps.choose(clip_from_world, eye, self._quality.lamps)
+        uniforms = dict(self._uniforms)
+        uniforms["clip_from_world"] = column_major(clip_from_world)
+        uniforms["eye"] = eye.astype(np.float32)
+        for name in ("sky_ambient", "ground_ambient"):
+            uniforms[name] = uniforms[name] + chosen.rest.astype(np.float32)
+        # Each surface is drawn with the lamps that reach it alone: every one takes time.
+        radii = self._scene.radii[numbers]
+        reached = self._lamps.reach(chosen.numbers, self._centers[numbers], radii)
+        masks, mask_of = np.unique(reached, axis=0, return_inverse=True)
+        groups = []
+        for mask in masks:
+            room = _room_for(int(mask.sum()), self._quality.lamps)
+            values = self._lamps.uniforms(chosen.numbers[mask], chosen.levels[mask], room)
+            variants = tuple(
+                replace(self._base, textured=textured, lamps=room) for textured in (False, True)
+            )
+            groups.append(_LampGroup(variants, values if room else {}))
+        group_of = dict(zip(numbers.tolist(), mask_of.reshape(-1).tolist()))
+        return _Drawing(self._scene, self._model, self._programs, uniforms, groups, group_of)
+
+
+class _LampGroup(NamedTuple):
+    """What surfaces are drawn with that the same lamps light.
+
+    Attributes
+    ----------
+    variants
+        Of the program, without and with texture.
+    uniforms
+        That describe the lamps.
+    """
+
+    variants: Tuple[LitVariant, ...]
+    uniforms: Mapping[str, np.ndarray]
+
+
+class _Drawing:
+    """Draws surfaces for one picture; programs learn of the picture when they are first used."""
+
+    def __init__(
+        self,
+        scene: GpuScene,
+        model: np.ndarray,
+        programs: LitPrograms,
+        uniforms: Mapping[str, np.ndarray],
+        groups: Sequence[_LampGroup],
+        group_of: Mapping[int, int],
+    ) -> None:
+        self._scene = scene
+        self._model = model
+        self._programs = programs
+        self._uniforms = uniforms
+        self._groups = groups
+        self._group_of = group_of
+        # The group whose lamps each program has at present.
+        self._current: Dict[LitVariant, int] = {}
+
+    def draw(self, numbers: np.ndarray) -> None:
+        """Draw surfaces in the given order."""
+        matrices = column_major(self._model[numbers])
+        for number, matrix in zip(numbers.tolist(), matrices):
             drawable = self._scene.drawables[number]
-            program = self._plain
-            if drawable.texture is not None:
-                program = self._textured
-                program.uv_scale.value = drawable.uv_scale
-                drawable.texture.use(PICTURE_UNIT)
+            program = self._program(self._group_of[number], drawable.texture is not None)
             program.world_from_model.write(matrix.tobytes())
-            program.color.write(drawable.color)
-            drawable.surface.render()
+            drawable.draw(program)
+
+    def _program(self, number: int, textured: bool) -> LitProgram:
+        group = self._groups[number]
+        variant = group.variants[textured]
+        program = self._programs.get(variant)
+        if variant not in self._current:
+            program.set(self._uniforms)
+        if self._current.get(variant) != number:
+            program.set(group.uniforms)
+            self._current[variant] = number
+        return program
+
+
+def _room_for(lamps: int, most: int) -> int:
+    """Round a number of lamps up, so that only a few variants have to be compiled."""
+    if not lamps:
+        return 0
+    return next((room for room in (1, 2, 3, 4, 6, 8) if lamps <= room <= most), most)

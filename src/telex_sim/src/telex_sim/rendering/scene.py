@@ -1,20 +1,17 @@
-"""The scene as the renderer knows it: frames, and the visuals that are fixed to them."""
+"""The scene as the renderer knows it: frames, what is fixed to them, and the light."""
 
 from __future__ import annotations
 
 import enum
 import math
-from dataclasses import dataclass
-from typing import Iterable, Tuple
+from dataclasses import dataclass, field
+from typing import Tuple, Union
 
-import numpy as np
-
-from .transforms import Quaternion, pose_matrices
+from .transforms import Quaternion
 
 Vector3 = Tuple[float, float, float]
 Color = Tuple[float, float, float, float]
-
-CHECKER = "checker"
+Rgb = Tuple[float, float, float]
 
 
 class Shape(enum.IntEnum):
@@ -55,9 +52,11 @@ class Visual:
     mesh
         Address of the mesh, for ``Shape.MESH``.
     texture
-        Empty, "checker", or the address of an image; it is multiplied by the colour.
+        Empty, "generated:NAME", or the address of an image; it is multiplied by the colour.
     texture_scale
-        Length that one repetition of the texture covers (m).
+        Length that one repetition of the texture covers (m); 0: once over each face.
+    glow
+        0..1: share of the colour that is seen without any light.
 
     Raises
     ------
@@ -74,9 +73,11 @@ class Visual:
     mesh: str = ""
     texture: str = ""
     texture_scale: float = 1.0
+    glow: float = 0.0
 
     def __post_init__(self) -> None:
-        numbers = (*self.size, *self.position, *self.orientation, *self.color, self.texture_scale)
+        pose_numbers = (*self.size, *self.position, *self.orientation)
+        numbers = (*pose_numbers, *self.color, self.texture_scale, self.glow)
         if not all(math.isfinite(number) for number in numbers):
             raise ValueError(f"{self.label}: a number is not finite: {numbers}")
         if any(self.size[axis] <= 0.0 for axis in _LENGTHS[self.shape]):
@@ -90,8 +91,10 @@ class Visual:
             raise ValueError(f"{self.label}: the quaternion is zero")
         if not all(0.0 <= component <= 1.0 for component in self.color):
             raise ValueError(f"{self.label}: colour {self.color} must lie within 0..1")
-        if self.texture and self.texture_scale <= 0.0:
-            raise ValueError(f"{self.label}: texture_scale must be above zero")
+        if self.texture_scale < 0.0:
+            raise ValueError(f"{self.label}: texture_scale is {self.texture_scale}, below zero")
+        if not 0.0 <= self.glow <= 1.0:
+            raise ValueError(f"{self.label}: glow is {self.glow}; it must lie within 0..1")
 
     @property
     def label(self) -> str:
@@ -105,67 +108,124 @@ class Visual:
 
 
 @dataclass(frozen=True)
-class Scene:
-    """What there is to see.
+class Lamp:
+    """A lamp, fixed to a frame; it throws no shadow.
+
+    Attributes
+    ----------
+    frame
+        Name of the frame.
+    position, direction
+        Where it is and where its cone points, in the frame (m; any length but zero).
+    angle
+        Full angle of the cone (rad); 2 pi shines all around.
+    intensity
+        1: a surface 1 m away that faces it gets what the sun of intensity 1 gives.
+    reach
+        Distance at which its light has faded to nothing (m).
+    color
+        sRGB, each 0..1.
+    name
+        Of one that can be dimmed while the scene stands; empty for others.
 
     Raises
     ------
     ValueError
-        When a frame is named twice or a visual's frame is unknown.
+        When a value is not finite or out of its range.
+    """
+
+    frame: str
+    position: Vector3
+    direction: Vector3 = (0.0, 0.0, -1.0)
+    angle: float = 2.0 * math.pi
+    intensity: float = 1.0
+    reach: float = 8.0
+    color: Rgb = (1.0, 1.0, 1.0)
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        place_numbers = (*self.position, *self.direction, self.reach)
+        numbers = (*place_numbers, *self.color, self.angle, self.intensity)
+        if not all(math.isfinite(number) for number in numbers):
+            raise ValueError(f"{self.label}: a number is not finite: {numbers}")
+        if math.hypot(*self.direction) < 1e-9:
+            raise ValueError(f"{self.label}: the direction is zero")
+        if self.angle <= 0.0 or self.reach <= 0.0:
+            raise ValueError(
+                f"{self.label}: angle is {self.angle} and reach is {self.reach}; both must be"
+                " above zero"
+            )
+        if self.intensity < 0.0:
+            raise ValueError(f"{self.label}: intensity is {self.intensity}, below zero")
+        if not all(0.0 <= component <= 1.0 for component in self.color):
+            raise ValueError(f"{self.label}: colour {self.color} must lie within 0..1")
+
+    @property
+    def label(self) -> str:
+        """What messages call this lamp."""
+        return f"lamp {self.name}".strip() + f" of frame '{self.frame}'"
+
+
+@dataclass(frozen=True)
+class Daylight:
+    """The light that comes from no lamp, and the air that it shines through.
+
+    Attributes
+    ----------
+    to_sun
+        Direction to the sun; any length but zero, if it shines.
+    sun
+        Its light, linear: colour times intensity; 1 is a bright day.
+    ambient
+        Light from everywhere: 1 by day, 0 in the dark.
+    visibility
+        Distance at which 5 % of the contrast is left (m); 0: clear air.
+    fog
+        Colour of the fog by day, sRGB.
+
+    Raises
+    ------
+    ValueError
+        When a value is not finite or out of its range.
+    """
+
+    to_sun: Vector3 = (-0.40, -0.50, 0.80)
+    sun: Rgb = (1.0, 0.96, 0.9)
+    ambient: float = 1.0
+    visibility: float = 0.0
+    fog: Rgb = (0.6, 0.62, 0.65)
+
+    def __post_init__(self) -> None:
+        numbers = (*self.to_sun, *self.sun, self.ambient, self.visibility, *self.fog)
+        if not all(math.isfinite(number) for number in numbers):
+            raise ValueError(f"the light: a number is not finite: {numbers}")
+        if any(self.sun) and math.hypot(*self.to_sun) < 1e-9:
+            raise ValueError("the light: the direction to the sun is zero")
+        if min(*self.sun, *self.fog, self.ambient, self.visibility) < 0.0:
+            raise ValueError(f"the light: a number is below zero: {numbers[3:]}")
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What there is to see, and by which light.
+
+    Raises
+    ------
+    ValueError
+        When a frame is named twice, or that of a visual or lamp is unknown.
     """
 
     revision: int
     frames: Tuple[str, ...]
     visuals: Tuple[Visual, ...]
+    lamps: Tuple[Lamp, ...] = ()
+    daylight: Daylight = field(default_factory=Daylight)
 
     def __post_init__(self) -> None:
         known = set(self.frames)
         if len(known) != len(self.frames):
             raise ValueError("a frame is named twice in the scene")
-        for visual in self.visuals:
-            if visual.frame not in known:
-                raise ValueError(f"{visual.label}: no such frame in the scene")
-
-
-class Placement:
-    """Turns the poses of frames into model matrices of the visuals fixed to them.
-
-    Parameters
-    ----------
-    frames
-        Names, in the order of the poses to come.
-    visuals
-        Whose frames are all among ``frames``.
-    """
-
-    def __init__(self, frames: Iterable[str], visuals: Iterable[Visual]) -> None:
-        index = {name: number for number, name in enumerate(frames)}
-        visuals = tuple(visuals)
-        self._frame_count = len(index)
-        self._frames = np.array([index[visual.frame] for visual in visuals], dtype=np.intp)
-        poses = [(*visual.position, *visual.orientation) for visual in visuals]
-        self._local = pose_matrices(np.reshape(np.array(poses, dtype=np.float64), (-1, 7)))
-
-    def model_matrices(self, frames_in_world: np.ndarray) -> np.ndarray:
-        """Matrices from each visual's own coordinates to the world.
-
-        Parameters
-        ----------
-        frames_in_world
-            Shape (frames, 4, 4).
-
-        Returns
-        -------
-        numpy.ndarray
-            Shape (visuals, 4, 4).
-
-        Raises
-        ------
-        ValueError
-            When the number of frames is not the scene's.
-        """
-        if len(frames_in_world) != self._frame_count:
-            raise ValueError(
-                f"poses of {len(frames_in_world)} frames for a scene of {self._frame_count}"
-            )
-        return frames_in_world[self._frames] @ self._local
+        things: Tuple[Union[Visual, Lamp], ...] = (*self.visuals, *self.lamps)
+        for thing in things:
+            if thing.frame not in known:
+                raise ValueError(f"{thing.label}: no such frame in the scene")

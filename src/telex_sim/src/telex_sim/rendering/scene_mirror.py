@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Dict, Iterable, Optional
+from dataclasses import replace
+from typing import Dict, Iterable, List, Optional, Sequence
 
 import numpy as np
 import rospy
@@ -10,6 +11,7 @@ from telex_msgs.msg import SceneDescription, ScenePoses
 
 from .messages import frames_from_message, scene_from_message
 from .renderer import Renderer
+from .scene import Lamp, Scene
 
 _WARNING_PERIOD = 5.0
 
@@ -24,11 +26,17 @@ class SceneMirror:
     camera_frames
         Names in the scene of the optical frames, e.g. "telex/front_camera_optical_frame"; shadows
         matter around them.
+    lamps
+        Of the robot, on frames of the scene.
     """
 
-    def __init__(self, renderer: Renderer, camera_frames: Iterable[str]) -> None:
+    def __init__(
+        self, renderer: Renderer, camera_frames: Iterable[str], lamps: Sequence[Lamp] = ()
+    ) -> None:
         self._renderer = renderer
+        self._lamps = tuple(lamps)
         self._camera_frames = tuple(camera_frames)
+        self._missing: List[str] = []
         self._revision: Optional[int] = None
         self._frame_count = 0
         self._numbers: Dict[str, int] = {}
@@ -42,19 +50,28 @@ class SceneMirror:
         except ValueError as error:
             rospy.logerr("scene %d cannot be shown: %s", message.revision, error)
             return
-        problems += self._renderer.load_scene(scene)
         numbers = {name: number for number, name in enumerate(scene.frames)}
         self._numbers = {name: numbers[name] for name in self._camera_frames if name in numbers}
-        problems += [
-            f"no frame '{name}', so that camera sees nothing; check ~model and ~cameras"
-            for name in self._camera_frames
-            if name not in numbers
-        ]
+        self._tell_missing(message.revision, scene)
+        lamps = tuple(lamp for lamp in self._lamps if lamp.frame in numbers)
+        problems += self._renderer.load_scene(replace(scene, lamps=scene.lamps + lamps))
         self._revision = scene.revision
         self._frame_count = len(scene.frames)
         for problem in problems:
             rospy.logerr("scene %d: %s", scene.revision, problem)
         rospy.loginfo("scene %d: %d visuals are shown", scene.revision, len(scene.visuals))
+
+    def _tell_missing(self, revision: int, scene: Scene) -> None:
+        """Say what of the configuration this variant of the robot does not have."""
+        wanted = {*self._camera_frames, *(lamp.frame for lamp in self._lamps)}
+        missing = sorted(wanted - set(scene.frames))
+        if missing and missing != self._missing:
+            rospy.loginfo(
+                "scene %d: this robot has no %s; what is mounted there stays off",
+                revision,
+                ", ".join(missing),
+            )
+        self._missing = missing
 
     def place(self, message: ScenePoses) -> bool:
         """Move everything to where the poses say.

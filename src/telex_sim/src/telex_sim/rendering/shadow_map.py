@@ -9,7 +9,7 @@ import numpy as np
 
 from .culling import spheres_in_view
 from .gpu_scene import GpuScene
-from .lighting import Lighting, SunView, sun_view
+from .lighting import SunView, sun_view
 
 # What moves less than this does not change a shadow that anybody could see (m, or rad at 1 m).
 _STILL = 1e-4
@@ -28,18 +28,20 @@ class ShadowMap:
     ----------
     context, program
         To draw with; the program writes depth alone.
-    lighting
-        Gives the sun's direction and how far around the focus shadows fall.
+    radius
+        Half the side of the square around the focus in which shadows fall (m).
     size
         Pixels along each side.
     """
 
     def __init__(
-        self, context: moderngl.Context, program: moderngl.Program, lighting: Lighting, size: int
+        self, context: moderngl.Context, program: moderngl.Program, radius: float, size: int
     ) -> None:
         self._context = context
+        self._program = program
         self._clip_from_model: Any = program["clip_from_model"]
-        self._lighting = lighting
+        self._radius = radius
+        self._to_sun = np.array([0.0, 0.0, 1.0])
         self._size = size
         self._depths = context.depth_texture((size, size))
         self._depths.compare_func = "<="
@@ -53,8 +55,9 @@ class ShadowMap:
         self._drawn_focus = np.zeros(3)
         self.view = SunView(np.eye(4), 1.0)
 
-    def invalidate(self) -> None:
+    def invalidate(self, to_sun: object) -> None:
         """Have the next update draw even if nothing has moved: the scene is another one."""
+        self._to_sun = np.asarray(to_sun, dtype=np.float64)
         self._drawn_model = None
 
     def update(
@@ -78,7 +81,9 @@ class ShadowMap:
             return
         self._drawn_model, self._drawn_focus = model[casters].copy(), focus.copy()
         radii = scene.radii[casters]
-        self.view = sun_view(self._lighting, self._inner, focus, centers[casters], radii)
+        self.view = sun_view(
+            self._to_sun, self._radius, self._inner, focus, centers[casters], radii
+        )
         clip = self.view.clip_from_world
         seen = casters[spheres_in_view(clip, centers[casters], radii)]
         # OpenGL takes matrices column by column.
@@ -88,7 +93,7 @@ class ShadowMap:
         self._context.polygon_offset = _POLYGON_OFFSET
         for number, matrix in zip(seen, matrices):
             self._clip_from_model.write(matrix.tobytes())
-            scene.drawables[number].mesh.depth.render()
+            scene.drawables[number].mesh.outline(self._program).render()
         self._context.polygon_offset = (0.0, 0.0)
 
     def map_from_world(self) -> np.ndarray:

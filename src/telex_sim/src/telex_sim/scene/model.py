@@ -10,8 +10,12 @@ Units are SI; orientations are quaternions x y z w; colours are sRGB, 0 to 1.
 from __future__ import annotations
 
 import enum
+import math
+import re
 from dataclasses import dataclass, field
-from typing import Optional, Tuple
+from typing import Dict, Optional, Sequence, Tuple
+
+from telex_control.params import require, require_range
 
 Vector3 = Tuple[float, float, float]
 Quaternion = Tuple[float, float, float, float]
@@ -20,6 +24,51 @@ Color = Tuple[float, float, float, float]
 ORIGIN: Vector3 = (0.0, 0.0, 0.0)
 UPRIGHT: Quaternion = (0.0, 0.0, 0.0, 1.0)
 WHITE: Color = (1.0, 1.0, 1.0, 1.0)
+
+WORLD_FRAME = "world"
+"""Name of the fixed frame."""
+LARGEST = 1.0e4
+"""No length of a scene is greater (m)."""
+MOST_OBJECTS = 1000
+"""No scene has more, whether from its file or spawned."""
+MOST_LINKS = 64
+"""No object has more."""
+_LIGHTEST = 1.0e-4
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
+
+
+def require_name(value: str, what: str) -> None:
+    """Raise a `ConfigError` unless `value` can be a name: part of a frame's, and of a service's."""
+    require(
+        _NAME.fullmatch(value) is not None,
+        f"{what} is '{value}'; a letter, then letters, digits, _ and - (64 at most) are needed",
+    )
+
+
+def _require_vector(config: object, name: str, largest: float = LARGEST) -> None:
+    value: Sequence[float] = getattr(config, name)
+    require(
+        all(math.isfinite(number) and abs(number) <= largest for number in value),
+        f"{name} is {list(value)}; finite numbers, of at most {largest:g}, are needed",
+    )
+
+
+def _require_unit(config: object, name: str) -> None:
+    """Check a direction or a quaternion."""
+    value: Sequence[float] = getattr(config, name)
+    length = math.sqrt(sum(number * number for number in value))
+    require(
+        math.isfinite(length) and abs(length - 1.0) < 1e-6,
+        f"{name} is {list(value)}, of length {length:g}; it must have length 1",
+    )
+
+
+def _require_shares(config: object, name: str, largest: float = 1.0) -> None:
+    value: Sequence[float] = getattr(config, name)
+    require(
+        all(0.0 <= number <= largest for number in value),
+        f"{name} is {list(value)}; numbers from 0 to {largest:g} are needed",
+    )
 
 
 class Form(enum.Enum):
@@ -49,6 +98,23 @@ class Geometry:
     size: Vector3
     mesh: str = ""
 
+    def __post_init__(self) -> None:
+        _require_vector(self, "size")
+        used = {Form.SPHERE: (0,), Form.CYLINDER: (0, 2)}.get(self.form, (0, 1, 2))
+        possible = all(
+            self.size[index] > 0.0 or (self.form is Form.MESH and self.size[index] < 0.0)
+            for index in used
+        )
+        require(
+            possible,
+            f"size is {list(self.size)}; every length of a {self.form.value} must be above 0"
+            + (", or below to mirror it" if self.form is Form.MESH else ""),
+        )
+        require(
+            bool(self.mesh) == (self.form is Form.MESH),
+            f"mesh is '{self.mesh}'; a mesh needs an address, and nothing else may have one",
+        )
+
 
 @dataclass(frozen=True)
 class Surface:
@@ -73,6 +139,11 @@ class Surface:
     texture_scale: float = 1.0
     glow: float = 0.0
 
+    def __post_init__(self) -> None:
+        _require_shares(self, "color")
+        require_range(self, "texture_scale", 0.0, LARGEST)
+        require_range(self, "glow", 0.0, 1.0)
+
 
 @dataclass(frozen=True)
 class Part:
@@ -93,6 +164,10 @@ class Part:
     surface: Optional[Surface] = field(default_factory=Surface)
     solid: bool = True
 
+    def __post_init__(self) -> None:
+        _require_vector(self, "position")
+        _require_unit(self, "orientation")
+
 
 @dataclass(frozen=True)
 class Link:
@@ -106,7 +181,7 @@ class Link:
         Coefficient; that of a contact is the product of both bodies' (the floor's is 1 unless
         the scene says otherwise, the gripper's pads have 0.8).
     rolling_friction : float
-        m; keeps round things from rolling for ever.
+        m; keeps round things from rolling, and from spinning, for ever.
     """
 
     name: str
@@ -114,6 +189,12 @@ class Link:
     parts: Tuple[Part, ...]
     friction: float = 1.0
     rolling_friction: float = 0.0
+
+    def __post_init__(self) -> None:
+        require_name(self.name, "name of a link")
+        require_range(self, "mass", 0.0, 1.0e6)
+        require_range(self, "friction", 0.0, 10.0)
+        require_range(self, "rolling_friction", 0.0, 1.0)
 
 
 class Motion(enum.Enum):
@@ -135,6 +216,11 @@ class Closer:
     stiffness: float = 0.0
     rest: float = 0.0
 
+    def __post_init__(self) -> None:
+        require_range(self, "preload", 0.0)
+        require_range(self, "stiffness", 0.0)
+        require_range(self, "rest")
+
 
 @dataclass(frozen=True)
 class Detents:
@@ -153,6 +239,18 @@ class Detents:
     positions: Tuple[float, ...]
     effort: float
     width: float
+
+    def __post_init__(self) -> None:
+        require(bool(self.positions), "positions is []; a detent needs one at least")
+        require_range(self, "effort", above=0.0)
+        require_range(self, "width", above=0.0)
+        ordered = sorted(self.positions)
+        require(
+            all(math.isfinite(position) for position in ordered)
+            and all(b - a >= 2.0 * self.width for a, b in zip(ordered, ordered[1:])),
+            f"positions is {list(self.positions)}; they must lie 2 * width = "
+            f"{2.0 * self.width:g} or more apart",
+        )
 
 
 @dataclass(frozen=True)
@@ -176,6 +274,11 @@ class Joint:
         Breakaway: effort below which it does not move, and which brakes it when it does (N m, N).
     damping : float
         N m s/rad or N s/m.
+    hold : float
+        LATCH: force that lets it go (N).
+    capture : float
+        LATCH: within this distance of its place (m), and within 0.1 rad of `axis`, a body that
+        has come to rest there is held again.
     """
 
     name: str
@@ -193,6 +296,31 @@ class Joint:
     closer: Optional[Closer] = None
     detents: Optional[Detents] = None
     hold: float = 0.0
+    capture: float = 0.004
+
+    def __post_init__(self) -> None:
+        require_name(self.name, "name of a joint")
+        _require_vector(self, "position")
+        _require_unit(self, "orientation")
+        _require_unit(self, "axis")
+        if self.motion is Motion.LATCH:
+            require_range(self, "hold", above=0.0)
+            require_range(self, "capture", above=0.0)
+            return
+        require_range(self, "lower", -LARGEST)
+        require_range(self, "upper", maximum=LARGEST)
+        require(
+            self.lower < self.upper,
+            f"lower is {self.lower} and upper is {self.upper}; lower must be less",
+        )
+        require_range(self, "start", self.lower, self.upper)
+        require_range(self, "friction", 0.0)
+        require_range(self, "damping", 0.0)
+        for position in self.detents.positions if self.detents else ():
+            require(
+                self.lower <= position <= self.upper,
+                f"detents/positions: {position} is not between lower and upper",
+            )
 
 
 @dataclass(frozen=True)
@@ -213,15 +341,70 @@ class ObjectModel:
     joints: Tuple[Joint, ...] = ()
     static: bool = False
 
+    def __post_init__(self) -> None:
+        require(
+            1 <= len(self.links) <= MOST_LINKS,
+            f"there are {len(self.links)} links; 1 to {MOST_LINKS} are possible",
+        )
+        links: Dict[str, Link] = {link.name: link for link in self.links}
+        require(
+            len(links) == len(self.links)
+            and len({j.name for j in self.joints}) == len(self.joints),
+            "two links, or two joints, have the same name",
+        )
+        parents = {joint.child: joint.parent for joint in self.joints}
+        root = self.links[0].name
+        require(
+            len(parents) == len(self.joints) and set(parents) == set(links) - {root},
+            f"joints must move every link but the root '{root}', each by one joint; "
+            f"they move {', '.join(sorted(joint.child for joint in self.joints)) or 'none'}",
+        )
+        for child in parents:
+            above, seen = child, {child}
+            while above != root:
+                above = parents[above]
+                require(
+                    above in links and above not in seen,
+                    f"link '{child}' hangs on '{above}', which does not lead to the root '{root}'",
+                )
+                seen.add(above)
+        for link in self.links:
+            if self.static and link.name == root:
+                continue
+            require(
+                link.mass >= _LIGHTEST,
+                f"link '{link.name}': mass is {link.mass}; {_LIGHTEST} kg or more is needed",
+            )
+            require(
+                any(part.solid for part in link.parts),
+                f"link '{link.name}' can move, but has no solid part",
+            )
+
+    def moving_links(self) -> Tuple[Link, ...]:
+        """The links that can move; those of a static object are all but the root."""
+        return self.links[1:] if self.static else self.links
+
 
 @dataclass(frozen=True)
 class SceneObject:
-    """An object in a scene: its name, what it is, and the pose of its root."""
+    """An object in a scene: its name, what it is, and the pose of its root.
+
+    Attributes
+    ----------
+    entry : str
+        Name of the scene file's entry that it comes from; that of the object itself, unless the
+        entry makes several.
+    """
 
     name: str
     model: ObjectModel
     position: Vector3 = ORIGIN
     orientation: Quaternion = UPRIGHT
+    entry: str = ""
+
+    def __post_init__(self) -> None:
+        _require_vector(self, "position")
+        _require_unit(self, "orientation")
 
 
 @dataclass(frozen=True)
@@ -233,6 +416,10 @@ class Floor:
     )
     friction: float = 1.0
     size: float = 80.0
+
+    def __post_init__(self) -> None:
+        require_range(self, "friction", 0.0, 10.0)
+        require_range(self, "size", maximum=LARGEST, above=0.0)
 
 
 @dataclass(frozen=True)
@@ -251,6 +438,12 @@ class Sun:
     elevation: float = 0.9
     intensity: float = 1.0
     color: Tuple[float, float, float] = (1.0, 0.96, 0.9)
+
+    def __post_init__(self) -> None:
+        require_range(self, "azimuth", -100.0, 100.0)
+        require_range(self, "elevation", 0.0, math.pi / 2.0)
+        require_range(self, "intensity", 0.0, 100.0)
+        _require_shares(self, "color")
 
 
 @dataclass(frozen=True)
@@ -277,6 +470,19 @@ class Lamp:
     reach: float = 8.0
     color: Tuple[float, float, float] = (1.0, 0.95, 0.85)
 
+    def __post_init__(self) -> None:
+        _require_vector(self, "position")
+        _require_vector(self, "direction")
+        require(
+            any(abs(number) > 1e-9 for number in self.direction),
+            f"direction is {list(self.direction)}; it must have a length",
+        )
+        # A full circle written with few digits may be a little more than one.
+        require_range(self, "angle", maximum=2.0 * math.pi + 0.01, above=0.0)
+        require_range(self, "intensity", 0.0, 1.0e4)
+        require_range(self, "reach", maximum=LARGEST, above=0.0)
+        _require_shares(self, "color")
+
 
 @dataclass(frozen=True)
 class Fog:
@@ -284,6 +490,10 @@ class Fog:
 
     visibility: float = 0.0
     color: Tuple[float, float, float] = (0.6, 0.62, 0.65)
+
+    def __post_init__(self) -> None:
+        require_range(self, "visibility", 0.0, 1.0e6)
+        _require_shares(self, "color")
 
 
 @dataclass(frozen=True)
@@ -294,6 +504,9 @@ class Lights:
     ambient: float = 1.0
     lamps: Tuple[Lamp, ...] = ()
     fog: Fog = field(default_factory=Fog)
+
+    def __post_init__(self) -> None:
+        require_range(self, "ambient", 0.0, 10.0)
 
 
 @dataclass(frozen=True)
@@ -309,6 +522,10 @@ class Start:
     yaw: float = 0.0
     pose: str = ""
 
+    def __post_init__(self) -> None:
+        for name in ("x", "y", "ground", "yaw"):
+            require_range(self, name, -LARGEST, LARGEST)
+
 
 @dataclass(frozen=True)
 class View:
@@ -317,6 +534,12 @@ class View:
     eye: Vector3
     target: Vector3
     fov: float = 0.9
+
+    def __post_init__(self) -> None:
+        _require_vector(self, "eye")
+        _require_vector(self, "target")
+        require(math.dist(self.eye, self.target) > 1e-6, "eye and target are the same point")
+        require_range(self, "fov", 0.05, 2.9)
 
 
 @dataclass(frozen=True)

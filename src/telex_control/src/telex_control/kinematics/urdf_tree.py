@@ -1,0 +1,231 @@
+"""Frames, axes and inertias of a URDF: the tree of its links, checked."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Dict, Iterator, List, Optional, Tuple
+from xml.etree import ElementTree
+
+from telex_control.urdf_joints import MOVABLE
+
+Vector = Tuple[float, float, float]
+FIXED = "fixed"
+
+
+class KinematicsError(ValueError):
+    """A robot description has no such kinematics; the message names the element and says why."""
+
+
+@dataclass(frozen=True)
+class Origin:
+    """URDF ``<origin>``: position (m), and rotation about the fixed axes x, y, z (rad)."""
+
+    xyz: Vector = (0.0, 0.0, 0.0)
+    rpy: Vector = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Inertial:
+    """URDF ``<inertial>``.
+
+    Attributes
+    ----------
+    origin : Origin
+        Centre of mass and axes of `inertia`, in the link's frame.
+    mass : float
+        kg.
+    inertia : tuple of 6 floats
+        ixx, iyy, izz, ixy, ixz, iyz about the centre of mass (kg m2).
+    """
+
+    origin: Origin
+    mass: float
+    inertia: Tuple[float, float, float, float, float, float]
+
+
+@dataclass(frozen=True)
+class TreeJoint:
+    """A joint and the link that it carries.
+
+    Attributes
+    ----------
+    kind : str
+        ``revolute``, ``continuous``, ``prismatic`` or ``fixed``.
+    origin : Origin
+        Of the joint and its child's frame at position 0, in the parent's frame.
+    axis : tuple of 3 floats
+        Unit vector in the child's frame; positive positions turn about it, or move along it.
+    """
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    origin: Origin
+    axis: Vector
+
+
+class UrdfTree:
+    """The links of a robot, each but one carried by a joint.
+
+    Parameters
+    ----------
+    robot : Element
+        ``<robot>`` of the URDF.
+
+    Attributes
+    ----------
+    root : str
+        The link that no joint carries.
+    inertials : dict of str to Inertial or None
+        By link.
+    joint_above : dict of str to TreeJoint
+        By the link that it carries.
+
+    Raises
+    ------
+    KinematicsError
+        The links form no tree, a joint is of another kind, or a number is wrong.
+    """
+
+    def __init__(self, robot: ElementTree.Element) -> None:
+        self.inertials: Dict[str, Optional[Inertial]] = {
+            link.get("name", ""): _inertial(link) for link in robot.findall("link")
+        }
+        self.joint_above: Dict[str, TreeJoint] = {}
+        self._below: Dict[str, List[TreeJoint]] = {link: [] for link in self.inertials}
+        for element in robot.findall("joint"):
+            self._add(_joint(element))
+        roots = [link for link in self.inertials if link not in self.joint_above]
+        if len(roots) != 1:
+            raise KinematicsError(
+                f"robot_description has the roots {', '.join(roots) or 'none'}; one link, and "
+                "only one, must be without a joint that carries it"
+            )
+        self.root = roots[0]
+        reached = 1 + sum(1 for _ in self.joints())
+        if reached != len(self.inertials):
+            raise KinematicsError(
+                f"robot_description: only {reached} of {len(self.inertials)} links hang on "
+                f"'{self.root}'; the others form a loop"
+            )
+
+    def _add(self, joint: TreeJoint) -> None:
+        for role, link in (("parent", joint.parent), ("child", joint.child)):
+            if link not in self.inertials:
+                raise KinematicsError(
+                    f"joint '{joint.name}': there is no link '{link}', its {role}"
+                )
+        other = self.joint_above.get(joint.child)
+        if other is not None:
+            raise KinematicsError(
+                f"link '{joint.child}' is carried by two joints, '{other.name}' and '{joint.name}'"
+            )
+        self.joint_above[joint.child] = joint
+        self._below[joint.parent].append(joint)
+
+    def joints(self) -> Iterator[TreeJoint]:
+        """Yield all joints, a parent's before its children's, else in the order of the file."""
+        waiting = self._below[self.root][::-1]
+        while waiting:
+            joint = waiting.pop()
+            yield joint
+            waiting.extend(self._below[joint.child][::-1])
+
+    def path(self, base: str, tip: str) -> List[TreeJoint]:
+        """Return the joints that lead from the link `base` out to the link `tip`.
+
+        Raises
+        ------
+        KinematicsError
+            One of them is not there, or `tip` does not hang on `base`.
+        """
+        for link in (base, tip):
+            if link not in self.inertials:
+                raise KinematicsError(f"the robot has no link '{link}'")
+        found: List[TreeJoint] = []
+        link = tip
+        while link != base:
+            joint = self.joint_above.get(link)
+            if joint is None:
+                raise KinematicsError(f"link '{tip}' does not hang on link '{base}'")
+            found.append(joint)
+            link = joint.parent
+        return found[::-1]
+
+
+def _joint(element: ElementTree.Element) -> TreeJoint:
+    name, kind = element.get("name", ""), element.get("type", "")
+    if kind not in (*MOVABLE, FIXED):
+        raise KinematicsError(
+            f"joint '{name}' is of type '{kind}'; {', '.join((*MOVABLE, FIXED))} are possible"
+        )
+    where = f"joint '{name}'"
+    axis = (1.0, 0.0, 0.0)
+    if kind != FIXED:
+        axis = _vector(element.find("axis"), "xyz", axis, where)
+        length = math.sqrt(sum(value * value for value in axis))
+        if length < 1e-9:
+            raise KinematicsError(f"{where}: axis is {axis}; a direction is needed")
+        axis = (axis[0] / length, axis[1] / length, axis[2] / length)
+    return TreeJoint(
+        name=name,
+        kind=kind,
+        parent=_link_of(element, "parent", where),
+        child=_link_of(element, "child", where),
+        origin=_origin(element, where),
+        axis=axis,
+    )
+
+
+def _link_of(element: ElementTree.Element, role: str, where: str) -> str:
+    found = element.find(role)
+    if found is None or not found.get("link"):
+        raise KinematicsError(f'{where} has no <{role} link="...">')
+    return found.get("link", "")
+
+
+def _inertial(link: ElementTree.Element) -> Optional[Inertial]:
+    element = link.find("inertial")
+    if element is None:
+        return None
+    where = f"link '{link.get('name', '')}'"
+    mass, inertia = element.find("mass"), element.find("inertia")
+    if mass is None or inertia is None:
+        raise KinematicsError(f"{where}: its <inertial> needs <mass> and <inertia>")
+    moments = [
+        _numbers(inertia, key, 1, where)[0] for key in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+    ]
+    return Inertial(
+        origin=_origin(element, where),
+        mass=_numbers(mass, "value", 1, where)[0],
+        inertia=(moments[0], moments[1], moments[2], moments[3], moments[4], moments[5]),
+    )
+
+
+def _origin(owner: ElementTree.Element, where: str) -> Origin:
+    element = owner.find("origin")
+    zero = (0.0, 0.0, 0.0)
+    return Origin(_vector(element, "xyz", zero, where), _vector(element, "rpy", zero, where))
+
+
+def _vector(
+    element: Optional[ElementTree.Element], attribute: str, default: Vector, where: str
+) -> Vector:
+    if element is None or element.get(attribute) is None:
+        return default
+    x, y, z = _numbers(element, attribute, 3, where)
+    return (x, y, z)
+
+
+def _numbers(element: ElementTree.Element, attribute: str, count: int, where: str) -> List[float]:
+    text = element.get(attribute, "")
+    try:
+        values = [float(word) for word in text.split()]
+    except ValueError:
+        values = []
+    if len(values) != count or not all(map(math.isfinite, values)):
+        wanted = "a finite number is" if count == 1 else f"{count} finite numbers are"
+        raise KinematicsError(f'{where}: <{element.tag} {attribute}="{text}">; {wanted} needed')
+    return values

@@ -1,0 +1,106 @@
+"""Which controllers the spawner starts on a robot that lacks some joints."""
+
+from __future__ import annotations
+
+import pytest
+import rospy
+
+from telex_control.command_lines.spawner import Spawner, SpawnerError, parse
+from telex_control.controller_joints import controller_joints
+
+PARAMETERS = {
+    "arm/states": {"type": "joint_state_controller/JointStateController"},
+    "arm/elbow": {"type": "effort_controllers/JointPositionController", "joint": "elbow_joint"},
+    "arm/slide": {"type": "effort_controllers/JointPositionController", "joint": "slide_joint"},
+    "arm/tracks": {"left_wheel": ["left_joint"], "right_wheel": "right_joint"},
+}
+
+
+def robot(*joints):
+    drives = "".join(
+        f'<joint name="{name}" type="continuous"/><transmission name="{name}">'
+        f'<type>transmission_interface/SimpleTransmission</type><joint name="{name}">'
+        "<hardwareInterface>hardware_interface/EffortJointInterface</hardwareInterface></joint>"
+        f'<actuator name="{name}_motor"><mechanicalReduction>1</mechanicalReduction></actuator>'
+        "</transmission>"
+        for name in joints
+    )
+    return f'<robot name="r">{drives}</robot>'
+
+
+@pytest.fixture
+def spawner(monkeypatch):
+    said = []
+
+    def make(*joints, **more):
+        parameters = {**PARAMETERS, "arm/robot_description": robot(*joints), **more}
+        monkeypatch.setattr(rospy, "get_param", lambda name, default: parameters.get(name, default))
+        monkeypatch.setattr(rospy, "loginfo", lambda text, *args: said.append(text % args))
+        made = Spawner("arm")
+        made.said = said
+        return made
+
+    return make
+
+
+def test_the_command_line():
+    options = parse(["--timeout", "60", "states", "elbow", "--optional", "slide", "tracks"])
+    assert (options.controllers, options.optional) == (["states", "elbow"], ["slide", "tracks"])
+    assert parse(["states"]).optional == []
+
+
+def test_a_controller_whose_joints_are_there_is_started(spawner):
+    tested = spawner("elbow_joint", "slide_joint", "left_joint", "right_joint")
+    names = tested.present(["states", "elbow"], ["slide", "tracks"])
+    assert names == ["states", "elbow", "slide", "tracks"]
+    assert tested.said == []
+
+
+def test_one_whose_joints_are_not_there_is_left_out_with_a_word(spawner):
+    tested = spawner("elbow_joint")
+    assert tested.present(["states", "elbow"], ["slide", "tracks"]) == ["states", "elbow"]
+    assert tested.said == [
+        "Left out: slide, for this robot has no slide_joint",
+        "Left out: tracks, for this robot has no left_joint, right_joint",
+    ]
+
+
+def test_one_with_some_of_its_joints_is_kept_and_fails_by_itself(spawner):
+    tested = spawner("elbow_joint", "left_joint")
+    assert tested.present(["elbow"], ["tracks"]) == ["elbow", "tracks"]
+
+
+def test_a_misspelt_joint_leaves_the_robots_own_without_controller(spawner):
+    wrong = {"arm/slide": {"joint": "silde_joint"}}
+    with pytest.raises(SpawnerError, match=r"slide is for silde_joint.* for its slide_joint"):
+        spawner("elbow_joint", "slide_joint", **wrong).present(["elbow"], ["slide"])
+
+
+def test_a_misspelt_controller_is_refused(spawner):
+    with pytest.raises(SpawnerError, match="--optional silde: its parameters name no joint"):
+        spawner("elbow_joint", "slide_joint").present(["elbow"], ["silde"])
+
+
+def test_optional_controllers_need_a_robot(spawner):
+    without = {"arm/robot_description": None}
+    with pytest.raises(SpawnerError, match="arm/robot_description, which is not set"):
+        spawner(**without).present(["elbow"], ["slide"])
+    with pytest.raises(SpawnerError, match="robot_description is no XML"):
+        spawner(**{"arm/robot_description": "<"}).present(["elbow"], ["slide"])
+    assert spawner(**without).present(["elbow"], []) == ["elbow"]
+
+
+@pytest.mark.parametrize(
+    ("params", "joints"),
+    [
+        ({}, []),
+        (None, []),
+        ("text", []),
+        ({"joint": "a"}, ["a"]),
+        ({"joints": ["a", "b"]}, ["a", "b"]),
+        ({"left_wheel": "a", "right_wheel": ["b", "c"]}, ["a", "b", "c"]),
+        ({"joint": 3, "joints": [4, "a"]}, ["a"]),
+    ],
+)
+def test_joints_of_a_controller(params, joints):
+    assert controller_joints(params) == joints

@@ -1,0 +1,124 @@
+"""Scenes and objects from text to assemblies: everything that can be wrong is found here.
+
+Nothing of this touches the world, so a scene that is refused has changed nothing, and a running
+loop is not kept waiting.
+"""
+
+from __future__ import annotations
+
+import logging
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Collection, List, Mapping, Tuple
+
+from telex_control.params import ConfigError, require
+
+from .assembly import Assembly, assemble
+from .assets import Assets
+from .model import Scene, SceneObject
+from .scene_file import SceneError, build_entry, free_name, load_scene
+from .yaml_text import read_yaml
+
+_log = logging.getLogger("rosout")
+
+DEFAULT_STEP = 0.002
+"""Step of the physics (s) that a scene is checked for where no simulator runs."""
+MOST_ENTRY_BYTES = 100_000
+"""A longer entry is refused: a parser of YAML hardly lets the loop's thread in between."""
+_PERIOD = 0.5
+
+
+class Progress:
+    """Tells the log how far the loading of a scene is, twice a second at most."""
+
+    def __init__(self, scene: str, what: str) -> None:
+        self._scene = scene
+        self._what = what
+        self._said = time.monotonic()
+
+    def __call__(self, done: int, count: int) -> None:
+        """Hear that `done` of `count` objects are done."""
+        now = time.monotonic()
+        if now - self._said >= _PERIOD:
+            self._said = now
+            _log.info("scene %s: %d of %d objects %s", self._scene, done, count, self._what)
+
+
+@dataclass(frozen=True)
+class PlannedScene:
+    """A scene that can be loaded.
+
+    Attributes
+    ----------
+    path : Path
+    scene : Scene
+    assemblies : tuple of Assembly
+        Of the scene's objects, in their order.
+    """
+
+    path: Path
+    scene: Scene
+    assemblies: Tuple[Assembly, ...]
+
+
+def plan_scene(path: Path, assets: Assets, step_size: float = DEFAULT_STEP) -> PlannedScene:
+    """Read and check a scene file with all that it names.
+
+    Raises
+    ------
+    SceneError
+        ``FILE: objects[3] (crate 'box_2'): mass is -1; it must be above 0``.
+    """
+    assemblies: List[Assembly] = []
+    progress = Progress(path.stem, "read")
+
+    def check(item: SceneObject, number: int, count: int) -> None:
+        assemblies.append(assemble(item, assets, step_size))
+        progress(number, count)
+
+    scene = load_scene(path, check)
+    try:
+        assets.check_texture(scene.floor.surface.texture)
+    except ConfigError as error:
+        raise SceneError(f"{path}: floor/surface: {error}") from error
+    return PlannedScene(path, scene, tuple(assemblies))
+
+
+def plan_entry(
+    text: str,
+    name: str,
+    folder: str,
+    taken: Collection[str],
+    assets: Assets,
+    step_size: float = DEFAULT_STEP,
+) -> List[Assembly]:
+    """Read and check one entry, as ``sim/spawn`` gets it.
+
+    Parameters
+    ----------
+    text : str
+        YAML of an entry of ``objects``.
+    name : str
+        Of the entry; empty: the text's own, or else its type and a number.
+    folder : str
+        That relative addresses start from; empty allows none.
+    taken : collection of str
+        Names of the objects that there are.
+    assets : Assets
+    step_size : float
+
+    Raises
+    ------
+    ConfigError
+    """
+    entry = read_yaml(text, MOST_ENTRY_BYTES)
+    require(isinstance(entry, Mapping), "object: a struct with the key 'type' is needed")
+    require(
+        not folder or Path(folder).is_absolute(),
+        f"folder is '{folder}'; an absolute path is needed, or none",
+    )
+    if name:
+        entry = {**entry, "name": name}
+    default = free_name(str(entry.get("type", "object")), set(taken), {})
+    return [assemble(item, assets, step_size) for item in build_entry(entry, Path(folder), default)]

@@ -1,0 +1,83 @@
+"""What the types of the library say of themselves, for people."""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+import re
+from typing import Any, Dict, List, Tuple, Type
+
+from telex_control.params import required
+
+from .library.object_type import ObjectType
+
+_FIELD = re.compile(r"(\w+(?:, \w+)*) : (.+)")
+
+
+def summary(kind: Type[ObjectType]) -> str:
+    """The first line of a type's documentation."""
+    return (inspect.getdoc(kind) or "").split("\n", 1)[0]
+
+
+def parameters(kind: Type[ObjectType]) -> List[Tuple[str, str, str]]:
+    """Name, default and meaning of every parameter.
+
+    Parameters
+    ----------
+    kind : type
+        A dataclass whose documentation has a section ``Attributes``, of its own or inherited.
+    """
+    documented: Dict[str, str] = {}
+    for base in reversed(kind.__mro__):
+        documented.update(_attributes(inspect.cleandoc(base.__doc__ or "")))
+    return [
+        (field.name, _default(field), documented.get(field.name, ""))
+        for field in dataclasses.fields(kind)  # type: ignore[arg-type]
+    ]
+
+
+def _default(field: Any) -> str:
+    if field.default_factory is required or (
+        field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
+    ):
+        return "required"
+    value = field.default
+    if value is dataclasses.MISSING:
+        value = field.default_factory()
+    return _yaml(value)
+
+
+def _yaml(value: Any) -> str:
+    """A value as it would stand in a scene file, roughly."""
+    if dataclasses.is_dataclass(value):
+        pairs = ((f.name, getattr(value, f.name)) for f in dataclasses.fields(value))
+        return "{" + ", ".join(f"{name}: {_yaml(item)}" for name, item in pairs) + "}"
+    if isinstance(value, (tuple, list)):
+        return "[" + ", ".join(_yaml(item) for item in value) + "]"
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if value is None:
+        return "none"
+    return value if isinstance(value, str) and value else repr(value)
+
+
+def _attributes(doc: str) -> Dict[str, str]:
+    """The section ``Attributes`` of a numpydoc text: kind and meaning by name."""
+    _, found, section = doc.partition("Attributes\n----------\n")
+    if not found:
+        return {}
+    texts: Dict[str, str] = {}
+    names: List[str] = []
+    for line in section.splitlines():
+        match = _FIELD.fullmatch(line)
+        if match:
+            names = match[1].split(", ")
+            texts.update(dict.fromkeys(names, match[2] + "."))
+        elif line.startswith("    ") and names:
+            for name in names:
+                texts[name] += " " + line.strip()
+        elif line.startswith("---"):
+            break
+    return texts
