@@ -46,7 +46,11 @@ class Figure:
 
 def arguments(description: str) -> argparse.Namespace:
     """Read the command line that all benchmarks have: --quick, --json FILE."""
-    parser = argparse.ArgumentParser(description=description)
+    return read_arguments(argparse.ArgumentParser(description=description))
+
+
+def read_arguments(parser: argparse.ArgumentParser) -> argparse.Namespace:
+    """Add what all benchmarks have to a parser, and read the command line with it."""
     parser.add_argument("--quick", action="store_true", help="a coarse answer in under a minute")
     parser.add_argument("--json", metavar="FILE", help="write the figures to FILE as well")
     return parser.parse_args()

@@ -47,6 +47,7 @@ def test_the_command_line():
     options = parse(["--timeout", "60", "states", "elbow", "--optional", "slide", "tracks"])
     assert (options.controllers, options.optional) == (["states", "elbow"], ["slide", "tracks"])
     assert parse(["states"]).optional == []
+    assert parse(["states", "--optional-stopped", "arm"]).optional_stopped == ["arm"]
 
 
 def test_a_controller_whose_joints_are_there_is_started(spawner):
@@ -68,6 +69,48 @@ def test_one_whose_joints_are_not_there_is_left_out_with_a_word(spawner):
 def test_one_with_some_of_its_joints_is_kept_and_fails_by_itself(spawner):
     tested = spawner("elbow_joint", "left_joint")
     assert tested.present(["elbow"], ["tracks"]) == ["elbow", "tracks"]
+
+
+def test_one_for_many_joints_does_without_those_that_are_gone(spawner, monkeypatch):
+    written = {}
+    monkeypatch.setattr(rospy, "set_param", written.__setitem__)
+    gains = {"elbow_joint": {"p": 1.0}, "slide_joint": {"p": 2.0}}
+    params = {"type": "x/Arm", "joints": ["elbow_joint", "slide_joint"], "gains": gains}
+    tested = spawner("elbow_joint", **{"arm/both": params})
+    assert tested.present(["elbow"], ["slide", "both"]) == ["elbow", "both"]
+    assert written == {
+        "arm/both": {
+            "type": "x/Arm",
+            "joints": ["elbow_joint"],
+            "gains": {"elbow_joint": {"p": 1.0}},
+        }
+    }
+    assert tested.said[-1] == "both does without slide_joint"
+
+
+def test_a_misspelt_joint_among_many_stays_a_mistake(spawner):
+    params = {"joints": ["elbow_joint", "silde_joint"]}
+    tested = spawner("elbow_joint", "slide_joint", **{"arm/both": params})
+    # The controller itself refuses it: nothing else says that the joint may be missing.
+    assert tested.present(["elbow"], ["slide", "both"]) == ["elbow", "slide", "both"]
+
+
+def test_what_is_optional_and_stopped_is_not_started(spawner, monkeypatch):
+    tested = spawner("elbow_joint")
+    switched = []
+
+    class Client:
+        def load(self, name):
+            return True
+
+        def switch(self, start, stop):
+            switched.append((start, stop))
+            return True
+
+    monkeypatch.setattr(tested, "_client", Client())
+    tested.load(["states", "elbow", "slide"])
+    tested.start(but=["slide"])
+    assert switched == [(["states", "elbow"], [])]
 
 
 def test_a_misspelt_joint_leaves_the_robots_own_without_controller(spawner):
@@ -99,6 +142,7 @@ def test_optional_controllers_need_a_robot(spawner):
         ({"joint": "a"}, ["a"]),
         ({"joints": ["a", "b"]}, ["a", "b"]),
         ({"left_wheel": "a", "right_wheel": ["b", "c"]}, ["a", "b", "c"]),
+        ({"left_joints": ["a"], "right_joints": ["b", "c"]}, ["a", "b", "c"]),
         ({"joint": 3, "joints": [4, "a"]}, ["a"]),
     ],
 )

@@ -9,6 +9,7 @@ import pytest
 from std_msgs.msg import Float64
 
 from telex_control.hardware_interface import ControllerInfo, InterfaceResources
+from telex_control.local_node_handle import LocalNodeHandle
 from telex_control.urdf_joints import joints, parse_urdf
 from telex_sim.config import HardwareConfig
 from telex_sim.offline import OfflineSimulation
@@ -51,6 +52,7 @@ class Rig:
         )
         self.world = World(STEP, 50)
         self.hw = RobotHWSim(parse_urdf(urdf), HardwareConfig())
+        self.hw.init(LocalNodeHandle(), LocalNodeHandle())
         self.body = self.world.load_robot(urdf, str, (0.0, 0.0, 1000.0), 0.0, {})
         self.hw.attach(self.body)
         claim = InterfaceResources(f"hardware_interface::{interface}JointInterface", ("drive",))

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import pytest
 
+from telex_control.local_node_handle import LocalNodeHandle
 from telex_control.params import ConfigError
 from telex_control.urdf_joints import UrdfError, parse_urdf
 from telex_sim.config import HardwareConfig, JointHardware
@@ -64,8 +65,9 @@ def robot(interface="hardware_interface/EffortJointInterface", limit='velocity="
     ],
 )
 def test_hardware_that_cannot_be_simulated_is_named(description, config, named):
+    hw = RobotHWSim(description, config)
     with pytest.raises(UrdfError, match=named):
-        RobotHWSim(description, config)
+        hw.init(LocalNodeHandle(), LocalNodeHandle())
 
 
 def test_world_refuses_what_it_cannot_load(monkeypatch):

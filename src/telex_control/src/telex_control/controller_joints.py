@@ -1,10 +1,10 @@
-"""Which joints a controller is for, as its parameters say."""
+"""Which joints a controller is for, as its parameters say; how it does without some of them."""
 
 from __future__ import annotations
 
-from typing import Any, List
+from typing import Any, Collection, List
 
-_KEYS = ("joint", "joints", "left_wheel", "right_wheel")
+_KEYS = ("joint", "joints", "left_joints", "right_joints", "left_wheel", "right_wheel")
 
 
 def controller_joints(params: Any) -> List[str]:
@@ -13,9 +13,9 @@ def controller_joints(params: Any) -> List[str]:
     Parameters
     ----------
     params
-        The struct of its parameters; each of ``joint``, ``joints``, ``left_wheel`` and
-        ``right_wheel`` holds a name or a list of names. Whatever else stands there is left to the
-        controller to refuse.
+        The struct of its parameters; each of ``joint``, ``joints``, ``left_joints``,
+        ``right_joints``, ``left_wheel`` and ``right_wheel`` holds a name or a list of names.
+        Whatever else stands there is left to the controller to refuse.
     """
     found: List[str] = []
     for key in _KEYS:
@@ -23,3 +23,17 @@ def controller_joints(params: Any) -> List[str]:
         values = value if isinstance(value, list) else [value]
         found += [each for each in values if isinstance(each, str)]
     return found
+
+
+def without_joints(params: Any, joints: Collection[str]) -> Any:
+    """Return a controller's parameters without some of its joints.
+
+    They go from every list of names, and with what a struct says of each, such as its gains.
+    """
+    if isinstance(params, dict):
+        return {
+            key: without_joints(value, joints) for key, value in params.items() if key not in joints
+        }
+    if isinstance(params, list):
+        return [value for value in params if value not in joints]
+    return params

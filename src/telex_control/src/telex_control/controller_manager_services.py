@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, List
+from typing import Any, List, Optional
 
 import rospy
 from controller_manager_msgs import msg, srv
@@ -11,10 +11,18 @@ from .controller_manager import ControllerManager
 
 
 class ControllerManagerServices:
-    """Offers a `ControllerManager` under ``controller_manager/`` in the node's namespace."""
+    """Offers a `ControllerManager` under ``controller_manager/`` in a robot's namespace.
 
-    def __init__(self, manager: ControllerManager) -> None:
+    Parameters
+    ----------
+    manager : ControllerManager
+    namespace : str, optional
+        Full name, without a slash at its end; by default the node's namespace.
+    """
+
+    def __init__(self, manager: ControllerManager, namespace: Optional[str] = None) -> None:
         self._manager = manager
+        prefix = "" if namespace is None else f"{namespace}/"
         offered = {
             "list_controllers": (srv.ListControllers, self._list_controllers),
             "list_controller_types": (srv.ListControllerTypes, self._list_controller_types),
@@ -24,7 +32,7 @@ class ControllerManagerServices:
             "reload_controller_libraries": (srv.ReloadControllerLibraries, self._reload),
         }
         self._services: List[rospy.Service] = [
-            rospy.Service(f"controller_manager/{name}", kind, callback)
+            rospy.Service(f"{prefix}controller_manager/{name}", kind, callback)
             for name, (kind, callback) in offered.items()
         ]
 

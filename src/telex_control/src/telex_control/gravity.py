@@ -1,11 +1,12 @@
 """The efforts that hold a robot's joints against gravity, computed with KDL from the URDF.
 
-One `GravityModel` serves all controllers of a robot: the first that asks in a cycle has it
-computed, the others read.
+One `GravityModel` serves all controllers of a robot: the first that asks has it computed, the
+others read.
 """
 
 from __future__ import annotations
 
+import math
 import weakref
 from typing import Dict, List, NamedTuple, Optional, Sequence, Set, Tuple, TypeVar
 
@@ -29,6 +30,11 @@ GRAVITY = 9.81
 TURN = 1e-2
 """Change of gravity's direction in the root frame (m/s^2) that is taken up; less is a thousandth of
 the efforts, and a new direction doubles the cost of a cycle."""
+
+HOLD = 0.01
+"""Time (s) for which efforts are held. At its full speed, a joint's effort changes by a few
+thousandths of its limit meanwhile; computing it in every cycle of 2 ms would double the cost of
+a cycle of the arm's controllers."""
 
 Handle = TypeVar("Handle", bound=NamedHandle)
 
@@ -88,7 +94,7 @@ class JointGravity:
         self._name = name
 
     def effort(self, time: float) -> float:
-        """Return the effort (Nm, N) that holds the joint in the cycle at `time` (s)."""
+        """Return the effort (Nm, N) that holds the joint at `time` (s); at most `HOLD` old."""
         return self._model.efforts(time)[self._name]
 
 
@@ -131,7 +137,7 @@ class GravityModel:
         # Replaced as a whole when a controller is loaded; the loop reads it once a cycle.
         self._paths: Tuple[_Path, ...] = ()
         self._solvers = _Solvers((), self._gravity)
-        self._time: Optional[float] = None
+        self._until = -math.inf  # the efforts are as of `HOLD` before
         self._efforts: Dict[str, float] = {}
 
     def joint(self, name: str) -> JointGravity:
@@ -149,16 +155,17 @@ class GravityModel:
         return JointGravity(self, name)
 
     def efforts(self, time: float) -> Dict[str, float]:
-        """Return the efforts (Nm, N) in the cycle at `time` (s), by joint."""
+        """Return the efforts (Nm, N) at `time` (s), by joint; at most `HOLD` old."""
         paths = self._paths
-        if time == self._time and paths is self._solvers.paths:
+        if self._until - HOLD <= time < self._until and paths is self._solvers.paths:
             return self._efforts
         turned = self._read_orientation()
         if paths is not self._solvers.paths:
             self._solvers = _Solvers(paths, self._gravity)
         elif turned:
             self._solvers.turn(self._gravity)
-        self._time = time
+        # Half a microsecond less: sums of periods are not exact.
+        self._until = time + HOLD - 5e-7
         self._efforts = self._solvers.solve()
         return self._efforts
 
@@ -170,8 +177,10 @@ class GravityModel:
         self._orientation = orientation
         world_from_imu = PyKDL.Rotation.Quaternion(*orientation)
         down = PyKDL.Vector(0.0, 0.0, -GRAVITY)
-        gravity = self._root_from_imu * (world_from_imu.Inverse() * down)
-        if (gravity - self._gravity).Norm() < TURN:
+        exact = self._root_from_imu * (world_from_imu.Inverse() * down)
+        # On a grid, not by what has changed: the same orientation gives the same efforts always.
+        gravity = PyKDL.Vector(*(round(each / TURN) * TURN for each in exact))
+        if gravity == self._gravity:
             return False
         self._gravity = gravity
         return True

@@ -13,6 +13,10 @@ JUMP_TIME = 0.05
 """What a set point moves at most in this time (s), at the velocity limit, is no jump."""
 
 
+STANDSTILL = 1e-9
+"""Speed of a reference that rests (rad/s, m/s)."""
+
+
 class ReferenceFilter:
     """A critically damped low-pass of second order.
 
@@ -54,6 +58,9 @@ class ReferenceFilter:
         position, velocity : float
             The smoothed reference and its derivative.
         """
+        if set_point == self.position and abs(self.velocity) < STANDSTILL:
+            self.velocity = 0.0
+            return set_point, 0.0
         if period != self._period:
             self._period = period
             self._decay = math.exp(-self._frequency * period)
@@ -104,7 +111,8 @@ class ReferenceLimiter:
 
     def update(self, set_point: float, period: float) -> float:
         """Advance by `period` (s) towards `set_point`, and return the reference."""
-        if period <= 0.0:
+        resting = set_point == self.position and abs(self._velocity) < STANDSTILL
+        if resting or period <= 0.0:
             return self.position
         limits = self._limits
         distance = set_point - self.position

@@ -1,9 +1,9 @@
-"""Configuration of the simulator."""
+"""Configuration of the simulator and of the robots in it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Dict, Tuple
+from typing import Dict, Optional, Tuple
 
 from telex_control.params import require, require_range, require_text
 
@@ -80,14 +80,20 @@ class HardwareConfig:
     velocity_tolerance : float
         Factor on the URDF's velocity limit at which a drive stops accelerating; above 1, so that
         a joint can run at its limit.
+    position_gain : float
+        Share of a position joint's error that its motor takes away in one step.
     joints : dict of str to JointHardware
+    imus : dict of str to str
+        Inertial sensors: name, which is that of its topic, and the link whose motion it measures.
     optional_joints : tuple of str
         Joints that a variant of the robot may lack: `joints` and named poses may name them all the
         same. Any other name that is not there is a mistake.
     """
 
     velocity_tolerance: float = 1.05
+    position_gain: float = 0.2
     joints: Dict[str, JointHardware] = field(default_factory=dict)
+    imus: Dict[str, str] = field(default_factory=dict)
     optional_joints: Tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -95,6 +101,7 @@ class HardwareConfig:
             self.velocity_tolerance >= 1.0,
             f"velocity_tolerance is {self.velocity_tolerance}; 1 or more is needed",
         )
+        require_range(self, "position_gain", maximum=1.0, above=0.0)
 
 
 @dataclass(frozen=True)
@@ -141,12 +148,16 @@ class TrackConfig:
 
 @dataclass(frozen=True)
 class StartConfig:
-    """How the robot starts; the scene says where.
+    """How a robot starts.
 
     Attributes
     ----------
+    place : tuple of 4 floats, optional
+        Where its root link starts: x, y, z (m) and heading (rad), in the world. Without it, the
+        scene says where.
     height : float
-        Of base_link above the ground (m); the robot settles from there.
+        Of the root link above the scene's ground (m), without `place`; the robot settles from
+        there.
     pose : str
         Name of one of `poses`; empty leaves the choice to the scene.
     default_pose : str
@@ -155,6 +166,7 @@ class StartConfig:
         Named poses: joint positions (rad, m) by joint name; joints left out start at 0.
     """
 
+    place: Optional[Tuple[float, float, float, float]] = None
     height: float = 0.115
     pose: str = ""
     default_pose: str = ""
@@ -170,8 +182,11 @@ class StartConfig:
             )
 
     def pose_name(self, of_scene: str = "") -> str:
-        """Name of the pose to start in, when the scene names `of_scene`; empty for none."""
-        return self.pose or of_scene or self.default_pose
+        """Name of the pose to start in, when the scene names `of_scene`; empty for none.
+
+        A robot without named poses is not the one that the scene's pose is for.
+        """
+        return self.pose or (of_scene if self.poses else "") or self.default_pose
 
     def joint_positions(self, of_scene: str = "") -> Dict[str, float]:
         """Joint positions of the pose to start in."""
@@ -194,13 +209,34 @@ class PublishConfig:
 
 
 @dataclass(frozen=True)
-class SimulatorConfig:
-    """Everything that the simulator is told.
+class RobotConfig:
+    """A simulated robot, beyond its URDF.
 
     Attributes
     ----------
     model : str
-        Name of the robot in the scene; its frames are ``<model>/<link>``.
+        Name in the scene; its frames are ``<model>/<link>``. Empty: the last part of its namespace.
+    fixed_base : bool
+        Whether the root link is fixed to the world, as one of the name ``world`` always is.
+    """
+
+    model: str = ""
+    fixed_base: bool = False
+    hardware: HardwareConfig = field(default_factory=HardwareConfig)
+    tracks: TrackConfig = field(default_factory=TrackConfig)
+    start: StartConfig = field(default_factory=StartConfig)
+    self_collision: SelfCollisionConfig = field(default_factory=SelfCollisionConfig)
+
+    def __post_init__(self) -> None:
+        require("/" not in self.model, f"model is '{self.model}'; it must not contain '/'")
+
+
+@dataclass(frozen=True)
+class SimulatorConfig(RobotConfig):
+    """Everything that the simulator is told, and the robot that it begins with.
+
+    Attributes
+    ----------
     world : str
         Name of the scene, or path of its file.
     gui : bool
@@ -214,15 +250,13 @@ class SimulatorConfig:
     gui: bool = False
     solver_iterations: int = 50
     timing: TimingConfig = field(default_factory=TimingConfig)
-    hardware: HardwareConfig = field(default_factory=HardwareConfig)
-    tracks: TrackConfig = field(default_factory=TrackConfig)
-    start: StartConfig = field(default_factory=StartConfig)
     publish: PublishConfig = field(default_factory=PublishConfig)
-    self_collision: SelfCollisionConfig = field(default_factory=SelfCollisionConfig)
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         require(
             1 <= self.solver_iterations <= 1000,
             f"solver_iterations is {self.solver_iterations}; 1 to 1000 is possible",
         )
+        require_text(self, "model")
         require_text(self, "world")

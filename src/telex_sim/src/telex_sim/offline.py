@@ -5,12 +5,12 @@ from __future__ import annotations
 import subprocess
 import threading
 from pathlib import Path
-from typing import Any, Dict, List
+from typing import Any, Dict, List, Optional
 
 import rospkg
 import yaml
 
-from telex_control.controller_joints import controller_joints
+from telex_control.controller_joints import controller_joints, without_joints
 from telex_control.local_node_handle import LocalNodeHandle
 from telex_control.params import read_config
 
@@ -54,7 +54,17 @@ def shipped_config(**changes: Any) -> SimulatorConfig:
 
 
 class OfflineSimulation:
-    """The shipped robot, or a variant, with all its controllers running, advanced by calls.
+    """The shipped robot, or a variant, with all its controllers, advanced by calls.
+
+    All of them run but those for actions, which are for the same joints as others.
+
+    Parameters
+    ----------
+    urdf : str
+    controllers : dict, optional
+        In place of the shipped ``telex_controllers.yaml``.
+    **changes
+        See `shipped_config`.
 
     Attributes
     ----------
@@ -63,9 +73,10 @@ class OfflineSimulation:
         For topics and parameters, named as in the graph without the namespace.
     """
 
-    def __init__(self, urdf: str, **changes: Any) -> None:
-        params = _yaml("telex_control", "config", "telex_controllers.yaml")
-        controllers = {name: value for name, value in params.items() if "type" in value}
+    def __init__(
+        self, urdf: str, controllers: Optional[Dict[str, Any]] = None, **changes: Any
+    ) -> None:
+        params = dict(controllers or _yaml("telex_control", "config", "telex_controllers.yaml"))
         params["robot_description"] = urdf
         self.node = LocalNodeHandle(params)
         packages = rospkg.RosPack()
@@ -75,15 +86,24 @@ class OfflineSimulation:
             self.node,
             lambda address: resolve_address(address, packages.get_path),
         )
-        names = [
-            name
-            for name, value in controllers.items()
-            if all(map(self.simulation.hw.has_joint, controller_joints(value)))
-        ]
+        names = self._fit(params)
         for name in names:
             if not self.simulation.controllers.load_controller(name):
                 raise RuntimeError(f"controller '{name}' cannot be loaded; the log says why")
-        self._start(names)
+        stopped = params["controller_groups"]["actions"]
+        self._start([name for name in names if name not in stopped])
+
+    def _fit(self, params: Dict[str, Any]) -> List[str]:
+        """Return the controllers with a joint, or without need of any; those gone are taken out."""
+        names = []
+        for name in [name for name, value in params.items() if _is_controller(value)]:
+            joints = controller_joints(params[name])
+            lacking = [joint for joint in joints if not self.simulation.hw.has_joint(joint)]
+            if lacking and len(lacking) == len(joints):
+                continue
+            params[name] = without_joints(params[name], lacking)
+            names.append(name)
+        return names
 
     def _start(self, names: List[str]) -> None:
         answer: List[bool] = []
@@ -111,3 +131,7 @@ class OfflineSimulation:
 def _yaml(package: str, *parts: str) -> Any:
     with open(package_file(package, *parts)) as file:
         return yaml.safe_load(file)
+
+
+def _is_controller(value: Any) -> bool:
+    return isinstance(value, dict) and "type" in value

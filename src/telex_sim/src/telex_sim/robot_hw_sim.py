@@ -1,17 +1,16 @@
 """The simulated robot behind `hardware_interface.RobotHW`.
 
-Drives are simulated in joint space, as Gazebo's default hardware does: effort joints by torque,
-velocity joints by a velocity motor as strong as the URDF's effort limit. Beyond that, every drive
-has the dry and the viscous friction of the URDF (``<dynamics>``), and a brake. The brake holds
-whatever no running controller has claimed, so that the arm does not fall before its controllers
-start or after they end; an emergency stop sets all brakes, whatever the controllers ask for.
+Drives are simulated in joint space, as Gazebo's default hardware does; see `telex_sim.drives` for
+the modes. Beyond that, every drive has the dry and the viscous friction of the URDF
+(``<dynamics>``), and a brake. The brake holds whatever no running controller has claimed, so that
+an arm does not fall before its controllers start or after they end; an emergency stop sets all
+brakes, whatever the controllers ask for.
 """
 
 from __future__ import annotations
 
-import dataclasses
-import math
-from typing import Dict, List, Optional, Set
+import logging
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Set, Type
 from xml.etree import ElementTree
 
 import pybullet
@@ -19,111 +18,168 @@ import pybullet
 from telex_control.hardware_interface import (
     ControllerInfo,
     EffortJointInterface,
-    JointHandle,
+    ImuSensorInterface,
+    JointCommandInterface,
     JointStateHandle,
     JointStateInterface,
     RobotHW,
-    VelocityJointInterface,
 )
-from telex_control.joint_limits import joint_limits
-from telex_control.joint_limits_interface import (
-    EffortJointSaturationHandle,
-    JointLimitsHandle,
-    VelocityJointSaturationHandle,
-)
-from telex_control.transmission_parser import driven_joints
+from telex_control.joint_limits import JointLimitsError, joint_limits
+from telex_control.node_handle import NodeHandle, ParameterError
+from telex_control.params import ConfigError
+from telex_control.pid import Pid
+from telex_control.pid_reconfigure import PidSet
+from telex_control.transmission_parser import DrivenJoint, driven_joints
 from telex_control.urdf_joints import PRISMATIC, UrdfError, UrdfJoint, joints
 
 from .config import HardwareConfig
+from .drives import INTERFACES, Drive, Mode
+from .imu import Imu
 from .world import Body
 
-_EFFORT = "EffortJointInterface"
-_VELOCITY = "VelocityJointInterface"
+PID_GAINS = ("pid_gains", "gazebo_ros_control/pid_gains")
+"""Where the gains of position and velocity joints stand in the robot's namespace; the first counts.
+"""
+_LIMITS = "joint_limits"
 _BRAKE_POSITION_GAIN = 0.2
 _BRAKE_VELOCITY_GAIN = 1.0
-_STANDSTILL = 1.0e-6
-"""Speed below which a joint rests (rad/s, m/s); PyBullet's solver leaves some noise."""
 
-
-class _Joint:
-    """A driven joint: its description, its handles and its place in PyBullet."""
-
-    __slots__ = ("braked", "description", "handle", "index", "limits", "state", "takes_effort")
-
-    def __init__(self, description: UrdfJoint, takes_effort: bool, tolerance: float) -> None:
-        self.description = description
-        self.takes_effort = takes_effort
-        self.braked = True
-        self.state = JointStateHandle(description.name)
-        self.handle = JointHandle(self.state)
-        self.index = -1
-        self.limits: JointLimitsHandle
-        limits, _ = joint_limits(description)
-        if takes_effort:
-            limits = dataclasses.replace(limits, max_velocity=limits.max_velocity * tolerance)
-            self.limits = EffortJointSaturationHandle(self.handle, limits)
-        else:
-            self.limits = VelocityJointSaturationHandle(self.handle, limits)
+_log = logging.getLogger("rosout")
 
 
 class RobotHWSim(RobotHW):
-    """The joints of a robot in a PyBullet world.
+    """The joints and sensors of a robot in a PyBullet world.
 
     Parameters
     ----------
     robot : Element
         ``<robot>`` of the URDF; joints with a transmission are driven.
     config : HardwareConfig
-
-    Raises
-    ------
-    UrdfError
-        A transmission names an interface that is not simulated, or a limit is missing.
     """
 
     def __init__(self, robot: ElementTree.Element, config: HardwareConfig) -> None:
         super().__init__()
         self._config = config
-        descriptions = joints(robot)
-        self._joints: Dict[str, _Joint] = {}
-        states, efforts, velocities = (
-            JointStateInterface(),
-            EffortJointInterface(),
-            VelocityJointInterface(),
-        )
-        for driven in driven_joints(robot):
-            name = driven.joint
-            if driven.hardware_interface not in (_EFFORT, _VELOCITY):
-                raise UrdfError(
-                    f"transmission '{driven.transmission}' asks for "
-                    f"'{driven.hardware_interface}'; simulated are {_EFFORT} and {_VELOCITY}"
-                )
-            if name not in descriptions:
-                raise UrdfError(f"transmission '{driven.transmission}': joint '{name}' cannot move")
-            takes_effort = driven.hardware_interface == _EFFORT
-            try:
-                joint = _Joint(descriptions[name], takes_effort, config.velocity_tolerance)
-            except ValueError as error:
-                raise UrdfError(str(error)) from error
-            self._joints[name] = joint
-            states.register_handle(joint.state)
-            (efforts if takes_effort else velocities).register_handle(joint.handle)
+        self._robot = robot
+        self._joints: Dict[str, Drive] = {}
+        self._all: List[Drive] = []
+        # Movable joints without a transmission: nobody sees them, but they have friction.
+        self._passive: List[UrdfJoint] = []
+        self._imus: List[Imu] = []
+        # By controller, so that one that ends takes nothing from the next that has its joint.
+        self._claims: Dict[str, Set[str]] = {}
+        self._e_stop = False
+        self._body: Optional[Body] = None
+        self._indices: List[int] = []
+        self._choose_driven()
+
+    def init(self, root: NodeHandle, hw: NodeHandle) -> None:
+        """Make the joints and sensors.
+
+        Parameters
+        ----------
+        root : NodeHandle
+            The robot's namespace, with the optional parameters ``joint_limits/<joint>`` and
+            ``pid_gains/<joint>``; the latter turn a position or velocity joint's motor into a
+            PID loop. Without them there is nothing to complain about.
+        hw : NodeHandle
+            Not used.
+
+        Raises
+        ------
+        UrdfError
+            A transmission names an interface that is not simulated, or a limit is missing.
+        ConfigError
+            A parameter is wrong, or names what the robot does not have.
+        """
+        described = joints(self._robot)
+        self._pids = PidSet(root)
+        limits = root.find_param(_LIMITS, {})
+        if not isinstance(limits, Mapping):
+            raise ConfigError(
+                f"parameter {root.resolve(_LIMITS)} is {limits!r}; a struct is needed"
+            )
+        for driven in driven_joints(self._robot):
+            self._joints[driven.joint] = self._drive(driven, described, limits, root)
+        self._passive = [joint for name, joint in described.items() if name not in self._joints]
+        self._imus = [Imu(name, link) for name, link in self._config.imus.items()]
+        self._check_names(described, limits, root)
+        self._all = list(self._joints.values())
+        if not self._all:
+            _log.warning("the robot has no <transmission>: there is no joint to control")
+        self._register()
+
+    def _drive(
+        self,
+        driven: DrivenJoint,
+        described: Dict[str, UrdfJoint],
+        params: Mapping[str, Any],
+        root: NodeHandle,
+    ) -> Drive:
+        interface = INTERFACES.get(driven.hardware_interface)
+        if interface is None:
+            raise UrdfError(
+                f"transmission '{driven.transmission}' asks for '{driven.hardware_interface}'; "
+                f"simulated are {', '.join(INTERFACES)}"
+            )
+        if driven.joint not in described:
+            raise UrdfError(
+                f"transmission '{driven.transmission}': joint '{driven.joint}' cannot move"
+            )
+        joint = described[driven.joint]
+        try:
+            limits, soft = joint_limits(joint, params, root.resolve(_LIMITS))
+            pid = None if interface is EffortJointInterface else self._pid(joint.name, root)
+            return Drive(joint, interface, limits, soft, self._config.velocity_tolerance, pid)
+        except JointLimitsError as error:
+            raise UrdfError(str(error)) from error
+
+    def _pid(self, joint: str, root: NodeHandle) -> Optional[Pid]:
+        for place in PID_GAINS:
+            name = f"{place}/{joint}"
+            if root.find_param(name, None) is not None:
+                try:
+                    return self._pids.open(name)
+                except ParameterError as error:
+                    raise ConfigError(str(error)) from error
+        return None
+
+    def _check_names(
+        self, described: Dict[str, UrdfJoint], limits: Mapping[str, Any], root: NodeHandle
+    ) -> None:
+        config = self._config
         unknown = sorted(set(config.joints) - set(self._joints) - set(config.optional_joints))
         if unknown:
             raise UrdfError(
                 f"parameter hardware/joints/{unknown[0]}: the robot has no driven joint of this "
                 "name"
             )
-        for interface in (states, efforts, velocities):
+        links = {link.get("name") for link in self._robot.iter("link")}
+        for name, link in config.imus.items():
+            if link not in links:
+                raise ConfigError(f"hardware/imus/{name} is '{link}'; the robot has no such link")
+        useless = sorted(set(limits) - set(described) - set(config.optional_joints))
+        if useless:
+            _log.warning(
+                "parameter %s/%s: the robot has no movable joint of this name",
+                root.resolve(_LIMITS),
+                useless[0],
+            )
+
+    def _register(self) -> None:
+        states, imus = JointStateInterface(), ImuSensorInterface()
+        commands: Dict[Type[JointCommandInterface], JointCommandInterface] = {
+            kind: kind() for kind in INTERFACES.values()
+        }
+        for drive in self._all:
+            states.register_handle(drive.state)
+            commands[drive.interface].register_handle(drive.handle)
+        for imu in self._imus:
+            imus.register_handle(imu.handle)
+        self.register_interface(states)
+        for interface in commands.values():
             self.register_interface(interface)
-        self._all = list(self._joints.values())
-        # By controller, so that one that ends takes nothing from the next that has its joint.
-        self._claims: Dict[str, Set[str]] = {}
-        self._e_stop = False
-        self._body: Optional[Body] = None
-        self._indices: List[int] = []
-        self._driven_by_effort: List[_Joint] = []
-        self._driven_by_velocity: List[_Joint] = []
+        self.register_interface(imus)
 
     @property
     def e_stop(self) -> bool:
@@ -146,7 +202,7 @@ class RobotHWSim(RobotHW):
 
     def joint_positions(self) -> Dict[str, float]:
         """Measured position of every driven joint (rad, m)."""
-        return {name: joint.state.position for name, joint in self._joints.items()}
+        return {name: drive.state.position for name, drive in self._joints.items()}
 
     def attach(self, body: Body) -> None:
         """Take over the joints of `body`, which stands for this robot in a new world."""
@@ -154,33 +210,48 @@ class RobotHWSim(RobotHW):
         missing = sorted(set(self._joints) - set(body.joints))
         if missing:
             raise UrdfError(f"joint '{missing[0]}' has a transmission but is not in the world")
-        for name, joint in self._joints.items():
-            joint.index = body.joints[name]
-            joint.handle.command = 0.0
-            joint.limits.reset()
-            self._add_armature(joint)
-        self._indices = [joint.index for joint in self._all]
+        for name, drive in self._joints.items():
+            drive.index = body.joints[name]
+            self._add_armature(drive)
+        self._indices = [drive.index for drive in self._all]
+        for imu in self._imus:
+            imu.attach(body)
         self.read(0.0, 0.0)
+        for drive in self._all:
+            drive.reset()
         self._set_brakes()
+        self._loosen(body)
 
-    def _add_armature(self, joint: _Joint) -> None:
+    def _add_armature(self, drive: Drive) -> None:
         """Add the drive's inertia to its link.
 
         Isotropic, because PyBullet drops an inertia that no mass distribution can have; the small
         excess about the other axes is carried by the neighbours' structure.
         """
-        hardware = self._config.joints.get(joint.description.name)
+        hardware = self._config.joints.get(drive.description.name)
         assert self._body is not None
-        if hardware is None or not hardware.armature or joint.description.kind == PRISMATIC:
+        if hardware is None or not hardware.armature or drive.description.kind == PRISMATIC:
             return
         uid, client = self._body.uid, self._body.client
-        inertia = pybullet.getDynamicsInfo(uid, joint.index, physicsClientId=client)[2]
+        inertia = pybullet.getDynamicsInfo(uid, drive.index, physicsClientId=client)[2]
         pybullet.changeDynamics(
             uid,
-            joint.index,
+            drive.index,
             localInertiaDiagonal=[value + hardware.armature for value in inertia],
             physicsClientId=client,
         )
+
+    def _loosen(self, body: Body) -> None:
+        """Let joints without a drive move: PyBullet gives each a motor that brakes it."""
+        for joint in self._passive:
+            pybullet.setJointMotorControl2(
+                body.uid,
+                body.joints[joint.name],
+                pybullet.VELOCITY_CONTROL,
+                targetVelocity=0.0,
+                force=joint.friction,
+                physicsClientId=body.client,
+            )
 
     # --- RobotHW -----------------------------------------------------------------------------
 
@@ -188,53 +259,87 @@ class RobotHWSim(RobotHW):
         """Fill the state handles.
 
         The effort is what was last applied: to a joint driven by effort its limited command, to
-        one that a velocity motor or the brake moves that motor's force.
+        one that a motor or the brake moves that motor's force. Positions of joints that turn
+        without end grow from turn to turn.
         """
         body = self._body
         assert body is not None
-        states = pybullet.getJointStates(body.uid, self._indices, physicsClientId=body.client)
-        for joint, state in zip(self._all, states):
-            handle = joint.state
+        states: Sequence[Any] = ()
+        if self._indices:  # of none, PyBullet returns None
+            states = pybullet.getJointStates(body.uid, self._indices, physicsClientId=body.client)
+        for drive, state in zip(self._all, states):
+            handle = drive.state
             handle.position = state[0]
             handle.velocity = state[1]
-            applied = joint.takes_effort and not joint.braked
-            handle.effort = joint.handle.command if applied else state[3]
+            handle.effort = drive.force if drive.takes_effort and not drive.braked else state[3]
+        for imu in self._imus:
+            imu.read(period)
 
     def write(self, time: float, period: float) -> None:
         """Limit the commands and give them to PyBullet; its torques act for one step only."""
-        body = self._body
-        assert body is not None
-        efforts = self._driven_by_effort
-        if efforts:
-            for joint in efforts:
-                joint.limits.enforce(period)
-            pybullet.setJointMotorControlArray(
-                body.uid,
-                self._effort_indices,
+        for handle in self._limits:
+            handle.enforce(period)
+        if self._by_effort:
+            self._write_efforts(period)
+            self._pids.publish(time)
+        if self._by_motor:
+            self._control(
+                self._motor_indices,
                 pybullet.TORQUE_CONTROL,
-                forces=[joint.handle.command for joint in efforts],
-                physicsClientId=body.client,
+                forces=[drive.drag() for drive in self._by_motor],
             )
-            self._resist(efforts)
-        velocities = self._driven_by_velocity
-        if velocities:
-            for joint in velocities:
-                joint.limits.enforce(period)
-            pybullet.setJointMotorControlArray(
-                body.uid,
-                self._velocity_indices,
-                pybullet.TORQUE_CONTROL,
-                forces=[_drag(joint) for joint in velocities],
-                physicsClientId=body.client,
-            )
-            pybullet.setJointMotorControlArray(
-                body.uid,
+        if self._by_velocity:
+            self._control(
                 self._velocity_indices,
                 pybullet.VELOCITY_CONTROL,
-                targetVelocities=[joint.handle.command for joint in velocities],
+                targetVelocities=[drive.handle.command for drive in self._by_velocity],
                 forces=self._velocity_forces,
+            )
+        if self._by_position:
+            self._write_positions(period)
+
+    def _write_efforts(self, period: float) -> None:
+        """Apply efforts, and let the friction of their drives act as motors that want standstill.
+
+        A motor is part of the constraint solver: it never turns a joint back, whatever its force.
+        As a torque, or as PyBullet's own joint damping, a large friction would be unstable.
+        """
+        drives, indices = self._by_effort, self._effort_indices
+        self._control(
+            indices, pybullet.TORQUE_CONTROL, forces=[drive.effort(period) for drive in drives]
+        )
+        self._control(
+            indices,
+            pybullet.VELOCITY_CONTROL,
+            targetVelocities=self._standstill,
+            forces=[drive.resistance() for drive in drives],
+        )
+
+    def _write_positions(self, period: float) -> None:
+        """Move position motors, which look at the joint in every step, whenever it is read."""
+        body = self._body
+        assert body is not None
+        for drive in self._by_position:
+            # One by one, because the call for many does not bound the velocity.
+            pybullet.setJointMotorControl2(
+                body.uid,
+                drive.index,
+                pybullet.POSITION_CONTROL,
+                targetPosition=drive.handle.command,
+                targetVelocity=drive.reference_velocity(period),
+                force=drive.motor_force,
+                positionGain=self._config.position_gain,
+                velocityGain=1.0,
+                maxVelocity=drive.motor_velocity,
                 physicsClientId=body.client,
             )
+
+    def _control(self, indices: List[int], mode: int, **values: List[float]) -> None:
+        body = self._body
+        assert body is not None
+        pybullet.setJointMotorControlArray(
+            body.uid, indices, mode, physicsClientId=body.client, **values
+        )
 
     def do_switch(self, start: List[ControllerInfo], stop: List[ControllerInfo]) -> None:
         """Set the brakes of joints that lose their controller, release those that get one."""
@@ -252,70 +357,39 @@ class RobotHWSim(RobotHW):
             self._e_stop = active
             self._set_brakes()
 
+    def _choose_driven(self) -> None:
+        """Gather what `write` needs in every step."""
+        driven = [drive for drive in self._all if not drive.braked]
+        self._limits = [handle for drive in driven for handle in drive.limits]
+        self._by_effort = [drive for drive in driven if drive.takes_effort]
+        self._by_motor = [drive for drive in driven if not drive.takes_effort]
+        self._by_velocity = [drive for drive in driven if drive.mode is Mode.VELOCITY]
+        self._by_position = [drive for drive in driven if drive.mode is Mode.POSITION]
+        self._effort_indices = [drive.index for drive in self._by_effort]
+        self._motor_indices = [drive.index for drive in self._by_motor]
+        self._velocity_indices = [drive.index for drive in self._by_velocity]
+        self._standstill = [0.0] * len(self._by_effort)
+        self._velocity_forces = [drive.motor_force for drive in self._by_velocity]
+
     def _set_brakes(self) -> None:
         if self._body is None:
             return
         claimed: Set[str] = set().union(*self._claims.values())
-        for joint in self._all:
-            braked = self._e_stop or joint.description.name not in claimed
-            if braked and not joint.braked:
-                joint.handle.command = 0.0
-            joint.braked = braked
-        driven = [joint for joint in self._all if not joint.braked]
-        self._driven_by_effort = [joint for joint in driven if joint.takes_effort]
-        self._driven_by_velocity = [joint for joint in driven if not joint.takes_effort]
-        # What `write` needs in every step, made once.
-        self._effort_indices = [joint.index for joint in self._driven_by_effort]
-        self._velocity_indices = [joint.index for joint in self._driven_by_velocity]
-        self._standstill = [0.0] * len(self._driven_by_effort)
-        self._velocity_forces = [_finite(j.description.effort) for j in self._driven_by_velocity]
-        self._hold([joint for joint in self._all if joint.braked])
+        for drive in self._all:
+            braked = self._e_stop or drive.description.name not in claimed
+            if braked != drive.braked:
+                drive.reset()
+            drive.braked = braked
+        self._choose_driven()
+        self._hold([drive for drive in self._all if drive.braked])
 
-    def _resist(self, joints: List[_Joint]) -> None:
-        """Let the friction of effort drives act, as a motor that wants standstill.
-
-        A motor is part of the constraint solver: it never turns a joint back, whatever its force.
-        As a torque, or as PyBullet's own joint damping, a large friction would be unstable.
-        """
-        assert self._body is not None
-        pybullet.setJointMotorControlArray(
-            self._body.uid,
-            self._effort_indices,
-            pybullet.VELOCITY_CONTROL,
-            targetVelocities=self._standstill,
-            forces=[_resistance(joint) for joint in joints],
-            physicsClientId=self._body.client,
-        )
-
-    def _hold(self, held: List[_Joint]) -> None:
-        if not held:
-            return
-        assert self._body is not None
-        pybullet.setJointMotorControlArray(
-            self._body.uid,
-            [joint.index for joint in held],
-            pybullet.POSITION_CONTROL,
-            targetPositions=[joint.state.position for joint in held],
-            forces=[_finite(joint.description.effort) for joint in held],
-            positionGains=[_BRAKE_POSITION_GAIN] * len(held),
-            velocityGains=[_BRAKE_VELOCITY_GAIN] * len(held),
-            physicsClientId=self._body.client,
-        )
-
-
-def _resistance(joint: _Joint) -> float:
-    """Amount of dry and viscous friction in the joint's drive (Nm, N)."""
-    return joint.description.friction + joint.description.damping * abs(joint.state.velocity)
-
-
-def _drag(joint: _Joint) -> float:
-    """Friction in the drive of a joint that moves, against its motion (Nm, N)."""
-    velocity = joint.state.velocity
-    if abs(velocity) < _STANDSTILL:
-        return 0.0
-    return -math.copysign(_resistance(joint), velocity)
-
-
-def _finite(effort: float) -> float:
-    """A motor's largest force; PyBullet takes no infinity."""
-    return effort if math.isfinite(effort) else 1.0e6
+    def _hold(self, held: List[Drive]) -> None:
+        if held:
+            self._control(
+                [drive.index for drive in held],
+                pybullet.POSITION_CONTROL,
+                targetPositions=[drive.state.position for drive in held],
+                forces=[drive.motor_force for drive in held],
+                positionGains=[_BRAKE_POSITION_GAIN] * len(held),
+                velocityGains=[_BRAKE_VELOCITY_GAIN] * len(held),
+            )

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import time
+from dataclasses import dataclass
 from typing import Dict, List, Sequence, Tuple
 
 from genpy import Time
@@ -39,16 +40,19 @@ _SHAPES = {
 }
 
 
+@dataclass(frozen=True)
+class _Robot:
+    links: Tuple[str, ...]
+    visuals: Tuple[UrdfVisual, ...]
+
+
 class SceneMessages:
-    """Describes one robot in a scene.
+    """Describes robots in a scene.
 
     Parameters
     ----------
-    model : str
-        Name of the robot; its frames are ``<model>/<link>``, and come before those of objects.
-    links : sequence of str
-        In the order in which `poses` gets their poses.
-    urdf : str
+    model, links, urdf
+        The first robot's, as in `add_robot`.
     scene : Scene
         Its floor and light; objects come by `show`.
 
@@ -56,30 +60,60 @@ class SceneMessages:
     ----------
     revision : int
         Of what is described; rises with every change.
+
+    Raises
+    ------
+    UrdfVisualError
     """
 
     def __init__(self, model: str, links: Sequence[str], urdf: str, scene: Scene) -> None:
-        self.revision = 1
+        self.revision = 0
         self._lights = scene.lights
-        self._robot_frames = [WORLD_FRAME, *(f"{model}/{link}" for link in links)]
-        index = {link: number + 1 for number, link in enumerate(links)}
-        self._fixed = [_floor(scene.floor)]
-        self._fixed += [_robot(index[v.link], v) for v in urdf_visuals(urdf) if v.link in index]
+        self._floor = _floor(scene.floor)
+        self._robots: Dict[str, _Robot] = {}
         self._objects: Tuple[SceneObject, ...] = ()
-        self._frames: List[str] = list(self._robot_frames)
+        self._frames: List[str] = []
         self._visuals: List[SceneVisual] = []
+        self.add_robot(model, links, urdf_visuals(urdf))
+
+    def add_robot(self, model: str, links: Sequence[str], visuals: Sequence[UrdfVisual]) -> None:
+        """Describe a further robot from now on.
+
+        Parameters
+        ----------
+        model : str
+            Its name; its frames are ``<model>/<link>``. Those of robots come in the order in which
+            they were added, and before those of objects.
+        links : sequence of str
+            In the order in which `poses` gets their poses.
+        visuals : sequence of UrdfVisual
+        """
+        self._robots[model] = _Robot(tuple(links), tuple(visuals))
+        self._describe()
+
+    def remove_robot(self, model: str) -> None:
+        """Leave a robot out from now on."""
+        del self._robots[model]
+        self._describe()
 
     def show(self, objects: Sequence[SceneObject]) -> bool:
         """Describe these objects from now on; returns whether that is a change."""
         if tuple(objects) == self._objects:
             return False
         self._objects = tuple(objects)
-        self._frames = list(self._robot_frames)
-        self._visuals = []
-        for item in objects:
+        self._describe()
+        return True
+
+    def _describe(self) -> None:
+        self._frames = [WORLD_FRAME]
+        self._visuals = [self._floor]
+        for model, robot in self._robots.items():
+            index = {link: len(self._frames) + i for i, link in enumerate(robot.links)}
+            self._frames += [f"{model}/{link}" for link in robot.links]
+            self._visuals += [_robot(index[v.link], v) for v in robot.visuals if v.link in index]
+        for item in self._objects:
             self._show(item)
         self.revision += 1
-        return True
 
     def _show(self, item: SceneObject) -> None:
         frames: Dict[str, int] = {}
@@ -103,7 +137,7 @@ class SceneMessages:
         message = SceneDescription(
             revision=self.revision,
             frames=self._frames,
-            visuals=self._fixed + self._visuals,
+            visuals=self._visuals,
             lamps=[_lamp(lamp) for lamp in lights.lamps],
             to_sun=_to_sun(lights),
             sun=ColorRGBA(*(part * sun.intensity for part in sun.color), 1.0),
@@ -122,7 +156,7 @@ class SceneMessages:
         ----------
         stamp : Time
         link_poses : sequence of float
-            7 numbers each: the robot's links, then those of the objects shown that can move.
+            7 numbers each: the robots' links, then those of the objects shown that can move.
         """
         message = ScenePoses(
             revision=self.revision, wall_time=time.time(), poses=[*_IDENTITY, *link_poses]

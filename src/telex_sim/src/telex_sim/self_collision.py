@@ -48,11 +48,14 @@ class SelfCollisionConfig:
 
     Attributes
     ----------
+    enabled : bool
+        Whether the robot's links can touch each other at all.
     optional_links : tuple of str
         Links that a variant of the robot may lack. Any other name that is not there is a mistake.
     disabled_pairs : tuple of DisabledPair
     """
 
+    enabled: bool = True
     optional_links: Tuple[str, ...] = ()
     disabled_pairs: Tuple[DisabledPair, ...] = ()
 

@@ -1,21 +1,23 @@
-"""The simulation of one robot in a scene: the loop's order, reset and emergency stop, without ROS.
+"""The simulation of robots in a scene: the loop's order, reset and emergency stop, without ROS.
 
-One thread owns a `Simulation`; only `request_e_stop` and `plan` may be called from others.
+One thread owns a `Simulation`; only `request_e_stop`, `plan` and `plan_robot` may be called from
+others.
 """
 
 from __future__ import annotations
 
 import logging
 import time
-from typing import Callable, Dict, List, Sequence
+from typing import Callable, List, Sequence, Tuple
 
 from telex_control.controller_manager import ControllerManager
 from telex_control.node_handle import NodeHandle
 from telex_control.params import ConfigError
-from telex_control.urdf_joints import UrdfJoint, joints, parse_urdf
+from telex_control.urdf_joints import UrdfError
 
-from .config import SimulatorConfig
+from .config import RobotConfig, SimulatorConfig
 from .phase_timer import PhaseTimer
+from .robot import Robot
 from .robot_hw_sim import RobotHWSim
 from .scene.assembly import Assembly
 from .scene.assets import Assets
@@ -24,15 +26,18 @@ from .scene.catalog import find_scene
 from .scene.model import WORLD_FRAME
 from .scene.planning import PlannedScene, Progress, plan_entry, plan_scene
 from .scene.scene_file import SceneError
-from .self_collision import disable_pairs
-from .traction import Traction
 from .world import Body, World, WorldError
 
 _log = logging.getLogger("rosout")
 
+_OVERLAP = 0.01
+"""How deep (m) a robot may stand in something where it is added: meshes are not exact."""
+
 
 class Simulation:
-    """World, robot, scene, controllers and tracks, advanced step by step.
+    """World, scene and robots, advanced step by step.
+
+    It begins with one robot; others may come and go.
 
     Sim time never runs back: a reset restores the scene, not the clock, since tf, bags and
     timers do not survive a clock that jumps.
@@ -51,6 +56,8 @@ class Simulation:
     scene : Scene
         As its file says; what is spawned and deleted changes `objects` only.
     objects : SceneBodies
+    robots : tuple of Robot
+        The one that it began with, then those that were added. Replaced as a whole.
 
     Raises
     ------
@@ -67,66 +74,43 @@ class Simulation:
     ) -> None:
         self.config = config
         self.timer = PhaseTimer()
-        self.urdf = urdf
         self._resolve = resolve
         self._step_size = config.timing.step_size
         self._steps_per_cycle = config.timing.steps_per_cycle
         self.steps = 0
         self._assets = Assets()
+        self.robots: Tuple[Robot, ...] = ()
         self._planned = self._plan_scene()
         self.scene = self._planned.scene
-        robot = parse_urdf(urdf)
-        self.hw = RobotHWSim(robot, config.hardware)
-        self.controllers = ControllerManager(self.hw, node)
-        self._start_positions = self._check_joints(joints(robot))
-        config.self_collision.check_links([link.get("name", "") for link in robot.iter("link")])
-        self._belts = [
-            (self.hw.joint_state(joint), radius) for joint, radius in config.tracks.belts.items()
-        ]
-        # What was asked for last, and how often a stop was: each one is obeyed for a cycle at
-        # least, even if its release follows at once.
-        self._e_stop_wanted = False
-        self._e_stop_presses = 0
-        self._e_stop_obeyed = 0
+        self._check_pose()
+        step, pose = self._step_size, self.scene.start.pose
+        self.robots = (Robot(config, urdf, node, resolve, step, pose),)
         self.world = World(self._step_size, config.solver_iterations, config.gui)
         self.objects = SceneBodies(self.world.client, self._step_size)
         self._fill_world()
 
-    def _check_joints(self, described: Dict[str, UrdfJoint]) -> Dict[str, float]:
-        """Refuse a configuration that names joints which are not there, or beyond their limits.
+    @property
+    def hw(self) -> RobotHWSim:
+        """Hardware of the first robot."""
+        return self.robots[0].hw
 
-        Returns
-        -------
-        dict of str to float
-            Where the robot's joints start; without those of the pose that only variants have.
-        """
-        for joint in self.config.tracks.belts:
-            if not self.hw.has_joint(joint):
-                raise ConfigError(f"tracks/belts/{joint}: the robot has no driven joint '{joint}'")
+    @property
+    def controllers(self) -> ControllerManager:
+        """Controller manager of the first robot."""
+        return self.robots[0].controllers
+
+    @property
+    def body(self) -> Body:
+        """Body of the first robot."""
+        return self.robots[0].body
+
+    def _check_pose(self) -> None:
         start, asked = self.config.start, self.scene.start.pose
         if start.pose_name(asked) not in ("", *start.poses):
             raise SceneError(
                 f"{self._planned.path}: start/pose is '{asked}'; "
                 f"there are: {', '.join(sorted(start.poses)) or 'none'}"
             )
-        positions = {}
-        for joint, position in start.joint_positions(asked).items():
-            where = f"start/poses/{start.pose_name(asked)}/{joint}"
-            if joint not in described and joint in self.config.hardware.optional_joints:
-                _log.info("%s: left out, for this robot has no such joint", where)
-                continue
-            if joint not in described:
-                raise ConfigError(
-                    f"{where}: the robot has no joint '{joint}'; one that only some variants have "
-                    "belongs into hardware/optional_joints"
-                )
-            limits = described[joint]
-            if not limits.lower <= position <= limits.upper:
-                raise ConfigError(
-                    f"{where} is {position}; its limits are {limits.lower} to {limits.upper}"
-                )
-            positions[joint] = position
-        return positions
 
     def _plan_scene(self) -> PlannedScene:
         began = time.monotonic()
@@ -140,23 +124,17 @@ class Simulation:
 
     def _check_names(self, assemblies: Sequence[Assembly]) -> None:
         for name in (assembly.source.name for assembly in assemblies):
-            if name in (self.config.model, WORLD_FRAME):
+            if name in (*self._models(), WORLD_FRAME):
                 raise ConfigError(f"name is '{name}'; it is that of another frame already")
 
+    def _models(self) -> List[str]:
+        return [robot.model for robot in self.robots] or [self.config.model]
+
     def _fill_world(self) -> None:
-        """Put the scene and the robot into an empty world."""
+        """Put the scene and the robots into an empty world."""
         self._load_scene()
-        start, where = self.config.start, self.scene.start
-        self.body: Body = self.world.load_robot(
-            self.urdf,
-            self._resolve,
-            (where.x, where.y, where.ground + start.height),
-            where.yaw,
-            self._start_positions,
-        )
-        disable_pairs(self.body, self.config.self_collision)
-        self.hw.attach(self.body)
-        self._traction = Traction(self.body, self.config.tracks, self._step_size)
+        for robot in self.robots:
+            robot.place(self.world, self.scene.start)
 
     def _load_scene(self) -> None:
         name, began = self.scene.name, time.monotonic()
@@ -178,20 +156,21 @@ class Simulation:
         return self.steps % self._steps_per_cycle == 0
 
     def request_e_stop(self, active: bool) -> None:
-        """Set or release the emergency stop with the next step. May be called from any thread."""
-        self._e_stop_wanted = active
-        if active:
-            self._e_stop_presses += 1
+        """Set or release the first robot's emergency stop. May be called from any thread."""
+        self.robots[0].request_e_stop(active)
 
     def step(self) -> None:
         """Advance by one physics step, with a control cycle before it when one is due."""
         timer = self.timer
         timer.begin()
+        robots, now = self.robots, self.time
         if self.at_cycle_start:
             self._control(timer)
-        self.hw.write(self.time, self._step_size)
+        for robot in robots:
+            robot.hw.write(now, self._step_size)
         timer.end("write")
-        self._traction.apply([state.velocity * radius for state, radius in self._belts])
+        for robot in robots:
+            robot.apply_traction()
         timer.end("traction")
         self.objects.apply()
         timer.end("mechanisms")
@@ -200,36 +179,100 @@ class Simulation:
         timer.end("step")
 
     def _control(self, timer: PhaseTimer) -> None:
-        released = self._obey_e_stop()
-        self.hw.read(self.time, self.config.timing.control_period)
+        robots, now = self.robots, self.time
+        period = self.config.timing.control_period
+        released = [robot.obey_e_stop() for robot in robots]
+        for robot in robots:
+            robot.hw.read(now, period)
         timer.end("read")
-        self.controllers.update(
-            self.time, self.config.timing.control_period, reset_controllers=released
-        )
+        for robot, anew in zip(robots, released):
+            robot.controllers.update(now, period, reset_controllers=anew)
         timer.end("update")
         timer.count_cycle()
 
-    def _obey_e_stop(self) -> bool:
-        """Carry out a request; returns whether the stop was released just now."""
-        presses, self._e_stop_obeyed = self._e_stop_obeyed, self._e_stop_presses
-        wanted = self._e_stop_wanted or presses != self._e_stop_obeyed
-        if wanted == self.hw.e_stop:
-            return False
-        self.hw.set_e_stop(wanted)
-        return not wanted
-
     def idle(self) -> None:
-        """What goes on while paused: controllers are switched, and an emergency stop is set."""
-        if self._obey_e_stop():
-            # Without a cycle of their own, the controllers drop what they were told meanwhile.
-            self.controllers.restart_running(self.time)
-        self.controllers.apply_switch(self.time)
+        """What goes on while paused: controllers are switched, and emergency stops are set."""
+        for robot in self.robots:
+            robot.idle(self.time)
 
     def reset(self) -> None:
         """Put everything back to where it began; time goes on."""
         self.world.clear()
         self._fill_world()
-        self.controllers.reset(self.time)
+        for robot in self.robots:
+            robot.controllers.reset(self.time)
+
+    def plan_robot(self, config: RobotConfig, urdf: str, node: NodeHandle) -> Robot:
+        """Prepare a robot for `add_robot`; may be called from any thread.
+
+        Raises
+        ------
+        ConfigError, UrdfError
+        """
+        return Robot(config, urdf, node, self._resolve, self._step_size)
+
+    def add_robot(self, robot: Robot) -> None:
+        """Put a further robot into the running world.
+
+        Raises
+        ------
+        ConfigError
+            Its namespace or name is taken, it would stand in something, or PyBullet refuses it.
+        """
+        taken = [item.name for item in self.objects.objects()]
+        taken += [WORLD_FRAME, *(each.model for each in self.robots)]
+        if not robot.model or robot.model in taken:
+            raise ConfigError(f"model is '{robot.model}'; another name is needed")
+        if any(robot.namespace == each.namespace for each in self.robots):
+            raise ConfigError(f"namespace is '{robot.namespace}'; there is a robot already")
+        before = self.world.bodies()
+        try:
+            robot.place(self.world, self.scene.start)
+            self._check_place(robot)
+        except (ConfigError, UrdfError, WorldError) as error:
+            self.world.remove_others(before)
+            raise ConfigError(str(error)) from error
+        self.robots = (*self.robots, robot)
+        self._bodies_changed()
+
+    def remove_robot(self, name: str) -> Robot:
+        """Take a robot that was added out of the running world.
+
+        Parameters
+        ----------
+        name : str
+            Its namespace.
+
+        Raises
+        ------
+        ConfigError
+            There is none, or it is the first.
+        """
+        for robot in self.robots[1:]:
+            if robot.namespace == name:
+                self.robots = tuple(each for each in self.robots if each is not robot)
+                self.world.remove(robot.body)
+                self._bodies_changed()
+                self.objects.wake_all()
+                return robot
+        there = ", ".join(robot.namespace for robot in self.robots[1:])
+        raise ConfigError(f"name is '{name}'; robots that were added: {there or 'none'}")
+
+    def _check_place(self, robot: Robot) -> None:
+        touched = self.world.overlap(robot.body, _OVERLAP)
+        if touched is None:
+            return
+        names = {each.body.uid: f"robot '{each.model}'" for each in self.robots}
+        for item in self.objects.objects():
+            names.update(dict.fromkeys(self.objects.bodies_of(item.name), f"'{item.name}'"))
+        raise ConfigError(
+            f"it would stand in {names.get(touched, 'the ground')}; start/place (x, y, z, heading) "
+            "says where it starts"
+        )
+
+    def _bodies_changed(self) -> None:
+        for robot in self.robots:
+            robot.forget_surfaces()
 
     def plan(self, text: str, name: str = "", folder: str = "") -> List[Assembly]:
         """Prepare an entry for `spawn`; may be called from any thread.
@@ -260,8 +303,8 @@ class Simulation:
         ConfigError
             A name is taken, an object would stand in the robot, or there are too many.
         """
-        self.objects.add(plans, (self.body.uid,))
-        self._traction.forget_surfaces()
+        self.objects.add(plans, [robot.body.uid for robot in self.robots])
+        self._bodies_changed()
 
     def delete(self, name: str) -> List[str]:
         """Take an object, or all that one entry made, out of the running scene.
@@ -274,18 +317,22 @@ class Simulation:
         gone = self.objects.remove(name)
         if not gone:
             raise ConfigError(f"name is '{name}'; there is no such object")
-        self._traction.forget_surfaces()
+        self._bodies_changed()
         return gone
 
     def link_poses(self) -> List[float]:
         """Poses of all that moves, 7 numbers each.
 
-        The robot's links come in the order of ``body.link_names()``, then the objects' in that of
-        ``objects.frames()``.
+        Each robot's links come in the order of its ``body.link_names()``, then the objects' in that
+        of ``objects.frames()``.
         """
-        return self.body.link_poses() + self.objects.poses()
+        poses: List[float] = []
+        for robot in self.robots:
+            poses += robot.body.link_poses()
+        return poses + self.objects.poses()
 
     def close(self) -> None:
         """Release the controllers' callers and PyBullet."""
-        self.controllers.close()
+        for robot in self.robots:
+            robot.close()
         self.world.close()

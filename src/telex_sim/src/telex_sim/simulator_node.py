@@ -2,33 +2,43 @@
 
 from __future__ import annotations
 
+import copy
 import math
 import queue
 import sys
 import threading
 import time as wall
-from typing import Any, Callable, List, Optional
+from typing import Any, Callable, List, Optional, Tuple
 
 import rospkg
 import rospy
-from geometry_msgs.msg import Point, PoseStamped, Quaternion
 from rosgraph_msgs.msg import Clock
-from std_msgs.msg import Bool
 from std_srvs.srv import Empty, EmptyResponse
 from telex_msgs.msg import SceneDescription, ScenePoses, SimStatus
-from telex_msgs.srv import Delete, DeleteResponse, Spawn, SpawnResponse, Step, StepResponse
+from telex_msgs.srv import (
+    AddRobot,
+    AddRobotResponse,
+    Delete,
+    DeleteResponse,
+    RemoveRobot,
+    RemoveRobotResponse,
+    Spawn,
+    SpawnResponse,
+    Step,
+    StepResponse,
+)
 
-from telex_control.controller_manager_services import ControllerManagerServices
 from telex_control.params import ConfigError, read_config
 from telex_control.robot_description import wait_for_robot_description
 from telex_control.ros_node_handle import RosNodeHandle
 from telex_control.urdf_joints import UrdfError
 
-from .config import SimulatorConfig
+from .config import RobotConfig, SimulatorConfig
 from .pacing import RealTimeFactor, RealTimePacer
 from .rendering.addresses import resolve_address
-from .rendering.urdf_visuals import UrdfVisualError
-from .scene.model import WORLD_FRAME
+from .rendering.urdf_visuals import UrdfVisual, UrdfVisualError, urdf_visuals
+from .robot import Robot
+from .robot_presence import RobotPresence
 from .scene.scene_file import SceneError
 from .scene_messages import SceneMessages
 from .simulation import Simulation
@@ -84,34 +94,35 @@ class SimulatorNode:
         self._factor = RealTimeFactor()
         self._late_cycles = 0
         self._resets = 0
-        self._told_e_stop = False
+        first = simulation.robots[0]
         self._scene = SceneMessages(
-            config.model, simulation.body.link_names(), simulation.urdf, simulation.scene
+            first.model, first.body.link_names(), first.urdf, simulation.scene
         )
         self._scene.show(simulation.objects.objects())
+        # Held while objects and robots come and go, so that each knows the names that there are.
         self._spawning = threading.Lock()
         self._clock = rospy.Publisher("/clock", Clock, queue_size=4, tcp_nodelay=True)
         self._scene_publisher = rospy.Publisher(
             "sim/scene", SceneDescription, queue_size=1, latch=True
         )
         self._poses = rospy.Publisher("sim/poses", ScenePoses, queue_size=1, tcp_nodelay=True)
-        self._base_pose = rospy.Publisher("sim/base_pose", PoseStamped, queue_size=4)
-        self._status = rospy.Publisher("sim/status", SimStatus, queue_size=4, latch=True)
+        # Replaced as a whole, never changed: the loop reads it without a lock.
+        self._presences: Tuple[RobotPresence, ...] = (RobotPresence(first),)
         self._next_status = 0.0
         self._clock_every = self._steps_between(config.publish.clock_rate)
         self._poses_every = self._steps_between(config.publish.poses_rate)
         self._base_pose_every = self._steps_between(config.publish.base_pose_rate)
         self._scene_publisher.publish(self._scene.description(self._now()))
         self._services: List[Any] = [
-            ControllerManagerServices(simulation.controllers),
             rospy.Service("sim/pause", Empty, lambda _: self._empty(self._pause)),
             rospy.Service("sim/unpause", Empty, lambda _: self._empty(self._unpause)),
             rospy.Service("sim/reset", Empty, lambda _: self._empty(self._reset)),
             rospy.Service("sim/step", Step, self._on_step),
             rospy.Service("sim/spawn", Spawn, self._on_spawn),
             rospy.Service("sim/delete", Delete, self._on_delete),
+            rospy.Service("sim/add_robot", AddRobot, self._on_add_robot),
+            rospy.Service("sim/remove_robot", RemoveRobot, self._on_remove_robot),
         ]
-        self._e_stop = rospy.Subscriber("e_stop", Bool, self._on_e_stop, tcp_nodelay=True)
 
     def _steps_between(self, rate: float) -> int:
         """Steps from one message to the next, so that the rate is never exceeded."""
@@ -122,11 +133,6 @@ class SimulatorNode:
         return rospy.Time(0, self._simulation.steps * self._step_ns)
 
     # --- callbacks: other threads ------------------------------------------------------------
-
-    def _on_e_stop(self, message: Bool) -> None:
-        if message.data != self._simulation.hw.e_stop:
-            rospy.logwarn("emergency stop %s", "set" if message.data else "released")
-        self._simulation.request_e_stop(message.data)
 
     def _empty(self, action: Callable[[], None]) -> EmptyResponse:
         self._in_loop(action)
@@ -162,8 +168,7 @@ class SimulatorNode:
     def _on_spawn(self, request: Any) -> SpawnResponse:
         simulation = self._simulation
         try:
-            # One after the other, so that each knows the names that there are. Reading and checking
-            # happen here, beside the loop.
+            # Reading and checking happen here, beside the loop.
             with self._spawning:
                 plans = simulation.plan(request.object, request.name, request.folder)
                 self._change(lambda: simulation.spawn(plans))
@@ -181,6 +186,66 @@ class SimulatorNode:
             rospy.logwarn("sim/delete: %s", error)
             return DeleteResponse(success=False, message=str(error))
         return DeleteResponse(success=True, message=f"gone: {', '.join(gone)}")
+
+    def _on_add_robot(self, request: Any) -> AddRobotResponse:
+        name = rospy.resolve_name(request.name).rstrip("/")
+        try:
+            with self._spawning:
+                robot, visuals = self._plan_robot(name)
+                try:
+                    self._change(lambda: self._add_robot(robot, visuals))
+                except Exception:
+                    robot.close()
+                    raise
+                self._presences = (*self._presences, RobotPresence(robot))
+        except (ConfigError, UrdfError, UrdfVisualError) as error:
+            rospy.logwarn("sim/add_robot: %s: %s", name, error)
+            return AddRobotResponse(success=False, message=str(error))
+        self._status_soon()
+        return AddRobotResponse(success=True, message=f"added: {name} as '{robot.model}'")
+
+    def _plan_robot(self, name: str) -> Tuple[Robot, List[UrdfVisual]]:
+        """Read and check all that its namespace says of a robot, beside the loop."""
+        node = RosNodeHandle(name or "/")
+        if any(robot.namespace == node.namespace for robot in self._simulation.robots):
+            raise ConfigError(
+                f"there is a robot in {name or '/'} already; sim/remove_robot takes out one that "
+                "was added"
+            )
+        urdf = node.find_param("robot_description", None)
+        if not isinstance(urdf, str):
+            raise ConfigError(f"parameter {node.resolve('robot_description')} is missing")
+        params = node.find_param("simulation", {})
+        config = read_config(RobotConfig, params, node.resolve("simulation"))
+        visuals = urdf_visuals(urdf)
+        return self._simulation.plan_robot(config, urdf, node), visuals
+
+    def _add_robot(self, robot: Robot, visuals: List[UrdfVisual]) -> None:
+        began = wall.monotonic()
+        self._simulation.add_robot(robot)
+        self._scene.add_robot(robot.model, robot.body.link_names(), visuals)
+        self._publish_scene()
+        rospy.loginfo("robot %s: added in %.3f s", robot.model, wall.monotonic() - began)
+
+    def _on_remove_robot(self, request: Any) -> RemoveRobotResponse:
+        name = rospy.resolve_name(request.name).rstrip("/")
+        with self._spawning:
+            added = self._presences[1:]
+            gone = next((each for each in added if each.robot.namespace == name), None)
+            if gone is None:
+                names = ", ".join(each.robot.namespace for each in added)
+                message = f"name is '{name}'; robots that were added: {names or 'none'}"
+                return RemoveRobotResponse(success=False, message=message)
+            self._presences = tuple(each for each in self._presences if each is not gone)
+            gone.unload_controllers()
+            self._change(lambda: self._remove_robot(gone.robot))
+            gone.close()
+        return RemoveRobotResponse(success=True, message=f"gone: {name}")
+
+    def _remove_robot(self, robot: Robot) -> None:
+        self._simulation.remove_robot(robot.namespace)
+        self._scene.remove_robot(robot.model)
+        self._publish_scene()
 
     def _change(self, action: Callable[[], None]) -> None:
         """Have the loop's thread change the scene.
@@ -267,6 +332,8 @@ class SimulatorNode:
         """Take the services back and release PyBullet."""
         for service in self._services:
             service.shutdown()
+        for presence in self._presences:
+            presence.close()
         self._simulation.close()
 
     def _serve_requests(self) -> None:
@@ -301,16 +368,19 @@ class SimulatorNode:
     def _show_scene(self) -> None:
         """Tell renderers what has come and gone, and where it is."""
         if self._scene.show(self._simulation.objects.objects()):
-            self._scene_publisher.publish(self._scene.description(self._now()))
-            self._publish_poses()
+            self._publish_scene()
+
+    def _publish_scene(self) -> None:
+        self._scene_publisher.publish(self._scene.description(self._now()))
+        self._publish_poses()
 
     def _restart_pace(self) -> None:
         self._pacer.restart(self._simulation.time)
         self._factor.restart(self._simulation.time)
 
     def _e_stop_changed(self) -> bool:
-        """Whether the last status tells of the emergency stop what is no longer so."""
-        return self._simulation.hw.e_stop != self._told_e_stop
+        """Whether the last status tells of an emergency stop what is no longer so."""
+        return any(presence.e_stop_changed() for presence in self._presences)
 
     def _status_soon(self) -> None:
         self._next_status = 0.0
@@ -340,26 +410,17 @@ class SimulatorNode:
             self._poses.publish(self._scene.poses(self._now(), self._simulation.link_poses()))
 
     def _publish_base_pose(self) -> None:
-        if not self._base_pose.get_num_connections():
-            return
-        position, orientation = self._simulation.body.base_pose()
-        message = PoseStamped()
-        message.header.stamp = self._now()
-        message.header.frame_id = WORLD_FRAME
-        message.pose.position = Point(*position)
-        message.pose.orientation = Quaternion(*orientation)
-        self._base_pose.publish(message)
+        for presence in self._presences:
+            presence.publish_base_pose(self._now())
 
     def _publish_status(self) -> None:
         self._next_status = wall.monotonic() + _STATUS_PERIOD
         simulation = self._simulation
-        self._told_e_stop = simulation.hw.e_stop
         timing = simulation.config.timing
         means = simulation.timer.take_means()
         factor = 0.0 if self._paused else self._factor.since_last(simulation.time)
         message = SimStatus(
             paused=self._paused,
-            e_stop=simulation.hw.e_stop,
             world=simulation.scene.name,
             step_size=timing.step_size,
             control_period=timing.control_period,
@@ -373,7 +434,8 @@ class SimulatorNode:
             warnings=self._warnings(factor),
         )
         message.header.stamp = self._now()
-        self._status.publish(message)
+        for presence in self._presences:
+            presence.publish_status(copy.copy(message))
 
     def _warnings(self, factor: float) -> List[str]:
         wanted = self._simulation.config.timing.real_time_factor

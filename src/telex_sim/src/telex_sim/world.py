@@ -1,4 +1,4 @@
-"""The PyBullet world and the robot's body in it.
+"""The PyBullet world and the robots' bodies in it.
 
 Only one thread may use a `World`: PyBullet is not safe with more.
 """
@@ -7,12 +7,15 @@ from __future__ import annotations
 
 import os
 import tempfile
-from typing import Callable, Dict, List, Sequence, Tuple
+from typing import Callable, Collection, Dict, List, Optional, Sequence, Tuple
 from xml.etree import ElementTree
 
 import pybullet
 
 GRAVITY = 9.81
+_NO_PRODUCTS = {"ixy": "0", "ixz": "0", "iyz": "0"}
+_WORLD_LINK = "world"
+"""A root link of this name means the world itself, as Gazebo has it."""
 Vector = Tuple[float, float, float]
 Quaternion = Tuple[float, float, float, float]
 
@@ -71,6 +74,8 @@ class Body:
         """Poses of all links in the order of `link_names`: 7 numbers each (m, quaternion xyzw)."""
         position, orientation = self.base_pose()
         poses = [*position, *orientation]
+        if not self._link_indices:
+            return poses
         states = pybullet.getLinkStates(
             self.uid, self._link_indices, computeForwardKinematics=1, physicsClientId=self.client
         )
@@ -81,7 +86,7 @@ class Body:
 
 
 class World:
-    """A PyBullet client with gravity, and the robot in it.
+    """A PyBullet client with gravity, and the robots in it.
 
     Parameters
     ----------
@@ -100,6 +105,7 @@ class World:
     def __init__(self, step_size: float, solver_iterations: int, gui: bool = False) -> None:
         self._step_size = step_size
         self._iterations = solver_iterations
+        self._gui = gui
         if gui and not os.environ.get("DISPLAY"):
             raise WorldError("gui is true, but there is no display (DISPLAY is not set)")
         try:
@@ -147,6 +153,8 @@ class World:
         position: Sequence[float],
         yaw: float,
         joint_positions: Dict[str, float],
+        fixed_base: bool = False,
+        self_collision: bool = True,
     ) -> Body:
         """Put a robot into the world.
 
@@ -161,6 +169,10 @@ class World:
             Heading (rad).
         joint_positions : dict
             By joint name (rad, m); 0 for the rest.
+        fixed_base : bool
+            Fix the root link to the world; one of the name ``world`` always is.
+        self_collision : bool
+            Whether its links can touch each other.
 
         Raises
         ------
@@ -168,13 +180,22 @@ class World:
             PyBullet refuses the URDF, or a joint of `joint_positions` does not exist.
         """
         client = self.client
+        root = _with_local_meshes(urdf, resolve)
+        _complete_inertials(root)
+        if not self._gui:
+            # Nothing looks at them there, and reading them is most of the time that loading takes.
+            _drop_visuals(root)
+        flags = pybullet.URDF_USE_INERTIA_FROM_FILE
+        if self_collision:
+            flags |= pybullet.URDF_USE_SELF_COLLISION
         handle, path = tempfile.mkstemp(suffix=".urdf", text=True)
         try:
             with os.fdopen(handle, "w") as file:
-                file.write(_with_local_meshes(urdf, resolve))
+                file.write(ElementTree.tostring(root, encoding="unicode"))
             uid = pybullet.loadURDF(
                 path,
-                flags=pybullet.URDF_USE_INERTIA_FROM_FILE | pybullet.URDF_USE_SELF_COLLISION,
+                useFixedBase=fixed_base or _root_link(root) == _WORLD_LINK,
+                flags=flags,
                 physicsClientId=client,
             )
         except pybullet.error as error:
@@ -205,16 +226,64 @@ class World:
         pybullet.resetBasePositionAndOrientation(uid, *base, physicsClientId=client)
         return body
 
+    def remove(self, body: Body) -> None:
+        """Take a robot out of the world."""
+        pybullet.removeBody(body.uid, physicsClientId=self.client)
+
+    def bodies(self) -> List[int]:
+        """PyBullet's numbers of all bodies."""
+        client = self.client
+        count = pybullet.getNumBodies(physicsClientId=client)
+        return [pybullet.getBodyUniqueId(index, physicsClientId=client) for index in range(count)]
+
+    def remove_others(self, kept: Collection[int]) -> None:
+        """Take everything out of the world but the bodies `kept`."""
+        for uid in self.bodies():
+            if uid not in kept:
+                pybullet.removeBody(uid, physicsClientId=self.client)
+
+    def overlap(self, body: Body, tolerance: float) -> Optional[int]:
+        """PyBullet's number of another body in which `body` stands, deeper than `tolerance` (m)."""
+        for other in self.bodies():
+            if other == body.uid:
+                continue
+            points = pybullet.getClosestPoints(body.uid, other, 0.0, physicsClientId=self.client)
+            if any(point[8] < -tolerance for point in points):
+                return other
+        return None
+
     def step(self) -> None:
         """Advance by one step."""
         pybullet.stepSimulation(physicsClientId=self.client)
 
 
-def _with_local_meshes(urdf: str, resolve: Callable[[str], str]) -> str:
+def _with_local_meshes(urdf: str, resolve: Callable[[str], str]) -> ElementTree.Element:
     root = ElementTree.fromstring(urdf)
     for mesh in root.iter("mesh"):
         try:
             mesh.set("filename", resolve(mesh.get("filename", "")))
         except ValueError as error:
             raise WorldError(f"robot_description: {error}") from error
-    return ElementTree.tostring(root, encoding="unicode")
+    return root
+
+
+def _complete_inertials(root: ElementTree.Element) -> None:
+    """Give links that have none a mass that does not count: PyBullet would take 1 kg."""
+    for link in root.findall("link"):
+        if link.find("inertial") is None:
+            inertial = ElementTree.SubElement(link, "inertial")
+            ElementTree.SubElement(inertial, "mass", value="1e-6")
+            moments = {"ixx": "1e-9", "iyy": "1e-9", "izz": "1e-9"}
+            ElementTree.SubElement(inertial, "inertia", {**moments, **_NO_PRODUCTS})
+
+
+def _drop_visuals(root: ElementTree.Element) -> None:
+    for link in root.findall("link"):
+        for visual in link.findall("visual"):
+            link.remove(visual)
+
+
+def _root_link(root: ElementTree.Element) -> str:
+    children = {child.get("link") for child in root.findall("joint/child")}
+    links = (link.get("name", "") for link in root.findall("link"))
+    return next((name for name in links if name not in children), "")

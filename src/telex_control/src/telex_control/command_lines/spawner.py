@@ -1,6 +1,7 @@
 """Loads and starts controllers, and stops and unloads them again when it ends.
 
-The command line is that of ros_control's ``spawner``, and ``--optional`` beyond it.
+The command line is that of ros_control's ``spawner``; ``--optional`` and ``--optional-stopped``
+are beyond it.
 """
 
 from __future__ import annotations
@@ -9,13 +10,13 @@ import argparse
 import os
 import threading
 import time
-from typing import Any, Dict, List, Optional
+from typing import Any, Collection, Dict, List, Optional
 
 import rospy
 import yaml
 from std_msgs.msg import Bool
 
-from ..controller_joints import controller_joints
+from ..controller_joints import controller_joints, without_joints
 from ..controller_manager_client import ControllerManagerClient
 from ..transmission_parser import driven_joints
 from ..urdf_joints import UrdfError, parse_urdf
@@ -50,6 +51,13 @@ def parse(arguments: List[str]) -> argparse.Namespace:
         default=[],
         metavar="NAME",
         help="further controllers, left out where the robot lacks all their joints",
+    )
+    parser.add_argument(
+        "--optional-stopped",
+        nargs="*",
+        default=[],
+        metavar="NAME",
+        help="as --optional, but these are loaded only, not started",
     )
     parser.add_argument("--stopped", action="store_true", help="load only, do not start")
     parser.add_argument(
@@ -160,6 +168,8 @@ class Spawner:
     def present(self, names: List[str], optional: List[str]) -> List[str]:
         """Return `names` and those of the `optional` controllers whose joints the robot has.
 
+        One for many joints does without those that belong to a controller that is left out.
+
         Raises
         ------
         SpawnerError
@@ -188,7 +198,18 @@ class Spawner:
                     "controller is missing"
                 )
             rospy.loginfo("Left out: %s, for this robot has no %s", name, ", ".join(joints))
+        gone = {joint for joints in absent.values() for joint in joints}
+        for name in kept[len(names) :]:
+            self._fit(name, gone)
         return kept
+
+    def _fit(self, name: str, gone: Collection[str]) -> None:
+        """Take joints that are gone from a controller for a list of joints."""
+        params = rospy.get_param(self._param(name), {})
+        lacking = [joint for joint in controller_joints(params) if joint in gone]
+        if lacking:
+            rospy.set_param(self._param(name), without_joints(params, gone))
+            rospy.loginfo("%s does without %s", name, ", ".join(lacking))
 
     def _driven_joints(self) -> List[str]:
         description = rospy.get_param(self._param("robot_description"), None)
@@ -219,10 +240,11 @@ class Spawner:
         rospy.loginfo("Controller Spawner: Loaded controllers: %s", ", ".join(self._loaded))
         return self._loaded
 
-    def start(self) -> None:
-        """Start everything that was loaded, in one switch."""
-        names = ", ".join(self._loaded)
-        if self._client.switch(self._loaded, []):
+    def start(self, but: Collection[str] = ()) -> None:
+        """Start everything that was loaded, in one switch; what is in `but` stays stopped."""
+        started = [name for name in self._loaded if name not in but]
+        names = ", ".join(started)
+        if self._client.switch(started, []):
             rospy.loginfo("Started controllers: %s", names)
         else:
             rospy.logerr("Failed to start controllers: %s", names)
@@ -302,14 +324,14 @@ def main() -> None:
             wait_until_true(options.wait_for, options.timeout)
         rospy.on_shutdown(spawner.stop)
         try:
-            names = spawner.present(names, options.optional)
+            names = spawner.present(names, options.optional + options.optional_stopped)
         except SpawnerError as error:
             rospy.logerr("%s", error)
             return 1
         if not spawner.load(names):
             return 1
         if not options.stopped:
-            spawner.start()
+            spawner.start(options.optional_stopped)
         rospy.spin()
         return 0
 

@@ -154,9 +154,7 @@ def settled(
         for _ in range(round(seconds / simulation.config.timing.step_size)):
             simulation.step()
         model = simulation.config.model
-        messages = SceneMessages(
-            model, simulation.body.link_names(), simulation.urdf, simulation.scene
-        )
+        messages = SceneMessages(model, simulation.body.link_names(), urdf, simulation.scene)
         messages.show(simulation.objects.objects())
         scene, problems = scene_from_message(messages.description(Time()))
         frames = frames_from_message(

@@ -1,0 +1,99 @@
+"""A simulated inertial sensor."""
+
+from __future__ import annotations
+
+from typing import Optional, Tuple
+
+import pybullet
+
+from telex_control.hardware_interface import ImuSensorHandle
+
+from .world import GRAVITY, Body, Vector
+
+_EXACT = (1e-9, 0.0, 0.0, 0.0, 1e-9, 0.0, 0.0, 0.0, 1e-9)
+
+
+class Imu:
+    """Measures the motion of one link, in the axes of its frame and without noise.
+
+    The acceleration is the mean since the last reading, and proper (REP 145): at rest it is the
+    gravity's opposite.
+
+    Parameters
+    ----------
+    name : str
+        Of the sensor.
+    link : str
+
+    Attributes
+    ----------
+    handle : ImuSensorHandle
+        Its covariances are as good as 0; 0 itself would mean "unknown".
+    """
+
+    def __init__(self, name: str, link: str) -> None:
+        self.handle = ImuSensorHandle(name, link)
+        self.handle.orientation_covariance = _EXACT
+        self.handle.angular_velocity_covariance = _EXACT
+        self.handle.linear_acceleration_covariance = _EXACT
+        self._body: Optional[Body] = None
+        self._link = -1
+        self._velocity: Optional[Vector] = None
+
+    def attach(self, body: Body) -> None:
+        """Measure the link of `body`, from rest."""
+        self._body = body
+        self._link = body.links[self.handle.frame_id]
+        self._velocity = None
+        self.read(0.0)
+
+    def read(self, period: float) -> None:
+        """Fill the handle; `period` is the time since the last reading (s)."""
+        body = self._body
+        assert body is not None
+        orientation, velocity, turning = self._motion(body)
+        last, self._velocity = self._velocity, velocity
+        # What is felt: the motion's acceleration less gravity's, in the world's axes.
+        felt = [0.0, 0.0, GRAVITY]
+        if last is not None and period > 0.0:
+            felt = [
+                (now - before) / period + rest for now, before, rest in zip(velocity, last, felt)
+            ]
+        m = pybullet.getMatrixFromQuaternion(orientation)
+        handle = self.handle
+        handle.orientation = orientation
+        handle.angular_velocity = _into(m, turning)
+        handle.linear_acceleration = _into(m, (felt[0], felt[1], felt[2]))
+
+    def _motion(self, body: Body) -> Tuple[Tuple[float, float, float, float], Vector, Vector]:
+        """Orientation, and linear and angular velocity of the link's frame, in the world."""
+        if self._link < 0:
+            center, _ = pybullet.getBasePositionAndOrientation(
+                body.uid, physicsClientId=body.client
+            )
+            velocity, turning = pybullet.getBaseVelocity(body.uid, physicsClientId=body.client)
+            origin, orientation = body.base_pose()
+        else:
+            state = pybullet.getLinkState(
+                body.uid,
+                self._link,
+                computeLinkVelocity=1,
+                computeForwardKinematics=1,
+                physicsClientId=body.client,
+            )
+            center, _, _, _, origin, orientation, velocity, turning = state
+        x, y, z = (a - b for a, b in zip(origin, center))
+        p, q, r = turning
+        u, v, w = velocity
+        # PyBullet gives the velocity of the centre of mass.
+        return orientation, (u + q * z - r * y, v + r * x - p * z, w + p * y - q * x), turning
+
+
+def _into(m: Tuple[float, ...], vector: Vector) -> Vector:
+    """A vector of the world in the axes of a frame, whose rotation matrix is `m`, row by row."""
+    x, y, z = vector
+    return (
+        m[0] * x + m[3] * y + m[6] * z,
+        m[1] * x + m[4] * y + m[7] * z,
+        m[2] * x + m[5] * y + m[8] * z,
+    )

@@ -1,0 +1,188 @@
+"""One robot in a simulation: its body, hardware, controllers and tracks, without ROS.
+
+One thread, the simulation's, owns a `Robot`; only `request_e_stop` may be called from others.
+"""
+
+from __future__ import annotations
+
+import logging
+from typing import Callable, Dict
+from xml.etree import ElementTree
+
+from telex_control.controller_manager import ControllerManager
+from telex_control.node_handle import NodeHandle
+from telex_control.params import ConfigError
+from telex_control.urdf_joints import UrdfJoint, joints, parse_urdf
+
+from .config import RobotConfig
+from .robot_hw_sim import RobotHWSim
+from .scene.model import Start
+from .self_collision import disable_pairs
+from .traction import Traction
+from .world import Body, World
+
+_log = logging.getLogger("rosout")
+
+
+class Robot:
+    """A robot that can be placed in a world.
+
+    What can be wrong with it is found here, before a world is touched.
+
+    Parameters
+    ----------
+    config : RobotConfig
+    urdf : str
+    node : NodeHandle
+        Its namespace, for the hardware and the controllers.
+    resolve : callable
+        Turns a mesh address (``package://…``) into a path.
+    step_size : float
+        Sim time of one step (s).
+    asked_pose : str
+        Named pose that the scene asks for; empty for none.
+
+    Attributes
+    ----------
+    namespace : str
+        Full name, without a slash at its end.
+    model : str
+        Name in the scene; its frames are ``<model>/<link>``.
+    hw : RobotHWSim
+    controllers : ControllerManager
+    body : Body
+        Once it is placed.
+
+    Raises
+    ------
+    ConfigError, UrdfError
+        With a message for a person.
+    """
+
+    body: Body
+
+    def __init__(
+        self,
+        config: RobotConfig,
+        urdf: str,
+        node: NodeHandle,
+        resolve: Callable[[str], str],
+        step_size: float,
+        asked_pose: str = "",
+    ) -> None:
+        self.config = config
+        self.urdf = urdf
+        self.namespace = node.namespace
+        self._node = node
+        self.model = config.model or node.namespace.rsplit("/", 1)[-1]
+        self._resolve = resolve
+        self._step_size = step_size
+        try:
+            self._make(parse_urdf(urdf), node, asked_pose)
+        except Exception:
+            node.shutdown()
+            raise
+
+    def _make(self, root: ElementTree.Element, node: NodeHandle, asked_pose: str) -> None:
+        config = self.config
+        self.hw = RobotHWSim(root, config.hardware)
+        self.hw.init(node, node)
+        self.controllers = ControllerManager(self.hw, node)
+        self._check_belts()
+        self._positions = self._start_positions(joints(root), asked_pose)
+        config.self_collision.check_links([link.get("name", "") for link in root.iter("link")])
+        self._belts = [
+            (self.hw.joint_state(joint), radius) for joint, radius in config.tracks.belts.items()
+        ]
+        # What was asked for last, and how often a stop was: each one is obeyed for a cycle at
+        # least, even if its release follows at once.
+        self._e_stop_wanted = False
+        self._e_stop_presses = 0
+        self._e_stop_obeyed = 0
+
+    def _check_belts(self) -> None:
+        for joint in self.config.tracks.belts:
+            if not self.hw.has_joint(joint):
+                raise ConfigError(f"tracks/belts/{joint}: the robot has no driven joint '{joint}'")
+
+    def _start_positions(self, described: Dict[str, UrdfJoint], asked: str) -> Dict[str, float]:
+        """Where the joints start, without those of the pose that only variants have."""
+        start = self.config.start
+        positions = {}
+        for joint, position in start.joint_positions(asked).items():
+            where = f"start/poses/{start.pose_name(asked)}/{joint}"
+            if joint not in described and joint in self.config.hardware.optional_joints:
+                _log.info("%s: left out, for this robot has no such joint", where)
+                continue
+            if joint not in described:
+                raise ConfigError(
+                    f"{where}: the robot has no joint '{joint}'; one that only some variants have "
+                    "belongs into hardware/optional_joints"
+                )
+            limits = described[joint]
+            if not limits.lower <= position <= limits.upper:
+                raise ConfigError(
+                    f"{where} is {position}; its limits are {limits.lower} to {limits.upper}"
+                )
+            positions[joint] = position
+        return positions
+
+    def place(self, world: World, scene_start: Start) -> None:
+        """Put the robot into `world`, where its configuration or else the scene says.
+
+        Raises
+        ------
+        WorldError
+            PyBullet refuses the URDF.
+        """
+        config, start = self.config, self.config.start
+        ground = scene_start.ground + start.height
+        x, y, z, yaw = start.place or (scene_start.x, scene_start.y, ground, scene_start.yaw)
+        self.body = world.load_robot(
+            self.urdf,
+            self._resolve,
+            (x, y, z),
+            yaw,
+            self._positions,
+            config.fixed_base,
+            config.self_collision.enabled,
+        )
+        disable_pairs(self.body, config.self_collision)
+        self.hw.attach(self.body)
+        self._traction = Traction(self.body, config.tracks, self._step_size)
+
+    def apply_traction(self) -> None:
+        """Apply the forces of its tracks for the next step."""
+        if self._belts:
+            self._traction.apply([state.velocity * radius for state, radius in self._belts])
+
+    def forget_surfaces(self) -> None:
+        """Look at every surface anew, after bodies have come or gone."""
+        self._traction.forget_surfaces()
+
+    def request_e_stop(self, active: bool) -> None:
+        """Set or release the emergency stop with the next cycle. From any thread."""
+        self._e_stop_wanted = active
+        if active:
+            self._e_stop_presses += 1
+
+    def obey_e_stop(self) -> bool:
+        """Carry out a request; returns whether the stop was released just now."""
+        presses, self._e_stop_obeyed = self._e_stop_obeyed, self._e_stop_presses
+        wanted = self._e_stop_wanted or presses != self._e_stop_obeyed
+        if wanted == self.hw.e_stop:
+            return False
+        self.hw.set_e_stop(wanted)
+        return not wanted
+
+    def idle(self, time: float) -> None:
+        """What goes on while paused: controllers are switched, and an emergency stop is set."""
+        if self.obey_e_stop():
+            # Without a cycle of their own, the controllers drop what they were told meanwhile.
+            self.controllers.restart_running(time)
+        self.controllers.apply_switch(time)
+
+    def close(self) -> None:
+        """Let whoever waits for its controllers return, and end what its hardware offers."""
+        self.controllers.close()
+        self._node.shutdown()

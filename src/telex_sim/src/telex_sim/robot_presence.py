@@ -1,0 +1,85 @@
+"""What ROS sees of one simulated robot, in its namespace."""
+
+from __future__ import annotations
+
+import rospy
+from geometry_msgs.msg import Point, PoseStamped, Quaternion
+from std_msgs.msg import Bool
+from telex_msgs.msg import SimStatus
+
+from telex_control.controller import ControllerState
+from telex_control.controller_manager import Strictness
+from telex_control.controller_manager_services import ControllerManagerServices
+
+from .robot import Robot
+from .scene.model import WORLD_FRAME
+
+_STOP_TIMEOUT = 1.0
+
+
+class RobotPresence:
+    """Controller manager, emergency stop, status and ground truth of a robot.
+
+    Topics are opened and closed in a thread of ROS; only `publish_base_pose`, `publish_status`
+    and `e_stop_changed` are the simulation's thread's.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+        namespace = robot.namespace
+        self._told_e_stop = False
+        self._base_pose = rospy.Publisher(f"{namespace}/sim/base_pose", PoseStamped, queue_size=4)
+        self._status = rospy.Publisher(
+            f"{namespace}/sim/status", SimStatus, queue_size=4, latch=True
+        )
+        self._manager = ControllerManagerServices(robot.controllers, namespace)
+        self._e_stop = rospy.Subscriber(
+            f"{namespace}/e_stop", Bool, self._on_e_stop, tcp_nodelay=True
+        )
+
+    def _on_e_stop(self, message: Bool) -> None:
+        robot = self.robot
+        if message.data != robot.hw.e_stop:
+            rospy.logwarn(
+                "%s: emergency stop %s", robot.model, "set" if message.data else "released"
+            )
+        robot.request_e_stop(message.data)
+
+    def e_stop_changed(self) -> bool:
+        """Whether the last status tells of the emergency stop what is no longer so."""
+        return self.robot.hw.e_stop != self._told_e_stop
+
+    def publish_status(self, message: SimStatus) -> None:
+        """Publish the simulator's status, with this robot's emergency stop."""
+        message.e_stop = self._told_e_stop = self.robot.hw.e_stop
+        self._status.publish(message)
+
+    def publish_base_pose(self, stamp: rospy.Time) -> None:
+        """Publish where the root link is, when anybody listens."""
+        if not self._base_pose.get_num_connections():
+            return
+        position, orientation = self.robot.body.base_pose()
+        message = PoseStamped()
+        message.header.stamp = stamp
+        message.header.frame_id = WORLD_FRAME
+        message.pose.position = Point(*position)
+        message.pose.orientation = Quaternion(*orientation)
+        self._base_pose.publish(message)
+
+    def unload_controllers(self) -> None:
+        """Stop and unload all controllers, while the robot is still in the loop."""
+        manager = self.robot.controllers
+        listed = manager.list_controllers()
+        running = [info.name for info, state in listed if state is ControllerState.RUNNING]
+        if running:
+            manager.switch_controller([], running, Strictness.BEST_EFFORT, timeout=_STOP_TIMEOUT)
+        for info, _ in listed:
+            manager.unload_controller(info.name)
+
+    def close(self) -> None:
+        """Take all services and topics back."""
+        self._e_stop.unregister()
+        self._manager.shutdown()
+        self._base_pose.unregister()
+        self._status.unregister()
+        self.robot.close()

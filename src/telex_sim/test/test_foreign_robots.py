@@ -1,0 +1,375 @@
+"""Robots that are not Telex, in a simulation of their own and beside Telex."""
+
+from __future__ import annotations
+
+import math
+import threading
+from pathlib import Path
+
+import pybullet
+import pybullet_data
+import pytest
+import rospkg
+from std_msgs.msg import Float64, Float64MultiArray
+
+from telex_control.local_node_handle import LocalNodeHandle
+from telex_control.params import ConfigError, read_config
+from telex_control.urdf_joints import MOVABLE, UrdfError, joints, parse_urdf
+from telex_sim.config import RobotConfig, SimulatorConfig
+from telex_sim.rendering.addresses import resolve_address
+from telex_sim.robot_model import robot_model
+from telex_sim.simulation import Simulation
+
+DATA = Path(pybullet_data.getDataPath())
+TRANSMISSION = """
+<transmission name="{joint}_drive"><type>transmission_interface/SimpleTransmission</type>
+<joint name="{joint}"><hardwareInterface>hardware_interface/{interface}</hardwareInterface></joint>
+<actuator name="{joint}_motor"><mechanicalReduction>1</mechanicalReduction></actuator>
+</transmission>"""
+KUKA = [f"lbr_iiwa_joint_{number}" for number in range(1, 8)]
+PANDA = [f"panda_joint{number}" for number in range(1, 8)]
+POSTURE = (0.4, 0.5, -0.3, -0.8, 0.2, 0.6, 0.3)
+
+
+def with_transmissions(tmp_path, file, interface, unscoped=""):
+    """URDF of a robot of pybullet_data, which has no transmissions by itself."""
+    source = DATA / file
+    text = source.read_text().replace(unscoped or "\0", "")
+    text = text.replace('filename="meshes/', f'filename="{source.parent}/meshes/')
+    driven = [
+        element.get("name")
+        for element in parse_urdf(text).findall("joint")
+        if element.get("type") in MOVABLE
+    ]
+    added = "".join(TRANSMISSION.format(joint=joint, interface=interface) for joint in driven)
+    path = tmp_path / source.name
+    path.write_text(text.replace("</robot>", added + "</robot>"))
+    return robot_model(path)
+
+
+@pytest.fixture
+def kuka(tmp_path):
+    """Commanded by position through its motors."""
+    params = {
+        "joint_state_controller": {
+            "type": "joint_state_controller/JointStateController",
+            "publish_rate": 50,
+        },
+        "arm": {"type": "position_controllers/JointGroupPositionController", "joints": KUKA},
+    }
+    return with_transmissions(tmp_path, "kuka_iiwa/model.urdf", "PositionJointInterface"), params
+
+
+@pytest.fixture
+def panda(tmp_path):
+    """Commanded by velocity, with a position loop around it."""
+    params = {
+        f"{joint}_position": {
+            "type": "velocity_controllers/JointPositionController",
+            "joint": joint,
+            "pid": {"p": 8.0},
+        }
+        for joint in PANDA
+    }
+    urdf = with_transmissions(
+        tmp_path, "franka_panda/panda.urdf", "VelocityJointInterface", "package://"
+    )
+    return urdf, params
+
+
+def config(kind=RobotConfig, place=(0.0, 0.0, 0.0, 0.0), **values):
+    params = {
+        "fixed_base": True,
+        "self_collision": {"enabled": False},
+        "start": {"place": place},
+        **values,
+    }
+    return read_config(kind, params, "test")
+
+
+def resolve(address):
+    return resolve_address(address, rospkg.RosPack().get_path)
+
+
+def start(simulation, robot, params):
+    """Load and start all controllers of a robot."""
+    names = [name for name, value in params.items() if "type" in value]
+    if not names:
+        return
+    for name in names:
+        assert robot.controllers.load_controller(name), name
+    answer = []
+    thread = threading.Thread(
+        target=lambda: answer.append(robot.controllers.switch_controller(names, []))
+    )
+    thread.start()
+    while thread.is_alive():
+        simulation.idle()
+        thread.join(0.001)
+    assert answer == [True]
+
+
+def run(simulation, seconds):
+    for _ in range(round(seconds / simulation.config.timing.step_size)):
+        simulation.step()
+
+
+def node_of(urdf, params, namespace=""):
+    tree = {**params, "robot_description": urdf}
+    for part in reversed(namespace.strip("/").split("/") if namespace else []):
+        tree = {part: tree}
+    return LocalNodeHandle(tree, namespace)
+
+
+@pytest.fixture
+def alone():
+    """Makes simulations of one foreign robot."""
+    made = []
+
+    def make(urdf, params, **values):
+        node = node_of(urdf, params)
+        made.append(Simulation(config(SimulatorConfig, **values), urdf, node, resolve))
+        start(made[-1], made[-1].robots[0], params)
+        return made[-1], node
+
+    yield make
+    for simulation in made:
+        simulation.close()
+
+
+POST = (
+    '<robot name="post"><link name="post"><collision><origin xyz="0 0 0.5"/><geometry>'
+    '<box size="0.4 0.4 1"/></geometry></collision></link></robot>'
+)
+
+
+@pytest.fixture
+def post(alone):
+    """A simulation of a robot that is hardly one, to add others to."""
+    return alone(POST, {}, model="post")[0]
+
+
+def beside(simulation, robot, namespace="/other", place=(2.0, 0.0, 0.0, 0.0)):
+    """Add a robot to a simulation, and start its controllers."""
+    urdf, params = robot
+    node = node_of(urdf, params, namespace)
+    added = simulation.plan_robot(config(place=place), urdf, node)
+    simulation.add_robot(added)
+    start(simulation, added, params)
+    return added, node
+
+
+def command_panda(node):
+    for joint, position in zip(PANDA, POSTURE):
+        node.advertise(f"{joint}_position/command", Float64).publish(Float64(position))
+
+
+def command_kuka(node, posture=POSTURE):
+    node.advertise("arm/command", Float64MultiArray).publish(Float64MultiArray(data=posture))
+
+
+def test_a_kuka_alone_follows_positions_by_its_motors(alone, kuka):
+    simulation, node = alone(*kuka, model="kuka")
+    command_kuka(node)
+    run(simulation, 1.0)
+    positions = simulation.hw.joint_positions()
+    for joint, wanted in zip(KUKA, POSTURE):
+        assert positions[joint] == pytest.approx(wanted, abs=1e-3), joint
+    assert simulation.body.base_pose()[0] == pytest.approx((0, 0, 0), abs=1e-9)
+
+
+def test_a_panda_alone_follows_positions_by_its_velocities(alone, panda):
+    simulation, node = alone(*panda, model="panda")
+    command_panda(node)
+    run(simulation, 1.3)
+    positions = simulation.hw.joint_positions()
+    for joint, wanted in zip(PANDA, POSTURE):
+        assert positions[joint] == pytest.approx(wanted, abs=5e-3), joint
+    # the fingers have drives but no controllers: their brakes hold them
+    assert positions["panda_finger_joint1"] == pytest.approx(0.0, abs=1e-3)
+
+
+def test_two_foreign_robots_beside_telex_obey_their_own_commands(robot, kuka, panda):
+    telex = robot()
+    simulation = telex.simulation
+    first, kuka_node = beside(simulation, kuka, "/kuka", (2.0, 0.0, 0.0, 1.0))
+    second, panda_node = beside(simulation, panda, "/cell/panda", (-2.0, 0.0, 0.0, 0.0))
+    assert [each.model for each in simulation.robots] == ["telex", "kuka", "panda"]
+    before = telex.positions()
+    command_kuka(kuka_node)
+    command_panda(panda_node)
+    run(simulation, 1.3)
+    for added, names in ((first, KUKA), (second, PANDA)):
+        positions = added.hw.joint_positions()
+        for joint, wanted in zip(names, POSTURE):
+            assert positions[joint] == pytest.approx(wanted, abs=5e-3), joint
+    for joint, position in telex.positions().items():
+        if "track" not in joint:
+            assert position == pytest.approx(before[joint], abs=3e-3), joint
+    yaw = pybullet.getEulerFromQuaternion(first.body.base_pose()[1])[2]
+    assert yaw == pytest.approx(1.0)
+    count = sum(len(each.body.link_names()) for each in simulation.robots)
+    assert len(simulation.link_poses()) == 7 * count
+
+
+def test_an_emergency_stop_is_the_robots_own(post, kuka):
+    stopped, stopped_node = beside(post, kuka)
+    other, other_node = beside(post, kuka, "/free", (-2.0, 0.0, 0.0, 0.0))
+    stopped.request_e_stop(True)
+    for node in (stopped_node, other_node):
+        command_kuka(node)
+    run(post, 1.0)
+    assert [each.hw.e_stop for each in post.robots] == [False, True, False]
+    assert max(map(abs, stopped.hw.joint_positions().values())) < 1e-3
+    assert other.hw.joint_positions()[KUKA[0]] == pytest.approx(POSTURE[0], abs=1e-3)
+    stopped.request_e_stop(False)
+    run(post, 0.5)
+    assert max(map(abs, stopped.hw.joint_positions().values())) < 1e-3
+    command_kuka(stopped_node)
+    run(post, 1.0)
+    assert stopped.hw.joint_positions()[KUKA[0]] == pytest.approx(POSTURE[0], abs=1e-3)
+
+
+def test_a_reset_puts_added_robots_back_to_the_last_bit(robot, kuka):
+    telex = robot()
+    simulation = telex.simulation
+    _, node = beside(simulation, kuka)
+    simulation.reset()
+    telex.run(0.1)
+    fresh = simulation.link_poses()
+    command_kuka(node)
+    telex.run(0.2)
+    assert simulation.link_poses() != fresh
+    simulation.reset()
+    telex.run(0.1)
+    assert simulation.link_poses() == fresh
+
+
+def test_same_inputs_give_bit_identical_states_of_all_robots(alone, kuka):
+    def poses():
+        simulation, first = alone(*kuka, model="first")
+        _, second = beside(simulation, kuka, place=(0.5, 0.0, 0.0, 0.0))
+        command_kuka(first)
+        command_kuka(second, [-each for each in POSTURE])
+        run(simulation, 0.2)
+        return simulation.link_poses()
+
+    assert poses() == poses()
+
+
+def test_a_robot_that_is_removed_leaves_nothing(post, kuka):
+    bodies, poses = post.world.bodies(), post.link_poses()
+    for _ in range(2):
+        beside(post, kuka)
+        assert len(post.world.bodies()) == len(bodies) + 1
+        run(post, 0.1)
+        post.remove_robot("/other")
+        assert post.world.bodies() == bodies
+        assert len(post.link_poses()) == len(poses)
+        run(post, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("place", "model", "named"),
+    [
+        ((0.0, 0.0, 0.0, 0.0), "", "it would stand in robot 'post'"),
+        ((2.0, 0.0, -0.3, 0.0), "", "it would stand in the ground"),
+        ((2.0, 0.0, 0.0, 0.0), "post", "model is 'post'"),
+        ((2.0, 0.0, 0.0, 0.0), "world", "model is 'world'"),
+    ],
+)
+def test_a_robot_that_cannot_be_there_is_refused(post, kuka, place, model, named):
+    simulation = post
+    urdf, params = kuka
+    before = simulation.world.bodies()
+    added = simulation.plan_robot(
+        config(place=place, model=model), urdf, node_of(urdf, params, "/other")
+    )
+    with pytest.raises(ConfigError, match=named):
+        simulation.add_robot(added)
+    assert simulation.world.bodies() == before
+    assert len(simulation.robots) == 1
+    simulation.step()
+
+
+def test_a_namespace_is_for_one_robot(post, kuka):
+    simulation = post
+    beside(simulation, kuka)
+    urdf, params = kuka
+    again = simulation.plan_robot(config(model="again"), urdf, node_of(urdf, params, "/other"))
+    with pytest.raises(ConfigError, match="there is a robot already"):
+        simulation.add_robot(again)
+    with pytest.raises(ConfigError, match="robots that were added: /other"):
+        simulation.remove_robot("/no/such")
+
+
+@pytest.mark.parametrize(
+    ("change", "error", "named"),
+    [
+        (('effort="300"', 'effort="0"'), UrdfError, "max_effort is 0.0"),
+        (("PositionJointInterface", "PosVelJointInterface"), UrdfError, "simulated are"),
+        (("</robot>", ""), UrdfError, "is no XML"),
+        (("file:///", "package://nowhere/"), ConfigError, "nowhere"),
+        (("link_0.stl", "no_such.stl"), ConfigError, "PyBullet cannot load"),
+    ],
+)
+def test_a_bad_description_is_refused_and_the_loop_goes_on(post, kuka, change, error, named):
+    simulation = post
+    urdf, params = kuka
+    urdf = urdf.replace(*change)
+
+    def add():
+        node = node_of(urdf, params, "/other")
+        added = simulation.plan_robot(config(place=(2.0, 0.0, 0.0, 0.0)), urdf, node)
+        simulation.add_robot(added)
+
+    with pytest.raises(error, match=named):
+        add()
+    assert len(simulation.robots) == 1
+    simulation.step()
+
+
+def test_relative_meshes_are_found_from_the_robots_file(tmp_path):
+    folder = tmp_path / "a robot"
+    folder.mkdir()
+    path = folder / "r.urdf"
+    path.write_text(
+        '<robot name="r"><link name="a"><visual><geometry><mesh filename="m/x.stl"/>'
+        '<mesh filename="package://p/y.stl"/></geometry></visual></link></robot>'
+    )
+    meshes = [mesh.get("filename") for mesh in parse_urdf(robot_model(path)).iter("mesh")]
+    assert resolve(meshes[0]) == str(folder / "m" / "x.stl")
+    assert meshes[1] == "package://p/y.stl"
+    with pytest.raises(UrdfError, match=r"none\.urdf"):
+        robot_model(tmp_path / "none.urdf")
+
+
+def test_a_root_link_named_world_is_the_world(alone, kuka):
+    urdf, params = kuka
+    urdf = urdf.replace(
+        "</robot>",
+        '<link name="world"/><joint name="foot" type="fixed"><parent link="world"/>'
+        '<child link="lbr_iiwa_link_0"/><origin xyz="0 0 0.5"/></joint></robot>',
+    )
+    simulation, _ = alone(urdf, params, fixed_base=False)
+    run(simulation, 0.5)
+    poses = dict(zip(simulation.body.link_names(), zip(*[iter(simulation.link_poses())] * 7)))
+    assert poses["lbr_iiwa_link_0"][:3] == pytest.approx((0, 0, 0.5), abs=1e-9)
+
+
+def test_the_robot_has_the_mass_of_its_description(alone, kuka):
+    urdf, params = kuka
+    urdf = urdf.replace(
+        "</robot>",
+        '<link name="tool"/><joint name="mount" type="fixed"><parent link="lbr_iiwa_link_7"/>'
+        '<child link="tool"/></joint></robot>',
+    )
+    simulation, _ = alone(urdf, params, fixed_base=False)
+    body, client = simulation.body, simulation.world.client
+    masses = [
+        pybullet.getDynamicsInfo(body.uid, link, physicsClientId=client)[0]
+        for link in body.links.values()
+    ]
+    described = sum(float(m.get("value")) for m in parse_urdf(urdf).iter("mass"))
+    assert math.isclose(sum(masses), described, rel_tol=1e-5)
+    assert len(joints(parse_urdf(urdf))) == 7

@@ -1,0 +1,60 @@
+"""What the tests of robots that are not Telex share: the crane of ``tests/rostest/crane.urdf``."""
+
+from __future__ import annotations
+
+from typing import Dict, Optional
+
+import rospy
+from geometry_msgs.msg import PoseStamped
+from robot import eventually
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool, Float64
+from telex_msgs.msg import SimStatus
+
+
+class Crane:
+    """Its topics, by relative names."""
+
+    def __init__(self) -> None:
+        self.state: Optional[JointState] = None
+        self.status: Optional[SimStatus] = None
+        self.base: Optional[PoseStamped] = None
+        self._subscribers = [
+            rospy.Subscriber("joint_states", JointState, self._on_state),
+            rospy.Subscriber("sim/status", SimStatus, self._on_status),
+            rospy.Subscriber("sim/base_pose", PoseStamped, self._on_base),
+        ]
+        self.slew = rospy.Publisher("slew_controller/command", Float64, queue_size=1)
+        self.trolley = rospy.Publisher("trolley_controller/command", Float64, queue_size=1)
+        self.e_stop = rospy.Publisher("e_stop", Bool, queue_size=1)
+
+    def _on_state(self, message: JointState) -> None:
+        self.state = message
+
+    def _on_status(self, message: SimStatus) -> None:
+        self.status = message
+
+    def _on_base(self, message: PoseStamped) -> None:
+        self.base = message
+
+    def wait_until_controllable(self) -> None:
+        """Wait until its controllers listen and the joint states come."""
+        publishers = (self.slew, self.trolley, self.e_stop)
+        eventually(
+            lambda: all(p.get_num_connections() for p in publishers), 60.0, "the crane to listen"
+        )
+        eventually(lambda: self.state, 10.0, "joint states")
+
+    def positions(self) -> Dict[str, float]:
+        """Joint positions (rad, m)."""
+        assert self.state is not None
+        return dict(zip(self.state.name, self.state.position))
+
+    def obeys(self) -> None:
+        """Command both joints, and see that they follow."""
+        self.trolley.publish(Float64(0.5))
+        self.slew.publish(Float64(0.5))
+        eventually(lambda: abs(self.positions()["trolley_joint"] - 0.5) < 2e-3, 20.0, "the trolley")
+        before = self.positions()["slew_joint"]
+        eventually(lambda: self.positions()["slew_joint"] > before + 0.2, 20.0, "the jib to turn")
+        self.slew.publish(Float64(0.0))
