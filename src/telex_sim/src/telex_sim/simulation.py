@@ -25,6 +25,7 @@ from .scene.model import WORLD_FRAME
 from .scene.planning import PlannedScene, Progress, plan_entry, plan_scene
 from .scene.scene_file import SceneError
 from .self_collision import disable_pairs
+from .start_check import check_start
 from .traction import Traction
 from .world import Body, World, WorldError
 
@@ -91,6 +92,7 @@ class Simulation:
         self.world = World(self._step_size, config.solver_iterations, config.gui)
         self.objects = SceneBodies(self.world.client, self._step_size)
         self._fill_world()
+        self._check_start()
 
     def _check_joints(self, described: Dict[str, UrdfJoint]) -> Dict[str, float]:
         """Refuse a configuration that names joints which are not there, or beyond their limits.
@@ -157,6 +159,20 @@ class Simulation:
         disable_pairs(self.body, self.config.self_collision)
         self.hw.attach(self.body)
         self._traction = Traction(self.body, self.config.tracks, self._step_size)
+
+    def _check_start(self) -> None:
+        """Refuse a start that would throw the robot; a reset leads back to the same one."""
+        objects = {
+            uid: f"'{each.name}'"
+            for each in self.objects.objects()
+            for uid in self.objects.bodies_of(each.name)
+        }
+        pose = self.config.start.pose_name(self.scene.start.pose)
+        try:
+            check_start(self.body, pose, lambda uid: objects.get(uid, "the floor"))
+        except WorldError:
+            self.close()
+            raise
 
     def _load_scene(self) -> None:
         name, began = self.scene.name, time.monotonic()
