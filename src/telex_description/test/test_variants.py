@@ -147,6 +147,12 @@ def test_a_file_makes_a_variant_and_arguments_override_it(tmp_path: Path) -> Non
     assert "rear_camera_link" not in robot.link_map
 
 
+def test_a_file_names_its_figures_from_where_it_stands(tmp_path: Path) -> None:
+    (tmp_path / "mine.yaml").write_text("robot: figures.xacro\n")
+    (tmp_path / "figures.xacro").write_text((PACKAGE / "config" / "robot.xacro").read_text())
+    assert described(str(tmp_path / "mine.yaml")) == described("standard")
+
+
 def test_other_figures_make_another_robot(tmp_path: Path) -> None:
     text = (PACKAGE / "config" / "robot.xacro").read_text()
     file = tmp_path / "robot.xacro"

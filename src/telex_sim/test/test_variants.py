@@ -59,7 +59,7 @@ def variant(urdf):
         ),
     ],
 )
-def test_a_variant_holds_its_pose_and_drives(variant, robot, change, lacking):
+def test_a_variant_holds_its_pose_and_is_reset(variant, robot, change, lacking):
     tested, standard = variant(change), robot()
     assert set(standard.positions()) - set(tested.positions()) == lacking
     wanted = tested.simulation.config.start.joint_positions()
@@ -72,7 +72,7 @@ def test_a_variant_holds_its_pose_and_drives(variant, robot, change, lacking):
 
 
 def test_poses_may_name_the_joints_of_other_variants_and_no_others(variant):
-    poses = {"test": {"telescope_joint": 0.2, "elbow_joint": 1.0}}
+    poses = {"test": {"telescope_joint": 0.2, "shoulder_joint": -1.5, "elbow_joint": 1.0}}
     start = {"start__poses": poses, "start__pose": "test", "start__default_pose": ""}
     tested = variant(without_telescope, **start)
     assert tested.positions()["elbow_joint"] == pytest.approx(1.0)

@@ -26,6 +26,7 @@ from .scene.catalog import find_scene
 from .scene.model import WORLD_FRAME
 from .scene.planning import PlannedScene, Progress, plan_entry, plan_scene
 from .scene.scene_file import SceneError
+from .start_check import check_start
 from .world import Body, World, WorldError
 
 _log = logging.getLogger("rosout")
@@ -88,6 +89,7 @@ class Simulation:
         self.world = World(self._step_size, config.solver_iterations, config.gui)
         self.objects = SceneBodies(self.world.client, self._step_size)
         self._fill_world()
+        self._check_start()
 
     @property
     def hw(self) -> RobotHWSim:
@@ -135,6 +137,22 @@ class Simulation:
         self._load_scene()
         for robot in self.robots:
             robot.place(self.world, self.scene.start)
+
+    def _check_start(self) -> None:
+        """Refuse a start that would throw the robot; a reset leads back to the same one."""
+        if self.config.fixed_base:
+            return
+        objects = {
+            uid: f"'{each.name}'"
+            for each in self.objects.objects()
+            for uid in self.objects.bodies_of(each.name)
+        }
+        pose = self.config.start.pose_name(self.scene.start.pose)
+        try:
+            check_start(self.body, pose, lambda uid: objects.get(uid, "the floor"))
+        except WorldError:
+            self.close()
+            raise
 
     def _load_scene(self) -> None:
         name, began = self.scene.name, time.monotonic()
