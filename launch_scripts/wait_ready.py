@@ -91,13 +91,14 @@ class Waiter:
 
 
 def controllers_run(namespace: str) -> bool:
-    """Whether controllers are loaded and all of them run."""
+    """Whether controllers are loaded and all run but those that take over only when asked to."""
     try:
+        stopped = rospy.get_param(f"{namespace}/controller_groups/actions", [])
         service = rospy.ServiceProxy(
             f"{namespace}/controller_manager/list_controllers", ListControllers
         )
-        states = [controller.state for controller in service().controller]
-    except (rospy.ServiceException, OSError):
+        states = [each.state for each in service().controller if each.name not in stopped]
+    except (rospy.ROSException, rospy.ServiceException, OSError):
         return False
     return bool(states) and all(state == "running" for state in states)
 

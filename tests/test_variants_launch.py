@@ -14,7 +14,7 @@ START = 60.0  # s
 FINGERS = {
     f"{side}_finger_{part}" for side in ("left", "right") for part in ("base", "middle", "tip")
 }
-CONTROLLERS = 21
+CONTROLLERS = 22
 
 
 def ask(environment, *command):
