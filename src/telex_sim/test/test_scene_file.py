@@ -357,3 +357,28 @@ def test_every_shipped_scene_is_right(name):
     scene = plan_scene(find_scene(name), Assets()).scene
     assert scene.name == name
     assert scene.description
+
+
+# What passed once, and ended or ruined the simulation
+RUINOUS = (
+    "{type: custom, static: true, links: [{name: a, parts: [{box: [1, 1, 1]}]},"
+    " {name: b, mass: 1, parts: [{sphere: 1.0e-103}]}],"
+    " joints: [{motion: hinge, parent: a, child: b, lower: -1, upper: 1, closer: {preload: 1}}]}",
+    "{type: custom, static: true, links: [{name: a, parts: [{box: [1, 1, 1]}]},"
+    " {name: b, mass: 1, parts: [{box: [1, 1, 1]}]}],"
+    " joints: [{motion: hinge, parent: a, child: b, lower: -1, upper: 1,"
+    " closer: {preload: 1.0e+308}}]}",
+    "{type: crate, name: [1]}",
+    "{type: crate, name: {a: 1}}",
+    "{type: crate, mass: 0x" + "f" * 50_000 + "}",
+    "{type: crate, mass: " + "1:" + "59:" * 20_000 + "59}",
+)
+
+
+@pytest.mark.parametrize("entry", RUINOUS)
+def test_what_would_end_the_simulation_is_refused(tmp_path, entry):
+    path = tmp_path / "bad.yaml"
+    path.write_text(f"objects: [{entry}]\n")
+    with pytest.raises(SceneError) as caught:
+        plan_scene(path, Assets(), 0.002)
+    assert len(str(caught.value)) < 1000

@@ -96,7 +96,11 @@ def _is_required(field: Any) -> bool:
 
 def _shown(value: Any) -> str:
     """Show a value in a message, shortened where somebody gave a whole file of it."""
-    text = repr(value)
+    try:
+        text = repr(value)
+    except ValueError:
+        # Python does not write integers of thousands of digits.
+        text = f"a {type(value).__name__} too long to show"
     return text if len(text) <= 80 else text[:77] + "..."
 
 

@@ -277,6 +277,9 @@ class SimulatorNode:
             except WorldError as error:
                 request.error = error
                 rospy.logerr("%s", error)
+            except Exception as error:  # whatever it is, the simulation goes on
+                request.error = error
+                rospy.logerr("a request failed: %s: %s", type(error).__name__, error)
             finally:
                 request.done.set()
 

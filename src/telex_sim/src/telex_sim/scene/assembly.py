@@ -11,6 +11,7 @@ joint of a body: what it holds is a body of its own.
 from __future__ import annotations
 
 import hashlib
+import math
 from dataclasses import dataclass
 from typing import Dict, Hashable, List, Optional, Sequence, Tuple
 
@@ -28,6 +29,10 @@ MOST_SHAPES = 16
 """PyBullet's MAX_COMPOUND_COLLISION_SHAPES."""
 _MOST_SEGMENTS = 127
 _STIFFEST = 0.25
+_LEAST_INERTIA = 1.0e-9
+"""kg m2, kg; less cannot be told from nothing."""
+_FARTHEST = 0.05
+"""rad, m that a closer's preload may move its joint within one step."""
 
 
 @dataclass(frozen=True)
@@ -399,8 +404,22 @@ def _check_closers(plan: BodyPlan, step_size: float) -> None:
     """Refuse a spring that would swing within few steps: it cannot be simulated."""
     for segment in plan.segments:
         joint = segment.joint
-        if joint is None or joint.closer is None:
+        if joint is None or joint.motion is Motion.LATCH:
             continue
+        inertia = plan.inertias.get(joint.name, 0.0)
+        if not _LEAST_INERTIA <= inertia < math.inf:
+            raise ConfigError(
+                f"joint '{joint.name}': the inertia of what it moves is {inertia:.3g} (kg m2, kg); "
+                f"at least {_LEAST_INERTIA:g} can be simulated"
+            )
+        if joint.closer is None:
+            continue
+        strongest = _FARTHEST * inertia / step_size**2
+        if joint.closer.preload > strongest:
+            raise ConfigError(
+                f"joint '{joint.name}': closer/preload is {joint.closer.preload:g}; for what it "
+                f"moves, at most {strongest:.3g} can be simulated"
+            )
         stiffest = _STIFFEST * plan.inertias[joint.name] / step_size**2
         if joint.closer.stiffness > stiffest:
             raise ConfigError(

@@ -69,6 +69,8 @@ class SceneBodies:
         # By what they are made of: PyBullet never lets go of a shape that a body has had, so a
         # scene where the same things come and go would grow without end.
         self._shapes: Dict[Hashable, int] = {}
+        # It keeps the lists that it is given as well, even over a reset of its world.
+        self._lists: Dict[Hashable, Tuple[List[List[float]], List[int]]] = {}
 
     def objects(self) -> List[SceneObject]:
         """All objects, in the order in which they came; may be called from any thread."""
@@ -302,20 +304,29 @@ class SceneBodies:
             return -1
         key = tuple(shape.key() for shape in shapes)
         if key not in self._shapes:
-            self._shapes[key] = self._create_shape(shapes)
+            self._shapes[key] = self._create_shape(shapes, key)
         return self._shapes[key]
 
-    def _create_shape(self, shapes: Sequence[Shape]) -> int:
+    def _mesh_lists(self, shape: Shape, key: Hashable) -> Tuple[List[List[float]], List[int]]:
+        """Vertices and indices of a mesh, the same objects whenever it is asked for."""
+        if key not in self._lists:
+            assert shape.vertices is not None
+            indices = [] if shape.triangles is None else shape.triangles.reshape(-1).tolist()
+            self._lists[key] = (shape.vertices.tolist(), indices)
+        return self._lists[key]
+
+    def _create_shape(self, shapes: Sequence[Shape], key: Hashable) -> int:
         client = self._client
         first = shapes[0]
         if first.vertices is not None:
+            vertices, indices = self._mesh_lists(first, key)
             exact: Dict[str, object] = {}
             if first.triangles is not None:
-                exact["indices"] = first.triangles.reshape(-1).tolist()
+                exact["indices"] = indices
                 exact["flags"] = pybullet.GEOM_FORCE_CONCAVE_TRIMESH
             return pybullet.createCollisionShape(
                 pybullet.GEOM_MESH,
-                vertices=first.vertices.tolist(),
+                vertices=vertices,
                 collisionFramePosition=first.pose[0],
                 collisionFrameOrientation=first.pose[1],
                 physicsClientId=client,

@@ -29,6 +29,10 @@ WORLD_FRAME = "world"
 """Name of the fixed frame."""
 LARGEST = 1.0e4
 """No length of a scene is greater (m)."""
+SMALLEST = 1.0e-4
+"""No length of a shape is smaller (m), for there is no mass in it; nor a mesh's scale."""
+STRONGEST = 1.0e6
+"""No effort of a joint is greater (N m or N)."""
 MOST_OBJECTS = 1000
 """No scene has more, whether from its file or spawned."""
 MOST_LINKS = 64
@@ -102,12 +106,14 @@ class Geometry:
         _require_vector(self, "size")
         used = {Form.SPHERE: (0,), Form.CYLINDER: (0, 2)}.get(self.form, (0, 1, 2))
         possible = all(
-            self.size[index] > 0.0 or (self.form is Form.MESH and self.size[index] < 0.0)
+            (abs(self.size[index]) if self.form is Form.MESH else self.size[index]) >= SMALLEST
+            and abs(self.size[index]) <= LARGEST
             for index in used
         )
         require(
             possible,
-            f"size is {list(self.size)}; every length of a {self.form.value} must be above 0"
+            f"size is {list(self.size)}; every length of a {self.form.value} must be above 0, "
+            f"{SMALLEST:g} at least and {LARGEST:g} at most"
             + (", or below to mirror it" if self.form is Form.MESH else ""),
         )
         require(
@@ -217,9 +223,9 @@ class Closer:
     rest: float = 0.0
 
     def __post_init__(self) -> None:
-        require_range(self, "preload", 0.0)
+        require_range(self, "preload", 0.0, STRONGEST)
         require_range(self, "stiffness", 0.0)
-        require_range(self, "rest")
+        require_range(self, "rest", -LARGEST, LARGEST)
 
 
 @dataclass(frozen=True)
@@ -242,8 +248,8 @@ class Detents:
 
     def __post_init__(self) -> None:
         require(bool(self.positions), "positions is []; a detent needs one at least")
-        require_range(self, "effort", above=0.0)
-        require_range(self, "width", above=0.0)
+        require_range(self, "effort", maximum=STRONGEST, above=0.0)
+        require_range(self, "width", maximum=LARGEST, above=0.0)
         ordered = sorted(self.positions)
         require(
             all(math.isfinite(position) for position in ordered)
@@ -304,8 +310,8 @@ class Joint:
         _require_unit(self, "orientation")
         _require_unit(self, "axis")
         if self.motion is Motion.LATCH:
-            require_range(self, "hold", above=0.0)
-            require_range(self, "capture", above=0.0)
+            require_range(self, "hold", maximum=STRONGEST, above=0.0)
+            require_range(self, "capture", maximum=LARGEST, above=0.0)
             return
         require_range(self, "lower", -LARGEST)
         require_range(self, "upper", maximum=LARGEST)
@@ -314,8 +320,8 @@ class Joint:
             f"lower is {self.lower} and upper is {self.upper}; lower must be less",
         )
         require_range(self, "start", self.lower, self.upper)
-        require_range(self, "friction", 0.0)
-        require_range(self, "damping", 0.0)
+        require_range(self, "friction", 0.0, STRONGEST)
+        require_range(self, "damping", 0.0, STRONGEST)
         for position in self.detents.positions if self.detents else ():
             require(
                 self.lower <= position <= self.upper,

@@ -167,10 +167,12 @@ def _objects(
     objects: List[SceneObject] = []
     taken: Dict[str, int] = {}
     counts: Dict[str, int] = {}
-    given = {entry.get("name") for entry in entries if isinstance(entry, Mapping)}
+    names = [entry.get("name") for entry in entries if isinstance(entry, Mapping)]
+    given = {name for name in names if isinstance(name, str)}
     for index, entry in enumerate(entries):
         kind = entry.get("type", "?") if isinstance(entry, Mapping) else "?"
         called = entry.get("name") if isinstance(entry, Mapping) else None
+        called = called if isinstance(called, str) else None
         where = f"objects[{index}] ({kind}" + (f" '{called}')" if called else ")")
         try:
             default = ""

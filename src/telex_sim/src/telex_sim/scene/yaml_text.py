@@ -13,6 +13,8 @@ MOST_BYTES = 1_000_000
 """A longer file is refused before it is read."""
 _MOST_NODES = 200_000
 _DEEPEST = 24
+_LONGEST_NUMBER = 1000
+"""Characters; YAML 1.1 also has numbers to the base 60, which take long to read."""
 
 
 class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
@@ -22,6 +24,21 @@ class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[mi
 _Loader.add_implicit_resolver(
     "tag:yaml.org,2002:float", re.compile(r"[-+]?[0-9]+[eE][-+]?[0-9]+$"), list("-+0123456789")
 )
+
+
+def _number(loader: yaml.Loader, node: yaml.ScalarNode) -> Any:
+    if len(node.value) > _LONGEST_NUMBER:
+        raise ConfigError(
+            f"line {node.start_mark.line + 1}: a number has {len(node.value)} characters; at most "
+            f"{_LONGEST_NUMBER} are read"
+        )
+    if node.tag.endswith(":int"):
+        return loader.construct_yaml_int(node)
+    return loader.construct_yaml_float(node)
+
+
+for _tag in ("int", "float"):
+    _Loader.add_constructor(f"tag:yaml.org,2002:{_tag}", _number)
 
 
 def read_yaml(text: str, most_bytes: int = MOST_BYTES) -> Any:
