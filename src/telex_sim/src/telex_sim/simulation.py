@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import logging
 import time
-from typing import Callable, List, Sequence, Tuple
+from typing import Callable, Dict, List, Sequence, Tuple
 
 from telex_control.controller_manager import ControllerManager
 from telex_control.node_handle import NodeHandle
@@ -142,14 +142,10 @@ class Simulation:
         """Refuse a start that would throw the robot; a reset leads back to the same one."""
         if self.config.fixed_base:
             return
-        objects = {
-            uid: f"'{each.name}'"
-            for each in self.objects.objects()
-            for uid in self.objects.bodies_of(each.name)
-        }
+        owners = self._owners()
         pose = self.config.start.pose_name(self.scene.start.pose)
         try:
-            check_start(self.body, pose, lambda uid: objects.get(uid, "the floor"))
+            check_start(self.body, pose, lambda uid: owners.get(uid, "the floor"))
         except WorldError:
             self.close()
             raise
@@ -280,13 +276,17 @@ class Simulation:
         touched = self.world.overlap(robot.body, _OVERLAP)
         if touched is None:
             return
-        names = {each.body.uid: f"robot '{each.model}'" for each in self.robots}
-        for item in self.objects.objects():
-            names.update(dict.fromkeys(self.objects.bodies_of(item.name), f"'{item.name}'"))
+        owner = self._owners().get(touched, "the ground")
         raise ConfigError(
-            f"it would stand in {names.get(touched, 'the ground')}; start/place (x, y, z, heading) "
-            "says where it starts"
+            f"it would stand in {owner}; start/place (x, y, z, heading) says where it starts"
         )
+
+    def _owners(self) -> Dict[int, str]:
+        """What each body is of, in the words of messages, by PyBullet's number; not the floor."""
+        owners = {each.body.uid: f"robot '{each.model}'" for each in self.robots}
+        for item in self.objects.objects():
+            owners.update(dict.fromkeys(self.objects.bodies_of(item.name), f"'{item.name}'"))
+        return owners
 
     def _bodies_changed(self) -> None:
         for robot in self.robots:
