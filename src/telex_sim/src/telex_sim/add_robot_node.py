@@ -8,6 +8,8 @@ from typing import Optional
 import rospy
 from telex_msgs.srv import AddRobot, RemoveRobot
 
+from telex_control.node_start import init_node
+
 _REMIND = 10.0
 
 
@@ -42,7 +44,7 @@ def _problem(service: str, robot: str) -> Optional[str]:
 
 def main() -> None:
     """Add the robot, and take it out again when the node ends."""
-    rospy.init_node("add_robot")
+    init_node("add_robot")
     robot = rospy.get_namespace().rstrip("/")
     simulator = rospy.resolve_name(rospy.get_param("~simulator", "/telex")).rstrip("/")
     service = f"{simulator}/sim/add_robot"

@@ -28,6 +28,7 @@ from telex_msgs.srv import (
     StepResponse,
 )
 
+from telex_control.node_start import init_node
 from telex_control.params import ConfigError, read_config
 from telex_control.robot_description import wait_for_robot_description
 from telex_control.ros_node_handle import RosNodeHandle
@@ -461,7 +462,7 @@ def _simulator_config() -> SimulatorConfig:
 
 def main() -> None:
     """Run the node; a mistake in the configuration ends it with one line that says what to do."""
-    rospy.init_node("simulator")
+    init_node("simulator")
     sys.setswitchinterval(_SWITCH_INTERVAL)
     packages = rospkg.RosPack()
     try:

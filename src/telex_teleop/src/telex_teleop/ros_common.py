@@ -9,6 +9,7 @@ import rospy
 from std_msgs.msg import Bool, Float64
 from telex_msgs.msg import SimStatus
 
+from telex_control.node_start import init_node
 from telex_control.params import ConfigError, read_config
 from telex_control.urdf_joints import UrdfError
 from telex_teleop.e_stop_state import EStopState
@@ -150,7 +151,7 @@ def run_node(name: str, start: Callable[[], object]) -> int:
     int
         Exit status: 1 when its parameters or the robot description are wrong.
     """
-    rospy.init_node(name)
+    init_node(name)
     try:
         node = start()
     except (ConfigError, UrdfError) as error:

@@ -7,6 +7,8 @@ from typing import Callable, List
 
 import rospy
 
+from ..node_start import init_node
+
 SIGINT_STATUS = 130
 """Exit status of a program that was ended by SIGINT, by convention of shells."""
 
@@ -17,7 +19,7 @@ def run(name: str, work: Callable[[], int]) -> None:
     A manager that goes while it is asked is one line of error and status 1, not a traceback.
     """
     try:
-        rospy.init_node(name, anonymous=True)
+        init_node(name, anonymous=True)
         status = work()
     except rospy.ROSInterruptException:
         status = 0

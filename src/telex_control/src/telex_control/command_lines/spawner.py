@@ -120,6 +120,9 @@ class Spawner:
         self._client = ControllerManagerClient(namespace)
         self._loaded: List[str] = []
         self._answers = 0
+        # What is being loaded when the spawner is told to end has to be unloaded, too.
+        self._asking = threading.Lock()
+        self._ending = False
 
     def names_of(self, argument: str) -> List[str]:
         """Controllers that an argument stands for; a file's parameters are loaded.
@@ -233,9 +236,13 @@ class Spawner:
         """Load controllers; those that cannot be loaded are reported and left out."""
         for name in names:
             rospy.loginfo("Loading controller: %s", name)
-            if self._client.load(name):
-                self._loaded.append(name)
-            else:
+            with self._asking:
+                if self._ending:
+                    break
+                loaded = self._client.load(name)
+                if loaded:
+                    self._loaded.append(name)
+            if not loaded:
                 rospy.logerr("Failed to load %s; the controller manager's log says why", name)
         rospy.loginfo("Controller Spawner: Loaded controllers: %s", ", ".join(self._loaded))
         return self._loaded
@@ -244,7 +251,11 @@ class Spawner:
         """Start everything that was loaded, in one switch; what is in `but` stays stopped."""
         started = [name for name in self._loaded if name not in but]
         names = ", ".join(started)
-        if self._client.switch(started, []):
+        with self._asking:
+            if self._ending:
+                return
+            running = self._client.switch(started, [])
+        if running:
             rospy.loginfo("Started controllers: %s", names)
         else:
             rospy.logerr("Failed to start controllers: %s", names)
@@ -255,8 +266,7 @@ class Spawner:
         When everything is shut down together, the manager may die while it is asked; a service
         call has no timeout, so it is waited for only while answers come.
         """
-        if not self._loaded:
-            return
+        self._ending = True
         worker = threading.Thread(target=self._stop, daemon=True)
         worker.start()
         seen = -1
@@ -265,7 +275,10 @@ class Spawner:
             worker.join(_STALL)
 
     def _stop(self) -> None:
-        names = self._loaded[::-1]
+        with self._asking:
+            names = self._loaded[::-1]
+        if not names:
+            return
         try:
             # Others may have stopped some: a STRICT switch would then stop none.
             listed = self._client.list_controllers()

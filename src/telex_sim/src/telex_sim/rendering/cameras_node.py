@@ -14,6 +14,7 @@ import rospkg
 import rospy
 from telex_msgs.msg import SceneDescription, ScenePoses
 
+from telex_control.node_start import init_node
 from telex_control.params import ConfigError, read_config
 
 from .camera_stream import CameraStream
@@ -121,7 +122,7 @@ class CamerasNode:
 
 def main() -> None:
     """Run the node; a mistake in the configuration ends it with one line that says what to do."""
-    rospy.init_node("cameras")
+    init_node("cameras")
     try:
         config = read_config(CamerasConfig, rospy.get_param("~", {}), rospy.get_name())
         renderer = _renderer(config)

@@ -1,0 +1,37 @@
+"""How the nodes of this workspace begin: as rospy's do, but signals always end them."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from types import FrameType
+from typing import Optional
+
+import rospy
+
+__all__ = ["init_node"]
+
+
+def init_node(name: str, anonymous: bool = False) -> None:
+    """Start a node that SIGINT and SIGTERM shut down.
+
+    rospy shuts down inside the signal handler, which runs in the main thread between any two
+    instructions. When that thread is just asking the master (each log line may), it holds the lock
+    of that connection, and the handler, which asks too, waits for it without end. So another thread
+    shuts down here, and the main thread can let go of its lock.
+
+    Parameters
+    ----------
+    name : str
+    anonymous : bool
+        Whether to make the name unique.
+    """
+    rospy.init_node(name, anonymous=anonymous, disable_signals=True)
+    signal.signal(signal.SIGTERM, _on_signal)
+    signal.signal(signal.SIGINT, _on_signal)
+
+
+def _on_signal(number: int, frame: Optional[FrameType]) -> None:
+    threading.Thread(
+        target=rospy.signal_shutdown, args=(f"signal {number}",), name="shutdown"
+    ).start()
