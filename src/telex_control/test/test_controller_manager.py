@@ -32,6 +32,8 @@ class Recorder(Controller):
         self.calls.append(call)
         if self.fail_in == call:
             raise RuntimeError("broken")
+        if self.fail_in == f"exit in {call}":
+            sys.exit(3)
 
     def starting(self, time):
         self._note("starting")
@@ -313,6 +315,31 @@ def test_a_controller_that_raises_is_stopped_and_the_others_go_on(recorders, cap
     assert recorders.hw.switches[-1] == ([], ["bad_update"])
 
 
+@pytest.mark.parametrize("call", ["starting", "update"])
+def test_a_controller_that_ends_the_program_ends_only_itself(bench, call, caplog):
+    tested = bench({"c": {"type": RECORDER, "fail_in": f"exit in {call}"}, "b": {"type": RECORDER}})
+    assert tested.manager.load_controller("c")
+    tested.switch(start=["c"])
+    tested.load_and_start("b")
+    tested.cycle(2)
+    assert tested.states() == {"c": "stopped", "b": "running"}
+    assert "controller 'c' raised an exception" in caplog.text
+
+
+def test_hardware_that_raises_fails_the_switch_and_the_loop_goes_on(recorders, caplog):
+    def do_switch(start, stop):
+        raise OSError("the bus is gone")
+
+    (a,) = recorders.load_and_start("a")
+    recorders.manager.load_controller("b")
+    do_switch_before, recorders.hw.do_switch = recorders.hw.do_switch, do_switch
+    assert not recorders.switch(start=["b"], stop=["a"])
+    assert recorders.states() == {"a": "running", "b": "initialized"}
+    assert "the bus is gone" in caplog.text
+    recorders.hw.do_switch = do_switch_before
+    assert recorders.switch(start=["b"], stop=["a"])
+
+
 def test_a_controller_that_raises_on_start_fails_the_switch(recorders):
     recorders.manager.load_controller("bad_start")
     assert not recorders.switch(start=["bad_start"])
@@ -377,6 +404,31 @@ def test_world_reset_starts_again_what_had_failed(recorders):
     recorders.manager.reset(1.0)
     assert recorders.states() == {"bad_update": "running"}
     assert recorders.hw.switches[-1] == (["bad_update"], [])
+
+
+def test_world_reset_during_a_switch_gives_no_joint_to_two(recorders):
+    (bad,) = recorders.load_and_start("bad_update")
+    recorders.cycle()
+    bad.fail_in = ""
+    recorders.manager.load_controller("a")
+    switch = Call(recorders.manager.switch_controller, ["a"], [])
+    wait_for_switch(recorders)
+    recorders.manager.reset(1.0)
+    recorders.cycle()
+    assert switch.result()
+    assert recorders.states() == {"bad_update": "stopped", "a": "running"}
+
+
+def test_a_switch_that_a_reset_has_overtaken_is_refused(recorders, caplog):
+    (bad,) = recorders.load_and_start("bad_update")
+    recorders.cycle()
+    bad.fail_in = ""
+    recorders.manager.load_controller("a")
+    # The reset comes when the switch has been judged, and is not yet the loop's.
+    recorders.hw.prepare_switch = lambda start, stop: recorders.manager.reset(1.0)
+    assert not recorders.switch(start=["a"])
+    assert recorders.states() == {"bad_update": "running", "a": "initialized"}
+    assert "Resource conflict on [elbow]" in caplog.text
 
 
 def test_world_reset_leaves_alone_what_somebody_has_stopped(recorders):

@@ -580,3 +580,20 @@ def test_a_long_trajectory_is_taken_over_within_a_cycle(start, monkeypatch):
     tested.run(0.5)
     assert goal.status == "active"
     assert tested.positions()[0] == pytest.approx(0.049, abs=0.001)
+
+
+def test_a_goal_whose_controller_stops_while_it_is_read_is_cancelled(start, monkeypatch):
+    tested = start()
+    read = tested.controller._order
+
+    def stopped_meanwhile(*arguments):
+        order = read(*arguments)
+        assert tested.bench.switch(stop=["c"])
+        return order
+
+    monkeypatch.setattr(tested.controller, "_order", stopped_meanwhile)
+    goal = tested.send(trajectory((1.0, [0.5, 0.1, 0.2])))
+    assert goal.status == "cancelled"
+    assert tested.bench.switch(start=["c"])
+    tested.run(1.5)
+    assert tested.positions() == [0.0, 0.0, 0.0]

@@ -15,6 +15,7 @@ from telex_control.hardware_interface import (
     PositionJointInterface,
     RobotHW,
 )
+from telex_control.local_node_handle import LocalGoal
 from telex_control.params import ConfigError
 
 
@@ -75,6 +76,19 @@ def test_a_position_is_reached(jaw):
     assert goal.feedback
     tested.run(1.0)
     assert tested.joint.state.position == pytest.approx(0.2, abs=1e-3)  # and is kept
+
+
+def test_a_goal_whose_controller_stops_as_it_comes_is_cancelled(jaw, monkeypatch):
+    tested = jaw()
+    (loaded,) = tested.bench.manager._controllers
+    accept = LocalGoal.accept
+
+    def stopped_meanwhile(goal):
+        accept(goal)
+        assert tested.bench.switch(stop=["g"])
+
+    monkeypatch.setattr(LocalGoal, "accept", stopped_meanwhile)
+    assert send(tested, 0.2).status == "cancelled"
 
 
 def test_a_stall_aborts_as_upstream_has_it(jaw):

@@ -112,7 +112,7 @@ class ControllerManager:
                 continue
             try:
                 loaded.controller.update(time, period)
-            except Exception:  # whatever a user's controller raises, the loop goes on
+            except (Exception, SystemExit):  # whatever a user's controller raises
                 self._log.exception(
                     "controller '%s' raised an exception and is stopped", loaded.name
                 )
@@ -130,13 +130,13 @@ class ControllerManager:
         """Let every running controller begin anew at `time` (s), as when the world is reset.
 
         A controller that was stopped because it raised is started again, unless another has its
-        joints by now.
+        joints by now, or a switch is under way that may give them to another.
         """
         for loaded in self._controllers:
             if _is_running(loaded.state):
                 self._guarded(loaded.controller.reset, loaded, time)
         for loaded in self._controllers:
-            if not loaded.failed:
+            if not loaded.failed or self._switch is not None:
                 continue
             running = [c.info for c in self._controllers if _is_running(c.state)]
             if self._hw.check_for_conflict([*running, loaded.info]) is None:
@@ -154,13 +154,28 @@ class ControllerManager:
                 self._finish(switch)
                 return
             switch.begun_at = time
-            self._hw.do_switch([c.info for c in switch.start], [c.info for c in switch.stop])
+            if not self._change_modes(switch):
+                self._finish(switch)
+                return
             for loaded in switch.stop:
                 if not self._guarded(loaded.stop, loaded, time):
                     loaded.failed = False  # somebody wanted it stopped, and so it stays
         self._start_pending(switch, time)
         if not switch.pending:
             self._finish(switch)
+
+    def _change_modes(self, switch: _Switch) -> bool:
+        """Let the hardware change the joints' modes; when it cannot, nothing is switched."""
+        # A reset may have started a controller again after the switch was planned.
+        if self._conflict(switch.start, switch.stop):
+            switch.failed = True
+            return False
+        try:
+            self._hw.do_switch([c.info for c in switch.start], [c.info for c in switch.stop])
+        except Exception:
+            self._log.exception("Could not switch controllers: the hardware raised an exception")
+            switch.failed = True
+        return not switch.failed
 
     def _finish(self, switch: _Switch) -> None:
         self._switch = None
@@ -188,7 +203,7 @@ class ControllerManager:
     ) -> bool:
         try:
             action(time)
-        except Exception:  # as in update
+        except (Exception, SystemExit):  # as in update
             self._log.exception(
                 "controller '%s' raised an exception while it was switched", loaded.name
             )
@@ -200,7 +215,7 @@ class ControllerManager:
         """Stop a controller that raised; its joints must not keep its last command."""
         try:
             loaded.stop(time)
-        except Exception:
+        except (Exception, SystemExit):
             self._log.exception("controller '%s' raised again while it was stopped", loaded.name)
         loaded.state = ControllerState.STOPPED
         loaded.failed = True
@@ -485,11 +500,16 @@ class ControllerManager:
             to_start.remove(loaded)
         return to_start, to_stop
 
-    def _feasible(self, start: List[LoadedController], stop: List[LoadedController]) -> bool:
+    def _conflict(self, start: List[LoadedController], stop: List[LoadedController]) -> bool:
+        """Tell, and log, whether two controllers would claim the same joint."""
         after = [c for c in self._controllers if _is_running(c.state) and c not in stop] + start
         conflict = self._hw.check_for_conflict([c.info for c in after])
         if conflict is not None:
             self._log.error("Could not switch controllers, due to resource conflict: %s", conflict)
+        return conflict is not None
+
+    def _feasible(self, start: List[LoadedController], stop: List[LoadedController]) -> bool:
+        if self._conflict(start, stop):
             return False
         reason = self._hw.prepare_switch([c.info for c in start], [c.info for c in stop])
         if reason is not None:

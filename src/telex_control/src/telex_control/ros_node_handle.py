@@ -93,6 +93,7 @@ class RosActionServer:
     """
 
     def __init__(self, name: str, kind: Any, on_goal: Callable[[ActionGoal], None]) -> None:
+        self._name = name
         self._on_goal = on_goal
         self._goals: Dict[str, RosGoal] = {}
         self._work: queue.SimpleQueue[Optional[Callable[[], None]]] = queue.SimpleQueue()
@@ -127,6 +128,8 @@ class RosActionServer:
             except rospy.ROSException:
                 if not rospy.is_shutdown():
                     rospy.logdebug("a message of a closed action was dropped")
+            except Exception as error:  # of a result that a user's controller filled wrongly
+                rospy.logerr("action %s: a message is dropped: %r", self._name, error)
 
     def close(self) -> None:
         """Send what is queued and take the action back."""

@@ -56,14 +56,18 @@ class RosPublisher(Publisher):
             message = self._messages.popleft()
             try:
                 self._publisher.publish(message)
-            except rospy.ROSSerializationException as error:
-                if not self._complained:
-                    self._complained = True
-                    _log.error("topic %s: a message is dropped: %s", self._publisher.name, error)
-            except rospy.ROSException:
-                # The publisher was closed by an unload or a shutdown between two cycles.
-                if not rospy.is_shutdown():
-                    _log.debug("a message on the closed topic %s was dropped", self._publisher.name)
+            except Exception as error:  # of a message that a user's controller filled wrongly
+                self._drop(error)
+
+    def _drop(self, error: Exception) -> None:
+        closed = isinstance(error, rospy.ROSException)
+        if closed and not isinstance(error, rospy.ROSSerializationException):
+            # The publisher was closed by an unload or a shutdown between two cycles.
+            if not rospy.is_shutdown():
+                _log.debug("a message on the closed topic %s was dropped", self._publisher.name)
+        elif not self._complained:
+            self._complained = True
+            _log.error("topic %s: a message is dropped: %r", self._publisher.name, error)
 
     def has_subscribers(self) -> bool:
         """Whether anybody listens."""

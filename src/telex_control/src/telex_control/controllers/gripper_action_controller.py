@@ -15,6 +15,7 @@ from ..node_handle import ActionGoal, NodeHandle
 from ..periodic import Periodic
 from ..pid_reconfigure import PidSet
 from .joint_description import joint_description
+from .pending import drain
 
 
 class GripperState(NamedTuple):
@@ -111,6 +112,9 @@ class GripperCommandController(Controller):
             return
         goal.accept()
         self._goals.append(goal)
+        if not self._running:
+            # It was stopped meanwhile: nobody else would end the goal.
+            self._drop_goals()
 
     def starting(self, time: float) -> None:
         """Hold the measured opening."""
@@ -128,10 +132,10 @@ class GripperCommandController(Controller):
         if self._active is not None and self._active.cancel_requested:
             self._cancel("cancelled by a client")
             self._hold()
-        while self._goals:
+        for goal in drain(self._goals):
             self._cancel("replaced by a newer goal")
-            self._active = self._goals.popleft()
-            command = self._active.message.command
+            self._active = goal
+            command = goal.message.command
             self._position = clamp(command.position, *self._limits())
             self._max_effort = self._default_effort
             if command.max_effort > 0.0:
@@ -183,8 +187,8 @@ class GripperCommandController(Controller):
             self._active = None
 
     def _drop_goals(self) -> None:
-        while self._goals:
-            self._goals.popleft().cancel(GripperCommandResult(), "the controller was stopped")
+        for goal in drain(self._goals):
+            goal.cancel(GripperCommandResult(), "the controller was stopped")
 
 
 class _JointGripperController(GripperCommandController):

@@ -37,6 +37,7 @@ from ..trajectory.tolerances import Tolerances, read_tolerances, with_goal
 from ..trajectory.waypoints import TrajectoryError, read_tracks
 from ..urdf_joints import CONTINUOUS
 from .joint_description import joint_description
+from .pending import drain
 
 
 class _Joint:
@@ -184,6 +185,9 @@ class JointTrajectoryController(Controller):
             return
         goal.accept()
         self._orders.append(order)
+        if not self._running:
+            # It was stopped while the trajectory was read: nobody else would end the goal.
+            self._drop_orders()
 
     def _order(self, trajectory: Any, goal: Optional[ActionGoal], tolerances: Tolerances) -> _Order:
         start = trajectory.header.stamp.to_sec()
@@ -231,8 +235,8 @@ class JointTrajectoryController(Controller):
         if active is not None and active.goal.cancel_requested:
             self._cancel("cancelled by a client")
             self._hold(time)
-        while self._orders:
-            self._take(self._orders.popleft(), time)
+        for order in drain(self._orders):
+            self._take(order, time)
         for joint in self._joints:
             joint.desired = desired = joint.path.sample(time)
             state = joint.handle.state
@@ -254,10 +258,9 @@ class JointTrajectoryController(Controller):
             joint.handle.command = self._rest_command(joint)
 
     def _drop_orders(self) -> None:
-        while self._orders:
-            goal = self._orders.popleft().goal
-            if goal is not None:
-                goal.cancel(Result(), "the controller was stopped")
+        for order in drain(self._orders):
+            if order.goal is not None:
+                order.goal.cancel(Result(), "the controller was stopped")
 
     def _cancel(self, text: str) -> None:
         if self._active is not None:
