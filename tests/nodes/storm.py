@@ -37,6 +37,7 @@ def storm(duration: float) -> Dict[str, Any]:
         much (s) its longest period was too long, and that of a process which only sleeps.
     """
     manager = ControllerManagerClient()
+    rospy.wait_for_service("control_loop/worst_gap", timeout=30.0)
     worst_gap = rospy.ServiceProxy("control_loop/worst_gap", Trigger)
     worst_gap()
     end = time.monotonic() + duration

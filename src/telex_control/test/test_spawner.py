@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import threading
+from types import SimpleNamespace
+
 import pytest
 import rospy
 
@@ -148,3 +151,41 @@ def test_optional_controllers_need_a_robot(spawner):
 )
 def test_joints_of_a_controller(params, joints):
     assert controller_joints(params) == joints
+
+
+class SlowManager:
+    """A manager whose answer to a load waits for `answer`."""
+
+    def __init__(self):
+        self.asked, self.answer = threading.Event(), threading.Event()
+        self.loaded, self.unloaded = [], []
+
+    def load(self, name):
+        self.asked.set()
+        assert self.answer.wait(5.0)
+        self.loaded.append(name)
+        return True
+
+    def list_controllers(self):
+        return [SimpleNamespace(name=name, state="initialized") for name in self.loaded]
+
+    def unload(self, name):
+        self.unloaded.append(name)
+        return True
+
+
+def test_what_is_being_loaded_when_the_spawner_ends_is_unloaded(spawner):
+    ended = spawner()
+    ended._client = manager = SlowManager()
+    loading = threading.Thread(target=ended.load, args=(["elbow", "slide"],), daemon=True)
+    loading.start()
+    assert manager.asked.wait(5.0)
+    stopping = threading.Thread(target=ended.stop, daemon=True)
+    stopping.start()
+    while not ended._ending:
+        pass
+    manager.answer.set()
+    for each in (loading, stopping):
+        each.join(5.0)
+        assert not each.is_alive()
+    assert manager.loaded == manager.unloaded == ["elbow"]

@@ -28,6 +28,7 @@ from telex_msgs.srv import (
     StepResponse,
 )
 
+from telex_control.interpreter import prepare_for_loop
 from telex_control.node_start import init_node
 from telex_control.params import ConfigError, read_config
 from telex_control.robot_description import wait_for_robot_description
@@ -56,8 +57,6 @@ _STEPS_AT_ONCE = 50
 """Steps of ``sim/step`` between two looks at the requests."""
 _SLOW = 0.95
 """Share of the wanted real-time factor below which the status warns."""
-_SWITCH_INTERVAL = 5e-4
-"""After this time (s) a thread of rospy that computes hands the interpreter back to the loop."""
 
 
 class _Request:
@@ -463,7 +462,6 @@ def _simulator_config() -> SimulatorConfig:
 def main() -> None:
     """Run the node; a mistake in the configuration ends it with one line that says what to do."""
     init_node("simulator")
-    sys.setswitchinterval(_SWITCH_INTERVAL)
     packages = rospkg.RosPack()
     try:
         paused = bool(rospy.get_param("~paused", False))
@@ -479,6 +477,7 @@ def main() -> None:
     except (ConfigError, SceneError, UrdfError, UrdfVisualError, WorldError) as error:
         rospy.logfatal("%s", error)
         sys.exit(1)
+    prepare_for_loop()
     rospy.loginfo("simulator: ready")
     try:
         node.run()
