@@ -6,6 +6,16 @@ import time
 
 import rospy
 
+GLOBAL_NAME = "/robot_description"
+
+
+def offer_globally(description: str) -> None:
+    """Set the URDF where tools look for it that know no namespaces.
+
+    rqt_joint_trajectory_controller does, and much else that was written for a robot of its own.
+    """
+    rospy.set_param(GLOBAL_NAME, description)
+
 
 def wait_for_robot_description() -> str:
     """Return the URDF of this node's namespace, as soon as it is there.

@@ -31,7 +31,7 @@ from telex_msgs.srv import (
 from telex_control.interpreter import prepare_for_loop
 from telex_control.node_start import init_node
 from telex_control.params import ConfigError, read_config
-from telex_control.robot_description import wait_for_robot_description
+from telex_control.robot_description import offer_globally, wait_for_robot_description
 from telex_control.ros_node_handle import RosNodeHandle
 from telex_control.urdf_joints import UrdfError
 
@@ -455,7 +455,8 @@ def _simulator_config() -> SimulatorConfig:
     ConfigError
     """
     params = dict(rospy.get_param("~", {}))
-    params.pop("paused", None)
+    for own in ("paused", "global_description"):
+        params.pop(own, None)
     return read_config(SimulatorConfig, params, rospy.resolve_name("~"))
 
 
@@ -465,9 +466,12 @@ def main() -> None:
     packages = rospkg.RosPack()
     try:
         paused = bool(rospy.get_param("~paused", False))
+        description = wait_for_robot_description()
+        if rospy.get_param("~global_description", True):
+            offer_globally(description)
         simulation = Simulation(
             _simulator_config(),
-            wait_for_robot_description(),
+            description,
             RosNodeHandle(),
             lambda address: resolve_address(address, packages.get_path),
         )
