@@ -8,8 +8,10 @@ import subprocess
 import sys
 
 import pytest
+import rospy
 
 from telex_control import interpreter
+from telex_control.node_start import until_shutdown
 from telex_control.private_master import PrivateMaster
 
 # Is told to end while it talks to the master: rospy's lock of that connection is taken.
@@ -46,6 +48,15 @@ def test_a_node_that_talks_to_the_master_ends(number):
     assert result.returncode == 0, result.stdout
     assert "hook ran" in result.stdout
     assert "spin returned" in result.stdout
+
+
+def test_a_loop_may_find_its_topics_closed_by_the_shutdown(monkeypatch):
+    monkeypatch.setattr(rospy, "is_shutdown", lambda: True)
+    with until_shutdown():
+        raise rospy.ROSException("publish() to a closed topic")
+    monkeypatch.setattr(rospy, "is_shutdown", lambda: False)
+    with pytest.raises(rospy.ROSException), until_shutdown():
+        raise rospy.ROSException("publish() to a closed topic")
 
 
 def test_full_collections_leave_out_what_was_there_before():

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import signal
 import threading
 from types import FrameType
-from typing import Optional
+from typing import Iterator, Optional
 
 import rospy
 
-__all__ = ["init_node"]
+__all__ = ["init_node", "until_shutdown"]
 
 
 def init_node(name: str, anonymous: bool = False) -> None:
@@ -29,6 +30,16 @@ def init_node(name: str, anonymous: bool = False) -> None:
     rospy.init_node(name, anonymous=anonymous, disable_signals=True)
     signal.signal(signal.SIGTERM, _on_signal)
     signal.signal(signal.SIGINT, _on_signal)
+
+
+@contextlib.contextmanager
+def until_shutdown() -> Iterator[None]:
+    """Let a loop end quietly that finds its topics closed because the node is shut down."""
+    try:
+        yield
+    except rospy.ROSException:
+        if not rospy.is_shutdown():
+            raise
 
 
 def _on_signal(number: int, frame: Optional[FrameType]) -> None:

@@ -29,7 +29,7 @@ from telex_msgs.srv import (
 )
 
 from telex_control.interpreter import prepare_for_loop
-from telex_control.node_start import init_node
+from telex_control.node_start import init_node, until_shutdown
 from telex_control.params import ConfigError, read_config
 from telex_control.robot_description import offer_globally, wait_for_robot_description
 from telex_control.ros_node_handle import RosNodeHandle
@@ -484,6 +484,7 @@ def main() -> None:
     prepare_for_loop()
     rospy.loginfo("simulator: ready")
     try:
-        node.run()
+        with until_shutdown():
+            node.run()
     finally:
         node.close()

@@ -14,7 +14,7 @@ import rospkg
 import rospy
 from telex_msgs.msg import SceneDescription, ScenePoses
 
-from telex_control.node_start import init_node
+from telex_control.node_start import init_node, until_shutdown
 from telex_control.params import ConfigError, read_config
 
 from .camera_stream import CameraStream
@@ -130,7 +130,8 @@ def main() -> None:
         rospy.logfatal("%s", error)
         sys.exit(1)
     try:
-        CamerasNode(config, renderer).run()
+        with until_shutdown():
+            CamerasNode(config, renderer).run()
     finally:
         renderer.release()
 
