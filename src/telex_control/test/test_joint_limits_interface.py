@@ -295,3 +295,46 @@ def test_an_interface_enforces_and_resets_all():
 def test_the_handle_is_chosen_by_interface_and_soft_limits(interface, saturation, soft):
     assert type(limits_handle(interface, joint(), LIMITS)) is saturation
     assert type(limits_handle(interface, joint(), LIMITS, SOFT)) is soft
+
+
+INTERFACES = (EffortJointInterface, VelocityJointInterface, PositionJointInterface)
+
+
+@pytest.mark.parametrize("soft", [None, SOFT])
+@pytest.mark.parametrize("interface", INTERFACES)
+def test_a_joint_without_limits_is_given_any_number(interface, soft):
+    target = joint(position=0.3, velocity=99.0)
+    handle = limits_handle(interface, target, JointLimits(), soft)
+    assert enforced(handle, target, -1e9) == -1e9
+    assert enforced(handle, target, 1e9) == 1e9
+    for bad in (math.nan, math.inf, -math.inf):
+        assert enforced(handle, target, bad) == (1e9 if interface is PositionJointInterface else 0)
+
+
+@pytest.mark.parametrize(
+    ("interface", "lacking", "position", "expected"),
+    [
+        (EffortJointInterface, "max_velocity", 0.0, 8.0),
+        (EffortJointInterface, "max_velocity", 1.1, 0.0),
+        (EffortJointInterface, "max_effort", 0.0, 50.0),
+        (EffortJointInterface, "max_effort", 1.1, 0.0),
+        (VelocityJointInterface, "max_effort", 0.0, 2.0),
+        (PositionJointInterface, "max_velocity", 0.0, 1.0),
+    ],
+)
+def test_of_a_joints_limits_those_that_there_are_are_enforced(
+    interface, lacking, position, expected
+):
+    target = joint(position)
+    handle = limits_handle(interface, target, without(LIMITS, lacking))
+    assert enforced(handle, target, 50.0) == expected
+
+
+@pytest.mark.parametrize(
+    "lacking", [("max_velocity",), ("max_effort",), ("max_velocity", "max_effort")]
+)
+def test_a_soft_limit_needs_no_other_limits(lacking):
+    target = joint(0.8)
+    handle = limits_handle(EffortJointInterface, target, without(LIMITS, *lacking), SOFT)
+    assert enforced(handle, target, 5.0) == 0.0
+    assert enforced(handle, target, -5.0) == -5.0

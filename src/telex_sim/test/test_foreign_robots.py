@@ -10,8 +10,10 @@ import pybullet
 import pybullet_data
 import pytest
 import rospkg
+from geometry_msgs.msg import Twist
 from std_msgs.msg import Float64, Float64MultiArray
 
+from telex_control.hardware_interface import EffortJointInterface
 from telex_control.local_node_handle import LocalNodeHandle
 from telex_control.params import ConfigError, read_config
 from telex_control.urdf_joints import MOVABLE, UrdfError, joints, parse_urdf
@@ -187,6 +189,73 @@ def test_a_panda_alone_follows_positions_by_its_velocities(alone, panda):
         assert positions[joint] == pytest.approx(wanted, abs=5e-3), joint
     # the fingers have drives but no controllers: their brakes hold them
     assert positions["panda_finger_joint1"] == pytest.approx(0.0, abs=1e-3)
+
+
+HUSKY = {side: [f"{end}_{side}_wheel" for end in ("front", "rear")] for side in ("left", "right")}
+
+
+@pytest.fixture
+def husky():
+    """Driven by its wheels, which have neither a velocity nor an effort limit."""
+    params = {
+        "drive": {
+            "type": "diff_drive_controller/DiffDriveController",
+            "left_wheel": HUSKY["left"],
+            "right_wheel": HUSKY["right"],
+            "wheel_separation_multiplier": 1.875,
+            "cmd_vel_timeout": 10.0,
+            "publish_rate": 50.0,
+            "pose_covariance_diagonal": [0.01] * 6,
+            "twist_covariance_diagonal": [0.01] * 6,
+        }
+    }
+    return robot_model(DATA / "husky" / "husky.urdf"), params
+
+
+def drive(node, linear, angular):
+    message = Twist()
+    message.linear.x, message.angular.z = linear, angular
+    node.advertise("drive/cmd_vel", Twist).publish(message)
+
+
+def test_a_husky_drives_on_wheels_without_limits(alone, husky):
+    place = (0.0, 0.0, 0.15, 0.0)
+    simulation, node = alone(*husky, model="husky", place=place, fixed_base=False)
+    run(simulation, 0.5)
+    (start, _, _), _ = simulation.body.base_pose()
+    drive(node, 0.8, 0.0)
+    run(simulation, 2.0)
+    (x, y, _), _ = simulation.body.base_pose()
+    assert x - start == pytest.approx(1.6, rel=0.05)
+    assert abs(y) < 0.02
+    drive(node, 0.0, 0.8)
+    run(simulation, 1.0)
+    wheels = {name: simulation.hw.joint_state(name) for names in HUSKY.values() for name in names}
+    # half the separation, times the multiplier, over the radius, as the URDF has them
+    speed = 0.8 * 0.2854 * 1.875 / 0.17775
+    for name, state in wheels.items():
+        assert state.velocity == pytest.approx(-speed if "left" in name else speed, rel=0.02), name
+    # it turns, although its wheels slip
+    assert pybullet.getEulerFromQuaternion(simulation.body.base_pose()[1])[2] > 0.1
+    drive(node, 0.0, 0.0)
+    run(simulation, 1.0)
+    assert max(abs(state.velocity) for state in wheels.values()) < 0.01
+
+
+def test_a_pole_without_limits_takes_any_effort_that_is_a_number(alone, tmp_path):
+    urdf = with_transmissions(tmp_path, "cartpole.urdf", "EffortJointInterface")
+    params = {"pole": {"type": "effort_controllers/JointEffortController", "joint": "cart_to_pole"}}
+    simulation, node = alone(urdf, params, place=(0.0, 0.0, 1.0, 0.0))
+    node.advertise("pole/command", Float64).publish(Float64(3.0))
+    run(simulation, 0.5)
+    # 3 N m on 1.025 kg m2 about the joint; gravity, 0.49 N m at most, helps a little
+    angle = simulation.hw.joint_positions()["cart_to_pole"]
+    assert angle == pytest.approx(0.5 * 3.0 / 1.025 * 0.5**2, rel=0.03)
+    handle = simulation.hw.get(EffortJointInterface).get_handle("cart_to_pole")
+    for bad in (math.nan, math.inf):
+        handle.command = bad
+        simulation.hw.write(simulation.time, 0.002)
+        assert handle.command == 0.0
 
 
 def test_two_foreign_robots_beside_telex_obey_their_own_commands(robot, kuka, panda):

@@ -11,7 +11,7 @@ from telex_control.hardware_interface import ControllerInfo, InterfaceResources
 from telex_control.local_node_handle import LocalNodeHandle
 from telex_control.params import ConfigError
 from telex_control.urdf_joints import UrdfError, parse_urdf
-from telex_sim.config import HardwareConfig
+from telex_sim.config import HardwareConfig, JointHardware
 from telex_sim.robot_hw_sim import RobotHWSim
 from telex_sim.world import World
 
@@ -46,7 +46,14 @@ class Rig:
     """One drive with a vertical axis on a base that is fixed to the world."""
 
     def __init__(
-        self, interface, params=None, kind="revolute", velocity=1000.0, safety="", effort=EFFORT
+        self,
+        interface,
+        params=None,
+        kind="revolute",
+        velocity=1000.0,
+        safety="",
+        effort=EFFORT,
+        hardware=None,
     ):
         self.urdf = RIG.format(
             inertia=INERTIA,
@@ -58,7 +65,7 @@ class Rig:
         )
         self.world = World(STEP, 50)
         self.node = LocalNodeHandle(params or {})
-        self.hw = RobotHWSim(parse_urdf(self.urdf), HardwareConfig())
+        self.hw = RobotHWSim(parse_urdf(self.urdf), hardware or HardwareConfig())
         try:
             self.hw.init(self.node, self.node)
             self.place()
@@ -257,10 +264,51 @@ def test_wrong_parameters_are_named(rig, params, named):
         rig("Position", params)
 
 
-def test_a_limit_that_is_needed_is_named(rig):
-    urdf = {"joint_limits": {"drive": {"has_effort_limits": False}}}
-    with pytest.raises(UrdfError, match="'drive'. It has no max_effort"):
-        rig("Effort", urdf)
+@pytest.mark.parametrize(
+    ("interface", "command", "quantity", "expected"),
+    [
+        ("Effort", 10.0 * EFFORT, "velocity", 10.0 * EFFORT / INERTIA * 0.1),
+        ("Velocity", 9.0, "velocity", 9.0),
+        ("Position", 1.0, "position", 1.0),
+    ],
+)
+def test_a_joint_without_limits_obeys_and_refuses_only_what_is_no_number(
+    rig, interface, command, quantity, expected
+):
+    flags = [f"has_{kind}_limits" for kind in ("position", "velocity", "effort", "soft")]
+    tested = rig(interface, {"joint_limits": {"drive": dict.fromkeys(flags, False)}}, safety=SAFETY)
+    tested.run(command, 0.1)
+    assert getattr(tested.state, quantity) == pytest.approx(expected, rel=0.01)
+    tested.run(math.nan, STEP)
+    assert math.isfinite(tested.handle.command)
+
+
+def test_a_limit_that_is_wrong_is_named(rig):
+    with pytest.raises(UrdfError, match="'drive': max_effort is 0.0; it must be above 0"):
+        rig("Effort", effort=0.0)
+
+
+@pytest.mark.parametrize(
+    ("interface", "command", "safety", "end"),
+    [
+        ("Effort", 5.0, "", 2.1),
+        ("Effort", 5.0, SAFETY, 1.6),
+        ("Velocity", 1.0, "", 2.1),
+        ("Velocity", 1.0, SAFETY, 1.6),
+        # commands stay within the limits
+        ("Position", 3.0, "", 2.0),
+    ],
+)
+def test_stops_and_soft_limits_lie_beyond_the_limits_by_the_overtravel(
+    rig, interface, command, safety, end
+):
+    hardware = HardwareConfig(joints={"drive": JointHardware(overtravel=0.1)})
+    tested = rig(interface, velocity=5.0, safety=safety, hardware=hardware)
+    for _ in range(2):
+        tested.run(command, 2.5)
+        assert tested.state.position == pytest.approx(end, abs=0.005)
+        tested.world.clear()
+        tested.place()
 
 
 @pytest.mark.parametrize("params", [{}, gains(p=50.0, d=5.0)])

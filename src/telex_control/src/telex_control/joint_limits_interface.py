@@ -9,7 +9,9 @@ where it started resets the handles, or else a limited command would creep on fr
 
 from __future__ import annotations
 
+import dataclasses
 import math
+import sys
 from typing import Optional, Tuple, Type
 
 from .hardware_interface import (
@@ -342,6 +344,8 @@ _SOFT_LIMITS = {
     VelocityJointInterface: VelocityJointSoftLimitsHandle,
     EffortJointInterface: EffortJointSoftLimitsHandle,
 }
+_UNBOUNDED = sys.float_info.max
+"""Bounds nothing; finite, because some formula would meet 0 * infinity otherwise."""
 
 
 def limits_handle(
@@ -352,6 +356,10 @@ def limits_handle(
 ) -> JointLimitsHandle:
     """Return the handle that enforces limits on a joint commanded through `interface`.
 
+    Like Gazebo's hardware, and unlike the handles by themselves, it takes every joint: what has no
+    limit is not bounded. A joint without any limits gets a handle, too, for no joint may be given
+    a command that is not finite.
+
     Parameters
     ----------
     interface : class
@@ -360,12 +368,12 @@ def limits_handle(
     limits : JointLimits
     soft_limits : SoftJointLimits, optional
         With them, a handle that slows the joint down before its limits.
-
-    Raises
-    ------
-    JointLimitsError
-        A limit is missing that this interface needs.
     """
+    limits = dataclasses.replace(
+        limits,
+        max_velocity=min(limits.max_velocity, _UNBOUNDED),
+        max_effort=min(limits.max_effort, _UNBOUNDED),
+    )
     if soft_limits is None:
         return _SATURATION[interface](joint, limits)  # type: ignore[index]
     return _SOFT_LIMITS[interface](joint, limits, soft_limits)  # type: ignore[index]
