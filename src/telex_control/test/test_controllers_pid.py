@@ -7,6 +7,8 @@ from control_msgs.msg import JointControllerState, PidState
 from std_msgs.msg import Float64, Float64MultiArray
 
 from telex_control.hardware_interface import EffortJointInterface, VelocityJointInterface
+from telex_control.joint_limits import JointLimits
+from telex_control.joint_limits_interface import EffortJointSaturationHandle
 from telex_control.local_node_handle import LocalNodeHandle
 from telex_control.node_handle import ParameterError
 from telex_control.pid import PidGains
@@ -254,3 +256,39 @@ def test_command_limits_of_zero_are_refused(bench, caplog):
         led(bench, {"velocity": 0.0, "acceleration": 1.0})
     assert "command_limits" in caplog.text
     assert "velocity is 0.0" in caplog.text
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_integral_holds_while_limits_take_away_what_it_asks_for_more_of(bench, sign):
+    gains = {"p": 10.0, "i": 20.0, "d": 0.0, "i_clamp": 100.0}
+    tested = bench(
+        {
+            "c": {
+                "type": "effort_controllers/JointPositionController",
+                "joint": "elbow",
+                "pid": {**gains, "publish_state": True},
+            }
+        }
+    )
+    tested.load_and_start("c")
+    inside = []
+    tested.node.subscribe("c/pid/state", PidState, inside.append)
+    handle = tested.hw.get(EffortJointInterface).get_handle("elbow")
+    limits = EffortJointSaturationHandle(handle, JointLimits(max_velocity=1.0, max_effort=4.0))
+
+    def run(cycles):
+        for _ in range(cycles):
+            tested.cycle()
+            limits.enforce(0.002)
+
+    command = tested.node.advertise("c/command", Float64)
+    command.publish(Float64(sign * 0.3))
+    run(50)
+    assert inside[-1].i_error == pytest.approx(sign * 0.3 * 50 * 0.002)
+    run(2000)
+    held = inside[-1].i_error
+    assert 10.0 * sign * 0.3 + 20.0 * held == pytest.approx(sign * 4.0, abs=0.05)
+    # towards less of what is cut off, it goes on at once
+    command.publish(Float64(sign * -0.3))
+    run(10)
+    assert sign * inside[-1].i_error < sign * held

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 
 import genpy
@@ -89,26 +90,38 @@ def test_the_gripper_opens_and_closes(acting):
         assert goal.result.position == pytest.approx(opening, abs=2e-3)
 
 
-@pytest.mark.parametrize("force", [40.0, 250.0])
-def test_the_pads_press_with_the_force_that_is_asked_for(acting, force):
-    command(acting, 0.1, 0.0, 1.2)
-    body = acting.simulation.body
-    place = pybullet.getLinkState(body.uid, body.links["tool_link"], physicsClientId=body.client)[
-        4:6
-    ]
+def tool_pose(body):
+    return pybullet.getLinkState(
+        body.uid, body.links["tool_link"], computeForwardKinematics=1, physicsClientId=body.client
+    )[4:6]
+
+
+def grip(tested, mass, half_extents, force):
+    """Close the fingers on a box of friction 1, and let go of it; returns its number, the goal."""
+    command(tested, 0.1, 0.0, 1.2)
+    body = tested.simulation.body
+    place = tool_pose(body)
     shape = pybullet.createCollisionShape(
-        pybullet.GEOM_BOX, halfExtents=(0.02, 0.025, 0.02), physicsClientId=body.client
+        pybullet.GEOM_BOX, halfExtents=half_extents, physicsClientId=body.client
     )
-    box = pybullet.createMultiBody(0.5, shape, -1, *place, physicsClientId=body.client)
+    box = pybullet.createMultiBody(mass, shape, -1, *place, physicsClientId=body.client)
+    pybullet.changeDynamics(box, -1, lateralFriction=1.0, physicsClientId=body.client)
     # It floats until it is gripped.
     held = pybullet.createConstraint(
         *(box, -1, -1, -1, pybullet.JOINT_FIXED),
         *((0, 0, 0), (0, 0, 0), place[0], (0, 0, 0, 1), place[1]),
         physicsClientId=body.client,
     )
-    goal = command(acting, 0.0, force, 2.0)
+    goal = command(tested, 0.0, force, 2.0)
     pybullet.removeConstraint(held, physicsClientId=body.client)
-    acting.run(0.5)
+    tested.run(0.5)
+    return box, goal
+
+
+@pytest.mark.parametrize("force", [40.0, 250.0])
+def test_the_pads_press_with_the_force_that_is_asked_for(acting, force):
+    box, goal = grip(acting, 0.5, (0.02, 0.025, 0.02), force)
+    body = acting.simulation.body
     assert goal.status == "succeeded"
     assert goal.result.stalled
     assert goal.result.position == pytest.approx(0.05, abs=3e-3)
@@ -117,3 +130,32 @@ def test_the_pads_press_with_the_force_that_is_asked_for(acting, force):
             body.uid, box, body.links[name], -1, physicsClientId=body.client
         )
         assert sum(contact[9] for contact in contacts) == pytest.approx(force, rel=0.05), name
+
+
+def in_the_hand(body, box):
+    """Place of the box in the tool's frame (m)."""
+    place = pybullet.getBasePositionAndOrientation(box, physicsClientId=body.client)
+    return pybullet.multiplyTransforms(*pybullet.invertTransform(*tool_pose(body)), *place)[0]
+
+
+def test_a_light_cube_does_not_creep_out_of_the_hand(acting):
+    """It is the worst case: friction without an anchor lets it slip by 9 mm."""
+    # The body is another one then; its pads must be the same.
+    acting.simulation.reset()
+    acting.run(0.3)
+    box, _ = grip(acting, 0.3, (0.025, 0.025, 0.025), 100.0)
+    body = acting.simulation.body
+    before = in_the_hand(body, box)
+    acting.run(10.0)
+    assert math.dist(in_the_hand(body, box), before) < 0.1e-3
+
+
+@pytest.mark.parametrize(("share", "holds"), [(0.85, True), (1.1, False)])
+def test_the_pads_hold_what_their_friction_can_carry(acting, share, holds):
+    force = 50.0
+    mass = share * 2.0 * 0.8 * force / 9.81
+    box, _ = grip(acting, mass, (0.025, 0.025, 0.025), force)
+    body = acting.simulation.body
+    before = in_the_hand(body, box)
+    acting.run(1.0)
+    assert (math.dist(in_the_hand(body, box), before) < 5e-3) == holds

@@ -87,6 +87,14 @@ def test_drives_may_be_those_of_other_variants_and_no_others(variant):
         variant(without_fingers, hardware__joints=joints)
 
 
+def test_surfaces_may_be_those_of_other_variants_and_no_others(variant):
+    surfaces = {"left_finger_tip_link": {"friction": 0.8}, "palm": {"friction": 0.8}}
+    with pytest.raises(ConfigError, match="hardware/contacts/palm: the robot has no such link"):
+        variant(without_fingers, hardware__contacts=surfaces)
+    del surfaces["palm"]
+    variant(without_fingers, hardware__contacts=surfaces).run(0.1)
+
+
 def test_all_optional_joints_are_joints_of_the_standard_robot(robot):
     optional = shipped_config().hardware.optional_joints
     assert set(optional) <= set(robot().positions())

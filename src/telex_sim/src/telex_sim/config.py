@@ -63,12 +63,43 @@ class JointHardware:
     ----------
     armature : float
         Inertia of rotor and gear, seen at the joint (kg m2); a revolute joint's only.
+    overtravel : float
+        How far beyond the URDF's limits the end stops lie, and with them the soft limits (rad, m).
+        Towards a soft limit the effort falls, so that a drive whose soft limits lie within its
+        range cannot hold a load at the ends of it.
     """
 
     armature: float = 0.0
+    overtravel: float = 0.0
 
     def __post_init__(self) -> None:
         require(self.armature >= 0.0, f"armature is {self.armature} kg m2; 0 or more is needed")
+        require_range(self, "overtravel", 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class ContactConfig:
+    """What the surface of a link is like where it touches something.
+
+    Attributes
+    ----------
+    friction : float
+        Friction coefficient on a surface of friction 1.
+    spinning_friction : float
+        Against turning about the contact's normal, on a surface of friction 1: friction torque for
+        each newton of force (m).
+    friction_anchor : bool
+        Whether friction holds what sticks where it is, as dry friction does. Without it what is
+        held creeps, faster the lighter it is and the harder it is pressed.
+    """
+
+    friction: float = 0.5
+    spinning_friction: float = 0.0
+    friction_anchor: bool = False
+
+    def __post_init__(self) -> None:
+        require_range(self, "friction", 0.0, 10.0)
+        require_range(self, "spinning_friction", 0.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -83,18 +114,24 @@ class HardwareConfig:
     position_gain : float
         Share of a position joint's error that its motor takes away in one step.
     joints : dict of str to JointHardware
+    contacts : dict of str to ContactConfig
+        By link; the rest have PyBullet's values, which are the defaults.
     imus : dict of str to str
         Inertial sensors: name, which is that of its topic, and the link whose motion it measures.
     optional_joints : tuple of str
         Joints that a variant of the robot may lack: `joints` and named poses may name them all the
         same. Any other name that is not there is a mistake.
+    optional_links : tuple of str
+        Links that a variant may lack, although `contacts` names them.
     """
 
     velocity_tolerance: float = 1.05
     position_gain: float = 0.2
     joints: Dict[str, JointHardware] = field(default_factory=dict)
+    contacts: Dict[str, ContactConfig] = field(default_factory=dict)
     imus: Dict[str, str] = field(default_factory=dict)
     optional_joints: Tuple[str, ...] = ()
+    optional_links: Tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         require(

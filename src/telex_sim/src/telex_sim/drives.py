@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import enum
 import math
-from typing import Any, Dict, List, Optional, Tuple, Type
+from typing import Dict, Optional, Tuple, Type
 
 from telex_control.hardware_interface import (
     EffortJointInterface,
@@ -16,12 +16,7 @@ from telex_control.hardware_interface import (
     VelocityJointInterface,
 )
 from telex_control.joint_limits import JointLimits, SoftJointLimits, clamp
-from telex_control.joint_limits_interface import (
-    EffortJointSaturationHandle,
-    EffortJointSoftLimitsHandle,
-    JointLimitsHandle,
-    limits_handle,
-)
+from telex_control.joint_limits_interface import JointLimitsHandle, limits_handle
 from telex_control.pid import Pid
 from telex_control.urdf_joints import CONTINUOUS, UrdfJoint
 
@@ -69,6 +64,9 @@ class Drive:
         position joint's motor may reach to catch up.
     pid : Pid, optional
         Of a velocity or position joint.
+    overtravel : float
+        How far beyond the limits the end stops lie, and with them the soft limits (rad, m).
+        Position commands stay within the limits.
 
     Attributes
     ----------
@@ -80,11 +78,6 @@ class Drive:
         Effort that was last applied to a joint with `takes_effort` (Nm, N).
     max_effort, max_velocity : float
         Of its motor (Nm, N; rad/s, m/s).
-
-    Raises
-    ------
-    JointLimitsError
-        A limit is missing that the interface needs.
     """
 
     __slots__ = (
@@ -112,7 +105,10 @@ class Drive:
         soft_limits: Optional[SoftJointLimits],
         velocity_tolerance: float,
         pid: Optional[Pid] = None,
+        overtravel: float = 0.0,
     ) -> None:
+        if overtravel and interface is not PositionJointInterface:
+            limits, soft_limits = _moved_out(limits, soft_limits, overtravel)
         self.description = description
         self.interface = interface
         self.mode = _MODES[interface][pid is not None]
@@ -201,6 +197,24 @@ _STANDSTILL = 1.0e-6
 _STRONG = 1.0e6
 
 
+def _moved_out(
+    limits: JointLimits, soft_limits: Optional[SoftJointLimits], distance: float
+) -> Tuple[JointLimits, Optional[SoftJointLimits]]:
+    """Return limits whose ends lie `distance` further out."""
+    limits = dataclasses.replace(
+        limits,
+        min_position=limits.min_position - distance,
+        max_position=limits.max_position + distance,
+    )
+    if soft_limits is not None:
+        soft_limits = dataclasses.replace(
+            soft_limits,
+            min_position=soft_limits.min_position - distance,
+            max_position=soft_limits.max_position + distance,
+        )
+    return limits, soft_limits
+
+
 def _effort_limits(
     handle: JointHandle,
     limits: JointLimits,
@@ -215,9 +229,9 @@ def _effort_limits(
     bounds; towards the soft limits, nothing differs.
     """
     tolerated = dataclasses.replace(limits, max_velocity=limits.max_velocity * tolerance)
-    found: List[Any] = [EffortJointSaturationHandle(handle, tolerated)]
+    found = [limits_handle(EffortJointInterface, handle, tolerated)]
     if soft_limits is not None:
         droop = limits.max_effort / soft_limits.k_velocity if soft_limits.k_velocity else 0.0
         unslowed = dataclasses.replace(limits, max_velocity=tolerated.max_velocity + droop)
-        found.append(EffortJointSoftLimitsHandle(handle, unslowed, soft_limits))
+        found.append(limits_handle(EffortJointInterface, handle, unslowed, soft_limits))
     return tuple(found)

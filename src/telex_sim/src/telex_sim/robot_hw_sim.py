@@ -30,9 +30,9 @@ from telex_control.params import ConfigError
 from telex_control.pid import Pid
 from telex_control.pid_reconfigure import PidSet
 from telex_control.transmission_parser import DrivenJoint, driven_joints
-from telex_control.urdf_joints import PRISMATIC, UrdfError, UrdfJoint, joints
+from telex_control.urdf_joints import CONTINUOUS, PRISMATIC, UrdfError, UrdfJoint, joints
 
-from .config import HardwareConfig
+from .config import HardwareConfig, JointHardware
 from .drives import INTERFACES, Drive, Mode
 from .imu import Imu
 from .world import Body
@@ -88,7 +88,7 @@ class RobotHWSim(RobotHW):
         Raises
         ------
         UrdfError
-            A transmission names an interface that is not simulated, or a limit is missing.
+            A transmission names an interface that is not simulated, or a limit is wrong.
         ConfigError
             A parameter is wrong, or names what the robot does not have.
         """
@@ -130,9 +130,14 @@ class RobotHWSim(RobotHW):
         try:
             limits, soft = joint_limits(joint, params, root.resolve(_LIMITS))
             pid = None if interface is EffortJointInterface else self._pid(joint.name, root)
-            return Drive(joint, interface, limits, soft, self._config.velocity_tolerance, pid)
+            tolerance = self._config.velocity_tolerance
+            overtravel = self._hardware(joint.name).overtravel
+            return Drive(joint, interface, limits, soft, tolerance, pid, overtravel)
         except JointLimitsError as error:
             raise UrdfError(str(error)) from error
+
+    def _hardware(self, joint: str) -> JointHardware:
+        return self._config.joints.get(joint, JointHardware())
 
     def _pid(self, joint: str, root: NodeHandle) -> Optional[Pid]:
         for place in PID_GAINS:
@@ -158,6 +163,12 @@ class RobotHWSim(RobotHW):
         for name, link in config.imus.items():
             if link not in links:
                 raise ConfigError(f"hardware/imus/{name} is '{link}'; the robot has no such link")
+        for link in config.contacts:
+            if link not in links and link not in config.optional_links:
+                raise ConfigError(
+                    f"hardware/contacts/{link}: the robot has no such link; one that only some "
+                    "variants have belongs into hardware/optional_links"
+                )
         useless = sorted(set(limits) - set(described) - set(config.optional_joints))
         if useless:
             _log.warning(
@@ -213,6 +224,8 @@ class RobotHWSim(RobotHW):
         for name, drive in self._joints.items():
             drive.index = body.joints[name]
             self._add_armature(drive)
+            self._place_stops(drive)
+        self._make_surfaces(body)
         self._indices = [drive.index for drive in self._all]
         for imu in self._imus:
             imu.attach(body)
@@ -228,18 +241,45 @@ class RobotHWSim(RobotHW):
         Isotropic, because PyBullet drops an inertia that no mass distribution can have; the small
         excess about the other axes is carried by the neighbours' structure.
         """
-        hardware = self._config.joints.get(drive.description.name)
+        armature = self._hardware(drive.description.name).armature
         assert self._body is not None
-        if hardware is None or not hardware.armature or drive.description.kind == PRISMATIC:
+        if not armature or drive.description.kind == PRISMATIC:
             return
         uid, client = self._body.uid, self._body.client
         inertia = pybullet.getDynamicsInfo(uid, drive.index, physicsClientId=client)[2]
         pybullet.changeDynamics(
             uid,
             drive.index,
-            localInertiaDiagonal=[value + hardware.armature for value in inertia],
+            localInertiaDiagonal=[value + armature for value in inertia],
             physicsClientId=client,
         )
+
+    def _place_stops(self, drive: Drive) -> None:
+        """Let the joint move as far beyond the URDF's limits as its end stops lie."""
+        description = drive.description
+        overtravel = self._hardware(description.name).overtravel
+        assert self._body is not None
+        if overtravel and description.kind != CONTINUOUS:
+            pybullet.changeDynamics(
+                self._body.uid,
+                drive.index,
+                jointLowerLimit=description.lower - overtravel,
+                jointUpperLimit=description.upper + overtravel,
+                physicsClientId=self._body.client,
+            )
+
+    def _make_surfaces(self, body: Body) -> None:
+        """Give links the friction that they are to have."""
+        for link, contact in self._config.contacts.items():
+            if link in body.links:
+                pybullet.changeDynamics(
+                    body.uid,
+                    body.links[link],
+                    lateralFriction=contact.friction,
+                    spinningFriction=contact.spinning_friction,
+                    frictionAnchor=contact.friction_anchor,
+                    physicsClientId=body.client,
+                )
 
     def _loosen(self, body: Body) -> None:
         """Let joints without a drive move: PyBullet gives each a motor that brakes it."""

@@ -35,6 +35,10 @@ class JointPositionController(Controller):
     commands (at 100 Hz, the turret's effort runs from limit to limit). A single command far away
     is a step too; with limits, the joint is led there at no more than this velocity and
     acceleration, and does not overshoot.
+
+    The integral holds while the limits of the joint take away what it asks for more of: otherwise
+    it would wind up at a stop or under a load that is too heavy, and the joint would stay there
+    until it had unwound.
     """
 
     parameters = frozenset(
@@ -74,6 +78,7 @@ class JointPositionController(Controller):
         self._pid = self._pids.open("pid")
         # Replaced by assignment in the subscriber's thread, read in the loop.
         self._set_point = 0.0
+        self._asked = 0.0
         self._state = JointControllerStatePublisher(node, self._joint, self._pid)
         node.subscribe("command", Float64, self._on_command)
 
@@ -101,26 +106,31 @@ class JointPositionController(Controller):
         if self._filter is not None:
             self._filter.reset(self._set_point)
         self._pid.reset()
+        self._asked = self._joint.command
 
     def update(self, time: float, period: float) -> None:
         """Run the PID."""
-        joint = self._joint
+        joint, pid = self._joint, self._pid
+        # Limits are enforced in place: here stands what they left of the last command.
+        cut, integral = self._asked - joint.command, pid.integral
         reference = self._set_point
         if self._limiter is not None:
             reference = self._near(reference, self._limiter.position)
             reference = self._limiter.update(reference, period)
         if self._filter is None:
-            command = self._pid.update(self._difference(reference), period)
+            command = pid.update(self._difference(reference), period)
         else:
             reference, velocity = self._filter.update(
                 self._near(reference, self._filter.position), period
             )
-            command = self._pid.update(
+            command = pid.update(
                 self._difference(reference), period, velocity - joint.state.velocity
             )
+        if cut and cut * pid.gains.i * pid.error > 0.0:
+            pid.integral = integral
         if self._gravity is not None:
             command += self._gravity.effort(time)
-        joint.command = command
+        self._asked = joint.command = command
         self._pids.publish(time)
         if self._state.is_due():
             set_point = self._set_point
