@@ -108,11 +108,18 @@ class _SoftLimitsHandle(JointLimitsHandle):
 
     def _allowed_velocities(self, position: float) -> Tuple[float, float]:
         """Return the lowest and the highest velocity that is allowed at `position`."""
+        # Written out: `clamp` would be a third of the time of all limits, in every cycle.
         velocity, gain = self._velocity, self._gain
-        return (
-            clamp(gain * (position - self._lower), -velocity, velocity),
-            clamp(gain * (position - self._upper), -velocity, velocity),
-        )
+        slowest, fastest = gain * (position - self._lower), gain * (position - self._upper)
+        if slowest < -velocity:
+            slowest = -velocity
+        elif slowest > velocity:
+            slowest = velocity
+        if fastest > velocity:
+            fastest = velocity
+        elif fastest < -velocity:
+            fastest = -velocity
+        return slowest, fastest
 
 
 class PositionJointSoftLimitsHandle(_SoftLimitsHandle):
@@ -235,12 +242,18 @@ class EffortJointSoftLimitsHandle(_SoftLimitsHandle):
         if not abs(command) < math.inf:
             command = 0.0
         slowest, fastest = self._allowed_velocities(state.position)
-        gain, effort = self._damping, self._effort
-        joint.command = clamp(
-            command,
-            clamp(gain * (state.velocity - slowest), -effort, effort),
-            clamp(gain * (state.velocity - fastest), -effort, effort),
-        )
+        gain, effort, velocity = self._damping, self._effort, state.velocity
+        low, high = gain * (velocity - slowest), gain * (velocity - fastest)
+        if low < -effort:
+            low = -effort
+        elif low > effort:
+            low = effort
+        if high > effort:
+            high = effort
+        elif high < -effort:
+            high = -effort
+        raised = low if command < low else command
+        joint.command = high if raised > high else raised
 
 
 class VelocityJointSaturationHandle(JointLimitsHandle):

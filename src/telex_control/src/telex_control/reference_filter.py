@@ -97,7 +97,7 @@ class ReferenceLimiter:
     jumps is approached with limited velocity and acceleration, and reached without overshoot.
     """
 
-    __slots__ = ("_approaching", "_limits", "_velocity", "position")
+    __slots__ = ("_approaching", "_limits", "position", "velocity")
 
     def __init__(self, limits: ReferenceLimits) -> None:
         self._limits = limits
@@ -106,21 +106,23 @@ class ReferenceLimiter:
     def reset(self, position: float) -> None:
         """Rest at `position`."""
         self.position = position
-        self._velocity = 0.0
+        self.velocity = 0.0
         self._approaching = False
 
     def update(self, set_point: float, period: float) -> float:
         """Advance by `period` (s) towards `set_point`, and return the reference."""
-        resting = set_point == self.position and abs(self._velocity) < STANDSTILL
-        if resting or period <= 0.0:
+        if period <= 0.0:
             return self.position
+        if set_point == self.position and abs(self.velocity) < STANDSTILL:
+            self.velocity = 0.0
+            return set_point
         limits = self._limits
         distance = set_point - self.position
         if not self._approaching and abs(distance) <= limits.velocity * JUMP_TIME:
             # The mean over a stream's steps, which come in every fifth cycle or so: what a jump
             # finds the joint doing.
             share = min(period / JUMP_TIME, 1.0)
-            self._velocity += (distance / period - self._velocity) * share
+            self.velocity += (distance / period - self.velocity) * share
             self.position = set_point
             return set_point
         self._approaching = True
@@ -128,8 +130,8 @@ class ReferenceLimiter:
         change = limits.acceleration * period
         cycles = math.sqrt(0.25 + 2.0 * abs(distance) / (change * period)) - 0.5
         wanted = math.copysign(min(limits.velocity, cycles * change), distance)
-        velocity = clamp(wanted, self._velocity - change, self._velocity + change)
-        self._velocity = velocity
+        velocity = clamp(wanted, self.velocity - change, self.velocity + change)
+        self.velocity = velocity
         self.position += velocity * period
         if abs(set_point - self.position) < change * period and abs(velocity) <= 2.0 * change:
             self._approaching = False

@@ -110,22 +110,29 @@ class JointPositionController(Controller):
 
     def update(self, time: float, period: float) -> None:
         """Run the PID."""
-        joint, pid = self._joint, self._pid
+        joint, pid, limiter, filtered = self._joint, self._pid, self._limiter, self._filter
+        state, wraps = joint.state, self._wraps
         # Limits are enforced in place: here stands what they left of the last command.
         cut, integral = self._asked - joint.command, pid.integral
         reference = self._set_point
-        if self._limiter is not None:
-            reference = self._near(reference, self._limiter.position)
-            reference = self._limiter.update(reference, period)
-        if self._filter is None:
-            command = pid.update(self._difference(reference), period)
-        else:
-            reference, velocity = self._filter.update(
-                self._near(reference, self._filter.position), period
-            )
-            command = pid.update(
-                self._difference(reference), period, velocity - joint.state.velocity
-            )
+        # A reference that rests, as most do, is left as it is: calls are what this loop costs.
+        if limiter is not None:
+            if wraps:
+                reference = _near(reference, limiter.position)
+            if reference != limiter.position or limiter.velocity != 0.0:
+                reference = limiter.update(reference, period)
+        error_dot = None
+        if filtered is not None:
+            if wraps:
+                reference = _near(reference, filtered.position)
+            error_dot = -state.velocity
+            if reference != filtered.position or filtered.velocity != 0.0:
+                reference, velocity = filtered.update(reference, period)
+                error_dot += velocity
+        error = reference - state.position
+        if wraps:
+            error = math.remainder(error, 2.0 * math.pi)
+        command = pid.update(error, period, error_dot)
         if cut and cut * pid.gains.i * pid.error > 0.0:
             pid.integral = integral
         if self._gravity is not None:
@@ -142,13 +149,12 @@ class JointPositionController(Controller):
         """Leave the joint without effort."""
         self._joint.command = 0.0
 
-    def _near(self, target: float, position: float) -> float:
-        """Return `target`, on the turn that is nearest to `position` where turns are the same."""
-        if not self._wraps:
-            return target
-        return position + math.remainder(target - position, 2.0 * math.pi)
-
     def _difference(self, target: float) -> float:
         """Distance from the measured position to `target`, the short way round."""
         difference = target - self._joint.state.position
         return math.remainder(difference, 2.0 * math.pi) if self._wraps else difference
+
+
+def _near(target: float, position: float) -> float:
+    """Return `target` (rad), on the turn that is nearest to `position`."""
+    return position + math.remainder(target - position, 2.0 * math.pi)
