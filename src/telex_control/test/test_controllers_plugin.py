@@ -113,7 +113,7 @@ def test_what_is_wrong_with_a_path_is_said(package, path, message):
 
 
 def test_every_type_of_this_package_is_there():
-    assert len(type_names()) == 20
+    assert len(type_names()) == 21
     for name in type_names():
         found = controller_class(name)
         assert issubclass(found, Controller)

@@ -72,7 +72,7 @@ DRIVES = {
     "forearm_roll_joint": (-math.radians(200), math.radians(200), 1.257, 60),
     "wrist_pitch_joint": (-math.radians(130), math.radians(130), 1.361, 80),
     "gripper_roll_joint": (-2 * math.pi, 2 * math.pi, 1.292, 40),
-    "front_left_flipper_joint": (-2.0, 2.0, 0.6, 300),
+    "front_left_flipper_joint": (-1.9, 2.0, 1.0, 300),
     "left_finger_tip_joint": (-1.12, 0.10, 2.0, 12),
 }
 

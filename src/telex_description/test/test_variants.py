@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import runpy
 import subprocess
 from pathlib import Path
@@ -229,3 +230,25 @@ def test_figures_that_are_none_are_refused(tmp_path: Path) -> None:
     assert result.returncode == 1
     assert f"robot is '{file}'; it has no figures of a robot" in result.stderr
     assert "Traceback" not in result.stderr
+
+
+# ---- flippers
+
+
+def outline(angle: float, length: float, hub: float, tip: float) -> float:
+    """How far inwards (m) a flipper at an angle (rad) reaches from its pivot; positive outwards."""
+    middle_line = angle - math.asin((hub - tip) / length)
+    return min(-hub, length * math.cos(middle_line) - tip)
+
+
+@pytest.mark.parametrize("length", ["0.36", "0.44", "0.52"])
+def test_front_and_rear_flippers_cannot_meet_within_their_limits(length: str) -> None:
+    robot = robot_of(f"flipper_length:={length}")
+    reach = []
+    for joint in robot.joints:
+        if joint.name in ("front_left_flipper_joint", "rear_left_flipper_joint"):
+            ends = (joint.limit.lower, joint.limit.upper)
+            inwards = min(outline(angle, float(length), 0.110, 0.070) for angle in ends)
+            reach.append(abs(joint.origin.xyz[0]) + inwards)
+    assert len(reach) == 2
+    assert min(reach) > 0.004

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
+import numpy as np
 import pybullet
 import pytest
 from sensor_msgs.msg import Imu as ImuMessage
 
 from telex_control.hardware_interface import ImuSensorInterface
+from telex_control.params import ConfigError, read_config
+from telex_sim.config import HardwareConfig
 from telex_sim.imu import Imu
+from telex_sim.imu_noise import ImuNoise
 from telex_sim.world import GRAVITY, World
 
 STEP = 0.002
@@ -86,7 +91,7 @@ def test_on_a_turning_arm_it_feels_the_pull_towards_the_middle(world):
 
 
 def test_the_robots_imu_stands_level_and_still(robot):
-    tested = robot()
+    tested = robot(hardware__imu_noise={})
     handle = tested.simulation.hw.get(ImuSensorInterface).get_handle("imu")
     received = []
     tested.node.subscribe("imu", ImuMessage, received.append)
@@ -94,3 +99,100 @@ def test_the_robots_imu_stands_level_and_still(robot):
     assert handle.frame_id == "imu_link"
     assert handle.linear_acceleration == pytest.approx((0, 0, GRAVITY), abs=0.1)
     assert handle.angular_velocity == pytest.approx((0, 0, 0), abs=0.01)
+
+
+# --- errors ----------------------------------------------------------------------------------
+
+NOISE = ImuNoise(
+    gyroscope_noise_density=2.5e-4,
+    gyroscope_turn_on_bias=2.0e-3,
+    gyroscope_bias_random_walk=1.5e-5,
+    accelerometer_noise_density=2.0e-3,
+    accelerometer_turn_on_bias=0.02,
+    accelerometer_bias_random_walk=1.0e-4,
+    tilt_error=2.0e-3,
+    tilt_correlation_time=0.5,
+    seed=4,
+)
+
+
+def readings(world, noise, steps):
+    """Errors of a sensor that rests level: of rate, acceleration and orientation (x, y, z)."""
+    body = world.load_robot(ARM, str, (0, 0, 1), 0.0, {}, fixed_base=True)
+    imu = Imu("imu", "base", noise)
+    imu.attach(body)
+    found = []
+    for _ in range(steps):
+        imu.read(STEP)
+        handle = imu.handle
+        felt = np.subtract(handle.linear_acceleration, (0.0, 0.0, GRAVITY))
+        turned = 2.0 * np.array(handle.orientation[:3])
+        found.append((handle.angular_velocity, felt, turned))
+    return imu.handle, np.array(found)
+
+
+def test_noise_has_the_density_that_is_asked_for_and_the_covariance_says_so(world):
+    handle, found = readings(world, NOISE, 5000)
+    spread = found.std(axis=0)
+    assert spread[0] == pytest.approx([2.5e-4 / math.sqrt(STEP)] * 3, rel=0.05)
+    assert spread[1] == pytest.approx([2.0e-3 / math.sqrt(STEP)] * 3, rel=0.05)
+    assert spread[2, :2] == pytest.approx([2.0e-3] * 2, rel=0.4)
+    for told, column in (
+        (handle.angular_velocity_covariance, 0),
+        (handle.linear_acceleration_covariance, 1),
+    ):
+        deviation = math.sqrt(told[0])
+        assert 0.95 < deviation / spread[column, 0] < 1.2  # with the bias, which is no noise
+        assert np.abs(found[:, column].mean(axis=0)).max() < 3.0 * deviation
+    assert math.sqrt(handle.orientation_covariance[0]) == pytest.approx(2.0e-3)
+
+
+def test_the_bias_is_another_with_each_seed_and_spread_as_asked_for(world):
+    noise = ImuNoise(gyroscope_turn_on_bias=2.0e-3, accelerometer_turn_on_bias=0.02)
+    ends = []
+    for seed in range(100):
+        _, found = readings(world, dataclasses.replace(noise, seed=seed), 1)
+        ends.append(found[0, :2])
+    spread = np.std(ends, axis=0)
+    assert spread[0] == pytest.approx([2.0e-3] * 3, rel=0.25)
+    assert spread[1] == pytest.approx([0.02] * 3, rel=0.25)
+
+
+def test_the_heading_drifts_with_the_gyroscope_and_the_covariance_grows_with_it(world):
+    handle, found = readings(world, NOISE, 5000)
+    drift = found[:, 0, 2].sum() * STEP
+    assert found[-1, 2, 2] == pytest.approx(drift, rel=0.01)
+    seconds = 5000 * STEP
+    wanted = (2.0e-3 * seconds) ** 2 + 2.5e-4**2 * seconds
+    assert handle.orientation_covariance[8] == pytest.approx(wanted, rel=0.05)
+    assert abs(drift) < 3.0 * math.sqrt(wanted)
+
+
+def test_the_same_seed_gives_the_same_errors_also_after_a_reset(world):
+    _, first = readings(world, NOISE, 50)
+    _, second = readings(world, NOISE, 50)
+    assert (first == second).all()
+    _, other = readings(world, dataclasses.replace(NOISE, seed=5), 50)
+    assert (first != other).any(axis=(1, 2)).all()
+
+
+def test_without_noise_it_is_exact(world):
+    handle, found = readings(world, None, 10)
+    assert np.abs(found).max() < 1e-9
+    assert handle.angular_velocity_covariance[0] == pytest.approx(1e-9)
+
+
+@pytest.mark.parametrize(
+    ("imu_noise", "message"),
+    [
+        ({"compass": {}}, "imu_noise/compass: there is no such sensor; imus has: imu"),
+        ({"imu": {"tilt_error": -1.0}}, "tilt_error is -1.0"),
+        ({"imu": {"tilt_correlation_time": 0.0}}, "tilt_correlation_time is 0.0"),
+        ({"imu": {"noise": 1.0}}, "noise is unknown"),
+        ({"imu": {"gyroscope_noise_density": math.nan}}, "gyroscope_noise_density is nan"),
+    ],
+)
+def test_wrong_noise_is_named(imu_noise, message):
+    params = {"imus": {"imu": "imu_link"}, "imu_noise": imu_noise}
+    with pytest.raises(ConfigError, match=message):
+        read_config(HardwareConfig, params, "hardware")

@@ -279,7 +279,7 @@ def test_joint_states_show_effort(robot):
 @pytest.mark.parametrize(
     ("change", "named"),
     [
-        ({"tracks__belts": {"nose": 0.1}}, "tracks/belts/nose"),
+        ({"tracks__belts": {"nose": 0.1}, "tracks__drives": {}}, "tracks/belts/nose"),
         ({"start__poses": {"ready": {"nose": 0.1}}}, "start/poses/ready/nose"),
         ({"start__poses": {"ready": {"shoulder_joint": 9.0}}}, "shoulder_joint is 9.0"),
     ],

@@ -10,11 +10,20 @@ from telex_control.params import ConfigError, read_config
 from telex_teleop.keyboard.commands import Commander
 from telex_teleop.keyboard.decoding import KeyEvent, KeyKind
 from telex_teleop.keyboard.held import HeldKeys
-from telex_teleop.keyboard.map import Command, Drive, Jog, KeyboardSettings, KeyMap, parse_action
+from telex_teleop.keyboard.map import (
+    Command,
+    Drive,
+    Jog,
+    KeyboardSettings,
+    KeyMap,
+    Preset,
+    parse_action,
+)
 from telex_teleop.keyboard.screen import JointView, NodeView, ScreenState, Style, render
 from telex_teleop.track_drive import Velocity
 
 FILE = Path(__file__).parents[1] / "config" / "keyboard_teleop.yaml"
+PRESETS = FILE.with_name("flipper_presets.yaml")
 
 
 def event(name, kind=KeyKind.TYPED):
@@ -101,6 +110,7 @@ class TestExactKeys:
         ("tracks right", Drive(0, -1)),
         ("arm turret_joint +", Jog("arm", ("turret_joint",), 1)),
         ("flipper a_joint b_joint -", Jog("flipper", ("a_joint", "b_joint"), -1)),
+        ("preset climb", Preset("climb")),
         ("release  e-stop", Command.RELEASE_E_STOP),
     ],
 )
@@ -110,7 +120,18 @@ def test_actions(text, action):
 
 @pytest.mark.parametrize(
     "text",
-    ["", "tracks", "tracks up", "arm +", "arm turret_joint", "leg a +", "arm a a +", "jump"],
+    [
+        "",
+        "tracks",
+        "tracks up",
+        "arm +",
+        "arm turret_joint",
+        "leg a +",
+        "arm a a +",
+        "jump",
+        "preset",
+        "preset a b",
+    ],
 )
 def test_unknown_actions_are_refused(text):
     with pytest.raises(ValueError):
@@ -156,6 +177,13 @@ def test_file_of_the_package_moves_everything_both_ways(settings):
         for joints in axes:
             assert {Jog(node, joints, 1), Jog(node, joints, -1)} <= set(actions)
     assert {Drive(1, 0), Drive(-1, 0), Drive(0, 1), Drive(0, -1), *Command} <= set(actions)
+
+
+def test_the_digits_are_the_shipped_presets_in_their_order(settings):
+    presets = [preset["name"] for preset in yaml.safe_load(PRESETS.read_text())["presets"]]
+    assert len(presets) == 7
+    for digit, name in enumerate(presets, start=1):
+        assert settings.key_map.action(str(digit)) == Preset(name)
 
 
 def test_unknown_setting_is_refused():
@@ -223,6 +251,26 @@ class TestCommander:
         assert commander.update([]).drive == (Velocity(0.0, 0.0),)
         assert commander.update([]).drive == ()
 
+    def test_a_held_preset_is_repeated_and_stopped_once(self, commander):
+        assert commander.update([Preset("flat")]).preset == ("flat",)
+        assert commander.busy
+        assert commander.update([Preset("flat")]).preset == ("flat",)
+        assert commander.update([]).preset == ("",)
+        assert not commander.busy
+        assert commander.update([]).preset == ()
+
+    def test_two_presets_at_once_stand_still(self, commander):
+        commander.update([Preset("flat")])
+        assert commander.update([Preset("flat"), Preset("high")]).preset == ("",)
+        assert commander.update([Preset("flat"), Preset("high")]).preset == ()
+        assert commander.update([Preset("high")]).preset == ("high",)
+
+    def test_a_preset_is_sent_beside_a_flipper_key(self, commander):
+        # which of them wins is for the robot's side to say
+        commands = commander.update([Preset("flat"), self.pair])
+        assert commands.preset == ("flat",)
+        assert commands.jogs == {"flipper": {"left": 100.0, "right": 100.0}}
+
     def test_stop_tells_everything(self, commander):
         commander.update([self.turret, Drive(1, 0)])
         commands = commander.stop([self.turret, self.turret_back, self.pair, Command.HELP])
@@ -231,6 +279,7 @@ class TestCommander:
             "flipper": {"left": 0.0, "right": 0.0},
         }
         assert commands.drive == (Velocity(0.0, 0.0),)
+        assert commands.preset == ("",)
         assert commander.update([]).jogs == {}
 
 
@@ -260,6 +309,8 @@ class TestScreen:
             "elbow",
             "camera tilt",
             "rear right",
+            "1 flat",
+            "7 folded",
             "space: stop",
         ):
             assert word in text
@@ -279,6 +330,11 @@ class TestScreen:
         assert "!+250 mm" in text
         assert re.search(r"> p ; +elbow +\+57.3 deg", text)
         assert "+0.50 m/s" in text
+
+    def test_the_preset_that_is_held_is_marked(self, settings):
+        text = self.text(settings, held=frozenset([Preset("climb")]))
+        assert "> 4 climb" in text
+        assert "  5 descend" in text
 
     def test_obedience(self, settings):
         active = {**self.nodes, "arm": NodeView(0.1, True, "")}

@@ -33,6 +33,11 @@ ARM = {
     "turret_camera_pan_joint": ("revolute", -2.9, 2.9, 1.0),
     "turret_camera_tilt_joint": ("revolute", -0.7, 1.0, 1.0),
 }
+FLIPPERS = {
+    f"{end}_{side}_flipper_joint": ("revolute", -1.9, 2.0, 1.0)
+    for end in ("front", "rear")
+    for side in ("left", "right")
+}
 FINGERS = {
     f"{side}_finger_{part}_joint": ("revolute", -1.2, 1.2, 2.0)
     for side in ("left", "right")
@@ -71,6 +76,11 @@ def arm(master):
 @pytest.fixture(scope="module")
 def gripper(master):
     return play(master, "gripper")
+
+
+@pytest.fixture(scope="module")
+def flippers(master):
+    return play(master, "flippers")
 
 
 @pytest.fixture(scope="module")
@@ -162,6 +172,56 @@ class TestGripper:
         for joint, position in gripper["positions"].items():
             ratio = -2.0 if "tip" in joint else 1.0
             assert position == pytest.approx(ratio * opened, abs=1e-6)
+
+
+@pytest.mark.ros
+class TestFlippers:
+    def test_presets_are_announced_to_late_comers(self, flippers):
+        names = ["flat", "drive", "approach", "climb", "descend", "high", "folded"]
+        assert flippers["presets"] == names
+
+    def test_a_held_preset_moves_at_the_flippers_rate(self, flippers):
+        assert flippers["rate"] == pytest.approx(-1.0, rel=0.05)
+
+    def test_silence_is_a_command_to_stop(self, flippers):
+        ramp, way = 0.25, 1.0 * LONGEST_SILENCE
+        assert 0.0 < flippers["run_on"] <= way + 0.5 * ramp
+
+    def test_one_side_only(self, flippers):
+        assert flippers["moved"] == ["front_left_flipper_joint", "rear_left_flipper_joint"]
+
+    def test_a_goal_succeeds_with_feedback(self, flippers):
+        goal = flippers["reached"]
+        assert goal["state"] == "SUCCEEDED"
+        assert goal["joint_names"] == list(FLIPPERS)
+        assert max(map(abs, goal["error"])) < 0.01
+        assert len(goal["feedback"]) >= 5
+        farthest = [max(map(abs, remaining)) for remaining in goal["feedback"]]
+        assert farthest == sorted(farthest, reverse=True)
+
+    def test_cancel_stops_at_once(self, flippers):
+        goal = flippers["cancelled"]
+        assert goal["state"] == "PREEMPTED"
+        # the ramp, and what two processes need to hear of it
+        assert goal["run_on"] < 0.4
+
+    def test_a_flipper_key_ends_a_goal(self, flippers):
+        goal = flippers["manual"]
+        assert goal["state"] == "ABORTED"
+        assert "by hand" in goal["message"]
+
+    def test_the_e_stop_ends_a_goal_and_rejects_the_next(self, flippers):
+        assert flippers["stopped"]["state"] == "ABORTED"
+        assert flippers["stopped"]["message"] == "the e-stop is active"
+        assert flippers["refused"]["state"] == "REJECTED"
+        assert "the e-stop is active" in flippers["refused"]["message"]
+
+    def test_unknown_presets_are_rejected_with_what_there_is(self, flippers):
+        assert flippers["unknown"]["state"] == "REJECTED"
+        assert "preset is 'somersault'; this robot has flat, drive" in flippers["unknown"]["text"]
+
+    def test_an_unknown_held_preset_moves_nothing(self, flippers):
+        assert flippers["unknown_held_moved"] == 0.0
 
 
 @pytest.mark.ros
@@ -582,6 +642,111 @@ class GripperDrill:
         return {"opened": positions["left_finger_base_joint"], "positions": positions}
 
 
+class FlipperDrill:
+    def __init__(self, robot, _node):
+        import actionlib
+        import rospy
+        from control_msgs.msg import JointJog
+        from std_msgs.msg import Bool
+        from telex_msgs.msg import FlipperPresetAction, FlipperPresetHold, JointTeleopStatus
+
+        self.robot = robot
+        self.robot.positions.update(dict.fromkeys(robot.joints, 0.0))
+        self.keys = rospy.Publisher("flipper_teleop/preset_cmds", FlipperPresetHold, queue_size=10)
+        self.jogs = rospy.Publisher("flipper_teleop/delta_joint_cmds", JointJog, queue_size=10)
+        self.e_stop = rospy.Publisher("e_stop", Bool, queue_size=10)
+        self.client = actionlib.SimpleActionClient("flipper_teleop/preset", FlipperPresetAction)
+        status = []
+        rospy.Subscriber("flipper_teleop/status", JointTeleopStatus, status.append)
+        for publisher in (self.keys, self.jogs, self.e_stop):
+            wait_for(publisher.get_num_connections, "flipper_teleop")
+        wait_until_listening(status)
+        assert self.client.wait_for_server(rospy.Duration(10.0))
+
+    def run(self):
+        import rospy
+        from std_msgs.msg import Bool
+        from telex_msgs.msg import FlipperPresets
+
+        announced = rospy.wait_for_message("flipper_teleop/presets", FlipperPresets, 5.0)
+        results = {"presets": list(announced.names), **self.hold_keys()}
+        results["reached"] = self.reach("flat")
+        results["cancelled"] = self.interrupt(self.client.cancel_goal)
+        results["manual"] = self.interrupt(
+            lambda: repeat(self.jogs, jog("rear_left_flipper_joint", 0.1), 0.1)
+        )
+        time.sleep(0.5)
+        results["stopped"] = self.interrupt(lambda: self.e_stop.publish(Bool(True)))
+        results["refused"] = self.outcome("flat")
+        self.e_stop.publish(Bool(False))
+        time.sleep(0.2)
+        results["unknown"] = self.outcome("somersault")
+        return results
+
+    def hold_keys(self):
+        from telex_msgs.msg import FlipperPresetHold
+
+        left = [joint for joint in FLIPPERS if "left" in joint]
+        repeat(self.keys, FlipperPresetHold(preset="high", joint_names=left), 0.8)
+        moved = [joint for joint, position in self.robot.positions.items() if position != 0.0]
+        rate = self.robot.rate("front_left_flipper_joint", 0.3)
+        before = self.robot.positions["front_left_flipper_joint"]
+        time.sleep(1.0)
+        after = self.robot.positions["front_left_flipper_joint"]
+        repeat(self.keys, FlipperPresetHold(preset="somersault"), 0.3)
+        unknown = abs(self.robot.positions["front_left_flipper_joint"] - after)
+        return {
+            "moved": moved,
+            "rate": rate,
+            "run_on": before - after,
+            "unknown_held_moved": unknown,
+        }
+
+    def reach(self, preset):
+        feedback = []
+        return {**self.outcome(preset, feedback), "feedback": feedback}
+
+    def interrupt(self, act):
+        """Begin a goal, do something after a while, and tell how the goal ended."""
+        self.send("high" if self.robot.positions["front_right_flipper_joint"] > -0.6 else "folded")
+        time.sleep(0.6)
+        before = self.robot.positions["front_right_flipper_joint"]
+        act()
+        outcome = self.wait()
+        time.sleep(0.5)
+        after = self.robot.positions["front_right_flipper_joint"]
+        return {**outcome, "run_on": abs(after - before)}
+
+    def outcome(self, preset, feedback=None):
+        self.send(preset, feedback)
+        return self.wait()
+
+    def send(self, preset, feedback=None):
+        from telex_msgs.msg import FlipperPresetGoal
+
+        self.client.send_goal(
+            FlipperPresetGoal(preset=preset),
+            feedback_cb=lambda message: (
+                None if feedback is None else feedback.append(list(message.remaining))
+            ),
+        )
+
+    def wait(self):
+        import rospy
+        from actionlib_msgs.msg import GoalStatus
+
+        assert self.client.wait_for_result(rospy.Duration(10.0))
+        names = {value: name for name, value in vars(GoalStatus).items() if isinstance(value, int)}
+        result = self.client.get_result()
+        return {
+            "state": names[self.client.get_state()],
+            "text": self.client.get_goal_status_text(),
+            "message": result.message,
+            "joint_names": list(result.joint_names),
+            "error": list(result.error),
+        }
+
+
 class TrackDrill:
     def __init__(self, robot, _node):
         import rospy
@@ -652,12 +817,15 @@ def main(role):
 
     drill_class, joints, name = {
         "arm": (ArmDrill, ARM, "arm_teleop"),
+        "flippers": (FlipperDrill, FLIPPERS, "flipper_teleop"),
         "gripper": (GripperDrill, FINGERS, "gripper_teleop"),
         "tracks": (TrackDrill, {**ARM, BELT: ("continuous", 0.0, 0.0, 11.0)}, "track_teleop"),
     }[role]
     rospy.set_param("/use_sim_time", True)
     rospy.set_param("/telex/robot_description", description(joints))
     settings = yaml.safe_load((PACKAGE / "config" / f"{name}.yaml").read_text())
+    if role == "flippers":
+        settings.update(yaml.safe_load((PACKAGE / "config" / "flipper_presets.yaml").read_text()))
     rospy.set_param(f"/telex/{name}", settings)
     rospy.init_node("drill", disable_signals=True)
     robot = FakeRobot(joints)

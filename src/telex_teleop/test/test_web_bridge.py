@@ -9,6 +9,7 @@ import pytest
 from control_msgs.msg import JointJog
 from geometry_msgs.msg import Twist, TwistStamped, Vector3
 from std_msgs.msg import Header, String
+from telex_msgs.msg import FlipperPresetHold
 from web_fakes import FakeRos, on_loop
 
 from telex_teleop.web.bridge.feeds import FeedPool
@@ -249,6 +250,8 @@ async def test_what_waits_for_its_publisher_goes_with_its_client():
             JointJog(joint_names=["a"], velocities=[0.0]),
         ),
         (JointJog(joint_names=["a"], velocities=[0.0]), None),
+        (FlipperPresetHold(preset="high", joint_names=["a"]), FlipperPresetHold()),
+        (FlipperPresetHold(), None),
         (Twist(), None),
         (String("x"), None),
     ],

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import itertools
 import json
+import math
 import shutil
 import statistics
 import time
@@ -26,6 +27,7 @@ DRIVE = "/telex/track_teleop/cmd_vel"
 ARM = "/telex/arm_teleop/delta_joint_cmds"
 GRIPPER = "/telex/gripper_teleop/delta_joint_cmds"
 FLIPPERS = "/telex/flipper_teleop/delta_joint_cmds"
+PRESETS = "/telex/flipper_teleop/preset_cmds"
 ESTOP = "/telex/e_stop"
 NODES = ("arm_teleop", "gripper_teleop", "flipper_teleop", "track_teleop")
 ARM_JOINTS = [
@@ -37,6 +39,7 @@ ARM_JOINTS = [
     "wrist_pitch_joint",
     "gripper_roll_joint",
 ]
+PRESET_NAMES = ["flat", "drive", "approach", "climb", "descend", "high", "folded"]
 FINGERS = [f"{s}_finger_{p}_joint" for s in ("left", "right") for p in ("base", "middle", "tip")]
 FLIPPER_JOINTS = [f"{e}_{s}_flipper_joint" for e in ("front", "rear") for s in ("left", "right")]
 POSITIONS = [0.5, -1.0, 0.12, 2.0, 0.1, -0.5, -1e-6]
@@ -65,6 +68,7 @@ class Robot:
             (ARM, "control_msgs/JointJog"),
             (GRIPPER, "control_msgs/JointJog"),
             (FLIPPERS, "control_msgs/JointJog"),
+            (PRESETS, "telex_msgs/FlipperPresetHold"),
             (ESTOP, "std_msgs/Bool"),
         ):
             self.probe.subscribe(topic, kind)
@@ -95,6 +99,9 @@ class Robot:
             status.update(limited=limited, **speed)
             topic = f"/telex/{node}/status"
             self.probe.publish(topic, "telex_msgs/JointTeleopStatus", status, rate=10)
+        presets = {"names": PRESET_NAMES, "descriptions": ["for " + name for name in PRESET_NAMES]}
+        topic = "/telex/flipper_teleop/presets"
+        self.probe.publish(topic, "telex_msgs/FlipperPresets", presets, latch=True)
         drive = {"max_linear": 1.2, "max_angular": 1.0, "command": {"linear": {"x": 0.25}}}
         topic = "/telex/track_teleop/status"
         self.probe.publish(topic, "telex_msgs/TrackTeleopStatus", {**drive, **speed}, rate=10)
@@ -104,7 +111,7 @@ class Robot:
 
     def forget(self):
         """Forget what was heard, once all that was sent has arrived."""
-        commands = (DRIVE, ARM, GRIPPER, FLIPPERS)
+        commands = (DRIVE, ARM, GRIPPER, FLIPPERS, PRESETS)
         wait_until(lambda: all(self.is_quiet(topic, 0.03) for topic in commands))
         for messages in self.probe.heard.values():
             messages.clear()
@@ -244,8 +251,10 @@ def test_nothing_moves_before_the_nodes_have_said_how_fast(robot, page):
     with page.hold("w", "j", "r", "."):
         time.sleep(0.3)
         assert "has not said yet how fast" in page.text("warning")
-    assert all(robot.is_quiet(topic, 0.1) for topic in (DRIVE, ARM, GRIPPER, FLIPPERS))
-    assert robot.heard(DRIVE) == robot.heard(ARM) == []
+    with page.hold("3"):
+        wait_until(lambda: page.text("warning") == "the robot has no flipper preset 3")
+    assert all(robot.is_quiet(topic, 0.1) for topic in (DRIVE, ARM, GRIPPER, FLIPPERS, PRESETS))
+    assert robot.heard(DRIVE) == robot.heard(ARM) == robot.heard(PRESETS) == []
 
 
 def test_the_page_shows_picture_joints_and_status(robot, page, tmp_path):
@@ -271,6 +280,34 @@ def test_the_page_shows_picture_joints_and_status(robot, page, tmp_path):
     assert page.driver.save_screenshot(str(tmp_path / "console.png"))
     assert page.errors() == []
     assert page.hosts() == {"127.0.0.1"}
+
+
+def test_the_attitude_turns_from_calm_to_alarm_and_vanishes_with_its_topic(robot, page):
+    def tell(**values):
+        topic = "/telex/sim/stability"
+        robot.probe.publish(topic, "telex_msgs/Stability", values, rate=10)
+
+    def meter(name):
+        return page.element("#attitude-meter").get_attribute(name)
+
+    assert not page.element("#attitude").is_displayed()
+    tell(state=0, roll=0.0, pitch=-0.35, margin=0.9, direction=-math.pi / 2)
+    wait_until(lambda: page.attribute("attitude", "data-state") == "stable")
+    assert page.text("attitude-pitch") == "20° nose up"
+    assert page.text("attitude-roll") == "level"
+    assert meter("aria-valuetext") == "90 percent, weakest over the right"
+    tell(state=2, roll=-0.6, pitch=0.2, margin=0.12, direction=math.pi / 2)
+    wait_until(lambda: page.attribute("attitude", "data-state") == "critical")
+    assert page.text("attitude-word") == "TIPPING"
+    assert page.text("attitude-way") == "over the left"
+    assert page.text("attitude-roll") == "34° left down"
+    assert meter("aria-valuenow") == "12"
+    tell(state=3, roll=1.6, pitch=0.0, margin=-0.4, direction=0.0)
+    wait_until(lambda: page.text("attitude-word") == "TIPPED OVER")
+    assert meter("aria-valuenow") == "0"
+    robot.probe.publish("/telex/sim/stability", "telex_msgs/Stability", {"state": 3})
+    wait_until(lambda: not page.element("#attitude").is_displayed())
+    assert page.errors() == []
 
 
 @pytest.mark.parametrize("size", [(1280, 720), (1366, 768), (1920, 1080), (2560, 1440)])
@@ -377,6 +414,50 @@ def test_one_side_of_the_flippers(robot, page):
     page.element('[data-side="both"]').click()
 
 
+def test_a_digit_holds_a_flipper_preset_until_it_is_let_go(robot, page):
+    with page.hold("4"):
+        robot.wait_for(PRESETS, 10)
+        assert "held" in page.element('[data-action="preset:3"]').get_attribute("class")
+    wait_until(lambda: robot.heard(PRESETS)[-1]["preset"] == "", 2.0)
+    assert robot.is_quiet(PRESETS)
+    commands = robot.heard(PRESETS)
+    assert {command["preset"] for command in commands[:-1]} == {"climb"}
+    assert all(command["joint_names"] == [] for command in commands)
+    times = [arrival for arrival, _ in robot.probe.heard[PRESETS][:-1]]
+    assert max(b - a for a, b in zip(times, times[1:])) < 0.28  # what the robot takes for silence
+    assert robot.heard(FLIPPERS) == []
+
+
+def test_presets_are_buttons_with_the_robots_names(robot, page):
+    buttons = page.driver.find_elements("css selector", '[data-action^="preset:"]')
+    assert [button.text.split() for button in buttons] == [
+        [str(digit), name] for digit, name in enumerate(PRESET_NAMES, start=1)
+    ]
+    assert buttons[0].get_attribute("title") == "for flat"
+    ActionChains(page.driver).click_and_hold(buttons[5]).pause(0.3).release().perform()
+    wait_until(lambda: robot.heard(PRESETS)[-1]["preset"] == "", 2.0)
+    assert {command["preset"] for command in robot.heard(PRESETS)[:-1]} == {"high"}
+
+
+def test_a_preset_of_one_side(robot, page):
+    with page.hold("e"), page.hold("1"):
+        names = robot.wait_for(PRESETS)[0]["joint_names"]
+    assert names == ["front_right_flipper_joint", "rear_right_flipper_joint"]
+
+
+def test_two_presets_at_once_stand_still(robot, page):
+    with page.hold("1"):
+        robot.wait_for(PRESETS, 3)
+        with page.hold("2"):
+            wait_until(lambda: robot.heard(PRESETS)[-1]["preset"] == "", 2.0)
+            assert robot.is_quiet(PRESETS)
+
+
+def test_stop_ends_a_preset_that_nobody_holds_here(robot, page):
+    page.press(" ")
+    assert robot.wait_for(PRESETS)[-1]["preset"] == ""
+
+
 def test_a_button_moves_while_the_pointer_holds_it(robot, page):
     button = page.element('[data-action="turret:left"]')
     # Beside the button it is still held: the pointer belongs to it until it is lifted.
@@ -425,6 +506,14 @@ def test_another_tab_in_front_stops(robot, page):
     page.driver.switch_to.window(first)
     assert robot.is_quiet(DRIVE)
     page.up("w")
+
+
+def test_losing_the_operator_stops_a_preset(robot, page):
+    with page.hold("6"):
+        robot.wait_for(PRESETS, 3)
+        page.script(LOSSES["blur"])
+        wait_until(lambda: robot.heard(PRESETS)[-1]["preset"] == "", 2.0)
+        assert robot.is_quiet(PRESETS)
 
 
 def test_keys_with_modifiers_and_space(robot, page):

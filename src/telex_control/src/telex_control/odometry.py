@@ -7,6 +7,37 @@ from collections import deque
 from typing import Deque, Optional, Tuple
 
 
+class RollingVelocity:
+    """Mean of the last velocities.
+
+    Parameters
+    ----------
+    window : int
+        How many.
+    """
+
+    def __init__(self, window: int) -> None:
+        self._window: Deque[Tuple[float, float]] = deque(maxlen=window)
+        self.clear()
+
+    def clear(self) -> None:
+        """Forget all."""
+        self._window.clear()
+        self._linear = self._angular = 0.0
+
+    def add(self, linear: float, angular: float) -> Tuple[float, float]:
+        """Take a velocity (m/s, rad/s), and return the mean."""
+        window = self._window
+        if len(window) == window.maxlen:
+            old = window[0]
+            self._linear -= old[0]
+            self._angular -= old[1]
+        window.append((linear, angular))
+        self._linear += linear
+        self._angular += angular
+        return self._linear / len(window), self._angular / len(window)
+
+
 class DifferentialOdometry:
     """Integrates wheel positions, or commanded velocities, to a pose in the plane.
 
@@ -22,14 +53,23 @@ class DifferentialOdometry:
         self, wheel_separation: float, left_radius: float, right_radius: float, window: int
     ) -> None:
         self.set_geometry(wheel_separation, left_radius, right_radius)
-        self._window: Deque[Tuple[float, float]] = deque(maxlen=window)
-        self._sums = [0.0, 0.0]
+        self._mean = RollingVelocity(window)
         self._last: Optional[Tuple[float, float]] = None
         self.x = 0.0
         self.y = 0.0
         self.heading = 0.0
         self.linear = 0.0
         self.angular = 0.0
+
+    @property
+    def position(self) -> Tuple[float, float, float]:
+        """Where the robot is (m)."""
+        return self.x, self.y, 0.0
+
+    @property
+    def orientation(self) -> Tuple[float, float, float, float]:
+        """Quaternion (x, y, z, w)."""
+        return 0.0, 0.0, math.sin(0.5 * self.heading), math.cos(0.5 * self.heading)
 
     def set_geometry(
         self, wheel_separation: float, left_radius: float, right_radius: float
@@ -48,8 +88,7 @@ class DifferentialOdometry:
         """Forget the last wheel positions but keep the pose."""
         self.linear = self.angular = 0.0
         self._last = None
-        self._window.clear()
-        self._sums = [0.0, 0.0]
+        self._mean.clear()
 
     def update(self, left: float, right: float, period: float) -> None:
         """Advance by one cycle.
@@ -69,7 +108,7 @@ class DifferentialOdometry:
         way = 0.5 * (left_way + right_way)
         turn = (right_way - left_way) / self._separation
         self._integrate(way, turn)
-        self._average(way / period, turn / period)
+        self.linear, self.angular = self._mean.add(way / period, turn / period)
 
     def update_open_loop(self, linear: float, angular: float, period: float) -> None:
         """Advance by one cycle of commanded velocities (m/s, rad/s), as if they were obeyed."""
@@ -83,15 +122,3 @@ class DifferentialOdometry:
         self.x += chord * math.cos(self.heading + half)
         self.y += chord * math.sin(self.heading + half)
         self.heading = math.remainder(self.heading + turn, 2.0 * math.pi)
-
-    def _average(self, linear: float, angular: float) -> None:
-        window, sums = self._window, self._sums
-        if len(window) == window.maxlen:
-            old = window[0]
-            sums[0] -= old[0]
-            sums[1] -= old[1]
-        window.append((linear, angular))
-        sums[0] += linear
-        sums[1] += angular
-        self.linear = sums[0] / len(window)
-        self.angular = sums[1] / len(window)

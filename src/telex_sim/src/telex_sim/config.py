@@ -7,7 +7,10 @@ from typing import Dict, Optional, Tuple
 
 from telex_control.params import require, require_range, require_text
 
+from .imu_noise import ImuNoise
 from .self_collision import SelfCollisionConfig
+from .stability import StabilityConfig
+from .tracks.config import TrackConfig
 
 
 @dataclass(frozen=True)
@@ -118,6 +121,8 @@ class HardwareConfig:
         By link; the rest have PyBullet's values, which are the defaults.
     imus : dict of str to str
         Inertial sensors: name, which is that of its topic, and the link whose motion it measures.
+    imu_noise : dict of str to ImuNoise
+        Errors of these sensors, by name; one that is not named is exact.
     optional_joints : tuple of str
         Joints that a variant of the robot may lack: `joints` and named poses may name them all the
         same. Any other name that is not there is a mistake.
@@ -130,6 +135,7 @@ class HardwareConfig:
     joints: Dict[str, JointHardware] = field(default_factory=dict)
     contacts: Dict[str, ContactConfig] = field(default_factory=dict)
     imus: Dict[str, str] = field(default_factory=dict)
+    imu_noise: Dict[str, ImuNoise] = field(default_factory=dict)
     optional_joints: Tuple[str, ...] = ()
     optional_links: Tuple[str, ...] = ()
 
@@ -139,48 +145,12 @@ class HardwareConfig:
             f"velocity_tolerance is {self.velocity_tolerance}; 1 or more is needed",
         )
         require_range(self, "position_gain", maximum=1.0, above=0.0)
-
-
-@dataclass(frozen=True)
-class TrackConfig:
-    """Traction of the tracks; see `telex_sim.traction`.
-
-    Attributes
-    ----------
-    belts : dict of str to float
-        Belt joint and its drive radius (m). The track's shape is the collision shape of the
-        link that carries the joint.
-    friction : float
-        Friction coefficient along the belt, on a surface with friction 1.
-    lateral_friction : float
-        Across the belt.
-    stiffness, damping : float
-        Of a stuck track against the ground (N/m, N s/m), each track.
-    contact_stiffness, contact_damping : float
-        Of the contact normal to the surface (N/m, N s/m).
-    """
-
-    belts: Dict[str, float] = field(default_factory=dict)
-    friction: float = 1.0
-    lateral_friction: float = 0.7
-    stiffness: float = 1.0e5
-    damping: float = 1500.0
-    contact_stiffness: float = 3.0e5
-    contact_damping: float = 3.0e4
-
-    def __post_init__(self) -> None:
-        for name, radius in self.belts.items():
-            require(radius > 0.0, f"belts/{name} is {radius} m; a radius above 0 is needed")
-        for name in (
-            "friction",
-            "lateral_friction",
-            "stiffness",
-            "damping",
-            "contact_stiffness",
-            "contact_damping",
-        ):
-            value = getattr(self, name)
-            require(value > 0.0, f"{name} is {value}; it must be above 0")
+        for name in self.imu_noise:
+            require(
+                name in self.imus,
+                f"imu_noise/{name}: there is no such sensor; imus has: "
+                f"{', '.join(self.imus) or 'none'}",
+            )
 
 
 @dataclass(frozen=True)
@@ -238,9 +208,10 @@ class PublishConfig:
     clock_rate: float = 100.0
     poses_rate: float = 60.0
     base_pose_rate: float = 50.0
+    stability_rate: float = 10.0
 
     def __post_init__(self) -> None:
-        for name in ("clock_rate", "poses_rate", "base_pose_rate"):
+        for name in ("clock_rate", "poses_rate", "base_pose_rate", "stability_rate"):
             value = getattr(self, name)
             require(value > 0.0, f"{name} is {value} Hz; it must be above 0")
 
@@ -263,6 +234,7 @@ class RobotConfig:
     tracks: TrackConfig = field(default_factory=TrackConfig)
     start: StartConfig = field(default_factory=StartConfig)
     self_collision: SelfCollisionConfig = field(default_factory=SelfCollisionConfig)
+    stability: StabilityConfig = field(default_factory=StabilityConfig)
 
     def __post_init__(self) -> None:
         require("/" not in self.model, f"model is '{self.model}'; it must not contain '/'")

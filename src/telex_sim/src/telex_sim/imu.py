@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from typing import Optional, Tuple
 
 import pybullet
 
 from telex_control.hardware_interface import ImuSensorHandle
 
-from .world import GRAVITY, Body, Vector
+from .imu_noise import ImuErrors, ImuNoise
+from .world import GRAVITY, Body, Quaternion, Vector
 
 _EXACT = (1e-9, 0.0, 0.0, 0.0, 1e-9, 0.0, 0.0, 0.0, 1e-9)
 
 
 class Imu:
-    """Measures the motion of one link, in the axes of its frame and without noise.
+    """Measures the motion of one link, in the axes of its frame.
 
     The acceleration is the mean since the last reading, and proper (REP 145): at rest it is the
     gravity's opposite.
@@ -24,15 +26,18 @@ class Imu:
     name : str
         Of the sensor.
     link : str
+    noise : ImuNoise, optional
+        Its errors, the same after every `attach`. Without, it is exact, and its covariances are as
+        good as 0; 0 itself would mean "unknown".
 
     Attributes
     ----------
     handle : ImuSensorHandle
-        Its covariances are as good as 0; 0 itself would mean "unknown".
     """
 
-    def __init__(self, name: str, link: str) -> None:
+    def __init__(self, name: str, link: str, noise: Optional[ImuNoise] = None) -> None:
         self.handle = ImuSensorHandle(name, link)
+        self._errors = None if noise is None else ImuErrors(noise, name)
         self.handle.orientation_covariance = _EXACT
         self.handle.angular_velocity_covariance = _EXACT
         self.handle.linear_acceleration_covariance = _EXACT
@@ -45,6 +50,8 @@ class Imu:
         self._body = body
         self._link = body.links[self.handle.frame_id]
         self._velocity = None
+        if self._errors is not None:
+            self._errors.restart()
         self.read(0.0)
 
     def read(self, period: float) -> None:
@@ -64,8 +71,24 @@ class Imu:
         handle.orientation = orientation
         handle.angular_velocity = _into(m, turning)
         handle.linear_acceleration = _into(m, (felt[0], felt[1], felt[2]))
+        if self._errors is not None:
+            self._add(self._errors, m, period)
 
-    def _motion(self, body: Body) -> Tuple[Tuple[float, float, float, float], Vector, Vector]:
+    def _add(self, errors: ImuErrors, m: Tuple[float, ...], period: float) -> None:
+        """Add the sensor's errors to what it measures; `m` is its rotation matrix."""
+        handle = self.handle
+        turning = errors.gyroscope(period)
+        upright = m[6] * turning[0] + m[7] * turning[1] + m[8] * turning[2]
+        handle.angular_velocity = _sum(handle.angular_velocity, turning)
+        handle.linear_acceleration = _sum(handle.linear_acceleration, errors.accelerometer(period))
+        handle.orientation = _turned(handle.orientation, errors.orientation(upright, period))
+        (
+            handle.orientation_covariance,
+            handle.angular_velocity_covariance,
+            handle.linear_acceleration_covariance,
+        ) = errors.covariances(period)
+
+    def _motion(self, body: Body) -> Tuple[Quaternion, Vector, Vector]:
         """Orientation, and linear and angular velocity of the link's frame, in the world."""
         if self._link < 0:
             center, _ = pybullet.getBasePositionAndOrientation(
@@ -97,3 +120,23 @@ def _into(m: Tuple[float, ...], vector: Vector) -> Vector:
         m[1] * x + m[4] * y + m[7] * z,
         m[2] * x + m[5] * y + m[8] * z,
     )
+
+
+def _sum(first: Optional[Vector], second: Vector) -> Vector:
+    assert first is not None
+    return first[0] + second[0], first[1] + second[1], first[2] + second[2]
+
+
+def _turned(orientation: Optional[Quaternion], rotation: Vector) -> Quaternion:
+    """Orientation after a small rotation (rad) about the world's axes."""
+    assert orientation is not None
+    x, y, z, w = orientation
+    a, b, c = (0.5 * each for each in rotation)
+    turned = (
+        x + a * w + b * z - c * y,
+        y + b * w + c * x - a * z,
+        z + c * w + a * y - b * x,
+        w - a * x - b * y - c * z,
+    )
+    length = math.sqrt(sum(each * each for each in turned))
+    return turned[0] / length, turned[1] / length, turned[2] / length, turned[3] / length

@@ -15,10 +15,11 @@ from telex_control.params import ConfigError
 from telex_control.urdf_joints import UrdfJoint, joints, parse_urdf
 
 from .config import RobotConfig
+from .drives import Mode
 from .robot_hw_sim import RobotHWSim
 from .scene.model import Start
 from .self_collision import disable_pairs
-from .traction import Traction
+from .tracks.tracks import Tracks
 from .world import Body, World
 
 _log = logging.getLogger("rosout")
@@ -85,15 +86,12 @@ class Robot:
 
     def _make(self, root: ElementTree.Element, node: NodeHandle, asked_pose: str) -> None:
         config = self.config
-        self.hw = RobotHWSim(root, config.hardware)
+        self.hw = RobotHWSim(root, config.hardware, config.tracks.belts)
         self.hw.init(node, node)
         self.controllers = ControllerManager(self.hw, node)
         self._check_belts()
         self._positions = self._start_positions(joints(root), asked_pose)
         config.self_collision.check_links([link.get("name", "") for link in root.iter("link")])
-        self._belts = [
-            (self.hw.joint_state(joint), radius) for joint, radius in config.tracks.belts.items()
-        ]
         # What was asked for last, and how often a stop was: each one is obeyed for a cycle at
         # least, even if its release follows at once.
         self._e_stop_wanted = False
@@ -104,6 +102,12 @@ class Robot:
         for joint in self.config.tracks.belts:
             if not self.hw.has_joint(joint):
                 raise ConfigError(f"tracks/belts/{joint}: the robot has no driven joint '{joint}'")
+            mode = self.hw.drive(joint).mode
+            if mode in (Mode.POSITION, Mode.POSITION_PID):
+                raise ConfigError(
+                    f"tracks/belts/{joint}: its transmission has PositionJointInterface; a belt "
+                    "needs VelocityJointInterface or EffortJointInterface"
+                )
 
     def _start_positions(self, described: Dict[str, UrdfJoint], asked: str) -> Dict[str, float]:
         """Where the joints start, without those of the pose that only variants have."""
@@ -127,8 +131,17 @@ class Robot:
             positions[joint] = position
         return positions
 
-    def place(self, world: World, scene_start: Start) -> None:
+    def place(
+        self, world: World, scene_start: Start, material_of: Callable[[int, int], str]
+    ) -> None:
         """Put the robot into `world`, where its configuration or else the scene says.
+
+        Parameters
+        ----------
+        world : World
+        scene_start : Start
+        material_of : callable
+            Material of a link (PyBullet's numbers of body and link), for the grip of its tracks.
 
         Raises
         ------
@@ -149,16 +162,16 @@ class Robot:
         )
         disable_pairs(self.body, config.self_collision)
         self.hw.attach(self.body)
-        self._traction = Traction(self.body, config.tracks, self._step_size)
+        drives = {joint: self.hw.drive(joint) for joint in config.tracks.belts}
+        self._tracks = Tracks(self.body, config.tracks, drives, self._step_size, material_of)
 
     def apply_traction(self) -> None:
         """Apply the forces of its tracks for the next step."""
-        if self._belts:
-            self._traction.apply([state.velocity * radius for state, radius in self._belts])
+        self._tracks.step()
 
     def forget_surfaces(self) -> None:
         """Look at every surface anew, after bodies have come or gone."""
-        self._traction.forget_surfaces()
+        self._tracks.forget_surfaces()
 
     def request_e_stop(self, active: bool) -> None:
         """Set or release the emergency stop with the next cycle. From any thread."""

@@ -4,13 +4,13 @@ Drives are simulated in joint space, as Gazebo's default hardware does; see `tel
 the modes. Beyond that, every drive has the dry and the viscous friction of the URDF
 (``<dynamics>``), and a brake. The brake holds whatever no running controller has claimed, so that
 an arm does not fall before its controllers start or after they end; an emergency stop sets all
-brakes, whatever the controllers ask for.
+brakes, whatever the controllers ask for. The drives of belts are simulated in `telex_sim.tracks`.
 """
 
 from __future__ import annotations
 
 import logging
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Set, Type
+from typing import Any, Collection, Dict, List, Mapping, Optional, Sequence, Set, Type
 from xml.etree import ElementTree
 
 import pybullet
@@ -55,14 +55,21 @@ class RobotHWSim(RobotHW):
     robot : Element
         ``<robot>`` of the URDF; joints with a transmission are driven.
     config : HardwareConfig
+    belts : collection of str
+        Driven joints that the tracks move, and whose states they fill.
     """
 
-    def __init__(self, robot: ElementTree.Element, config: HardwareConfig) -> None:
+    def __init__(
+        self, robot: ElementTree.Element, config: HardwareConfig, belts: Collection[str] = ()
+    ) -> None:
         super().__init__()
         self._config = config
+        self._belts = frozenset(belts)
         self._robot = robot
         self._joints: Dict[str, Drive] = {}
         self._all: List[Drive] = []
+        # Without the belts: what PyBullet's motors move.
+        self._moved: List[Drive] = []
         # Movable joints without a transmission: nobody sees them, but they have friction.
         self._passive: List[UrdfJoint] = []
         self._imus: List[Imu] = []
@@ -102,9 +109,13 @@ class RobotHWSim(RobotHW):
         for driven in driven_joints(self._robot):
             self._joints[driven.joint] = self._drive(driven, described, limits, root)
         self._passive = [joint for name, joint in described.items() if name not in self._joints]
-        self._imus = [Imu(name, link) for name, link in self._config.imus.items()]
+        self._imus = [
+            Imu(name, link, self._config.imu_noise.get(name))
+            for name, link in self._config.imus.items()
+        ]
         self._check_names(described, limits, root)
         self._all = list(self._joints.values())
+        self._moved = [drive for name, drive in self._joints.items() if name not in self._belts]
         if not self._all:
             _log.warning("the robot has no <transmission>: there is no joint to control")
         self._register()
@@ -197,6 +208,16 @@ class RobotHWSim(RobotHW):
         """Whether the emergency stop holds all joints."""
         return self._e_stop
 
+    def drive(self, name: str) -> Drive:
+        """Drive of a joint.
+
+        Raises
+        ------
+        KeyError
+            No such joint.
+        """
+        return self._joints[name]
+
     def has_joint(self, name: str) -> bool:
         """Whether the robot has a driven joint of this name."""
         return name in self._joints
@@ -226,9 +247,12 @@ class RobotHWSim(RobotHW):
             self._add_armature(drive)
             self._place_stops(drive)
         self._make_surfaces(body)
-        self._indices = [drive.index for drive in self._all]
+        self._indices = [drive.index for drive in self._moved]
         for imu in self._imus:
             imu.attach(body)
+        for belt in self._belts:
+            state = self._joints[belt].state
+            state.position, state.velocity, state.effort = 0.0, 0.0, 0.0
         self.read(0.0, 0.0)
         for drive in self._all:
             drive.reset()
@@ -300,14 +324,14 @@ class RobotHWSim(RobotHW):
 
         The effort is what was last applied: to a joint driven by effort its limited command, to
         one that a motor or the brake moves that motor's force. Positions of joints that turn
-        without end grow from turn to turn.
+        without end grow from turn to turn. Those of belts the tracks have filled.
         """
         body = self._body
         assert body is not None
         states: Sequence[Any] = ()
         if self._indices:  # of none, PyBullet returns None
             states = pybullet.getJointStates(body.uid, self._indices, physicsClientId=body.client)
-        for drive, state in zip(self._all, states):
+        for drive, state in zip(self._moved, states):
             handle = drive.state
             handle.position = state[0]
             handle.velocity = state[1]
@@ -319,8 +343,11 @@ class RobotHWSim(RobotHW):
         """Limit the commands and give them to PyBullet; its torques act for one step only."""
         for handle in self._limits:
             handle.enforce(period)
+        for drive in self._belts_by_effort:
+            drive.effort(period)
         if self._by_effort:
             self._write_efforts(period)
+        if self._by_effort or self._belts_by_effort:
             self._pids.publish(time)
         if self._by_motor:
             self._control(
@@ -401,6 +428,12 @@ class RobotHWSim(RobotHW):
         """Gather what `write` needs in every step."""
         driven = [drive for drive in self._all if not drive.braked]
         self._limits = [handle for drive in driven for handle in drive.limits]
+        self._belts_by_effort = [
+            drive
+            for drive in driven
+            if drive.takes_effort and drive.description.name in self._belts
+        ]
+        driven = [drive for drive in driven if drive.description.name not in self._belts]
         self._by_effort = [drive for drive in driven if drive.takes_effort]
         self._by_motor = [drive for drive in driven if not drive.takes_effort]
         self._by_velocity = [drive for drive in driven if drive.mode is Mode.VELOCITY]
@@ -421,7 +454,7 @@ class RobotHWSim(RobotHW):
                 drive.reset()
             drive.braked = braked
         self._choose_driven()
-        self._hold([drive for drive in self._all if drive.braked])
+        self._hold([drive for drive in self._moved if drive.braked])
 
     def _hold(self, held: List[Drive]) -> None:
         if held:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Optional, Tuple
+
 import rospy
 from geometry_msgs.msg import Point, PoseStamped, Quaternion
 from std_msgs.msg import Bool
-from telex_msgs.msg import SimStatus
+from telex_msgs.msg import SimStatus, Stability
 
 from telex_control.controller import ControllerState
 from telex_control.controller_manager import Strictness
@@ -13,22 +15,25 @@ from telex_control.controller_manager_services import ControllerManagerServices
 
 from .robot import Robot
 from .scene.model import WORLD_FRAME
+from .stability_monitor import Margin, StabilityMonitor
 
 _STOP_TIMEOUT = 1.0
 
 
 class RobotPresence:
-    """Controller manager, emergency stop, status and ground truth of a robot.
+    """Controller manager, emergency stop, status, ground truth and stability of a robot.
 
-    Topics are opened and closed in a thread of ROS; only `publish_base_pose`, `publish_status`
-    and `e_stop_changed` are the simulation's thread's.
+    Topics are opened and closed in a thread of ROS; `observe`, `changed` and all that publishes
+    are the simulation's thread's.
     """
 
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
         namespace = robot.namespace
-        self._told_e_stop = False
+        self._told = (False, False, False)
+        self._monitor: Optional[StabilityMonitor] = None
         self._base_pose = rospy.Publisher(f"{namespace}/sim/base_pose", PoseStamped, queue_size=4)
+        self._stability = rospy.Publisher(f"{namespace}/sim/stability", Stability, queue_size=4)
         self._status = rospy.Publisher(
             f"{namespace}/sim/status", SimStatus, queue_size=4, latch=True
         )
@@ -45,14 +50,65 @@ class RobotPresence:
             )
         robot.request_e_stop(message.data)
 
-    def e_stop_changed(self) -> bool:
-        """Whether the last status tells of the emergency stop what is no longer so."""
-        return self.robot.hw.e_stop != self._told_e_stop
+    def observe(self, time: float) -> None:
+        """Look at `time` (s) whether the robot has tipped over, or is stuck."""
+        robot = self.robot
+        if self._monitor is None:
+            if not robot.config.tracks.belts or robot.config.fixed_base:
+                return
+            self._monitor = StabilityMonitor(robot)
+        self._monitor.observe(time)
+
+    def _state(self) -> Tuple[bool, bool, bool]:
+        """Emergency stop, tipped over, stuck."""
+        monitor = self._monitor
+        if monitor is None:
+            return self.robot.hw.e_stop, False, False
+        return self.robot.hw.e_stop, monitor.tipped, monitor.stuck
+
+    def changed(self) -> bool:
+        """Whether the last status tells something of this robot that is no longer so."""
+        return self._state() != self._told
 
     def publish_status(self, message: SimStatus) -> None:
-        """Publish the simulator's status, with this robot's emergency stop."""
-        message.e_stop = self._told_e_stop = self.robot.hw.e_stop
+        """Publish the simulator's status, with what is this robot's own."""
+        self._told = self._state()
+        message.e_stop, message.tipped_over, message.stuck = self._told
+        warnings = []
+        if message.tipped_over:
+            warnings.append("the robot lies on its side or back; sim/reset puts it up again")
+        if message.stuck:
+            warnings.append("the robot is stuck: its belts are told to run, and it does not move")
+        message.warnings = [*message.warnings, *warnings]
         self._status.publish(message)
+
+    def publish_stability(self, stamp: rospy.Time) -> None:
+        """Publish attitude and tip-over margin, when anybody listens."""
+        monitor = self._monitor
+        if monitor is None or not self._stability.get_num_connections():
+            return
+        margin = monitor.margin(stamp.to_sec())
+        message = Stability(
+            state=self._stability_state(monitor, margin),
+            roll=monitor.attitude.roll,
+            pitch=monitor.attitude.pitch,
+            margin=margin.margin,
+            angle=margin.angle,
+            direction=margin.direction,
+            support=[Point(*corner) for corner in margin.support],
+            center_of_mass=Point(*margin.center_of_mass),
+        )
+        message.header.stamp = stamp
+        message.header.frame_id = self.robot.body.base_link
+        self._stability.publish(message)
+
+    def _stability_state(self, monitor: StabilityMonitor, margin: Margin) -> int:
+        config = self.robot.config.stability
+        if monitor.tipped:
+            return Stability.TIPPED
+        if margin.margin < config.critical:
+            return Stability.CRITICAL
+        return Stability.CAUTION if margin.margin < config.caution else Stability.STABLE
 
     def publish_base_pose(self, stamp: rospy.Time) -> None:
         """Publish where the root link is, when anybody listens."""
@@ -81,5 +137,6 @@ class RobotPresence:
         self._e_stop.unregister()
         self._manager.shutdown()
         self._base_pose.unregister()
+        self._stability.unregister()
         self._status.unregister()
         self.robot.close()

@@ -136,7 +136,7 @@ class Simulation:
         """Put the scene and the robots into an empty world."""
         self._load_scene()
         for robot in self.robots:
-            robot.place(self.world, self.scene.start)
+            robot.place(self.world, self.scene.start, self.objects.material)
 
     def _check_start(self) -> None:
         """Refuse a start that would throw the robot; a reset leads back to the same one."""
@@ -241,7 +241,7 @@ class Simulation:
             raise ConfigError(f"namespace is '{robot.namespace}'; there is a robot already")
         before = self.world.bodies()
         try:
-            robot.place(self.world, self.scene.start)
+            robot.place(self.world, self.scene.start, self.objects.material)
             self._check_place(robot)
         except (ConfigError, UrdfError, WorldError) as error:
             self.world.remove_others(before)

@@ -112,6 +112,7 @@ class SimulatorNode:
         self._clock_every = self._steps_between(config.publish.clock_rate)
         self._poses_every = self._steps_between(config.publish.poses_rate)
         self._base_pose_every = self._steps_between(config.publish.base_pose_rate)
+        self._stability_every = self._steps_between(config.publish.stability_rate)
         self._scene_publisher.publish(self._scene.description(self._now()))
         self._services: List[Any] = [
             rospy.Service("sim/pause", Empty, lambda _: self._empty(self._pause)),
@@ -296,7 +297,7 @@ class SimulatorNode:
         repeat_at = 0.0
         while not rospy.is_shutdown():
             self._serve_requests()
-            if wall.monotonic() >= self._next_status or self._e_stop_changed():
+            if wall.monotonic() >= self._next_status or self._robots_changed():
                 self._publish_status()
             if not self._paused:
                 begins_cycle = self._simulation.at_cycle_start
@@ -381,9 +382,9 @@ class SimulatorNode:
         self._pacer.restart(self._simulation.time)
         self._factor.restart(self._simulation.time)
 
-    def _e_stop_changed(self) -> bool:
-        """Whether the last status tells of an emergency stop what is no longer so."""
-        return any(presence.e_stop_changed() for presence in self._presences)
+    def _robots_changed(self) -> bool:
+        """Whether the last status tells of a robot what is no longer so."""
+        return any(presence.changed() for presence in self._presences)
 
     def _status_soon(self) -> None:
         self._next_status = 0.0
@@ -398,12 +399,17 @@ class SimulatorNode:
             self._publish_poses()
         if steps % self._base_pose_every == 0:
             self._publish_base_pose()
+        if steps % self._stability_every == 0:
+            for presence in self._presences:
+                presence.observe(simulation.time)
+            self._publish_stability()
         simulation.timer.end("publish")
 
     def _publish_all(self) -> None:
         self._publish_clock()
         self._publish_poses()
         self._publish_base_pose()
+        self._publish_stability()
 
     def _publish_clock(self) -> None:
         self._clock.publish(Clock(self._now()))
@@ -415,6 +421,10 @@ class SimulatorNode:
     def _publish_base_pose(self) -> None:
         for presence in self._presences:
             presence.publish_base_pose(self._now())
+
+    def _publish_stability(self) -> None:
+        for presence in self._presences:
+            presence.publish_stability(self._now())
 
     def _publish_status(self) -> None:
         self._next_status = wall.monotonic() + _STATUS_PERIOD

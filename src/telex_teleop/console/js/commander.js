@@ -1,7 +1,9 @@
 // @ts-check
 /** Turns held actions into commands: at once on every change, 50 times a second while held, a zero at the end. */
 
-import { ACTIONS, GRIPPER_JOINT, FINGER_BASES, JOINT_NODES, TRACK_NODE, TYPES } from "./robot.js";
+import {
+  ACTIONS, FINGER_BASES, FLIPPER_NODE, GRIPPER_JOINT, JOINT_NODES, TRACK_NODE, TYPES, flipperJoints,
+} from "./robot.js";
 
 /** Period (ms) of the commands while something is held. */
 export const COMMAND_PERIOD = 20;
@@ -39,6 +41,9 @@ export class Commander {
     /** Joints that the last command moved, by node. @type {Map<string, Set<string>>} */
     this._moving = new Map(JOINT_NODES.map((node) => [node, new Set()]));
     this._driving = false;
+    /** Names of the flipper presets, in the order of their keys. @type {string[]} */
+    this.presets = [];
+    this._leading = false;
     /** Side of the flippers that move, unless a side key is held. @type {"left" | "both" | "right"} */
     this.side = "both";
   }
@@ -49,6 +54,7 @@ export class Commander {
       this._bridge.advertise(this._topic(`${node}/delta_joint_cmds`), TYPES.jointJog);
       this._bridge.advertise(this._topic(`${node}/speed_scale`), TYPES.number);
     }
+    this._bridge.advertise(this._topic(`${FLIPPER_NODE}/preset_cmds`), TYPES.flipperPresetHold);
     this._bridge.advertise(this._topic(`${TRACK_NODE}/cmd_vel`), TYPES.twist);
     this._bridge.advertise(this._topic(`${TRACK_NODE}/speed_scale`), TYPES.number);
   }
@@ -111,18 +117,24 @@ export class Commander {
   update() {
     const held = [...this._heldActions()].map((name) => ACTIONS[name]);
     for (const node of JOINT_NODES) this._commandJoints(node, this._wantedJoints(node, held));
+    this._commandPreset(held);
     this._commandTracks(held);
+  }
+
+  /** End a preset that nobody holds here: a script's, or another operator's. */
+  stopPresets() {
+    this._sendPreset("", []);
   }
 
   /** Forget what is moving: the connection is gone, and with it the bridge has stopped it. */
   disconnected() {
     for (const joints of this._moving.values()) joints.clear();
-    this._driving = false;
+    this._driving = this._leading = false;
   }
 
   /** Whether something has to be said now: motion, or its end. */
   get busy() {
-    return this._driving || [...this._moving.values()].some((joints) => joints.size > 0);
+    return this._driving || this._leading || [...this._moving.values()].some((joints) => joints.size > 0);
   }
 
   /**
@@ -147,7 +159,7 @@ export class Commander {
     for (const action of held) {
       if (action.kind !== "joints" || action.node !== node) continue;
       for (const joint of action.joints) {
-        if (node === "flipper_teleop" && side !== "both" && !joint.includes(`_${side}_`)) continue;
+        if (node === FLIPPER_NODE && side !== "both" && !joint.includes(`_${side}_`)) continue;
         directions.set(joint, (directions.get(joint) ?? 0) + action.direction);
       }
     }
@@ -207,6 +219,29 @@ export class Commander {
       velocities: [...wanted.values(), ...released.map(() => 0)],
     });
     if (sent) this._moving.set(node, new Set(wanted.keys()));
+  }
+
+  /** @param {import("./robot.js").Action[]} held */
+  _commandPreset(held) {
+    const asked = held.flatMap((action) => (action.kind === "preset" ? [action] : []));
+    // Two of them contradict each other, as the two keys of a joint do: no motion.
+    const name = asked.length === 1 ? this.presets[asked[0].index] ?? "" : "";
+    if (asked.length === 1 && name === "") this._warn(`the robot has no flipper ${asked[0].label}`);
+    if ((name === "" && !this._leading) || (name !== "" && this._congested())) return;
+    const side = this.sideOf(held);
+    const flippers = ["front", "rear"].flatMap(flipperJoints);
+    const joints = side === "both" ? [] : flippers.filter((joint) => joint.includes(`_${side}_`));
+    if (this._sendPreset(name, joints)) this._leading = name !== "";
+  }
+
+  /**
+   * @param {string} preset
+   * @param {string[]} joints  Empty for all.
+   * @returns {boolean} Whether it was sent.
+   */
+  _sendPreset(preset, joints) {
+    const message = { header: {}, preset, joint_names: joints };
+    return this._bridge.publish(this._topic(`${FLIPPER_NODE}/preset_cmds`), message);
   }
 
   /** @param {import("./robot.js").Action[]} held */

@@ -1,13 +1,14 @@
 // @ts-check
 /** Puts the console together. */
 
+import { AttitudeView, STABILITY } from "./attitude.js";
 import { Bridge } from "./bridge.js";
 import { COMMAND_PERIOD, Commander } from "./commander.js";
 import { keepPace, watchOperator } from "./deadman.js";
 import { Held } from "./held.js";
 import { labelKeys, listenToKeys, listenToPointers } from "./input.js";
 import { Panels, byId } from "./panels.js";
-import { ACTIONS, JOINT_NODES, TRACK_NODE, TYPES } from "./robot.js";
+import { ACTIONS, FLIPPER_NODE, JOINT_NODES, TRACK_NODE, TYPES } from "./robot.js";
 import { SILENT_AFTER, StatusView } from "./status.js";
 import { VideoView } from "./video.js";
 
@@ -60,6 +61,7 @@ function startVideo(config) {
 async function start() {
   const status = new StatusView();
   const panels = new Panels();
+  const attitude = new AttitudeView();
   labelKeys(document).catch(() => {}); // without a layout the caps of a US keyboard stay
   const config = await waitForConfig();
   const topic = (/** @type {string} */ name) => `${config.namespace}/${name}`;
@@ -102,7 +104,10 @@ async function start() {
   const commands = {
     slower: () => commander.changeSpeed(-1),
     faster: () => commander.changeSpeed(1),
-    stop: () => letGo("stop"),
+    stop: () => {
+      letGo("stop");
+      commander.stopPresets();
+    },
     estop: () => setEstop(true),
   };
 
@@ -130,6 +135,7 @@ async function start() {
     throttle = 0,
   ) => bridge.subscribe({ topic: topic(name), type, throttle, heard });
   listen("joint_states", TYPES.jointStates, (states) => panels.showJoints(states), JOINTS_PERIOD);
+  listen(STABILITY.topic, STABILITY.type, (stability) => attitude.set(stability));
   listen("sim/status", TYPES.simStatus, (sim) => {
     status.setSim(sim);
     // Releasing the e-stop must not bring back a motion that is still held.
@@ -142,6 +148,10 @@ async function start() {
       status.logComplaint(node, report.message);
     });
   }
+  listen(`${FLIPPER_NODE}/presets`, TYPES.flipperPresets, ({ names, descriptions }) => {
+    commander.presets = names;
+    panels.showPresets(names, descriptions);
+  });
   listen(`${TRACK_NODE}/status`, TYPES.trackStatus, (report) => {
     commander.setTrackStatus(report);
     panels.showDrive(report.command);
@@ -158,6 +168,7 @@ async function start() {
     status.showSpeed(commander.speeds);
     status.showVideo(video);
     status.fade();
+    attitude.fade();
   }, DISPLAY_PERIOD);
   bridge.start();
 }

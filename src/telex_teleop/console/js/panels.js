@@ -1,7 +1,9 @@
 // @ts-check
 /** The side panel: joints with their values and the buttons that move them. */
 
-import { ACTIONS, ARM_JOINTS, FINGER_BASES, GRIPPER_JOINT, fingerJoints, flipperJoints } from "./robot.js";
+import {
+  ACTIONS, ARM_JOINTS, FINGER_BASES, GRIPPER_JOINT, PRESET_KEYS, fingerJoints, flipperJoints,
+} from "./robot.js";
 
 const ARROWS = /** @type {Record<string, string>} */ ({
   ahead: "▲", back: "▼", up: "▲", down: "▼", left: "◀", right: "▶", in: "◀", out: "▶", close: "▶◀", open: "◀▶",
@@ -38,7 +40,8 @@ function holdButton(name) {
   button.dataset.action = name;
   const cap = element("kbd", "", action.cap);
   cap.dataset.code = action.code;
-  button.append(cap, `${ARROWS[action.label]} ${action.label}`);
+  const arrow = ARROWS[action.label];
+  button.append(cap, arrow === undefined ? action.label : `${arrow} ${action.label}`);
   return button;
 }
 
@@ -84,6 +87,9 @@ export class Panels {
       const [left, right] = flipperJoints(end).map(valueOf);
       byId("flipper-rows").append(row("pair", end, cell("L ", left, "  R ", right), ...pair(end, ["up", "down"])));
     }
+    this._presets = Array.from({ length: PRESET_KEYS }, (_, index) => holdButton(`preset:${index}`));
+    byId("flipper-presets").append(...this._presets);
+    this.showPresets([], []);
     this._values = [.../** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-joint]"))];
     this._buttons = [.../** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-action]"))];
     this._metres = new Set(ARM_JOINTS.filter(({ metres }) => metres).map(({ name }) => name));
@@ -134,6 +140,18 @@ export class Panels {
       button.setAttribute("role", "radio");
       button.setAttribute("aria-checked", String(button.dataset.side === side));
     }
+  }
+
+  /**
+   * @param {string[]} names         Of the robot's flipper presets, in the order of their keys.
+   * @param {string[]} descriptions  What each of them is for.
+   */
+  showPresets(names, descriptions) {
+    this._presets.forEach((button, index) => {
+      button.hidden = index >= names.length;
+      button.title = descriptions[index] ?? "";
+      /** @type {Text} */ (button.lastChild).data = names[index] ?? "";
+    });
   }
 
   /** @param {any} twist  What goes to the tracks now, geometry_msgs/Twist. */

@@ -4,10 +4,15 @@
 /** Nodes that take joint commands; their topics are `<node>/delta_joint_cmds`, `/speed_scale`, `/status`. */
 export const JOINT_NODES = ["arm_teleop", "gripper_teleop", "flipper_teleop"];
 
+/** Node that takes presets, on `<node>/preset_cmds`, and says on `<node>/presets` which there are. */
+export const FLIPPER_NODE = "flipper_teleop";
+
 export const TRACK_NODE = "track_teleop";
 
 export const TYPES = {
   bool: "std_msgs/Bool",
+  flipperPresetHold: "telex_msgs/FlipperPresetHold",
+  flipperPresets: "telex_msgs/FlipperPresets",
   jointJog: "control_msgs/JointJog",
   jointStates: "sensor_msgs/JointState",
   jointStatus: "telex_msgs/JointTeleopStatus",
@@ -33,7 +38,11 @@ export const TYPES = {
  * @property {"side"} kind
  * @property {"left" | "right"} side
  *
- * @typedef {(JointMotion | DriveMotion | SideChoice) & {code: string, cap: string, label: string}} Action
+ * @typedef {object} PresetMotion  Moves the flippers to a preset while it is held.
+ * @property {"preset"} kind
+ * @property {number} index       In the list of presets that the robot announces.
+ *
+ * @typedef {(JointMotion | DriveMotion | SideChoice | PresetMotion) & {code: string, cap: string, label: string}} Action
  *   `code`: key position (KeyboardEvent.code); `cap`: what a US keyboard shows there; `label`: what it does.
  */
 
@@ -55,6 +64,9 @@ export const GRIPPER_JOINT = "gripper";
 
 /** Joints whose angle shows how far the gripper is open. */
 export const FINGER_BASES = ["left_finger_base_joint", "right_finger_base_joint"];
+
+/** So many presets have a key: Digit1, Digit2, … */
+export const PRESET_KEYS = 7;
 
 /** @param {string} side */
 export const fingerJoints = (side) => ["base", "middle", "tip"].map((part) => `${side}_finger_${part}_joint`);
@@ -108,6 +120,15 @@ const gripper = (direction, code, cap, label) => ({
 const drive = (axis, direction, code, cap, label) => ({ kind: "drive", axis, direction, code, cap, label });
 
 /**
+ * @param {number} index
+ * @returns {[string, Action]}
+ */
+const preset = (index) => [
+  `preset:${index}`,
+  { kind: "preset", index, code: `Digit${index + 1}`, cap: String(index + 1), label: `preset ${index + 1}` },
+];
+
+/**
  * Everything that can be held, by name. Pitch joints turn about +y, so their positive direction is down.
  * @type {Record<string, Action>}
  */
@@ -138,6 +159,7 @@ export const ACTIONS = {
   "rear:down": flippers("rear", -1, "KeyG", "G", "down"),
   "side:left": { kind: "side", side: "left", code: "KeyQ", cap: "Q", label: "left" },
   "side:right": { kind: "side", side: "right", code: "KeyE", cap: "E", label: "right" },
+  ...Object.fromEntries(Array.from({ length: PRESET_KEYS }, (_, index) => preset(index))),
 };
 
 /** Names of actions by key position. */

@@ -104,6 +104,10 @@ class Axis:
             self.generator.drop()
             self._jogging = False
 
+    def commanded(self, now: Clocks) -> bool:
+        """Tell whether a command of its own holds."""
+        return self.stream.command(now) is not None
+
     def obeying(self, now: Clocks) -> bool:
         """Tell whether a command is being carried out."""
         return self.stream.command(now) is not None or self.generator.displacing
@@ -118,7 +122,13 @@ class Axis:
         return self.position is not None and abs(position - self.position) > farthest
 
     def update(
-        self, dt: float, now: Clocks, position: float, speed_scale: float, blocked: bool = False
+        self,
+        dt: float,
+        now: Clocks,
+        position: float,
+        speed_scale: float,
+        blocked: bool = False,
+        goal: Optional[float] = None,
     ) -> Optional[float]:
         """Move the reference by one step.
 
@@ -134,6 +144,8 @@ class Axis:
             The operator's speed.
         blocked
             Come to rest first, because another axis still moves the same joints.
+        goal
+            Where to go (rad or m) while no command of this axis' own holds; None for nowhere.
 
         Returns
         -------
@@ -144,6 +156,9 @@ class Axis:
         command = self.stream.command(now)
         if isinstance(command, _Rate) and not blocked:
             self.generator.jog(command.value)
+            self._jogging = True
+        elif command is None and goal is not None and not blocked:
+            self.generator.seek(goal)
             self._jogging = True
         elif self._jogging or blocked:
             self.generator.stop()

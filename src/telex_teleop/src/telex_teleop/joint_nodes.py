@@ -10,10 +10,13 @@ from telex_msgs.srv import SetMode, SetModeResponse
 from telex_control.robot_description import wait_for_robot_description
 from telex_control.urdf_joints import joints, parse_urdf
 from telex_teleop.coupled_teleop import CoupledTeleop
+from telex_teleop.flipper_settings import FlipperTeleopSettings
+from telex_teleop.flipper_teleop import FlipperTeleop
 from telex_teleop.joint_teleop import JointTeleop
 from telex_teleop.limits import JointLimits, limits_from_urdf
 from telex_teleop.motion_settings import GripperTeleopSettings, JointTeleopSettings
 from telex_teleop.ros_common import private_settings, run_node
+from telex_teleop.ros_flipper_teleop import FlipperTeleopNode
 from telex_teleop.ros_joint_teleop import JOINT_MODE, JointTeleopNode
 
 __all__ = ["arm_main", "flipper_main", "gripper_main"]
@@ -27,8 +30,8 @@ def arm_main() -> int:
 
 
 def flipper_main() -> int:
-    """Run the node that jogs the four flippers."""
-    return run_node("flipper_teleop", _start_joints)
+    """Run the node that jogs the four flippers, and leads them to presets."""
+    return run_node("flipper_teleop", _start_flippers)
 
 
 def gripper_main() -> int:
@@ -77,6 +80,20 @@ def _set_mode(request: Any) -> SetModeResponse:
         success=False,
         message=f"mode {request.mode!r} is unknown; must be {JOINT_MODE} or {CARTESIAN_MODE}",
     )
+
+
+def _start_flippers() -> FlipperTeleopNode:
+    settings = private_settings(FlipperTeleopSettings)
+    axes = settings.axes(_limits(settings))
+    core = FlipperTeleop(
+        axes=axes,
+        presets=settings.preset_table(axes),
+        goal_rules=settings.goal_rules(),
+        command_timeout=settings.command_timeout,
+        longest_step=settings.longest_step,
+        speed=settings.speed_scale(),
+    )
+    return FlipperTeleopNode(core, settings.status_rate)
 
 
 def _start_gripper() -> JointTeleopNode:

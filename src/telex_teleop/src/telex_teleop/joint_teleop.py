@@ -219,9 +219,13 @@ class JointTeleop:
                     axis.generator.stop()
         return tick.dt
 
+    @property
+    def _inhibited(self) -> bool:
+        return self._e_stop or self._starting.lasts
+
     def _inhibit(self) -> None:
         for axis in self.axes.values():
-            axis.inhibit(self._e_stop or self._starting.lasts)
+            axis.inhibit(self._inhibited)
 
     def _drop(self) -> None:
         for axis in self.axes.values():
@@ -229,24 +233,26 @@ class JointTeleop:
 
     def state(self, wall: float) -> TeleopState:
         """Return what a display shows at `wall` (monotonic time, s)."""
-        if not self.axes:
-            return TeleopState(False, (), "this robot has none of the joints of this node")
+        message = self._deaf(wall)
         if self._ticks.now is None or self._last_wall is None:
-            return TeleopState(False, (), "no joint_states yet: is the simulator running?")
+            return TeleopState(False, (), message)
         now = Clocks(wall, self._ticks.now)
-        silence = wall - self._last_wall
-        active = any(axis.obeying(now) for axis in self.axes.values())
-        if self._e_stop:
-            message = "the e-stop is active"
-        elif silence > 2.0 * self._command_timeout:
-            message = "no joint_states: the simulation is paused or has ended"
-        elif self._starting.lasts:
-            message = "just started"
-        elif any(axis.stream.waiting(wall) for axis in self.axes.values()):
+        if not message and any(axis.stream.waiting(wall) for axis in self.axes.values()):
             message = "a command from before the stop goes on: release the key and press it again"
-        else:
-            message = ""
+        active = any(axis.obeying(now) for axis in self.axes.values())
         return TeleopState(active and not message, self._axis_states(), message)
+
+    def _deaf(self, wall: float) -> str:
+        """Return why no command at all is obeyed at `wall` (monotonic, s); empty when some are."""
+        if not self.axes:
+            return "this robot has none of the joints of this node"
+        if self._ticks.now is None or self._last_wall is None:
+            return "no joint_states yet: is the simulator running?"
+        if self._e_stop:
+            return "the e-stop is active"
+        if wall - self._last_wall > 2.0 * self._command_timeout:
+            return "no joint_states: the simulation is paused or has ended"
+        return "just started" if self._starting.lasts else ""
 
     def _axis_states(self) -> Tuple[AxisState, ...]:
         states: List[AxisState] = []

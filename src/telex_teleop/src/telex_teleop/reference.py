@@ -80,7 +80,8 @@ class MotionLimits:
 class ReferenceGenerator:
     """Moves the reference of one joint.
 
-    It is idle until `jog` or `displace` ask for motion, and again once that has come to rest.
+    It is idle until `jog`, `displace` or `seek` ask for motion, and again once that has come to
+    rest.
 
     Parameters
     ----------
@@ -124,7 +125,7 @@ class ReferenceGenerator:
 
     @property
     def displacing(self) -> bool:
-        """Whether a displacement is still on its way."""
+        """Whether the way to a goal is not done yet."""
         return self._goal is not None or self._increment != 0.0
 
     def jog(self, rate: float) -> None:
@@ -141,6 +142,17 @@ class ReferenceGenerator:
         """Move the reference once by an increment (rad or m); increments add up."""
         self._rate = 0.0
         self._increment += increment
+
+    def seek(self, goal: float) -> None:
+        """Move to a position (rad or m, clamped to the limits) until told otherwise."""
+        goal = _clamp(goal, self.limits.lower, self.limits.upper)
+        at_goal = self._reference is not None and abs(goal - self._reference) <= GOAL_TOLERANCE
+        if at_goal and not self.moving:
+            return
+        self._rate = 0.0
+        self._increment = 0.0
+        self._goal = goal
+        self._goal_time_left = math.inf
 
     def drop(self) -> None:
         """Stop at once and forget the reference: what comes next starts where the joint is."""

@@ -98,6 +98,11 @@ class CommandStream(Generic[Command]):
         self._command = None
         self._ignored.update(self._heard)
 
+    def ignore(self, caller: str) -> None:
+        """Ignore the running stream of `caller` until it has paused or sent a stop."""
+        if caller in self._heard:
+            self._ignored.add(caller)
+
     def inhibit(self, inhibited: bool) -> None:
         """Ignore all commands while inhibited, and then the streams that ran meanwhile."""
         self._inhibited = inhibited

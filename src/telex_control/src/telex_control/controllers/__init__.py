@@ -50,6 +50,7 @@ _MODULES: Dict[str, str] = {
     "telex_controllers/ParallelGripperController": (
         "parallel_gripper_controller.ParallelGripperController"
     ),
+    "telex_controllers/TrackedDriveController": "tracked_drive_controller.TrackedDriveController",
     "velocity_controllers/JointGroupVelocityController": (
         "forward_command_controllers.JointGroupVelocityController"
     ),

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 import time as wall
-from typing import Any, Dict, List, NamedTuple, Optional, Tuple
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from control_msgs.msg import JointTrajectoryControllerState
-from geometry_msgs.msg import TransformStamped, Twist, TwistStamped
+from geometry_msgs.msg import Point, Quaternion, TransformStamped, Twist, TwistStamped, Vector3
 from nav_msgs.msg import Odometry
 from tf2_msgs.msg import TFMessage
 from trajectory_msgs.msg import JointTrajectoryPoint
@@ -142,7 +142,7 @@ class DiffDriveController(Controller):
         self._base_frame = node.param("base_frame_id", str, "base_link")
         self._odom_frame = node.param("odom_frame_id", str, "odom")
         self._tuning = _read_tuning(node)
-        self._odometry = DifferentialOdometry(1.0, 1.0, 1.0, window)
+        self._odometry = self._make_odometry(window)
         self._apply(self._tuning)
         self._odom = node.advertise("odom", Odometry)
         self._tf = node.advertise("/tf", TFMessage)
@@ -160,6 +160,10 @@ class DiffDriveController(Controller):
         self._subscription: Optional[Subscription] = None
         self._subscription = node.subscribe("cmd_vel", Twist, self._on_command)
         node.serve_reconfiguration("", RECONFIGURABLE, self._tuning._asdict(), self._on_tuning)
+
+    def _make_odometry(self, window: int) -> Any:
+        """Odometry of the drive, with velocities averaged over `window` cycles."""
+        return DifferentialOdometry(1.0, 1.0, 1.0, window)
 
     def _geometry(self, root: NodeHandle, node: NodeHandle) -> Tuple[float, float]:
         """Return radius and separation of the wheels (m)."""
@@ -229,10 +233,7 @@ class DiffDriveController(Controller):
         """Limit the command, turn it into wheel speeds, and keep the odometry."""
         if self._tuning is not self._applied:
             self._apply(self._tuning)
-        if self._open_loop:
-            self._odometry.update_open_loop(self._linear[0], self._angular[0], period)
-        else:
-            self._odometry.update(_mean_position(self._left), _mean_position(self._right), period)
+        self._measure(time, period)
         if self._publish_timer.is_due(time):
             self._publish(time)
         self._obey(self._command, time)
@@ -240,15 +241,11 @@ class DiffDriveController(Controller):
         angular = self._angular_limiter.limit(self._active[1], *self._angular, period)
         self._linear = (linear, self._linear[0])
         self._angular = (angular, self._angular[0])
-        difference = 0.5 * angular * self._separation
-        left, right = (
-            (linear - difference) / self._left_radius,
-            (linear + difference) / self._right_radius,
-        )
+        left, right = self._side_speeds(linear, angular, period)
         for wheel in self._left:
-            wheel.command = left
+            wheel.command = left / self._left_radius
         for wheel in self._right:
-            wheel.command = right
+            wheel.command = right / self._right_radius
         if self._limited is not None and self._limited.has_subscribers():
             message = TwistStamped()
             message.header.stamp = stamp(time)
@@ -257,6 +254,22 @@ class DiffDriveController(Controller):
             self._limited.publish(message)
         if self._wheel_state is not None:
             self._wheel_state.update(time, period)
+
+    def _measure(self, time: float, period: float) -> None:
+        """Advance the odometry to `time`, `period` after the last cycle (s)."""
+        if self._open_loop:
+            self._odometry.update_open_loop(self._linear[0], self._angular[0], period)
+        else:
+            self._odometry.update(mean_position(self._left), mean_position(self._right), period)
+
+    def _side_speeds(self, linear: float, angular: float, period: float) -> Tuple[float, float]:
+        """Speed (m/s) at which the left and right wheels run for a limited command (m/s, rad/s)."""
+        difference = 0.5 * angular * self._separation
+        return linear - difference, linear + difference
+
+    def _covariances(self) -> Tuple[Sequence[float], Sequence[float]]:
+        """Covariances of pose and twist, 36 numbers each."""
+        return self._pose_covariance, self._twist_covariance
 
     def _obey(self, command: _Command, time: float) -> None:
         """Take a new command over, or give up an old one."""
@@ -292,16 +305,14 @@ class DiffDriveController(Controller):
     def _publish(self, time: float) -> None:
         odometry = self._odometry
         now = stamp(time)
-        sine, cosine = math.sin(0.5 * odometry.heading), math.cos(0.5 * odometry.heading)
+        position, orientation = Vector3(*odometry.position), Quaternion(*odometry.orientation)
         if self._applied.enable_odom_tf:
             transform = TransformStamped()
             transform.header.stamp = now
             transform.header.frame_id = self._odom_frame
             transform.child_frame_id = self._base_frame
-            transform.transform.translation.x = odometry.x
-            transform.transform.translation.y = odometry.y
-            transform.transform.rotation.z = sine
-            transform.transform.rotation.w = cosine
+            transform.transform.translation = position
+            transform.transform.rotation = orientation
             self._tf.publish(TFMessage([transform]))
         if not self._odom.has_subscribers():
             return
@@ -309,14 +320,11 @@ class DiffDriveController(Controller):
         message.header.stamp = now
         message.header.frame_id = self._odom_frame
         message.child_frame_id = self._base_frame
-        message.pose.pose.position.x = odometry.x
-        message.pose.pose.position.y = odometry.y
-        message.pose.pose.orientation.z = sine
-        message.pose.pose.orientation.w = cosine
-        message.pose.covariance = self._pose_covariance
+        message.pose.pose.position = Point(*odometry.position)
+        message.pose.pose.orientation = orientation
         message.twist.twist.linear.x = odometry.linear
         message.twist.twist.angular.z = odometry.angular
-        message.twist.covariance = self._twist_covariance
+        message.pose.covariance, message.twist.covariance = self._covariances()
         self._odom.publish(message)
 
 
@@ -381,7 +389,8 @@ def _rates(now: List[float], before: List[float], period: float) -> List[float]:
     return [difference / period for difference in _differences(now, before)]
 
 
-def _mean_position(wheels: List[JointHandle]) -> float:
+def mean_position(wheels: List[JointHandle]) -> float:
+    """Mean position of the wheels of one side (rad)."""
     return sum(wheel.state.position for wheel in wheels) / len(wheels)
 
 

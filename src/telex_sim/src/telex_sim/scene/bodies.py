@@ -64,6 +64,7 @@ class SceneBodies:
         self._client = client
         self._step_size = step_size
         self._placed: Dict[str, _Placed] = {}
+        self._ground = (-1, "")
         self._active: List[Mechanism] = []
         self._latches: List[Latch] = []
         # By what they are made of: PyBullet never lets go of a shape that a body has had, so a
@@ -87,6 +88,7 @@ class SceneBodies:
         pybullet.changeDynamics(
             ground, -1, lateralFriction=floor.friction, physicsClientId=self._client
         )
+        self._ground = (ground, floor.surface.material)
         for number, plan in enumerate(plans, 1):
             self._place(plan)
             progress(number, len(plans))
@@ -225,6 +227,27 @@ class SceneBodies:
             No such object.
         """
         return self._placed[name].bodies
+
+    def material(self, uid: int, link: int) -> str:
+        """What a link of PyBullet's body `uid` looks to be made of; empty where nothing says it.
+
+        It is the material of the first part that has one, see `Surface.material`.
+        """
+        ground, material = self._ground
+        if uid == ground:
+            return material
+        for placed in self._placed.values():
+            if uid not in placed.bodies:
+                continue
+            segments = placed.assembly.bodies[placed.bodies.index(uid)].segments
+            segment = segments[link + 1]
+            while not segment.link and segment.parent >= 0:
+                segment = segments[segment.parent]
+            for item in placed.assembly.source.model.links:
+                if item.name == segment.link:
+                    found = [part.surface.material for part in item.parts if part.surface]
+                    return next(filter(None, found), "")
+        return ""
 
     # --- PyBullet ----------------------------------------------------------------------------
 

@@ -150,6 +150,12 @@ class Surface:
         require_range(self, "texture_scale", 0.0, LARGEST)
         require_range(self, "glow", 0.0, 1.0)
 
+    @property
+    def material(self) -> str:
+        """What it looks to be made of: name of its generated texture; empty without one."""
+        kind, _, name = self.texture.partition(":")
+        return name.partition("?")[0] if kind == "generated" else ""
+
 
 @dataclass(frozen=True)
 class Part:

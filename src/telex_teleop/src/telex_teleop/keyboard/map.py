@@ -1,8 +1,8 @@
 """The operator's keys: which key does what, read from YAML.
 
-An action is a short text: ``tracks forward``, ``arm turret_joint +``, ``flipper JOINT JOINT -``, or
-one of the commands ``stop``, ``e-stop``, ``release e-stop``, ``faster``, ``slower``, ``mode``,
-``help``, ``quit``.
+An action is a short text: ``tracks forward``, ``arm turret_joint +``, ``flipper JOINT JOINT -``,
+``preset NAME`` (of the flippers), or one of the commands ``stop``, ``e-stop``, ``release e-stop``,
+``faster``, ``slower``, ``mode``, ``help``, ``quit``.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Dict, List, Mapping, Optional, Tuple, Union
 
 from telex_control.params import ConfigError, require, require_names, require_range
 
-__all__ = ["Action", "Command", "Drive", "Jog", "KeyMap", "KeyboardSettings"]
+__all__ = ["Action", "Command", "Drive", "Jog", "KeyMap", "KeyboardSettings", "Preset"]
 
 
 @dataclass(frozen=True)
@@ -34,6 +34,13 @@ class Drive:
     angular: int
 
 
+@dataclass(frozen=True)
+class Preset:
+    """Move the flippers to a preset while the key is held."""
+
+    name: str
+
+
 class Command(Enum):
     """Done once when its key goes down."""
 
@@ -47,7 +54,7 @@ class Command(Enum):
     QUIT = "quit"
 
 
-Action = Union[Jog, Drive, Command]
+Action = Union[Jog, Drive, Preset, Command]
 
 NODES = ("arm", "gripper", "flipper")
 DIRECTIONS = {
@@ -62,7 +69,7 @@ GRAMMAR = (
     + ", ".join(DIRECTIONS)
     + "; 'NODE JOINT ... +' or '-' with node "
     + ", ".join(NODES)
-    + "; or one of "
+    + "; 'preset NAME'; or one of "
     + ", ".join(command.value for command in Command)
 )
 
@@ -81,6 +88,8 @@ def parse_action(text: str) -> Action:
             return command
     if len(words) == 2 and words[0] == "tracks" and words[1] in DIRECTIONS:
         return DIRECTIONS[words[1]]
+    if len(words) == 2 and words[0] == "preset":
+        return Preset(words[1])
     if len(words) >= 3 and words[0] in NODES and words[-1] in SIGNS:
         joints = tuple(words[1:-1])
         if len(set(joints)) == len(joints):

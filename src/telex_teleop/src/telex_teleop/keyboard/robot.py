@@ -10,11 +10,17 @@ import rospy
 from control_msgs.msg import JointJog
 from geometry_msgs.msg import Twist
 from std_msgs.msg import Bool, Float64
-from telex_msgs.msg import JointTeleopStatus, SimStatus, TrackTeleopStatus
+from telex_msgs.msg import (
+    FlipperPresetHold,
+    FlipperPresets,
+    JointTeleopStatus,
+    SimStatus,
+    TrackTeleopStatus,
+)
 from telex_msgs.srv import SetMode
 
 from telex_teleop.e_stop_state import EStopState
-from telex_teleop.keyboard.commands import Commands
+from telex_teleop.keyboard.commands import NO_PRESET, Commands
 from telex_teleop.keyboard.map import NODES
 from telex_teleop.keyboard.screen import JointView, NodeView
 from telex_teleop.track_drive import STANDSTILL, Velocity
@@ -46,6 +52,8 @@ class Robot:
             node: self._publisher(f"{node}_teleop/delta_joint_cmds", JointJog) for node in NODES
         }
         self._twist = self._publisher("track_teleop/cmd_vel", Twist)
+        self._preset = self._publisher("flipper_teleop/preset_cmds", FlipperPresetHold)
+        self._presets: Optional[Tuple[str, ...]] = None
         # Made now, for a press must reach the robot even when the master is gone by then. Latched,
         # but an idle keyboard holds no message of its own.
         self._e_stop_publisher = self._publisher("e_stop", Bool, latch=True)
@@ -54,6 +62,7 @@ class Robot:
         for node in NODES:
             self._listen(f"{node}_teleop/status", JointTeleopStatus, self._on_status, node)
         self._listen("track_teleop/status", TrackTeleopStatus, self._on_status, "tracks")
+        self._listen("flipper_teleop/presets", FlipperPresets, self._on_presets)
         self._listen("e_stop", Bool, self._on_e_stop)
         self._listen("sim/status", SimStatus, self._on_sim_status)
 
@@ -74,6 +83,16 @@ class Robot:
             twist.linear.x = velocity.linear
             twist.angular.z = velocity.angular
             self._twist.publish(twist)
+        for name in commands.preset:
+            self._send_preset(name, stamp)
+
+    def _send_preset(self, name: str, stamp: Any) -> None:
+        there = self._presets
+        if name != NO_PRESET and there is not None and name not in there:
+            self.notice = f"preset {name}: the robot has {', '.join(there) or 'no presets'}"
+        message = FlipperPresetHold(preset=name)
+        message.header.stamp = stamp
+        self._preset.publish(message)
 
     def change_speed(self, factor: float) -> None:
         """Multiply the speed scale of all nodes, within their bounds."""
@@ -162,6 +181,9 @@ class Robot:
 
     def _on_status(self, message: Any, node: str) -> None:
         self._statuses[node] = (time.monotonic(), message)
+
+    def _on_presets(self, message: Any) -> None:
+        self._presets = tuple(message.names)
 
     def _on_e_stop(self, message: Any) -> None:
         self._e_stop.take_request(bool(message.data))

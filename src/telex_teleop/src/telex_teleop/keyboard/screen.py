@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import FrozenSet, List, Mapping, Optional, Sequence, Tuple
 
-from telex_teleop.keyboard.map import NODES, Action, Command, Drive, Jog, KeyMap
+from telex_teleop.keyboard.map import NODES, Action, Command, Drive, Jog, KeyMap, Preset
 from telex_teleop.track_drive import STANDSTILL, Velocity
 
 __all__ = ["JointView", "Line", "NodeView", "ScreenState", "Style", "render"]
@@ -175,6 +175,7 @@ def _is_silent(state: ScreenState, node: str) -> bool:
 
 def _table(keys: KeyMap, lengths: Sequence[str], state: ScreenState, columns: int) -> List[Line]:
     left = [text for node in LEFT for text in _section(node, keys, lengths, state)]
+    left += _presets(keys, state)
     right = [text for node in RIGHT for text in _section(node, keys, lengths, state)]
     if columns < 2 * COLUMN + 1:
         return [Line(text) for text in (*right, *left)]
@@ -204,6 +205,16 @@ def _section(node: str, keys: KeyMap, lengths: Sequence[str], state: ScreenState
             for joints in _axes(node, keys)
         ]
     return [TITLES[node], *rows] if rows else []
+
+
+def _presets(keys: KeyMap, state: ScreenState) -> List[str]:
+    """Return the flipper presets, as many on a line as fit."""
+    presets = [action for action in keys.actions.values() if isinstance(action, Preset)]
+    parts = [
+        f"{'>' if action in state.held else ' '} {'/'.join(keys.keys_of(action))} {action.name}"
+        for action in dict.fromkeys(presets)
+    ]
+    return ["FLIPPER PRESETS", *_fill(parts, COLUMN, " ")] if parts else []
 
 
 def _axes(node: str, keys: KeyMap) -> List[Tuple[str, ...]]:
@@ -251,15 +262,15 @@ def _commands(keys: KeyMap, columns: int) -> List[Line]:
         for label, commands in COMMANDS
         if _names(keys, commands)
     ]
-    return [Line(text) for text in _fill(parts, columns)]
+    return [Line(text) for text in _fill(parts, columns, "   ")]
 
 
-def _fill(parts: Sequence[str], columns: int) -> List[str]:
+def _fill(parts: Sequence[str], columns: int, space: str) -> List[str]:
     """Return the parts on as few lines as they need, none of them broken."""
     lines: List[str] = []
     for part in parts:
-        if lines and len(lines[-1]) + 3 + len(part) <= columns:
-            lines[-1] += "   " + part
+        if lines and len(lines[-1]) + len(space) + len(part) <= columns:
+            lines[-1] += space + part
         else:
             lines.append(part)
     return lines
@@ -280,7 +291,8 @@ foot, WezTerm, Ghostty) is exact."""
 HELP = """\
 Hold a key to move, let it go to stop: the joint then holds its place. Every motion starts and ends
 on a ramp. The first key of a pair moves forward, up, out or open, or to the left. '!' marks a joint
-that a limit, or something in its way, holds back.
+that a limit, or something in its way, holds back. The key of a preset moves all flippers to its
+angles; a flipper key ends that, and the preset then needs a new press.
 
 {holding}
 

@@ -204,21 +204,27 @@ class PalletStack(ObjectType):
         Of one pallet (kg).
     static : bool
         Whether they stand fast.
+    friction : float
+        Of its surface.
     """
 
     count: int = 4
     height: float = 0.125
     mass: float = 25.0
     static: bool = False
+    friction: float = 1.0
 
     def __post_init__(self) -> None:
         require_range(self, "count", 1, 12)
         require_range(self, "height", 0.1, 0.3)
         require_range(self, "mass", above=0.0)
+        require_range(self, "friction", 0.0, 2.0)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
-        pallet = Pallet(height=self.height, mass=self.mass, static=self.static).model()
+        pallet = Pallet(
+            height=self.height, mass=self.mass, friction=self.friction, static=self.static
+        ).model()
         return tuple(
             SceneObject(str(index + 1), pallet, (0.0, 0.0, index * self.height))
             for index in range(self.count)

@@ -34,6 +34,8 @@ class Gap(ObjectType):
         Length of the ramps (m); 0: none.
     finish : str
         wood, concrete or steel.
+    friction : float
+        Of its surface.
     """
 
     gap: float = 0.3
@@ -42,6 +44,7 @@ class Gap(ObjectType):
     height: float = 0.2
     ramp: float = 0.8
     finish: str = "wood"
+    friction: float = 1.0
 
     def __post_init__(self) -> None:
         require_range(self, "gap", 0.02, 3.0)
@@ -55,6 +58,7 @@ class Gap(ObjectType):
             f"ramp is {self.ramp}; a ramp to a height of {self.height} needs at least"
             f" {0.5 * self.height:g}, or 0 for none",
         )
+        require_range(self, "friction", 0.0, 10.0)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -69,7 +73,7 @@ class Gap(ObjectType):
                 rising = wedge(self.ramp, self.width, self.height, surface, SIDES[self.finish])
                 turn = (0.0, 0.0, 0.0, 1.0) if side < 0.0 else (0.0, 0.0, 1.0, 0.0)
                 parts.extend(placed(rising, (side * outside, 0.0, 0.0), turn))
-        return standing("gap", tuple(parts))
+        return standing("gap", tuple(parts), self.friction)
 
 
 @dataclass(frozen=True)
@@ -88,6 +92,8 @@ class Hurdle(ObjectType):
         square or pipe.
     pipe_radius : float
         m.
+    friction : float
+        Of its surface.
     """
 
     height: float = 0.2
@@ -95,6 +101,7 @@ class Hurdle(ObjectType):
     width: float = 1.2
     edge: str = "square"
     pipe_radius: float = 0.035
+    friction: float = 1.0
 
     def __post_init__(self) -> None:
         require_range(self, "height", 0.05, 1.5)
@@ -106,11 +113,12 @@ class Hurdle(ObjectType):
             f"pipe_radius is {self.pipe_radius}; a hurdle {self.height} high and {self.length} long"
             f" has no room for it",
         )
+        require_range(self, "friction", 0.0, 10.0)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
         if self.edge == "square":
-            return standing("hurdle", self._posts(self.length, self.height))
+            return standing("hurdle", self._posts(self.length, self.height), self.friction)
         # Pipes take the place of the edges; what lies between and below carries.
         r = self.pipe_radius
         body = (
@@ -121,14 +129,15 @@ class Hurdle(ObjectType):
                 look.PLYWOOD,
             ),
         )
-        links, joints = [Link("hurdle", 0.0, body)], []
+        links, joints = [Link("hurdle", 0.0, body, self.friction)], []
         for name, side in (("front", -1.0), ("rear", 1.0)):
             pipe = (
                 cylinder(r, self.width, surface=look.YELLOW_PAINT),
                 # A stripe along it shows that it turns.
                 box((2.02 * r, 0.2 * r, self.width), surface=look.BLACK, solid=False),
             )
-            links.append(Link(f"{name}_pipe", 6.0 * self.width, placed(pipe, orientation=LYING_Y)))
+            lying = placed(pipe, orientation=LYING_Y)
+            links.append(Link(f"{name}_pipe", 6.0 * self.width, lying, self.friction))
             joints.append(
                 Joint(
                     f"{name}_axle",

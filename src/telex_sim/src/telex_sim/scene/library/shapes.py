@@ -335,6 +335,6 @@ def opaque(color: Sequence[float]) -> Color:
     return (red, green, blue, alpha[0] if alpha else 1.0)
 
 
-def standing(name: str, parts: Parts) -> Tuple[SceneObject, ...]:
-    """Make one static object of parts."""
-    return single(ObjectModel((Link(name, 0.0, parts),), static=True))
+def standing(name: str, parts: Parts, friction: float = 1.0) -> Tuple[SceneObject, ...]:
+    """Make one static object of parts, all of the same friction."""
+    return single(ObjectModel((Link(name, 0.0, parts, friction),), static=True))

@@ -29,23 +29,28 @@ class Ramp(ObjectType):
         m.
     finish : str
         wood, concrete or steel.
+    friction : float
+        Of its surface.
     """
 
     length: float = 1.2
     width: float = 1.2
     height: float = 0.3
     finish: str = "wood"
+    friction: float = 1.0
 
     def __post_init__(self) -> None:
         require_each(self, "length width", 0.1, 20.0)
         require_range(self, "height", 0.02, 5.0)
         require_choice(self, "finish", PLATFORMS)
+        require_range(self, "friction", 0.0, 10.0)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
         surface = PLATFORMS[self.finish]
         sides = SIDES[self.finish]
-        return standing("ramp", wedge(self.length, self.width, self.height, surface, sides))
+        parts = wedge(self.length, self.width, self.height, surface, sides)
+        return standing("ramp", parts, self.friction)
 
 
 @dataclass(frozen=True)
@@ -66,6 +71,8 @@ class InclinedPlane(ObjectType):
         Boards 0.15 m high along both edges.
     finish : str
         wood, concrete or steel.
+    friction : float
+        Of its surface.
     """
 
     angle: float = math.radians(15.0)
@@ -74,12 +81,14 @@ class InclinedPlane(ObjectType):
     platform: float = 1.2
     side_walls: bool = False
     finish: str = "wood"
+    friction: float = 1.0
 
     def __post_init__(self) -> None:
         require_range(self, "angle", math.radians(2.0), math.radians(60.0))
         require_each(self, "length width", 0.3, 20.0)
         require_range(self, "platform", 0.0, 20.0)
         require_choice(self, "finish", PLATFORMS)
+        require_range(self, "friction", 0.0, 10.0)
 
     @property
     def run(self) -> float:
@@ -107,7 +116,7 @@ class InclinedPlane(ObjectType):
                 across = side * 0.5 * (self.width + board)
                 middle = (slope_at, across, 0.5 * self.height + up)
                 parts.append(box((self.length, board, high), middle, look.YELLOW_PAINT, lean))
-        return standing("plane", tuple(parts))
+        return standing("plane", tuple(parts), self.friction)
 
 
 @dataclass(frozen=True)
@@ -129,6 +138,8 @@ class CrossingRamps(ObjectType):
         Of a ramp (m).
     angle : float
         rad.
+    friction : float
+        Of its surface.
     """
 
     pattern: str = "crossing"
@@ -137,6 +148,7 @@ class CrossingRamps(ObjectType):
     length: float = 1.2
     width: float = 0.6
     angle: float = math.radians(15.0)
+    friction: float = 1.0
 
     def __post_init__(self) -> None:
         require_choice(self, "pattern", ("crossing", "continuous"))
@@ -145,6 +157,7 @@ class CrossingRamps(ObjectType):
         require_range(self, "columns", 1, 10)
         require_each(self, "length width", 0.3, 3.0)
         require_range(self, "angle", math.radians(3.0), math.radians(35.0))
+        require_range(self, "friction", 0.0, 10.0)
 
     @property
     def height(self) -> float:
@@ -175,7 +188,7 @@ class CrossingRamps(ObjectType):
             surface = look.PLYWOOD if number % 2 else look.WOOD
             ramp = wedge(self.length, self.width, self.height, surface, look.OLD_WOOD)
             parts.extend(placed(ramp, (x, y, 0.0), UPRIGHT if rising else _TURNED))
-        return standing("ramps", tuple(parts))
+        return standing("ramps", tuple(parts), self.friction)
 
 
 TYPES = {"ramp": Ramp, "inclined_plane": InclinedPlane, "crossing_ramps": CrossingRamps}

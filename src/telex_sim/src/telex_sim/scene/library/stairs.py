@@ -44,6 +44,8 @@ class Stairs(ObjectType):
         none, left, right or both; left is y > 0.
     finish : str
         concrete or steel.
+    friction : float
+        Of its surface.
     """
 
     rise: float = 0.17
@@ -55,6 +57,7 @@ class Stairs(ObjectType):
     form: str = "up"
     railings: str = "both"
     finish: str = "concrete"
+    friction: float = 1.0
 
     def __post_init__(self) -> None:
         require_range(self, "rise", 0.02, 0.5)
@@ -66,6 +69,7 @@ class Stairs(ObjectType):
         require_choice(self, "form", ("up", "up_and_down"))
         require_choice(self, "railings", ("none", "left", "right", "both"))
         require_choice(self, "finish", _FINISHES)
+        require_range(self, "friction", 0.0, 10.0)
 
     @property
     def height(self) -> float:
@@ -108,7 +112,7 @@ class Stairs(ObjectType):
         for side, name in ((1.0, "left"), (-1.0, "right")):
             if self.railings in (name, "both"):
                 parts.extend(self._railing(side * (0.5 * self.width - 0.03)))
-        return standing("stairs", tuple(parts))
+        return standing("stairs", tuple(parts), self.friction)
 
     def _nosing(self, at: float, top: float) -> Part:
         """Yellow stripe along an edge."""
@@ -161,22 +165,27 @@ class Platform(ObjectType):
         m.
     finish : str
         wood, concrete or steel.
+    friction : float
+        Of its surface.
     """
 
     length: float = 1.5
     width: float = 1.5
     height: float = 0.5
     finish: str = "wood"
+    friction: float = 1.0
 
     def __post_init__(self) -> None:
         require_each(self, "length width", 0.1, 50.0)
         require_range(self, "height", 0.01, 5.0)
         require_choice(self, "finish", PLATFORMS)
+        require_range(self, "friction", 0.0, 10.0)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
         size = (self.length, self.width, self.height)
-        return standing("platform", platform(size, 0.0, PLATFORMS[self.finish]))
+        parts = platform(size, 0.0, PLATFORMS[self.finish])
+        return standing("platform", parts, self.friction)
 
 
 PLATFORMS = {"wood": look.PLYWOOD, "concrete": look.CONCRETE, "steel": look.TREAD_PLATE}

@@ -36,6 +36,8 @@ class Stepfield(ObjectType):
         Width of the frame round each pallet (m).
     seed : int
         The same seed gives the same field.
+    friction : float
+        Of its surface.
     """
 
     pattern: str = "hill"
@@ -44,6 +46,7 @@ class Stepfield(ObjectType):
     levels: int = 4
     border: float = 0.1
     seed: int = 1
+    friction: float = 1.0
 
     def __post_init__(self) -> None:
         require_choice(self, "pattern", ("flat", "hill", "diagonal"))
@@ -52,6 +55,7 @@ class Stepfield(ObjectType):
         require_range(self, "levels", 1, 8)
         require_range(self, "border", 0.0, 0.5)
         require_range(self, "seed", 0, 2**31 - 1)
+        require_range(self, "friction", 0.0, 10.0)
 
     @property
     def pitch(self) -> float:
@@ -87,7 +91,7 @@ class Stepfield(ObjectType):
         for index, rows in enumerate(self.heights()):
             middle = (index - 0.5 * (self.pallets - 1)) * self.pitch
             parts.extend(self._pallet(middle, rows))
-        return standing("stepfield", tuple(parts))
+        return standing("stepfield", tuple(parts), self.friction)
 
     def _pallet(self, middle: float, rows: List[List[int]]) -> Parts:
         parts = []

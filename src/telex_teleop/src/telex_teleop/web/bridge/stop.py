@@ -21,7 +21,7 @@ def _stop_twist(message: Any) -> Any:
     return type(message)()
 
 
-def _stop_stamped_twist(message: Any) -> Any:
+def _stop_with_header(message: Any) -> Any:
     stop = type(message)()
     stop.header = copy.copy(message.header)
     return stop
@@ -45,9 +45,10 @@ _RULES: Dict[str, _Rule] = {
     "geometry_msgs/Twist": (_twist_moves, _stop_twist),
     "geometry_msgs/TwistStamped": (
         lambda message: _twist_moves(message.twist),
-        _stop_stamped_twist,
+        _stop_with_header,
     ),
     "control_msgs/JointJog": (_jog_moves, _stop_jog),
+    "telex_msgs/FlipperPresetHold": (lambda message: message.preset != "", _stop_with_header),
 }
 
 

@@ -1,0 +1,114 @@
+"""Filmstrips of trials: pictures side by side, drawn by the simulator's own renderer."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import List, Sequence, Tuple
+
+import cv2
+import numpy as np
+from genpy import Time
+from mobility.obstacles import Obstacle, attempt
+from mobility.offline import Trial
+
+from telex_sim.rendering.camera import PinholeCamera
+from telex_sim.rendering.messages import frames_from_message, scene_from_message
+from telex_sim.rendering.still import looking
+from telex_sim.scene.preview import Subject, photograph
+from telex_sim.scene_messages import SceneMessages
+
+SIZE = (420, 300)
+GAP, CAPTION = 6, 26
+PAPER, INK = (255, 255, 255), (40, 40, 40)
+_NEAR, _FAR, _FOV = 0.05, 100.0, 0.62
+
+
+class _Film:
+    """Keeps where everything was, at equal intervals of sim time."""
+
+    def __init__(self, trial: Trial, interval: float) -> None:
+        self._trial = trial
+        simulation = trial.simulation
+        self._messages = SceneMessages(
+            simulation.config.model,
+            simulation.body.link_names(),
+            trial.urdf,
+            simulation.scene,
+        )
+        self._messages.show(simulation.objects.objects())
+        self._every = round(interval / trial.step_size)
+        self.shots: List[Tuple[float, np.ndarray, np.ndarray]] = []
+        trial.each_step.append(self._look)
+
+    def _look(self) -> None:
+        simulation = self._trial.simulation
+        if simulation.steps % self._every == 0:
+            scene_poses = self._messages.poses(Time(), simulation.link_poses())
+            frames = frames_from_message(scene_poses, len(scene_poses.poses) // 7)
+            self.shots.append((simulation.time, frames, self._trial.position()))
+
+    def subject(self, frames: np.ndarray) -> Subject:
+        """Scene with everything where it was."""
+        scene, problems = scene_from_message(self._messages.description(Time()))
+        if problems:
+            raise RuntimeError("; ".join(problems))
+        config = self._trial.simulation.config
+        return Subject("film", scene, frames, (), config.model)
+
+
+def filmstrip(
+    obstacle: Obstacle,
+    times: Sequence[float],
+    side: Tuple[float, float, float],
+    columns: int,
+    path: Path,
+) -> None:
+    """Draw a trial of an obstacle.
+
+    Parameters
+    ----------
+    obstacle : Obstacle
+    times : sequence of float
+        Shares of the way in time, from 0 to 1, one picture each.
+    side : tuple of 3 floats
+        From the robot to the camera (m).
+    columns : int
+    path : Path
+        Of the PNG.
+    """
+    with obstacle.trial() as trial:
+        film = _Film(trial, 0.1)
+        outcome = attempt(obstacle, trial.operator)
+        if not outcome.passed:
+            raise RuntimeError(f"{obstacle.name}: {outcome.message}")
+        last = len(film.shots) - 1
+        chosen = [film.shots[round(share * last)] for share in times]
+        cells = [_cell(film, *shot, side) for shot in chosen]
+    path.parent.mkdir(parents=True, exist_ok=True)
+    cv2.imwrite(str(path), _sheet(cells, columns), [cv2.IMWRITE_PNG_COMPRESSION, 9])
+
+
+def _cell(
+    film: _Film, time: float, frames: np.ndarray, place: np.ndarray, side: Sequence[float]
+) -> np.ndarray:
+    target = np.add(place, (0.0, 0.0, 0.15))
+    camera = PinholeCamera(*SIZE, _FOV, _NEAR, _FAR)
+    picture = photograph(film.subject(frames), camera, looking(target + side, target))
+    cell = np.full((SIZE[1] + CAPTION, SIZE[0], 3), PAPER, dtype=np.uint8)
+    cell[: SIZE[1]] = picture[..., ::-1]
+    at = (4, SIZE[1] + CAPTION - 8)
+    font = cv2.FONT_HERSHEY_SIMPLEX
+    cv2.putText(cell, f"{time:.1f} s", at, font, 0.55, INK, 1, cv2.LINE_AA)
+    return cell
+
+
+def _sheet(cells: Sequence[np.ndarray], columns: int) -> np.ndarray:
+    rows = -(-len(cells) // columns)
+    height, width = cells[0].shape[:2]
+    size = (rows * (height + GAP) + GAP, columns * (width + GAP) + GAP, 3)
+    paper = np.full(size, PAPER, dtype=np.uint8)
+    for number, cell in enumerate(cells):
+        row, column = divmod(number, columns)
+        top, left = GAP + row * (height + GAP), GAP + column * (width + GAP)
+        paper[top : top + height, left : left + width] = cell
+    return paper

@@ -1,0 +1,339 @@
+"""Watches one tracked robot: its attitude, how far it is from tipping over, whether it is stuck."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Dict, List, Optional, Sequence, Tuple
+
+import numpy as np
+import pybullet
+
+from telex_control.hardware_interface import VelocityJointInterface
+
+from .mobility_watch import StuckDetector, TipOverDetector
+from .robot import Robot
+from .stability import ForceAngle, Vector, force_angle, support_polygon
+from .world import GRAVITY, Body
+
+_RESTS = 0.004
+"""Distance (m) from the plane of contact up to which a corner of a belt can lie on the ground."""
+_OUTSIDE = 0.002
+"""How far beside a belt (m) is looked for what its corners lie on."""
+_CARRIES = 0.2
+"""Least upward part of a contact's normal that holds the robot up."""
+
+
+@dataclass(frozen=True)
+class Attitude:
+    """How a robot stands (rad): REP 103, roll about x, pitch about y, and its whole tilt."""
+
+    roll: float
+    pitch: float
+    tilt: float
+
+
+@dataclass(frozen=True)
+class Margin:
+    """How far a robot is from tipping over.
+
+    Attributes
+    ----------
+    margin : float
+        Force-angle measure; 1 as the robot stands level in its start pose, 0 where it tips.
+    angle : float
+        By how much the net force may turn before the robot tips (rad).
+    direction : float
+        Where it would tip, in its x-y plane (rad).
+    support : list of Vector
+        Corners of the support polygon in the robot's frame (m).
+    center_of_mass : Vector
+        Of the robot, in its frame (m).
+    """
+
+    margin: float
+    angle: float
+    direction: float
+    support: List[Vector]
+    center_of_mass: Vector
+
+
+class StabilityMonitor:
+    """Looks at a robot with belts now and then, in the simulation's thread.
+
+    Inertial forces are the mean since the last look.
+
+    Parameters
+    ----------
+    robot : Robot
+        Placed in a world, level in its start pose: the margin of this is 1.
+
+    Attributes
+    ----------
+    attitude : Attitude
+    tipped, stuck : bool
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+        self._belts = list(robot.config.tracks.belts.items())
+        self._begin(robot.body)
+        self._reference = self._reference_measure()
+
+    def _begin(self, body: Body) -> None:
+        """Watch `body`, which stands for the robot in a new world."""
+        self._attach(body)
+        config = self._robot.config.stability
+        self._tip_over = TipOverDetector(config)
+        self._stuck = StuckDetector(config, 0.5 * float(np.ptp(self._footprint_in_base()[:, 1])))
+        self.attitude = _attitude(_rotation(body.base_pose()[1]))
+
+    @property
+    def tipped(self) -> bool:
+        """Whether the robot lies on its side or back."""
+        return self._tip_over.tipped
+
+    @property
+    def stuck(self) -> bool:
+        """Whether its belts are told to run and do not get it away."""
+        return self._stuck.stuck
+
+    def _attach(self, body: Body) -> None:
+        """Learn what does not change of a body: its masses, and the corners of its tracks."""
+        client = body.client
+        self._body = body
+        self._links = [index for index in body.links.values() if index >= 0]
+        info = [
+            pybullet.getDynamicsInfo(body.uid, index, physicsClientId=client)
+            for index in (-1, *self._links)
+        ]
+        self._masses = np.array([each[0] for each in info])
+        self._moments = np.array([each[2] for each in info])
+        tracks = {body.links[body.parents[joint]] for joint, _ in self._belts}
+        self._rows = {index: row for row, index in enumerate((-1, *self._links))}
+        self._corners: Dict[int, np.ndarray] = {
+            link: np.array(pybullet.getMeshData(body.uid, link, physicsClientId=client)[1])
+            for link in tracks
+        }
+        # A bit outside of the belt, across it: a ray that begins in the robot would end there.
+        self._outwards = {
+            link: np.sign(corners - corners.mean(axis=0)) * (0.0, _OUTSIDE, 0.0)
+            for link, corners in self._corners.items()
+        }
+        self._momentum: Optional[Tuple[float, np.ndarray, np.ndarray]] = None
+
+    def observe(self, time: float) -> None:
+        """Look at attitude and progress at `time` (s); to be called at a steady rate."""
+        robot = self._robot
+        if robot.body is not self._body:  # the world was filled anew
+            self._begin(robot.body)
+        position, orientation = robot.body.base_pose()
+        rotation = _rotation(orientation)
+        self.attitude = _attitude(rotation)
+        self._tip_over.update(time, self.attitude.tilt)
+        heading = math.atan2(rotation[1, 0], rotation[0, 0])
+        self._stuck.update(time, position, heading, self._commanded_speed())
+
+    def _commanded_speed(self) -> float:
+        """Speed (m/s) that the fastest belt is told to run at; 0 while its brake holds it.
+
+        A belt that is commanded by effort is told no speed.
+        """
+        speeds = [0.0]
+        for joint, radius in self._belts:
+            drive = self._robot.hw.drive(joint)
+            if not drive.braked and drive.interface is VelocityJointInterface:
+                speeds.append(abs(drive.handle.command) * radius)
+        return max(speeds)
+
+    def margin(self, time: float) -> Margin:
+        """How far the robot is from tipping over at `time` (s)."""
+        if self._robot.body is not self._body:
+            self._begin(self._robot.body)
+        position, orientation = self._body.base_pose()
+        base = _rotation(orientation)
+        centers, rotations, linear, angular = self._motion()
+        mass = float(self._masses.sum())
+        center = self._masses @ centers / mass
+        # Momentum, and its moment about the centre of mass.
+        momentum = self._masses @ linear
+        relative = centers - center
+        spin = np.einsum("nij,nj->ni", rotations.transpose(0, 2, 1), angular) * self._moments
+        turning = np.cross(relative, self._masses[:, None] * linear).sum(axis=0)
+        turning += np.einsum("nij,nj->i", rotations, spin)
+        force, moment = self._inertia(time, momentum, turning)
+        force[2] -= mass * GRAVITY
+        supports, pushes = self._contacts(centers, rotations)
+        for point, push in pushes:
+            force += push
+            moment += np.cross(point - center, push)
+        polygon = support_polygon(supports)
+        weakest = force_angle(polygon, _vector(center), _vector(force), _vector(moment))
+        support = [_vector(base.T @ (np.subtract(corner, position))) for corner in polygon]
+        own_center = _vector(base.T @ (center - position))
+        if weakest is None:
+            return Margin(0.0, 0.0, 0.0, support, own_center)
+        return Margin(
+            margin=weakest.measure / self._reference,
+            angle=weakest.angle,
+            direction=_direction(base, weakest),
+            support=support,
+            center_of_mass=own_center,
+        )
+
+    def _inertia(
+        self, time: float, momentum: np.ndarray, turning: np.ndarray
+    ) -> Tuple[np.ndarray, np.ndarray]:
+        """Force and moment of inertia since the last call (N, N m)."""
+        last, self._momentum = self._momentum, (time, momentum, turning)
+        if last is None or time <= last[0]:
+            return np.zeros(3), np.zeros(3)
+        period = time - last[0]
+        return (last[1] - momentum) / period, (last[2] - turning) / period
+
+    def _motion(self) -> Tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Centre of mass, principal axes, linear and angular velocity of all links.
+
+        Returns
+        -------
+        tuple of arrays
+            (n, 3), (n, 3, 3), (n, 3), (n, 3), in the world; the root link comes first.
+        """
+        uid, client = self._body.uid, self._body.client
+        center, orientation = pybullet.getBasePositionAndOrientation(uid, physicsClientId=client)
+        velocity, turning = pybullet.getBaseVelocity(uid, physicsClientId=client)
+        states = pybullet.getLinkStates(
+            uid,
+            self._links,
+            computeLinkVelocity=1,
+            computeForwardKinematics=1,
+            physicsClientId=client,
+        )
+        matrix = pybullet.getMatrixFromQuaternion
+        rows = [(center, matrix(orientation), velocity, turning)]
+        rows += [(state[0], matrix(state[1]), state[6], state[7]) for state in states]
+        centers, rotations, linear, angular = (np.array(column) for column in zip(*rows))
+        return centers, rotations.reshape(-1, 3, 3), linear, angular
+
+    def _contacts(
+        self, centers: np.ndarray, rotations: np.ndarray
+    ) -> Tuple[List[Vector], List[Tuple[np.ndarray, np.ndarray]]]:
+        """What holds the robot up, and what else pushes it.
+
+        Returns
+        -------
+        supports : list of Vector
+            Contact points under the tracks and the hull, and corners of belts that lie on
+            something: PyBullet gives no more than a few points of a face.
+        pushes : list of (point, force)
+            On the arm, which may hold a load, and from the side or from above (m, N).
+        """
+        uid, client = self._body.uid, self._body.client
+        supports: List[Vector] = []
+        pushes: List[Tuple[np.ndarray, np.ndarray]] = []
+        planes: Dict[int, List[Tuple[Vector, Vector]]] = {}
+        for contact in pybullet.getContactPoints(uid, physicsClientId=client):
+            if contact[9] <= 0.0 or contact[1] == contact[2]:
+                continue
+            x, y, z = contact[7]
+            if contact[1] == uid:
+                link, point, normal, sign = contact[3], contact[5], (x, y, z), 1.0
+            else:
+                link, point, normal, sign = contact[4], contact[6], (-x, -y, -z), -1.0
+            if normal[2] >= _CARRIES and (link in self._corners or link == -1):
+                supports.append(point)
+                if link in self._corners:
+                    _add_plane(planes.setdefault(link, []), point, normal)
+            else:
+                pushes.append((np.array(point), sign * _force(contact)))
+        return self._resting_corners(planes, centers, rotations) + supports, pushes
+
+    def _resting_corners(
+        self,
+        planes: Dict[int, List[Tuple[Vector, Vector]]],
+        centers: np.ndarray,
+        rotations: np.ndarray,
+    ) -> List[Vector]:
+        """Corners of touching tracks that lie in a plane of contact, with something below them."""
+        found: List[Vector] = []
+        above: List[List[float]] = []
+        below: List[List[float]] = []
+        for link, contacts in planes.items():
+            row = self._rows[link]
+            corners = self._corners[link] @ rotations[row].T + centers[row]
+            outside = corners + self._outwards[link] @ rotations[row].T
+            kept = np.zeros(len(corners), bool)
+            for point, normal in contacts:
+                reach = 2.0 * _RESTS * np.array(normal)
+                fresh = (np.abs((corners - point) @ normal) < _RESTS) & ~kept
+                kept |= fresh
+                found += map(tuple, corners[fresh].tolist())
+                above += (outside[fresh] + reach).tolist()
+                below += (outside[fresh] - reach).tolist()
+        if not found:
+            return []
+        hits = pybullet.rayTestBatch(above, below, physicsClientId=self._body.client)
+        return [corner for corner, hit in zip(found, hits) if hit[0] not in (-1, self._body.uid)]
+
+    def _footprint_in_base(self) -> np.ndarray:
+        """Corners of all tracks in the robot's frame (m), shape (n, 3)."""
+        centers, rotations, _, _ = self._motion()
+        position, orientation = self._body.base_pose()
+        corners = np.concatenate(
+            [
+                self._corners[link] @ rotations[self._rows[link]].T + centers[self._rows[link]]
+                for link in self._corners
+            ]
+        )
+        return (corners - position) @ _rotation(orientation)
+
+    def _reference_measure(self) -> float:
+        """Force-angle measure of the robot, level and at rest, on the rectangle of its tracks."""
+        low, high = (extreme(self._footprint_in_base(), axis=0) for extreme in (np.min, np.max))
+        position, orientation = self._body.base_pose()
+        mass = float(self._masses.sum())
+        center = self._masses @ self._motion()[0] / mass
+        polygon = support_polygon(
+            [(x, y, low[2]) for x in (low[0], high[0]) for y in (low[1], high[1])]
+        )
+        level = _vector((center - position) @ _rotation(orientation))
+        weight = (0.0, 0.0, -mass * GRAVITY)
+        weakest = force_angle(polygon, level, weight, (0.0, 0.0, 0.0))
+        assert weakest is not None
+        return weakest.measure
+
+
+def _add_plane(planes: List[Tuple[Vector, Vector]], point: Vector, normal: Vector) -> None:
+    """Add a plane of contact, unless it is one that is there."""
+    for origin, other in planes:
+        same = sum(a * b for a, b in zip(normal, other)) > 0.999
+        if same and abs(sum((a - b) * c for a, b, c in zip(point, origin, other))) < 0.001:
+            return
+    planes.append((point, normal))
+
+
+def _force(contact: Sequence) -> np.ndarray:
+    """Force of a contact of PyBullet on its body A (N)."""
+    normal, first, second = (np.array(contact[index]) for index in (7, 11, 13))
+    return contact[9] * normal + contact[10] * first + contact[12] * second
+
+
+def _attitude(rotation: np.ndarray) -> Attitude:
+    return Attitude(
+        roll=math.atan2(rotation[2, 1], rotation[2, 2]),
+        pitch=math.asin(max(-1.0, min(1.0, -rotation[2, 0]))),
+        tilt=math.acos(max(-1.0, min(1.0, rotation[2, 2]))),
+    )
+
+
+def _direction(base: np.ndarray, weakest: ForceAngle) -> float:
+    outward = base.T @ np.array([*weakest.outward, 0.0])
+    return math.atan2(outward[1], outward[0])
+
+
+def _rotation(orientation: Sequence[float]) -> np.ndarray:
+    return np.array(pybullet.getMatrixFromQuaternion(orientation)).reshape(3, 3)
+
+
+def _vector(values: np.ndarray) -> Vector:
+    return float(values[0]), float(values[1]), float(values[2])

@@ -1,0 +1,316 @@
+"""The tracks of one robot in PyBullet: contacts in, forces out, belts driven and loaded."""
+
+from __future__ import annotations
+
+from typing import Callable, Dict, List, Mapping, Optional, Sequence, Tuple
+
+import pybullet
+
+from ..drives import Drive
+from ..world import Body, Vector
+from .belt_drive import BeltDrive
+from .config import TrackConfig
+from .law import Patch, TractionLaw, belt_directions, edge_share
+from .surfaces import BodyLink, Surfaces
+
+_Place = Tuple[int, Optional[BodyLink]]
+"""Of a patch on its track: the face, and the loose body; None for all that stands fast."""
+_Footing = Tuple[Optional[BodyLink], int, float, float, Vector, Vector]
+"""Loose body, face, friction coefficients and directions along and across the belt."""
+_WHEEL_TORQUE = 1.0e3
+"""Bound of the motors that turn the drive wheels in PyBullet (N m); they carry nothing."""
+
+
+class _Track:
+    """A belt, the body that it runs round, and what it touches."""
+
+    __slots__ = ("contacts", "drive", "link", "patches", "pulled", "radius", "running", "wheel")
+
+    def __init__(self, link: int, joint: Drive, radius: float) -> None:
+        self.link = link
+        self.wheel = joint.index
+        self.drive = joint
+        self.radius = radius
+        self.contacts: List[Tuple] = []
+        self.patches: Dict[_Place, Patch] = {}
+        self.running: List[Patch] = []
+        self.pulled = 0.0
+
+    def lift(self) -> None:
+        """Forget what was touched."""
+        self.patches.clear()
+        self.running.clear()
+
+    def pull(self, speed: float) -> float:
+        """Force along the belt that it gives the robot (N) at a speed (m/s)."""
+        total = 0.0
+        for patch in self.running:
+            total += patch.pull(speed)
+        self.pulled = total
+        return total
+
+
+class _Side:
+    """Belts with one drive."""
+
+    __slots__ = ("by_effort", "drive", "tracks")
+
+    def __init__(self, tracks: Sequence[_Track], config: TrackConfig, step_size: float) -> None:
+        self.tracks = tuple(tracks)
+        self.by_effort = tracks[0].drive.takes_effort
+        friction = damping = 0.0
+        for track in tracks:
+            friction += track.drive.description.friction / track.radius
+            damping += track.drive.description.damping / track.radius**2
+        self.drive = BeltDrive(config.drive, friction, damping, step_size)
+
+    def pull(self, speed: float) -> float:
+        """Force along the belts that they give the robot (N) at a speed (m/s)."""
+        total = 0.0
+        for track in self.tracks:
+            total += track.pull(speed)
+        return total
+
+    def advance(self) -> None:
+        """Move the belts on by a step."""
+        tracks, drive = self.tracks, self.drive
+        if any(track.drive.braked for track in tracks):
+            drive.brake(self.pull)
+        elif self.by_effort:
+            drive.push(sum(track.drive.force / track.radius for track in tracks), self.pull)
+        else:
+            speeds = [track.drive.handle.command * track.radius for track in tracks]
+            drive.follow(sum(speeds) / len(speeds), self.pull)
+
+    def report(self, step_size: float) -> None:
+        """Tell the joints how they move, and with what load."""
+        tracks, drive = self.tracks, self.drive
+        speed = drive.speed
+        loads = sum([track.pulled for track in tracks])
+        # What does not go to the ground accelerates belts and rotor, or is friction.
+        rest = (drive.force - loads) / len(tracks)
+        for track in tracks:
+            state, radius = track.drive.state, track.radius
+            state.velocity = speed / radius
+            state.position += state.velocity * step_size
+            state.effort = (track.pulled + rest) * radius
+
+
+class Tracks:
+    """The tracks of one robot.
+
+    Parameters
+    ----------
+    body : Body
+    config : TrackConfig
+    drives : mapping of str to Drive
+        The driven joint of each belt.
+    step_size : float
+        Time between calls of `step` (s).
+    material_of : callable, optional
+        Material of a link (PyBullet's numbers of body and link).
+    """
+
+    def __init__(
+        self,
+        body: Body,
+        config: TrackConfig,
+        drives: Mapping[str, Drive],
+        step_size: float,
+        material_of: Optional[Callable[[int, int], str]] = None,
+    ) -> None:
+        self._client = body.client
+        self._uid = body.uid
+        self._config = config
+        self._step_size = step_size
+        self._law = TractionLaw(config.stiffness, config.damping, step_size)
+        self._ratio = (config.lateral_friction / config.friction) ** 2
+        self._surfaces = Surfaces(body.client, material_of)
+        tracks = {
+            belt: _Track(body.links[body.parents[belt]], drives[belt], radius)
+            for belt, radius in config.belts.items()
+        }
+        self._tracks = list(tracks.values())
+        self._by_link = {track.link: track for track in self._tracks}
+        self._links = [track.link for track in self._tracks]
+        self._wheels = [track.wheel for track in self._tracks]
+        self._torques = [_WHEEL_TORQUE] * len(self._tracks)
+        self._wheel_speeds: List[float] = []
+        self._sides = [
+            _Side([tracks[belt] for belt in belts], config, step_size) for belts in config.groups()
+        ]
+        for link in self._links:
+            pybullet.changeDynamics(
+                self._uid,
+                link,
+                lateralFriction=0.0,
+                contactStiffness=config.contact_stiffness,
+                contactDamping=config.contact_damping,
+                physicsClientId=self._client,
+            )
+
+    def forget_surfaces(self) -> None:
+        """Look at every surface anew, after bodies have come or gone."""
+        self._surfaces.forget()
+
+    def step(self) -> None:
+        """Apply the forces for the next step, and move the belts on."""
+        if not self._tracks:
+            return
+        self._touch()
+        for side in self._sides:
+            side.advance()
+        self._push()
+        for side in self._sides:
+            side.report(self._step_size)
+        self._turn_wheels()
+
+    def _turn_wheels(self) -> None:
+        """Let the drive wheels be seen to turn; PyBullet's motors go on until told otherwise."""
+        speeds = [track.drive.state.velocity for track in self._tracks]
+        if speeds == self._wheel_speeds:
+            return
+        self._wheel_speeds = speeds
+        pybullet.setJointMotorControlArray(
+            self._uid,
+            self._wheels,
+            pybullet.VELOCITY_CONTROL,
+            targetVelocities=speeds,
+            forces=self._torques,
+            physicsClientId=self._client,
+        )
+
+    def _touch(self) -> None:
+        """Find what the tracks touch."""
+        uid, by_link = self._uid, self._by_link
+        for track in self._tracks:
+            track.contacts = []
+        touched = False
+        for contact in pybullet.getContactPoints(uid, physicsClientId=self._client):
+            if contact[9] <= 0.0 or contact[1] == contact[2]:
+                continue
+            found = by_link.get(contact[3] if contact[1] == uid else contact[4])
+            if found is not None:
+                found.contacts.append(contact)
+                touched = True
+        for track in self._tracks:
+            if not track.contacts:
+                track.lift()
+        if not touched:
+            return
+        self._surfaces.begin_step()
+        states = pybullet.getLinkStates(
+            uid,
+            self._links,
+            computeLinkVelocity=1,
+            computeForwardKinematics=1,
+            physicsClientId=self._client,
+        )
+        for track, state in zip(self._tracks, states):
+            if track.contacts:
+                self._sort(track, state)
+
+    def _sort(self, track: _Track, state: Tuple) -> None:
+        """Give a track's contacts to its patches, and prepare these."""
+        uid, surfaces, patches = self._uid, self._surfaces, track.patches
+        rotation = pybullet.getMatrixFromQuaternion(state[1])
+        (cx, cy, cz), (vx, vy, vz), (wx, wy, wz) = state[0], state[6], state[7]
+        for patch in patches.values():
+            patch.touches = []
+        load = 0.0
+        last: Optional[Vector] = None
+        before: Optional[BodyLink] = None
+        for contact in track.contacts:
+            if contact[1] == uid:
+                other, point, normal = (contact[2], contact[4]), contact[5], contact[7]
+            else:
+                other, point = (contact[1], contact[3]), contact[6]
+                x, y, z = contact[7]
+                normal = (-x, -y, -z)
+            force = contact[9]
+            load += force
+            if normal != last or other != before:
+                # The points of an edge or a face follow one another, and share its normal.
+                footing = self._footing(other, rotation, normal)
+                last, before = normal, other
+            body, face, along, across, forward, sideways = footing
+            if along <= 0.0:
+                continue
+            x, y, z = point
+            x, y, z = x - cx, y - cy, z - cz
+            u, v, w = vx + wy * z - wz * y, vy + wz * x - wx * z, vz + wx * y - wy * x
+            if body is not None:
+                x, y, z = surfaces.velocity(body, point)
+                u, v, w = u - x, v - y, w - z
+            a, b, c = forward
+            d, e, f = sideways
+            found = patches.get((face, body))
+            if found is None:
+                found = patches[face, body] = Patch()
+            found.touches.append(
+                (
+                    force,
+                    along,
+                    across,
+                    u * a + v * b + w * c,
+                    u * d + v * e + w * f,
+                    forward,
+                    sideways,
+                    point,
+                )
+            )
+        self._prepare(track, load)
+
+    def _footing(self, other: BodyLink, rotation: Sequence[float], normal: Vector) -> _Footing:
+        """What a contact with a link has of its direction and its material."""
+        config = self._config
+        surface = self._surfaces.of(other)
+        friction = surface.friction
+        axle = (rotation[1], rotation[4], rotation[7])
+        ahead = (rotation[0], rotation[3], rotation[6])
+        face, forward, sideways = belt_directions(axle, ahead, normal)
+        if face:
+            along = across = config.side_friction * friction
+        else:
+            along, across = config.grip(surface.material)
+            along, across = along * friction, across * friction
+            share = edge_share(self._surfaces.steepness(other, surface, normal))
+            if share > 0.0:
+                along *= 1.0 + share * (config.edge_grip - 1.0)
+        return other if surface.mass > 0.0 else None, face, along, across, forward, sideways
+
+    def _prepare(self, track: _Track, load: float) -> None:
+        patches, running = track.patches, []
+        gone = []
+        for place, patch in patches.items():
+            if not patch.touches:
+                gone.append(place)
+                continue
+            face, body = place
+            softness = 1.0
+            if body is not None:
+                surface = self._surfaces.of(body)
+                softness = self._law.softness(surface.mass, surface.weight, patch.load, load)
+            patch.prepare(self._law, load, softness, 1.0 if face else self._ratio)
+            if face:
+                patch.pull(0.0)
+            else:
+                running.append(patch)
+        for place in gone:
+            del patches[place]
+        track.running = running
+
+    def _push(self) -> None:
+        """Apply what the patches found, and its reaction on loose bodies."""
+        uid, client, apply = self._uid, self._client, pybullet.applyExternalForce
+        frame = pybullet.WORLD_FRAME
+        for track in self._tracks:
+            link = track.link
+            for (_, body), patch in track.patches.items():
+                patch.commit()
+                for touch, (along, across) in zip(patch.touches, patch.forces):
+                    (a, b, c), (d, e, f), point = touch[5], touch[6], touch[7]
+                    x, y, z = along * a + across * d, along * b + across * e, along * c + across * f
+                    apply(uid, link, (x, y, z), point, frame, client)
+                    if body is not None:
+                        apply(body[0], body[1], (-x, -y, -z), point, frame, client)

@@ -1,0 +1,105 @@
+"""Level ground: straight on, and turning in place."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import List, Tuple
+
+import numpy as np
+
+from .offline import Trial
+from .scripted_operator import TICK
+
+FLAT = (0.0, 0.0)
+UP = (1.20, 1.20)
+
+
+@dataclass(frozen=True)
+class Straight:
+    """What was measured on a straight drive.
+
+    Attributes
+    ----------
+    speed : float
+        Mean (m/s).
+    vertical : float
+        Root mean square of the vertical velocity (m/s).
+    pitching : float
+        Root mean square of the pitch rate (rad/s).
+    """
+
+    speed: float
+    vertical: float
+    pitching: float
+
+
+@dataclass(frozen=True)
+class Turn:
+    """What was measured in a turn in place.
+
+    Attributes
+    ----------
+    rate : float
+        Mean (rad/s).
+    drift : float
+        Farthest that base_link came from where it was (m).
+    """
+
+    rate: float
+    drift: float
+
+
+def straight(trial: Trial, speed: float, seconds: float = 3.0) -> Straight:
+    """Drive straight on with the flippers flat, and measure once the speed is reached."""
+    operator = trial.operator
+    operator.flippers(*FLAT)
+    operator.wait(1.5)
+    operator.drive(speed)
+    operator.wait(1.5)
+    samples: List[Tuple[float, float]] = []
+
+    def sample() -> None:
+        linear, angular = trial.velocity()
+        heading = operator.pose.yaw
+        samples.append((linear[2], angular[1] * np.cos(heading) - angular[0] * np.sin(heading)))
+
+    trial.each_step.append(sample)
+    before = trial.position()
+    operator.wait(seconds)
+    way = trial.position() - before
+    trial.each_step.remove(sample)
+    vertical, pitching = np.sqrt(np.mean(np.square(samples), axis=0))
+    heading = operator.pose.yaw
+    along = way[0] * np.cos(heading) + way[1] * np.sin(heading)
+    return Straight(float(along / seconds), float(vertical), float(pitching))
+
+
+def turn(trial: Trial, rate: float, seconds: float = 4.0, settle: float = 0.6) -> Turn:
+    """Turn in place with the flippers up.
+
+    Parameters
+    ----------
+    rate : float
+        rad/s.
+    seconds : float
+        The drift is measured over them, from the start.
+    settle : float
+        How long the rate is not looked at (s).
+    """
+    operator = trial.operator
+    operator.flippers(*UP)
+    operator.wait(2.5)
+    begin = trial.position()
+    operator.drive(0.0, rate)
+    drift = turned = 0.0
+    last = operator.pose.yaw
+    for tick in range(round(seconds / TICK)):
+        operator.tick()
+        step = math.remainder(operator.pose.yaw - last, 2.0 * math.pi)
+        last = operator.pose.yaw
+        if tick >= round(settle / TICK):
+            turned += step
+        drift = max(drift, float(np.linalg.norm(trial.position() - begin)))
+    counted = round(seconds / TICK) - round(settle / TICK)
+    return Turn(turned / (counted * TICK), drift)

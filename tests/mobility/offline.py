@@ -1,0 +1,182 @@
+"""The simulation in the script's own process: as fast as it goes, and always the same."""
+
+from __future__ import annotations
+
+import functools
+import tempfile
+from pathlib import Path
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
+
+import numpy as np
+import pybullet
+import yaml
+from geometry_msgs.msg import Point, PoseStamped, Quaternion
+
+from telex_sim.offline import OfflineSimulation, robot_description
+
+from .scripted_operator import TICK, Operator
+
+LOAD_EDGE = 0.2
+"""Edge of a load in the gripper (m), for its inertia."""
+LOAD_FORCE = 1.0e5
+"""With which it is held (N)."""
+
+
+@functools.lru_cache(maxsize=None)
+def _urdf() -> str:
+    return robot_description()
+
+
+class Trial:
+    """A robot on a course, and an operator for it; close it when done.
+
+    Parameters
+    ----------
+    objects : sequence of dict
+        Entries of a scene file.
+    start : dict
+        Of the scene file.
+    friction : float
+        Of the floor.
+    pose : str
+        Named pose that the robot starts in.
+    step_size : float
+        Of the physics (s); the control period is 2 ms, or this where it is longer.
+    load : float
+        Mass held in the gripper (kg).
+    **changes
+        Of the simulator's configuration, see `telex_sim.offline.shipped_config`.
+
+    Attributes
+    ----------
+    simulation : Simulation
+    urdf : str
+    operator : Operator
+    each_step : list of callable
+        Called after every step: for measurements.
+    """
+
+    def __init__(
+        self,
+        objects: Sequence[Dict[str, Any]] = (),
+        start: Optional[Dict[str, float]] = None,
+        friction: float = 1.0,
+        pose: str = "drive",
+        step_size: float = 0.002,
+        load: float = 0.0,
+        **changes: Any,
+    ) -> None:
+        self.urdf = _urdf()
+        scene = {
+            "floor": {"friction": friction},
+            "start": dict(start or {}),
+            "objects": list(objects),
+        }
+        with tempfile.TemporaryDirectory(prefix="telex-mobility-") as folder:
+            path = Path(folder) / "course.yaml"
+            path.write_text(yaml.safe_dump(scene))
+            self._offline = OfflineSimulation(
+                self.urdf,
+                world=str(path),
+                start__pose=pose,
+                timing__step_size=step_size,
+                timing__control_period=max(0.002, step_size),
+                **changes,
+            )
+        self.simulation = self._offline.simulation
+        self.step_size = step_size
+        self.each_step: List[Callable[[], None]] = []
+        if load:
+            self._hold(load)
+        self._base_pose = self._offline.node.advertise("sim/base_pose", PoseStamped)
+        self.operator = Operator(self._offline.node, self._advance)
+        self._publish_base_pose()
+        self._advance(TICK)
+
+    def __enter__(self) -> Trial:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        """Release PyBullet."""
+        self.simulation.close()
+
+    @property
+    def node(self) -> Any:
+        """Node handle of the robot's namespace."""
+        return self._offline.node
+
+    def _advance(self, seconds: float) -> None:
+        for _ in range(round(seconds / self.step_size)):
+            self.simulation.step()
+            for measure in self.each_step:
+                measure()
+        self._publish_base_pose()
+
+    def _publish_base_pose(self) -> None:
+        """Do what the simulator's node does."""
+        position, orientation = self.simulation.body.base_pose()
+        message = PoseStamped()
+        message.pose.position, message.pose.orientation = Point(*position), Quaternion(*orientation)
+        self._base_pose.publish(message)
+
+    def _hold(self, mass: float) -> None:
+        """Fix a load between the pads, as a grip does that does not slip."""
+        body = self.simulation.body
+        client, tool = body.client, body.links["tool_link"]
+        place = pybullet.getLinkState(
+            body.uid, tool, computeForwardKinematics=1, physicsClientId=client
+        )
+        load = pybullet.createMultiBody(mass, -1, -1, *place[4:6], physicsClientId=client)
+        inertia = mass * LOAD_EDGE**2 / 6.0
+        pybullet.changeDynamics(
+            load,
+            -1,
+            localInertiaDiagonal=[inertia] * 3,
+            linearDamping=0.0,
+            angularDamping=0.0,
+            physicsClientId=client,
+        )
+        origin = (0.0, 0.0, 0.0)
+        joint = pybullet.createConstraint(
+            *(body.uid, tool, load, -1, pybullet.JOINT_FIXED),
+            *(origin, origin, origin),
+            physicsClientId=client,
+        )
+        pybullet.changeConstraint(joint, maxForce=LOAD_FORCE, physicsClientId=client)
+
+    # --- what no operator can do -------------------------------------------------------------
+
+    def place(self, position: Sequence[float], orientation: Sequence[float]) -> None:
+        """Put the robot somewhere, at rest: base_link's position (m) and quaternion (x, y, z, w).
+
+        An instructor can; no command of the operator leads across a slope from the start.
+        """
+        body = self.simulation.body
+        inertial = pybullet.getDynamicsInfo(body.uid, -1, physicsClientId=body.client)[3:5]
+        pose = pybullet.multiplyTransforms(position, orientation, *inertial)
+        pybullet.resetBasePositionAndOrientation(body.uid, *pose, physicsClientId=body.client)
+        pybullet.resetBaseVelocity(body.uid, (0, 0, 0), (0, 0, 0), physicsClientId=body.client)
+        self._publish_base_pose()
+
+    def center(self) -> np.ndarray:
+        """Position of the hull's centre of mass in the world (m)."""
+        body = self.simulation.body
+        return np.array(
+            pybullet.getBasePositionAndOrientation(body.uid, physicsClientId=body.client)[0]
+        )
+
+    def velocity(self) -> Tuple[np.ndarray, np.ndarray]:
+        """Velocity of the hull's centre of mass and its turning, in the world (m/s, rad/s)."""
+        body = self.simulation.body
+        linear, angular = pybullet.getBaseVelocity(body.uid, physicsClientId=body.client)
+        return np.array(linear), np.array(angular)
+
+    def position(self) -> np.ndarray:
+        """Of base_link in the world (m)."""
+        return np.array(self.simulation.body.base_pose()[0])
+
+    def penetration(self) -> float:
+        """How deep the robot is in anything (m), at its worst place; 0 where it touches nothing."""
+        body = self.simulation.body
+        contacts = pybullet.getContactPoints(body.uid, physicsClientId=body.client)
+        return max((-contact[8] for contact in contacts), default=0.0)

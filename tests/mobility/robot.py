@@ -1,0 +1,15 @@
+"""What an operator knows of the robot's size (m), from ``telex_description/config/robot.xacro``."""
+
+from __future__ import annotations
+
+AXLE_HEIGHT = 0.110
+"""Of the hubs' axles, and so of base_link, over level ground; also the hubs' radius."""
+
+PIVOT = 0.280
+"""From base_link to the axle of a flipper, along x."""
+
+HALF_LENGTH = PIVOT + AXLE_HEIGHT
+"""From base_link to the foremost point of the hubs, with the flippers up."""
+
+FLIPPER_LENGTH = 0.440
+"""From a flipper's pivot to the middle of its tip."""
