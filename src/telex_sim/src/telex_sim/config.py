@@ -7,6 +7,7 @@ from typing import Dict, Optional, Tuple
 
 from telex_control.params import require, require_range, require_text
 
+from .proximity_config import ProximityConfig
 from .self_collision import SelfCollisionConfig
 
 
@@ -226,6 +227,7 @@ class RobotConfig:
     tracks: TrackConfig = field(default_factory=TrackConfig)
     start: StartConfig = field(default_factory=StartConfig)
     self_collision: SelfCollisionConfig = field(default_factory=SelfCollisionConfig)
+    proximity: ProximityConfig = field(default_factory=ProximityConfig)
 
     def __post_init__(self) -> None:
         require("/" not in self.model, f"model is '{self.model}'; it must not contain '/'")

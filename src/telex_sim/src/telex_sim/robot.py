@@ -15,6 +15,7 @@ from telex_control.params import ConfigError
 from telex_control.urdf_joints import UrdfJoint, joints, parse_urdf
 
 from .config import RobotConfig
+from .proximity import ProximityGuard
 from .robot_hw_sim import RobotHWSim
 from .scene.model import Start
 from .self_collision import disable_pairs
@@ -52,6 +53,8 @@ class Robot:
     controllers : ControllerManager
     body : Body
         Once it is placed.
+    proximity : ProximityGuard
+        Once it is placed.
 
     Raises
     ------
@@ -60,6 +63,7 @@ class Robot:
     """
 
     body: Body
+    proximity: ProximityGuard
 
     def __init__(
         self,
@@ -89,7 +93,9 @@ class Robot:
         self.hw.init(node, node)
         self.controllers = ControllerManager(self.hw, node)
         self._check_belts()
-        self._positions = self._start_positions(joints(root), asked_pose)
+        described = joints(root)
+        self._positions = self._start_positions(described, asked_pose)
+        config.proximity.check_joints(list(described), config.hardware.optional_joints)
         config.self_collision.check_links([link.get("name", "") for link in root.iter("link")])
         self._belts = [
             (self.hw.joint_state(joint), radius) for joint, radius in config.tracks.belts.items()
@@ -148,6 +154,7 @@ class Robot:
             config.self_collision.enabled,
         )
         disable_pairs(self.body, config.self_collision)
+        self.proximity = ProximityGuard(self.body, config.proximity, config.self_collision)
         self.hw.attach(self.body)
         self._traction = Traction(self.body, config.tracks, self._step_size)
 

@@ -399,6 +399,8 @@ class SimulatorNode:
         if steps % self._base_pose_every == 0:
             self._publish_base_pose()
         simulation.timer.end("publish")
+        self._publish_proximity()
+        simulation.timer.end("proximity")
 
     def _publish_all(self) -> None:
         self._publish_clock()
@@ -415,6 +417,13 @@ class SimulatorNode:
     def _publish_base_pose(self) -> None:
         for presence in self._presences:
             presence.publish_base_pose(self._now())
+
+    def _publish_proximity(self) -> None:
+        steps = self._simulation.steps
+        for presence in self._presences:
+            rate = presence.robot.config.proximity.rate
+            if rate and presence.robot.proximity.joints and steps % self._steps_between(rate) == 0:
+                presence.publish_proximity(self._now(), self._simulation.proximity)
 
     def _publish_status(self) -> None:
         self._next_status = wall.monotonic() + _STATUS_PERIOD
