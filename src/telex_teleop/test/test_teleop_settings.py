@@ -8,6 +8,7 @@ import yaml
 
 from telex_control.params import ConfigError, read_config
 from telex_control.urdf_joints import UrdfError
+from telex_teleop.arm_settings import ArmTeleopSettings
 from telex_teleop.limits import JointLimits, limits_from_urdf
 from telex_teleop.motion_settings import GripperTeleopSettings, JointTeleopSettings
 from telex_teleop.speed import SpeedScale
@@ -275,9 +276,11 @@ def read_file(kind, node):
     return read_config(kind, yaml.safe_load(path.read_text()), str(path))
 
 
-@pytest.mark.parametrize("node", ["arm", "flipper"])
-def test_joint_files_of_the_package_are_complete(node):
-    assert read_file(JointTeleopSettings, node).joints
+@pytest.mark.parametrize(
+    ("kind", "node"), [(ArmTeleopSettings, "arm"), (JointTeleopSettings, "flipper")]
+)
+def test_joint_files_of_the_package_are_complete(kind, node):
+    assert read_file(kind, node).joints
 
 
 def test_gripper_file_of_the_package_fits_a_parallel_gripper():

@@ -200,7 +200,7 @@ export class Commander {
     const moving = /** @type {Set<string>} */ (this._moving.get(node));
     const released = [...moving].filter((joint) => !wanted.has(joint));
     if (wanted.size === 0 && released.length === 0) return;
-    if (released.length === 0 && this._congested()) return;
+    if (released.length === 0 && this.congested) return;
     const sent = this._bridge.publish(this._topic(`${node}/delta_joint_cmds`), {
       header: {},
       joint_names: [...wanted.keys(), ...released],
@@ -218,7 +218,7 @@ export class Commander {
       this._warn(`${TRACK_NODE} has not said yet how fast it may drive: is it running?`);
       return;
     }
-    if ((!wanted && !this._driving) || (wanted && this._congested())) return;
+    if ((!wanted && !this._driving) || (wanted && this.congested)) return;
     const { linear, angular } = this._maxDrive ?? { linear: 0, angular: 0 };
     const sent = this._bridge.publish(this._topic(`${TRACK_NODE}/cmd_vel`), {
       linear: { x: command.linear * linear },
@@ -227,7 +227,8 @@ export class Commander {
     if (sent) this._driving = wanted;
   }
 
-  _congested() {
+  /** Whether motion would queue behind old motion. */
+  get congested() {
     return this._bridge.waiting > MAX_WAITING;
   }
 }

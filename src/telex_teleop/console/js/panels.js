@@ -22,7 +22,7 @@ export function byId(id) {
  * @param {string} [className]
  * @param {string} [text]
  */
-function element(tag, className = "", text = "") {
+export function element(tag, className = "", text = "") {
   const made = document.createElement(tag);
   made.className = className;
   made.textContent = text;
@@ -30,7 +30,7 @@ function element(tag, className = "", text = "") {
 }
 
 /** @param {string} name  Of an action. */
-function holdButton(name) {
+export function holdButton(name) {
   const action = ACTIONS[name];
   const button = /** @type {HTMLButtonElement} */ (element("button", "hold"));
   button.type = "button";
@@ -38,7 +38,8 @@ function holdButton(name) {
   button.dataset.action = name;
   const cap = element("kbd", "", action.cap);
   cap.dataset.code = action.code;
-  button.append(cap, `${ARROWS[action.label]} ${action.label}`);
+  const arrow = ARROWS[action.label];
+  button.append(cap, arrow === undefined ? action.label : `${arrow} ${action.label}`);
   return button;
 }
 
@@ -53,7 +54,7 @@ function valueOf(joint) {
  * @param {string} className
  * @param {(string | Node)[]} cells
  */
-function row(className, ...cells) {
+export function row(className, ...cells) {
   const made = element("div", `row ${className}`);
   made.append(...cells.map((cell) => (typeof cell === "string" ? element("span", "", cell) : cell)));
   return made;
@@ -85,7 +86,6 @@ export class Panels {
       byId("flipper-rows").append(row("pair", end, cell("L ", left, "  R ", right), ...pair(end, ["up", "down"])));
     }
     this._values = [.../** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-joint]"))];
-    this._buttons = [.../** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-action]"))];
     this._metres = new Set(ARM_JOINTS.filter(({ metres }) => metres).map(({ name }) => name));
     /** @type {Map<string, number>} */
     this._positions = new Map();
@@ -123,7 +123,7 @@ export class Panels {
 
   /** @param {Set<string>} actions  Those that are held. */
   showHeld(actions) {
-    for (const button of this._buttons) {
+    for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-action]"))) {
       button.classList.toggle("held", actions.has(/** @type {string} */ (button.dataset.action)));
     }
   }
@@ -169,7 +169,7 @@ function spaced(values) {
  * @param {number} value
  * @param {number} digits
  */
-function fixed(value, digits) {
+export function fixed(value, digits) {
   const text = value.toFixed(digits);
   return Number(text) === 0 ? text.replace("-", "") : text;
 }

@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict
+from typing import Dict
 
 import rospy
-from telex_msgs.srv import SetMode, SetModeResponse
 
 from telex_control.robot_description import wait_for_robot_description
 from telex_control.urdf_joints import joints, parse_urdf
+from telex_teleop.arm_settings import ArmTeleopSettings, carrier_of
+from telex_teleop.arm_teleop import ArmTeleop
+from telex_teleop.base_pose import BasePose
 from telex_teleop.coupled_teleop import CoupledTeleop
 from telex_teleop.joint_teleop import JointTeleop
 from telex_teleop.limits import JointLimits, limits_from_urdf
 from telex_teleop.motion_settings import GripperTeleopSettings, JointTeleopSettings
+from telex_teleop.proximity import ProximityGuard
+from telex_teleop.ros_arm_teleop import ArmTeleopNode
 from telex_teleop.ros_common import private_settings, run_node
-from telex_teleop.ros_joint_teleop import JOINT_MODE, JointTeleopNode
+from telex_teleop.ros_joint_teleop import JointTeleopNode
+from telex_teleop.ros_kinematics import KinematicsServices
 
 __all__ = ["arm_main", "flipper_main", "gripper_main"]
-
-CARTESIAN_MODE = "CARTESIAN"
 
 
 def arm_main() -> int:
@@ -60,23 +63,23 @@ def _independent(settings: JointTeleopSettings, limits: Dict[str, JointLimits]) 
 
 
 def _start_arm() -> object:
-    node = _start_joints()
-    return node, rospy.Service("~set_mode", SetMode, _set_mode)
-
-
-def _set_mode(request: Any) -> SetModeResponse:
-    if request.mode == JOINT_MODE:
-        return SetModeResponse(success=True, message="")
-    if request.mode == CARTESIAN_MODE:
-        return SetModeResponse(
-            success=False,
-            message=f"{CARTESIAN_MODE}: operational-space mode is not available in this version; "
-            f"the mode stays {JOINT_MODE}",
-        )
-    return SetModeResponse(
-        success=False,
-        message=f"mode {request.mode!r} is unknown; must be {JOINT_MODE} or {CARTESIAN_MODE}",
+    settings = private_settings(ArmTeleopSettings)
+    description = wait_for_robot_description()
+    axes = settings.axes(_limits(settings))
+    chain, carrier, problems = carrier_of(settings, description, axes)
+    for problem in problems:
+        rospy.logwarn(f"{rospy.get_name()}: {problem}")
+    core = ArmTeleop(
+        axes,
+        carrier,
+        settings.command_timeout,
+        settings.longest_step,
+        settings.speed_scale(),
+        ProximityGuard(settings.proximity),
+        BasePose(settings.frames.base_pose_max_age),
     )
+    node = ArmTeleopNode(core, settings, chain)
+    return node, KinematicsServices(node, chain, settings.frames)
 
 
 def _start_gripper() -> JointTeleopNode:

@@ -14,7 +14,9 @@ from telex_teleop.joint_jog import InvalidCommand, JogCommand
 from telex_teleop.speed import SpeedScale
 from telex_teleop.stream import Clocks, SimTicks, StartingTime
 
-__all__ = ["AxisState", "JointTeleop", "TeleopState"]
+__all__ = ["JOINT_MODE", "AxisState", "JointTeleop", "TeleopState"]
+
+JOINT_MODE = "JOINT"
 
 
 @dataclass(frozen=True)
@@ -40,11 +42,14 @@ class TeleopState:
         Empty before the first joint state.
     message
         Why commands are not obeyed, empty when they are.
+    notice
+        What else there is to know, such as what slows a motion; empty when nothing.
     """
 
     active: bool
     axes: Tuple[AxisState, ...]
     message: str
+    notice: str = ""
 
 
 class JointTeleop:
@@ -219,9 +224,13 @@ class JointTeleop:
                     axis.generator.stop()
         return tick.dt
 
+    @property
+    def _inhibited(self) -> bool:
+        return self._e_stop or self._starting.lasts
+
     def _inhibit(self) -> None:
         for axis in self.axes.values():
-            axis.inhibit(self._e_stop or self._starting.lasts)
+            axis.inhibit(self._inhibited)
 
     def _drop(self) -> None:
         for axis in self.axes.values():
@@ -229,24 +238,45 @@ class JointTeleop:
 
     def state(self, wall: float) -> TeleopState:
         """Return what a display shows at `wall` (monotonic time, s)."""
-        if not self.axes:
-            return TeleopState(False, (), "this robot has none of the joints of this node")
+        message = self._deaf(wall)
         if self._ticks.now is None or self._last_wall is None:
-            return TeleopState(False, (), "no joint_states yet: is the simulator running?")
+            return TeleopState(False, (), message)
         now = Clocks(wall, self._ticks.now)
-        silence = wall - self._last_wall
-        active = any(axis.obeying(now) for axis in self.axes.values())
-        if self._e_stop:
-            message = "the e-stop is active"
-        elif silence > 2.0 * self._command_timeout:
-            message = "no joint_states: the simulation is paused or has ended"
-        elif self._starting.lasts:
-            message = "just started"
-        elif any(axis.stream.waiting(wall) for axis in self.axes.values()):
+        if not message and self._waiting(wall):
             message = "a command from before the stop goes on: release the key and press it again"
-        else:
-            message = ""
-        return TeleopState(active and not message, self._axis_states(), message)
+        message = message or self._refusal(wall)
+        active = self._obeying(now) and not message
+        return TeleopState(active, self._axis_states(), message, self._notice(now))
+
+    def _deaf(self, wall: float) -> str:
+        """Return why no command at all is obeyed at `wall` (monotonic, s); empty when some are."""
+        if not self.axes:
+            return "this robot has none of the joints of this node"
+        if self._ticks.now is None or self._last_wall is None:
+            return "no joint_states yet: is the simulator running?"
+        if self._e_stop:
+            return "the e-stop is active"
+        if wall - self._last_wall > 2.0 * self._command_timeout:
+            return "no joint_states: the simulation is paused or has ended"
+        return "just started" if self._starting.lasts else ""
+
+    def _obeying(self, now: Clocks) -> bool:
+        """Tell whether a command is being carried out."""
+        return any(axis.obeying(now) for axis in self.axes.values())
+
+    def _waiting(self, wall: float) -> bool:
+        """Tell whether a stream is running that the latch makes us ignore."""
+        return any(axis.stream.waiting(wall) for axis in self.axes.values())
+
+    def _refusal(self, wall: float) -> str:
+        """Return why commands of the present kind are not obeyed, empty where they are."""
+        del wall
+        return ""
+
+    def _notice(self, now: Clocks) -> str:
+        """Return what else there is to know, empty where nothing."""
+        del now
+        return ""
 
     def _axis_states(self) -> Tuple[AxisState, ...]:
         states: List[AxisState] = []

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Dict, Iterable, List, Tuple
 
-from telex_teleop.keyboard.map import Action, Drive, Jog
+from telex_teleop.keyboard.map import Action, Drive, Jog, Tool, ToPose
 from telex_teleop.track_drive import STANDSTILL, Velocity
 
 __all__ = ["Commander", "Commands"]
@@ -21,10 +21,16 @@ class Commands:
         Node to joint to rate (rad/s or m/s); a joint that has just been let go is in it with 0.
     drive
         Velocity for the tracks; empty when there is nothing to say to them.
+    tool
+        Linear and angular velocity of the tool (m/s, rad/s), six numbers; empty likewise.
+    pose
+        Name of the pose that the arm shall move to, "" to stop; empty likewise.
     """
 
     jogs: Dict[str, Dict[str, float]]
     drive: Tuple[Velocity, ...]
+    tool: Tuple[Tuple[float, ...], ...] = ()
+    pose: Tuple[str, ...] = ()
 
 
 class Commander:
@@ -36,27 +42,45 @@ class Commander:
         Rate of a jog (rad/s or m/s).
     linear, angular
         Velocity of a drive (m/s, rad/s).
+    tool_linear, tool_angular
+        Velocity of the tool (m/s, rad/s).
     """
 
-    def __init__(self, jog_rate: float, linear: float, angular: float) -> None:
+    def __init__(
+        self,
+        jog_rate: float,
+        linear: float,
+        angular: float,
+        tool_linear: float = 1.0,
+        tool_angular: float = 1.0,
+    ) -> None:
         self._jog_rate = jog_rate
         self._linear = linear
         self._angular = angular
+        self._tool_rates = (tool_linear,) * 3 + (tool_angular,) * 3
         self._moving: Dict[Tuple[str, str], None] = {}
         self._driving = False
+        self._leading = False
+        self._pose = ""
 
     @property
     def busy(self) -> bool:
         """Whether something was last told to move."""
-        return bool(self._moving) or self._driving
+        return bool(self._moving or self._pose) or self._driving or self._leading
 
     def update(self, held: Iterable[Action]) -> Commands:
         """Return the commands for the actions whose keys are held."""
         signs: Dict[Tuple[str, str], int] = dict.fromkeys(self._moving, 0)
         drives: List[Drive] = []
+        tools: List[Tool] = []
+        poses: List[str] = []
         for action in held:
             if isinstance(action, Drive):
                 drives.append(action)
+            elif isinstance(action, Tool):
+                tools.append(action)
+            elif isinstance(action, ToPose):
+                poses.append(action.pose)
             elif isinstance(action, Jog):
                 for joint in action.joints:
                     axis = (action.node, joint)
@@ -66,7 +90,7 @@ class Commander:
         for (node, joint), sign in signs.items():
             # two keys with the same joint do not make it faster
             jogs.setdefault(node, {})[joint] = self._jog_rate * _unit(sign)
-        return Commands(jogs, self._drive(drives))
+        return Commands(jogs, self._drive(drives), self._lead(tools), self._go_to(poses))
 
     def stop(self, actions: Iterable[Action]) -> Commands:
         """Return zeros for everything that any of the actions could move."""
@@ -76,7 +100,9 @@ class Commander:
                 everything.setdefault(action.node, {}).update(dict.fromkeys(action.joints, 0.0))
         self._moving = {}
         self._driving = False
-        return Commands(everything, (STANDSTILL,))
+        self._leading = False
+        self._pose = ""
+        return Commands(everything, (STANDSTILL,), ((0.0,) * 6,), ("",))
 
     def _drive(self, drives: List[Drive]) -> Tuple[Velocity, ...]:
         velocity = Velocity(
@@ -85,6 +111,20 @@ class Commander:
         )
         was_driving, self._driving = self._driving, velocity != STANDSTILL
         return (velocity,) if self._driving or was_driving else ()
+
+    def _lead(self, tools: List[Tool]) -> Tuple[Tuple[float, ...], ...]:
+        signs = [0] * len(self._tool_rates)
+        for tool in tools:
+            signs[tool.axis] += tool.sign
+        twist = tuple(rate * _unit(sign) for rate, sign in zip(self._tool_rates, signs))
+        was_leading, self._leading = self._leading, any(twist)
+        return (twist,) if self._leading or was_leading else ()
+
+    def _go_to(self, poses: List[str]) -> Tuple[str, ...]:
+        # of several held keys none can win
+        pose = poses[0] if len(poses) == 1 else ""
+        was_going, self._pose = self._pose, pose
+        return (pose,) if pose or was_going else ()
 
 
 def _unit(number: int) -> int:

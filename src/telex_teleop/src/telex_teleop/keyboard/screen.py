@@ -8,10 +8,29 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import FrozenSet, List, Mapping, Optional, Sequence, Tuple
 
-from telex_teleop.keyboard.map import NODES, Action, Command, Drive, Jog, KeyMap
+from telex_teleop.keyboard.map import (
+    NODES,
+    TOOL_AXES,
+    Action,
+    Command,
+    Drive,
+    Jog,
+    KeyMap,
+    Tool,
+    ToPose,
+)
 from telex_teleop.track_drive import STANDSTILL, Velocity
 
-__all__ = ["JointView", "Line", "NodeView", "ScreenState", "Style", "render"]
+__all__ = [
+    "JointView",
+    "Line",
+    "NodeView",
+    "ScreenState",
+    "Style",
+    "ToolView",
+    "render",
+    "roll_pitch_yaw",
+]
 
 COLUMN = 39  # characters of one of the two columns
 KEYS = 10  # of them for the keys
@@ -29,6 +48,8 @@ COMMANDS: Tuple[Tuple[str, Tuple[Command, ...]], ...] = (
     ("release e-stop", (Command.RELEASE_E_STOP,)),
     ("speed", (Command.FASTER, Command.SLOWER)),
     ("mode", (Command.MODE,)),
+    ("frame", (Command.FRAME,)),
+    ("hold tool", (Command.HOLD_TOOL,)),
     ("help", (Command.HELP,)),
     ("quit", (Command.QUIT,)),
 )
@@ -70,6 +91,25 @@ class JointView:
 
 
 @dataclass(frozen=True)
+class ToolView:
+    """The tool as the last status shows it.
+
+    Attributes
+    ----------
+    frame
+        Along whose axes it moves.
+    position
+        In the base's frame (m).
+    turned
+        Roll, pitch and yaw there (rad).
+    """
+
+    frame: str
+    position: Tuple[float, float, float]
+    turned: Tuple[float, float, float]
+
+
+@dataclass(frozen=True)
 class ScreenState:
     """Everything that the screen shows.
 
@@ -96,6 +136,10 @@ class ScreenState:
         Actions whose keys are held.
     notice
         Last message for the operator.
+    tool
+        The tool, None before the arm's first status.
+    arm_notice
+        What there is to know of the arm's motion.
     """
 
     robot: str
@@ -108,6 +152,16 @@ class ScreenState:
     drive: Velocity = STANDSTILL
     held: FrozenSet[Action] = frozenset()
     notice: str = ""
+    tool: Optional[ToolView] = None
+    arm_notice: str = ""
+
+
+def roll_pitch_yaw(x: float, y: float, z: float, w: float) -> Tuple[float, float, float]:
+    """Return the angles (rad) about fixed axes of a unit quaternion."""
+    roll = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
+    pitch = math.asin(max(-1.0, min(1.0, 2.0 * (w * y - z * x))))
+    yaw = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    return roll, pitch, yaw
 
 
 def render(
@@ -133,7 +187,7 @@ def render(
     show_help
         Whether the explanation takes the place of the table.
     """
-    head = [_head(state), _obedience(keys, state), Line("")]
+    head = [_head(state), _obedience(keys, state), Line(state.arm_notice, Style.WARNING)]
     foot = [Line(""), *_commands(keys, columns), Line(state.notice, Style.WARNING)]
     body = _help(keys, state, columns) if show_help else _table(keys, lengths, state, columns)
     # What says whether the robot obeys, and how to stop it, stays on the smallest screen.
@@ -144,8 +198,11 @@ def render(
 
 def _head(state: ScreenState) -> Line:
     speed = "-" if state.speed_scale is None else f"{100.0 * state.speed_scale:.0f} %"
+    mode = state.mode or "-"
+    if mode == "CARTESIAN" and state.tool is not None:
+        mode = f"{mode} ({state.tool.frame})"
     return Line(
-        f"TELEX KEYBOARD   robot {state.robot}   mode {state.mode or '-'}   speed {speed}",
+        f"TELEX KEYBOARD   robot {state.robot}   mode {mode}   speed {speed}",
         Style.TITLE,
     )
 
@@ -203,7 +260,31 @@ def _section(node: str, keys: KeyMap, lengths: Sequence[str], state: ScreenState
             )
             for joints in _axes(node, keys)
         ]
+        if node == "arm":
+            rows = [*_tool_rows(keys, state), *rows, *_pose_rows(keys, state)]
     return [TITLES[node], *rows] if rows else []
+
+
+def _tool_rows(keys: KeyMap, state: ScreenState) -> List[str]:
+    rows: List[str] = []
+    for axis, name in enumerate(TOOL_AXES):
+        pair = (Tool(axis, 1), Tool(axis, -1))
+        if keys.keys_of(pair[0]) or keys.keys_of(pair[1]):
+            rows.append(_row(keys, pair, f"tool {name}", _tool_value(axis, state.tool), state))
+    return rows
+
+
+def _tool_value(axis: int, tool: Optional[ToolView]) -> str:
+    if tool is None:
+        return ""
+    if axis < 3:
+        return f"{1000.0 * tool.position[axis]:+.0f} mm"
+    return f"{math.degrees(tool.turned[axis - 3]):+.1f} deg"
+
+
+def _pose_rows(keys: KeyMap, state: ScreenState) -> List[str]:
+    poses = dict.fromkeys(action for action in keys.actions.values() if isinstance(action, ToPose))
+    return [_row(keys, (pose,), f"to pose {pose.pose}", "", state) for pose in poses]
 
 
 def _axes(node: str, keys: KeyMap) -> List[Tuple[str, ...]]:
@@ -212,7 +293,7 @@ def _axes(node: str, keys: KeyMap) -> List[Tuple[str, ...]]:
 
 
 def _row(
-    keys: KeyMap, actions: Tuple[Action, Action], label: str, value: str, state: ScreenState
+    keys: KeyMap, actions: Tuple[Action, ...], label: str, value: str, state: ScreenState
 ) -> str:
     marker = ">" if state.held.intersection(actions) else " "
     # in the order of the file, which is that of the keyboard: the upper key comes first
