@@ -21,7 +21,7 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 
-from telex_control.kinematics import DHChain, KinematicChain, dh_chain
+from telex_control.kinematics import Chain, DHChain, dh_chain
 from telex_control.urdf_joints import parse_urdf
 
 IMAGES = Path(__file__).parent / "images"
@@ -208,7 +208,7 @@ def _typeset(text: str) -> str:
     return "".join(made)
 
 
-def draw(chain: KinematicChain, parameters: DHChain) -> str:
+def draw(chain: Chain, parameters: DHChain) -> str:
     """Return the picture of a chain with the robot's seven arm joints."""
     drawing = Drawing()
     zero = [0.0] * len(chain.joints)
@@ -358,7 +358,7 @@ def main() -> None:
     urdf = subprocess.run(
         ["xacro", str(MODEL)], check=True, stdout=subprocess.PIPE, text=True
     ).stdout
-    chain = KinematicChain(parse_urdf(urdf), "base_link", "tool_link")
+    chain = Chain(parse_urdf(urdf), "base_link", "tool_link")
     target = IMAGES / "kinematics.svg"
     target.write_text(draw(chain, dh_chain(chain)), encoding="utf-8")
     if options.png:

@@ -24,7 +24,7 @@ from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
 from tf2_py import BufferCore
 
-from telex_control.kinematics import KinematicChain, UrdfTree, dh_chain
+from telex_control.kinematics import Chain, UrdfTree, dh_chain
 from telex_control.private_master import PrivateMaster
 from telex_control.urdf_joints import joints, parse_urdf
 from telex_sim.offline import robot_description
@@ -61,7 +61,7 @@ def urdf():
 
 @pytest.fixture(scope="module")
 def chain(urdf):
-    return KinematicChain(parse_urdf(urdf), BASE, TOOL)
+    return Chain(parse_urdf(urdf), BASE, TOOL)
 
 
 @pytest.fixture(scope="module")

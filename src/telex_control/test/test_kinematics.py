@@ -9,13 +9,13 @@ import PyKDL
 import pytest
 
 from telex_control.kinematics import (
-    KinematicChain,
+    Chain,
     KinematicsError,
     UrdfTree,
     dh_chain,
     kdl_tree,
 )
-from telex_control.urdf_joints import parse_urdf
+from telex_control.urdf_joints import UrdfError, parse_urdf
 
 LIMIT = '<limit lower="-3" upper="3" velocity="1" effort="1"/>'
 
@@ -92,7 +92,7 @@ def test_kdl_gets_inertias_about_the_centre_of_mass_in_the_links_axes():
         '<inertia ixx="1" iyy="2" izz="2.5" ixy="0.1" ixz="0" iyz="0"/></inertial>'
     )
     made = robot(link("a"), link("b", turned), joint("j", "a", "b", xyz="1 1 1"))
-    chain = KinematicChain(made, "a", "b").kdl
+    chain = Chain(made, "a", "b").kdl
     body = chain.getSegment(0).getInertia()
     assert body.getMass() == 2.0
     assert list(body.getCOG()) == pytest.approx([0.1, 0.2, 0.3])
@@ -113,7 +113,7 @@ def test_kdl_weighs_a_pendulum_right():
         '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
     )
     made = robot(link("a"), link("b", body), joint("j", "a", "b", axis="0 -1 0"))
-    chain = KinematicChain(made, "a", "b").kdl
+    chain = Chain(made, "a", "b").kdl
     torque, angle = PyKDL.JntArray(1), PyKDL.JntArray(1)
     angle[0] = math.pi / 3
     PyKDL.ChainDynParam(chain, PyKDL.Vector(0, 0, -9.81)).JntToGravity(angle, torque)
@@ -124,15 +124,15 @@ def test_kdl_weighs_a_pendulum_right():
 
 
 def test_a_chain_knows_its_joints_and_their_limits():
-    chain = KinematicChain(ARM, "base", "hand")
+    chain = Chain(ARM, "base", "hand")
     assert chain.joint_names == ("yaw_joint", "pitch_joint", "slide_joint")
     assert [joint.upper for joint in chain.joints] == [3.0, 3.0, 3.0]
     assert chain.kdl.getNrOfJoints() == 3
-    assert KinematicChain(ARM, "yaw", "slide").joint_names == ("pitch_joint", "slide_joint")
+    assert Chain(ARM, "yaw", "slide").joint_names == ("pitch_joint", "slide_joint")
 
 
 def test_forward_kinematics():
-    chain = KinematicChain(ARM, "base", "hand")
+    chain = Chain(ARM, "base", "hand")
     # pitch turns about -90 degrees of roll: its z axis is y of the yaw link, its y axis is -z
     pose = chain.forward([math.pi / 2, math.pi / 2, 0.1])
     assert pose[:3, 3] == pytest.approx([0.1 + 0.25 * 0.0, -0.25 + 0.0, 0.5 - 0.6], abs=1e-12)
@@ -152,11 +152,11 @@ def test_forward_kinematics():
 )
 def test_chains_that_are_not_there_are_named(base, tip, named):
     with pytest.raises(KinematicsError, match=named):
-        KinematicChain(ARM, base, tip)
+        Chain(ARM, base, tip)
 
 
 def test_wrong_calls_are_named():
-    chain = KinematicChain(ARM, "base", "hand")
+    chain = Chain(ARM, "base", "hand")
     with pytest.raises(KinematicsError, match="2 positions for the 3 joints from base to hand"):
         chain.forward([0.0, 0.0])
     with pytest.raises(KinematicsError, match="'camera' is not between base and hand"):
@@ -164,7 +164,51 @@ def test_wrong_calls_are_named():
     with pytest.raises(KinematicsError, match="2 positions for 3 joints"):
         dh_chain(chain).forward([0.0, 0.0])
     with pytest.raises(KinematicsError, match="no joint between slide and hand can move"):
-        dh_chain(KinematicChain(ARM, "slide", "hand"))
+        dh_chain(Chain(ARM, "slide", "hand"))
+
+
+# ---- chains for inverse kinematics
+
+
+def single(kind, limit, extra=""):
+    return (
+        '<robot name="r"><link name="a"/><link name="b"/><link name="c"/>'
+        f'<joint name="j" type="{kind}"><parent link="a"/><child link="b"/>{limit}{extra}</joint>'
+        '<joint name="k" type="fixed"><parent link="b"/><child link="c"/></joint></robot>'
+    )
+
+
+def test_a_chain_of_a_text_has_its_limits():
+    chain = Chain.from_urdf(
+        single("prismatic", '<limit lower="0.1" upper="0.4" velocity="2" effort="1"/>'), "a", "c"
+    )
+    assert chain.joint_names == ("j",)
+    limits = (chain.lower, chain.upper, chain.velocity_limits)
+    assert [limit.tolist() for limit in limits] == [[0.1], [0.4], [2.0]]
+    assert chain.jacobian([0.2]).tolist() == [[1.0], [0.0], [0.0], [0.0], [0.0], [0.0]]
+    with pytest.raises(KinematicsError, match="2 positions for the 1 joints"):
+        chain.jacobian([0.0, 0.0])
+
+
+def test_a_continuous_joint_has_no_limits():
+    chain = Chain.from_urdf(single("continuous", '<limit velocity="2" effort="1"/>'), "a", "b")
+    assert chain.lower[0] == -math.inf
+    assert chain.upper[0] == math.inf
+
+
+@pytest.mark.parametrize("kind", ["revolute", "prismatic"])
+def test_joints_without_a_range_are_refused(kind):
+    with pytest.raises(KinematicsError, match="neither lower nor upper"):
+        Chain.from_urdf(single(kind, '<limit velocity="2" effort="1"/>'), "a", "b")
+    with pytest.raises(UrdfError, match="has no <limit>"):
+        Chain.from_urdf(single(kind, ""), "a", "b")
+
+
+def test_joints_that_mimic_others_are_refused_in_a_chain():
+    text = single("revolute", LIMIT, '<mimic joint="other"/>')
+    with pytest.raises(KinematicsError, match="joint 'j' mimics 'other'"):
+        Chain.from_urdf(text, "a", "c")
+    assert Chain.from_urdf(text, "b", "c").joint_names == ()
 
 
 # ---- Denavit-Hartenberg parameters
@@ -199,7 +243,7 @@ def random_chain(generator, count):
                 axis=" ".join(map(repr, map(float, axis))),
             )
         )
-    return KinematicChain(robot(*elements), "l0", f"l{count}")
+    return Chain(robot(*elements), "l0", f"l{count}")
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -222,7 +266,7 @@ def test_parameters_of_a_textbook_arm():
         joint("second", "l1", "l2", xyz="0.7 0 0"),
         joint("third", "l2", "l3", xyz="0.5 0 0", axis="0 1 0"),
     )
-    rows = dh_chain(KinematicChain(planar, "l0", "l3")).rows
+    rows = dh_chain(Chain(planar, "l0", "l3")).rows
     figures = [(row.alpha, row.a, row.theta, row.d) for row in rows]
     assert figures == [
         pytest.approx(row) for row in ((0, 0, 0, 0), (0, 0.7, 0, 0), (-math.pi / 2, 0.5, 0, 0))

@@ -17,9 +17,18 @@ from telex_teleop.keyboard.map import (
     KeyboardSettings,
     KeyMap,
     Preset,
+    Tool,
+    ToPose,
     parse_action,
 )
-from telex_teleop.keyboard.screen import JointView, NodeView, ScreenState, Style, render
+from telex_teleop.keyboard.screen import (
+    JointView,
+    NodeView,
+    ScreenState,
+    Style,
+    ToolView,
+    render,
+)
 from telex_teleop.track_drive import Velocity
 
 FILE = Path(__file__).parents[1] / "config" / "keyboard_teleop.yaml"
@@ -111,6 +120,8 @@ class TestExactKeys:
         ("arm turret_joint +", Jog("arm", ("turret_joint",), 1)),
         ("flipper a_joint b_joint -", Jog("flipper", ("a_joint", "b_joint"), -1)),
         ("preset climb", Preset("climb")),
+        ("tool pitch -", Tool(4, -1)),
+        ("pose ready", ToPose("ready")),
         ("release  e-stop", Command.RELEASE_E_STOP),
     ],
 )
@@ -131,6 +142,9 @@ def test_actions(text, action):
         "jump",
         "preset",
         "preset a b",
+        "pose",
+        "tool up +",
+        "tool x",
     ],
 )
 def test_unknown_actions_are_refused(text):
@@ -265,6 +279,12 @@ class TestCommander:
         assert commander.update([Preset("flat"), Preset("high")]).preset == ()
         assert commander.update([Preset("high")]).preset == ("high",)
 
+    def test_two_poses_at_once_stand_still(self, commander):
+        assert commander.update([ToPose("stow")]).pose == ("stow",)
+        assert commander.update([ToPose("stow"), ToPose("ready")]).pose == ("",)
+        assert not commander.busy
+        assert commander.update([ToPose("ready")]).pose == ("ready",)
+
     def test_a_preset_is_sent_beside_a_flipper_key(self, commander):
         # which of them wins is for the robot's side to say
         commands = commander.update([Preset("flat"), self.pair])
@@ -303,6 +323,7 @@ class TestScreen:
 
     def test_a_usual_terminal_shows_everything(self, settings):
         text = self.text(settings)
+        assert text.splitlines() == self.text(settings, 80, 60).splitlines()
         for word in (
             "mode JOINT",
             "speed 50 %",
@@ -311,6 +332,10 @@ class TestScreen:
             "rear right",
             "1 flat",
             "7 folded",
+            "z stow",
+            "b floor_pick",
+            "y: frame",
+            "h: hold tool",
             "space: stop",
         ):
             assert word in text
@@ -354,6 +379,35 @@ class TestScreen:
 
     def test_notice(self, settings):
         assert self.show(settings, notice="no such mode")[-1].text == "no such mode"
+
+    def test_a_usual_terminal_shows_everything_in_cartesian_mode(self, settings):
+        tool = ToolView("base_link", (0.8, -0.012, 0.3), (0.0, 0.5, -1.0))
+        screen = ScreenState("/telex", nodes=self.nodes, mode="CARTESIAN", tool=tool)
+        shown, whole = (
+            [line.text for line in render(settings.cartesian_map, (), screen, 80, lines)]
+            for lines in (24, 60)
+        )
+        assert shown == whole
+        text = "\n".join(shown)
+        assert "mode CARTESIAN (base_link)" in text
+        assert re.search(r"  o u +tool x +\+800 mm", text)
+        assert re.search(r"  \[ ' +tool pitch +\+28.6 deg", text)
+        assert "elbow" not in text
+        for word in ("camera tilt", "4 climb", "c ready", "rear right"):
+            assert word in text
+
+    def test_the_pose_that_is_held_is_marked(self, settings):
+        text = self.text(settings, held=frozenset([ToPose("ready")]))
+        assert "> c ready" in text
+        assert "  z stow" in text
+
+    @pytest.mark.parametrize("exact_keys", [False, True])
+    def test_a_usual_terminal_shows_the_whole_help(self, settings, exact_keys):
+        shown, whole = (
+            self.text(settings, 80, lines, show_help=True, exact_keys=exact_keys)
+            for lines in (24, 60)
+        )
+        assert shown == whole
 
     def test_help_explains_the_terminal_at_hand(self, settings):
         assert "nudge" in self.text(settings, show_help=True)

@@ -56,6 +56,7 @@ class Robot:
         Velocity(0, 0),
         "",
     )
+    tool, arm_notice = None, ""
 
     def __init__(self):
         self.sent = []
@@ -72,6 +73,12 @@ class Robot:
 
     def toggle_mode(self):
         self.done.append("mode")
+
+    def toggle_hold(self):
+        self.done.append("hold")
+
+    def next_frame(self):
+        self.done.append("frame")
 
     def node_views(self):
         return {}
@@ -154,6 +161,54 @@ def test_commands_happen_once_per_press(keyboard, robot):
         press(keyboard, data, 1.0)
         press(keyboard, data, 1.05)
     assert robot.done == [1.25, 0.8, "mode", False]
+
+
+class TestCartesian:
+    KEYS = {**KEYS, "y": "frame", "h": "hold tool", "c": "pose ready"}
+
+    @pytest.fixture
+    def settings(self):
+        return KeyboardSettings(
+            self.KEYS, {"j": "tool y +"}, jog_rate=0.5, tool_linear=0.2, tool_angular=0.7
+        )
+
+    def test_key_moves_the_tool_and_letting_go_sends_a_zero(self, keyboard, robot):
+        robot.mode = "CARTESIAN"
+        keyboard.send(0.5)
+        press(keyboard, b"j", 1.0)
+        assert robot.sent[-1].tool == ((0.0, 0.2, 0.0, 0.0, 0.0, 0.0),)
+        assert robot.sent[-1].jogs == {}
+        keyboard.send(2.0)
+        assert robot.sent[-1].tool == ((0.0,) * 6,)
+
+    def test_key_that_is_held_while_the_mode_changes_needs_a_new_press(self, keyboard, robot):
+        press(keyboard, b"j", 1.0)
+        assert robot.sent[-1].jogs == {"arm": {"turret_joint": 0.5}}
+        robot.mode = "CARTESIAN"
+        keyboard.send(1.05)
+        assert robot.sent[-1].jogs == {"arm": {"turret_joint": 0.0}}
+        assert robot.sent[-1].tool == ()
+
+    @pytest.mark.parametrize("mode", ["JOINT", "CARTESIAN"])
+    def test_named_pose_is_sent_while_its_key_is_held(self, keyboard, robot, mode):
+        robot.mode = mode
+        keyboard.send(0.5)
+        press(keyboard, b"c", 1.0)
+        assert robot.sent[-1].pose == ("ready",)
+        keyboard.send(2.0)
+        assert robot.sent[-1].pose == ("",)
+
+    def test_stop_stops_the_tool_and_the_way_to_a_pose(self, keyboard, robot):
+        robot.mode = "CARTESIAN"
+        keyboard.send(0.5)
+        press(keyboard, b" ", 1.0)
+        assert robot.sent[-1].tool == ((0.0,) * 6,)
+        assert robot.sent[-1].pose == ("",)
+
+    def test_frame_and_hold_are_done_once(self, keyboard, robot):
+        press(keyboard, b"y", 1.0)
+        press(keyboard, b"h", 1.1)
+        assert robot.done == ["frame", "hold"]
 
 
 def test_terminal_is_told_of_its_answers(robot, settings):

@@ -261,6 +261,7 @@ class FakeRobot:
         self.messages = 0
         self.sim_time = 1.0
         self.paused = False
+        self.each = None  # called with the stamp of every joint state, before it is published
         self._ended = False
         self._state = JointState
         self._clock_message = Clock
@@ -292,6 +293,8 @@ class FakeRobot:
             state = self._state(name=self.joints, position=list(self.positions.values()))
             state.header.stamp = stamp
             self.history.append((self.sim_time, dict(self.positions)))
+            if self.each is not None:
+                self.each(stamp)
             self._clock.publish(self._clock_message(clock=stamp))
             self._joint_states.publish(state)
 

@@ -8,6 +8,7 @@ import yaml
 
 from telex_control.params import ConfigError, read_config
 from telex_control.urdf_joints import UrdfError
+from telex_teleop.arm_settings import ArmTeleopSettings
 from telex_teleop.flipper_settings import FlipperTeleopSettings
 from telex_teleop.limits import JointLimits, limits_from_urdf
 from telex_teleop.motion_settings import GripperTeleopSettings, JointTeleopSettings
@@ -277,9 +278,9 @@ def read_file(kind, node):
 
 
 @pytest.mark.parametrize(
-    ("node", "kind"), [("arm", JointTeleopSettings), ("flipper", FlipperTeleopSettings)]
+    ("kind", "node"), [(ArmTeleopSettings, "arm"), (FlipperTeleopSettings, "flipper")]
 )
-def test_joint_files_of_the_package_are_complete(node, kind):
+def test_joint_files_of_the_package_are_complete(kind, node):
     assert read_file(kind, node).joints
 
 

@@ -174,6 +174,7 @@ def test_each_variant_is_encoded_once_for_all_its_clients(bench, monkeypatch):
             clients = [Stream(url, f"/stream?topic=/raw{target}") for target in targets]
             for client in clients:
                 await client.until(b"--boundarydonotcross\r\n")
+            await becomes(lambda: "/raw" in bench.pictures.receivers)
             bench.pictures.feed("/raw", raw("rgb8", two_halves()))
             for client in clients:
                 await client.part()

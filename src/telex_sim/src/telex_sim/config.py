@@ -8,6 +8,7 @@ from typing import Dict, Optional, Tuple
 from telex_control.params import require, require_range, require_text
 
 from .imu_noise import ImuNoise
+from .proximity_config import ProximityConfig
 from .self_collision import SelfCollisionConfig
 from .stability import StabilityConfig
 from .tracks.config import TrackConfig
@@ -235,6 +236,7 @@ class RobotConfig:
     start: StartConfig = field(default_factory=StartConfig)
     self_collision: SelfCollisionConfig = field(default_factory=SelfCollisionConfig)
     stability: StabilityConfig = field(default_factory=StabilityConfig)
+    proximity: ProximityConfig = field(default_factory=ProximityConfig)
 
     def __post_init__(self) -> None:
         require("/" not in self.model, f"model is '{self.model}'; it must not contain '/'")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from typing import Dict, List, Tuple
 
-PHASES = ("read", "update", "write", "traction", "mechanisms", "step", "publish")
+PHASES = ("read", "update", "write", "traction", "mechanisms", "step", "publish", "proximity")
 
 
 class PhaseTimer:

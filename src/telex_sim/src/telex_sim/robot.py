@@ -16,6 +16,7 @@ from telex_control.urdf_joints import UrdfJoint, joints, parse_urdf
 
 from .config import RobotConfig
 from .drives import Mode
+from .proximity import ProximityGuard
 from .robot_hw_sim import RobotHWSim
 from .scene.model import Start
 from .self_collision import disable_pairs
@@ -53,6 +54,8 @@ class Robot:
     controllers : ControllerManager
     body : Body
         Once it is placed.
+    proximity : ProximityGuard
+        Once it is placed.
 
     Raises
     ------
@@ -61,6 +64,7 @@ class Robot:
     """
 
     body: Body
+    proximity: ProximityGuard
 
     def __init__(
         self,
@@ -90,7 +94,9 @@ class Robot:
         self.hw.init(node, node)
         self.controllers = ControllerManager(self.hw, node)
         self._check_belts()
-        self._positions = self._start_positions(joints(root), asked_pose)
+        described = joints(root)
+        self._positions = self._start_positions(described, asked_pose)
+        config.proximity.check_joints(list(described), config.hardware.optional_joints)
         config.self_collision.check_links([link.get("name", "") for link in root.iter("link")])
         # What was asked for last, and how often a stop was: each one is obeyed for a cycle at
         # least, even if its release follows at once.
@@ -161,6 +167,7 @@ class Robot:
             config.self_collision.enabled,
         )
         disable_pairs(self.body, config.self_collision)
+        self.proximity = ProximityGuard(self.body, config.proximity, config.self_collision)
         self.hw.attach(self.body)
         drives = {joint: self.hw.drive(joint) for joint in config.tracks.belts}
         self._tracks = Tracks(self.body, config.tracks, drives, self._step_size, material_of)

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Optional, Tuple
+from typing import Callable, Optional, Tuple
 
 import rospy
-from geometry_msgs.msg import Point, PoseStamped, Quaternion
-from std_msgs.msg import Bool
-from telex_msgs.msg import SimStatus, Stability
+from geometry_msgs.msg import Point, PoseStamped, Quaternion, Vector3
+from std_msgs.msg import Bool, Header
+from telex_msgs.msg import Proximity, ProximityPair, SimStatus, Stability
 
 from telex_control.controller import ControllerState
 from telex_control.controller_manager import Strictness
 from telex_control.controller_manager_services import ControllerManagerServices
 
+from .proximity import NearPair
+from .proximity import Proximity as Near
 from .robot import Robot
 from .scene.model import WORLD_FRAME
 from .stability_monitor import Margin, StabilityMonitor
@@ -36,6 +38,9 @@ class RobotPresence:
         self._stability = rospy.Publisher(f"{namespace}/sim/stability", Stability, queue_size=4)
         self._status = rospy.Publisher(
             f"{namespace}/sim/status", SimStatus, queue_size=4, latch=True
+        )
+        self._proximity = rospy.Publisher(
+            f"{namespace}/sim/proximity", Proximity, queue_size=1, tcp_nodelay=True
         )
         self._manager = ControllerManagerServices(robot.controllers, namespace)
         self._e_stop = rospy.Subscriber(
@@ -122,6 +127,22 @@ class RobotPresence:
         message.pose.orientation = Quaternion(*orientation)
         self._base_pose.publish(message)
 
+    def publish_proximity(self, stamp: rospy.Time, measure: Callable[[Robot], Near]) -> None:
+        """Publish what the arm is near to, when anybody listens; nothing is measured for nobody."""
+        robot = self.robot
+        if not self._proximity.get_num_connections():
+            return
+        near = measure(robot)
+        self._proximity.publish(
+            Proximity(
+                header=Header(stamp=stamp, frame_id=robot.body.base_link),
+                range=robot.config.proximity.range,
+                joints=list(robot.proximity.joints),
+                positions=list(near.positions),
+                pairs=[_pair_message(pair) for pair in near.pairs],
+            )
+        )
+
     def unload_controllers(self) -> None:
         """Stop and unload all controllers, while the robot is still in the loop."""
         manager = self.robot.controllers
@@ -139,4 +160,19 @@ class RobotPresence:
         self._base_pose.unregister()
         self._stability.unregister()
         self._status.unregister()
+        self._proximity.unregister()
         self.robot.close()
+
+
+def _pair_message(pair: NearPair) -> ProximityPair:
+    place = pair.place
+    return ProximityPair(
+        contact=ProximityPair.TOUCHABLE if pair.touchable else ProximityPair.GUARDED,
+        link=pair.link,
+        other=pair.other,
+        distance=place.distance,
+        closing_speed=pair.closing_speed,
+        point=Point(*place.point),
+        normal=Vector3(*place.normal),
+        gradient=list(place.gradient),
+    )

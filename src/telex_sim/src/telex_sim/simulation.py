@@ -17,6 +17,7 @@ from telex_control.urdf_joints import UrdfError
 
 from .config import RobotConfig, SimulatorConfig
 from .phase_timer import PhaseTimer
+from .proximity import Proximity
 from .robot import Robot
 from .robot_hw_sim import RobotHWSim
 from .scene.assembly import Assembly
@@ -30,6 +31,9 @@ from .start_check import check_start
 from .world import Body, World, WorldError
 
 _log = logging.getLogger("rosout")
+
+FLOOR = "floor"
+"""Name of the ground among those that the arm is near to."""
 
 _OVERLAP = 0.01
 """How deep (m) a robot may stand in something where it is added: meshes are not exact."""
@@ -81,6 +85,7 @@ class Simulation:
         self.steps = 0
         self._assets = Assets()
         self.robots: Tuple[Robot, ...] = ()
+        self._names: Dict[int, str] = {}
         self._planned = self._plan_scene()
         self.scene = self._planned.scene
         self._check_pose()
@@ -137,6 +142,7 @@ class Simulation:
         self._load_scene()
         for robot in self.robots:
             robot.place(self.world, self.scene.start, self.objects.material)
+        self._name_bodies()
 
     def _check_start(self) -> None:
         """Refuse a start that would throw the robot; a reset leads back to the same one."""
@@ -291,6 +297,17 @@ class Simulation:
     def _bodies_changed(self) -> None:
         for robot in self.robots:
             robot.forget_surfaces()
+        self._name_bodies()
+
+    def _name_bodies(self) -> None:
+        """Note the name of each robot and object by PyBullet's numbers."""
+        self._names = {each.body.uid: each.model for each in self.robots}
+        for item in self.objects.objects():
+            self._names.update(dict.fromkeys(self.objects.bodies_of(item.name), item.name))
+
+    def proximity(self, robot: Robot) -> Proximity:
+        """Return what a robot's arm is near to; what is no robot and no object is the floor."""
+        return robot.proximity.measure(lambda uid: self._names.get(uid, FLOOR))
 
     def plan(self, text: str, name: str = "", folder: str = "") -> List[Assembly]:
         """Prepare an entry for `spawn`; may be called from any thread.

@@ -404,6 +404,8 @@ class SimulatorNode:
                 presence.observe(simulation.time)
             self._publish_stability()
         simulation.timer.end("publish")
+        self._publish_proximity()
+        simulation.timer.end("proximity")
 
     def _publish_all(self) -> None:
         self._publish_clock()
@@ -425,6 +427,13 @@ class SimulatorNode:
     def _publish_stability(self) -> None:
         for presence in self._presences:
             presence.publish_stability(self._now())
+
+    def _publish_proximity(self) -> None:
+        steps = self._simulation.steps
+        for presence in self._presences:
+            rate = presence.robot.config.proximity.rate
+            if rate and presence.robot.proximity.joints and steps % self._steps_between(rate) == 0:
+                presence.publish_proximity(self._now(), self._simulation.proximity)
 
     def _publish_status(self) -> None:
         self._next_status = wall.monotonic() + _STATUS_PERIOD

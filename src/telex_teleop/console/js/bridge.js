@@ -3,6 +3,7 @@
 
 const RETRY_AFTER = 1000; // ms between two attempts to connect
 const PING_PERIOD = 500; // ms between two questions that only measure the link
+const ANSWER_WITHIN = 5000; // ms after which a service call is given up
 const DEAD_AFTER = 3000; // ms without a word from the bridge after which the connection is given up
 
 /**
@@ -30,6 +31,9 @@ export class Bridge {
     this._advertised = new Map();
     /** @type {Map<string, Subscription>} */
     this._subscriptions = new Map();
+    /** Who waits for the answer of a service, by the id of the call. @type {Map<string, (answer: any) => void>} */
+    this._calls = new Map();
+    this._callNumber = 0;
     this._lastWord = 0;
     this._pingSent = 0;
     this._pingNumber = 0;
@@ -75,6 +79,30 @@ export class Bridge {
    */
   publish(topic, msg) {
     return this._send({ op: "publish", topic, msg });
+  }
+
+  /**
+   * Call a service.
+   * @param {string} service
+   * @param {object} args
+   * @returns {Promise<any>} Its answer; rejected when there is none.
+   */
+  call(service, args) {
+    this._callNumber += 1;
+    const id = `call:${this._callNumber}`;
+    return new Promise((resolve, reject) => {
+      const end = (/** @type {() => void} */ settle) => {
+        clearTimeout(timer);
+        this._calls.delete(id);
+        settle();
+      };
+      const timer = setTimeout(() => end(() => reject(new Error("no answer"))), ANSWER_WITHIN);
+      this._calls.set(id, ({ result, values }) => end(() => {
+        if (result) resolve(values);
+        else reject(new Error(typeof values === "string" ? values : "the call failed"));
+      }));
+      if (!this._send({ op: "call_service", id, service, args })) end(() => reject(new Error("not connected")));
+    });
   }
 
   /** @param {Subscription} subscription */
@@ -140,6 +168,8 @@ export class Bridge {
     } else if (operation.op === "service_response" && operation.id === `ping:${this._pingNumber}`) {
       this.roundTrip = performance.now() - this._pingSent;
       this._pingSent = 0;
+    } else if (operation.op === "service_response") {
+      this._calls.get(operation.id)?.(operation);
     } else if (operation.op === "status") {
       this._events.refused(operation.msg);
     }

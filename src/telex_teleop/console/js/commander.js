@@ -2,7 +2,7 @@
 /** Turns held actions into commands: at once on every change, 50 times a second while held, a zero at the end. */
 
 import {
-  ACTIONS, FINGER_BASES, FLIPPER_NODE, GRIPPER_JOINT, JOINT_NODES, TRACK_NODE, TYPES, flipperJoints,
+  FINGER_BASES, FLIPPER_NODE, GRIPPER_JOINT, JOINT_NODES, TRACK_NODE, TYPES, flipperJoints,
 } from "./robot.js";
 
 /** Period (ms) of the commands while something is held. */
@@ -23,13 +23,11 @@ export class Commander {
   /**
    * @param {import("./bridge.js").Bridge} bridge
    * @param {(name: string) => string} topic     Gives a name inside the robot's namespace its global form.
-   * @param {() => Iterable<string>} heldActions  Names of the actions that are held now.
    * @param {(sentence: string) => void} warn    Says why a held action has no effect.
    */
-  constructor(bridge, topic, heldActions, warn) {
+  constructor(bridge, topic, warn) {
     this._bridge = bridge;
     this._topic = topic;
-    this._heldActions = heldActions;
     this._warn = warn;
     /** Largest velocities that the nodes announced: node, joint. @type {Map<string, Map<string, number>>} */
     this._maxVelocity = new Map();
@@ -113,9 +111,11 @@ export class Commander {
     }
   }
 
-  /** Send what the held actions ask for. Call on every change, and every COMMAND_PERIOD. */
-  update() {
-    const held = [...this._heldActions()].map((name) => ACTIONS[name]);
+  /**
+   * Send what the held actions ask for. Call on every change, and every COMMAND_PERIOD.
+   * @param {import("./robot.js").Action[]} held
+   */
+  update(held) {
     for (const node of JOINT_NODES) this._commandJoints(node, this._wantedJoints(node, held));
     this._commandPreset(held);
     this._commandTracks(held);
@@ -212,7 +212,7 @@ export class Commander {
     const moving = /** @type {Set<string>} */ (this._moving.get(node));
     const released = [...moving].filter((joint) => !wanted.has(joint));
     if (wanted.size === 0 && released.length === 0) return;
-    if (released.length === 0 && this._congested()) return;
+    if (released.length === 0 && this.congested) return;
     const sent = this._bridge.publish(this._topic(`${node}/delta_joint_cmds`), {
       header: {},
       joint_names: [...wanted.keys(), ...released],
@@ -227,7 +227,7 @@ export class Commander {
     // Two of them contradict each other, as the two keys of a joint do: no motion.
     const name = asked.length === 1 ? this.presets[asked[0].index] ?? "" : "";
     if (asked.length === 1 && name === "") this._warn(`the robot has no flipper ${asked[0].label}`);
-    if ((name === "" && !this._leading) || (name !== "" && this._congested())) return;
+    if ((name === "" && !this._leading) || (name !== "" && this.congested)) return;
     const side = this.sideOf(held);
     const flippers = ["front", "rear"].flatMap(flipperJoints);
     const joints = side === "both" ? [] : flippers.filter((joint) => joint.includes(`_${side}_`));
@@ -253,7 +253,7 @@ export class Commander {
       this._warn(`${TRACK_NODE} has not said yet how fast it may drive: is it running?`);
       return;
     }
-    if ((!wanted && !this._driving) || (wanted && this._congested())) return;
+    if ((!wanted && !this._driving) || (wanted && this.congested)) return;
     const { linear, angular } = this._maxDrive ?? { linear: 0, angular: 0 };
     const sent = this._bridge.publish(this._topic(`${TRACK_NODE}/cmd_vel`), {
       linear: { x: command.linear * linear },
@@ -262,7 +262,8 @@ export class Commander {
     if (sent) this._driving = wanted;
   }
 
-  _congested() {
+  /** Whether motion would queue behind old motion. */
+  get congested() {
     return this._bridge.waiting > MAX_WAITING;
   }
 }

@@ -1,18 +1,19 @@
 // @ts-check
 /** From keys and pointers to held actions. */
 
-import { ACTION_OF_KEY, COMMAND_OF_KEY } from "./robot.js";
+import { COMMAND_OF_KEY } from "./robot.js";
 
 /**
  * Let keys hold actions, by their position on the keyboard.
  * @param {import("./held.js").Held} held
  * @param {() => boolean} mayPress  Whether actions can be held now.
- * @param {Record<"slower" | "faster" | "stop" | "estop", () => void>} commands
+ * @param {(code: string) => string | undefined} actionOfKey  Name of the action that a key has now.
+ * @param {Record<import("./robot.js").Command, () => void>} commands
  */
-export function listenToKeys(held, mayPress, commands) {
+export function listenToKeys(held, mayPress, actionOfKey, commands) {
   window.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.altKey || event.metaKey || event.isComposing) return;
-    const action = ACTION_OF_KEY.get(event.code);
+    const action = actionOfKey(event.code);
     const command = COMMAND_OF_KEY.get(event.code);
     if (action === undefined && command === undefined) return;
     event.preventDefault();

@@ -8,8 +8,9 @@ import { keepPace, watchOperator } from "./deadman.js";
 import { Held } from "./held.js";
 import { labelKeys, listenToKeys, listenToPointers } from "./input.js";
 import { Panels, byId } from "./panels.js";
-import { ACTIONS, FLIPPER_NODE, JOINT_NODES, TRACK_NODE, TYPES } from "./robot.js";
+import { ACTIONS, ACTION_OF_KEY, FLIPPER_NODE, JOINT_NODES, TRACK_NODE, TYPES } from "./robot.js";
 import { SILENT_AFTER, StatusView } from "./status.js";
+import { TOOL_TYPES, ToolCommander, ToolPanel } from "./tool.js";
 import { VideoView } from "./video.js";
 
 const JOINTS_PERIOD = 100; // ms between two updates of the joint table
@@ -62,16 +63,21 @@ async function start() {
   const status = new StatusView();
   const panels = new Panels();
   const attitude = new AttitudeView();
-  labelKeys(document).catch(() => {}); // without a layout the caps of a US keyboard stay
   const config = await waitForConfig();
   const topic = (/** @type {string} */ name) => `${config.namespace}/${name}`;
   const video = startVideo(config);
 
   const held = new Held(() => {
-    commander.update();
+    update();
     panels.showHeld(held.actions);
-    panels.showSide(commander.sideOf([...held.actions].map((name) => ACTIONS[name])));
+    panels.showSide(commander.sideOf(heldActions()));
   });
+
+  const heldActions = () => [...held.actions].map((name) => ACTIONS[name]);
+  const update = () => {
+    commander.update(heldActions());
+    toolCommander.update(heldActions());
+  };
 
   const letGo = (/** @type {string} */ reason) => {
     if (!held.empty) status.warn(`released: ${reason}`);
@@ -83,13 +89,19 @@ async function start() {
     lost: (reason) => {
       letGo(reason);
       commander.disconnected();
+      toolCommander.disconnected();
       status.forgetSim();
       status.setLinkBand("Connection lost. Everything is released. Reconnecting …");
       status.log(`connection lost: ${reason}`, true);
     },
     refused: (sentence) => status.warn(`bridge: ${sentence}`),
   });
-  const commander = new Commander(bridge, topic, () => held.actions, (sentence) => status.warn(sentence));
+  const warn = (/** @type {string} */ sentence) => status.warn(sentence);
+  const commander = new Commander(bridge, topic, warn);
+  const toolCommander = new ToolCommander(bridge, topic, () => commander.congested, warn);
+  const call = (/** @type {string} */ name, /** @type {object} */ args) => bridge.call(topic(name), args);
+  const tool = new ToolPanel(toolCommander, call, letGo, warn);
+  labelKeys(document).catch(() => {}); // without a layout the caps of a US keyboard stay
 
   const mayPress = () => {
     if (!bridge.connected) status.warn("not connected: nothing can be moved");
@@ -109,15 +121,19 @@ async function start() {
       commander.stopPresets();
     },
     estop: () => setEstop(true),
+    mode: () => tool.setMode(),
+    frame: () => tool.setFrame(),
+    hold: () => tool.toggleHold(),
   };
 
-  listenToKeys(held, mayPress, commands);
+  listenToKeys(held, mayPress, (code) => tool.actionOfKey(code, ACTION_OF_KEY.get(code)), commands);
   listenToPointers(document.body, held, mayPress);
   watchOperator(letGo);
-  onClick("slower", commands.slower);
-  onClick("faster", commands.faster);
-  onClick("estop", commands.estop);
-  onClick("release", () => setEstop(false));
+  onClick(byId("slower"), commands.slower);
+  onClick(byId("faster"), commands.faster);
+  onClick(byId("estop"), commands.estop);
+  onClick(byId("release"), () => setEstop(false));
+  tool.listen(onClick);
   for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-side]"))) {
     button.addEventListener("click", () => {
       commander.side = /** @type {"left" | "both" | "right"} */ (button.dataset.side);
@@ -127,6 +143,7 @@ async function start() {
   panels.showSide(commander.side);
 
   commander.advertise();
+  toolCommander.advertise();
   bridge.advertise(topic("e_stop"), TYPES.bool, { latch: true });
   const listen = (
     /** @type {string} */ name,
@@ -145,6 +162,7 @@ async function start() {
     listen(`${node}/status`, TYPES.jointStatus, (report) => {
       commander.setJointStatus(node, report);
       panels.showLimited(node, report.limited);
+      if (node === "arm_teleop") tool.setArmStatus(report);
       status.logComplaint(node, report.message);
     });
   }
@@ -152,6 +170,7 @@ async function start() {
     commander.presets = names;
     panels.showPresets(names, descriptions);
   });
+  listen("arm_teleop/cartesian_status", TOOL_TYPES.cartesianStatus, (report) => tool.setStatus(report));
   listen(`${TRACK_NODE}/status`, TYPES.trackStatus, (report) => {
     commander.setTrackStatus(report);
     panels.showDrive(report.command);
@@ -160,7 +179,7 @@ async function start() {
 
   keepPace(COMMAND_PERIOD, () => {
     if (!held.empty && bridge.silence > SILENT_AFTER) letGo("the robot does not answer");
-    if (!held.empty || commander.busy) commander.update();
+    if (!held.empty || commander.busy || toolCommander.busy) update();
   }, letGo);
   setInterval(() => {
     status.showLink(bridge);
@@ -174,11 +193,10 @@ async function start() {
 }
 
 /**
- * @param {string} id
+ * @param {HTMLElement} button
  * @param {() => void} act
  */
-function onClick(id, act) {
-  const button = byId(id);
+function onClick(button, act) {
   // The focus stays where it is: Space must never click a button that was clicked before.
   button.addEventListener("pointerdown", (event) => event.preventDefault());
   button.addEventListener("mousedown", (event) => event.preventDefault());

@@ -24,7 +24,7 @@ export function byId(id) {
  * @param {string} [className]
  * @param {string} [text]
  */
-function element(tag, className = "", text = "") {
+export function element(tag, className = "", text = "") {
   const made = document.createElement(tag);
   made.className = className;
   made.textContent = text;
@@ -32,7 +32,7 @@ function element(tag, className = "", text = "") {
 }
 
 /** @param {string} name  Of an action. */
-function holdButton(name) {
+export function holdButton(name) {
   const action = ACTIONS[name];
   const button = /** @type {HTMLButtonElement} */ (element("button", "hold"));
   button.type = "button";
@@ -56,7 +56,7 @@ function valueOf(joint) {
  * @param {string} className
  * @param {(string | Node)[]} cells
  */
-function row(className, ...cells) {
+export function row(className, ...cells) {
   const made = element("div", `row ${className}`);
   made.append(...cells.map((cell) => (typeof cell === "string" ? element("span", "", cell) : cell)));
   return made;
@@ -91,7 +91,6 @@ export class Panels {
     byId("flipper-presets").append(...this._presets);
     this.showPresets([], []);
     this._values = [.../** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-joint]"))];
-    this._buttons = [.../** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-action]"))];
     this._metres = new Set(ARM_JOINTS.filter(({ metres }) => metres).map(({ name }) => name));
     /** @type {Map<string, number>} */
     this._positions = new Map();
@@ -129,7 +128,7 @@ export class Panels {
 
   /** @param {Set<string>} actions  Those that are held. */
   showHeld(actions) {
-    for (const button of this._buttons) {
+    for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-action]"))) {
       button.classList.toggle("held", actions.has(/** @type {string} */ (button.dataset.action)));
     }
   }
@@ -187,7 +186,7 @@ function spaced(values) {
  * @param {number} value
  * @param {number} digits
  */
-function fixed(value, digits) {
+export function fixed(value, digits) {
   const text = value.toFixed(digits);
   return Number(text) === 0 ? text.replace("-", "") : text;
 }

@@ -1,6 +1,8 @@
 // @ts-check
 /** What the console knows of the robot: its topics, its joints, and which key moves what. */
 
+import { POSE_ACTIONS, TOOL_ACTIONS } from "./tool_actions.js";
+
 /** Nodes that take joint commands; their topics are `<node>/delta_joint_cmds`, `/speed_scale`, `/status`. */
 export const JOINT_NODES = ["arm_teleop", "gripper_teleop", "flipper_teleop"];
 
@@ -42,7 +44,11 @@ export const TYPES = {
  * @property {"preset"} kind
  * @property {number} index       In the list of presets that the robot announces.
  *
- * @typedef {(JointMotion | DriveMotion | SideChoice | PresetMotion) & {code: string, cap: string, label: string}} Action
+ * @typedef {import("./tool_actions.js").ToolMotion} ToolMotion
+ * @typedef {import("./tool_actions.js").PoseMotion} PoseMotion
+ *
+ * @typedef {JointMotion | DriveMotion | SideChoice | PresetMotion | ToolMotion | PoseMotion} Motion
+ * @typedef {Motion & {code: string, cap: string, label: string}} Action
  *   `code`: key position (KeyboardEvent.code); `cap`: what a US keyboard shows there; `label`: what it does.
  */
 
@@ -160,19 +166,28 @@ export const ACTIONS = {
   "side:left": { kind: "side", side: "left", code: "KeyQ", cap: "Q", label: "left" },
   "side:right": { kind: "side", side: "right", code: "KeyE", cap: "E", label: "right" },
   ...Object.fromEntries(Array.from({ length: PRESET_KEYS }, (_, index) => preset(index))),
+  ...POSE_ACTIONS,
+  ...TOOL_ACTIONS,
 };
 
-/** Names of actions by key position. */
-export const ACTION_OF_KEY = new Map(Object.entries(ACTIONS).map(([name, { code }]) => [code, name]));
+/** Names of actions by key position, in JOINT mode. */
+export const ACTION_OF_KEY = new Map(
+  Object.entries(ACTIONS).filter(([, { kind }]) => kind !== "tool").map(([name, { code }]) => [code, name]),
+);
+
+/** @typedef {"slower" | "faster" | "stop" | "estop" | "mode" | "frame" | "hold"} Command */
 
 /** Keys that act once, by key position. */
 export const COMMAND_OF_KEY = new Map(
-  /** @type {[string, "slower" | "faster" | "stop" | "estop"][]} */ ([
+  /** @type {[string, Command][]} */ ([
     ["Minus", "slower"],
     ["NumpadSubtract", "slower"],
     ["Equal", "faster"],
     ["NumpadAdd", "faster"],
     ["Space", "stop"],
     ["Escape", "estop"],
+    ["Tab", "mode"],
+    ["KeyY", "frame"],
+    ["KeyH", "hold"],
   ]),
 );

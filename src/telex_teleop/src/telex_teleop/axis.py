@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Optional, Union
 
@@ -110,7 +111,19 @@ class Axis:
 
     def obeying(self, now: Clocks) -> bool:
         """Tell whether a command is being carried out."""
-        return self.stream.command(now) is not None or self.generator.displacing
+        return self.commanded(now) or self.generator.displacing
+
+    def wanted_rate(self, now: Clocks) -> float:
+        """Return the rate (per second, at speed scale 1) at which the axis is to move now."""
+        fastest = self.settings.motion.max_velocity
+        command = self.stream.command(now)
+        if isinstance(command, _Rate):
+            return max(-fastest, min(fastest, command.value))
+        if isinstance(command, _Increment):
+            return math.copysign(fastest, command.value)
+        if self.generator.displacing:
+            return math.copysign(fastest, self.generator.velocity)
+        return 0.0
 
     def thrown(self, dt: float, position: float) -> bool:
         """Tell whether the joint is further from where it was than it can have moved in a step.

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Dict, FrozenSet, Mapping, Sequence
 
 from telex_teleop.axis import AxisSettings
 from telex_teleop.flipper_presets import GoalRules, Preset, PresetRequests, choose
 from telex_teleop.joint_jog import InvalidCommand, JogCommand
-from telex_teleop.joint_teleop import JointTeleop, TeleopState
+from telex_teleop.joint_teleop import JointTeleop
 from telex_teleop.speed import SpeedScale
 from telex_teleop.stream import Clocks
 
@@ -107,17 +106,6 @@ class FlipperTeleop(JointTeleop):
             raise InvalidCommand("flippers are being moved by hand: that goes first")
         self.requests.begin_goal(number, wanted)
 
-    def state(self, wall: float) -> TeleopState:
-        """Return what a display shows at `wall` (monotonic time, s)."""
-        state = super().state(wall)
-        if state.message or self._ticks.now is None:
-            return state
-        if self.requests.waiting(wall):
-            message = "the preset has ended: release its key and press it again"
-            return replace(state, active=False, message=message)
-        held = self.requests.held(Clocks(wall, self._ticks.now))
-        return replace(state, active=state.active or held)
-
     def _references(
         self, dt: float, now: Clocks, positions: Mapping[str, float]
     ) -> Dict[str, float]:
@@ -141,3 +129,12 @@ class FlipperTeleop(JointTeleop):
     def _drop(self) -> None:
         super()._drop()
         self.requests.end("the robot was put somewhere else, or out of sight")
+
+    def _refusal(self, wall: float) -> str:
+        reason = super()._refusal(wall)
+        if not reason and self.requests.waiting(wall):
+            reason = "the preset has ended: release its key and press it again"
+        return reason
+
+    def _obeying(self, now: Clocks) -> bool:
+        return super()._obeying(now) or self.requests.held(now)

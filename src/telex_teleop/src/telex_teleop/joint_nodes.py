@@ -2,30 +2,33 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict
+from typing import Dict
 
 import rospy
-from telex_msgs.srv import SetMode, SetModeResponse
 
 from telex_control.robot_description import wait_for_robot_description
 from telex_control.urdf_joints import joints, parse_urdf
+from telex_teleop.arm_settings import ArmTeleopSettings, carrier_of
+from telex_teleop.arm_teleop import ArmTeleop
+from telex_teleop.base_pose import BasePose
 from telex_teleop.coupled_teleop import CoupledTeleop
 from telex_teleop.flipper_settings import FlipperTeleopSettings
 from telex_teleop.flipper_teleop import FlipperTeleop
 from telex_teleop.joint_teleop import JointTeleop
 from telex_teleop.limits import JointLimits, limits_from_urdf
 from telex_teleop.motion_settings import GripperTeleopSettings, JointTeleopSettings
+from telex_teleop.proximity import ProximityGuard
+from telex_teleop.ros_arm_teleop import ArmTeleopNode
 from telex_teleop.ros_common import private_settings, run_node
 from telex_teleop.ros_flipper_teleop import FlipperTeleopNode
-from telex_teleop.ros_joint_teleop import JOINT_MODE, JointTeleopNode
+from telex_teleop.ros_joint_teleop import JointTeleopNode
+from telex_teleop.ros_kinematics import KinematicsServices
 
 __all__ = ["arm_main", "flipper_main", "gripper_main"]
 
-CARTESIAN_MODE = "CARTESIAN"
-
 
 def arm_main() -> int:
-    """Run the node that jogs the arm's joints and its camera's pan and tilt."""
+    """Run the node that moves the arm by its joints or its tool, and its camera's pan and tilt."""
     return run_node("arm_teleop", _start_arm)
 
 
@@ -39,11 +42,6 @@ def gripper_main() -> int:
     return run_node("gripper_teleop", _start_gripper)
 
 
-def _start_joints() -> JointTeleopNode:
-    settings = private_settings(JointTeleopSettings)
-    return JointTeleopNode(_independent(settings, _limits(settings)), settings.status_rate)
-
-
 def _limits(settings: JointTeleopSettings) -> Dict[str, JointLimits]:
     """Wait for the robot, and return the limits of those of the node's joints that it has."""
     description = wait_for_robot_description()
@@ -53,33 +51,24 @@ def _limits(settings: JointTeleopSettings) -> Dict[str, JointLimits]:
     return limits_from_urdf(description, [name for name in settings.joints if name not in lacking])
 
 
-def _independent(settings: JointTeleopSettings, limits: Dict[str, JointLimits]) -> JointTeleop:
-    return JointTeleop(
-        settings.axes(limits),
+def _start_arm() -> object:
+    settings = private_settings(ArmTeleopSettings)
+    description = wait_for_robot_description()
+    axes = settings.axes(_limits(settings))
+    chain, carrier, problems = carrier_of(settings, description, axes)
+    for problem in problems:
+        rospy.logwarn(f"{rospy.get_name()}: {problem}")
+    core = ArmTeleop(
+        axes,
+        carrier,
         settings.command_timeout,
         settings.longest_step,
         settings.speed_scale(),
+        ProximityGuard(settings.proximity),
+        BasePose(settings.frames.base_pose_max_age),
     )
-
-
-def _start_arm() -> object:
-    node = _start_joints()
-    return node, rospy.Service("~set_mode", SetMode, _set_mode)
-
-
-def _set_mode(request: Any) -> SetModeResponse:
-    if request.mode == JOINT_MODE:
-        return SetModeResponse(success=True, message="")
-    if request.mode == CARTESIAN_MODE:
-        return SetModeResponse(
-            success=False,
-            message=f"{CARTESIAN_MODE}: operational-space mode is not available in this version; "
-            f"the mode stays {JOINT_MODE}",
-        )
-    return SetModeResponse(
-        success=False,
-        message=f"mode {request.mode!r} is unknown; must be {JOINT_MODE} or {CARTESIAN_MODE}",
-    )
+    node = ArmTeleopNode(core, settings, chain)
+    return node, KinematicsServices(node, chain, settings.frames)
 
 
 def _start_flippers() -> FlipperTeleopNode:
@@ -96,11 +85,16 @@ def _start_flippers() -> FlipperTeleopNode:
     return FlipperTeleopNode(core, settings.status_rate)
 
 
+def _without_joints(settings: JointTeleopSettings) -> JointTeleop:
+    """Return a core that answers operators of a robot without the node's joints."""
+    return JointTeleop({}, settings.command_timeout, settings.longest_step, settings.speed_scale())
+
+
 def _start_gripper() -> JointTeleopNode:
     settings = private_settings(GripperTeleopSettings)
     limits = _limits(settings)
     if not limits:
-        return JointTeleopNode(_independent(settings, limits), settings.status_rate)
+        return JointTeleopNode(_without_joints(settings), settings.status_rate)
     group = settings.coupling
     fingers = settings.axes(limits)
     core = CoupledTeleop(

@@ -14,7 +14,10 @@ from telex_teleop.joint_jog import InvalidCommand, JogCommand
 from telex_teleop.speed import SpeedScale
 from telex_teleop.stream import Clocks, SimTicks, StartingTime
 
-__all__ = ["AxisState", "JointTeleop", "TeleopState"]
+__all__ = ["JOINT_MODE", "NEEDS_NEW_PRESS", "AxisState", "JointTeleop", "TeleopState"]
+
+JOINT_MODE = "JOINT"
+NEEDS_NEW_PRESS = "a command from before the stop goes on: release the key and press it again"
 
 
 @dataclass(frozen=True)
@@ -40,11 +43,14 @@ class TeleopState:
         Empty before the first joint state.
     message
         Why commands are not obeyed, empty when they are.
+    notice
+        What else there is to know, such as what slows a motion; empty when nothing.
     """
 
     active: bool
     axes: Tuple[AxisState, ...]
     message: str
+    notice: str = ""
 
 
 class JointTeleop:
@@ -237,10 +243,9 @@ class JointTeleop:
         if self._ticks.now is None or self._last_wall is None:
             return TeleopState(False, (), message)
         now = Clocks(wall, self._ticks.now)
-        if not message and any(axis.stream.waiting(wall) for axis in self.axes.values()):
-            message = "a command from before the stop goes on: release the key and press it again"
-        active = any(axis.obeying(now) for axis in self.axes.values())
-        return TeleopState(active and not message, self._axis_states(), message)
+        message = message or self._refusal(wall)
+        active = self._obeying(now) and not message
+        return TeleopState(active, self._axis_states(), message, self._notice(now))
 
     def _deaf(self, wall: float) -> str:
         """Return why no command at all is obeyed at `wall` (monotonic, s); empty when some are."""
@@ -253,6 +258,20 @@ class JointTeleop:
         if wall - self._last_wall > 2.0 * self._command_timeout:
             return "no joint_states: the simulation is paused or has ended"
         return "just started" if self._starting.lasts else ""
+
+    def _refusal(self, wall: float) -> str:
+        """Return why a command that is being sent at `wall` (monotonic, s) is not obeyed."""
+        waiting = any(axis.stream.waiting(wall) for axis in self.axes.values())
+        return NEEDS_NEW_PRESS if waiting else ""
+
+    def _obeying(self, now: Clocks) -> bool:
+        """Tell whether a command is being carried out."""
+        return any(axis.obeying(now) for axis in self.axes.values())
+
+    def _notice(self, now: Clocks) -> str:
+        """Return what else there is to know, empty where nothing."""
+        del now
+        return ""
 
     def _axis_states(self) -> Tuple[AxisState, ...]:
         states: List[AxisState] = []

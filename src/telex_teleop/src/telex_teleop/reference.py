@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass
 from typing import Optional
 
-__all__ = ["MotionLimits", "ReferenceGenerator"]
+__all__ = ["MotionLimits", "ReferenceGenerator", "stoppable_speed"]
 
 # Closer than this the goal of a displacement counts as reached (rad or m); far below any encoder's
 # resolution.
@@ -269,14 +269,18 @@ class ReferenceGenerator:
         return moved
 
     def _stoppable(self, distance: float, dt: float) -> float:
-        """Return the largest speed from which the reference can come to rest within a distance.
+        return stoppable_speed(self.limits.max_acceleration, distance, dt)
 
-        The way of this step at that speed v and the braking distance after it must fit: ``v dt +
-        v^2 / (2 a) = distance``. Then braking by ``a dt`` keeps the condition in every later step,
-        whatever its length.
-        """
-        change = self.limits.max_acceleration * dt
-        return math.sqrt(change**2 + 2.0 * self.limits.max_acceleration * distance) - change
+
+def stoppable_speed(acceleration: float, distance: float, dt: float) -> float:
+    """Return the largest speed from which a reference can come to rest within a distance.
+
+    The way of this step at that speed v and the braking distance after it must fit: ``v dt +
+    v^2 / (2 a) = distance``. Then braking by ``a dt`` keeps the condition in every later step,
+    whatever its length.
+    """
+    change = acceleration * dt
+    return math.sqrt(change**2 + 2.0 * acceleration * distance) - change
 
 
 def _clamp(value: float, low: float, high: float) -> float:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import threading
-from typing import Any, Callable, Optional, Protocol, Type, TypeVar
+import time
+from typing import Any, Callable, Dict, Optional, Protocol, Type, TypeVar
 
 import rospy
 from std_msgs.msg import Bool, Float64
@@ -21,11 +22,14 @@ __all__ = [
     "caller_of",
     "private_settings",
     "run_node",
+    "warn_dropped",
 ]
 
 Settings = TypeVar("Settings")
 
 WARNING_PERIOD = 2.0  # s between two warnings of one kind
+# rospy's own throttle goes by the line of code, which is one for all topics
+_warned: Dict[str, float] = {}
 
 
 def private_settings(kind: Type[Settings]) -> Settings:
@@ -134,6 +138,14 @@ class OperatorInputs:
 def caller_of(message: Any) -> str:
     """Return the name of the node that sent a message."""
     return str(message._connection_header["callerid"])
+
+
+def warn_dropped(topic: str, problem: str) -> None:
+    """Say, for each topic not too often, that a message was not obeyed, and why."""
+    now = time.monotonic()
+    if now - _warned.get(topic, -WARNING_PERIOD) >= WARNING_PERIOD:
+        _warned[topic] = now
+        rospy.logwarn(f"message on {rospy.resolve_name(topic)} dropped: {problem}")
 
 
 def run_node(name: str, start: Callable[[], object]) -> int:

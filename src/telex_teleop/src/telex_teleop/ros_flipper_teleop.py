@@ -54,9 +54,6 @@ class FlipperTeleopNode(JointTeleopNode):
                 descriptions=[preset.description for preset in core.presets.values()],
             )
         )
-        rospy.Subscriber(
-            "~preset_cmds", FlipperPresetHold, self._on_preset, queue_size=10, tcp_nodelay=True
-        )
         self._server = ActionServer(
             rospy.resolve_name("~preset"),
             FlipperPresetAction,
@@ -65,6 +62,12 @@ class FlipperTeleopNode(JointTeleopNode):
             auto_start=False,
         )
         self._server.start()
+
+    def _listen(self) -> None:
+        super()._listen()
+        rospy.Subscriber(
+            "~preset_cmds", FlipperPresetHold, self._on_preset, queue_size=10, tcp_nodelay=True
+        )
 
     def publish_status(self) -> None:
         """Publish the present state on ``~status``; tell clients how their goals stand."""

@@ -14,12 +14,10 @@ from std_msgs.msg import Float64
 from telex_msgs.msg import JointTeleopStatus
 
 from telex_teleop.joint_jog import InvalidCommand, parse_joint_jog
-from telex_teleop.joint_teleop import JointTeleop
-from telex_teleop.ros_common import WARNING_PERIOD, OperatorInputs, StatusTimer, caller_of
+from telex_teleop.joint_teleop import JOINT_MODE, JointTeleop
+from telex_teleop.ros_common import OperatorInputs, StatusTimer, caller_of, warn_dropped
 
 __all__ = ["JointTeleopNode"]
-
-JOINT_MODE = "JOINT"
 
 
 class JointTeleopNode:
@@ -47,13 +45,22 @@ class JointTeleopNode:
         }
         self._status = rospy.Publisher("~status", JointTeleopStatus, queue_size=1)
         self._inputs = OperatorInputs(core, self._lock)
-        rospy.Subscriber(
-            "~delta_joint_cmds", JointJog, self._on_jog, queue_size=10, tcp_nodelay=True
-        )
+        self._listen()
+        # last, for the first joint state begins the time in which running streams are looked for
         rospy.Subscriber(
             "joint_states", JointState, self._on_joint_states, queue_size=1, tcp_nodelay=True
         )
         self._timer = StatusTimer(status_rate, self.publish_status)
+
+    def _listen(self) -> None:
+        """Listen to commands."""
+        rospy.Subscriber(
+            "~delta_joint_cmds", JointJog, self._on_jog, queue_size=10, tcp_nodelay=True
+        )
+
+    @property
+    def _mode(self) -> str:
+        return JOINT_MODE
 
     def publish_status(self) -> None:
         """Publish the present state on ``~status``."""
@@ -62,7 +69,7 @@ class JointTeleopNode:
             speed = self._core.speed
             scale, minimum, maximum = speed.value, speed.minimum, speed.maximum
         message = JointTeleopStatus(
-            mode=JOINT_MODE,
+            mode=self._mode,
             active=state.active,
             speed_scale=scale,
             min_speed_scale=minimum,
@@ -73,6 +80,7 @@ class JointTeleopNode:
             max_velocity=[axis.max_velocity for axis in state.axes],
             limited=[axis.name for axis in state.axes if axis.limited],
             message=state.message,
+            notice=state.notice,
         )
         message.header.stamp = rospy.Time.now()
         self._status.publish(message)
@@ -90,8 +98,7 @@ class JointTeleopNode:
             with self._lock:
                 self._core.receive(jog, arrival, caller_of(message))
         except InvalidCommand as error:
-            topic = rospy.resolve_name("~delta_joint_cmds")
-            rospy.logwarn_throttle(WARNING_PERIOD, f"message on {topic} dropped: {error}")
+            warn_dropped("~delta_joint_cmds", str(error))
 
     def _on_joint_states(self, message: Any) -> None:
         arrival = time.monotonic()
@@ -134,8 +141,7 @@ class JointTeleopNode:
 
     @staticmethod
     def _warn(problem: str) -> None:
-        topic = rospy.resolve_name("joint_states")
-        rospy.logwarn_throttle(WARNING_PERIOD, f"message on {topic} dropped: {problem}")
+        warn_dropped("joint_states", problem)
 
 
 def command_topic(joint: str) -> str:

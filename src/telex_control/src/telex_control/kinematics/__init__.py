@@ -1,16 +1,33 @@
-"""Kinematics of the robot from its URDF: KDL trees and chains, Denavit-Hartenberg parameters."""
+"""Kinematics of the robot from its URDF: chains, forward and inverse kinematics, DH parameters."""
 
-from .chain import KinematicChain
+from .chain import Chain
 from .denavit_hartenberg import DHChain, DHRow, dh_chain
+from .ik_options import FREE, Goal, IKOptions, Mode, Tolerance
+from .ik_result import IKResult, IKStatus, TrackResult
+from .ik_solver import IKSolver
 from .kdl_tree import kdl_tree
+from .poses import make_pose, move_pose, quaternion_of, rotation_vector
 from .urdf_tree import KinematicsError, UrdfTree
 
 __all__ = [
+    "FREE",
+    "Chain",
     "DHChain",
     "DHRow",
-    "KinematicChain",
+    "Goal",
+    "IKOptions",
+    "IKResult",
+    "IKSolver",
+    "IKStatus",
     "KinematicsError",
+    "Mode",
+    "Tolerance",
+    "TrackResult",
     "UrdfTree",
     "dh_chain",
     "kdl_tree",
+    "make_pose",
+    "move_pose",
+    "quaternion_of",
+    "rotation_vector",
 ]

@@ -15,7 +15,7 @@ import numpy as np
 
 from telex_control.urdf_joints import PRISMATIC
 
-from .chain import KinematicChain
+from .chain import Chain
 from .urdf_tree import FIXED, KinematicsError
 
 _PARALLEL = 1e-9
@@ -124,7 +124,7 @@ class _Axis:
     direction: np.ndarray
 
 
-def dh_chain(chain: KinematicChain) -> DHChain:
+def dh_chain(chain: Chain) -> DHChain:
     """Derive the Denavit-Hartenberg parameters of a chain.
 
     Where the convention leaves a choice (axes that meet or are parallel, both ends of the chain),
@@ -161,7 +161,7 @@ def dh_chain(chain: KinematicChain) -> DHChain:
     return DHChain(base, tuple(rows), np.linalg.inv(frame) @ tip)
 
 
-def _axes(chain: KinematicChain) -> List[_Axis]:
+def _axes(chain: Chain) -> List[_Axis]:
     found = []
     zero = [0.0] * len(chain.joints)
     for joint in chain.path:
@@ -195,7 +195,7 @@ def _normal(axis: _Axis, following: _Axis, before: np.ndarray) -> Tuple[np.ndarr
     return foot, turns[0][1]
 
 
-def _row(chain: KinematicChain, index: int, before: np.ndarray, frame: np.ndarray) -> DHRow:
+def _row(chain: Chain, index: int, before: np.ndarray, frame: np.ndarray) -> DHRow:
     joint = chain.joints[index]
     step = frame[:3, 3] - before[:3, 3]
     return DHRow(

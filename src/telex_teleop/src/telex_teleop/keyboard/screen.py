@@ -6,18 +6,41 @@ import math
 import textwrap
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import FrozenSet, List, Mapping, Optional, Sequence, Tuple
+from typing import FrozenSet, List, Mapping, Optional, Sequence, Tuple, Type, TypeVar
 
-from telex_teleop.keyboard.map import NODES, Action, Command, Drive, Jog, KeyMap, Preset
+from telex_teleop.keyboard.map import (
+    NODES,
+    TOOL_AXES,
+    Action,
+    Command,
+    Drive,
+    Jog,
+    KeyMap,
+    Preset,
+    Tool,
+    ToPose,
+)
 from telex_teleop.track_drive import STANDSTILL, Velocity
 
-__all__ = ["JointView", "Line", "NodeView", "ScreenState", "Style", "render"]
+__all__ = [
+    "JointView",
+    "Line",
+    "NodeView",
+    "ScreenState",
+    "Style",
+    "ToolView",
+    "render",
+    "roll_pitch_yaw",
+]
 
 COLUMN = 39  # characters of one of the two columns
 KEYS = 10  # of them for the keys
 VALUE = 11  # and for the value
 LABEL = COLUMN - 2 - KEYS - 1 - 1 - VALUE
 TITLES = {"tracks": "TRACKS", "flipper": "FLIPPERS", "gripper": "GRIPPER", "arm": "ARM"}
+# what goes by the names of its YAML file
+Named = TypeVar("Named", Preset, ToPose)
+NAMED = {Preset: "FLIPPER PRESETS", ToPose: "ARM POSES"}
 LEFT, RIGHT = ("tracks", "flipper", "gripper"), ("arm",)
 DRIVES = (
     ("drive", Drive(1, 0), Drive(-1, 0)),
@@ -29,6 +52,8 @@ COMMANDS: Tuple[Tuple[str, Tuple[Command, ...]], ...] = (
     ("release e-stop", (Command.RELEASE_E_STOP,)),
     ("speed", (Command.FASTER, Command.SLOWER)),
     ("mode", (Command.MODE,)),
+    ("frame", (Command.FRAME,)),
+    ("hold tool", (Command.HOLD_TOOL,)),
     ("help", (Command.HELP,)),
     ("quit", (Command.QUIT,)),
 )
@@ -70,6 +95,25 @@ class JointView:
 
 
 @dataclass(frozen=True)
+class ToolView:
+    """The tool as the last status shows it.
+
+    Attributes
+    ----------
+    frame
+        Along whose axes it moves.
+    position
+        In the base's frame (m).
+    turned
+        Roll, pitch and yaw there (rad).
+    """
+
+    frame: str
+    position: Tuple[float, float, float]
+    turned: Tuple[float, float, float]
+
+
+@dataclass(frozen=True)
 class ScreenState:
     """Everything that the screen shows.
 
@@ -96,6 +140,10 @@ class ScreenState:
         Actions whose keys are held.
     notice
         Last message for the operator.
+    tool
+        The tool, None before the arm's first status.
+    arm_notice
+        What there is to know of the arm's motion.
     """
 
     robot: str
@@ -108,6 +156,16 @@ class ScreenState:
     drive: Velocity = STANDSTILL
     held: FrozenSet[Action] = frozenset()
     notice: str = ""
+    tool: Optional[ToolView] = None
+    arm_notice: str = ""
+
+
+def roll_pitch_yaw(x: float, y: float, z: float, w: float) -> Tuple[float, float, float]:
+    """Return the angles (rad) about fixed axes of a unit quaternion."""
+    roll = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
+    pitch = math.asin(max(-1.0, min(1.0, 2.0 * (w * y - z * x))))
+    yaw = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    return roll, pitch, yaw
 
 
 def render(
@@ -133,7 +191,7 @@ def render(
     show_help
         Whether the explanation takes the place of the table.
     """
-    head = [_head(state), _obedience(keys, state), Line("")]
+    head = [_head(state), _obedience(keys, state), Line(state.arm_notice, Style.WARNING)]
     foot = [Line(""), *_commands(keys, columns), Line(state.notice, Style.WARNING)]
     body = _help(keys, state, columns) if show_help else _table(keys, lengths, state, columns)
     # What says whether the robot obeys, and how to stop it, stays on the smallest screen.
@@ -144,8 +202,11 @@ def render(
 
 def _head(state: ScreenState) -> Line:
     speed = "-" if state.speed_scale is None else f"{100.0 * state.speed_scale:.0f} %"
+    mode = state.mode or "-"
+    if mode == "CARTESIAN" and state.tool is not None:
+        mode = f"{mode} ({state.tool.frame})"
     return Line(
-        f"TELEX KEYBOARD   robot {state.robot}   mode {state.mode or '-'}   speed {speed}",
+        f"TELEX KEYBOARD   robot {state.robot}   mode {mode}   speed {speed}",
         Style.TITLE,
     )
 
@@ -175,8 +236,9 @@ def _is_silent(state: ScreenState, node: str) -> bool:
 
 def _table(keys: KeyMap, lengths: Sequence[str], state: ScreenState, columns: int) -> List[Line]:
     left = [text for node in LEFT for text in _section(node, keys, lengths, state)]
-    left += _presets(keys, state)
+    left += _named(keys, Preset, state)
     right = [text for node in RIGHT for text in _section(node, keys, lengths, state)]
+    right += _named(keys, ToPose, state)
     if columns < 2 * COLUMN + 1:
         return [Line(text) for text in (*right, *left)]
     height = max(len(left), len(right))
@@ -204,17 +266,36 @@ def _section(node: str, keys: KeyMap, lengths: Sequence[str], state: ScreenState
             )
             for joints in _axes(node, keys)
         ]
+        if node == "arm":
+            rows = [*_tool_rows(keys, state), *rows]
     return [TITLES[node], *rows] if rows else []
 
 
-def _presets(keys: KeyMap, state: ScreenState) -> List[str]:
-    """Return the flipper presets, as many on a line as fit."""
-    presets = [action for action in keys.actions.values() if isinstance(action, Preset)]
-    parts = [
+def _named(keys: KeyMap, kind: Type[Named], state: ScreenState) -> List[str]:
+    """Return all actions of a kind that goes by names, as many on a line as fit."""
+    actions = [action for action in keys.actions.values() if isinstance(action, kind)]
+    parts: List[str] = [
         f"{'>' if action in state.held else ' '} {'/'.join(keys.keys_of(action))} {action.name}"
-        for action in dict.fromkeys(presets)
+        for action in dict.fromkeys(actions)
     ]
-    return ["FLIPPER PRESETS", *_fill(parts, COLUMN, " ")] if parts else []
+    return [NAMED[kind], *_fill(parts, COLUMN, " ")] if parts else []
+
+
+def _tool_rows(keys: KeyMap, state: ScreenState) -> List[str]:
+    rows: List[str] = []
+    for axis, name in enumerate(TOOL_AXES):
+        pair = (Tool(axis, 1), Tool(axis, -1))
+        if keys.keys_of(pair[0]) or keys.keys_of(pair[1]):
+            rows.append(_row(keys, pair, f"tool {name}", _tool_value(axis, state.tool), state))
+    return rows
+
+
+def _tool_value(axis: int, tool: Optional[ToolView]) -> str:
+    if tool is None:
+        return ""
+    if axis < 3:
+        return f"{1000.0 * tool.position[axis]:+.0f} mm"
+    return f"{math.degrees(tool.turned[axis - 3]):+.1f} deg"
 
 
 def _axes(node: str, keys: KeyMap) -> List[Tuple[str, ...]]:
@@ -223,7 +304,7 @@ def _axes(node: str, keys: KeyMap) -> List[Tuple[str, ...]]:
 
 
 def _row(
-    keys: KeyMap, actions: Tuple[Action, Action], label: str, value: str, state: ScreenState
+    keys: KeyMap, actions: Tuple[Action, ...], label: str, value: str, state: ScreenState
 ) -> str:
     marker = ">" if state.held.intersection(actions) else " "
     # in the order of the file, which is that of the keyboard: the upper key comes first
@@ -284,24 +365,21 @@ EXACT_KEYS = """\
 This terminal reports when a key goes up: a motion lasts exactly as long as its key is held, and
 several keys work at once."""
 TYPED_KEYS = """\
-This terminal does not report when a key goes up. A short press is a nudge. A held key starts with
-that nudge, pauses until your keyboard begins to repeat it, then moves until just after you let go;
-of several held keys only the last one counts. A terminal with the kitty keyboard protocol (kitty,
-foot, WezTerm, Ghostty) is exact."""
+This terminal does not report when a key goes up: a short press is a nudge; a held key pauses after
+it until your keyboard begins to repeat, then moves until just after you let go; of several held
+keys only the last one counts. A terminal with the kitty keyboard protocol (kitty, foot, WezTerm,
+Ghostty) is exact."""
 HELP = """\
-Hold a key to move, let it go to stop: the joint then holds its place. Every motion starts and ends
-on a ramp. The first key of a pair moves forward, up, out or open, or to the left. '!' marks a joint
-that a limit, or something in its way, holds back. The key of a preset moves all flippers to its
-angles; a flipper key ends that, and the preset then needs a new press.
+Hold a key to move, let it go to stop; all motion is on ramps. The first key of a pair moves
+forward, up, out or open, or to the left. '!' marks a joint that a limit, or something in its way,
+holds back. In mode CARTESIAN the arm's keys move its tool along the axes of the frame. A pose moves
+the whole arm, a preset all flippers; a flipper key ends a preset, which then needs a new press.
 
 {holding}
 
-The speed is a factor on all motions, for all nodes of the robot. It stays when you quit.
-
-{stop} stops everything at once and lets all held keys go. The e-stop also brakes the tracks; after
-it, press anew what you want to move.
-
-When this window loses the keyboard, or this program ends, everything stops."""
+The speed is a factor on all motions, and stays when you quit. {stop} stops everything at once and
+lets all held keys go. The e-stop also brakes the tracks; after it, press anew what you want to
+move. When this window loses the keyboard, or this program ends, everything stops."""
 
 
 def _help(keys: KeyMap, state: ScreenState, columns: int) -> List[Line]:
@@ -311,6 +389,7 @@ def _help(keys: KeyMap, state: ScreenState, columns: int) -> List[Line]:
     )
     lines: List[Line] = []
     for paragraph in text.split("\n\n"):
+        if lines:
+            lines.append(Line(""))
         lines.extend(Line(text) for text in textwrap.wrap(paragraph, max(columns - 1, 20)))
-        lines.append(Line(""))
     return lines

@@ -9,7 +9,7 @@ from telex_teleop.keyboard.commands import Commander
 from telex_teleop.keyboard.decoding import Event, FocusEvent, KeyDecoder, KeyEvent, KeyKind
 from telex_teleop.keyboard.held import HeldKeys
 from telex_teleop.keyboard.line import LineCheck
-from telex_teleop.keyboard.map import Action, Command, KeyboardSettings
+from telex_teleop.keyboard.map import Action, Command, KeyboardSettings, KeyMap
 from telex_teleop.keyboard.screen import Line, ScreenState, render
 
 if TYPE_CHECKING:
@@ -40,11 +40,18 @@ class KeyboardTeleop:
         self._settings = settings
         self._robot = robot
         self._terminal = terminal
-        self._decoder = KeyDecoder(settings.key_map.actions)
+        self._decoder = KeyDecoder({**settings.key_map.actions, **settings.cartesian_map.actions})
         self._line = LineCheck()
         self._held = HeldKeys(settings.tap_time, settings.key_timeout)
-        self._commander = Commander(settings.jog_rate, settings.linear, settings.angular)
+        self._commander = Commander(
+            settings.jog_rate,
+            settings.linear,
+            settings.angular,
+            settings.tool_linear,
+            settings.tool_angular,
+        )
         self._ended = False
+        self._cartesian = False
         self._exact_keys = False
         self._show_help = False
         self._sent_at = 0.0
@@ -114,6 +121,11 @@ class KeyboardTeleop:
 
     def send(self, now: float) -> None:
         """Send what the held keys command: at once when it has changed, else at the send rate."""
+        cartesian = self._robot.mode == "CARTESIAN"
+        if cartesian != self._cartesian:
+            # what is held was pressed for something else
+            self._cartesian = cartesian
+            self._held.release_all(now)
         held = self._held_actions(now)
         due = now - self._sent_at >= 1.0 / self._settings.send_rate
         if held != self._sent or (due and self._commander.busy):
@@ -134,24 +146,31 @@ class KeyboardTeleop:
             drive=robot.drive,
             held=self._held_actions(now),
             notice=robot.notice,
+            tool=robot.tool,
+            arm_notice=robot.arm_notice,
         )
         columns, lines = self._terminal.size()
         settings = self._settings
-        return render(settings.key_map, settings.lengths, state, columns, lines, self._show_help)
+        return render(self._key_map, settings.lengths, state, columns, lines, self._show_help)
+
+    @property
+    def _key_map(self) -> KeyMap:
+        settings = self._settings
+        return settings.cartesian_map if self._cartesian else settings.key_map
 
     def _wait(self) -> float:
         busy = self._commander.busy or self._decoder.incomplete
         return 1.0 / self._settings.send_rate if busy else IDLE_PERIOD
 
     def _held_actions(self, now: float) -> FrozenSet[Action]:
-        actions = (self._settings.key_map.action(name) for name in self._held.names(now))
+        actions = (self._key_map.action(name) for name in self._held.names(now))
         return frozenset(
             action for action in actions if action is not None and not isinstance(action, Command)
         )
 
     def _take_key(self, event: KeyEvent, now: float, late: bool) -> None:
         went_down = self._held.take(event, now)
-        action = self._settings.key_map.action(event.name)
+        action = self._key_map.action(event.name)
         if not isinstance(action, Command) or event.kind is KeyKind.RELEASED:
             return
         if late and action not in NEVER_TOO_LATE:
@@ -168,7 +187,7 @@ class KeyboardTeleop:
     def _stop(self, now: float) -> None:
         self._held.release_all(now)
         self._sent = frozenset()
-        self._robot.send(self._commander.stop(self._settings.key_map.actions.values()))
+        self._robot.send(self._commander.stop(self._key_map.actions.values()))
 
     def _do(self, command: Command) -> None:
         self._robot.notice = ""
@@ -180,6 +199,10 @@ class KeyboardTeleop:
             self._robot.change_speed(1.0 / self._settings.speed_step)
         elif command is Command.MODE:
             self._robot.toggle_mode()
+        elif command is Command.FRAME:
+            self._robot.next_frame()
+        elif command is Command.HOLD_TOOL:
+            self._robot.toggle_hold()
         elif command is Command.HELP:
             self._show_help = not self._show_help
         else:

@@ -1,0 +1,126 @@
+"""How far the tool was from where it was to be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Tuple
+
+import numpy as np
+
+from . import TrajectoryError
+from .reference import Motion
+
+AXES = ("x", "y", "z")
+
+
+@dataclass(frozen=True)
+class Recording:
+    """What the joints did.
+
+    Attributes
+    ----------
+    times : ndarray, shape (n,)
+        Since the begin of the path, rising (s).
+    positions : ndarray, shape (n, joints)
+        Measured (rad, m), in the order of the chain.
+    """
+
+    times: np.ndarray
+    positions: np.ndarray
+
+
+@dataclass(frozen=True)
+class Result:
+    """Desired and measured way of the tool, in the base link's frame.
+
+    Attributes
+    ----------
+    name : str
+        Of the path.
+    times : ndarray, shape (n,)
+        s.
+    desired, measured : ndarray, shape (n, 3)
+        Places at these times (m).
+    """
+
+    name: str
+    times: np.ndarray
+    desired: np.ndarray
+    measured: np.ndarray
+
+    @property
+    def error(self) -> np.ndarray:
+        """Measured minus desired place, shape (n, 3) (m)."""
+        return self.measured - self.desired
+
+    @property
+    def figures(self) -> Figures:
+        """What it comes to."""
+        error = self.error
+        distance = np.linalg.norm(error, axis=1)
+        return Figures(
+            rms=float(np.sqrt(np.mean(distance**2))),
+            largest=float(distance.max()),
+            rms_by_axis=_three(np.sqrt(np.mean(error**2, axis=0))),
+            largest_by_axis=_three(np.abs(error).max(axis=0)),
+            delay=self._delay(),
+            length=float(np.linalg.norm(np.diff(self.desired, axis=0), axis=1).sum()),
+            duration=float(self.times[-1] - self.times[0]),
+        )
+
+    def _delay(self) -> float:
+        """Time by which the tool is behind, as fits best: the error's share along the speed."""
+        speed = np.gradient(self.desired, self.times, axis=0)
+        return float(-np.sum(self.error * speed) / max(np.sum(speed**2), 1e-12))
+
+
+@dataclass(frozen=True)
+class Figures:
+    """Figures of a followed path.
+
+    Attributes
+    ----------
+    rms, largest : float
+        Distance of the tool from where it is to be at the same time (m).
+    rms_by_axis, largest_by_axis : tuple of 3 floats
+        The same by axis (m).
+    delay : float
+        By which it is behind, in the mean (s).
+    length : float
+        Of the path (m).
+    duration : float
+        s.
+    """
+
+    rms: float
+    largest: float
+    rms_by_axis: Tuple[float, float, float]
+    largest_by_axis: Tuple[float, float, float]
+    delay: float
+    length: float
+    duration: float
+
+
+def _three(values: np.ndarray) -> Tuple[float, float, float]:
+    x, y, z = (float(value) for value in values)
+    return (x, y, z)
+
+
+def analyse(name: str, motion: Motion, recording: Recording) -> Result:
+    """Find where the tool was, by forward kinematics of the measured joint positions.
+
+    Raises
+    ------
+    TrajectoryError
+        There is too little to look at, or it does not reach to the end of the path.
+    """
+    last = float(recording.times[-1]) if len(recording.times) else 0.0
+    inside = (recording.times >= 0.0) & (recording.times <= motion.profile.duration)
+    times = recording.times[inside]
+    if len(times) < 10 or last < motion.profile.duration:
+        raise TrajectoryError(
+            f"{len(times)} joint states in the {motion.profile.duration:.1f} s of the path, the "
+            f"last at {last:.1f} s; more are needed"
+        )
+    measured = np.array([motion.chain.forward(q)[:3, 3] for q in recording.positions[inside]])
+    return Result(name, times, motion.tool(times), measured)

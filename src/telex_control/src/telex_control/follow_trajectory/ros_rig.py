@@ -1,0 +1,103 @@
+"""A `Rig` over ROS: the controllers of a simulator, or a robot, that runs."""
+
+from __future__ import annotations
+
+from typing import Callable, Dict, List, Mapping, Optional, Sequence, Tuple
+
+import numpy as np
+import rospy
+from sensor_msgs.msg import JointState
+
+from ..step_response.ros_session import RosRig
+from . import TrajectoryError
+from .analysis import Recording
+
+References = Callable[[float], Mapping[str, float]]
+
+_LATE = 1.0
+"""Sim time (s) after the end of a stream in which its last joint state has to come."""
+
+
+class TrajectoryRig(RosRig):
+    """The position controllers of an arm, led at the pace of the joint states.
+
+    Parameters
+    ----------
+    namespace : str
+        Of the robot, without a slash at its end.
+    joints : sequence of str
+        The arm's, in the order of recordings.
+    rate : float
+        Of the references (Hz of sim time); joint states that come faster are recorded only.
+
+    Raises
+    ------
+    StepError
+        As `RosRig`.
+    TrajectoryError
+        A joint has no controller that runs.
+    """
+
+    def __init__(self, namespace: str, joints: Sequence[str], rate: float) -> None:
+        self._arm = list(joints)
+        self._period = 1.0 / rate
+        self._references: Optional[References] = None
+        self._begin: Optional[float] = None
+        self._next = 0.0
+        self._samples_of_arm: List[Tuple[float, List[float]]] = []
+        super().__init__(namespace)
+        without = [joint for joint in self._arm if joint not in self._controllers]
+        if without:
+            raise TrajectoryError(
+                f"no position controller runs for {', '.join(without)}; start them, e.g. by "
+                "controller_group switch manual"
+            )
+
+    def lag(self) -> float:
+        """See `Rig`: the delay of the filters, and of references that are held, in the mean."""
+        frequencies = [
+            float(
+                rospy.get_param(
+                    f"{self._namespace}/{self._controllers[joint]}/command_filter_frequency", 0.0
+                )
+            )
+            for joint in self._arm
+        ]
+        delays = [2.0 / each if each > 0.0 else 0.0 for each in frequencies]
+        return sum(delays) / len(delays) + 0.5 * self._period
+
+    def stream(self, references: References, end: float) -> Recording:
+        """See `Rig`."""
+        self._samples_of_arm = []
+        self._begin, self._next = None, 0.0
+        self._references = references
+        try:
+            self.wait(end)
+            late = 0.0
+            while not self._samples_of_arm or self._samples_of_arm[-1][0] < end:
+                if late > _LATE:
+                    raise TrajectoryError(
+                        "joint states stopped before the end; is the simulator paused?"
+                    )
+                self.wait(0.02)
+                late += 0.02
+        finally:
+            self._references = None
+        times, positions = zip(*self._samples_of_arm)
+        return Recording(np.array(times), np.array(positions))
+
+    def _on_joint_states(self, message: JointState) -> None:
+        super()._on_joint_states(message)
+        references = self._references
+        if references is None or not set(self._arm) <= set(message.name):
+            return
+        stamp = message.header.stamp.to_sec()
+        if self._begin is None:
+            self._begin = stamp
+        time = stamp - self._begin
+        measured: Dict[str, float] = dict(zip(message.name, message.position))
+        self._samples_of_arm.append((time, [measured[joint] for joint in self._arm]))
+        if time >= self._next - 1e-6:
+            self._next += self._period * max(1.0, np.floor((time - self._next) / self._period) + 1)
+            for joint, position in references(time).items():
+                self.command(joint, position)

@@ -1,0 +1,524 @@
+"""Inverse kinematics of one chain: solved at once, or tracked tick by tick."""
+
+from __future__ import annotations
+
+import importlib.util
+import math
+import time
+from typing import Any, Dict, Optional, Tuple
+
+import numpy as np
+
+from .chain import Chain
+from .ik_options import Goal, IKOptions, Mode, Tolerance
+from .ik_result import IKResult, IKStatus, TrackResult
+from .ik_task import (
+    AT_LIMIT,
+    DISTANCE,
+    SINGULARITY,
+    Backend,
+    GoalFunction,
+    Outcome,
+    Task,
+    TaskShape,
+    Tick,
+)
+from .poses import (
+    BASE,
+    Floats,
+    check_frame,
+    check_pose,
+    move_pose,
+    positive,
+    rotation_vector,
+    turned,
+    vector,
+)
+from .reconfiguration import PostureSearch
+from .urdf_tree import KinematicsError
+
+AUTO, COMPILED, KDL = "auto", "compiled", "kdl"
+_SLICE = 100
+"""Iterations between two looks at the clock."""
+_SLIDES = 20
+"""Steps towards a secondary goal, of a solution."""
+_FINE = 1e-9
+"""Tolerance (m, rad) of a twist's tick: its error must not add up over a minute."""
+
+Box = Tuple[np.ndarray, np.ndarray]
+Bounds = Tuple[Floats, Floats]
+
+
+class IKSolver:
+    """Inverse kinematics of a chain, inside its joints' limits. One thread may use it at a time.
+
+    Answers depend on nothing but the arguments, unless `IKOptions.time_limit` is set; those of
+    `track` also on the ticks before: whether another posture is known to reach the target.
+
+    Parameters
+    ----------
+    chain : Chain
+    options : IKOptions, optional
+    velocity_limits : sequence of float, shape (n,), optional
+        Replace the URDF's (rad/s, m/s) in tracking.
+    position_limits : pair of sequences of float, shape (n,), optional
+        Lower and upper limits (rad, m) inside those of the URDF, which they replace.
+    backend : str
+        ``compiled`` (numba), ``kdl`` (PyKDL and numpy, without compiler), or ``auto``: the first
+        that there is.
+
+    Attributes
+    ----------
+    chain : Chain
+    options : IKOptions
+    backend : str
+        ``compiled`` or ``kdl``.
+
+    Raises
+    ------
+    KinematicsError
+        No joint of the chain can move, limits are wrong, or the backend is not there.
+    """
+
+    def __init__(
+        self,
+        chain: Chain,
+        options: Optional[IKOptions] = None,
+        *,
+        velocity_limits: Optional[Floats] = None,
+        position_limits: Optional[Bounds] = None,
+        backend: str = AUTO,
+    ) -> None:
+        self.chain = chain
+        self.options = options or IKOptions()
+        self._count = len(chain.joints)
+        self._box = self._position_box(position_limits)
+        if not (self._box[0] < self._box[1]).any():
+            raise KinematicsError(f"no joint from {chain.base} to {chain.tip} can move")
+        self._speeds = chain.velocity_limits
+        if velocity_limits is not None:
+            self._speeds = vector(velocity_limits, self._count, "velocity_limits")
+            if not (self._speeds > 0.0).all():
+                raise KinematicsError(
+                    f"velocity_limits is {self._speeds.tolist()}; numbers above 0 are needed"
+                )
+        self._without_speed = [
+            joint.name
+            for joint, speed in zip(chain.joints, self._speeds)
+            if not 0.0 < speed < math.inf
+        ]
+        lower, upper = self._box
+        self._bounded = np.isfinite(lower) & np.isfinite(upper)
+        self._middle = np.zeros(self._count)
+        self._middle[self._bounded] = 0.5 * (lower[self._bounded] + upper[self._bounded])
+        self._numerics = _backend(backend, chain, self.options, self._box)
+        self.backend = self._numerics.name
+        self._iterations = int(self.options.iterations or self._numerics.default_iterations)
+        self._shapes: Dict[Optional[Tolerance], TaskShape] = {}
+        for tolerance in (None, self.options.tolerance):
+            self._shapes[tolerance] = self._shape(self.options.tolerance)
+        self._search = PostureSearch(self._numerics, self._box, self.options)
+
+    def warm_up(self) -> None:
+        """Compile, or load from the cache, what will be needed. Takes seconds the first time."""
+        self._numerics.warm_up()
+        target = self._numerics.forward(self._middle)
+        task = self._shapes[None].at(target)
+        middle = self._middle.copy()
+        self._numerics.jacobian(middle)
+        self._numerics.solve(task, middle, self._box, self._numerics.random(0), 1)
+        self._numerics.descend(task, middle, self._box, 1)
+        self._numerics.tick(task, middle, self._box, np.ones(self._count), 1)
+        for kind in (DISTANCE, SINGULARITY):
+            goal = GoalFunction(kind, middle, np.ones(self._count))
+            self._numerics.goal_value(task, middle, goal)
+            self._numerics.slide(task, middle, self._box, goal, 1)
+
+    # ---------------------------------------------------------------- at once
+
+    def solve(
+        self,
+        target: np.ndarray,
+        seed: Optional[Floats] = None,
+        tolerance: Optional[Tolerance] = None,
+    ) -> IKResult:
+        """Return joint positions that bring the tip to a pose, or as near to it as can be found.
+
+        Parameters
+        ----------
+        target : ndarray, shape (4, 4)
+            Of the tip in the base frame (m).
+        seed : sequence of float, shape (n,), optional
+            Where to begin (rad, m), and what to stay near to; may lie outside the limits. The
+            middle of the joints' ranges without it.
+        tolerance : Tolerance, optional
+            Instead of that of the options.
+
+        Returns
+        -------
+        IKResult
+
+        Raises
+        ------
+        KinematicsError
+            The target is no pose, or the seed no posture. Never because of where the target is.
+        """
+        task = self._task(target, tolerance)
+        start = self._middle if seed is None else vector(seed, self._count, "seed")
+        options = self.options
+        random = self._numerics.random(options.random_seed)
+        if options.mode == Mode.BEST:
+            outcome = self._best(task, start, random)
+        else:
+            outcome = self._first(task, start, random)
+            if options.goal != Goal.NONE and outcome.converged:
+                outcome = self._slide(task, outcome, self._goal(start))
+        status = IKStatus.CONVERGED if outcome.converged else IKStatus.BEST_EFFORT
+        q, _, place, turn, iterations, restarts = outcome
+        return IKResult(q, status, place, turn, iterations, restarts)
+
+    def _first(self, task: Task, start: np.ndarray, random: Any) -> Outcome:
+        """Return the first solution found within the budget."""
+        options = self.options
+        if options.time_limit is None:
+            return self._numerics.solve(task, start, self._box, random, self._iterations)
+        end = time.monotonic() + options.time_limit
+        slices = _Slices(self._iterations)
+        while slices.left and not slices.converged and time.monotonic() < end:
+            slices.add(self._slice(task, start, random, slices))
+        return slices.outcome(task.length_weight)
+
+    def _best(self, task: Task, start: np.ndarray, random: Any) -> Outcome:
+        """Return that of all solutions found within the budget which meets the goal best."""
+        options, goal = self.options, self._goal(start)
+        end = math.inf if options.time_limit is None else time.monotonic() + options.time_limit
+        slices = _Slices(self._iterations)
+        best, least = None, math.inf
+        while slices.left and time.monotonic() < end:
+            found = self._slice(task, start, random, slices)
+            if found.converged:
+                found = self._slide(task, found, goal)
+            slices.add(found)
+            if not found.converged:
+                continue
+            value = self._numerics.goal_value(task, found.q, goal)
+            if value < least:
+                best, least = found, value
+        if best is None:
+            return slices.outcome(task.length_weight)
+        return best._replace(iterations=slices.iterations, restarts=slices.restarts)
+
+    def _slice(self, task: Task, start: np.ndarray, random: Any, slices: _Slices) -> Outcome:
+        return self._numerics.solve(
+            task,
+            start,
+            self._box,
+            random,
+            min(_SLICE, slices.left),
+            restart=slices.iterations > 0,
+        )
+
+    def _slide(self, task: Task, outcome: Outcome, goal: GoalFunction) -> Outcome:
+        """Move a solution towards the goal; the answer is a solution as well."""
+        moved, used = self._numerics.slide(task, outcome.q, self._box, goal, _SLIDES)
+        checked = self._numerics.descend(task, moved, self._box, 1)
+        iterations = outcome.iterations + used
+        if not checked.converged:
+            return outcome._replace(iterations=iterations)
+        return checked._replace(iterations=iterations, restarts=outcome.restarts)
+
+    def _goal(self, start: np.ndarray) -> GoalFunction:
+        kind = SINGULARITY if self.options.goal == Goal.MANIPULABILITY else DISTANCE
+        if self.options.goal == Goal.MID_RANGE:
+            half = np.full(self._count, math.inf)
+            lower, upper = self._box
+            movable = self._bounded & (lower < upper)
+            half[movable] = 0.5 * (upper - lower)[movable]
+            return GoalFunction(kind, self._middle, half)
+        return GoalFunction(kind, start, np.ones(self._count))
+
+    # ---------------------------------------------------------------- tick by tick
+
+    def track(
+        self,
+        target: np.ndarray,
+        q: Floats,
+        dt: float,
+        tolerance: Optional[Tolerance] = None,
+    ) -> TrackResult:
+        """Move on towards a pose for one tick, inside position and speed limits.
+
+        Without a jump ever: out of reach, the tip comes as near as the present posture allows.
+        With `IKOptions.goal` ``mid_range`` or ``manipulability``, what the target leaves open is
+        used for the goal.
+
+        Parameters
+        ----------
+        target : ndarray, shape (4, 4)
+            Of the tip in the base frame (m).
+        q : sequence of float, shape (n,)
+            The present references (rad, m). Outside of the limits, they are led back.
+        dt : float
+            Length of the tick (s).
+        tolerance : Tolerance, optional
+            Instead of that of the options.
+
+        Returns
+        -------
+        TrackResult
+
+        Raises
+        ------
+        KinematicsError
+            The target is no pose, `q` no posture, `dt` not above 0, or a joint has no speed limit.
+            Never because of where the target is.
+        """
+        task = self._task(target, tolerance)
+        here = vector(q, self._count, "q")
+        reach = self._reach(dt)
+        tick = self._numerics.tick(task, here, self._box, reach, self.options.track_iterations)
+        if tick.outcome.converged:
+            self._search.forget()
+            if self.options.goal in (Goal.MID_RANGE, Goal.MANIPULABILITY):
+                tick = self._use_freedom(task, here, reach, tick)
+            return self._answer(here, dt, tick, IKStatus.CONVERGED)
+        if (abs(tick.held) == 1.0).any():
+            return self._answer(here, dt, tick, IKStatus.LAGGING)
+        posture = self._search.look(task, tick.outcome.q)
+        status = IKStatus.BEST_EFFORT if posture is None else IKStatus.NEEDS_RECONFIGURE
+        return self._answer(here, dt, tick, status, posture=posture)
+
+    def _use_freedom(self, task: Task, here: np.ndarray, reach: np.ndarray, tick: Tick) -> Tick:
+        """Move on towards the goal, with what a tick that has reached its target leaves."""
+        goal = self._goal(here)
+        box = self._tick_box(here, reach)
+        moved, _ = self._numerics.slide(task, tick.outcome.q, box, goal, 1)
+        checked = self._numerics.tick(task, moved, box, np.zeros(self._count), 0)
+        return checked if checked.outcome.converged else tick
+
+    def track_twist(
+        self,
+        twist: Floats,
+        q: Floats,
+        dt: float,
+        frame: str = BASE,
+        tolerance: Optional[Tolerance] = None,
+    ) -> TrackResult:
+        """Move the tip on with a velocity for one tick, inside position and speed limits.
+
+        Where a speed limit binds, the whole twist is slowed down, so that the direction is kept.
+        Along a position limit the tip slides. Near a singularity joint speeds are damped, and with
+        them what the tip does of the twist.
+
+        Parameters
+        ----------
+        twist : sequence of 6 floats
+            Velocity of the tip's origin (m/s), and its rotation about it (rad/s).
+        q : sequence of float, shape (n,)
+            The present references (rad, m). Outside of the limits, they are led back.
+        dt : float
+            Length of the tick (s).
+        frame : str
+            Along whose axes the twist is given: ``base`` or ``tool``, the tip's.
+        tolerance : Tolerance, optional
+            Bounds that are infinite leave their component of the twist open.
+
+        Returns
+        -------
+        TrackResult
+            CONVERGED when the whole twist is carried out, LAGGING when a speed limit slows it down,
+            else BEST_EFFORT. Errors are those at the end of the tick.
+
+        Raises
+        ------
+        KinematicsError
+            A number is not finite, the frame unknown, `dt` not above 0, or a joint has no speed
+            limit.
+        """
+        speeds = vector(twist, 6, "twist")
+        check_frame(frame)
+        here = vector(q, self._count, "q")
+        reach = self._reach(dt)
+        shape = self._shape_of(tolerance)
+        fine = shape._replace(position=_FINE, rotation=_FINE)
+        numerics, box = self._numerics, self._box
+        begin = numerics.forward(here)
+        target = move_pose(begin, speeds, dt, frame)
+        damping = self._damping(numerics.tick(fine.at(target), here, box, reach, 0).sigma)
+        # Damped, more than one step would end where an undamped one does.
+        iterations = self.options.track_iterations if damping == 0.0 else 1
+        # Without speed limits first: by how much they are exceeded is by how much to slow down.
+        wanted = numerics.descend(fine.at(target), here, box, iterations, damping).q
+        loads = abs(wanted - here) / reach
+        slowest = int(np.argmax(loads))
+        share = min(1.0, 1.0 / float(loads[slowest])) if loads[slowest] > 0.0 else 1.0
+        slowed = target if share == 1.0 else move_pose(begin, speeds * share, dt, frame)
+        moved = numerics.tick(fine.at(slowed), here, box, reach, iterations, damping)
+        tick = moved._replace(outcome=self._against(shape.at(target), moved.outcome.q))
+        if share < 1.0 and tick.held[slowest] == 0.0:
+            tick.held[slowest] = math.copysign(1.0, wanted[slowest] - here[slowest])
+        if tick.outcome.converged:
+            status = IKStatus.CONVERGED
+        else:
+            status = IKStatus.LAGGING if share < 1.0 else IKStatus.BEST_EFFORT
+        asked = speeds * dt
+        if frame == BASE:
+            asked = turned(begin.T, asked)
+        ratio = self._share_done(shape, begin, numerics.forward(tick.outcome.q), asked)
+        return self._answer(here, dt, tick, status, twist_ratio=ratio)
+
+    def _against(self, task: Task, q: np.ndarray) -> Outcome:
+        """Return how a posture stands to a target."""
+        return self._numerics.descend(task, q, (q, q), 0)
+
+    def _share_done(
+        self, shape: TaskShape, begin: np.ndarray, end: np.ndarray, asked: np.ndarray
+    ) -> float:
+        """Projection of the move that was made on the asked one (tip's frame), as a share of it."""
+        weights = np.array([shape.length_weight] * 3 + [1.0] * 3)
+        weights[np.isinf(shape.bounds)] = 0.0
+        made = np.empty(6)
+        made[:3] = begin[:3, :3].T @ (end[:3, 3] - begin[:3, 3])
+        made[3:] = rotation_vector(begin[:3, :3].T @ end[:3, :3])
+        asked = weights * asked
+        length = float(asked @ asked)
+        if length == 0.0:
+            return 1.0
+        return min(max(float(asked @ (weights * made)) / length, 0.0), 1.0)
+
+    def _damping(self, sigma: float) -> float:
+        """Damping of a twist's tick near a singularity.
+
+        Y. Nakamura, H. Hanafusa, Inverse kinematic solutions with singularity robustness, J.
+        Dynamic Systems, Measurement and Control 108 (1986): none far from it, growing towards it.
+        """
+        share = sigma / self.options.singular_below
+        if share >= 1.0:
+            return 0.0
+        return (1.0 - share) ** 2 * self.options.singular_below**2
+
+    def _answer(
+        self,
+        here: np.ndarray,
+        dt: float,
+        tick: Tick,
+        status: IKStatus,
+        *,
+        twist_ratio: float = 1.0,
+        posture: Optional[np.ndarray] = None,
+    ) -> TrackResult:
+        q, held = tick.outcome.q, tick.held
+        limited: Tuple[str, ...] = ()
+        fast: Tuple[str, ...] = ()
+        if status is not IKStatus.CONVERGED and held.any():
+            names = self.chain.joint_names
+            limited = tuple(name for name, how in zip(names, held) if abs(how) == AT_LIMIT)
+            fast = tuple(name for name, how in zip(names, held) if abs(how) == 1.0)
+        return TrackResult(
+            q=q,
+            velocity=(q - here) / dt,
+            status=status,
+            position_error=tick.outcome.position_error,
+            orientation_error=tick.outcome.orientation_error,
+            at_limits=limited,
+            at_speed=fast,
+            margins=np.minimum(q - self._box[0], self._box[1] - q),
+            sigma=tick.sigma,
+            singular=tick.sigma < self.options.singular_below,
+            singular_direction=tick.direction,
+            twist_ratio=twist_ratio,
+            posture=posture,
+        )
+
+    def _reach(self, dt: float) -> np.ndarray:
+        """How far each joint may move in a tick."""
+        if self._without_speed:
+            raise KinematicsError(
+                f"no speed limit above 0 for {', '.join(self._without_speed)}; give <limit "
+                "velocity=...> in the URDF, or velocity_limits"
+            )
+        return self._speeds * positive(dt, "dt")
+
+    def _tick_box(self, here: np.ndarray, reach: np.ndarray) -> Box:
+        """Where joints that are inside their limits may be after a tick."""
+        return np.maximum(self._box[0], here - reach), np.minimum(self._box[1], here + reach)
+
+    # ---------------------------------------------------------------- arguments
+
+    def _position_box(self, limits: Optional[Bounds]) -> Box:
+        lower, upper = self.chain.lower, self.chain.upper
+        if limits is None:
+            return lower, upper
+        own = tuple(np.array(side, dtype=float, order="C") for side in (limits[0], limits[1]))
+        for side in own:
+            if side.shape != lower.shape or np.isnan(side).any():
+                raise KinematicsError(
+                    f"position_limits has {side.tolist()}; {self._count} numbers are needed"
+                )
+        for i, joint in enumerate(self.chain.joints):
+            if not lower[i] <= own[0][i] <= own[1][i] <= upper[i]:
+                raise KinematicsError(
+                    f"position_limits of {joint.name} are {own[0][i]:g} to {own[1][i]:g}; they "
+                    f"must lie within {lower[i]:g} to {upper[i]:g}"
+                )
+        return own[0], own[1]
+
+    def _task(self, target: np.ndarray, tolerance: Optional[Tolerance]) -> Task:
+        return self._shape_of(tolerance).at(check_pose(target, "target"))
+
+    def _shape_of(self, tolerance: Optional[Tolerance]) -> TaskShape:
+        shape = self._shapes.get(tolerance)
+        if shape is None:
+            shape = self._shapes[tolerance] = self._shape(tolerance or self.options.tolerance)
+        return shape
+
+    def _shape(self, tolerance: Tolerance) -> TaskShape:
+        return TaskShape.of(tolerance, self.options.length_weight)
+
+
+class _Slices:
+    """A search in slices: what has been used, and the best so far."""
+
+    def __init__(self, iterations: int) -> None:
+        self.left = iterations
+        self.iterations = 0
+        self.restarts = 0
+        self._found: list = []
+        self.converged = False
+
+    def add(self, outcome: Outcome) -> None:
+        """Take the next slice's outcome."""
+        self.left = max(self.left - outcome.iterations, 0)
+        self.iterations += outcome.iterations
+        self.restarts += outcome.restarts
+        self.converged = self.converged or outcome.converged
+        self._found.append(outcome)
+
+    def outcome(self, length_weight: float) -> Outcome:
+        """Return the best of all slices."""
+
+        def cost(each: Outcome) -> Tuple[bool, float]:
+            place = length_weight * each.position_error
+            return not each.converged, place * place + each.orientation_error**2
+
+        best = min(self._found, key=cost)
+        return best._replace(iterations=self.iterations, restarts=self.restarts)
+
+
+def _backend(name: str, chain: Chain, options: IKOptions, box: Box) -> Backend:
+    # Imported only when asked for: numba takes half a second and 115 MB, which a process that
+    # computes no inverse kinematics should not pay.
+    if name not in (AUTO, COMPILED, KDL):
+        raise KinematicsError(f"backend is {name!r}; {AUTO}, {COMPILED} and {KDL} are possible")
+    there = importlib.util.find_spec("numba") is not None
+    if name == COMPILED and not there:
+        raise KinematicsError(
+            f"backend is {COMPILED!r} and there is no numba; install it, or take {KDL!r}"
+        )
+    if name == COMPILED or (name == AUTO and there):
+        from .ik_compiled import CompiledBackend
+
+        return CompiledBackend(chain, options)
+    from .ik_kdl import KdlBackend
+
+    return KdlBackend(chain, options, box)

@@ -1,0 +1,62 @@
+"""Postures of a chain, random but fixed, and those of them that bring the tip near to a target.
+
+Where an iteration is dear, as without a compiler, beginning near to the target saves many.
+"""
+
+from __future__ import annotations
+
+import random
+from typing import Iterator, Tuple
+
+import numpy as np
+
+from .ik_task import Task
+
+SIZE = 10_000
+NEIGHBOURS = 24
+
+
+class PoseLibrary:
+    """Poses of random postures.
+
+    The distance of two poses is w^2 |p - p'|^2 + |R - R'|^2 / 2 with the Frobenius norm of the
+    difference of the rotations, which for small angles is the squared angle: a dot product finds
+    the nearest.
+
+    Parameters
+    ----------
+    postures : ndarray, shape (m, n)
+        rad, m.
+    poses : ndarray, shape (m, 12)
+        Position (m) and the rotation's nine entries, of each.
+    """
+
+    def __init__(self, postures: np.ndarray, poses: np.ndarray) -> None:
+        self._postures = postures
+        # Single precision is enough to choose by, and twice as fast.
+        self._poses = np.ascontiguousarray(poses, dtype=np.float32)
+        self._squares = np.einsum("ij,ij->i", self._poses[:, :3], self._poses[:, :3])
+
+    def nearest(self, task: Task) -> Iterator[np.ndarray]:
+        """Yield postures whose poses are near to a target, the nearest first."""
+        weight = task.length_weight**2
+        # All rotations have the same norm, and the target's square is the same for all.
+        query = np.zeros(12, dtype=np.float32)
+        query[:3] = (-2.0 * weight) * task.target[:3, 3]
+        if not np.isinf(task.bounds[3:]).all():
+            query[3:] = -task.target[:3, :3].ravel()
+        # Not by BLAS: its threads would keep a second core busy.
+        far = np.einsum("ij,j->i", self._poses, query) + np.float32(weight) * self._squares
+        for _ in range(NEIGHBOURS):
+            index = int(far.argmin())
+            yield self._postures[index]
+            far[index] = np.inf
+
+
+def random_postures(box: Tuple[np.ndarray, np.ndarray], seed: int) -> np.ndarray:
+    """Return `SIZE` postures in a box, shape (SIZE, n); over a turn where it has no end."""
+    generator = random.Random(seed)
+    lower = np.where(np.isinf(box[0]) | np.isinf(box[1]), -np.pi, box[0])
+    upper = np.where(np.isinf(box[0]) | np.isinf(box[1]), np.pi, box[1])
+    shares = [[generator.random() for _ in range(lower.size)] for _ in range(SIZE)]
+    return lower + np.array(shares) * (upper - lower)

@@ -1,0 +1,232 @@
+"""Poses as 4x4 homogeneous transforms: made, checked, moved, compared."""
+
+from __future__ import annotations
+
+import math
+from typing import Sequence, Union
+
+import numpy as np
+
+from .urdf_tree import KinematicsError
+
+Floats = Union[Sequence[float], np.ndarray]
+BASE, TOOL = "base", "tool"
+FRAMES = (BASE, TOOL)
+_SKEW = 1e-6
+"""Difference of R R^T from the identity that is taken for rounding."""
+_EXACT = 1e-12
+"""The same, below which nothing is corrected."""
+_UNIT = 1e-3
+"""Difference of a quaternion's norm from 1 that is taken for rounding."""
+
+
+def make_pose(position: Floats, quaternion: Floats) -> np.ndarray:
+    """Return the pose of a position and a quaternion.
+
+    Parameters
+    ----------
+    position : sequence of 3 floats
+        m.
+    quaternion : sequence of 4 floats
+        x, y, z, w.
+
+    Returns
+    -------
+    ndarray, shape (4, 4)
+
+    Raises
+    ------
+    KinematicsError
+        A number is not finite, there are more or fewer, or the quaternion's norm is not 1.
+    """
+    place = vector(position, 3, "position")
+    x, y, z, w = vector(quaternion, 4, "quaternion").tolist()
+    norm = math.sqrt(x * x + y * y + z * z + w * w)
+    if abs(norm - 1.0) > _UNIT:
+        raise KinematicsError(
+            f"quaternion is ({x:g}, {y:g}, {z:g}, {w:g}) with norm {norm:g}; norm 1 is needed"
+        )
+    x, y, z, w = x / norm, y / norm, z / norm, w / norm
+    pose = np.eye(4)
+    pose[:3, :3] = (
+        (1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)),
+        (2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)),
+        (2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)),
+    )
+    pose[:3, 3] = place
+    return pose
+
+
+def quaternion_of(pose: np.ndarray) -> np.ndarray:
+    """Return the unit quaternion x, y, z, w (w >= 0) of a pose, or of a 3x3 rotation.
+
+    By S. W. Shepperd, Quaternion from rotation matrix, J. Guidance and Control 1 (1978): divided
+    by the largest of the four, which is 1/2 at least.
+    """
+    m = np.asarray(pose)
+    trace = m[0, 0] + m[1, 1] + m[2, 2]
+    sizes = (m[0, 0], m[1, 1], m[2, 2], trace)
+    largest = int(np.argmax(sizes))
+    found = np.empty(4)
+    if largest == 3:
+        found[:] = (m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1], 1.0 + trace)
+    else:
+        i, j, k = largest, (largest + 1) % 3, (largest + 2) % 3
+        found[i] = 1.0 + 2.0 * m[i, i] - trace
+        found[j] = m[j, i] + m[i, j]
+        found[k] = m[k, i] + m[i, k]
+        found[3] = m[k, j] - m[j, k]
+    found /= np.linalg.norm(found)
+    return -found if found[3] < 0.0 else found
+
+
+def rotation_vector(rotation: np.ndarray) -> np.ndarray:
+    """Return axis times angle (rad, 0 to pi), shape (3,), of a 3x3 rotation or of a pose's."""
+    x, y, z, w = quaternion_of(rotation)
+    sine = math.sqrt(x * x + y * y + z * z)
+    scale = 2.0 * math.atan2(sine, w) / sine if sine > 1e-12 else 2.0
+    return np.array([scale * x, scale * y, scale * z])
+
+
+def rotation_about(turn: Floats) -> np.ndarray:
+    """Return the rotation matrix of a rotation vector (rad), shape (3, 3).
+
+    The formula of Rodrigues: R = 1 + sin(a)/a [v] + (1 - cos(a))/a^2 [v]^2.
+    """
+    x, y, z = turn
+    angle = math.sqrt(x * x + y * y + z * z)
+    skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    if angle < 1e-8:
+        return np.eye(3) + skew
+    half = math.sin(0.5 * angle) / angle
+    return np.eye(3) + (math.sin(angle) / angle) * skew + (2.0 * half * half) * (skew @ skew)
+
+
+def move_pose(pose: np.ndarray, twist: Floats, dt: float, frame: str = BASE) -> np.ndarray:
+    """Return the pose after a twist has acted on it.
+
+    Parameters
+    ----------
+    pose : ndarray, shape (4, 4)
+    twist : sequence of 6 floats
+        Velocity of the pose's origin (m/s), and its rotation about that origin (rad/s).
+    dt : float
+        s.
+    frame : str
+        Whose axes the twist is given along: ``base`` (those that the pose is given in) or ``tool``
+        (those of the pose itself).
+
+    Returns
+    -------
+    ndarray, shape (4, 4)
+
+    Raises
+    ------
+    KinematicsError
+        The frame is unknown, or a number is not finite.
+    """
+    speeds = vector(twist, 6, "twist") * positive(dt, "dt")
+    moved = np.array(check_pose(pose, "pose"))
+    turn = rotation_about(speeds[3:].tolist())
+    if check_frame(frame) == TOOL:
+        moved[:3, 3] += moved[:3, :3] @ speeds[:3]
+        moved[:3, :3] = moved[:3, :3] @ turn
+    else:
+        moved[:3, 3] += speeds[:3]
+        moved[:3, :3] = turn @ moved[:3, :3]
+    return moved
+
+
+def turned(pose: np.ndarray, twist: np.ndarray) -> np.ndarray:
+    """Return a twist, shape (6,), with both of its vectors turned by a pose's rotation."""
+    rotation = pose[:3, :3]
+    return np.concatenate([rotation @ twist[:3], rotation @ twist[3:]])
+
+
+def check_frame(frame: str) -> str:
+    """Return the name of a frame; KinematicsError when it is none of `FRAMES`."""
+    if frame not in FRAMES:
+        raise KinematicsError(f"frame is {frame!r}; {' and '.join(FRAMES)} are possible")
+    return frame
+
+
+def check_pose(pose: np.ndarray, name: str) -> np.ndarray:
+    """Return a pose as float64, its rotation freed of rounding errors.
+
+    Parameters
+    ----------
+    pose : array_like, shape (4, 4)
+    name : str
+        For messages.
+
+    Raises
+    ------
+    KinematicsError
+        Another shape, a number that is not finite, another last row than 0 0 0 1, or no rotation.
+    """
+    made = _floats(pose, name)
+    if made.shape != (4, 4):
+        raise KinematicsError(f"{name} has shape {made.shape}; a 4x4 transform is needed")
+    # Plain floats: on so few numbers, numpy's own calls cost several times as much.
+    (a, b, c, x), (d, e, f, y), (g, h, i, z), last = made.tolist()
+    if last != [0.0, 0.0, 0.0, 1.0]:
+        _finite(made, name)
+        raise KinematicsError(f"{name}: the last row is {last}; 0 0 0 1 is needed")
+    error = max(
+        abs(a * a + b * b + c * c - 1.0),
+        abs(d * d + e * e + f * f - 1.0),
+        abs(a * d + b * e + c * f),
+        abs(g - (b * f - c * e)),
+        abs(h - (c * d - a * f)),
+        abs(i - (a * e - b * d)),
+    )
+    # A comparison with NaN is false.
+    if error <= _EXACT and math.isfinite(x + y + z):
+        return made
+    _finite(made, name)
+    if not error <= _SKEW:
+        raise KinematicsError(
+            f"{name}: its upper left 3x3 part is no rotation (axes not orthonormal and right-"
+            f"handed by {error:.2g}, {_SKEW:g} is allowed)"
+        )
+    left, _, right = np.linalg.svd(made[:3, :3])
+    corrected = made.copy()
+    corrected[:3, :3] = left @ right
+    return corrected
+
+
+def vector(values: Floats, count: int, name: str) -> np.ndarray:
+    """Return numbers as a new float64 array.
+
+    Raises
+    ------
+    KinematicsError
+        More or fewer numbers than `count`, or one that is not finite.
+    """
+    made = _floats(values, name)
+    if made.shape != (count,):
+        raise KinematicsError(f"{name} has shape {made.shape}; {count} numbers are needed")
+    # Infinities and NaN show in the sum of squares; a finite number beyond 1e150 does too.
+    if not math.isfinite(made.dot(made)):
+        _finite(made, name)
+        raise KinematicsError(f"{name} is {made.tolist()}; numbers below 1e150 are needed")
+    return made
+
+
+def positive(value: float, name: str) -> float:
+    """Return a number; KinematicsError unless it is finite and above 0."""
+    if not (isinstance(value, (int, float, np.number)) and math.isfinite(value) and value > 0.0):
+        raise KinematicsError(f"{name} is {value!r}; a finite number above 0 is needed")
+    return float(value)
+
+
+def _floats(values: object, name: str) -> np.ndarray:
+    try:
+        return np.array(values, dtype=float, order="C")
+    except (TypeError, ValueError):
+        raise KinematicsError(f"{name} is {values!r:.80}; numbers are needed") from None
+
+
+def _finite(values: np.ndarray, name: str) -> None:
+    if not np.isfinite(values).all():
+        raise KinematicsError(f"{name} is {values.tolist()}; finite numbers are needed")

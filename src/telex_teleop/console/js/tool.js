@@ -1,0 +1,251 @@
+// @ts-check
+/** The arm by its tool: mode, frame, commands, and what the panel shows of it. */
+
+import { byId, element, fixed, holdButton, row } from "./panels.js";
+import { ACTIONS, ARM_JOINTS } from "./robot.js";
+import { POSE_ACTIONS, TOOL_ACTION_OF_KEY, TOOL_ROWS } from "./tool_actions.js";
+
+const NODE = "arm_teleop";
+
+export const TOOL_TYPES = {
+  cartesianStatus: "telex_msgs/CartesianTeleopStatus",
+  name: "std_msgs/String",
+  twist: "geometry_msgs/TwistStamped",
+};
+
+/** @typedef {"JOINT" | "CARTESIAN"} Mode */
+
+/** Sends twists and names of poses while their actions are held, and the end of them. */
+export class ToolCommander {
+  /**
+   * @param {import("./bridge.js").Bridge} bridge
+   * @param {(name: string) => string} topic
+   * @param {() => boolean} congested  Whether motion would queue behind old motion.
+   * @param {(sentence: string) => void} warn
+   */
+  constructor(bridge, topic, congested, warn) {
+    this._bridge = bridge;
+    this._topic = topic;
+    this._congested = congested;
+    this._warn = warn;
+    /** @type {any} */
+    this._status = null;
+    this._moving = false;
+    this._toPose = "";
+    /** Frame that the operator chose, empty for the node's own default. */
+    this.frame = "";
+  }
+
+  /** Whether something has to be said now: motion, or its end. */
+  get busy() {
+    return this._moving || this._toPose !== "";
+  }
+
+  advertise() {
+    this._bridge.advertise(this._topic(`${NODE}/delta_twist_cmds`), TOOL_TYPES.twist);
+    this._bridge.advertise(this._topic(`${NODE}/named_pose_cmds`), TOOL_TYPES.name);
+  }
+
+  /** @param {any} status  telex_msgs/CartesianTeleopStatus */
+  setStatus(status) {
+    this._status = status;
+    if (!status.frames.includes(this.frame)) this.frame = status.default_frame;
+  }
+
+  /** The connection is gone, and with it the bridge has stopped what moved. */
+  disconnected() {
+    this._moving = false;
+    this._toPose = "";
+  }
+
+  /** @param {import("./robot.js").Action[]} held */
+  update(held) {
+    this._commandTwist(held);
+    this._commandPose(held);
+  }
+
+  /** @param {import("./robot.js").Action[]} held */
+  _commandTwist(held) {
+    const twist = { linear: { x: 0, y: 0, z: 0 }, angular: { x: 0, y: 0, z: 0 } };
+    for (const action of held) {
+      if (action.kind === "tool") twist[action.part][action.axis] += action.direction;
+    }
+    const parts = /** @type {("linear" | "angular")[]} */ (["linear", "angular"]);
+    const wanted = parts.some((part) => Object.values(twist[part]).some((rate) => rate !== 0));
+    if ((!wanted && !this._moving) || (wanted && this._congested())) return;
+    if (wanted && this._status === null) {
+      this._warn(`${NODE} has not said yet how fast the tool may move: is it running?`);
+      return;
+    }
+    const limits = { linear: this._status?.max_linear ?? 0, angular: this._status?.max_angular ?? 0 };
+    for (const part of parts) {
+      for (const axis of /** @type {("x" | "y" | "z")[]} */ (["x", "y", "z"])) twist[part][axis] *= limits[part];
+    }
+    const sent = this._bridge.publish(this._topic(`${NODE}/delta_twist_cmds`), {
+      header: { frame_id: this.frame }, twist,
+    });
+    if (sent) this._moving = wanted;
+  }
+
+  /** @param {import("./robot.js").Action[]} held */
+  _commandPose(held) {
+    const asked = held.flatMap((action) => (action.kind === "pose" ? [action.pose] : []));
+    // Two of them contradict each other, as the two keys of a joint do: no motion.
+    const pose = asked.length === 1 ? asked[0] : "";
+    if ((pose === "" && this._toPose === "") || (pose !== "" && this._congested())) return;
+    if (this._bridge.publish(this._topic(`${NODE}/named_pose_cmds`), { data: pose })) this._toPose = pose;
+  }
+}
+
+/** Shows mode, frame and tool in the arm's panel, and asks the arm for another mode. */
+export class ToolPanel {
+  /**
+   * @param {ToolCommander} commander
+   * @param {(service: string, request: object) => Promise<any>} call  Calls a service of arm_teleop.
+   * @param {(reason: string) => void} letGo  Releases everything that is held.
+   * @param {(sentence: string) => void} warn
+   */
+  constructor(commander, call, letGo, warn) {
+    this._commander = commander;
+    this._call = call;
+    this._letGo = letGo;
+    this._warn = warn;
+    /** Of the arm, as its status says. @type {Mode} */
+    this.mode = "JOINT";
+    this._holdsTool = false;
+    this._guard = true;
+    /** @type {string[]} */
+    this._frames = [];
+    for (const { name, label, ways } of TOOL_ROWS) {
+      const value = element("span", "num", "–");
+      value.id = `${name}-value`;
+      byId("tool-rows").append(row("", label, value, ...ways.map((way) => holdButton(`${name}:${way}`))));
+    }
+    byId("pose-buttons").append(...Object.keys(POSE_ACTIONS).map(holdButton));
+    this._show();
+  }
+
+  /**
+   * What a key does in this mode.
+   * @param {string} code
+   * @param {string | undefined} otherwise  What it does in JOINT mode.
+   * @returns {string | undefined}
+   */
+  actionOfKey(code, otherwise) {
+    if (this.mode === "JOINT") return otherwise;
+    const action = TOOL_ACTION_OF_KEY.get(code);
+    if (action !== undefined) return action;
+    return otherwise !== undefined && movesArmJoint(otherwise) ? undefined : otherwise;
+  }
+
+  /** @param {any} status  telex_msgs/JointTeleopStatus of arm_teleop */
+  setArmStatus(status) {
+    const mode = status.mode === "CARTESIAN" ? "CARTESIAN" : "JOINT";
+    if (mode !== this.mode) {
+      this._letGo(`the arm is in ${mode} mode now`);
+      this.mode = mode;
+    }
+    byId("arm-hud").textContent = status.notice;
+    this._show();
+  }
+
+  /** @param {any} status  telex_msgs/CartesianTeleopStatus */
+  setStatus(status) {
+    this._frames = status.frames;
+    this._holdsTool = status.holds_tool;
+    this._guard = status.guard;
+    this._commander.setStatus(status);
+    const { position, orientation } = status.tool;
+    const { x, y, z, w } = orientation;
+    const angles = {
+      roll: Math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y)),
+      pitch: Math.asin(Math.max(-1, Math.min(1, 2 * (w * y - z * x)))),
+      yaw: Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)),
+    };
+    for (const axis of /** @type {("x" | "y" | "z")[]} */ (["x", "y", "z"])) {
+      byId(`tool_${axis}-value`).textContent = `${fixed(position[axis] * 1000, 0)} mm`;
+    }
+    for (const [name, angle] of Object.entries(angles)) {
+      byId(`tool_${name}-value`).textContent = `${fixed((angle * 180) / Math.PI, 1)}°`;
+    }
+    for (const button of /** @type {NodeListOf<HTMLButtonElement>} */ (
+      document.querySelectorAll("#pose-buttons [data-action]")
+    )) {
+      const action = ACTIONS[/** @type {string} */ (button.dataset.action)];
+      button.disabled = action.kind !== "pose" || !status.poses.includes(action.pose);
+    }
+    this._show();
+  }
+
+  /** @param {Mode} [mode]  The other one if none is named. */
+  setMode(mode = this.mode === "JOINT" ? "CARTESIAN" : "JOINT") {
+    this._letGo(`${mode} mode`);
+    this._ask("set_mode", { mode });
+  }
+
+  /** @param {string} [frame]  The next one if none is named. */
+  setFrame(frame) {
+    if (this._frames.length === 0) return;
+    const next = this._frames[(this._frames.indexOf(this._commander.frame) + 1) % this._frames.length];
+    this._letGo("another frame");
+    this._commander.frame = frame ?? next;
+    this._show();
+  }
+
+  toggleHold() {
+    this._ask("hold_tool", { data: !this._holdsTool });
+  }
+
+  toggleGuard() {
+    this._ask("set_proximity_guard", { data: !this._guard });
+  }
+
+  /**
+   * @param {string} service
+   * @param {object} request
+   */
+  async _ask(service, request) {
+    try {
+      const answer = await this._call(`${NODE}/${service}`, request);
+      if (!answer.success) this._warn(answer.message);
+    } catch (error) {
+      this._warn(`${NODE}/${service}: ${/** @type {Error} */ (error).message}`);
+    }
+  }
+
+  _show() {
+    const cartesian = this.mode === "CARTESIAN";
+    byId("arm-rows").hidden = cartesian;
+    byId("tool-rows").hidden = !cartesian;
+    byId("tool-options").hidden = !cartesian;
+    for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-mode]"))) {
+      button.setAttribute("aria-checked", String(button.dataset.mode === this.mode));
+    }
+    for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-frame]"))) {
+      const frame = this._frames[Number(button.dataset.frame)];
+      button.hidden = frame === undefined;
+      button.textContent = (frame ?? "").replace(/_link$/, "");
+      button.setAttribute("aria-checked", String(frame === this._commander.frame));
+    }
+    byId("hold-tool").setAttribute("aria-checked", String(this._holdsTool));
+    byId("guard").setAttribute("aria-checked", String(this._guard));
+  }
+
+  /** Let the panel's switches be clicked. @param {(button: HTMLElement, act: () => void) => void} onClick */
+  listen(onClick) {
+    for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-mode]"))) {
+      onClick(button, () => this.setMode(/** @type {Mode} */ (button.dataset.mode)));
+    }
+    for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-frame]"))) {
+      onClick(button, () => this.setFrame(this._frames[Number(button.dataset.frame)]));
+    }
+    onClick(byId("hold-tool"), () => this.toggleHold());
+    onClick(byId("guard"), () => this.toggleGuard());
+  }
+}
+
+/** @param {string} name  Of an action. */
+function movesArmJoint(name) {
+  const action = ACTIONS[name];
+  return action.kind === "joints" && ARM_JOINTS.some((joint) => action.joints.includes(joint.name));
+}

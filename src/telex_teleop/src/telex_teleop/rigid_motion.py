@@ -1,0 +1,41 @@
+"""Steps between poses; a pose is a 4x4 homogeneous transform (m)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from telex_control.kinematics import move_pose, rotation_vector
+
+__all__ = ["advanced", "inverse", "pose_error"]
+
+
+def inverse(pose: np.ndarray) -> np.ndarray:
+    """Return the inverse of a pose."""
+    made = np.eye(4)
+    made[:3, :3] = pose[:3, :3].T
+    made[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
+    return made
+
+
+def advanced(pose: np.ndarray, step: np.ndarray) -> np.ndarray:
+    """Return a pose after a step.
+
+    For steps as small as those of one control cycle it is the paper's increment, equations (2) to
+    (5); the rotation vector stands for its three successive rotations, so that no order of axes is
+    preferred.
+
+    Parameters
+    ----------
+    pose : ndarray, shape (4, 4)
+    step : ndarray, shape (6,)
+        Translation (m) and rotation vector (rad) along the axes of the frame that `pose` is in.
+    """
+    return move_pose(pose, step.tolist(), 1.0)
+
+
+def pose_error(target: np.ndarray, pose: np.ndarray) -> np.ndarray:
+    """Return the step, as `advanced` takes it, that leads from a pose to a target."""
+    error = np.empty(6)
+    error[:3] = target[:3, 3] - pose[:3, 3]
+    error[3:] = rotation_vector(target[:3, :3] @ pose[:3, :3].T)
+    return error

@@ -1,0 +1,548 @@
+"""Leads the tool: commanded velocities and poses become references of the arm's joints.
+
+The paper's operational-space scheme (section 4.2, figure 5): the joint angles give the tool's pose,
+increments move the desired pose, inverse kinematics gives the references. Free of ROS.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Callable, Mapping, Optional, Protocol, Sequence, Tuple
+
+import numpy as np
+
+from telex_control.params import require_range
+from telex_teleop.joint_follower import JointFollower
+from telex_teleop.reference import MotionLimits, stoppable_speed
+from telex_teleop.rigid_motion import advanced, inverse, pose_error
+from telex_teleop.tool_command import Frame, PoseCommand, ToolCommand, TwistCommand
+
+__all__ = ["Slowdown", "ToolKinematics", "ToolMotion", "ToolSettings"]
+
+# A share of the speed above this is not worth a word.
+FREE = 0.95
+# Below this a motion counts as ended: a joint's step (rad or m), the tool's speed as a share of its
+# largest, the way to a pose as time at full speed (s).
+STILL_STEP = 1e-7
+STILL_SHARE = 1e-6
+ARRIVED_TIME = 1e-5
+# A joint this near (rad or m) a bound stands on it.
+ON_BOUND = 1e-4
+# What is left of the way is given up when a step leaves more of it than this share.
+SETTLING = 0.9
+# A joint slower than this (per second) does not come near its limits.
+MOVING_RATE = 1e-6
+# Share of its largest velocity from which a joint counts as running at it.
+AT_SPEED = 0.999
+# Poses whose numbers differ by no more than this (m, and parts of unit vectors) are the same to a
+# lead, which must be larger.
+NEAR = 1e-4
+# A joint whose lag behind inverse kinematics is so many seconds of its full speed holds the tool
+# back, and from the second figure on stops it.
+LAG_FREE, LAG_STOP = 0.005, 0.1
+# The way ahead is tried so often (s): seldom enough to be cheap, often enough for any boundary.
+LOOK_PERIOD = 0.04
+
+Guard = Callable[[Mapping[str, float]], float]
+
+
+def _unguarded(rates: Mapping[str, float]) -> float:
+    del rates
+    return 1.0
+
+
+class ToolKinematics(Protocol):
+    """What is needed of the arm's kinematics."""
+
+    def forward(self, positions: np.ndarray) -> np.ndarray:
+        """Return the tool's pose (4x4) in the base's frame."""
+
+    def track(
+        self, target: np.ndarray, q: np.ndarray, dt: float, lower: np.ndarray, upper: np.ndarray
+    ) -> np.ndarray:
+        """Return the joint positions nearest to a pose that are reached from `q` in time `dt`."""
+
+
+@dataclass(frozen=True)
+class ToolSettings:
+    """How the tool moves.
+
+    Attributes
+    ----------
+    max_linear, max_angular
+        Largest speed of the tool centre point (m/s, rad/s) at speed scale 1.
+    acceleration_time
+        Time (s) from rest to the largest speed.
+    look_ahead
+        How far ahead (s) the way is tried; should exceed the joints' acceleration_time, so that
+        they can brake within it.
+    lead, angular_lead
+        How far the desired pose may be ahead of what the arm can reach (m, rad): where the arm
+        slides along a boundary, it is off the desired line by at most so much.
+    hold_lead, angular_hold_lead
+        The same while the tool keeps its place in the world: further off, it gives the place up.
+    least_share
+        Share of the speed that is tried where the way seems to end; it makes the arm slide.
+    """
+
+    max_linear: float = 0.15
+    max_angular: float = 0.6
+    acceleration_time: float = 0.3
+    look_ahead: float = 0.4
+    lead: float = 0.005
+    angular_lead: float = 0.03
+    hold_lead: float = 0.3
+    angular_hold_lead: float = 0.6
+    least_share: float = 0.03
+
+    def __post_init__(self) -> None:
+        for name in (
+            "max_linear",
+            "max_angular",
+            "acceleration_time",
+            "look_ahead",
+            "lead",
+            "angular_lead",
+        ):
+            require_range(self, name, above=0.0)
+        require_range(self, "angular_lead", above=0.0, maximum=math.pi / 2)
+        require_range(self, "hold_lead", self.lead)
+        require_range(self, "angular_hold_lead", self.angular_lead, math.pi / 2)
+        require_range(self, "least_share", above=0.0, maximum=0.2)
+
+
+@dataclass(frozen=True)
+class Slowdown:
+    """Why the tool is slower than commanded; `share` of the speed is left."""
+
+    share: float
+    reason: str
+    joints: Tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        return f"slowed to {100.0 * self.share:.0f} %: {self.reason}"
+
+
+class ToolMotion:
+    """References for the joints that carry the tool.
+
+    Parameters
+    ----------
+    joints
+        Names, in the order of all arrays.
+    limits
+        Of each joint.
+    prismatic
+        Which of them are measured in metres.
+    kinematics
+        Of the chain of these joints.
+    settings
+        Speeds and leads.
+    """
+
+    def __init__(
+        self,
+        joints: Sequence[str],
+        limits: Sequence[MotionLimits],
+        prismatic: Sequence[bool],
+        kinematics: ToolKinematics,
+        settings: ToolSettings,
+    ) -> None:
+        self._joints = tuple(joints)
+        self._prismatic = tuple(prismatic)
+        self._kinematics = kinematics
+        self._settings = settings
+        self._lower = np.array([each.lower for each in limits])
+        self._upper = np.array([each.upper for each in limits])
+        self._leads = np.array([each.max_lead for each in limits])
+        self._velocity_limits = np.array([each.max_velocity for each in limits])
+        self._accelerations = np.array([each.max_acceleration for each in limits])
+        self._rates: Mapping[str, float] = {}
+        self.slowdown: Optional[Slowdown] = None
+        self._weights = np.repeat([1.0 / settings.max_linear, 1.0 / settings.max_angular], 3)
+        self._follower = JointFollower(limits)
+        self._goal: Optional[np.ndarray] = None
+        self._solution = np.zeros(len(self._joints))
+        self._reached = np.eye(4)
+        self._stand()
+        self._moving = False
+        self._started: Optional[ToolCommand] = None
+        self._target: Optional[np.ndarray] = None
+        self._held_place: Optional[np.ndarray] = None
+        self.holding = False
+
+    @property
+    def moving(self) -> bool:
+        """Whether the tool is led now, or still comes to rest."""
+        return self._moving
+
+    @property
+    def goal(self) -> Optional[np.ndarray]:
+        """Desired pose (4x4, in the base's frame), None while there is none to go on from."""
+        return self._goal
+
+    def hold(self, active: bool) -> None:
+        """Begin or end keeping the tool's place in the world while the base moves."""
+        self.holding = active
+        self._held_place = None
+
+    def drop(self) -> None:
+        """Stop at once and forget everything; what comes next starts where the arm is."""
+        self.hold(False)
+        self._moving = False
+        self._goal = None
+        self._started = None
+        self._stand()
+
+    def _stand(self) -> None:
+        self._twist = np.zeros(6)
+        self._done = np.zeros(6)
+        self._left = math.inf
+        self._share = 1.0
+        self._free_share = 1.0
+        self._look_age = math.inf
+        self._rates = {}
+        self.slowdown = None
+
+    def update(
+        self,
+        dt: float,
+        command: Optional[ToolCommand],
+        start: np.ndarray,
+        positions: np.ndarray,
+        base: Optional[np.ndarray],
+        speed_scale: float,
+        guard: Guard = _unguarded,
+    ) -> Optional[np.ndarray]:
+        """Lead the tool for one step.
+
+        Parameters
+        ----------
+        dt
+            Time since the last joint state (s), above 0.
+        command
+            What is wanted now, None to come to rest.
+        start : ndarray, shape (n,)
+            Where a motion that begins now starts (rad or m).
+        positions : ndarray, shape (n,)
+            Measured.
+        base : ndarray, shape (4, 4), or None
+            Pose of the base in the world, as far as it is known.
+        speed_scale
+            The operator's speed.
+        guard
+            Tells what share of the speed what is near the arm leaves, 0 to 1, when the joints have
+            given rates (per second).
+
+        Returns
+        -------
+        ndarray, shape (n,), or None
+            References; None while idle.
+        """
+        if not self._moving:
+            self.slowdown = None
+            if command is None and not (self.holding and base is not None):
+                self._started = None
+                return None
+            self._begin(start)
+        assert self._goal is not None
+        wanted = self._wanted_twist(command, base, speed_scale, dt)
+        self._twist = self._ramped(wanted, dt)
+        self._follow_base(base)
+        lower, upper = self._bounds(positions)
+        self._look_ahead(lower, upper, dt)
+        twist = self._twist * (self._share * guard(self._rates))
+        last = self._solution
+        goal = self._step(twist, dt, lower, upper)
+        self._reached = self._kinematics.forward(self._solution)
+        self._goal = self._within_lead(goal, self._reached)
+        if not (self.holding or self._done.any()):
+            self._settle()
+        self._take_place(base)
+        references = self._follower.update(self._solution, dt)
+        still = command is None and not wanted.any() and self._still(last)
+        self._moving = self.holding or not still
+        return references
+
+    def _settle(self) -> None:
+        """Give up what is left of the way to the desired pose, unless that is soon done.
+
+        Along a boundary the arm would else go on creeping towards it when nobody commands it.
+        """
+        assert self._goal is not None
+        left = float(np.abs(self._goal - self._reached).max())
+        if left > SETTLING * self._left:
+            self._goal = self._reached
+            left = 0.0
+        self._left = left
+
+    def _step(
+        self, twist: np.ndarray, dt: float, lower: np.ndarray, upper: np.ndarray
+    ) -> np.ndarray:
+        """Move the solution by one step, and return the desired pose that belongs to it.
+
+        The tool changes its velocity only as fast as the joints can change theirs, and is slow
+        enough for each of them to stop before its limit: a joint that falls behind, or that hands
+        over to others at full speed, would bend the tool's line.
+        """
+        assert self._goal is not None
+        kinematics, last = self._kinematics, self._solution
+        goal = advanced(self._goal, twist * dt)
+        solution = kinematics.track(goal, last, dt, lower, upper)
+        rates = (solution - last) / dt
+        braking, nearest = self._braking_share(rates, dt, lower, upper)
+        share = min(braking, self._share_at_speed(rates, solution, goal))
+        if share < 1.0:
+            twist = twist * share
+            goal = advanced(self._goal, twist * dt)
+            solution = kinematics.track(goal, last, dt, lower, upper)
+            if braking < FREE and (self.slowdown is None or braking < self.slowdown.share):
+                towards = float(solution[nearest])
+                self.slowdown = self._near_bound(braking, nearest, towards, lower, upper)
+        change = np.abs((solution - last) / dt - self._follower.velocities)
+        excess = float(np.max(change / (self._accelerations * dt)))
+        if excess > 1.0:
+            twist = self._done + (twist - self._done) / excess
+            goal = advanced(self._goal, twist * dt)
+            solution = kinematics.track(goal, last, dt, lower, upper)
+        self._done = twist
+        if twist.any():
+            self._left = math.inf
+        self._solution = solution
+        return goal
+
+    def _begin(self, start: np.ndarray) -> None:
+        # A rest in between, or a joint that gave way a little, does not bend the desired line.
+        if self._goal is None or not np.array_equal(start, self._follower.references):
+            self._goal = self._kinematics.forward(start)
+            self._held_place = None
+        self._solution = np.array(start, dtype=float)
+        self._reached = self._kinematics.forward(self._solution)
+        self._follower.rest_at(self._solution)
+        self._stand()
+        self._moving = True
+
+    def _still(self, last: np.ndarray) -> bool:
+        slow = float(np.max(np.abs(self._done * self._weights))) <= STILL_SHARE
+        settled = bool(np.all(np.abs(self._solution - last) <= STILL_STEP))
+        return slow and settled and self._follower.resting
+
+    # ------------------------------------------------------------ what is wanted
+
+    def _wanted_twist(
+        self,
+        command: Optional[ToolCommand],
+        base: Optional[np.ndarray],
+        speed_scale: float,
+        dt: float,
+    ) -> np.ndarray:
+        """Return the wanted twist in the base's axes."""
+        if command is None:
+            self._started = None
+            return np.zeros(6)
+        if isinstance(command, TwistCommand):
+            self._started = None
+            return self._turned(self._limited(command.velocity) * speed_scale, command.frame, base)
+        if self._started is None or not _same_pose(self._started, command):
+            self._started, self._target = command, None
+        return self._towards(command, base, speed_scale, dt)
+
+    def _limited(self, velocity: np.ndarray) -> np.ndarray:
+        limited = velocity.copy()
+        for part, limit in (
+            (slice(0, 3), self._settings.max_linear),
+            (slice(3, 6), self._settings.max_angular),
+        ):
+            speed = float(np.linalg.norm(velocity[part]))
+            if speed > limit:
+                limited[part] *= limit / speed
+        return limited
+
+    def _turned(self, velocity: np.ndarray, frame: Frame, base: Optional[np.ndarray]) -> np.ndarray:
+        if frame is Frame.BASE:
+            return velocity
+        if frame is Frame.TOOL:
+            assert self._goal is not None
+            rotation = self._goal[:3, :3]
+        elif base is None:
+            return np.zeros(6)
+        else:
+            rotation = base[:3, :3].T
+        return np.concatenate([rotation @ velocity[:3], rotation @ velocity[3:]])
+
+    def _towards(
+        self, command: PoseCommand, base: Optional[np.ndarray], speed_scale: float, dt: float
+    ) -> np.ndarray:
+        """Return the twist along the straight line to a pose; turning ends with moving."""
+        assert self._goal is not None
+        if command.frame is Frame.WORLD:
+            if base is None:
+                return np.zeros(6)
+            target = inverse(base) @ command.pose
+        else:
+            if self._target is None:
+                from_tool = command.frame is Frame.TOOL
+                self._target = self._goal @ command.pose if from_tool else command.pose
+            target = self._target
+        way = pose_error(target, self._goal)
+        linear = float(np.linalg.norm(way[:3])) / self._settings.max_linear
+        angular = float(np.linalg.norm(way[3:])) / self._settings.max_angular
+        left = max(linear, angular)
+        if left <= ARRIVED_TIME:
+            return np.zeros(6)
+        stoppable = stoppable_speed(1.0 / self._settings.acceleration_time, left, dt)
+        return way * (min(speed_scale, stoppable, left / dt) / left)
+
+    def _ramped(self, wanted: np.ndarray, dt: float) -> np.ndarray:
+        """Return the twist on its way to the wanted one, translation and rotation in step."""
+        change = wanted - self._twist
+        weighted = change * self._weights
+        size = max(float(np.linalg.norm(weighted[:3])), float(np.linalg.norm(weighted[3:])))
+        most = dt / self._settings.acceleration_time
+        return wanted if size <= most else self._twist + change * (most / size)
+
+    # ------------------------------------------------------------ the place in the world
+
+    def _follow_base(self, base: Optional[np.ndarray]) -> None:
+        if self.holding and base is not None and self._held_place is not None:
+            self._goal = inverse(base) @ self._held_place
+
+    def _take_place(self, base: Optional[np.ndarray]) -> None:
+        if self.holding and base is not None:
+            self._held_place = base @ self._goal
+
+    # ------------------------------------------------------------ what is possible
+
+    def _bounds(self, positions: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+        """Return between which positions the joints may be led now (rad or m)."""
+        lower = np.maximum(self._lower, positions - self._leads)
+        upper = np.minimum(self._upper, positions + self._leads)
+        # a joint that is already outside may stay there, but goes no further
+        return np.minimum(lower, self._solution), np.maximum(upper, self._solution)
+
+    def _look_ahead(self, lower: np.ndarray, upper: np.ndarray, dt: float) -> None:
+        """Find what share of the speed the arm can keep up, and why no more.
+
+        The tool is led ahead on trial. How far it gets, as a share of how far it should, is the
+        share of the speed: so it comes to a boundary exponentially, with the time constant of the
+        look-ahead, and along a boundary it moves as fast as the boundary lets it.
+        """
+        self._look_age += dt
+        if self._look_age >= LOOK_PERIOD:
+            self._look_age = 0.0
+            self._look(lower, upper)
+        lag = float(
+            np.max(np.abs(self._solution - self._follower.references) / self._velocity_limits)
+        )
+        lagging = (LAG_STOP - lag) / (LAG_STOP - LAG_FREE)
+        share = max(self._settings.least_share, min(self._free_share, lagging))
+        # Sudden on the way down, as a boundary is; on the way up on the tool's own ramp.
+        self._share = min(share, self._share + dt / self._settings.acceleration_time)
+
+    def _look(self, lower: np.ndarray, upper: np.ndarray) -> None:
+        assert self._goal is not None
+        horizon = self._settings.look_ahead
+        way = self._twist * horizon
+        wanted = way * self._weights
+        size = float(wanted @ wanted)
+        self._free_share, self._rates, self.slowdown = 1.0, {}, None
+        if size <= STILL_SHARE**2:
+            return
+        solution = self._solution
+        # A measured joint moves on, and the room that its lead leaves with it, unless it is stuck.
+        lower = np.where(solution - lower > ON_BOUND, self._lower, lower)
+        upper = np.where(upper - solution > ON_BOUND, self._upper, upper)
+        lower, upper = np.minimum(lower, solution), np.maximum(upper, solution)
+        ahead = self._kinematics.track(advanced(self._goal, way), solution, horizon, lower, upper)
+        got = pose_error(self._kinematics.forward(ahead), self._reached) * self._weights
+        share = max(0.0, min(1.0, float(got @ wanted) / size))
+        self._free_share = share
+        self._rates = dict(zip(self._joints, ((ahead - solution) / horizon).tolist()))
+        if share < FREE:
+            self.slowdown = self._explain(share, ahead, lower, upper)
+
+    def _share_at_speed(self, rates: np.ndarray, solution: np.ndarray, goal: np.ndarray) -> float:
+        """Return how much of a step is done whose joints run at these rates.
+
+        All of it, unless one of them is as fast as it can be and the others cannot make up for it.
+        """
+        if float(np.max(np.abs(rates) / self._velocity_limits)) < AT_SPEED:
+            return 1.0
+        wanted = pose_error(goal, self._reached) * self._weights
+        size = float(wanted @ wanted)
+        if size == 0.0:
+            return 1.0
+        got = pose_error(self._kinematics.forward(solution), self._reached) * self._weights
+        return max(self._settings.least_share, min(1.0, float(got @ wanted) / size))
+
+    def _braking_share(
+        self, rates: np.ndarray, dt: float, lower: np.ndarray, upper: np.ndarray
+    ) -> Tuple[float, int]:
+        """Return at what share of these rates all joints can stop in time, and which sets it."""
+        room = np.where(rates > 0.0, upper - self._solution, self._solution - lower)
+        change = self._accelerations * dt
+        stoppable = np.sqrt(change**2 + 2.0 * self._accelerations * room) - change
+        shares = stoppable / np.maximum(np.abs(rates), MOVING_RATE)
+        nearest = int(np.argmin(shares))
+        return float(shares[nearest]) if abs(rates[nearest]) > MOVING_RATE else 1.0, nearest
+
+    def _explain(
+        self, share: float, ahead: np.ndarray, lower: np.ndarray, upper: np.ndarray
+    ) -> Slowdown:
+        solution, horizon = self._solution, self._settings.look_ahead
+        moved = ahead - solution
+        fastest = int(np.argmax(np.abs(moved) / self._velocity_limits))
+        on_lower, on_upper = ahead - lower <= ON_BOUND, upper - ahead <= ON_BOUND
+        bounded = on_lower | on_upper
+        if bounded.any():
+            rooms = np.where(on_lower, solution - lower, upper - solution)
+            rooms = np.where(bounded, rooms, np.inf)
+            nearest = int(np.argmin(rooms / self._velocity_limits))
+            return self._near_bound(share, nearest, float(ahead[nearest]), lower, upper)
+        joint = self._joints[fastest]
+        if abs(moved[fastest]) >= 0.99 * self._velocity_limits[fastest] * horizon:
+            return Slowdown(share, f"{joint} is as fast as it can be", (joint,))
+        return Slowdown(share, f"{joint} is near a singularity", (joint,))
+
+    def _near_bound(
+        self, share: float, index: int, towards: float, lower: np.ndarray, upper: np.ndarray
+    ) -> Slowdown:
+        """Say that a joint is near one of its bounds: that nearer to the position `towards`."""
+        joint, present = self._joints[index], float(self._solution[index])
+        below = abs(towards - lower[index]) < abs(upper[index] - towards)
+        bound, limit = (lower, self._lower) if below else (upper, self._upper)
+        if abs(bound[index] - limit[index]) > ON_BOUND:
+            return Slowdown(share, f"something holds {joint} back", (joint,))
+        room = self._shown(index, abs(float(limit[index]) - present))
+        return Slowdown(share, f"{joint} is {room} from its limit", (joint,))
+
+    def _shown(self, index: int, room: float) -> str:
+        if self._prismatic[index]:
+            return f"{1000.0 * max(room, 0.0):.0f} mm"
+        return f"{math.degrees(max(room, 0.0)):.1f} deg"
+
+    def _within_lead(self, goal: np.ndarray, reached: np.ndarray) -> np.ndarray:
+        """Return the desired pose, taken back where it is too far ahead of the reached one."""
+        if float(np.abs(goal - reached).max()) <= NEAR:
+            return goal
+        error = pose_error(goal, reached)
+        settings = self._settings
+        leads = (settings.lead, settings.angular_lead)
+        if self.holding:
+            leads = (settings.hold_lead, settings.angular_hold_lead)
+        taken_back = False
+        for part, lead in zip((slice(0, 3), slice(3, 6)), leads):
+            size = float(np.linalg.norm(error[part]))
+            if size > lead:
+                error[part] *= lead / size
+                taken_back = True
+        return advanced(reached, error) if taken_back else goal
+
+
+def _same_pose(first: ToolCommand, second: PoseCommand) -> bool:
+    return (
+        isinstance(first, PoseCommand)
+        and first.frame is second.frame
+        and bool(np.array_equal(first.pose, second.pose))
+    )

@@ -1,0 +1,301 @@
+"""The console's arm panel in headless Chromium: modes, frames, tool and named poses."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+from selenium.webdriver.common.keys import Keys
+from test_web_browser import ARM, ARM_JOINTS, PRESETS, page, robot, ros
+from web_harness import wait_until
+
+# the fixtures of the console's other tests, started anew for this file
+__all__ = ["page", "robot", "ros"]
+
+pytestmark = [pytest.mark.ros, pytest.mark.browser]
+
+TWIST = "/telex/arm_teleop/delta_twist_cmds"
+POSE = "/telex/arm_teleop/named_pose_cmds"
+MODES = ("JOINT", "CARTESIAN")
+NOTICE = "slowed to 35 %: elbow_joint is 1.2 deg from its limit"
+AXES = ("x", "y", "z")
+
+
+class Arm:
+    """Plays arm_teleop's side of the modes."""
+
+    def __init__(self, robot):
+        self.probe = robot.probe
+        self.probe.subscribe(TWIST, "geometry_msgs/TwistStamped")
+        self.probe.subscribe(POSE, "std_msgs/String")
+        answer = {"success": True, "message": ""}
+        for name, kind in (
+            ("set_mode", "telex_msgs/SetMode"),
+            ("hold_tool", "std_srvs/SetBool"),
+            ("set_proximity_guard", "std_srvs/SetBool"),
+        ):
+            self.probe.do("serve", service=f"/telex/arm_teleop/{name}", type=kind, response=answer)
+        self.report("JOINT")
+
+    def report(self, mode, notice="", holds=False, guard=True):
+        status = {
+            "mode": mode,
+            "notice": notice,
+            "joint_names": ARM_JOINTS,
+            "max_velocity": [0.6] * len(ARM_JOINTS),
+            "speed_scale": 0.4,
+            "min_speed_scale": 0.05,
+            "max_speed_scale": 1.0,
+        }
+        cartesian = {
+            "ready": True,
+            "frames": ["tool_link", "base_link", "world"],
+            "default_frame": "tool_link",
+            "max_linear": 0.15,
+            "max_angular": 0.6,
+            "tool": {
+                "position": {"x": 0.8, "y": -0.012, "z": 0.3},
+                "orientation": {"y": 0.2164, "w": 0.9763},
+            },
+            "share": 1.0,
+            "holds_tool": holds,
+            "guard": guard,
+            "poses": ["stow", "drive", "ready", "look_front"],
+        }
+        for topic, kind, message in (
+            ("status", "telex_msgs/JointTeleopStatus", status),
+            ("cartesian_status", "telex_msgs/CartesianTeleopStatus", cartesian),
+        ):
+            self.probe.publish(f"/telex/arm_teleop/{topic}", kind, message, rate=10)
+
+    def twists(self):
+        return [
+            [
+                *(message["twist"]["linear"][axis] for axis in AXES),
+                *(message["twist"]["angular"][axis] for axis in AXES),
+            ]
+            for message in self.probe.messages(TWIST)
+        ]
+
+    def frames(self):
+        return [message["header"]["frame_id"] for message in self.probe.messages(TWIST)]
+
+
+@pytest.fixture(scope="module")
+def arm(robot):
+    robot.publish_node_status()
+    return Arm(robot)
+
+
+@pytest.fixture
+def in_mode(arm, page):
+    """Put page and robot into a mode, whatever the last test left."""
+
+    def put(mode, **what):
+        arm.report(mode, **what)
+        wait_until(lambda: is_checked(page, f'[data-mode="{mode}"]'), 3.0)
+        for topic in (TWIST, POSE, ARM):
+            arm.probe.heard[topic].clear()
+        arm.probe.requests.clear()
+
+    page.resize(1280, 720)
+    return put
+
+
+def is_checked(page, selector):
+    return page.element(selector).get_attribute("aria-checked") == "true"
+
+
+def test_panel_shows_joints_or_tool_by_the_mode(arm, page, in_mode, tmp_path):
+    in_mode("JOINT")
+    wait_until(lambda: page.element('[data-action="preset:6"]').is_displayed(), 3.0)
+    assert page.element("#arm-rows").is_displayed()
+    assert not page.element("#tool-rows").is_displayed()
+    folder = Path(os.environ.get("TELEX_SCREENSHOTS", tmp_path))
+    assert page.driver.save_screenshot(str(folder / "console_joint.png"))
+    in_mode("CARTESIAN", notice=NOTICE)
+    assert not page.element("#arm-rows").is_displayed()
+    wait_until(lambda: page.text("tool_x-value") == "800 mm")
+    assert page.text("tool_y-value") == "-12 mm"
+    assert page.text("tool_pitch-value") == "25.0°"
+    assert page.text("tool_roll-value") == "0.0°"
+    assert page.text("arm-hud") == NOTICE
+    assert page.driver.save_screenshot(str(folder / "console_cartesian.png"))
+    assert page.errors() == []
+
+
+@pytest.mark.parametrize("size", [(1280, 720), (1366, 768), (1920, 1080)])
+def test_everything_is_in_view_in_both_modes(page, in_mode, size):
+    wait_until(lambda: page.element('[data-action="preset:6"]').is_displayed(), 3.0)
+    for mode in MODES:
+        in_mode(mode)
+        page.resize(*size)
+        outside = page.script("""
+            return [...document.querySelectorAll("button, [data-joint], aside [id]")]
+              .filter((element) => element.offsetParent !== null)
+              .filter((element) => {
+                const box = element.getBoundingClientRect();
+                const cut = element.tagName === "BUTTON"
+                  && element.scrollWidth > Math.ceil(element.clientWidth) + 1;
+                return cut || box.left < 0 || box.top < 0 || box.right > innerWidth
+                  || box.bottom > innerHeight;
+              }).map((element) => element.outerHTML);
+        """)
+        assert outside == []
+        room = page.script("""
+            const log = document.getElementById("log");
+            const { bottom } = log.parentElement.getBoundingClientRect();
+            const height = bottom - log.getBoundingClientRect().top;
+            return height / parseFloat(getComputedStyle(log).lineHeight);
+        """)
+        assert room >= 2.0  # lines of messages
+
+
+def test_a_warning_keeps_clear_of_attitude_and_speed(page, in_mode):
+    in_mode("CARTESIAN")
+    overlaps = page.script("""
+        document.getElementById("warning").textContent = "a sentence of many words; ".repeat(9);
+        document.getElementById("attitude").hidden = false;
+        const [warning, ...others] = ["warning", "attitude", "drive-hud"].map(
+          (id) => document.getElementById(id).getBoundingClientRect());
+        document.getElementById("attitude").hidden = true;
+        document.getElementById("warning").textContent = "";
+        return others.filter((box) => box.width === 0
+          || box.left < warning.right && warning.left < box.right
+          && box.top < warning.bottom && warning.top < box.bottom).length;
+    """)
+    assert overlaps == 0
+
+
+@pytest.mark.parametrize(
+    ("key", "index", "rate"),
+    [
+        ("o", 0, 0.15),
+        ("u", 0, -0.15),
+        ("j", 1, 0.15),
+        ("l", 1, -0.15),
+        ("i", 2, 0.15),
+        ("k", 2, -0.15),
+        ("0", 3, 0.6),
+        ("9", 3, -0.6),
+        ("'", 4, 0.6),
+        ("[", 4, -0.6),
+        ("n", 5, 0.6),
+        ("m", 5, -0.6),
+    ],
+)
+def test_keys_of_the_arm_move_the_tool_in_cartesian_mode(arm, page, in_mode, key, index, rate):
+    in_mode("CARTESIAN")
+    wanted = [0.0] * 6
+    wanted[index] = rate
+    with page.hold(key):
+        wait_until(lambda: wanted in arm.twists(), 2.0)
+    wait_until(lambda: arm.twists()[-1] == [0.0] * 6, 2.0)
+    assert arm.probe.messages(ARM) == []
+
+
+def test_joint_keys_without_meaning_for_the_tool_do_nothing(arm, page, in_mode):
+    in_mode("CARTESIAN")
+    with page.hold("p"), page.hold("o"):
+        wait_until(lambda: len(arm.twists()) > 5, 2.0)
+    assert arm.probe.messages(ARM) == []
+
+
+def test_the_same_keys_move_joints_in_joint_mode(arm, page, in_mode):
+    in_mode("JOINT")
+    with page.hold("o"):
+        wait_until(lambda: len(arm.probe.messages(ARM)) > 3, 2.0)
+    assert arm.probe.messages(ARM)[0]["joint_names"] == ["telescope_joint"]
+    assert arm.twists() == []
+
+
+def test_frame_is_chosen_by_key_and_by_button(arm, page, in_mode):
+    in_mode("CARTESIAN")
+    page.element('[data-frame="0"]').click()
+    for frame in ("tool_link", "base_link", "world"):
+        arm.probe.heard[TWIST].clear()
+        with page.hold("i"):
+            wait_until(lambda: arm.frames(), 2.0)
+        wait_until(lambda: arm.twists()[-1] == [0.0] * 6, 2.0)
+        assert set(arm.frames()) == {frame}
+        page.press("y")
+    page.element('[data-frame="1"]').click()
+    assert is_checked(page, '[data-frame="1"]')
+    assert page.element('[data-frame="1"]').text == "base"
+
+
+@pytest.mark.parametrize(("mode", "other"), [MODES, MODES[::-1]])
+def test_mode_is_asked_for_by_key_and_by_button(arm, page, in_mode, mode, other):
+    in_mode(mode)
+    page.press(Keys.TAB)
+    wait_until(lambda: arm.probe.requests == [{"mode": other}], 2.0)
+    page.element(f'[data-mode="{other}"]').click()
+    wait_until(lambda: arm.probe.requests == [{"mode": other}] * 2, 2.0)
+    assert is_checked(page, f'[data-mode="{mode}"]')  # only the arm itself says which mode it is in
+
+
+def test_change_of_mode_lets_go(arm, page, in_mode):
+    in_mode("CARTESIAN")
+    with page.hold("j"):
+        wait_until(lambda: len(arm.twists()) > 3, 2.0)
+        arm.report("JOINT")
+        wait_until(lambda: arm.twists()[-1] == [0.0] * 6, 2.0)
+        wait_until(lambda: is_checked(page, '[data-mode="JOINT"]'), 2.0)
+    assert arm.probe.messages(ARM) == []
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_named_pose_is_asked_for_while_its_key_is_held(arm, page, in_mode, mode):
+    def names():
+        return [message["data"] for message in arm.probe.messages(POSE)]
+
+    in_mode(mode)
+    with page.hold("c"):
+        wait_until(lambda: len(names()) > 10, 2.0)
+    wait_until(lambda: names()[-1] == "", 2.0)
+    assert set(names()[:-1]) == {"ready"}
+
+
+def test_two_poses_at_once_stand_still(arm, page, in_mode):
+    def names():
+        return [message["data"] for message in arm.probe.messages(POSE)]
+
+    in_mode("JOINT")
+    with page.hold("c"):
+        wait_until(lambda: "ready" in names(), 2.0)
+        with page.hold("z"):
+            wait_until(lambda: names()[-1] == "", 2.0)
+        wait_until(lambda: names()[-1] == "ready", 2.0)
+    wait_until(lambda: names()[-1] == "", 2.0)
+    assert set(names()) == {"ready", ""}
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_flipper_presets_have_their_keys_in_both_modes(robot, arm, page, in_mode, mode):
+    in_mode(mode)
+    robot.forget()
+    with page.hold("4"):
+        wait_until(lambda: robot.heard(PRESETS), 2.0)
+    wait_until(lambda: robot.heard(PRESETS)[-1]["preset"] == "", 2.0)
+    assert {message["preset"] for message in robot.heard(PRESETS)} == {"climb", ""}
+    assert arm.twists() == []
+
+
+def test_pose_that_the_robot_does_not_have_cannot_be_held(page, in_mode):
+    in_mode("JOINT")
+    wait_until(lambda: not page.element('[data-action="pose:floor_pick"]').is_enabled(), 3.0)
+    assert page.element('[data-action="pose:stow"]').is_enabled()
+
+
+def test_holding_the_tool_and_the_guard_are_switched(arm, page, in_mode):
+    in_mode("CARTESIAN", holds=False)
+    page.press("h")
+    wait_until(lambda: arm.probe.requests == [{"data": True}], 2.0)
+    in_mode("CARTESIAN", holds=True)
+    wait_until(lambda: is_checked(page, "#hold-tool"), 3.0)
+    page.element("#hold-tool").click()
+    wait_until(lambda: arm.probe.requests == [{"data": False}], 2.0)
+    arm.probe.requests.clear()
+    page.element("#guard").click()
+    wait_until(lambda: arm.probe.requests == [{"data": False}], 2.0)
