@@ -210,6 +210,28 @@ def test_a_target_for_another_posture_needs_reconfiguring(solver):
     assert tracker.track(target, result.posture, DT, Tolerance.position_only()).converged
 
 
+@pytest.mark.parametrize("moving", [False, True])
+def test_on_request_it_walks_to_the_other_posture_while_the_target_is_still(solver, moving):
+    two = chain(
+        joint(0, "revolute", "0 0 0", "0 0 1", -1.2, 0.8),
+        joint(1, "revolute", "0.5 0 0", "0 0 1", -2.5, 2.5),
+        joint(2, "prismatic", "0.5 0 0", "1 0 0", 0, 0.01),
+    )
+    tracker = IKSolver(two, IKOptions(reconfigure_after=0.2), backend=solver.backend)
+    target = two.forward([-0.9, 2.3, 0.0])
+    q = np.array([0.5, -2.4, 0.0])
+    for tick in range(600):
+        # A millimetre to and fro is moving.
+        seen = offset(target, 0.0, 0.0005 * (-1.0) ** tick if moving else 0.0, 0.0)
+        result = tracker.track(seen, q, DT, Tolerance.position_only())
+        assert (abs(result.q - q) <= two.velocity_limits * DT * (1.0 + 1e-12)).all()
+        assert (result.q >= two.lower).all()
+        assert (result.q <= two.upper).all()
+        q = result.q
+    assert result.converged == (not moving)
+    assert (q[1] > 0.0) == (not moving)
+
+
 def test_the_same_ticks_end_the_same(solver):
     def run():
         tracker = IKSolver(CHAIN, backend=solver.backend)

@@ -26,7 +26,7 @@ class CompiledBackend(Backend):
 
     name = "compiled"
     default_iterations = 6000
-    search_slice = 30
+    search_slice = 15
 
     def __init__(self, chain: Chain, options: IKOptions) -> None:
         self._model = kernels.Model(*joint_frames(chain))

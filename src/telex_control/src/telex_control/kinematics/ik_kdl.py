@@ -23,6 +23,7 @@ from .pose_library import NEIGHBOURS, PoseLibrary, random_postures
 
 _TURN = 2.0 * math.pi
 _FLOOR = 1e-9
+_KEEN = 1e-2
 _TICK_GAIN = 1e-3
 _STIFF = 1e9
 Box = Tuple[np.ndarray, np.ndarray]
@@ -397,7 +398,7 @@ class KdlBackend(Backend):
                 self._here, self._trial = self._trial, self._here
             else:
                 mu *= 8.0
-                poor += 1
+                poor += gain > _KEEN
             converged = True
         outcome = Outcome(np.array(values), converged, error.place_norm, error.turn_norm, done, 0)
         return outcome, error

@@ -21,6 +21,7 @@ from .ik_task import AT_LIMIT, DISTANCE, GoalFunction, Task
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 _TURN = 2.0 * math.pi
+_KEEN = 1e-2
 _FLOOR = 1e-9
 """Damping that is left at the target: keeps the factorisation defined in a singular posture."""
 _TICK_GAIN = 1e-3
@@ -367,8 +368,9 @@ def _descend(
     """Levenberg-Marquardt in a box, from `q` on, in place.
 
     Ends at the target, after `iterations`, after three steps in a row that lessen the cost by less
-    than the part `gain`, or when the step vanishes. Steps are damped by `damping` and by what is
-    left of the cost.
+    than the part `gain`, or when the step vanishes. Steps that are refused count among the three
+    only with a `gain` above `_KEEN`, where beginning elsewhere is the better use of time. Steps are
+    damped by `damping` and by what is left of the cost.
 
     Returns converged, position error (m), orientation error (rad), iterations; `work.jacobian` and
     `work.error` are those of the last `q`.

@@ -121,6 +121,10 @@ class IKOptions:
         Of one tick of `track`.
     search_iterations : int
         Spent to find out whether another posture reaches a target at which `track` stands stuck.
+    reconfigure_after : float, optional
+        s: when the target has stood still for so long, `track` walks to this posture, inside speed
+        limits, while the target stays where it is. The tool may swing far from it on the way. Never
+        when not given.
     """
 
     tolerance: Tolerance = field(default_factory=Tolerance)
@@ -135,6 +139,7 @@ class IKOptions:
     restart_candidates: int = 4
     track_iterations: int = 50
     search_iterations: int = 600
+    reconfigure_after: Optional[float] = None
 
     def __post_init__(self) -> None:
         require_choice(self, "goal", Goal.ALL)
@@ -148,5 +153,6 @@ class IKOptions:
             require_range(self, name, 1)
         require_range(self, "search_iterations", 0)
         require_range(self, "random_seed", 0, 2**63 - 1)
+        require_range(self, "reconfigure_after", 0.0)
         for name in ("time_limit", "length_weight", "singular_below"):
             require_range(self, name, above=0.0)

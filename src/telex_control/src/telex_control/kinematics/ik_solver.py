@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib.util
 import math
 import time
-from typing import Any, Dict, Optional, Tuple
+from typing import Any, Dict, List, Optional, Tuple
 
 import numpy as np
 
@@ -276,6 +276,9 @@ class IKSolver:
         task = self._task(target, tolerance)
         here = vector(q, self._count, "q")
         reach = self._reach(dt)
+        destination = self._search.destination(task)
+        if destination is not None:
+            return self._walk(task, here, dt, destination)
         tick = self._numerics.tick(task, here, self._box, reach, self.options.track_iterations)
         if tick.outcome.converged:
             self._search.forget()
@@ -284,9 +287,23 @@ class IKSolver:
             return self._answer(here, dt, tick, IKStatus.CONVERGED)
         if (abs(tick.held) == 1.0).any():
             return self._answer(here, dt, tick, IKStatus.LAGGING)
-        posture = self._search.look(task, tick.outcome.q)
+        posture = self._search.look(task, tick.outcome.q, float(dt))
         status = IKStatus.BEST_EFFORT if posture is None else IKStatus.NEEDS_RECONFIGURE
         return self._answer(here, dt, tick, status, posture=posture)
+
+    def _walk(
+        self, task: Task, here: np.ndarray, dt: float, destination: np.ndarray
+    ) -> TrackResult:
+        """Go on to another posture, all joints arriving together."""
+        way = destination - here
+        ticks = max(1.0, float((abs(way) / self._reach(dt)).max()))
+        moved = here + way / ticks if ticks > 1.0 else destination
+        tick = self._numerics.tick(task, moved, (moved, moved), np.zeros(self._count), 0)
+        if tick.outcome.converged:
+            self._search.forget()
+            return self._answer(here, dt, tick, IKStatus.CONVERGED)
+        tick.held[:] = 0.0
+        return self._answer(here, dt, tick, IKStatus.NEEDS_RECONFIGURE, posture=destination)
 
     def _use_freedom(self, task: Task, here: np.ndarray, reach: np.ndarray, tick: Tick) -> Tick:
         """Move on towards the goal, with what a tick that has reached its target leaves."""
@@ -483,7 +500,7 @@ class _Slices:
         self.left = iterations
         self.iterations = 0
         self.restarts = 0
-        self._found: list = []
+        self._found: List[Outcome] = []
         self.converged = False
 
     def add(self, outcome: Outcome) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Optional, Tuple
 
 import numpy as np
@@ -11,6 +12,8 @@ from .ik_task import Backend, Task
 
 _MOVED = 0.02
 """Weighted change of the target (rad) after which the search has a new budget."""
+_STILL = 1e-4
+"""Weighted change of the target (rad) in a tick that counts as none."""
 _REFINE = 10
 """Iterations in which a known posture must follow the target from tick to tick."""
 
@@ -36,6 +39,8 @@ class PostureSearch:
         self._slice = numerics.search_slice
         self._budget = int(options.search_iterations)
         self._seed = int(options.random_seed)
+        after = options.reconfigure_after
+        self._patience = math.inf if after is None else after
         self.forget()
 
     def forget(self) -> None:
@@ -43,9 +48,12 @@ class PostureSearch:
         self._random = self._numerics.random(self._seed)
         self._left = self._budget
         self._target: Optional[np.ndarray] = None
+        self._last: Optional[np.ndarray] = None
         self._posture: Optional[np.ndarray] = None
+        self._walking = False
+        self._still = 0.0  # s
 
-    def look(self, task: Task, here: np.ndarray) -> Optional[np.ndarray]:
+    def look(self, task: Task, here: np.ndarray, dt: float) -> Optional[np.ndarray]:
         """Search on for a tick.
 
         Parameters
@@ -53,26 +61,59 @@ class PostureSearch:
         task : Task
         here : ndarray, shape (n,)
             The present posture, which does not reach the target.
+        dt : float
+            Length of the tick (s).
 
         Returns
         -------
         ndarray, shape (n,), or None
-            Joint positions that reach the target.
+            Joint positions that reach the target: the nearest found, by the joint that moves most.
         """
-        if self._posture is not None:
-            known = self._numerics.descend(task, self._posture, self._box, _REFINE)
-            self._posture = known.q if known.converged else None
+        self._follow(task)
+        self._still = self._still + dt if self._stands(task) else 0.0
+        self._last = task.target
         if self._target is None or _apart(self._target, task) > _MOVED:
             self._target = task.target
             self._left = self._budget
-        if self._posture is None and self._left > 0:
+        if self._left > 0:
             found = self._numerics.solve(
                 task, here, self._box, self._random, min(self._slice, self._left), restart=True
             )
             self._left -= max(found.iterations, 1)
-            if found.converged:
+            if found.converged and (
+                self._posture is None or abs(found.q - here).max() < abs(self._posture - here).max()
+            ):
                 self._posture = found.q
+        if self._posture is not None and self._still >= self._patience:
+            self._walking = True
         return self._posture
+
+    def destination(self, task: Task) -> Optional[np.ndarray]:
+        """Return the posture that is to be walked to, None when there is none (any more).
+
+        Parameters
+        ----------
+        task : Task
+            The present target; once it moves, the walk ends.
+        """
+        if not self._walking:
+            return None
+        self._walking = self._stands(task)
+        self._last = task.target
+        if not self._walking:
+            self._still = 0.0
+            return None
+        return self._posture
+
+    def _stands(self, task: Task) -> bool:
+        """Whether the target is where it was in the tick before."""
+        return self._last is not None and _apart(self._last, task) < _STILL
+
+    def _follow(self, task: Task) -> None:
+        """Have the known posture follow the target, or forget it."""
+        if self._posture is not None:
+            known = self._numerics.descend(task, self._posture, self._box, _REFINE)
+            self._posture = known.q if known.converged else None
 
 
 def _apart(target: np.ndarray, task: Task) -> float:
