@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import pybullet
 import pytest
@@ -288,6 +289,15 @@ def test_joints_that_are_not_there_or_out_of_range_are_named(urdf, change, named
     with pytest.raises(ConfigError) as caught:
         OfflineSimulation(urdf, **change)
     assert named in str(caught.value)
+
+
+def test_a_belt_around_a_link_that_touches_nothing_is_named(urdf):
+    link = r'(<link name="front_left_flipper_link">.*?)<collision>.*?</collision>(.*?</link>)'
+    bare = re.sub(link, r"\1\2", urdf, flags=re.DOTALL)
+    assert bare != urdf
+    says = r"tracks/belts/(\w+): the link 'front_left_flipper_link', .* has no <collision>"
+    with pytest.raises(ConfigError, match=says):
+        OfflineSimulation(bare)
 
 
 def test_control_runs_at_its_own_period(robot):

@@ -149,7 +149,7 @@ def test_a_moment_of_tilt_is_no_tip_over():
 
 
 class Stretch:
-    """Feeds a detector at 10 Hz."""
+    """Feeds a detector at 10 Hz; `belt` is the speed of both belts, or a pair (left, right)."""
 
     def __init__(self):
         self.detector = StuckDetector(CONFIG, 0.2)
@@ -162,7 +162,8 @@ class Stretch:
             self.time += 0.1
             self.x += 0.1 * speed
             self.heading = math.remainder(self.heading + 0.1 * rate, math.tau)
-            self.detector.update(self.time, (self.x, 0.0, 0.0), self.heading, belt)
+            belts = belt if isinstance(belt, tuple) else (belt, belt)
+            self.detector.update(self.time, (self.x, 0.0, 0.0), self.heading, belts)
             stuck += self.detector.stuck
         return 0.1 * stuck
 
@@ -176,7 +177,7 @@ def test_belts_that_run_without_effect_mean_stuck_after_a_while():
 def test_driving_turning_and_standing_are_not_stuck():
     stretch = Stretch()
     assert stretch.go(5.0, belt=0.3, speed=0.28) == 0.0
-    assert stretch.go(10.0, belt=0.4, rate=0.5) == 0.0
+    assert stretch.go(10.0, belt=(-0.4, 0.4), rate=0.5) == 0.0
     assert stretch.go(5.0, belt=0.0) == 0.0
     assert stretch.go(5.0, belt=0.01) == 0.0  # creeps
     assert stretch.go(5.0, belt=0.3, speed=0.1) == 0.0  # with much slip
@@ -196,8 +197,33 @@ def test_rocking_in_one_place_is_stuck():
     stretch = Stretch()
     for _ in range(6):
         stretch.go(0.5, belt=0.3, speed=0.02)
-        stretch.go(0.5, belt=0.3, speed=-0.02)
+        stretch.go(0.5, belt=-0.3, speed=-0.02)
     assert stretch.detector.stuck
+
+
+@pytest.mark.parametrize("period", [0.2, 0.5, 1.0, 3.0])
+def test_jockeying_is_not_stuck(period):
+    stretch, stuck = Stretch(), 0.0
+    for _ in range(round(12.0 / period)):
+        for sign in (1.0, -1.0):
+            stuck += stretch.go(0.5 * period, belt=0.5 * sign, speed=0.45 * sign)
+    for _ in range(round(12.0 / period)):
+        for sign in (1.0, -1.0):
+            stuck += stretch.go(0.5 * period, belt=(-0.3 * sign, 0.3 * sign), rate=0.8 * sign)
+    assert stuck == 0.0
+
+
+def test_turning_to_and_fro_in_vain_is_stuck():
+    stretch = Stretch()
+    for _ in range(4):
+        for sign in (1.0, -1.0):
+            stretch.go(0.5, belt=(-0.3 * sign, 0.3 * sign), rate=0.02 * sign)
+    assert stretch.detector.stuck
+
+
+def test_one_belt_that_runs_in_vain_is_stuck():
+    stretch = Stretch()
+    assert stretch.go(4.0, belt=(0.0, 0.3)) > 1.5
 
 
 @pytest.mark.parametrize(

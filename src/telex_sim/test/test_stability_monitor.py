@@ -43,6 +43,12 @@ def drive(monitor, tested, linear, angular, seconds):
     return margins
 
 
+def shove(tested):
+    """Give the robot a speed of 0.5 m/s to its right, at once."""
+    body = tested.simulation.body
+    pybullet.resetBaseVelocity(body.uid, (0.0, -0.5, 0.0), physicsClientId=body.client)
+
+
 def block_under_the_belly(tested):
     """Put the robot on a block that holds its belts off the ground; returns PyBullet's number."""
     client, height = tested.simulation.world.client, 0.12
@@ -208,6 +214,36 @@ def test_driving_and_turning_are_not_stuck(watched):
         for _ in range(23):
             drive(monitor, tested, linear, angular, 0.1)
             assert not monitor.stuck
+
+
+def test_going_to_and_fro_is_not_stuck(watched):
+    tested, monitor = watched(start__pose="stow")
+    look(monitor, tested, 0.5)
+    for sign in (1.0, -1.0) * 3:
+        for _ in range(10):
+            drive(monitor, tested, 0.5 * sign, 0.0, 0.1)
+            assert not monitor.stuck
+
+
+def test_acceleration_counts_while_time_stands_and_not_when_it_is_long_ago(watched):
+    tested, monitor = watched(start__pose="stow")
+    at_rest = look(monitor, tested, 0.5).margin
+    look(monitor, tested, 0.1)
+    tested.run(0.1)
+    monitor.observe(tested.simulation.time)
+    shove(tested)
+    shoved = monitor.margin(tested.simulation.time)
+    # 5 m/s2 to the right, over 0.1 s: it leans to the left.
+    assert shoved.margin < 0.5 * at_rest
+    assert math.sin(shoved.direction) == pytest.approx(1.0, abs=0.01)
+    paused = [monitor.margin(tested.simulation.time) for _ in range(2)]
+    assert [margin.margin for margin in paused] == pytest.approx([shoved.margin] * 2)
+    # Nobody asks for a second.
+    for _ in range(10):
+        tested.run(0.1)
+        monitor.observe(tested.simulation.time)
+    shove(tested)
+    assert monitor.margin(tested.simulation.time).margin == pytest.approx(at_rest, abs=0.02)
 
 
 def test_an_emergency_stop_is_not_stuck(watched):

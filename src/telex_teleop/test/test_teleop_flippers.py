@@ -236,6 +236,30 @@ def test_the_newer_of_two_operators_presets_wins(robot):
     assert robot.positions["rear_left"] > -0.3
 
 
+def test_an_operators_stop_ends_the_presets_of_all(robot):
+    robot.hold(0.5, "high", caller="a")
+    robot.press("", caller="b")
+    robot.hold(0.3, "high", caller="a")
+    stopped = robot.positions["front_left"]
+    robot.hold(1.0, "high", caller="a")
+    assert robot.positions["front_left"] == stopped > -0.6
+    assert "release its key" in robot.message()
+    robot.press("", caller="a")
+    robot.hold(0.5, "high", caller="a")
+    assert robot.positions["front_left"] < stopped
+
+
+def test_a_stop_lets_nobody_else_in_again(robot):
+    robot.hold(0.3, "high", caller="a")
+    robot.core.set_e_stop(True)
+    robot.hold(0.1, "high", caller="a")
+    robot.core.set_e_stop(False)
+    robot.press("", caller="b")
+    before = dict(robot.positions)
+    robot.hold(1.0, "high", caller="a")
+    assert robot.positions == before
+
+
 # ---- goals
 
 
@@ -263,15 +287,27 @@ def test_a_goal_at_its_angles_is_reached_at_once(robot):
     assert [end.end for end in robot.ended()] == [GoalEnd.REACHED]
 
 
-def test_a_goal_goes_on_through_a_pause_of_the_simulation(robot):
+def test_a_goal_ends_with_a_pause_of_the_simulation(robot):
     robot.goal("high")
     robot.run(0.3)
+    before = robot.positions["rear_left"]
     for _ in range(200):
         robot.time += DT
-        # wall time passed meanwhile
         robot.last = robot.core.update(robot.time, robot.time + 50.0, robot.positions)
         robot.positions.update(robot.last)
-    assert [end.end for end in robot.ended()] == [GoalEnd.REACHED]
+    (end,) = robot.ended()
+    assert (end.end, end.message) == (GoalEnd.ABORTED, "the simulation was paused")
+    # the way of braking
+    assert robot.positions["rear_left"] > before - RATE**2 / 8.0 - 0.02
+
+
+def test_a_goal_ends_while_the_pause_lasts(robot):
+    robot.goal("high")
+    robot.run(0.3)
+    robot.core.end_goal_in_pause(robot.time + 2 * TIMEOUT - 0.01)
+    assert robot.ended() == []
+    robot.core.end_goal_in_pause(robot.time + 2 * TIMEOUT + 0.01)
+    assert [end.message for end in robot.ended()] == ["the simulation was paused"]
 
 
 def test_a_cancelled_goal_stops(robot):

@@ -190,6 +190,10 @@ class TestFlippers:
     def test_one_side_only(self, flippers):
         assert flippers["moved"] == ["front_left_flipper_joint", "rear_left_flipper_joint"]
 
+    def test_the_newer_of_two_clients_of_one_node_wins(self, flippers):
+        # 1 rad/s for 0.8 s, less the ramps; in turns they would get nowhere
+        assert flippers["shared"] > 0.3
+
     def test_a_goal_succeeds_with_feedback(self, flippers):
         goal = flippers["reached"]
         assert goal["state"] == "SUCCEEDED"
@@ -673,6 +677,7 @@ class FlipperDrill:
 
         announced = rospy.wait_for_message("flipper_teleop/presets", FlipperPresets, 5.0)
         results = {"presets": list(announced.names), **self.hold_keys()}
+        results["shared"] = self.share_a_node()
         results["reached"] = self.reach("flat")
         results["cancelled"] = self.interrupt(self.client.cancel_goal)
         results["manual"] = self.interrupt(
@@ -704,6 +709,22 @@ class FlipperDrill:
             "run_on": before - after,
             "unknown_held_moved": unknown,
         }
+
+    def share_a_node(self):
+        """Two clients of one node hold presets, the second one later; how far that one gets."""
+        from telex_msgs.msg import FlipperPresetHold
+
+        first = FlipperPresetHold(preset="high", client="1")
+        second = FlipperPresetHold(preset="folded", client="2")
+        repeat(self.keys, first, 0.3)
+        before = self.robot.positions["rear_left_flipper_joint"]
+        for _ in range(40):
+            self.keys.publish(second)
+            self.keys.publish(first)
+            time.sleep(0.02)
+        moved = self.robot.positions["rear_left_flipper_joint"] - before
+        time.sleep(0.6)
+        return moved
 
     def reach(self, preset):
         feedback = []

@@ -32,7 +32,9 @@ class Client:
     def __init__(self, bench):
         self.outbox = Outbox(1000000)
         self.dropped = []
+        bench.clients += 1
         self.session = ClientSession(
+            f"client {bench.clients}",
             bench.config,
             bench.ros,
             publishers=bench.publishers,
@@ -61,6 +63,7 @@ class Bench:
     def __init__(self, **config):
         self.config = RosbridgeConfig(**{"connect_timeout": 0.2, **config})
         self.ros = FakeRos()
+        self.clients = 0
         self.worker = OrderedWorker("test")
         self.publishers = PublisherPool(self.ros, self.worker, linger=0.05)
         self.feeds = FeedPool(self.ros, self.worker)
@@ -237,6 +240,20 @@ async def test_what_waits_for_its_publisher_goes_with_its_client():
     assert bench.ros.published == []
 
 
+@on_loop
+async def test_operators_who_share_the_bridge_do_not_pass_for_one():
+    bench = Bench()
+    clients = [Client(bench), Client(bench)]
+    for client in clients:
+        client.say("advertise", topic="/presets", type="telex_msgs/FlipperPresetHold")
+        # whatever it says of itself
+        client.say("publish", topic="/presets", msg={"preset": "high", "client": "client 1"})
+    await bench.settle()
+    clients[1].session.close()
+    sent = [(message.preset, message.client) for _, message in bench.ros.published]
+    assert sent == [("high", "client 1"), ("high", "client 2"), ("", "client 2")]
+
+
 @pytest.mark.parametrize(
     ("message", "stop"),
     [
@@ -250,7 +267,10 @@ async def test_what_waits_for_its_publisher_goes_with_its_client():
             JointJog(joint_names=["a"], velocities=[0.0]),
         ),
         (JointJog(joint_names=["a"], velocities=[0.0]), None),
-        (FlipperPresetHold(preset="high", joint_names=["a"]), FlipperPresetHold()),
+        (
+            FlipperPresetHold(preset="high", joint_names=["a"], client="7"),
+            FlipperPresetHold(client="7"),
+        ),
         (FlipperPresetHold(), None),
         (Twist(), None),
         (String("x"), None),

@@ -46,6 +46,21 @@ async def test_operations_travel_both_ways():
 
 
 @on_loop
+async def test_each_connection_has_a_name_of_its_own():
+    bench = Bench()
+    kind = "telex_msgs/FlipperPresetHold"
+    async with bench.served() as url, aiohttp.ClientSession() as client:
+        sockets = [await client.ws_connect(url) for _ in range(2)]
+        for socket in sockets:
+            await socket.send_json({"op": "advertise", "topic": "/presets", "type": kind})
+            await socket.send_json({"op": "publish", "topic": "/presets", "msg": {}})
+        await becomes(lambda: len(bench.ros.published) == 2)
+        for socket in sockets:
+            await socket.close()
+    assert sorted(message.client for _, message in bench.ros.published) == ["1", "2"]
+
+
+@on_loop
 async def test_a_connection_that_is_cut_stops_what_it_drove():
     bench = Bench()
     async with bench.served() as url, aiohttp.ClientSession() as client:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from typing import Deque, NamedTuple, Optional, Tuple
+from typing import Deque, Iterable, NamedTuple, Optional, Sequence, Tuple
 
 from .stability import StabilityConfig
 
@@ -36,19 +36,20 @@ class TipOverDetector:
 
 
 class _Sample(NamedTuple):
-    """Where the robot was (m, rad) and how far its belts had been told to run (m)."""
+    """Where the robot was (m, rad), and how far each belt had been told to run (m, signed)."""
 
     time: float
     place: Vector
     turned: float
-    way: float
+    ways: Tuple[float, ...]
 
 
 class StuckDetector:
     """Tells that the belts of a robot are told to run, but do not get it away.
 
-    It compares the way that the belts are told to run with what the robot does: how far it gets,
-    or how far it turns.
+    It compares ranges: the longest stretch of way that a belt is told to run over, with the room
+    that the robot takes up while it moves and turns. So an operator who goes to and fro is told to
+    be stuck only if the robot does not follow.
 
     Parameters
     ----------
@@ -69,7 +70,7 @@ class StuckDetector:
         self._heading: Optional[float] = None
         self.stuck = False
 
-    def update(self, time: float, place: Vector, heading: float, speed: float) -> None:
+    def update(self, time: float, place: Vector, heading: float, speeds: Sequence[float]) -> None:
         """Take the robot's state at `time` (s).
 
         Parameters
@@ -78,29 +79,35 @@ class StuckDetector:
             Of the robot (m).
         heading : float
             (rad)
-        speed : float
-            That its fastest belt is told to run at (m/s), whatever its sign; 0 while brakes hold.
+        speeds : sequence of float
+            That each belt is told to run at (m/s, signed), always in the same order; 0 while its
+            brake holds.
         """
         samples, config = self._samples, self._config
         if self._heading is not None:
             self._turned += math.remainder(heading - self._heading, 2.0 * math.pi)
         self._heading = heading
-        if speed < config.stuck_speed:
+        if all(abs(speed) < config.stuck_speed for speed in speeds):
             samples.clear()
             self.stuck = False
             return
-        way = 0.0
+        ways = tuple(0.0 for _ in speeds)
         if samples:
             last = samples[-1]
-            way = last.way + speed * (time - last.time)
-        samples.append(_Sample(time, place, self._turned, way))
+            ways = tuple(way + speed * (time - last.time) for way, speed in zip(last.ways, speeds))
+        samples.append(_Sample(time, place, self._turned, ways))
         # The oldest sample is the youngest of those that are old enough.
         while len(samples) > 1 and time - samples[1].time >= config.stuck_time:
             samples.popleft()
-        first = samples[0]
-        if time - first.time < config.stuck_time:
+        if time - samples[0].time < config.stuck_time:
             self.stuck = False
             return
-        moved = math.dist(place, first.place)
-        moved += self._half_gauge * abs(self._turned - first.turned)
-        self.stuck = moved < config.stuck_ratio * (way - first.way)
+        told = max(_range(ways) for ways in zip(*(sample.ways for sample in samples)))
+        moved = math.hypot(*(_range(axis) for axis in zip(*(sample.place for sample in samples))))
+        moved += self._half_gauge * _range([sample.turned for sample in samples])
+        self.stuck = moved < config.stuck_ratio * told
+
+
+def _range(values: Iterable[float]) -> float:
+    values = tuple(values)
+    return max(values) - min(values)

@@ -93,7 +93,7 @@ class Robot:
         self.hw = RobotHWSim(root, config.hardware, config.tracks.belts)
         self.hw.init(node, node)
         self.controllers = ControllerManager(self.hw, node)
-        self._check_belts()
+        self._check_belts(root)
         described = joints(root)
         self._positions = self._start_positions(described, asked_pose)
         config.proximity.check_joints(list(described), config.hardware.optional_joints)
@@ -104,7 +104,15 @@ class Robot:
         self._e_stop_presses = 0
         self._e_stop_obeyed = 0
 
-    def _check_belts(self) -> None:
+    def _check_belts(self, root: ElementTree.Element) -> None:
+        carriers = {
+            joint.get("name"): parent.get("link", "")
+            for joint in root.iter("joint")
+            for parent in joint.findall("parent")
+        }
+        solid = {
+            link.get("name") for link in root.iter("link") if link.find("collision") is not None
+        }
         for joint in self.config.tracks.belts:
             if not self.hw.has_joint(joint):
                 raise ConfigError(f"tracks/belts/{joint}: the robot has no driven joint '{joint}'")
@@ -113,6 +121,11 @@ class Robot:
                 raise ConfigError(
                     f"tracks/belts/{joint}: its transmission has PositionJointInterface; a belt "
                     "needs VelocityJointInterface or EffortJointInterface"
+                )
+            if carriers[joint] not in solid:
+                raise ConfigError(
+                    f"tracks/belts/{joint}: the link '{carriers[joint]}', around which it runs, "
+                    "has no <collision>; a belt needs one to touch the ground"
                 )
 
     def _start_positions(self, described: Dict[str, UrdfJoint], asked: str) -> Dict[str, float]:

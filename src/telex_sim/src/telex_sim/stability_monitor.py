@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import product
 from typing import Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
@@ -22,6 +23,10 @@ _OUTSIDE = 0.002
 """How far beside a belt (m) is looked for what its corners lie on."""
 _CARRIES = 0.2
 """Least upward part of a contact's normal that holds the robot up."""
+_RECENT = 2.5
+"""Age, in periods of `StabilityMonitor.observe`, up to which the last momentum counts: two periods,
+and not a matter of rounding.
+"""
 
 
 @dataclass(frozen=True)
@@ -61,7 +66,7 @@ class Margin:
 class StabilityMonitor:
     """Looks at a robot with belts now and then, in the simulation's thread.
 
-    Inertial forces are the mean since the last look.
+    Inertial forces are the mean since the last margin, unless that is long ago.
 
     Parameters
     ----------
@@ -111,16 +116,23 @@ class StabilityMonitor:
         self._moments = np.array([each[2] for each in info])
         tracks = {body.links[body.parents[joint]] for joint, _ in self._belts}
         self._rows = {index: row for row, index in enumerate((-1, *self._links))}
+        # None of a shape that PyBullet has no mesh of, such as a sphere.
         self._corners: Dict[int, np.ndarray] = {
-            link: np.array(pybullet.getMeshData(body.uid, link, physicsClientId=client)[1])
+            link: np.reshape(
+                pybullet.getMeshData(body.uid, link, physicsClientId=client)[1], (-1, 3)
+            )
             for link in tracks
         }
         # A bit outside of the belt, across it: a ray that begins in the robot would end there.
         self._outwards = {
-            link: np.sign(corners - corners.mean(axis=0)) * (0.0, _OUTSIDE, 0.0)
+            link: np.sign(corners - corners.sum(axis=0) / max(1, len(corners)))
+            * (0.0, _OUTSIDE, 0.0)
             for link, corners in self._corners.items()
         }
         self._momentum: Optional[Tuple[float, np.ndarray, np.ndarray]] = None
+        self._inertial = (np.zeros(3), np.zeros(3))
+        self._observed: Optional[float] = None
+        self._period = math.inf
 
     def observe(self, time: float) -> None:
         """Look at attitude and progress at `time` (s); to be called at a steady rate."""
@@ -132,19 +144,22 @@ class StabilityMonitor:
         self.attitude = _attitude(rotation)
         self._tip_over.update(time, self.attitude.tilt)
         heading = math.atan2(rotation[1, 0], rotation[0, 0])
-        self._stuck.update(time, position, heading, self._commanded_speed())
+        self._stuck.update(time, position, heading, self._commanded_speeds())
+        if self._observed is not None:
+            self._period = time - self._observed
+        self._observed = time
 
-    def _commanded_speed(self) -> float:
-        """Speed (m/s) that the fastest belt is told to run at; 0 while its brake holds it.
+    def _commanded_speeds(self) -> List[float]:
+        """Speed (m/s) that each belt is told to run at; 0 while its brake holds it.
 
         A belt that is commanded by effort is told no speed.
         """
-        speeds = [0.0]
+        speeds = []
         for joint, radius in self._belts:
             drive = self._robot.hw.drive(joint)
-            if not drive.braked and drive.interface is VelocityJointInterface:
-                speeds.append(abs(drive.handle.command) * radius)
-        return max(speeds)
+            told = not drive.braked and drive.interface is VelocityJointInterface
+            speeds.append(drive.handle.command * radius if told else 0.0)
+        return speeds
 
     def margin(self, time: float) -> Margin:
         """How far the robot is from tipping over at `time` (s)."""
@@ -184,12 +199,20 @@ class StabilityMonitor:
     def _inertia(
         self, time: float, momentum: np.ndarray, turning: np.ndarray
     ) -> Tuple[np.ndarray, np.ndarray]:
-        """Force and moment of inertia since the last call (N, N m)."""
-        last, self._momentum = self._momentum, (time, momentum, turning)
-        if last is None or time <= last[0]:
-            return np.zeros(3), np.zeros(3)
-        period = time - last[0]
-        return (last[1] - momentum) / period, (last[2] - turning) / period
+        """Force and moment of inertia (N, N m): their mean since the last call.
+
+        It is none if nobody has asked for long: such a mean tells nothing of now. While time
+        stands still, as in a pause, it stays what it was.
+        """
+        last = self._momentum
+        if last is None or time != last[0]:
+            self._momentum = (time, momentum, turning)
+            self._inertial = (np.zeros(3), np.zeros(3))
+            if last is not None and 0.0 < time - last[0] <= _RECENT * self._period:
+                lasted = time - last[0]
+                self._inertial = ((last[1] - momentum) / lasted, (last[2] - turning) / lasted)
+        force, moment = self._inertial
+        return force.copy(), moment.copy()
 
     def _motion(self) -> Tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Centre of mass, principal axes, linear and angular velocity of all links.
@@ -279,13 +302,15 @@ class StabilityMonitor:
         """Corners of all tracks in the robot's frame (m), shape (n, 3)."""
         centers, rotations, _, _ = self._motion()
         position, orientation = self._body.base_pose()
-        corners = np.concatenate(
-            [
-                self._corners[link] @ rotations[self._rows[link]].T + centers[self._rows[link]]
-                for link in self._corners
-            ]
-        )
-        return (corners - position) @ _rotation(orientation)
+        found = []
+        for link, corners in self._corners.items():
+            row = self._rows[link]
+            if len(corners):
+                found.append(corners @ rotations[row].T + centers[row])
+            else:
+                box = pybullet.getAABB(self._body.uid, link, physicsClientId=self._body.client)
+                found.append(np.array(list(product(*zip(*box)))))
+        return (np.concatenate(found) - position) @ _rotation(orientation)
 
     def _reference_measure(self) -> float:
         """Force-angle measure of the robot, level and at rest, on the rectangle of its tracks."""

@@ -265,8 +265,12 @@ class PresetRequests:
         self.goals.begin(number, wanted)
 
     def stop(self, caller: str, reason: str) -> None:
-        """Take a command to stop presets; it also ends the wait for the pause of `caller`."""
+        """Take a command to stop presets, whoever asked for them.
+
+        It also ends the wait for the pause of `caller`; keys of others need a new press.
+        """
         self._stream.end(caller)
+        self._stream.latch()
         self.goals.end(GoalEnd.ABORTED, reason)
 
     def interrupt(self, reason: str) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Dict, FrozenSet, Mapping, Sequence
 
 from telex_teleop.axis import AxisSettings
-from telex_teleop.flipper_presets import GoalRules, Preset, PresetRequests, choose
+from telex_teleop.flipper_presets import GoalEnd, GoalRules, Preset, PresetRequests, choose
 from telex_teleop.joint_jog import InvalidCommand, JogCommand
 from telex_teleop.joint_teleop import JointTeleop
 from telex_teleop.speed import SpeedScale
@@ -80,6 +80,19 @@ class FlipperTeleop(JointTeleop):
         now = Clocks(wall, self._ticks.now)
         manual = any(axis.commanded(now) for axis in self.axes.values())
         return self.requests.hold(wanted, now, caller, manual)
+
+    def update(self, stamp: float, wall: float, positions: Mapping[str, float]) -> Dict[str, float]:
+        """Advance to a new joint state; see `JointTeleop.update`."""
+        self.end_goal_in_pause(wall)
+        return super().update(stamp, wall, positions)
+
+    def end_goal_in_pause(self, wall: float) -> None:
+        """End a goal if no joint state has come for a while before `wall` (monotonic, s).
+
+        Nobody holds a key for it: after a pause it would be motion that nobody expects.
+        """
+        if self._paused(wall):
+            self.requests.goals.end(GoalEnd.ABORTED, "the simulation was paused")
 
     def begin_goal(self, number: int, name: str, joint_names: Sequence[str], wall: float) -> None:
         """Lead the flippers to a preset, without a key that is held.

@@ -255,9 +255,13 @@ class JointTeleop:
             return "no joint_states yet: is the simulator running?"
         if self._e_stop:
             return "the e-stop is active"
-        if wall - self._last_wall > 2.0 * self._command_timeout:
+        if self._paused(wall):
             return "no joint_states: the simulation is paused or has ended"
         return "just started" if self._starting.lasts else ""
+
+    def _paused(self, wall: float) -> bool:
+        """Tell whether no joint state has come for a while before `wall` (monotonic, s)."""
+        return self._last_wall is not None and wall - self._last_wall > 2.0 * self._command_timeout
 
     def _refusal(self, wall: float) -> str:
         """Return why a command that is being sent at `wall` (monotonic, s) is not obeyed."""

@@ -72,7 +72,7 @@ class FlipperTeleopNode(JointTeleopNode):
     def publish_status(self) -> None:
         """Publish the present state on ``~status``; tell clients how their goals stand."""
         super().publish_status()
-        # an emergency stop ends goals also while no joint state comes
+        # an emergency stop and a pause end goals while no joint state comes
         self._report_goals()
 
     def _on_joint_states(self, message: Any) -> None:
@@ -84,7 +84,10 @@ class FlipperTeleopNode(JointTeleopNode):
         try:
             with self._lock:
                 self._flippers.hold_preset(
-                    message.preset, message.joint_names, arrival, caller_of(message)
+                    message.preset,
+                    message.joint_names,
+                    arrival,
+                    f"{caller_of(message)} {message.client}",
                 )
         except InvalidCommand as error:
             topic = rospy.resolve_name("~preset_cmds")
@@ -120,6 +123,7 @@ class FlipperTeleopNode(JointTeleopNode):
     def _report_goals(self) -> None:
         """Tell clients what has become of their goals; never under a lock of ours."""
         with self._lock:
+            self._flippers.end_goal_in_pause(time.monotonic())
             goals = self._flippers.requests.goals
             ended = goals.take_ended()
             progress = goals.progress()

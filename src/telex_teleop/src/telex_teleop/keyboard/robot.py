@@ -101,6 +101,7 @@ class Robot:
         there = self._presets
         if name != NO_NAME and there is not None and name not in there:
             self.notice = f"preset {name}: the robot has {', '.join(there) or 'no presets'}"
+            return
         message = FlipperPresetHold(preset=name)
         message.header.stamp = stamp
         self._preset.publish(message)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import ipaddress
+import itertools
 import socket
 from typing import Callable, Set
 from urllib.parse import urlsplit
@@ -93,6 +94,7 @@ class Rosbridge:
         self.feeds = FeedPool(ros, self._worker)
         self._services = ServiceDesk(ros, self._worker, config.service_timeout)
         self._clients: Set[web.WebSocketResponse] = set()
+        self._numbers = itertools.count(1)
 
     def make_app(self) -> web.Application:
         """Return the application."""
@@ -144,6 +146,7 @@ class Rosbridge:
             transport.abort()
 
         return ClientSession(
+            str(next(self._numbers)),
             self._config,
             self._ros,
             publishers=self.publishers,

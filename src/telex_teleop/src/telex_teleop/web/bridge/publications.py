@@ -16,6 +16,9 @@ from .stop import stop_for
 MAX_HELD = 20
 """Messages that wait while a new publisher finds its subscribers; the newest win."""
 
+_NAMES_CLIENT = ("telex_msgs/FlipperPresetHold",)
+"""Types with a field `client`: operators who share the bridge must not pass for one."""
+
 Report = Callable[[str, Id], None]
 """Tells the client what went wrong with the operation of an id."""
 
@@ -38,6 +41,8 @@ class Publication:
         Where publishers come from.
     ros
         For the present time.
+    client
+        Name of the client, in messages that have a place for it.
     report
         Tells the client what went wrong.
     """
@@ -50,6 +55,7 @@ class Publication:
         queue_size: int,
         pool: PublisherPool,
         ros: Ros,
+        client: str,
         report: Report,
     ) -> None:
         self.topic = topic
@@ -58,6 +64,7 @@ class Publication:
         self._queue_size = queue_size
         self._pool = pool
         self._ros = ros
+        self._client = client
         self._report = report
         self._publisher: Optional[SharedPublisher] = None
         self._ready = False
@@ -90,6 +97,8 @@ class Publication:
     def _send(self, publisher: SharedPublisher, value: Any, operation_id: Id) -> None:
         try:
             message = publisher.codec.from_json({} if value is None else value, self._ros.now)
+            if message._type in _NAMES_CLIENT:
+                message.client = self._client
             publisher.publish(message)
         except (FieldError, OperationError) as error:
             self._report(f"publish to {self.topic}: {error}", operation_id)

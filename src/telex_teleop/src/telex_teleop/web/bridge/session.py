@@ -62,6 +62,8 @@ class ClientSession:
 
     Parameters
     ----------
+    name
+        Tells this client from the others of the bridge.
     config
         Limits.
     ros
@@ -76,6 +78,7 @@ class ClientSession:
 
     def __init__(
         self,
+        name: str,
         config: RosbridgeConfig,
         ros: Ros,
         *,
@@ -85,6 +88,7 @@ class ClientSession:
         outbox: Outbox,
         drop: Callable[[str], None],
     ) -> None:
+        self._name = name
         self._config = config
         self._ros = ros
         self._publishers = publishers
@@ -213,6 +217,7 @@ class ClientSession:
             queue_size=self._depth(operation.count("queue_size", DEFAULT_QUEUE_SIZE)),
             pool=self._publishers,
             ros=self._ros,
+            client=self._name,
             report=self.report,
         )
         opening = functools.partial(publication.open, type_name, self._config.connect_timeout)

@@ -27,6 +27,12 @@ def _stop_with_header(message: Any) -> Any:
     return stop
 
 
+def _stop_preset(message: Any) -> Any:
+    stop = _stop_with_header(message)
+    stop.client = message.client
+    return stop
+
+
 def _jog_moves(jog: Any) -> bool:
     return _moves(jog.velocities, jog.displacements)
 
@@ -48,7 +54,7 @@ _RULES: Dict[str, _Rule] = {
         _stop_with_header,
     ),
     "control_msgs/JointJog": (_jog_moves, _stop_jog),
-    "telex_msgs/FlipperPresetHold": (lambda message: message.preset != "", _stop_with_header),
+    "telex_msgs/FlipperPresetHold": (lambda message: message.preset != "", _stop_preset),
 }
 
 
