@@ -133,9 +133,6 @@ def test_four_flippers_lift_the_robot_and_hold_it(flippers, pose, load):
         assert state.effort == pytest.approx(efforts[name], abs=10.0), name
 
 
-@pytest.mark.xfail(
-    reason="the traction law takes the load of the step before, which swings up on a steep flipper"
-)
 def test_standing_up_is_led_and_smooth(flippers):
     tested = flippers()
     tested.run(0.3)

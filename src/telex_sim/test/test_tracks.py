@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 
 import pybullet
 import pytest
@@ -158,14 +159,16 @@ def test_force_never_exceeds_the_friction_ellipse(world, monkeypatch):
         cosine, sine = math.cos(heading[0]), math.sin(heading[0])
         along = sum(f[0] * cosine + f[1] * sine for f in applied)
         across = sum(f[1] * cosine - f[0] * sine for f in applied)
-        if loads[0] > 0.0:
-            worst.append(math.hypot(along / (MU * loads[0]), across / (LATERAL * loads[0])))
+        # It goes by the load's mean over a few steps, which one that falls at once leaves above it.
+        load = min(max(loads), 2.0 * loads[-1])
+        if load > 0.0:
+            worst.append(math.hypot(along / (MU * load), across / (LATERAL * load)))
         applied.clear()
         contacts = pybullet.getContactPoints(tested.body.uid, physicsClientId=world.client)
-        loads[0] = sum(contact[9] for contact in contacts)
+        loads.append(sum(contact[9] for contact in contacts))
         heading[0] = pybullet.getEulerFromQuaternion(tested.body.base_pose()[1])[2]
 
-    loads = [0.0]
+    loads = deque([0.0], maxlen=20)
     sledge.run(0.5, watch=watch)
     sledge.run(1.0, belt=3.0, tilt=(0.0, 0.4), watch=watch)
     assert max(worst) <= 1.0 + 1e-4
@@ -375,17 +378,16 @@ def test_cleats_catch_edges(world, grip):
     pulled = []
 
     def watch(tested):
-        # what this step's force came from, and what the next one's will
-        if loads:
-            pulled.append(tested.drive.state.effort / RADIUS / loads[-1])
+        pulled.append(tested.drive.state.effort / RADIUS)
         contacts = pybullet.getContactPoints(tested.body.uid, physicsClientId=client)
         loads.append(sum(contact[9] for contact in contacts))
 
     loads = []
     sledge.run(0.05)
     sledge.run(0.05, belt=3.0, watch=watch)
-    # the force of a slipping belt, which accelerates nothing any more
-    assert pulled[-1] == pytest.approx(MU * grip, rel=1e-3)
+    # The force of a slipping belt, which accelerates nothing any more. It goes by the load's mean,
+    # and of one that rises steadily this is the load of a step before that of the last step.
+    assert pulled[-1] / loads[-3] == pytest.approx(MU * grip, rel=1e-3)
 
 
 def test_drives_share_a_shaft():

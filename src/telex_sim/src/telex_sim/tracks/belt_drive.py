@@ -64,11 +64,11 @@ class BeltDrive:
     """
 
     __slots__ = (
+        "_change",
         "_config",
         "_damping",
         "_dry",
         "_inertia",
-        "_step_size",
         "force",
         "speed",
     )
@@ -79,7 +79,7 @@ class BeltDrive:
         self._config = config
         self._dry = friction
         self._damping = damping
-        self._step_size = step_size
+        self._change = config.acceleration * step_size
         self._inertia = config.inertia / step_size
         self.speed = 0.0
         self.force = 0.0
@@ -95,7 +95,7 @@ class BeltDrive:
             Force along the belts that they would give the robot at a speed of this step (N, of
             m/s); it must not decrease with the speed. Its last call is that with `speed`.
         """
-        change = self._config.acceleration * self._step_size
+        change = self._change
         target = self.speed + clamp(command - self.speed, -change, change)
         self._reach(target, traction, self._strength)
 
@@ -137,7 +137,10 @@ class BeltDrive:
         """Go to a speed, or as near as the force suffices."""
         needed = self._needed(target, traction)
         force = self._with_friction(needed, target)
-        if force > strength(target):
+        # A motor that drives is at most as strong as one that brakes.
+        if abs(force) <= strength(abs(target)):
+            self.speed, self.force = target, force
+        elif force > strength(target):
             self._settle(target, needed, strength, traction)
         elif force < -strength(-target):
             self._settle(target, needed, lambda speed: -strength(-speed), traction)

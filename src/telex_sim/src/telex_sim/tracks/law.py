@@ -27,6 +27,13 @@ across, and the point (m), in the world.
 """
 
 
+_Figures = Tuple[float, float, float, float, float, float, float, float, float]
+"""What every `pull` of a step needs: step size (s); mean slip (m/s) and greatest friction along the
+belt; stiffness and damping along it and across, per load (1/m, s/m); bend across without a limit
+(m), and its force over the greatest friction across.
+"""
+
+
 class Patch:
     """What one face of a track has in contact with one body, or with all that stands fast.
 
@@ -40,23 +47,7 @@ class Patch:
         Along and across the belt, on the track, of each touch (N); of the last `pull`.
     """
 
-    __slots__ = (
-        "_bent",
-        "_damping",
-        "_grip_across",
-        "_grip_along",
-        "_lateral_damping",
-        "_lateral_stiffness",
-        "_slip_across",
-        "_slip_along",
-        "_softness",
-        "_step_size",
-        "_stiffness",
-        "across",
-        "along",
-        "forces",
-        "touches",
-    )
+    __slots__ = ("_bent", "_figures", "_softness", "across", "along", "forces", "touches")
 
     def __init__(self) -> None:
         self.along = 0.0
@@ -65,6 +56,7 @@ class Patch:
         self.forces: List[Tuple[float, float]] = []
         self._softness = 1.0
         self._bent = (0.0, 0.0)
+        self._figures: _Figures = (0.0,) * 9
 
     @property
     def load(self) -> float:
@@ -90,34 +82,41 @@ class Patch:
             load += share
             slip_along += share * along
             slip_across += share * across
-            most_along = max(most_along, grip_along)
-            most_across = max(most_across, grip_across)
-        self._slip_along = slip_along / load
-        self._slip_across = slip_across / load
-        self._grip_along = most_along
-        self._grip_across = most_across
+            most_along = grip_along if grip_along > most_along else most_along
+            most_across = grip_across if grip_across > most_across else most_across
         if softness != self._softness:
             # The bristles keep their force, not their length, when they become softer.
             kept = self._softness / softness
             self.along *= kept
             self.across *= kept
             self._softness = softness
-        scale = softness / track_load
-        self._stiffness = law.stiffness * scale
-        self._damping = law.damping * scale
-        self._lateral_stiffness = ratio * self._stiffness
-        self._lateral_damping = ratio * self._damping
-        self._step_size = law.step_size
+        scale, step_size = softness / track_load, law.step_size
+        stiffness, damping = law.stiffness * scale, law.damping * scale
+        lateral = ratio * stiffness
+        across = self.across + slip_across / load * step_size
+        self._figures = (
+            step_size,
+            slip_along / load,
+            most_along,
+            stiffness,
+            damping,
+            lateral,
+            ratio * damping,
+            across,
+            lateral * across / most_across,
+        )
 
     def pull(self, speed: float) -> float:
         """Force along the belt on the track (N), if the belt runs at `speed` (m/s) in this step.
 
-        Fills `forces`. The force never decreases with the speed.
+        Between `prepare` and `commit`, as often as it takes to find the speed. Fills `forces`. The
+        force never decreases with the speed.
         """
-        along = self.along + (self._slip_along - speed) * self._step_size
-        across = self.across + self._slip_across * self._step_size
-        stiffness, lateral = self._stiffness, self._lateral_stiffness
-        a, b = stiffness * along / self._grip_along, lateral * across / self._grip_across
+        step_size, slip, grip, stiffness, damping, lateral, lateral_damping, across, b = (
+            self._figures
+        )
+        along = self.along + (slip - speed) * step_size
+        a = stiffness * along / grip
         excess = a * a + b * b
         if excess > 1.0:
             excess = math.sqrt(excess)
@@ -125,7 +124,6 @@ class Patch:
             across /= excess
         self._bent = (along, across)
         spring_along, spring_across = stiffness * along, lateral * across
-        damping, lateral_damping = self._damping, self._lateral_damping
         forces: List[Tuple[float, float]] = []
         total = 0.0
         # All per load: the load cancels out of the ellipse.

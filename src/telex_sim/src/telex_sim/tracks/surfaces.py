@@ -7,6 +7,7 @@ from typing import Callable, Dict, List, Optional, Sequence, Tuple
 import pybullet
 
 from ..world import GRAVITY
+from .config import TrackConfig
 from .law import Vector
 
 BodyLink = Tuple[int, int]
@@ -20,10 +21,8 @@ class Surface:
 
     Attributes
     ----------
-    friction : float
-        Its own; the coefficient of a contact is the product of both sides'.
-    material : str
-        Empty where it is not known.
+    along, across, flank : float
+        Friction coefficients of belts on its faces, along and across them, and of their flanks.
     mass, weight : float
         kg, N; 0 where it stands fast.
     faces : tuple of Vector
@@ -31,13 +30,20 @@ class Surface:
         fast, else in the link's inertial frame.
     """
 
-    __slots__ = ("faces", "friction", "mass", "material", "weight")
+    __slots__ = ("across", "along", "faces", "flank", "mass", "weight")
 
     def __init__(
-        self, friction: float, material: str, mass: float, faces: Tuple[Vector, ...]
+        self,
+        config: TrackConfig,
+        friction: float,
+        material: str,
+        mass: float,
+        faces: Tuple[Vector, ...],
     ) -> None:
-        self.friction = friction
-        self.material = material
+        along, across = config.grip(material)
+        self.along = along * friction
+        self.across = across * friction
+        self.flank = config.side_friction * friction
         self.mass = mass
         self.weight = mass * GRAVITY
         self.faces = faces
@@ -50,14 +56,19 @@ class Surfaces:
     ----------
     client : int
         Of PyBullet.
+    config : TrackConfig
     material_of : callable, optional
         Material of a link.
     """
 
     def __init__(
-        self, client: int, material_of: Optional[Callable[[int, int], str]] = None
+        self,
+        client: int,
+        config: TrackConfig,
+        material_of: Optional[Callable[[int, int], str]] = None,
     ) -> None:
         self._client = client
+        self._config = config
         self._material_of = material_of
         self._known: Dict[BodyLink, Surface] = {}
         self._poses: Dict[BodyLink, Tuple[Twist, Sequence[float]]] = {}
@@ -93,7 +104,12 @@ class Surfaces:
         if surface.mass > 0.0:
             a, b, c, d, e, f, g, h, i = self._pose(link)[1]
             x, y, z = a * x + d * y + g * z, b * x + e * y + h * z, c * x + f * y + i * z
-        return max([abs(p * x + q * y + r * z) for p, q, r in faces])
+        nearest = 0.0
+        for p, q, r in faces:
+            cosine = p * x + q * y + r * z
+            cosine = cosine if cosine > 0.0 else -cosine
+            nearest = cosine if cosine > nearest else nearest
+        return nearest
 
     def _pose(self, link: BodyLink) -> Tuple[Twist, Sequence[float]]:
         found = self._poses.get(link)
@@ -126,7 +142,7 @@ class Surfaces:
         if mass <= 0.0:
             turned = self._orientation(link)
         material = self._material_of(*link) if self._material_of else ""
-        return Surface(friction, material, mass, self._faces(link, turned))
+        return Surface(self._config, friction, material, mass, self._faces(link, turned))
 
     def _orientation(self, link: BodyLink) -> Sequence[float]:
         uid, index = link

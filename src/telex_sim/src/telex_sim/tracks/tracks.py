@@ -15,8 +15,15 @@ from .surfaces import BodyLink, Surfaces
 
 _Place = Tuple[int, Optional[BodyLink]]
 """Of a patch on its track: the face, and the loose body; None for all that stands fast."""
-_Footing = Tuple[Optional[BodyLink], int, float, float, Vector, Vector]
-"""Loose body, face, friction coefficients and directions along and across the belt."""
+_Footing = Tuple[_Place, float, float, Vector, Vector]
+"""Of a contact: its patch's place; friction coefficients and directions along and across."""
+_LOAD_SHARE = 0.5
+"""Of a step's load in a track's mean.
+
+Below 2 / (1 + mu tan(angle)) no flipper shakes that slides on its tip at an angle.
+"""
+_LOAD_EXCESS = 2.0
+"""Of a track's mean load over that of the step, at most."""
 _WHEEL_TORQUE = 1.0e3
 """Bound of the motors that turn the drive wheels in PyBullet (N m); they carry nothing."""
 
@@ -24,30 +31,38 @@ _WHEEL_TORQUE = 1.0e3
 class _Track:
     """A belt, the body that it runs round, and what it touches."""
 
-    __slots__ = ("contacts", "drive", "link", "patches", "pulled", "radius", "running", "wheel")
+    __slots__ = (
+        "contacts",
+        "drive",
+        "handle",
+        "link",
+        "load",
+        "patches",
+        "pulled",
+        "radius",
+        "running",
+        "state",
+        "wheel",
+    )
 
     def __init__(self, link: int, joint: Drive, radius: float) -> None:
         self.link = link
         self.wheel = joint.index
         self.drive = joint
+        self.handle = joint.handle
+        self.state = joint.state
         self.radius = radius
         self.contacts: List[Tuple] = []
+        self.load = 0.0
         self.patches: Dict[_Place, Patch] = {}
         self.running: List[Patch] = []
         self.pulled = 0.0
 
     def lift(self) -> None:
         """Forget what was touched."""
+        self.load = 0.0
         self.patches.clear()
         self.running.clear()
-
-    def pull(self, speed: float) -> float:
-        """Force along the belt that it gives the robot (N) at a speed (m/s)."""
-        total = 0.0
-        for patch in self.running:
-            total += patch.pull(speed)
-        self.pulled = total
-        return total
 
 
 class _Side:
@@ -68,31 +83,43 @@ class _Side:
         """Force along the belts that they give the robot (N) at a speed (m/s)."""
         total = 0.0
         for track in self.tracks:
-            total += track.pull(speed)
+            pulled = 0.0
+            for patch in track.running:
+                pulled += patch.pull(speed)
+            track.pulled = pulled
+            total += pulled
         return total
 
     def advance(self) -> None:
         """Move the belts on by a step."""
         tracks, drive = self.tracks, self.drive
-        if any(track.drive.braked for track in tracks):
-            drive.brake(self.pull)
-        elif self.by_effort:
-            drive.push(sum(track.drive.force / track.radius for track in tracks), self.pull)
+        command = 0.0
+        for track in tracks:
+            if track.drive.braked:
+                drive.brake(self.pull)
+                return
+            if self.by_effort:
+                command += track.drive.force / track.radius
+            else:
+                command += track.handle.command * track.radius
+        if self.by_effort:
+            drive.push(command, self.pull)
         else:
-            speeds = [track.drive.handle.command * track.radius for track in tracks]
-            drive.follow(sum(speeds) / len(speeds), self.pull)
+            drive.follow(command / len(tracks), self.pull)
 
     def report(self, step_size: float) -> None:
         """Tell the joints how they move, and with what load."""
         tracks, drive = self.tracks, self.drive
         speed = drive.speed
-        loads = sum([track.pulled for track in tracks])
+        loads = 0.0
+        for track in tracks:
+            loads += track.pulled
         # What does not go to the ground accelerates belts and rotor, or is friction.
         rest = (drive.force - loads) / len(tracks)
         for track in tracks:
-            state, radius = track.drive.state, track.radius
-            state.velocity = speed / radius
-            state.position += state.velocity * step_size
+            state, radius = track.state, track.radius
+            state.velocity = velocity = speed / radius
+            state.position += velocity * step_size
             state.effort = (track.pulled + rest) * radius
 
 
@@ -124,8 +151,9 @@ class Tracks:
         self._config = config
         self._step_size = step_size
         self._law = TractionLaw(config.stiffness, config.damping, step_size)
+        self._edge_gain = config.edge_grip - 1.0
         self._ratio = (config.lateral_friction / config.friction) ** 2
-        self._surfaces = Surfaces(body.client, material_of)
+        self._surfaces = Surfaces(body.client, config, material_of)
         tracks = {
             belt: _Track(body.links[body.parents[belt]], drives[belt], radius)
             for belt, radius in config.belts.items()
@@ -158,16 +186,17 @@ class Tracks:
         if not self._tracks:
             return
         self._touch()
-        for side in self._sides:
+        sides, step_size = self._sides, self._step_size
+        for side in sides:
             side.advance()
         self._push()
-        for side in self._sides:
-            side.report(self._step_size)
+        for side in sides:
+            side.report(step_size)
         self._turn_wheels()
 
     def _turn_wheels(self) -> None:
         """Let the drive wheels be seen to turn; PyBullet's motors go on until told otherwise."""
-        speeds = [track.drive.state.velocity for track in self._tracks]
+        speeds = [track.state.velocity for track in self._tracks]
         if speeds == self._wheel_speeds:
             return
         self._wheel_speeds = speeds
@@ -182,74 +211,71 @@ class Tracks:
 
     def _touch(self) -> None:
         """Find what the tracks touch."""
-        uid, by_link = self._uid, self._by_link
-        for track in self._tracks:
-            track.contacts = []
-        touched = False
-        for contact in pybullet.getContactPoints(uid, physicsClientId=self._client):
-            if contact[9] <= 0.0 or contact[1] == contact[2]:
-                continue
-            found = by_link.get(contact[3] if contact[1] == uid else contact[4])
-            if found is not None:
-                found.contacts.append(contact)
-                touched = True
-        for track in self._tracks:
-            if not track.contacts:
+        uid, client, by_link = self._uid, self._client, self._by_link
+        tracks = self._tracks
+        for track in tracks:
+            track.contacts.clear()
+        for contact in pybullet.getContactPoints(uid, physicsClientId=client):
+            # The body that was asked for comes first; what it touches may be itself.
+            if contact[9] > 0.0 and contact[2] != uid:
+                found = by_link.get(contact[3])
+                if found is not None:
+                    found.contacts.append(contact)
+        touching = False
+        for track in tracks:
+            if track.contacts:
+                touching = True
+            elif track.load:
                 track.lift()
-        if not touched:
+        if not touching:
             return
         self._surfaces.begin_step()
-        states = pybullet.getLinkStates(
-            uid,
-            self._links,
-            computeLinkVelocity=1,
-            computeForwardKinematics=1,
-            physicsClientId=self._client,
-        )
-        for track, state in zip(self._tracks, states):
+        states = pybullet.getLinkStates(uid, self._links, 1, 1, client)
+        for track, state in zip(tracks, states):
             if track.contacts:
                 self._sort(track, state)
 
     def _sort(self, track: _Track, state: Tuple) -> None:
         """Give a track's contacts to its patches, and prepare these."""
-        uid, surfaces, patches = self._uid, self._surfaces, track.patches
+        contacts, patches = track.contacts, track.patches
         rotation = pybullet.getMatrixFromQuaternion(state[1])
         (cx, cy, cz), (vx, vy, vz), (wx, wy, wz) = state[0], state[6], state[7]
         for patch in patches.values():
             patch.touches = []
-        load = 0.0
+        total = 0.0
+        for contact in contacts:
+            total += contact[9]
+        # PyBullet's normal forces are a step old. On a steep flipper that slides on its tip, each
+        # newton of friction makes more than one of load: from step to step that would swing up.
+        mean = track.load + _LOAD_SHARE * (total - track.load) if track.load else total
+        track.load = load = min(mean, _LOAD_EXCESS * total)
+        scale = load / total
         last: Optional[Vector] = None
         before: Optional[BodyLink] = None
-        for contact in track.contacts:
-            if contact[1] == uid:
-                other, point, normal = (contact[2], contact[4]), contact[5], contact[7]
-            else:
-                other, point = (contact[1], contact[3]), contact[6]
-                x, y, z = contact[7]
-                normal = (-x, -y, -z)
-            force = contact[9]
-            load += force
+        for contact in contacts:
+            other, normal = (contact[2], contact[4]), contact[7]
             if normal != last or other != before:
                 # The points of an edge or a face follow one another, and share its normal.
-                footing = self._footing(other, rotation, normal)
                 last, before = normal, other
-            body, face, along, across, forward, sideways = footing
+                place, along, across, forward, sideways = self._footing(other, rotation, normal)
+                (a, b, c), (d, e, f) = forward, sideways
+                body = place[1]
+                found = patches.get(place)
+                if found is None:
+                    found = patches[place] = Patch()
+                touches = found.touches
             if along <= 0.0:
                 continue
+            point = contact[5]
             x, y, z = point
             x, y, z = x - cx, y - cy, z - cz
             u, v, w = vx + wy * z - wz * y, vy + wz * x - wx * z, vz + wx * y - wy * x
             if body is not None:
-                x, y, z = surfaces.velocity(body, point)
+                x, y, z = self._surfaces.velocity(body, point)
                 u, v, w = u - x, v - y, w - z
-            a, b, c = forward
-            d, e, f = sideways
-            found = patches.get((face, body))
-            if found is None:
-                found = patches[face, body] = Patch()
-            found.touches.append(
+            touches.append(
                 (
-                    force,
+                    scale * contact[9],
                     along,
                     across,
                     u * a + v * b + w * c,
@@ -263,24 +289,22 @@ class Tracks:
 
     def _footing(self, other: BodyLink, rotation: Sequence[float], normal: Vector) -> _Footing:
         """What a contact with a link has of its direction and its material."""
-        config = self._config
         surface = self._surfaces.of(other)
-        friction = surface.friction
-        axle = (rotation[1], rotation[4], rotation[7])
-        ahead = (rotation[0], rotation[3], rotation[6])
-        face, forward, sideways = belt_directions(axle, ahead, normal)
+        xx, yx, _, xy, yy, _, xz, yz, _ = rotation
+        face, forward, sideways = belt_directions((yx, yy, yz), (xx, xy, xz), normal)
         if face:
-            along = across = config.side_friction * friction
+            along = across = surface.flank
         else:
-            along, across = config.grip(surface.material)
-            along, across = along * friction, across * friction
+            along, across = surface.along, surface.across
             share = edge_share(self._surfaces.steepness(other, surface, normal))
             if share > 0.0:
-                along *= 1.0 + share * (config.edge_grip - 1.0)
-        return other if surface.mass > 0.0 else None, face, along, across, forward, sideways
+                along *= 1.0 + share * self._edge_gain
+        body = other if surface.mass > 0.0 else None
+        return (face, body), along, across, forward, sideways
 
     def _prepare(self, track: _Track, load: float) -> None:
-        patches, running = track.patches, []
+        law, patches, running = self._law, track.patches, track.running
+        running.clear()
         gone = []
         for place, patch in patches.items():
             if not patch.touches:
@@ -290,15 +314,15 @@ class Tracks:
             softness = 1.0
             if body is not None:
                 surface = self._surfaces.of(body)
-                softness = self._law.softness(surface.mass, surface.weight, patch.load, load)
-            patch.prepare(self._law, load, softness, 1.0 if face else self._ratio)
+                softness = law.softness(surface.mass, surface.weight, patch.load, load)
             if face:
+                patch.prepare(law, load, softness, 1.0)
                 patch.pull(0.0)
             else:
+                patch.prepare(law, load, softness, self._ratio)
                 running.append(patch)
         for place in gone:
             del patches[place]
-        track.running = running
 
     def _push(self) -> None:
         """Apply what the patches found, and its reaction on loose bodies."""
