@@ -11,10 +11,13 @@ import pytest
 from sensor_msgs.msg import Imu as ImuMessage
 
 from telex_control.hardware_interface import ImuSensorInterface
+from telex_control.local_node_handle import LocalNodeHandle
 from telex_control.params import ConfigError, read_config
+from telex_control.urdf_joints import parse_urdf
 from telex_sim.config import HardwareConfig
 from telex_sim.imu import Imu
 from telex_sim.imu_noise import ImuNoise
+from telex_sim.robot_hw_sim import RobotHWSim
 from telex_sim.world import GRAVITY, World
 
 STEP = 0.002
@@ -116,10 +119,10 @@ NOISE = ImuNoise(
 )
 
 
-def readings(world, noise, steps):
+def readings(world, noise, steps, robot=""):
     """Errors of a sensor that rests level: of rate, acceleration and orientation (x, y, z)."""
     body = world.load_robot(ARM, str, (0, 0, 1), 0.0, {}, fixed_base=True)
-    imu = Imu("imu", "base", noise)
+    imu = Imu("imu", "base", noise, robot)
     imu.attach(body)
     found = []
     for _ in range(steps):
@@ -174,6 +177,61 @@ def test_the_same_seed_gives_the_same_errors_also_after_a_reset(world):
     assert (first == second).all()
     _, other = readings(world, dataclasses.replace(NOISE, seed=5), 50)
     assert (first != other).any(axis=(1, 2)).all()
+
+
+def test_the_sensors_of_two_robots_differ_in_their_errors(world):
+    _, first = readings(world, NOISE, 50, "/one")
+    _, again = readings(world, NOISE, 50, "/one")
+    _, other = readings(world, NOISE, 50, "/two")
+    assert (first == again).all()
+    assert (first != other).any(axis=(1, 2)).all()
+
+
+def test_each_robot_of_a_simulation_has_errors_of_its_own():
+    transmission = """
+      <transmission name="t"><type>transmission_interface/SimpleTransmission</type>
+        <joint name="turn">
+          <hardwareInterface>hardware_interface/EffortJointInterface</hardwareInterface></joint>
+        <actuator name="a"/></transmission>
+    </robot>"""
+    urdf = ARM.replace("</joint>", '<limit velocity="1" effort="1"/></joint>', 1).replace(
+        "</robot>", transmission
+    )
+    config = HardwareConfig(imus={"imu": "sensor"}, imu_noise={"imu": NOISE})
+    made = World(STEP, 50)
+    found = []
+    try:
+        body = made.load_robot(urdf, str, (0, 0, 1), 0.0, {}, fixed_base=True)
+        for name in ("/one", "/two"):
+            hw = RobotHWSim(parse_urdf(urdf), config)
+            hw.init(LocalNodeHandle(namespace=name), LocalNodeHandle())
+            hw.attach(body)
+            found.append(hw.get(ImuSensorInterface).get_handle("imu").angular_velocity)
+    finally:
+        made.close()
+    assert found[0] != found[1]
+
+
+@pytest.mark.parametrize("tilted", [(0.0, 0.0, 0.0), (0.3, -0.2, 2.0)])
+def test_a_heading_that_is_lost_altogether_goes_round(world, tilted):
+    noise = ImuNoise(gyroscope_turn_on_bias=1.0, seed=2)
+    body = world.load_robot(ARM, str, (0, 0, 1), 0.0, {}, fixed_base=True)
+    true = pybullet.getQuaternionFromEuler(tilted)
+    pybullet.resetBasePositionAndOrientation(
+        body.uid, (0, 0, 1), true, physicsClientId=world.client
+    )
+    imu = Imu("imu", "base", noise)
+    imu.attach(body)
+    level = np.reshape(pybullet.getMatrixFromQuaternion(imu.handle.orientation), (3, 3))
+    rate = level[2] @ imu.handle.angular_velocity
+    wanted = 0.0
+    for _ in range(math.ceil(9.0 / abs(rate) / STEP)):
+        imu.read(STEP)
+        wanted += rate * STEP
+        c, s = math.cos(wanted), math.sin(wanted)
+        shown = np.reshape(pybullet.getMatrixFromQuaternion(imu.handle.orientation), (3, 3))
+        expected = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]) @ level
+        assert np.abs(shown - expected).max() < 1e-6
 
 
 def test_without_noise_it_is_exact(world):

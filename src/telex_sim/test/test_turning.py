@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import copy
 import math
 
 import numpy as np
 import pybullet
 import pytest
+import yaml
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from std_msgs.msg import Float64
+
+from telex_sim.offline import package_file
+from telex_sim.world import GRAVITY
 
 FLIPPERS = ("front_left", "front_right", "rear_left", "rear_right")
 
@@ -70,6 +75,7 @@ def test_turns_in_place_follow_the_command(robot, rate):
 
 def test_turns_on_flat_flippers_follow_the_command(robot):
     tested = robot(start__pose="stow")
+    tested.run(1.0)  # in which the gyroscope's bias is learnt, before the flippers shake the robot
     for flipper in FLIPPERS:
         topic = f"{flipper}_flipper_position_controller/command"
         tested.node.advertise(topic, Float64).publish(Float64(0.0))
@@ -85,6 +91,76 @@ def test_a_curve_follows_the_command_and_ends_with_it(robot):
     assert driver.drive(0.5, 0.4, 2.0) / 2.0 == pytest.approx(0.4, rel=0.01)
     assert abs(driver.drive(0.5, 0.0, 1.0)) < 0.1
     assert abs(driver.drive(0.5, 0.0, 1.0)) < 0.005
+
+
+@pytest.fixture(scope="module")
+def holding():
+    """The shipped controllers, with and without heading hold."""
+    with open(package_file("telex_control", "config", "telex_controllers.yaml")) as file:
+        shipped = yaml.safe_load(file)
+
+    def make(hold):
+        changed = copy.deepcopy(shipped)
+        changed["track_controller"]["yaw_rate_loop"]["hold_heading"] = hold
+        return changed
+
+    return make
+
+
+def tilt(tested, degrees):
+    """Let the ground rise to the robot's left."""
+    angle = math.radians(degrees)
+    pull = (0.0, -GRAVITY * math.sin(angle), -GRAVITY * math.cos(angle))
+    pybullet.setGravity(*pull, physicsClientId=tested.simulation.world.client)
+
+
+@pytest.mark.parametrize(
+    ("hold", "rest", "most"),
+    # Without, the tolerance of 0.01 rad/s for 5 s; with, what is left of the bias: its standard
+    # deviation is 0.01 deg/s.
+    [(True, 0.0, 0.15), (True, 3.0, 0.15), (False, 0.0, 2.9), (False, 3.0, 2.9)],
+)
+def test_on_a_cross_slope_the_heading_is_held_when_asked_for(robot, holding, hold, rest, most):
+    driver = Driver(robot(controllers=holding(hold), start__pose="stow"))
+    driver.tested.run(1.0)
+    tilt(driver.tested, 30.0)
+    driver.tested.run(rest)
+    before, (x, y, _) = driver.heading(), driver.pose()[0]
+    driver.drive(0.3, 0.0, 5.0)
+    lost = math.degrees(math.remainder(driver.heading() - before, math.tau))
+    assert abs(lost) < most
+    there = driver.pose()[0]
+    assert there[0] - x == pytest.approx(1.5, abs=0.1)
+    assert abs(there[1] - y) < 0.15
+
+
+def test_what_moves_it_slowly_at_rest_is_not_taken_for_a_bias(robot):
+    tested = robot(start__pose="stow")
+    driver = Driver(tested)
+    commands = [
+        tested.node.advertise(f"{flipper}_flipper_position_controller/command", Float64)
+        for flipper in FLIPPERS
+    ]
+    for command in commands:
+        command.publish(Float64(0.0))
+    tested.run(3.0)
+    level = pybullet.getEulerFromQuaternion(driver.pose()[1])[1]
+    for index in range(300):
+        for command in commands[:2]:
+            command.publish(Float64(-0.25 * index / 300))
+        tested.run(0.02)
+    pitch = pybullet.getEulerFromQuaternion(driver.pose()[1])[1]
+    assert -0.3 < pitch - level < -0.03  # the nose has risen, slowly enough to be at rest
+    (controller,) = (
+        each.controller
+        for each in tested.simulation.controllers._controllers
+        if each.name == "track_controller"
+    )
+    (sensor,) = tested.simulation.hw._imus
+    imu = controller._imu
+    # The mount is not turned: the sensor's axes are the base's.
+    wrong = np.subtract(imu._bias, sensor._errors._gyroscope._bias)
+    assert np.abs(wrong).max() < 4.0 * math.sqrt(imu.bias_variance) < 4e-3
 
 
 def test_at_rest_nothing_turns_it(robot):

@@ -15,6 +15,17 @@ Vector = Tuple[float, float, float]
 Matrix = Tuple[Vector, Vector, Vector]
 
 _IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+_ZERO: Vector = (0.0, 0.0, 0.0)
+
+_AVERAGING = 0.5
+"""Time constant (s) of the mean turn rate that tells rest from a slow turn."""
+_CREDIBLE = 4.0
+"""Standard deviations by which that mean may differ from the known bias; with 3, noise alone would
+be taken for a turn every few minutes."""
+_SETS_IN = 0.25
+"""How long (s) a turn may take to be noticed; see `BaseImu`."""
+_DOUBT_TIME = 240.0
+"""How long (s) a turn rate has to last until it may as well be a bias that nobody knew."""
 
 
 @dataclass(frozen=True)
@@ -34,10 +45,11 @@ class BaseImuConfig:
     bias_random_walk : float
         Of the bias (rad/s^2/sqrt(Hz)).
     settling_time : float
-        How long the drives must stand before the robot counts as at rest (s).
+        How long drives and robot must stand before it counts as at rest (s).
     still_rate : float
-        Largest turn rate of a robot at rest, noise included (rad/s); faster, it is moved by
-        something else.
+        Largest turn rate of a robot at rest, noise and unknown bias included (rad/s); faster, it
+        is moved by something else. What is slower counts as a turn too as soon as it cannot be
+        noise or bias.
     """
 
     name: str = "imu"
@@ -58,6 +70,11 @@ class BaseImuConfig:
 class BaseImu:
     """Reads an inertial sensor, and learns the bias of its gyroscope while the robot rests.
 
+    Standing drives are not yet rest: the robot may slide, sink, or be lifted by its flippers.
+    Learnt is what agrees with what is known already (an innovation gate, as in a Kalman filter);
+    all else is a turn, and what was learnt while it set in is taken back. The longer it lasts, the
+    less sure the bias is, so that one that has really changed is accepted in the end.
+
     Parameters
     ----------
     handle : ImuSensorHandle
@@ -69,8 +86,8 @@ class BaseImu:
     Attributes
     ----------
     rates : Vector or None
-        Angular velocity of the base in its axes (rad/s), without bias; 0 at rest, so that a
-        standing robot does not turn in its own eyes. None while there are no readings.
+        Angular velocity of the base in its axes (rad/s), without bias; 0 at rest, so that noise
+        does not turn a standing robot in its own eyes. None while there are no readings.
     bias_variance : float
         Of each rate's bias (rad^2/s^2).
     at_rest : bool
@@ -84,7 +101,7 @@ class BaseImu:
 
     def reset(self) -> None:
         """Forget everything: the sensor was switched on anew."""
-        self._bias: Vector = (0.0, 0.0, 0.0)
+        self._bias: Vector = _ZERO
         self.bias_variance = self._config.turn_on_bias**2
         self.restart()
 
@@ -94,7 +111,19 @@ class BaseImu:
         self.at_rest = False
         self._reading: Optional[Tuple[float, ...]] = None
         self._age = 0.0
-        self._standing = 0.0
+        self._stir()
+
+    def _stir(self) -> None:
+        """Forget how long the robot has been still."""
+        self._still = 0.0
+        self._mean: Vector = _ZERO
+        self._mean_variance = 0.0
+
+    def _begin_to_learn(self) -> None:
+        """Keep what is known, to return to it if this turns out to be no rest."""
+        # What was known of the bias `_SETS_IN` ago at least, and what to keep for later.
+        self._before = self._next = (self._bias, self.bias_variance)
+        self._until_next = _SETS_IN
 
     def update(self, standing: bool, period: float) -> None:
         """Look at the sensor, `period` after the last time (s).
@@ -105,12 +134,13 @@ class BaseImu:
             Whether the robot's drives stand.
         """
         config = self._config
-        self._standing = self._standing + period if standing else 0.0
         self.bias_variance += config.bias_random_walk**2 * period
         reading = self._handle.angular_velocity
         # A reading that is not a number is as good as none.
         fresh = reading is not None and reading is not self._reading and _is_finite(reading)
         self._age = 0.0 if fresh else self._age + period
+        if not standing:
+            self._stir()
         if not fresh:
             if self._age > config.timeout:
                 self.rates = None
@@ -120,19 +150,52 @@ class BaseImu:
         self._reading = reading
         bias = self._bias
         rates = (reading[0] - bias[0], reading[1] - bias[1], reading[2] - bias[2])
-        self.at_rest = (
-            self._standing >= config.settling_time and max(map(abs, rates)) <= config.still_rate
-        )
+        rested = self.at_rest
+        still = max(map(abs, rates)) <= config.still_rate
+        self.at_rest = standing and still and self._is_rest(reading, period)
         if self.at_rest:
+            if not rested:
+                self._begin_to_learn()
             self._learn(rates, period)
-            self.rates = (0.0, 0.0, 0.0)
-        else:
-            self.rates = _turned(self._mount, rates)
+            self.rates = _ZERO
+            return
+        if rested and standing:
+            self._bias, self.bias_variance = self._before
+        if not still:
+            self._stir()
+        self.rates = _turned(self._mount, rates)
+
+    def _is_rest(self, reading: Vector, period: float) -> bool:
+        """Whether nothing but noise and bias is measured, while the drives stand."""
+        config = self._config
+        self._still += period
+        if self._still < config.settling_time or period <= 0.0:
+            return False
+        white = config.noise_density**2 / period
+        # A plain mean to begin with, and an exponential one later.
+        share = period / min(self._still - config.settling_time + period, period + _AVERAGING)
+        mean, rest = self._mean, 1.0 - share
+        self._mean = mean = (
+            rest * mean[0] + share * reading[0],
+            rest * mean[1] + share * reading[1],
+            rest * mean[2] + share * reading[2],
+        )
+        self._mean_variance = rest**2 * self._mean_variance + share**2 * white
+        bias = self._bias
+        innovation = max(abs(mean[0] - bias[0]), abs(mean[1] - bias[1]), abs(mean[2] - bias[2]))
+        if innovation**2 <= _CREDIBLE**2 * (self.bias_variance + self._mean_variance):
+            return True
+        sure, unsure = math.sqrt(self.bias_variance), config.turn_on_bias
+        if sure < unsure:
+            self.bias_variance = min(unsure, sure + unsure * period / _DOUBT_TIME) ** 2
+        return False
 
     def _learn(self, rates: Vector, period: float) -> None:
         """Take what is measured at rest for the bias, as far as it is better known than before."""
-        if period <= 0.0:
-            return
+        self._until_next -= period
+        if self._until_next <= 0.0:
+            self._before, self._next = self._next, (self._bias, self.bias_variance)
+            self._until_next = _SETS_IN
         white = self._config.noise_density**2 / period
         gain = self.bias_variance / (self.bias_variance + white)
         self.bias_variance *= 1.0 - gain

@@ -7,6 +7,7 @@ belts lies on it. A factor makes up for the usual case, and a PI loop for the re
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Optional, Tuple
 
@@ -16,9 +17,20 @@ from .params import require_range
 _TURNING = 0.05
 """Yaw rate (rad/s) below which the robot as good as drives straight."""
 _STEERING = 0.1
-"""Yaw rate (rad/s) for which the belts may always make up, to keep a straight course too."""
+"""Yaw rate (rad/s) for which the belts may always make up while the robot drives along, to keep
+its course."""
 _ANSWERS = 0.1
-"""Share of the wanted yaw rate that a robot shows which is not blocked."""
+"""Share of the wanted yaw rate that a robot shows at least which is not blocked."""
+_ANSWERS_AT_LEAST = 0.004
+"""The same, as a yaw rate (rad/s): more than a gyroscope's filtered noise."""
+_SILENCE = 0.1
+"""How long (s) a robot that has answered may stand still before it counts as blocked: one that is
+pulled the other way comes through standstill."""
+_FADES = 0.3
+"""Time constant (s) of an integral that itself turns a robot which is to drive straight; what is
+left within the tolerance would stay for good."""
+_REMEMBERS = 2.0
+"""Time constant (s) with which the integral's part for a faster turn is forgotten."""
 _FOLLOWS = 0.25
 """Share of the belts' speed difference by which they may lag behind and still follow."""
 _FOLLOWS_AT_LEAST = 0.05
@@ -39,6 +51,10 @@ class YawRateLoopConfig:
         Time constant of the filter on the measured yaw rate (s); 0 for none.
     response_time : float
         Time constant with which the robot follows at best (s): the integral expects no more.
+    straight_tolerance : float
+        Yaw rate that is left alone while the robot drives straight (rad/s). Equal belts keep it
+        straight by themselves; a loop that takes what is left of the gyroscope's bias for a turn
+        lets the belts of both sides fight each other with all they have.
     max_factor : float
         How much more than wheels the belts may turn at most, so that a blocked robot does not
         spin them ever faster.
@@ -54,6 +70,7 @@ class YawRateLoopConfig:
     integral_gain: float = 20.0
     filter_time: float = 0.02
     response_time: float = 0.05
+    straight_tolerance: float = 0.01
     max_factor: float = 10.0
     hold_heading: bool = False
     heading_gain: float = 2.0
@@ -66,6 +83,7 @@ class YawRateLoopConfig:
             "integral_gain",
             "filter_time",
             "response_time",
+            "straight_tolerance",
             "heading_gain",
             "max_heading_rate",
         ):
@@ -79,9 +97,11 @@ class YawRateLoop:
     have to run faster than they can, the robot drives slower rather than turn less.
 
     The integral is of use for one way of driving. It shrinks with the commanded yaw rate, or the
-    robot would turn on after a turn; it ends when the robot stands. It does not grow while growth
-    would be in vain: the belts run as fast as they may, do not follow (a brake, a stalled motor),
-    or the robot does not answer them (it is blocked).
+    robot would turn on after a turn; what this took away comes back with a faster turn, or an
+    unsteady hand would wear it down, but no more than that, since what makes up for a pull in a
+    slow turn would be far too much in a fast one. It ends when the robot stands. It does not grow
+    while growth would be in vain: the belts run as fast as they may, do not follow (a brake, a
+    stalled motor), or the robot does not answer them (it is blocked).
 
     Parameters
     ----------
@@ -106,6 +126,9 @@ class YawRateLoop:
         self._rate: Optional[float] = None
         self._expected = 0.0
         self._angular = 0.0
+        # What slower turns took from the integral, and the one (rad/s) that it belonged to.
+        self._taken = self._fastest = 0.0
+        self._since_answer = math.inf
         self._difference = 0.0
         self._saturated = False
         self._turned: Optional[float] = None
@@ -145,7 +168,17 @@ class YawRateLoop:
             self._rate = self._turned = None
         else:
             wanted = angular + self._heading_correction(linear, angular, yaw_rate, period)
-            turn = self._led(wanted, angular, factor, yaw_rate, belt_difference, period)
+            self._scale_integral(angular, period)
+            self._filter(wanted, yaw_rate, period)
+            self._listen(wanted, period)
+            straight = angular == 0.0 and abs(wanted) < _TURNING
+            may_grow = (
+                not self._saturated
+                and self._follows(belt_difference)
+                and (straight or self._since_answer <= _SILENCE)
+            )
+            at_least = 0.0 if linear == 0.0 else _STEERING
+            turn = self._led(wanted, factor, may_grow, at_least, period)
         self._angular = angular
         return self._within_limits(linear, 0.5 * turn * distance)
 
@@ -166,39 +199,63 @@ class YawRateLoop:
         limit = config.max_heading_rate
         return clamp(-config.heading_gain * self._turned, -limit, limit)
 
-    def _led(
-        self,
-        wanted: float,
-        angular: float,
-        factor: float,
-        yaw_rate: float,
-        belt_difference: float,
-        period: float,
-    ) -> float:
-        """Turn of the belts, as a yaw rate of wheels (rad/s), by feed-forward and PI."""
+    def _scale_integral(self, angular: float, period: float) -> None:
+        """Let the integral go down and up with the commanded yaw rate."""
+        last, now = abs(self._angular), abs(angular)
+        given = 0.0
+        if angular * self._angular < 0.0:
+            self.integral = self._taken = 0.0
+        elif now < last:
+            given = self.integral * (now / last - 1.0)
+        elif now > last and self._fastest > last:
+            given = self._taken * min(1.0, (now - last) / (self._fastest - last))
+        self.integral += given
+        kept = _REMEMBERS / (period + _REMEMBERS)
+        self._taken = (self._taken - given) * kept
+        self._fastest = now + max(0.0, self._fastest - now) * kept
+
+    def _filter(self, wanted: float, yaw_rate: float, period: float) -> None:
+        """Go on with the measured yaw rate, and with the one that can be expected of it."""
         config = self._config
         if self._rate is None:
             self._rate = self._expected = yaw_rate
         self._rate += (yaw_rate - self._rate) * period / (period + config.filter_time)
         self._expected += (wanted - self._expected) * period / (period + config.response_time)
+
+    def _led(
+        self, wanted: float, factor: float, may_grow: bool, at_least: float, period: float
+    ) -> float:
+        """Turn of the belts, as a yaw rate of wheels (rad/s), by feed-forward and PI.
+
+        Its limit counts from a wanted yaw rate of `at_least` (rad/s).
+        """
+        assert self._rate is not None
+        config = self._config
         # Not the drives' lag, which would be taken for slip and lead to an overshoot.
-        lasting = self._expected - self._rate
-        if abs(angular) < abs(self._angular) or angular * self._angular < 0.0:
-            self.integral *= max(0.0, angular / self._angular)
-        if self.integral * lasting < 0.0 or self._may_grow(wanted, belt_difference):
+        lasting, error = self._expected - self._rate, wanted - self._rate
+        if wanted == 0.0:
+            tolerance = config.straight_tolerance
+            lasting -= clamp(lasting, -tolerance, tolerance)
+            error -= clamp(error, -tolerance, tolerance)
+            if self.integral * self._rate > 0.0:
+                self.integral *= _FADES / (period + _FADES)
+        if may_grow or self.integral * lasting < 0.0:
             self.integral += config.integral_gain * lasting * period
-        turn = factor * wanted + config.proportional_gain * (wanted - self._rate) + self.integral
-        limit = config.max_factor * max(abs(wanted), _STEERING)
+        turn = factor * wanted + config.proportional_gain * error + self.integral
+        limit = config.max_factor * max(abs(wanted), at_least)
         self._saturated = abs(turn) > limit
         return clamp(turn, -limit, limit)
 
-    def _may_grow(self, wanted: float, belt_difference: float) -> bool:
-        """Whether a larger turn of the belts would have an effect."""
-        assert self._rate is not None
+    def _follows(self, belt_difference: float) -> bool:
+        """Whether the belts run as they were told to."""
         lag = abs(self._difference - belt_difference)
-        follows = lag <= _FOLLOWS_AT_LEAST + _FOLLOWS * abs(self._difference)
-        answers = abs(wanted) < _TURNING or self._rate / wanted >= _ANSWERS
-        return not self._saturated and follows and answers
+        return lag <= _FOLLOWS_AT_LEAST + _FOLLOWS * abs(self._difference)
+
+    def _listen(self, wanted: float, period: float) -> None:
+        """Note whether the robot turns; against the command too: then it is pulled, not blocked."""
+        assert self._rate is not None
+        answers = abs(self._rate) >= max(_ANSWERS * abs(wanted), _ANSWERS_AT_LEAST)
+        self._since_answer = 0.0 if answers else self._since_answer + period
 
     def _within_limits(self, linear: float, difference: float) -> Tuple[float, float]:
         """Speeds of the belts for half their difference; the turn has precedence."""

@@ -29,15 +29,19 @@ class Imu:
     noise : ImuNoise, optional
         Its errors, the same after every `attach`. Without, it is exact, and its covariances are as
         good as 0; 0 itself would mean "unknown".
+    robot : str
+        Namespace of the robot: the sensors of two robots differ in their errors.
 
     Attributes
     ----------
     handle : ImuSensorHandle
     """
 
-    def __init__(self, name: str, link: str, noise: Optional[ImuNoise] = None) -> None:
+    def __init__(
+        self, name: str, link: str, noise: Optional[ImuNoise] = None, robot: str = ""
+    ) -> None:
         self.handle = ImuSensorHandle(name, link)
-        self._errors = None if noise is None else ImuErrors(noise, name)
+        self._errors = None if noise is None else ImuErrors(noise, f"{robot}/{name}")
         self.handle.orientation_covariance = _EXACT
         self.handle.angular_velocity_covariance = _EXACT
         self.handle.linear_acceleration_covariance = _EXACT
@@ -81,7 +85,8 @@ class Imu:
         upright = m[6] * turning[0] + m[7] * turning[1] + m[8] * turning[2]
         handle.angular_velocity = _sum(handle.angular_velocity, turning)
         handle.linear_acceleration = _sum(handle.linear_acceleration, errors.accelerometer(period))
-        handle.orientation = _turned(handle.orientation, errors.orientation(upright, period))
+        tilt_x, tilt_y, heading = errors.orientation(upright, period)
+        handle.orientation = _turned(handle.orientation, (tilt_x, tilt_y), heading)
         (
             handle.orientation_covariance,
             handle.angular_velocity_covariance,
@@ -127,16 +132,26 @@ def _sum(first: Optional[Vector], second: Vector) -> Vector:
     return first[0] + second[0], first[1] + second[1], first[2] + second[2]
 
 
-def _turned(orientation: Optional[Quaternion], rotation: Vector) -> Quaternion:
-    """Orientation after a small rotation (rad) about the world's axes."""
+def _turned(
+    orientation: Optional[Quaternion], tilt: Tuple[float, float], heading: float
+) -> Quaternion:
+    """Orientation after rotations about the world's axes: x and y at once, and then z (rad)."""
     assert orientation is not None
-    x, y, z, w = orientation
-    a, b, c = (0.5 * each for each in rotation)
-    turned = (
-        x + a * w + b * z - c * y,
-        y + b * w + c * x - a * z,
-        z + c * w + a * y - b * x,
-        w - a * x - b * y - c * z,
+    angle = math.hypot(*tilt)
+    share = math.sin(0.5 * angle) / angle if angle > 0.0 else 0.5
+    a, b, w = share * tilt[0], share * tilt[1], math.cos(0.5 * angle)
+    s, c = math.sin(0.5 * heading), math.cos(0.5 * heading)
+    # The heading's (0, 0, s, c) times the tilt's (a, b, 0, w).
+    return _product((c * a - s * b, c * b + s * a, s * w, c * w), orientation)
+
+
+def _product(first: Quaternion, second: Quaternion) -> Quaternion:
+    """The rotation `second` followed by `first`."""
+    a, b, c, d = first
+    x, y, z, w = second
+    return (
+        d * x + a * w + b * z - c * y,
+        d * y + b * w + c * x - a * z,
+        d * z + c * w + a * y - b * x,
+        d * w - a * x - b * y - c * z,
     )
-    length = math.sqrt(sum(each * each for each in turned))
-    return turned[0] / length, turned[1] / length, turned[2] / length, turned[3] / length

@@ -79,7 +79,7 @@ class ImuErrors:
     ----------
     noise : ImuNoise
     name : str
-        Of the sensor: two with the same seed differ in their errors.
+        Of the sensor, and of its robot: two with the same seed differ in their errors.
     """
 
     def __init__(self, noise: ImuNoise, name: str) -> None:
@@ -122,7 +122,9 @@ class ImuErrors:
         return self._accelerometer.draw(period)
 
     def orientation(self, heading_rate: float, period: float) -> Vector:
-        """Error of the orientation: a small rotation about the world's axes (rad).
+        """Error of the orientation as angles about the world's axes (rad).
+
+        Those about x and y are small; the one about z grows, and is given within -pi and pi.
 
         Parameters
         ----------
@@ -132,7 +134,7 @@ class ImuErrors:
             Time since the last reading (s).
         """
         noise, gyroscope = self._noise, self._gyroscope
-        self._heading += heading_rate * period
+        self._heading = math.remainder(self._heading + heading_rate * period, math.tau)
         self._heading_variance += (
             2.0 * self._heading_bias + noise.gyroscope_noise_density**2
         ) * period

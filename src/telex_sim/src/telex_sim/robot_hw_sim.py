@@ -110,7 +110,7 @@ class RobotHWSim(RobotHW):
             self._joints[driven.joint] = self._drive(driven, described, limits, root)
         self._passive = [joint for name, joint in described.items() if name not in self._joints]
         self._imus = [
-            Imu(name, link, self._config.imu_noise.get(name))
+            Imu(name, link, self._config.imu_noise.get(name), root.namespace)
             for name, link in self._config.imus.items()
         ]
         self._check_names(described, limits, root)

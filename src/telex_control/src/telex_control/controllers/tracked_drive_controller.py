@@ -50,6 +50,12 @@ class TrackedDriveController(DiffDriveController):
         self._sensor_config: BaseImuConfig = _config(BaseImuConfig, node, "imu")
         self._errors: OdometryErrors = _config(OdometryErrors, node, "odometry_errors")
         loop: YawRateLoopConfig = _config(YawRateLoopConfig, node, "yaw_rate_loop")
+        factor = node.positive_param("wheel_separation_multiplier", 1.0)
+        if loop.max_factor < factor:
+            raise ControllerInitError(
+                f"parameter {node.resolve('yaw_rate_loop')}/max_factor is {loop.max_factor}; it "
+                f"must not be below {node.resolve('wheel_separation_multiplier')}, {factor}"
+            )
         self._loop = YawRateLoop(loop, node.positive_param("max_belt_speed"))
         self._imu = self._find_sensor(hw, root, node)
         self._sensor_lost = False
