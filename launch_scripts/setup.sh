@@ -154,6 +154,18 @@ build_workspace() {
   printf '%s' "$wanted" >"$stamp"
 }
 
+# numba compiles inverse kinematics once for a machine and keeps it beside the source: 15 s that no
+# node is to spend when it starts.
+compile_kinematics() {
+  local stamp="$state/kinematics" wanted kernels="$root/src/telex_control/src/telex_control/kinematics"
+  wanted="$(cat "$root/requirements.txt" "$kernels"/ik_*.py | sha256sum)"
+  [ "$(cat "$stamp" 2>/dev/null)" = "$wanted" ] && [ -n "$(ls "$kernels"/__pycache__/*.nbi 2>/dev/null)" ] && return 0
+  rm -f "$stamp"
+  step "Inverse kinematics (numba)" "read the messages above; without it, nodes compile at their first start" \
+    env PYTHONPATH="$root/src/telex_control/src:${PYTHONPATH-}" "$root/.venv/bin/python" -m telex_control.kinematics.compile
+  printf '%s' "$wanted" >"$stamp"
+}
+
 command -v flock >/dev/null && command -v dpkg-query >/dev/null ||
   fail "Set-up" "this is no Debian or Ubuntu system" "use Debian 12, or Ubuntu 20.04 with ROS Noetic"
 if [ -f /opt/ros/noetic/setup.bash ]; then
@@ -175,3 +187,4 @@ python=/usr/bin/python3
 install_system_packages
 make_venv
 build_workspace
+compile_kinematics
