@@ -26,6 +26,7 @@ FlipperAngles = Tuple[float, float]
 
 _HEADING_GAIN = 2.0  # (rad/s)/rad
 _ASIDE_GAIN = 1.5  # rad/m
+_UNSEEN = 0.02  # rad; an operator does not correct what cannot be seen
 _MOST_CORRECTION = 0.5  # rad
 _MOST_TURNING = 0.6  # rad/s
 _PROGRESS = 0.02  # m, that tells progress from slipping
@@ -174,6 +175,8 @@ class Operator:
         aside = (pose.y - y) * math.cos(yaw) - (pose.x - x) * math.sin(yaw)
         back = max(-_MOST_CORRECTION, min(_MOST_CORRECTION, _ASIDE_GAIN * aside))
         error = math.remainder(yaw - forwards * back - pose.yaw, 2.0 * math.pi)
+        if abs(error) < _UNSEEN:
+            return 0.0
         return max(-_MOST_TURNING, min(_MOST_TURNING, _HEADING_GAIN * error))
 
     def wait(self, seconds: float) -> None:
