@@ -14,6 +14,9 @@ from .scripted_operator import TICK
 FLAT = (0.0, 0.0)
 UP = (1.20, 1.20)
 
+BALANCED = {"elbow": 2.00}
+"""Arm, from `drive`, with the centre of mass 6 mm before base_link, not 16 (rad)."""
+
 
 @dataclass(frozen=True)
 class Straight:
@@ -50,10 +53,16 @@ class Turn:
     drift: float
 
 
-def straight(trial: Trial, speed: float, seconds: float = 3.0) -> Straight:
-    """Drive straight on with the flippers flat, and measure once the speed is reached."""
+def straight(
+    trial: Trial, speed: float, seconds: float = 3.0, flippers: Tuple[float, float] = UP
+) -> Straight:
+    """Drive straight on, and measure once the speed is reached.
+
+    With the flippers flat, the belts touch the floor along 1.6 m, here and there: what holds the
+    hull level changes from step to step.
+    """
     operator = trial.operator
-    operator.flippers(*FLAT)
+    operator.flippers(*flippers)
     operator.wait(1.5)
     operator.drive(speed)
     operator.wait(1.5)
@@ -75,7 +84,9 @@ def straight(trial: Trial, speed: float, seconds: float = 3.0) -> Straight:
     return Straight(float(along / seconds), float(vertical), float(pitching))
 
 
-def turn(trial: Trial, rate: float, seconds: float = 4.0, settle: float = 0.6) -> Turn:
+def turn(
+    trial: Trial, rate: float, seconds: float = 4.0, ramp: float = 0.6, balanced: bool = False
+) -> Turn:
     """Turn in place with the flippers up.
 
     Parameters
@@ -83,23 +94,25 @@ def turn(trial: Trial, rate: float, seconds: float = 4.0, settle: float = 0.6) -
     rate : float
         rad/s.
     seconds : float
-        The drift is measured over them, from the start.
-    settle : float
-        How long the rate is not looked at (s).
+        Over which rate and drift are measured.
+    ramp : float
+        From rest until it begins to be measured (s).
+    balanced : bool
+        With the arm so far back that the load is in the middle between front and rear hubs.
     """
     operator = trial.operator
     operator.flippers(*UP)
+    if balanced:
+        operator.move(**BALANCED)
     operator.wait(2.5)
-    begin = trial.position()
     operator.drive(0.0, rate)
+    operator.wait(ramp)
+    begin = trial.position()
     drift = turned = 0.0
     last = operator.pose.yaw
-    for tick in range(round(seconds / TICK)):
+    for _ in range(round(seconds / TICK)):
         operator.tick()
-        step = math.remainder(operator.pose.yaw - last, 2.0 * math.pi)
+        turned += math.remainder(operator.pose.yaw - last, 2.0 * math.pi)
         last = operator.pose.yaw
-        if tick >= round(settle / TICK):
-            turned += step
         drift = max(drift, float(np.linalg.norm(trial.position() - begin)))
-    counted = round(seconds / TICK) - round(settle / TICK)
-    return Turn(turned / (counted * TICK), drift)
+    return Turn(turned / (round(seconds / TICK) * TICK), drift)

@@ -17,6 +17,8 @@ _COMMAND = 1.0
 """How long a command stands (s)."""
 _LOOK = 5
 """Steps from one look at the contacts to the next."""
+_LYING, _RAISED = 4.0, (0.5, 0.5)
+"""How long the robot lies before it is put on its tracks (s); by then its flippers are up."""
 _EDGE = 4.0
 """From the middle to the walls (m)."""
 
@@ -37,8 +39,8 @@ class Behaviour:
         Penetration of the robot into anything (m).
     cpu : float
         CPU time per sim time.
-    upset : bool
-        Whether the robot ended on its side or back.
+    falls : int
+        How often it lay on its side or back, and was put on its tracks again.
     """
 
     finite: bool
@@ -46,7 +48,7 @@ class Behaviour:
     fastest: float
     deepest: float
     cpu: float
-    upset: bool
+    falls: int
 
 
 def rough_ground() -> List[Dict[str, Any]]:
@@ -78,6 +80,8 @@ def rough_ground() -> List[Dict[str, Any]]:
 def run(seed: int, seconds: float, step_size: float = 0.002) -> Behaviour:
     """Send random commands, a new one every second.
 
+    A robot that has fallen is put on its tracks in the middle of the yard.
+
     Parameters
     ----------
     seed : int
@@ -91,18 +95,26 @@ def run(seed: int, seconds: float, step_size: float = 0.002) -> Behaviour:
         watch = _Watch(trial)
         operator = trial.operator
         began = time.process_time()
-        upset = False
+        falls, lain = 0, 0.0
         for tick in range(round(seconds / TICK)):
-            if tick % round(_COMMAND / TICK) == 0:
+            if lain == 0.0 and tick % round(_COMMAND / TICK) == 0:
                 operator.drive(numbers.uniform(-1.2, 1.2), numbers.uniform(-1.0, 1.0))
                 for name in (*FRONT_FLIPPERS, *REAR_FLIPPERS):
                     operator.move(**{name: numbers.uniform(-1.9, 1.9)})
+            if lain:
+                lain += TICK
             try:
                 operator.tick()
             except NotManagedError:
-                upset = True
+                lain = lain or TICK
+                operator.stop()
+                operator.flippers(*_RAISED)
+            if lain > _LYING:
+                falls, lain = falls + 1, 0.0
+                trial.place((0.0, 0.0, 0.35), (0.0, 0.0, 0.0, 1.0))
+                watch.restart()
         cpu = (time.process_time() - began - watch.cost) / seconds
-        return Behaviour(watch.finite, watch.jump, watch.fastest, watch.deepest, cpu, upset)
+        return Behaviour(watch.finite, watch.jump, watch.fastest, watch.deepest, cpu, falls)
 
 
 class _Watch:
@@ -115,6 +127,10 @@ class _Watch:
         self.finite = True
         self.jump = self.fastest = self.deepest = self.cost = 0.0
         trial.each_step.append(self._look)
+
+    def restart(self) -> None:
+        """Take the present place for granted."""
+        self._last = self._trial.center()
 
     def _look(self) -> None:
         began = time.process_time()

@@ -18,13 +18,19 @@ ON_RAMPS = ((-0.25, -0.25), (0.10, 0.10), (-0.50, -0.50))
 """Flat flippers hang between two ridges, raised ones leave the belly on one."""
 ON_POSTS = ((0.45, 0.0), (0.15, -0.45), (-0.70, -0.70), (0.50, -0.90), (-0.90, 0.30), (0.75, 0.20))
 LEVEL = (0.35, 0.35)
+TURNING = (1.00, 1.00)
 
-_HALF_WIDTH = 0.2  # m
+CHANGING = ((0.35, 0.35), (-0.30, -0.30), (0.0, 0.0))
+
+EARLY = 0.20
+"""How far before the place where the columns are level it turns, for it slides down (m)."""
 
 
 @dataclass(frozen=True)
 class CrossingRamps:
-    """Two columns of ramps; where one rises, the other falls.
+    """Two columns of ramps of 15 degrees; where one rises, the other falls.
+
+    By default as wide as the test method has them for a lane of 2.4 m.
 
     Attributes
     ----------
@@ -35,9 +41,9 @@ class CrossingRamps:
     friction : float
     """
 
-    rows: int = 4
-    length: float = 1.2
-    width: float = 0.6
+    rows: int = 2
+    length: float = 2.4
+    width: float = 1.2
     friction: float = 1.0
 
     @property
@@ -60,9 +66,10 @@ class CrossingRamps:
         ]
 
     def ridges(self) -> List[Tuple[float, float]]:
-        """Where to pass the ridges, in their order along x (m): a robot's half width aside."""
+        """Where the ridges are, in their order along x: x and y of their middles (m)."""
+        half = 0.5 * self.width
         return [
-            (START + (row + 1) * self.length, -_HALF_WIDTH if row % 2 == 0 else _HALF_WIDTH)
+            (START + (row + 1) * self.length, -half if row % 2 == 0 else half)
             for row in range(self.rows)
         ]
 
@@ -104,28 +111,44 @@ class Stepfield:
 
 
 def cross_ramps(operator: Operator, ramps: CrossingRamps) -> None:
-    """Drive from ridge to ridge, from one column to the other and back.
+    """Drive over every ridge, from one column to the other behind each, where they are level.
 
     Raises
     ------
     NotManagedError
     """
     ridges = ramps.ridges()
-    first, last = ridges[0], ridges[-1]
-    corners = [(START - 0.8, first[1]), *ridges, (ramps.end + 1.0, last[1])]
-    for begin, end in zip(corners, corners[1:]):
-        yaw = math.atan2(end[1] - begin[1], end[0] - begin[0])
-        operator.keep_lane(SPEED, begin, yaw)
-        operator.work_on(
-            lambda end=end: operator.pose.x > end[0],  # type: ignore[misc]
-            ON_RAMPS,
-            20.0,
-            f"the corner at x {end[0]:.1f} m",
-        )
-        # How far aside it may be: a track has to be on each side of the ridge's middle.
-        if abs(operator.pose.y - end[1]) > 0.5 * ramps.width:
-            raise NotManagedError(f"lost the way; {operator.where()}")
+    for (ridge, y), (_, beside) in zip(ridges, ridges[1:]):
+        _along(operator, y, ridge + 0.5 * ramps.length - EARLY)
+        _change_column(operator, y, beside)
+    _along(operator, ridges[-1][1], ramps.end + 0.8)
     _arrive(operator)
+
+
+def _change_column(operator: Operator, y: float, beside: float) -> None:
+    """Turn across the ramps, drive over to the middle of the other column, and turn back."""
+    side = math.copysign(1.0, beside - y)
+    _turn(operator, side * 0.5 * math.pi)
+    operator.keep_lane(SPEED, (operator.pose.x, y), side * 0.5 * math.pi)
+
+    def left() -> float:
+        return side * (beside - operator.pose.y)
+
+    operator.work_on(lambda: left() < 0.05, CHANGING, 20.0, "the other column", way=lambda: -left())
+    _turn(operator, 0.0)
+
+
+def _turn(operator: Operator, heading: float) -> None:
+    operator.stop()
+    operator.flippers(*TURNING)
+    operator.wait(1.0)
+    operator.turn_to(heading)
+
+
+def _along(operator: Operator, y: float, end: float) -> None:
+    """Drive along a column to x = `end`."""
+    operator.keep_lane(SPEED, (0.0, y))
+    operator.work_on(lambda: operator.pose.x > end, ON_RAMPS, 40.0, f"x {end:.1f} m")
 
 
 def cross_posts(operator: Operator, field: Stepfield) -> None:

@@ -26,6 +26,7 @@ FlipperAngles = Tuple[float, float]
 
 _HEADING_GAIN = 2.0  # (rad/s)/rad
 _ASIDE_GAIN = 1.5  # rad/m
+_UNSEEN = 0.02  # rad; an operator does not correct what cannot be seen
 _MOST_CORRECTION = 0.5  # rad
 _MOST_TURNING = 0.6  # rad/s
 _PROGRESS = 0.02  # m, that tells progress from slipping
@@ -174,6 +175,8 @@ class Operator:
         aside = (pose.y - y) * math.cos(yaw) - (pose.x - x) * math.sin(yaw)
         back = max(-_MOST_CORRECTION, min(_MOST_CORRECTION, _ASIDE_GAIN * aside))
         error = math.remainder(yaw - forwards * back - pose.yaw, 2.0 * math.pi)
+        if abs(error) < _UNSEEN:
+            return 0.0
         return max(-_MOST_TURNING, min(_MOST_TURNING, _HEADING_GAIN * error))
 
     def wait(self, seconds: float) -> None:
@@ -195,6 +198,25 @@ class Operator:
                 raise NotManagedError(f"not within {timeout:g} s: {what}; {self.where()}")
             self.tick()
 
+    def turn_to(self, yaw: float, rate: float = 0.5, timeout: float = 15.0) -> None:
+        """Turn in place to a heading (rad), and stand.
+
+        Raises
+        ------
+        NotManagedError
+            It is not reached within `timeout` (s).
+        """
+
+        def left() -> float:
+            return math.remainder(yaw - self.pose.yaw, 2.0 * math.pi)
+
+        side = math.copysign(1.0, left())
+        self.drive(0.0, side * rate)
+        # It takes a moment to stop.
+        self.until(lambda: side * left() < 0.15 * rate, timeout, f"heading {yaw:.2f} rad")
+        self.stop()
+        self.wait(0.4)
+
     def work_on(
         self,
         reached: Callable[[], bool],
@@ -202,8 +224,9 @@ class Operator:
         timeout: float,
         what: str,
         patience: float = 1.5,
+        way: Optional[Callable[[], float]] = None,
     ) -> None:
-        """Go on along x, trying one setting of the flippers after the other.
+        """Go on, trying one setting of the flippers after the other.
 
         Parameters
         ----------
@@ -216,20 +239,23 @@ class Operator:
             What is to be reached, for the message.
         patience : float
             How long to wait for progress (s).
+        way : callable, optional
+            How far the robot has come (m); without it, by its x.
 
         Raises
         ------
         NotManagedError
             It is not reached within `timeout`.
         """
+        come = way or (lambda: self.pose.x)
         end, turn = self.time + timeout, 0
-        best, since = self.pose.x, self.time
+        best, since = come(), self.time
         self.flippers(*settings[0])
         while not reached():
             if self.time >= end:
                 raise NotManagedError(f"not within {timeout:g} s: {what}; {self.where()}")
-            if self.pose.x > best + _PROGRESS:
-                best, since = self.pose.x, self.time
+            if come() > best + _PROGRESS:
+                best, since = come(), self.time
             elif self.time - since > patience:
                 turn, since = turn + 1, self.time
                 self.flippers(*settings[turn % len(settings)])

@@ -23,6 +23,9 @@ _ANSWERS = 0.1
 """Share of the wanted yaw rate that a robot shows at least which is not blocked."""
 _ANSWERS_AT_LEAST = 0.004
 """The same, as a yaw rate (rad/s): more than a gyroscope's filtered noise."""
+_LISTENS = 0.2
+"""Time constant (s) of the yaw rate in which an answer is looked for: tracks that slip on a slope
+shake the robot by as much to either side."""
 _SILENCE = 0.1
 """How long (s) a robot that has answered may stand still before it counts as blocked: one that is
 pulled the other way comes through standstill."""
@@ -128,6 +131,7 @@ class YawRateLoop:
         self._angular = 0.0
         # What slower turns took from the integral, and the one (rad/s) that it belonged to.
         self._taken = self._fastest = 0.0
+        self._heard = 0.0
         self._since_answer = math.inf
         self._difference = 0.0
         self._saturated = False
@@ -254,7 +258,8 @@ class YawRateLoop:
     def _listen(self, wanted: float, period: float) -> None:
         """Note whether the robot turns; against the command too: then it is pulled, not blocked."""
         assert self._rate is not None
-        answers = abs(self._rate) >= max(_ANSWERS * abs(wanted), _ANSWERS_AT_LEAST)
+        self._heard += (self._rate - self._heard) * period / (period + _LISTENS)
+        answers = abs(self._heard) >= max(_ANSWERS * abs(wanted), _ANSWERS_AT_LEAST)
         self._since_answer = 0.0 if answers else self._since_answer + period
 
     def _within_limits(self, linear: float, difference: float) -> Tuple[float, float]:
