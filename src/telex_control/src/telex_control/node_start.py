@@ -9,6 +9,7 @@ from types import FrameType
 from typing import Iterator, Optional
 
 import rospy
+from rospy.core import is_shutdown_requested
 
 __all__ = ["init_node", "until_shutdown"]
 
@@ -38,7 +39,8 @@ def until_shutdown() -> Iterator[None]:
     try:
         yield
     except rospy.ROSException:
-        if not rospy.is_shutdown():
+        # rospy closes the topics before it says that it is shut down.
+        if not (rospy.is_shutdown() or is_shutdown_requested()):
             raise
 
 
