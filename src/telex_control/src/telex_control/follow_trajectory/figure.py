@@ -2,12 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import List
-
-import matplotlib
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 # Named "3d" by its import.
@@ -70,26 +65,3 @@ def _draw_way(space: Axes3D, result: Result, step: int) -> None:
     space.tick_params(labelsize=7)
     space.view_init(elev=22.0, azim=-55.0)
     space.legend(fontsize=8, frameon=False, loc="upper left")
-
-
-def save(figure: Figure, path: Path) -> List[Path]:
-    """Write a figure as PNG and as SVG.
-
-    Parameters
-    ----------
-    figure : Figure
-    path : Path
-        Without suffix.
-
-    Returns
-    -------
-    list of Path
-        The files.
-    """
-    FigureCanvasAgg(figure)
-    files = [path.parent / f"{path.name}{suffix}" for suffix in (".png", ".svg")]
-    # The same measurement makes the same files.
-    with matplotlib.rc_context({"svg.hashsalt": path.name}):
-        figure.savefig(files[0], dpi=120, metadata={"Software": None})
-        figure.savefig(files[1], metadata={"Date": None})
-    return files

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 from typing import List
 
+from ..figure_files import save
 from . import figure, table
 from .analysis import Result
 
@@ -20,7 +21,7 @@ def write(folder: Path, result: Result) -> List[Path]:
     """
     folder.mkdir(parents=True, exist_ok=True)
     name = "_".join(re.findall(r"\w+", result.name))
-    files = figure.save(figure.draw(result), folder / name)
+    files = save(figure.draw(result), folder / name)
     for suffix, content in (
         (".csv", table.as_csv(result)),
         (".json", table.as_json([result]) + "\n"),

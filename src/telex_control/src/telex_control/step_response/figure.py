@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Dict, List, Sequence
 
-import matplotlib
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from .runner import StepResult, shown_unit
@@ -79,26 +76,3 @@ def _draw_joint(cell: Figure, results: Sequence[StepResult], legend: bool) -> No
             axes.spines[side].set_visible(False)
     if legend:
         above.legend(fontsize=7, frameon=False, loc="lower right")
-
-
-def save(figure: Figure, path: Path) -> List[Path]:
-    """Write a figure as PNG and as SVG.
-
-    Parameters
-    ----------
-    figure : Figure
-    path : Path
-        Without suffix.
-
-    Returns
-    -------
-    list of Path
-        The files.
-    """
-    FigureCanvasAgg(figure)
-    files = [path.with_suffix(suffix) for suffix in (".png", ".svg")]
-    # The same measurement makes the same files.
-    with matplotlib.rc_context({"svg.hashsalt": path.name}):
-        figure.savefig(files[0], dpi=120, metadata={"Software": None})
-        figure.savefig(files[1], metadata={"Date": None})
-    return files

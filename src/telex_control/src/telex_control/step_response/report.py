@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Dict, List, Sequence, Tuple
 
+from ..figure_files import save
 from . import figure, table
 from .plan import Plan
 from .runner import StepResult
@@ -32,5 +33,5 @@ def write(folder: Path, plan: Plan, results: Sequence[StepResult]) -> List[Path]
         figures.setdefault((result.posture, plan.group(result.joint.name)), []).append(result)
     for (posture, group), members in figures.items():
         drawing = figure.draw(f"Step responses: {group.replace('_', ' ')}, {posture}", members)
-        files += figure.save(drawing, folder / f"{group}_{posture}")
+        files += save(drawing, folder / f"{group}_{posture}")
     return files
