@@ -3,7 +3,8 @@
 #
 #   ./launch_scripts/test.sh [--fast] [pytest arguments]
 #
-# --fast: lint, types and the tests that need no ROS master. Further arguments go to pytest.
+# --fast: lint, types and the tests that need no ROS master. Further arguments go to pytest
+# (-n 0: all tests in one process, one after the other, as --pdb wants it).
 set -uo pipefail
 
 root="$(CDPATH= cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)"
@@ -13,7 +14,7 @@ pytest_arguments=()
 for argument in "$@"; do
   case "$argument" in
     --fast) fast=1 ;;
-    -h | --help) sed -n '2,6s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -h | --help) sed -n '2,7s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     *) pytest_arguments+=("$argument") ;;
   esac
 done
@@ -56,6 +57,11 @@ if [ -z "$fast" ]; then
 else
   pytest_arguments=(-m "not ros" "${pytest_arguments[@]}")
 fi
+
+# Tests that need no wall time run beside those that do, at low priority; conftest.py says which.
+workers="$(nproc)"
+[ "$workers" -le 4 ] || workers=4
+[ "$workers" -eq 1 ] || pytest_arguments=(-n "$workers" --dist loadgroup "${pytest_arguments[@]}")
 
 # pytest comes last, so that its closing line counts the tests.
 if [ ${#failed[@]} -gt 0 ]; then printf '\nFailed so far: %s\n' "${failed[*]}"; fi

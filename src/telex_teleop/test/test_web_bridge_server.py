@@ -13,6 +13,8 @@ from web_fakes import FakeRos, becomes, on_loop, served
 from telex_teleop.web.bridge.app import Rosbridge
 from telex_teleop.web.config import RosbridgeConfig
 
+pytestmark = pytest.mark.real_time
+
 DRIVE = {"op": "advertise", "topic": "/drive", "type": "geometry_msgs/Twist"}
 AHEAD = {"op": "publish", "topic": "/drive", "msg": {"linear": {"x": 1.0}}}
 

@@ -19,6 +19,8 @@ from telex_teleop.web.config import VideoServerConfig
 from telex_teleop.web.video.app import VideoServer
 from telex_teleop.web.video.pictures import CompressedPicture
 
+pytestmark = pytest.mark.real_time
+
 CAMERA = "/telex/cameras/front/image_raw"
 COMPRESSED = f"{CAMERA}/compressed"
 

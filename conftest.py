@@ -1,0 +1,92 @@
+"""How the tests share the machine when pytest-xdist distributes them (``-n 2 --dist loadgroup``).
+
+What needs a ROS master, a browser or wall time runs one after the other in one worker. The other
+workers meanwhile run what depends on no clock, at low priority: that may wait, and the rest may
+not. Without ``-n``, all tests run one after the other.
+"""
+
+from __future__ import annotations
+
+import os
+from functools import lru_cache
+from typing import TYPE_CHECKING, List, Tuple
+
+import pytest
+from hypothesis import HealthCheck, settings
+
+if TYPE_CHECKING:
+    from xdist.scheduler import LoadGroupScheduling
+
+# How long an example takes says nothing on a machine that has other things to do.
+settings.register_profile("telex", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("telex")
+
+NEEDS_THE_MACHINE = ("ros", "browser", "real_time")
+"""Markers of tests that others may not hold up."""
+GROUP = "real_time"
+PATIENCE = 10
+"""Niceness of a worker from its first test that can wait."""
+
+
+def in_a_worker() -> bool:
+    """Whether this is one of the processes among which the tests are distributed."""
+    return "PYTEST_XDIST_WORKER" in os.environ
+
+
+def needs_the_machine(item: pytest.Item) -> bool:
+    """Whether a test has to go on in wall time."""
+    return any(item.get_closest_marker(name) for name in NEEDS_THE_MACHINE)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: List[pytest.Item]) -> None:
+    """Keep those tests together that may not run side by side."""
+    for item in items:
+        if needs_the_machine(item):
+            item.add_marker(pytest.mark.xdist_group(GROUP))
+
+
+@lru_cache(maxsize=None)
+def step_back() -> None:
+    """Lower the priority of this process, once: it cannot be raised again."""
+    os.nice(PATIENCE)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Step back before the first test that can wait."""
+    if in_a_worker() and not needs_the_machine(item):
+        step_back()
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_logreport(report: pytest.TestReport) -> None:
+    """Name tests without the group that xdist appends: so they can be run again by that name."""
+    if not in_a_worker() and report.nodeid.endswith(f"@{GROUP}"):
+        report.nodeid = report.nodeid[: -len(f"@{GROUP}")]
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> LoadGroupScheduling:
+    """Begin with the tests that need the machine; then hand out files in their order."""
+    from xdist.scheduler import LoadGroupScheduling
+
+    class Scheduling(LoadGroupScheduling):
+        """Files are not torn apart: their tests share costly fixtures."""
+
+        def _split_scope(self, nodeid: str) -> str:
+            group = super()._split_scope(nodeid)
+            return GROUP if group == GROUP else nodeid.split("::", 1)[0]
+
+        def _assign_work_unit(self, node: object) -> None:
+            order = {self._split_scope(nodeid): None for nodeid in self.collection}
+            ranks = {scope: rank for rank, scope in enumerate(order)}
+
+            def rank(scope: str) -> Tuple[bool, int]:
+                return scope != GROUP, ranks[scope]
+
+            # A worker that has once stepped back cannot come forward again for that group.
+            self.workqueue.move_to_end(min(self.workqueue, key=rank), last=False)
+            super()._assign_work_unit(node)
+
+    return Scheduling(config, log)
