@@ -24,7 +24,7 @@ def folder(tmp_path, monkeypatch):
     (tmp_path / "good.yaml").write_text(
         "description: Two things to look at.\n"
         "lights: {lamps: [{position: [0, 0, 2]}]}\n"
-        "objects:\n  - {type: crate}\n  - {type: valve, position: [1, 0, 0]}\n"
+        "objects:\n  - {type: crate, position: [2, 0, 0]}\n  - {type: valve, position: [3, 0, 0]}\n"
     )
     (tmp_path / "bad.yaml").write_text("objects: [{type: crate, mass: -1}]\n")
     return tmp_path
@@ -46,6 +46,33 @@ def test_check_names_every_broken_file(folder, capsys):
     first, second = said.err.splitlines()
     assert first == f"{folder}/bad.yaml: objects[0] (crate): mass is -1.0; it must be above 0"
     assert second == "/no/such.yaml: there is no such file"
+
+
+def test_check_puts_the_robot_there(folder, capsys):
+    """What only the robot makes wrong: its name, its pose, what stands where it starts."""
+    wrong = {
+        "named": ("objects: [{type: cone, name: telex, position: [3, 0, 0]}]", "name is 'telex'"),
+        "posed": ("start: {pose: redy}", "start/pose is 'redy'; there are: "),
+        "blocked": (
+            "objects: [{type: platform, name: brick, position: [0, 0, 0.05], length: 0.3}]",
+            "mm deep in 'brick'",
+        ),
+    }
+    for name, (text, _) in wrong.items():
+        (folder / f"{name}.yaml").write_text(f"{text}\n")
+    paths = [str(folder / f"{name}.yaml") for name in wrong]
+    assert main(["check", *paths]) == 1
+    said = capsys.readouterr()
+    lines = said.err.splitlines()
+    assert (said.out, len(lines)) == ("", len(wrong))
+    for line, path, (_, reason) in zip(lines, paths, wrong.values()):
+        assert line.startswith(f"{path}: ")
+        assert reason in line
+    assert main(["check", "--no-robot", *paths]) == 0
+    assert main(["check", "--pose", "redy", "floor"]) == 1
+    assert "pose is 'redy'; there are: " in capsys.readouterr().err
+    assert main(["check", "--variant", "seven_axes", "floor"]) == 1
+    assert "no variant 'seven_axes'" in capsys.readouterr().err
 
 
 def test_list_shows_scenes_and_what_is_broken(folder, capsys):
@@ -129,7 +156,7 @@ def test_texts_of_types_come_from_their_documentation():
 def test_it_runs_without_a_ros_master():
     script = Path(__file__).parents[1] / "nodes" / "scene"
     result = subprocess.run(
-        [sys.executable, str(script), "check", "floor"],
+        [sys.executable, str(script), "check", "--no-robot", "floor"],
         env={**os.environ, "ROS_MASTER_URI": "http://127.0.0.1:1"},
         check=False,
         capture_output=True,

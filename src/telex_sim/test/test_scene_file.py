@@ -6,6 +6,8 @@ import math
 import re
 from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
 
 from telex_control.params import ConfigError
@@ -18,6 +20,7 @@ from telex_sim.scene.scene_file import SceneError, load_scene
 from telex_sim.scene.yaml_text import read_yaml
 
 CUSTOM = "{type: custom, links: [{name: rock, mass: 2, parts: [{sphere: 0.2}]}]}"
+PICTURE = cv2.imencode(".png", np.arange(3072, dtype=np.uint8).reshape(32, 32, 3))[1].tobytes()
 TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 
 
@@ -29,6 +32,8 @@ def folder(tmp_path):
     (tmp_path / "flat.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     (tmp_path / "nan.obj").write_text(TETRAHEDRON.replace("v 1 0 0", "v nan 0 0"))
     (tmp_path / "text.png").write_text("no picture")
+    (tmp_path / "whole.png").write_bytes(PICTURE)
+    (tmp_path / "cut.png").write_bytes(PICTURE[: len(PICTURE) // 2])
     with open(tmp_path / "huge.obj", "wb") as file:
         file.truncate(65 * 1024 * 1024)
     return tmp_path
@@ -47,6 +52,11 @@ def refusal(folder, text):
     assert message.startswith(f"{folder / 'scene.yaml'}: ")
     assert "\n" not in message
     return message[len(str(folder / "scene.yaml")) + 2 :]
+
+
+def test_a_picture_of_ones_own_is_a_texture(folder):
+    scene = planned(folder, "floor: {surface: {texture: whole.png}}\n").scene
+    assert scene.floor.surface.texture == f"file://{folder / 'whole.png'}"
 
 
 def test_a_scene_with_everything(folder):
@@ -139,6 +149,7 @@ def test_the_objects_of_one_entry_are_named_after_it_and_placed_with_it(folder):
         ("{type: mesh, mesh: rock.obj, scale: [1, 0, 1]}", "none may be 0"),
         ("{type: mesh, mesh: rock.obj, texture: no.png}", "no.png: there is no such file"),
         ("{type: mesh, mesh: rock.obj, texture: text.png}", "no picture that OpenCV can read"),
+        ("{type: mesh, mesh: rock.obj, texture: cut.png}", "no picture that OpenCV can read"),
         ("{type: mesh, mesh: rock.obj, texture: 'generated:gold'}", "generated:gold"),
         ("{type: mesh, mesh: rock.obj, solid: false}", "must be static"),
         ("{type: custom}", "links is missing"),

@@ -152,9 +152,9 @@ class Simulation:
         pose = self.config.start.pose_name(self.scene.start.pose)
         try:
             check_start(self.body, pose, lambda uid: owners.get(uid, "the floor"))
-        except WorldError:
+        except WorldError as error:
             self.close()
-            raise
+            raise WorldError(f"{self._planned.path}: {error}") from error
 
     def _load_scene(self) -> None:
         name, began = self.scene.name, time.monotonic()

@@ -6,7 +6,6 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Callable, Optional, Tuple
 
-import cv2
 import numpy as np
 import rospkg
 
@@ -15,6 +14,7 @@ from telex_control.params import ConfigError
 from ..rendering.addresses import AddressError, PackagePath, resolve_address
 from ..rendering.mesh_files import MeshFileError, load_mesh
 from ..rendering.procedural_textures import TextureNameError, check_texture, is_generated
+from ..rendering.textures import TextureFileError, load_texture
 from .convex_hull import FlatError, convex_hull
 from .model import Vector3
 
@@ -38,6 +38,7 @@ class Assets:
         self._package_path = package_path or rospkg.RosPack().get_path
         self._meshes: Callable = lru_cache(maxsize=_REMEMBERED)(_read_mesh)
         self._hulls: Callable = lru_cache(maxsize=_REMEMBERED)(self._make_hull)
+        self._textures: Callable = lru_cache(maxsize=_REMEMBERED)(_read_texture)
 
     def surface(self, address: str, scale: Vector3) -> Tuple[np.ndarray, np.ndarray]:
         """A mesh as it stands in its file.
@@ -92,9 +93,7 @@ class Assets:
             except TextureNameError as error:
                 raise ConfigError(f"texture {error}") from error
             return
-        path = self._file(address)[0]
-        if not cv2.haveImageReader(str(path)):
-            raise ConfigError(f"texture {path}: no picture that OpenCV can read")
+        self._textures(*self._file(address))
 
     def _file(self, address: str) -> Tuple[Path, int, int]:
         """Path of a file, and what tells whether it has changed."""
@@ -129,6 +128,14 @@ def _read_mesh(path: Path, changed: int, size: int) -> Tuple[np.ndarray, np.ndar
     if not np.isfinite(mesh.positions).all():
         raise ConfigError(f"mesh {path}: a coordinate is not finite")
     return _merged(mesh.positions.astype(np.float64), mesh.triangles)
+
+
+def _read_texture(path: Path, changed: int, size: int) -> None:
+    """Read all of a picture as the renderer will: its first bytes do not tell whether it is cut."""
+    try:
+        load_texture(path)
+    except TextureFileError as error:
+        raise ConfigError(f"texture {error}") from error
 
 
 def _merged(positions: np.ndarray, triangles: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:

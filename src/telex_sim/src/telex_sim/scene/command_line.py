@@ -5,7 +5,11 @@ from __future__ import annotations
 import argparse
 import sys
 import textwrap
-from typing import List, Optional, Sequence
+from pathlib import Path
+from typing import Callable, List, Optional, Sequence
+
+from telex_control.params import ConfigError
+from telex_control.urdf_joints import UrdfError
 
 from .assets import Assets
 from .catalog import PATH_VARIABLE, find_scene, scenes
@@ -29,7 +33,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     options = _parser().parse_args(words)
     try:
         return options.run(options)
-    except SceneError as error:
+    except (ConfigError, SceneError) as error:
         print(error, file=sys.stderr)
         return 1
 
@@ -43,6 +47,15 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     check = commands.add_parser("check", help="say whether scene files are right")
     check.add_argument("scenes", nargs="+", metavar="FILE", help="file, or name of a scene")
+    check.add_argument(
+        "--pose", default="", metavar="NAME", help="of the robot; default: the scene's"
+    )
+    check.add_argument(
+        "--variant", default="standard", metavar="NAME", help="of the robot: a name, or its file"
+    )
+    check.add_argument(
+        "--no-robot", action="store_true", help="leave out whether the robot has room at its start"
+    )
     check.set_defaults(run=_check)
     listing = commands.add_parser("list", help="list the scenes that have a name")
     listing.set_defaults(run=_list)
@@ -54,17 +67,38 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _check(options: argparse.Namespace) -> int:
-    assets = Assets()
+    checked = _without_robot if options.no_robot else _with_robot(options)
     wrong = 0
     for world in options.scenes:
         try:
-            planned = plan_scene(find_scene(world), assets)
+            path = find_scene(world)
+            print(f"{path}: OK, {counts(checked(path))}")
         except SceneError as error:
             print(error, file=sys.stderr)
             wrong += 1
-            continue
-        print(f"{planned.path}: OK, {counts(planned.scene)}")
     return 1 if wrong else 0
+
+
+def _without_robot(path: Path) -> Scene:
+    return plan_scene(path, Assets()).scene
+
+
+def _with_robot(options: argparse.Namespace) -> Callable[[Path], Scene]:
+    # Physics takes a moment to load, which the other commands do without.
+    from ..world import WorldError
+    from .robot_in_scene import place_robot, robot_description
+
+    urdf = robot_description(options.variant)
+
+    def check(path: Path) -> Scene:
+        try:
+            simulation = place_robot(path, urdf, options.pose)
+        except (ConfigError, UrdfError, WorldError) as error:
+            raise SceneError(str(error)) from error
+        simulation.close()
+        return simulation.scene
+
+    return check
 
 
 def counts(scene: Scene) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import logging
 import math
-import subprocess
 import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,12 +16,10 @@ import rospkg
 import yaml
 from genpy import Time
 
-from telex_control.local_node_handle import LocalNodeHandle
 from telex_control.params import ConfigError, read_config
 from telex_control.urdf_joints import UrdfError
 
-from ..offline import package_file, shipped_config
-from ..rendering.addresses import resolve_address
+from ..offline import package_file
 from ..rendering.batching import bounding_radius
 from ..rendering.camera import PinholeCamera
 from ..rendering.cameras_config import CameraConfig, CamerasConfig
@@ -33,10 +30,10 @@ from ..rendering.quality import STILL, TIERS, Quality
 from ..rendering.scene import Scene, Shape, Visual
 from ..rendering.still import Still, looking
 from ..scene_messages import SceneMessages
-from ..simulation import Simulation
 from ..world import WorldError
 from .catalog import find_scene
 from .model import View
+from .robot_in_scene import place_robot, robot_description
 from .scene_file import SceneError
 
 # Nothing in a scene is further than this from what is looked at and still casts a shadow (m).
@@ -138,18 +135,8 @@ def settled(
     SceneError, ConfigError, WorldError, UrdfError, PreviewError
     """
     path = find_scene(world)
-    changes = {"world": str(path)}
-    if pose:
-        changes["start__pose"] = pose
-    urdf = _robot_description(variant, options)
-    # Without controllers the brakes hold the robot's joints, whatever the variant has of them.
-    packages = rospkg.RosPack()
-    simulation = Simulation(
-        shipped_config(**changes),
-        urdf,
-        LocalNodeHandle({"robot_description": urdf}),
-        lambda address: resolve_address(address, packages.get_path),
-    )
+    urdf = robot_description(variant, options)
+    simulation = place_robot(path, urdf, pose)
     try:
         for _ in range(round(seconds / simulation.config.timing.step_size)):
             simulation.step()
@@ -165,16 +152,6 @@ def settled(
     if problems:
         raise PreviewError(f"{path}: " + "; ".join(problems))
     return Subject(path.stem, scene, frames, simulation.scene.views, model)
-
-
-def _robot_description(variant: str, options: Sequence[str]) -> str:
-    script = package_file("telex_description", "scripts", "robot_description")
-    done = subprocess.run(
-        [str(script), variant, *options], capture_output=True, text=True, check=False
-    )
-    if done.returncode:
-        raise PreviewError(done.stderr.strip() or f"{script} ended with {done.returncode}")
-    return done.stdout
 
 
 def photograph(

@@ -345,9 +345,9 @@ class Barrel(ObjectType):
                 (
                     cylinder(0.96 * r, h - 2.0 * top, (0.0, 0.0, 0.5 * h), paint),
                     *hoops,
-                    cylinder(0.9 * r, 0.001, (0.0, 0.0, h), look.DARK_STEEL),
-                    cylinder(0.1 * r, 0.012, (0.6 * r, 0.0, h - 0.004), look.STEEL),
-                    cylinder(0.06 * r, 0.012, (-0.6 * r, 0.2 * r, h - 0.004), look.STEEL),
+                    cylinder(0.9 * r, 0.004, (0.0, 0.0, h), look.DARK_STEEL),
+                    cylinder(0.1 * r, 0.012, (0.6 * r, 0.0, h), look.STEEL),
+                    cylinder(0.06 * r, 0.012, (-0.6 * r, 0.2 * r, h), look.STEEL),
                 )
             ),
         )

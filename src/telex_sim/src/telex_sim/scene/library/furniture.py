@@ -104,7 +104,7 @@ class Shelf(ObjectType):
         step = (self.height - 0.1 - board) / (self.levels - 1)
         for level in range(self.levels):
             height = 0.1 + 0.5 * board + level * step
-            size = (self.depth - 0.002, self.width - 2.0 * post, board)
+            size = (self.depth - 0.045, self.width - 2.0 * post, board)
             parts.append(box(size, (0.0, 0.0, height), look.PLYWOOD))
             for side in (-1.0, 1.0):
                 rail = (0.025, self.width - 2.0 * post, 0.05)

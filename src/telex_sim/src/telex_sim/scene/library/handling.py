@@ -253,7 +253,7 @@ class Bottle(ObjectType):
                 (
                     cylinder(1.003 * r, 0.5 * body, (0.0, 0.0, 0.5 * body), look.WHITE),
                     cylinder(1.005 * r, 0.03 * h, (0.0, 0.0, 0.62 * body), look.RED_PAINT),
-                    cylinder(1.25 * neck, 0.08 * h, (0.0, 0.0, 0.961 * h), look.ORANGE),
+                    cylinder(1.25 * neck, 0.08 * h, (0.0, 0.0, 0.966 * h), look.ORANGE),
                 )
             ),
         )

@@ -128,7 +128,7 @@ class Quadrupole(ObjectType):
             yoke = box((x, w - thick, thick), (0.0, -0.5 * thick, 0.5 * (w - thick)), paint)
             parts.extend(placed((yoke,), centre, turn))
             diagonal = rolled(0.25 * math.pi + 0.5 * math.pi * quarter)
-            pole = box((x, 0.11 * w, 0.36 * w), (0.0, 0.0, 0.34 * w), look.DARK_STEEL)
+            pole = box((x - 0.01, 0.11 * w, 0.36 * w), (0.0, 0.0, 0.34 * w), look.DARK_STEEL)
             coil = box((x + 0.12, 0.2 * w, 0.15 * w), (0.0, 0.0, 0.36 * w), look.COPPER)
             parts.extend(seen_only(placed((pole, coil), centre, diagonal)))
         name = look.picture("label?text=QUADRUPOLE&aspect=4")

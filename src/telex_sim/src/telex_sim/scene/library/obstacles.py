@@ -134,7 +134,7 @@ class Hurdle(ObjectType):
             pipe = (
                 cylinder(r, self.width, surface=look.YELLOW_PAINT),
                 # A stripe along it shows that it turns.
-                box((2.02 * r, 0.2 * r, self.width), surface=look.BLACK, solid=False),
+                box((2.02 * r, 0.2 * r, self.width - 0.004), surface=look.BLACK, solid=False),
             )
             lying = placed(pipe, orientation=LYING_Y)
             links.append(Link(f"{name}_pipe", 6.0 * self.width, lying, self.friction))

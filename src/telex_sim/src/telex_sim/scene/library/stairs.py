@@ -208,7 +208,7 @@ def platform(size: Tuple[float, float, float], at: float, surface: Surface) -> P
         *(
             box(
                 (stripe, width - 0.004, 0.004),
-                (at + side * 0.5 * (length - stripe), 0.0, height - 0.001),
+                (at + side * 0.5 * (length - stripe - 0.004), 0.0, height - 0.001),
                 look.HAZARD,
                 solid=False,
             )

@@ -234,15 +234,18 @@ class Tunnel(ObjectType):
         sheet = 0.1
         out = niche.sign
         surface = look.CONCRETE
+        # Behind the inner face of the tunnel's wall, whose edges line the opening.
+        front = 0.5 * _SHELL
+        middle, long = out * 0.5 * (front + deep), deep - front
         inside = (
             box(
                 (w + 2.0 * sheet, sheet, h + sheet),
                 (0.0, out * (deep + 0.5 * sheet), 0.5 * (h + sheet)),
                 surface,
             ),
-            box((w + 2.0 * sheet, deep, sheet), (0.0, out * 0.5 * deep, h + 0.5 * sheet), surface),
+            box((w + 2.0 * sheet, long, sheet), (0.0, middle, h + 0.5 * sheet), surface),
             *(
-                box((sheet, deep, h), (end * 0.5 * (w + sheet), out * 0.5 * deep, 0.5 * h), surface)
+                box((sheet, long, h), (end * 0.5 * (w + sheet), middle, 0.5 * h), surface)
                 for end in (-1.0, 1.0)
             ),
         )

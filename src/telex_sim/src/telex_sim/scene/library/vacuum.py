@@ -99,7 +99,7 @@ class VacuumPump(ObjectType):
             cylinder(0.075, 0.024, (0.0, 0.0, h - 0.19), look.STAINLESS),
             box((0.34, 0.22, 0.24), (0.0, 0.0, low + 0.08), look.STAINLESS),
             box((0.26, 0.30, 0.18), (0.0, 0.0, low + 0.08), look.GRAY_PAINT),
-            *saddle(0.0, low, 0.2),
+            *saddle(0.0, low, 0.19),
             *seen_only(
                 (
                     cylinder(0.02, 0.06, (0.2, 0.0, low + 0.1), look.STEEL, LYING_X),
@@ -135,7 +135,7 @@ class GateValve(ObjectType):
             box((0.07, 0.2, 0.34), (0.0, 0.0, h + 0.06), look.STAINLESS),
             box((0.09, 0.22, 0.03), (0.0, 0.0, h + 0.24), look.STAINLESS),
             cylinder(0.05, 0.26, (0.0, 0.0, h + 0.38), look.BLUE_PAINT),
-            cylinder(0.056, 0.02, (0.0, 0.0, h + 0.5), look.DARK_STEEL),
+            cylinder(0.056, 0.02, (0.0, 0.0, h + 0.504), look.DARK_STEEL),
             box((0.05, 0.08, 0.08), (0.06, 0.0, h + 0.36), look.BLACK),
             *saddle(0.0, h - 0.11, 0.16),
             box(

@@ -92,7 +92,7 @@ class Wall(ObjectType):
             size = (long, self.thickness, high)
             parts.append(box(size, (middle, 0.0, low + 0.5 * high), surface))
             if self.skirting and low == 0.0:
-                foot = (long, self.thickness + 0.02, min(0.1, 0.2 * self.height))
+                foot = (long + 0.004, self.thickness + 0.02, min(0.1, 0.2 * self.height))
                 at = (middle, 0.0, 0.5 * foot[2])
                 parts.append(box(foot, at, look.DARK_STEEL, solid=False))
         return standing("wall", tuple(parts))

@@ -1,0 +1,77 @@
+"""The robot at its start in a scene, without ROS: what ``scene check`` and ``scene preview`` need.
+
+It has no controllers: the brakes hold its joints, whatever the variant has of them.
+"""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+from typing import Sequence
+
+import rospkg
+
+from telex_control.local_node_handle import LocalNodeHandle
+from telex_control.params import ConfigError
+
+from ..offline import package_file, shipped_config
+from ..rendering.addresses import resolve_address
+from ..simulation import Simulation
+
+
+def robot_description(variant: str, options: Sequence[str] = ()) -> str:
+    """Make the URDF text of a variant of the robot.
+
+    Parameters
+    ----------
+    variant : str
+        Its name, or the path of its file.
+    options : sequence of str
+        Keys that override it, as ``tool:=probe``.
+
+    Raises
+    ------
+    ConfigError
+        In the words of ``rosrun telex_description robot_description``.
+    """
+    script = package_file("telex_description", "scripts", "robot_description")
+    done = subprocess.run(
+        [str(script), variant, *options], capture_output=True, text=True, check=False
+    )
+    if done.returncode:
+        raise ConfigError(done.stderr.strip() or f"{script} ended with {done.returncode}")
+    return done.stdout
+
+
+def place_robot(path: Path, urdf: str, pose: str = "") -> Simulation:
+    """Load a scene, and put a robot at its start.
+
+    Parameters
+    ----------
+    path : Path
+        Of the scene's file.
+    urdf : str
+    pose : str
+        Named pose of the robot; empty for the scene's.
+
+    Returns
+    -------
+    Simulation
+        To be closed by the caller.
+
+    Raises
+    ------
+    SceneError, ConfigError, UrdfError, WorldError
+        The scene is wrong, has no such pose, gives an object the robot's name, or leaves no room
+        for the robot.
+    """
+    changes = {"world": str(path)}
+    if pose:
+        changes["start__pose"] = pose
+    packages = rospkg.RosPack()
+    return Simulation(
+        shipped_config(**changes),
+        urdf,
+        LocalNodeHandle({"robot_description": urdf}),
+        lambda address: resolve_address(address, packages.get_path),
+    )
