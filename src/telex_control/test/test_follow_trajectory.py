@@ -8,6 +8,7 @@ import struct
 
 import numpy as np
 import pytest
+from telex_msgs.msg import Proximity, ProximityPair, SimStatus
 
 from telex_control.follow_trajectory import TrajectoryError, report, table
 from telex_control.follow_trajectory.analysis import Recording, Result, analyse
@@ -23,6 +24,7 @@ from telex_control.follow_trajectory.paths import (
 )
 from telex_control.follow_trajectory.reference import plan
 from telex_control.follow_trajectory.speed_profile import SpeedProfile
+from telex_control.follow_trajectory.watch import Watch
 from telex_control.kinematics import Chain, IKSolver
 
 # ---- paths
@@ -233,6 +235,41 @@ def test_an_arm_that_is_held_does_not_start(chain):
     rig.position = lambda joint: 0.0
     with pytest.raises(TrajectoryError, match="reach is .* from .*something holds it"):
         approach(rig, motion, motion.start)
+
+
+# ---- what ends a motion early
+
+
+def near(distance, closing, contact=ProximityPair.GUARDED):
+    pair = ProximityPair(contact=contact, link="gripper_link", other="floor")
+    pair.distance, pair.closing_speed = distance, closing
+    return Proximity(pairs=[pair])
+
+
+def test_the_arm_stops_before_what_it_would_run_into():
+    watch = Watch(clearance=0.005)
+    for harmless in (
+        near(0.001, -0.1),  # away from it
+        near(0.001, 0.0),
+        near(0.030, 0.1),  # there is time
+        near(0.001, 0.1, ProximityPair.TOUCHABLE),
+    ):
+        watch.on_proximity(harmless)
+        assert watch.reason is None
+    watch.on_proximity(near(0.024, 0.1))
+    assert "gripper_link is 24 mm from floor and nears it by 100 mm/s" in watch.reason
+    watch.on_proximity(near(0.001, 0.2))
+    assert "24 mm" in watch.reason, "the first reason is what counts"
+
+
+def test_unguarded_it_goes_on_and_a_reset_ends_it_all_the_same():
+    watch = Watch(clearance=None)
+    watch.on_proximity(near(0.0, 1.0))
+    watch.on_status(SimStatus(resets=3))
+    watch.on_status(SimStatus(resets=3))
+    assert watch.reason is None
+    watch.on_status(SimStatus(resets=4))
+    assert "was reset on the way" in watch.reason
 
 
 # ---- figures and files

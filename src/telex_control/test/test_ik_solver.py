@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 import time
 
 import numpy as np
@@ -293,9 +294,9 @@ def goal_value(solver, target, q, seed):
 def test_a_goal_is_followed_and_the_target_kept(backend, goal):
     plain = IKSolver(CHAIN, backend=backend)
     fast = IKSolver(CHAIN, IKOptions(goal=goal), backend=backend)
-    best = IKSolver(CHAIN, IKOptions(goal=goal, mode=Mode.BEST, iterations=400), backend=backend)
+    best = IKSolver(CHAIN, IKOptions(goal=goal, mode=Mode.BEST, iterations=200), backend=backend)
     gained = 0
-    for q, seed in zip(postures(5, 12), postures(5, 13)):
+    for q, seed in zip(postures(4, 12), postures(4, 13)):
         target = CHAIN.forward(q)
         first, slid, chosen = (each.solve(target, seed) for each in (plain, fast, best))
         for found in (first, slid, chosen):
@@ -304,7 +305,7 @@ def test_a_goal_is_followed_and_the_target_kept(backend, goal):
         assert values[1] <= values[0] + 1e-9
         assert values[2] <= values[1] + 1e-3
         gained += values[1] < values[0] - 1e-3
-    assert gained >= 3
+    assert gained >= 2
 
 
 def test_the_goal_is_at_a_minimum_along_the_self_motion(backend):
@@ -328,7 +329,7 @@ def test_the_best_of_many_is_hardly_worse_than_the_best_of_very_many(backend):
 
     solvers = IKSolver(CHAIN, backend=backend), solver(1000, backend), solver(10_000, "compiled")
     moves = np.zeros(3)
-    for q, seed in zip(postures(10, 14), postures(10, 15)):
+    for q, seed in zip(postures(6, 14), postures(6, 15)):
         target = CHAIN.forward(q)
         moves += [np.linalg.norm(each.solve(target, seed).q - seed) for each in solvers]
     first, many, very_many = moves
@@ -420,11 +421,35 @@ def test_an_unknown_backend_is_refused():
         IKSolver(CHAIN, backend="fast")
 
 
-def test_without_numba_the_other_backend_is_taken(monkeypatch):
+def test_without_numba_the_other_backend_is_taken_and_said(monkeypatch, caplog):
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     assert IKSolver(CHAIN).backend == "kdl"
+    assert "there is no numba; inverse kinematics takes PyKDL" in caplog.text
     with pytest.raises(KinematicsError, match="there is no numba"):
         IKSolver(CHAIN, backend="compiled")
+
+
+def test_a_numba_that_does_not_load_is_none(monkeypatch, caplog):
+    # None in sys.modules: its import fails.
+    monkeypatch.setitem(sys.modules, "telex_control.kinematics.ik_compiled", None)
+    assert IKSolver(CHAIN).backend == "kdl"
+    assert "numba does not load" in caplog.text
+    with pytest.raises(KinematicsError, match="numba does not load"):
+        IKSolver(CHAIN, backend="compiled")
+
+
+def test_a_far_seed_begins_near_the_target_and_stays_near_the_seed():
+    """Without a compiler, known postures are tried in the order of their distance from the seed."""
+    solver = IKSolver(CHAIN, backend="kdl")
+    moves, plain, iterations = 0.0, 0.0, 0
+    for q, seed in zip(postures(40, 16), postures(40, 17)):
+        found = solver.solve(CHAIN.forward(q), seed)
+        assert_reaches(found, CHAIN.forward(q))
+        moves += abs(found.q - seed).max()
+        plain += abs(q - seed).max()
+        iterations += found.iterations
+    assert moves < plain
+    assert iterations < 40 * 10
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,6 @@
 """Lead the tool along a path, and see how well the arm follows: the paper's figure 8.
 
-Nothing here but `ros_rig` and `command_line` needs ROS.
+Nothing here but `ros_rig` and `command_line` needs a ROS master.
 """
 
 

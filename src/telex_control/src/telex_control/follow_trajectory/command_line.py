@@ -1,9 +1,9 @@
 """Leads the tool along a path through the operational-space scheme, and shows how well it follows.
 
 Works on a simulator that runs, with the robot at rest. The arm is moved: to the begin of the path,
-along it, and back. Errors are of the measured joint states. Writes a figure (PNG, SVG: the way in
-space, errors over time), tables (Markdown, JSON) and the ways (CSV). Lengths in m, in the base
-link's frame.
+along it, and back; it stops before what it would run into. Errors are of the measured joint states.
+Writes a figure (PNG, SVG: the way in space, errors over time), tables (Markdown, JSON) and the ways
+(CSV). Lengths in m, in the base link's frame.
 """
 
 from __future__ import annotations
@@ -32,6 +32,7 @@ from .paths import Path as ToolPath
 from .reference import Motion, plan
 from .ros_rig import TrajectoryRig
 from .speed_profile import SpeedProfile
+from .watch import Watch
 
 PERIOD = 0.002
 """Time between the references that are worked out (s); sent are as many as `--rate` says."""
@@ -90,6 +91,21 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument(
         "--rate", type=_positive, default=100.0, help="of the references, Hz of sim time (100)"
     )
+    guard = parser.add_mutually_exclusive_group()
+    guard.add_argument(
+        "--clearance",
+        type=_positive,
+        default=0.005,
+        metavar="M",
+        help="the arm stops at this distance from what it must not touch (0.005)",
+    )
+    guard.add_argument(
+        "--unguarded",
+        dest="clearance",
+        action="store_const",
+        const=None,
+        help="go on, whatever the arm runs into",
+    )
     parser.add_argument("--base", default="base_link", metavar="LINK", help="(base_link)")
     parser.add_argument("--tip", default="tool_link", metavar="LINK", help="(tool_link)")
     parser.add_argument(
@@ -141,7 +157,8 @@ def measure(options: argparse.Namespace) -> Result:
     except KeyError as error:
         raise TrajectoryError(f"parameter {namespace}/robot_description is missing") from error
     chain = Chain.from_urdf(urdf, options.base, options.tip)
-    rig = TrajectoryRig(namespace, chain.joint_names, options.rate)
+    watch = Watch(options.clearance)
+    rig = TrajectoryRig(namespace, chain.joint_names, options.rate, watch)
     home = [rig.reference(name) for name in chain.joint_names]
     tool = chain.forward(home)
     path = tool_path(options, tool[:3, 3])

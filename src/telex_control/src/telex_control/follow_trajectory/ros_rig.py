@@ -7,13 +7,17 @@ from typing import Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 import numpy as np
 import rospy
 from sensor_msgs.msg import JointState
+from telex_msgs.msg import Proximity, SimStatus
 
 from ..step_response.ros_session import RosRig
 from . import TrajectoryError
 from .analysis import Recording
+from .watch import Watch
 
 References = Callable[[float], Mapping[str, float]]
 
+_GLANCE = 0.01
+"""Sim time (s) between two looks at whether the motion may go on."""
 _LATE = 1.0
 """Sim time (s) after the end of a stream in which its last joint state has to come."""
 
@@ -29,23 +33,28 @@ class TrajectoryRig(RosRig):
         The arm's, in the order of recordings.
     rate : float
         Of the references (Hz of sim time); joint states that come faster are recorded only.
+    watch : Watch
+        Ends motions early. The joints then come to rest at the last references.
 
     Raises
     ------
     StepError
         As `RosRig`.
     TrajectoryError
-        A joint has no controller that runs.
+        A joint has no controller that runs; or, from a motion, the watch has ended it.
     """
 
-    def __init__(self, namespace: str, joints: Sequence[str], rate: float) -> None:
+    def __init__(self, namespace: str, joints: Sequence[str], rate: float, watch: Watch) -> None:
         self._arm = list(joints)
         self._period = 1.0 / rate
         self._references: Optional[References] = None
         self._begin: Optional[float] = None
         self._next = 0.0
         self._samples_of_arm: List[Tuple[float, List[float]]] = []
+        self._watch = watch
         super().__init__(namespace)
+        rospy.Subscriber(f"{namespace}/sim/proximity", Proximity, watch.on_proximity)
+        rospy.Subscriber(f"{namespace}/sim/status", SimStatus, watch.on_status)
         without = [joint for joint in self._arm if joint not in self._controllers]
         if without:
             raise TrajectoryError(
@@ -65,6 +74,17 @@ class TrajectoryRig(RosRig):
         ]
         delays = [2.0 / each if each > 0.0 else 0.0 for each in frequencies]
         return sum(delays) / len(delays) + 0.5 * self._period
+
+    def wait(self, seconds: float) -> None:
+        """See `Rig`."""
+        end = rospy.get_time() + seconds
+        while True:
+            if self._watch.reason is not None:
+                raise TrajectoryError(self._watch.reason)
+            left = end - rospy.get_time()
+            if left <= 0.0:
+                return
+            super().wait(min(left, _GLANCE))
 
     def stream(self, references: References, end: float) -> Recording:
         """See `Rig`."""
@@ -90,6 +110,8 @@ class TrajectoryRig(RosRig):
         super()._on_joint_states(message)
         references = self._references
         if references is None or not set(self._arm) <= set(message.name):
+            return
+        if self._stopped or self._watch.reason is not None:
             return
         stamp = message.header.stamp.to_sec()
         if self._begin is None:

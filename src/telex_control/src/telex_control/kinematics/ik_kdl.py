@@ -19,13 +19,17 @@ from telex_control.urdf_joints import PRISMATIC
 from .chain import Chain, matrix
 from .ik_options import IKOptions
 from .ik_task import AT_LIMIT, DISTANCE, Backend, GoalFunction, Outcome, Task, Tick
-from .pose_library import NEIGHBOURS, PoseLibrary, random_postures
+from .pose_library import PARTS, ROUNDS, PoseLibrary, random_postures
 
 _TURN = 2.0 * math.pi
 _FLOOR = 1e-9
 _KEEN = 1e-2
 _TICK_GAIN = 1e-3
-_STIFF = 1e9
+_NEAR = 1.0
+"""Cost of a seed (weighted rad^2, halved) below which a solve begins there and nowhere else."""
+_UNLIMITED_ITERATIONS = 12
+_UNLIMITED_COST = 2
+"""In iterations in the box, what so many without limits cost."""
 Box = Tuple[np.ndarray, np.ndarray]
 
 
@@ -108,6 +112,16 @@ class KdlBackend(Backend):
         # KDL damps where the least singular value is below this: everywhere.
         self._step.setEps(1e6)
         size = padded.getNrOfJoints()
+        self._unlimited: Optional[PyKDL.ChainIkSolverPos_LMA] = None
+        if size == self._count:
+            weights = np.array([options.length_weight] * 3 + [1.0] * 3)
+            tolerance = options.tolerance
+            self._unlimited = PyKDL.ChainIkSolverPos_LMA(
+                padded,
+                weights,
+                min(options.length_weight * tolerance.position, tolerance.rotation),
+                _UNLIMITED_ITERATIONS,
+            )
         self._here = PyKDL.JntArray(size)
         self._trial = PyKDL.JntArray(size)
         self._move = PyKDL.JntArray(size)
@@ -159,10 +173,14 @@ class KdlBackend(Backend):
         starts = self._starts(target, seed, box, random, restart=restart)
         best: Optional[Outcome] = None
         least, done = math.inf, 0
-        for restarts, start in enumerate(starts, start=int(restart)):
-            q = np.minimum(np.maximum(start, box[0]), box[1])
+        for restarts, (start, is_near) in enumerate(starts, start=int(restart)):
+            q = start
+            if is_near and not task.bounded and self._unlimited is not None:
+                q = self._without_limits(self._unlimited, target, start, box)
+                done += _UNLIMITED_COST
+            q = np.minimum(np.maximum(q, box[0]), box[1])
             found, error = self._descend(
-                target, q, box, min(self._attempt, iterations - done), 0.05, _FLOOR
+                target, q, box, max(min(self._attempt, iterations - done), 0), 0.05, _FLOOR
             )
             done += max(found.iterations, 1)
             if best is None or found.converged or error.cost < least:
@@ -490,17 +508,53 @@ class KdlBackend(Backend):
 
     def _starts(
         self, target: _Target, seed: np.ndarray, box: Box, random: Any, *, restart: bool
-    ) -> Iterator[np.ndarray]:
-        """Yield where to descend from: the seed, known postures, random ones without end."""
-        if not restart:
-            yield seed
-            yield from self._known().nearest(target.task)
-        else:
+    ) -> Iterator[Tuple[np.ndarray, bool]]:
+        """Yield where to descend from: the seed, known postures, random ones without end.
+
+        From afar a descent is long and mostly ends elsewhere; known postures come first there. The
+        second of each pair: the posture is known to be near to the target.
+        """
+        if restart:
             # One of them a call: the calls of one search must not all begin alike.
-            nearest = self._known().nearest(target.task)
-            yield next(islice(nearest, int(random.random() * NEIGHBOURS), None))
+            nearest = self._known().nearest(target.task, seed)
+            yield next(islice(nearest, int(random.random() * PARTS * ROUNDS), None)), True
+        else:
+            is_close = self._cost(target, np.minimum(np.maximum(seed, box[0]), box[1])) < _NEAR
+            if is_close:
+                yield seed, False
+            for posture in self._known().nearest(target.task, seed):
+                yield posture, True
+            if not is_close:
+                yield seed, False
         while True:
-            yield self._random_start(target, seed, box, random)
+            yield self._random_start(target, seed, box, random), False
+
+    def _without_limits(
+        self,
+        unlimited: PyKDL.ChainIkSolverPos_LMA,
+        target: _Target,
+        start: np.ndarray,
+        box: Box,
+    ) -> np.ndarray:
+        """Return where KDL's own Levenberg-Marquardt arrives, which knows no limits.
+
+        An iteration costs a fifth of one in the box. On the short way from a posture near to the
+        target it mostly stays inside; a descent in the box mends the rest.
+        """
+        _fill(self._here, start.tolist())
+        goal = PyKDL.Frame(target.rotation, PyKDL.Vector(*target.place))
+        unlimited.CartToJnt(self._here, goal, self._trial)
+        found = [self._trial[i] for i in self._joints]
+        if not math.isfinite(sum(found)):
+            return start
+        for i, (low, high) in enumerate(zip(box[0].tolist(), box[1].tolist())):
+            if not low <= found[i] <= high and not self._prismatic[i]:
+                found[i] -= _TURN * round((found[i] - 0.5 * (low + high)) / _TURN)
+        return np.array(found)
+
+    def _cost(self, target: _Target, posture: np.ndarray) -> float:
+        _fill(self._here, posture.tolist())
+        return self._error(target, self._here).cost
 
     def _random_start(self, target: _Target, seed: np.ndarray, box: Box, random: Any) -> np.ndarray:
         """Return that of some random postures whose pose is nearest to the target."""
@@ -514,12 +568,7 @@ class KdlBackend(Backend):
                 else:
                     made[i] = low + random.random() * (high - low)
             candidates.append(made)
-
-        def cost(posture: np.ndarray) -> float:
-            _fill(self._here, posture.tolist())
-            return self._error(target, self._here).cost
-
-        return min(candidates, key=cost)
+        return min(candidates, key=lambda posture: self._cost(target, posture))
 
     def _unwind(self, q: np.ndarray, seed: np.ndarray, box: Box) -> np.ndarray:
         """Take full turns off joints where that brings them nearer to the seed."""

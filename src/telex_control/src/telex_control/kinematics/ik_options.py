@@ -123,8 +123,8 @@ class IKOptions:
         Spent to find out whether another posture reaches a target at which `track` stands stuck.
     reconfigure_after : float, optional
         s: when the target has stood still for so long, `track` walks to this posture, inside speed
-        limits, while the target stays where it is. The tool may swing far from it on the way. Never
-        when not given.
+        limits, for as long as the target stays where it is. The tool may swing far from it on the
+        way: where a person leads the arm, None, which is never.
     """
 
     tolerance: Tolerance = field(default_factory=Tolerance)
@@ -139,7 +139,7 @@ class IKOptions:
     restart_candidates: int = 4
     track_iterations: int = 50
     search_iterations: int = 600
-    reconfigure_after: Optional[float] = None
+    reconfigure_after: Optional[float] = 0.5
 
     def __post_init__(self) -> None:
         require_choice(self, "goal", Goal.ALL)

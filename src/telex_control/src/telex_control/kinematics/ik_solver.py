@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import logging
 import math
 import time
 from typing import Any, Dict, List, Optional, Tuple
@@ -37,6 +38,8 @@ from .poses import (
 from .reconfiguration import PostureSearch
 from .urdf_tree import KinematicsError
 
+_log = logging.getLogger("rosout")
+
 AUTO, COMPILED, KDL = "auto", "compiled", "kdl"
 _SLICE = 100
 """Iterations between two looks at the clock."""
@@ -44,6 +47,11 @@ _SLIDES = 20
 """Steps towards a secondary goal, of a solution."""
 _FINE = 1e-9
 """Tolerance (m, rad) of a twist's tick: its error must not add up over a minute."""
+
+_SLOWER = (
+    "inverse kinematics takes PyKDL and numpy instead, ten times slower; install the numba that "
+    "requirements.txt names"
+)
 
 Box = Tuple[np.ndarray, np.ndarray]
 Bounds = Tuple[Floats, Floats]
@@ -249,6 +257,8 @@ class IKSolver:
         """Move on towards a pose for one tick, inside position and speed limits.
 
         Without a jump ever: out of reach, the tip comes as near as the present posture allows.
+        Where another posture reaches the target, and the target stands still
+        (`IKOptions.reconfigure_after`), the joints walk there.
         With `IKOptions.goal` ``mid_range`` or ``manipulability``, what the target leaves open is
         used for the goal.
 
@@ -533,9 +543,19 @@ def _backend(name: str, chain: Chain, options: IKOptions, box: Box) -> Backend:
             f"backend is {COMPILED!r} and there is no numba; install it, or take {KDL!r}"
         )
     if name == COMPILED or (name == AUTO and there):
-        from .ik_compiled import CompiledBackend
-
-        return CompiledBackend(chain, options)
+        try:
+            from .ik_compiled import CompiledBackend
+        except ImportError as error:
+            # Another version of numpy than numba was made for, say.
+            if name == COMPILED:
+                raise KinematicsError(
+                    f"backend is {COMPILED!r} and numba does not load: {error}"
+                ) from error
+            _log.warning("numba does not load (%s); %s", error, _SLOWER)
+        else:
+            return CompiledBackend(chain, options)
+    elif name == AUTO:
+        _log.warning("there is no numba; %s", _SLOWER)
     from .ik_kdl import KdlBackend
 
     return KdlBackend(chain, options, box)

@@ -12,8 +12,8 @@ import numpy as np
 
 from .ik_task import Task
 
-SIZE = 10_000
-NEIGHBOURS = 24
+SIZE = 4096
+PARTS, ROUNDS = 8, 3
 
 
 class PoseLibrary:
@@ -33,24 +33,33 @@ class PoseLibrary:
 
     def __init__(self, postures: np.ndarray, poses: np.ndarray) -> None:
         self._postures = postures
-        # Single precision is enough to choose by, and twice as fast.
-        self._poses = np.ascontiguousarray(poses, dtype=np.float32)
-        self._squares = np.einsum("ij,ij->i", self._poses[:, :3], self._poses[:, :3])
+        # Single precision is enough to choose by, and rows of one number each are twice as fast.
+        self._rows = np.empty((13, len(poses)), dtype=np.float32)
+        self._rows[:12] = poses.T
+        self._rows[12] = np.einsum("ij,ij->i", poses[:, :3], poses[:, :3])
+        self._parts = np.arange(0, len(poses), len(poses) // PARTS)
 
-    def nearest(self, task: Task) -> Iterator[np.ndarray]:
-        """Yield postures whose poses are near to a target, the nearest first."""
+    def nearest(self, task: Task, seed: np.ndarray) -> Iterator[np.ndarray]:
+        """Yield postures whose poses are near to a target, `ROUNDS` times `PARTS` of them.
+
+        In each round the nearest of each part of the library that is left, which is quicker found
+        than the nearest of all, in the order of their distance from the seed, by the joint that
+        would move most.
+        """
         weight = task.length_weight**2
         # All rotations have the same norm, and the target's square is the same for all.
-        query = np.zeros(12, dtype=np.float32)
+        query = np.zeros(13, dtype=np.float32)
         query[:3] = (-2.0 * weight) * task.target[:3, 3]
+        query[12] = weight
         if not np.isinf(task.bounds[3:]).all():
-            query[3:] = -task.target[:3, :3].ravel()
+            query[3:12] = -task.target[:3, :3].ravel()
         # Not by BLAS: its threads would keep a second core busy.
-        far = np.einsum("ij,j->i", self._poses, query) + np.float32(weight) * self._squares
-        for _ in range(NEIGHBOURS):
-            index = int(far.argmin())
-            yield self._postures[index]
-            far[index] = np.inf
+        far = np.einsum("ij,i->j", self._rows, query)
+        for _ in range(ROUNDS):
+            chosen = far.reshape(PARTS, -1).argmin(axis=1) + self._parts
+            found = self._postures[chosen]
+            yield from found[abs(found - seed).max(axis=1).argsort(kind="stable")]
+            far[chosen] = np.inf
 
 
 def random_postures(box: Tuple[np.ndarray, np.ndarray], seed: int) -> np.ndarray:
