@@ -329,7 +329,7 @@ def test_the_best_of_many_is_hardly_worse_than_the_best_of_very_many(backend):
 
     solvers = IKSolver(CHAIN, backend=backend), solver(1000, backend), solver(10_000, "compiled")
     moves = np.zeros(3)
-    for q, seed in zip(postures(6, 14), postures(6, 15)):
+    for q, seed in zip(postures(10, 14), postures(10, 15)):
         target = CHAIN.forward(q)
         moves += [np.linalg.norm(each.solve(target, seed).q - seed) for each in solvers]
     first, many, very_many = moves
