@@ -15,7 +15,8 @@ from telex_teleop.reference import MotionLimits
 from telex_teleop.rigid_motion import advanced
 from telex_teleop.speed import SpeedScale
 from telex_teleop.tool_command import FrameNames
-from telex_teleop.tool_motion import ToolMotion, ToolSettings
+from telex_teleop.tool_motion import ToolMotion
+from telex_teleop.tool_settings import ToolSettings
 
 TICK = 0.01
 JOINTS = ("x", "y", "z", "yaw", "pitch", "roll")
@@ -48,6 +49,19 @@ class Gantry:
                 [0.0, 0.0, 0.0, 1.0],
             ]
         )
+
+    def jacobian(self, positions):
+        yaw, pitch = positions[3:5]
+        jacobian = np.zeros((6, 6))
+        jacobian[:3, :3] = np.eye(3)
+        jacobian[3:, 3] = 0.0, 0.0, 1.0
+        jacobian[3:, 4] = -math.sin(yaw), math.cos(yaw), 0.0
+        jacobian[3:, 5] = (
+            math.cos(yaw) * math.cos(pitch),
+            math.sin(yaw) * math.cos(pitch),
+            -math.sin(pitch),
+        )
+        return jacobian
 
     def track(self, target, q, dt, lower, upper):
         r = target[:3, :3]

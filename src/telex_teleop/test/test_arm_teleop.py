@@ -346,17 +346,102 @@ class TestGuard:
         assert rig.positions["x"] < 0.281
         assert rig.positions["y"] > 0.35
 
-    def test_touching_is_slow_but_allowed_for_what_may_touch(self, rig):
-        rig.run(6.0, jog(x=0.3), each=self.wall(rig, touchable=True))
-        speed = (rig.path()[-1] - rig.path()[-2])[0] / TICK
-        assert rig.positions["x"] > 0.3
-        assert speed == pytest.approx(0.05, rel=0.01)
+    @pytest.mark.parametrize(("mode", "command"), [*TestStops.WAYS[:3], ("JOINT", "side")])
+    def test_what_may_touch_touches_slowly_and_presses_no_deeper_than_it_may(
+        self, rig, mode, command
+    ):
+        rig.core.set_mode(mode)
+        begin = len(rig.history)
+        rig.run(7.0, command, each=self.wall(rig, touchable=True))
+        x = rig.path(begin)[:, 0]
+        touched = int(np.argmax(x > 0.3))
+        assert (x[touched] - x[touched - 1]) / TICK == pytest.approx(0.05, rel=0.05)
+        assert 0.312 < x.max() < 0.3155
+        assert "stopped: gripper_link presses on base_link" in rig.state().notice
+        rig.check_limits()
+
+    @pytest.mark.parametrize("touchable", [False, True])
+    def test_tool_slides_along_what_it_must_not_run_into(self, rig, touchable):
+        rig.cartesian()
+        begin = len(rig.history)
+        rig.run(5.0, twist("base", 0.1, 0.1, 0.0), each=self.wall(rig, touchable))
+        path = rig.path(begin)
+        assert 0.26 < path[-1, 0] < (0.316 if touchable else 0.281)
+        assert (path[-1] - path[-2])[1] / TICK == pytest.approx(0.1, rel=0.02)
+        assert np.abs(path[:, 2:]).max() < 1e-6
+        assert "slowed: gripper_link" in rig.state().notice
+        rig.check_limits()
+
+    def test_tool_that_turns_is_slowed_and_does_not_evade(self, rig):
+        def report(time):
+            yaw = rig.positions["yaw"]
+            pair = ProximityPair("gripper_link", "base_link", False, 0.1 - 0.2 * yaw, {"yaw": -0.2})
+            rig.guard.take(ProximityState(time, {"yaw": yaw}, (pair,)))
+
+        rig.cartesian().run(5.0, twist("base", 0.0, 0.0, 0.0, 0.0, 0.0, 0.5), each=report)
+        assert 0.35 < rig.positions["yaw"] <= 0.401
+        assert np.abs(rig.q[:3]).max() < 1e-9
+        assert "stopped: gripper_link is 20 mm from base_link" in rig.state().notice
+
+    def test_way_to_a_pose_stays_straight_and_stops(self, rig):
+        begin = len(rig.history)
+        rig.cartesian().run(6.0, pose("base", (0.5, 0.2, 0.0)), each=self.wall(rig))
+        path = rig.path(begin)
+        assert path[-1, 0] <= 0.281
+        assert np.abs(path[:, 1] - 0.4 * path[:, 0]).max() < 1e-3
+        assert "stopped" in rig.state().notice
 
     def test_can_be_switched_off(self, rig):
         rig.guard.enabled = False
         rig.run(1.5, jog(x=0.3), each=self.wall(rig))
         assert rig.positions["x"] > 0.3
         assert "guard" not in rig.state().notice
+
+    def test_place_in_the_world_is_given_up_where_the_arm_would_run_into_its_base(self, rig):
+        begin = rig.time
+        wall = self.wall(rig)
+
+        def report(time):
+            wall(time)
+            rig.base.take(time, base_at(min(0.1 * (begin - time), 0.0)))  # the base reverses
+
+        rig.base.take(rig.time, base_at())
+        rig.cartesian().core.hold_tool(True)
+        rig.run(6.0, each=report)
+        assert 0.265 < rig.positions["x"] <= 0.281
+        notice = rig.state().notice
+        assert "stopped: gripper_link is 20 mm from base_link" in notice
+        assert "mm from the place that it is to keep" in notice
+        rig.check_limits()
+
+    def test_what_the_base_does_counts_against_what_stands_in_the_world(self, rig):
+        def wall(time, speed):
+            pair = ProximityPair(
+                "gripper_link", "wall", False, 0.06, {"x": -1.0}, (-1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+            )
+            rig.guard.take(ProximityState(time, {"x": rig.positions["x"]}, (pair,)))
+            rig.base.take(time, base_at(speed * time))
+
+        speeds = {}
+        for base_speed in (0.0, 0.1, -0.1):
+            rig.run(0.6, each=lambda time, v=base_speed: wall(time, v))
+            rig.run(0.5, jog(x=0.4), each=lambda time, v=base_speed: wall(time, v))
+            speeds[base_speed] = (rig.path()[-1] - rig.path()[-2])[0] / TICK
+        # 6 cm before a wall: sqrt(2 * 0.5 m/s2 * (0.06 m - 0.02 m)), and what the base adds
+        assert speeds[0.0] == pytest.approx(0.2, rel=0.01)
+        assert speeds[0.1] == pytest.approx(0.1, rel=0.02)
+        assert speeds[-0.1] == pytest.approx(0.3, rel=0.02)
+
+    def test_arm_that_the_base_drives_against_something_is_named(self, rig):
+        def drive(time):
+            pair = ProximityPair(
+                "elbow_link", "wall", False, 0.05, {}, (-1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+            )
+            rig.guard.take(ProximityState(time, {"x": 0.0}, (pair,)))
+            rig.base.take(time, base_at(0.5 * time))
+
+        rig.run(0.3, each=drive)
+        assert rig.state().notice == "the base drives: elbow_link is 50 mm from wall"
 
     def test_silence_of_the_guard_is_told_and_does_not_stop_the_arm(self, rig):
         rig.run(0.5, each=self.wall(rig))

@@ -1,6 +1,7 @@
 """The tool's motion on a gantry: directions, speeds, limits, poses, the place in the world."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -21,7 +22,7 @@ from hypothesis import strategies as st
 
 from telex_control.params import ConfigError
 from telex_teleop.rigid_motion import advanced, inverse, pose_error
-from telex_teleop.tool_motion import ToolSettings
+from telex_teleop.tool_settings import ToolSettings
 
 
 @pytest.fixture
@@ -275,6 +276,20 @@ class TestPlaceInTheWorld:
         rig.run(1.0, each=lambda time: rig.base.take(time, base_at(5.0)))
         assert np.array_equal(rig.q, before)
         assert not rig.core.tool.holding
+
+    def test_is_said_to_be_lost_when_nothing_tells_where_the_base_is(self, rig):
+        self.drive(rig, 0.3, 0.1)
+        rig.run(0.5)
+        assert "the pose of the base in the world is unknown" in rig.state().notice
+        before = rig.q
+        rig.run(0.5)
+        assert np.array_equal(rig.q, before)
+
+    def test_limit_that_the_base_drives_a_joint_to_is_named(self, rig):
+        self.drive(rig, 5.5, 0.2)
+        notice = rig.state().notice
+        assert re.search(r"slowed to \d %: x is \d mm from its limit", notice)
+        assert "mm from the place that it is to keep" in notice
 
     def test_can_be_shifted_by_the_operator(self, rig):
         self.drive(rig, 0.3, 0.0)

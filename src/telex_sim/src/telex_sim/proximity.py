@@ -134,7 +134,11 @@ class ProximityGuard:
             box = moment.box(link)
             centre, radius = sphere(box)
             motions = moment.motions(links.arm_carriers[link], centre)
-            reach = self._reach(fastest(motions.values(), radius))
+            driven = [*motions.values(), moment.base_motion(centre)]
+            reach = self._reach(fastest(driven, radius))
+            # Against the own body the base's motion brings nothing nearer, but what the joints do
+            # may be more than both together.
+            reach = max(reach, self._reach(fastest(motions.values(), radius)))
             for uid, other in self._near(box, reach):
                 if uid == own:
                     joints = self._own.joints.get((link, other))
@@ -160,7 +164,8 @@ class ProximityGuard:
             box = self._box(held, link)
             centre, radius = sphere(box)
             motions = moment.motions(self._all_joints, centre)
-            reach = self._reach(fastest(motions.values(), radius))
+            driven = [*motions.values(), moment.base_motion(centre)]
+            reach = self._reach(fastest(driven, radius))
             for uid, other in self._near(box, reach):
                 if uid == held or (uid == body.uid and other in self._links.hand):
                     continue

@@ -6,7 +6,7 @@ from typing import Collection, Dict, List, NamedTuple, Tuple
 
 import pybullet
 
-from .proximity_geometry import Axis, Box, Motion, motion, slope, turned
+from .proximity_geometry import Axis, Box, Motion, cross, motion, slope, turned
 from .proximity_links import Links
 from .proximity_points import ClosestPoint
 from .world import Body, Vector
@@ -50,6 +50,10 @@ class Moment:
         self.axes: List[Axis] = links.arm_axes()
         self._links = links
         self._boxes: Dict[int, Box] = {}
+        self._base_centre = pybullet.getBasePositionAndOrientation(
+            body.uid, physicsClientId=body.client
+        )[0]
+        self._base = pybullet.getBaseVelocity(body.uid, physicsClientId=body.client)
         self._origin, orientation = pybullet.invertTransform(*body.base_pose())
         self._turn = pybullet.getMatrixFromQuaternion(orientation)
 
@@ -62,6 +66,13 @@ class Moment:
     def motions(self, joints: Collection[int], point: Vector) -> Dict[int, Motion]:
         """How each joint of the arm moves a point that all of them carry."""
         return {joint: motion(self.axes[joint], point, self.velocities[joint]) for joint in joints}
+
+    def base_motion(self, point: Vector) -> Motion:
+        """How the robot's base moves a point that rides on it."""
+        (x, y, z), (a, b, c) = point, self._base_centre
+        velocity, turning = self._base
+        u, v, w = cross(turning, (x - a, y - b, z - c))
+        return Motion((velocity[0] + u, velocity[1] + v, velocity[2] + w), turning)
 
     def place(self, closest: ClosestPoint, joints: Collection[int]) -> Place:
         """Make a place of closest points, of which `joints` of the arm move the first."""

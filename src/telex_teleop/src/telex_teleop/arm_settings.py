@@ -13,7 +13,7 @@ from telex_teleop.axis import AxisSettings
 from telex_teleop.motion_settings import JointTeleopSettings
 from telex_teleop.proximity import ProximitySettings
 from telex_teleop.tool_command import FrameNames
-from telex_teleop.tool_motion import ToolSettings
+from telex_teleop.tool_settings import ToolSettings
 
 __all__ = ["ArmTeleopSettings", "FrameSettings", "carrier_of"]
 

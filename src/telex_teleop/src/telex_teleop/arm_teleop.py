@@ -16,7 +16,7 @@ from telex_teleop.base_pose import BasePose
 from telex_teleop.joint_jog import InvalidCommand, JogCommand
 from telex_teleop.joint_teleop import JOINT_MODE, NEEDS_NEW_PRESS, JointTeleop
 from telex_teleop.path_motion import PathMotion
-from telex_teleop.proximity import Nearness, ProximityGuard
+from telex_teleop.proximity import Clearance, Nearness, ProximityGuard
 from telex_teleop.speed import SpeedScale
 from telex_teleop.stream import Clocks, CommandStream
 from telex_teleop.tool_command import Frame, ToolCommand, TwistCommand
@@ -31,6 +31,10 @@ REFUSAL_SHOWN_FOR = 1.0
 # A one-shot increment that what is near leaves less of its speed is given up: nobody holds a key
 # for it, so it must not go on when the way becomes free.
 DISPLACEMENT_SHARE = 0.02
+# A tool that keeps its place is told to be off it from so far on (m): further than joints lag.
+OFF_PLACE = 0.02
+# A base slower than this (m/s, rad/s) only sways.
+STANDING_SPEED = 0.02
 
 
 class ModeError(ValueError):
@@ -312,22 +316,24 @@ class ArmTeleop(JointTeleop):
             for name, axis in self.axes.items()
             if (rate := axis.wanted_rate(now)) != 0.0
         }
-        factors: Mapping[str, float] = {}
+        shares: Mapping[str, float] = {}
         if rates:
+            names = list(positions)
             held = {name: self.axes[name].generator.start_from(positions[name]) for name in rates}
-            references = {**positions, **held}
-            factors, near = self.guard.joint_factors(now.sim, references, rates)
+            clearance = self._clearance(now, names, np.array(list({**positions, **held}.values())))
+            found, near = clearance.joint_shares(np.array([rates.get(name, 0.0) for name in names]))
+            shares = dict(zip(names, found.tolist()))
             self._nearness = near or self._nearness
         moved: Dict[str, float] = {}
         for name, axis in self.axes.items():
-            factor = factors.get(name, 1.0)
-            if factor < DISPLACEMENT_SHARE and axis.generator.displacing:
+            share = shares.get(name, 1.0)
+            if share < DISPLACEMENT_SHARE and axis.generator.displacing:
                 axis.generator.stop()
             reference = axis.update(
                 dt,
                 now,
                 positions[name],
-                scale * max(factor, 1e-6),
+                scale * max(share, 1e-6),
                 blocked=led and name in self._carrier.joints,
             )
             if reference is not None:
@@ -345,14 +351,24 @@ class ArmTeleop(JointTeleop):
         if not (tool.moving or free):
             return None
 
-        def guard(rates: Mapping[str, float]) -> float:
-            references = dict(zip(self._carrier.joints, start.tolist()))
-            factor, self._nearness = self.guard.motion_factor(now.sim, references, rates)
-            return factor
-
-        return tool.update(
-            dt, command, start, measured, self.base.at(now.sim), self.speed.value, guard
+        clearance = None
+        if command is not None or tool.moving or tool.holding:
+            ahead = tool.solution if tool.moving else start
+            clearance = self._clearance(now, self._carrier.joints, ahead)
+        references = tool.update(
+            dt,
+            command,
+            start,
+            measured,
+            self.base.at(now.sim, tool.hold_ahead),
+            self.speed.value,
+            clearance,
         )
+        self._nearness = tool.nearness
+        return references
+
+    def _clearance(self, now: Clocks, joints: Sequence[str], references: np.ndarray) -> Clearance:
+        return self.guard.clearance(now.sim, joints, references, self.base.twist(now.sim))
 
     def _follow_path(
         self, dt: float, now: Clocks, start: np.ndarray, measured: np.ndarray
@@ -364,13 +380,9 @@ class ArmTeleop(JointTeleop):
         if not path.moving:
             return None
         scale = self.speed.value
-        factor = 1.0
-        if self.guard.enabled:
-            references = dict(zip(self._carrier.joints, start.tolist()))
-            factor, self._nearness = self.guard.motion_factor(
-                now.sim, references, path.wanted_rates(scale)
-            )
-        wanted = scale * factor if name == path.pose else 0.0
+        clearance = self._clearance(now, self._carrier.joints, start)
+        share, self._nearness = clearance.share(path.wanted_rates(scale))
+        wanted = scale * share if name == path.pose else 0.0
         references_now, self._held_back = path.update(dt, measured, wanted)
         if references_now is None and name:
             self._reached = name
@@ -417,12 +429,32 @@ class ArmTeleop(JointTeleop):
         if self._reached:
             parts.append(f"in pose {self._reached}")
         if self._tool is not None and self._tool.holding:
-            parts.append("the tool keeps its place in the world")
+            parts.append(self._held_place(self._tool, now))
+        elif not self.slowdown:
+            drives = self._drives_against(now)
+            if drives:
+                parts.append(drives)
         if self._unprepared:
             parts.append(f"{CARTESIAN_MODE} mode: {self._unprepared}")
         if self.guard.silent(now.sim):
             parts.append("no proximity guard: nothing tells what is near the arm")
         return "; ".join(parts)
+
+    def _held_place(self, tool: ToolMotion, now: Clocks) -> str:
+        if self.base.at(now.sim) is None:
+            return "the tool does not keep its place: the pose of the base in the world is unknown"
+        off = tool.off_place
+        if off < OFF_PLACE:
+            return "the tool keeps its place in the world"
+        return f"the tool is {1000.0 * off:.0f} mm from the place that it is to keep"
+
+    def _drives_against(self, now: Clocks) -> str:
+        """Say what the base drives the arm against; it is not this node that could stop it."""
+        twist = self.base.twist(now.sim)
+        if twist is None or float(np.abs(twist).max()) < STANDING_SPEED:
+            return ""
+        near = self.guard.approach(now.sim, twist)
+        return "" if near is None else f"the base drives: {near.where}"
 
     @property
     def share(self) -> float:

@@ -51,11 +51,29 @@ class BasePose:
         self._last = None
         self._velocity = np.zeros(6)
 
-    def at(self, stamp: float) -> Optional[np.ndarray]:
-        """Return the pose (4x4) at a sim time (s), None where no report is fresh enough."""
+    def at(self, stamp: float, ahead: float = 0.0) -> Optional[np.ndarray]:
+        """Return the pose (4x4) in some time, None where no report is fresh enough.
+
+        Parameters
+        ----------
+        stamp
+            Present sim time (s).
+        ahead
+            So much later (s).
+        """
         if self._last is None:
             return None
         age = stamp - self._last[0]
         if abs(age) > self._max_age:
             return None
-        return advanced(self._last[1], self._velocity * age)
+        return advanced(self._last[1], self._velocity * (age + ahead))
+
+    def twist(self, stamp: float) -> Optional[np.ndarray]:
+        """Return linear and angular velocity (m/s, rad/s) along the base's own axes, shape (6,).
+
+        None where no report is fresh enough at `stamp` (s of sim time).
+        """
+        if self._last is None or abs(stamp - self._last[0]) > self._max_age:
+            return None
+        turn = self._last[1][:3, :3].T
+        return np.concatenate([turn @ self._velocity[:3], turn @ self._velocity[3:]])

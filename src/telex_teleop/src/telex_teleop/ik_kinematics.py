@@ -6,7 +6,7 @@ from typing import Sequence
 
 import numpy as np
 
-from telex_control.kinematics import Chain, IKSolver
+from telex_control.kinematics import Chain, IKOptions, IKSolver
 from telex_teleop.reference import MotionLimits
 
 __all__ = ["IKKinematics"]
@@ -25,8 +25,10 @@ class IKKinematics:
 
     def __init__(self, chain: Chain, limits: Sequence[MotionLimits]) -> None:
         self._chain = chain
+        # Another posture is the operator's to choose: the tool would swing on the way to it.
         self._solver = IKSolver(
             chain,
+            IKOptions(reconfigure_after=None, search_iterations=0),
             velocity_limits=[each.max_velocity for each in limits],
             position_limits=([each.lower for each in limits], [each.upper for each in limits]),
         )
@@ -38,6 +40,10 @@ class IKKinematics:
     def forward(self, positions: np.ndarray) -> np.ndarray:
         """Return the tool's pose (4x4) in the base's frame."""
         return self._chain.forward(positions.tolist())
+
+    def jacobian(self, positions: np.ndarray) -> np.ndarray:
+        """Return the tool's Jacobian, shape (6, n), along the base's axes."""
+        return self._chain.jacobian(positions.tolist())
 
     def track(
         self, target: np.ndarray, q: np.ndarray, dt: float, lower: np.ndarray, upper: np.ndarray

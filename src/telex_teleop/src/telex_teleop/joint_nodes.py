@@ -67,7 +67,8 @@ def _start_arm() -> object:
         ProximityGuard(settings.proximity),
         BasePose(settings.frames.base_pose_max_age),
     )
-    node = ArmTeleopNode(core, settings, chain)
+    links = [link.attrib["name"] for link in parse_urdf(description).iter("link")]
+    node = ArmTeleopNode(core, settings, chain, links)
     return node, KinematicsServices(node, chain, settings.frames)
 
 

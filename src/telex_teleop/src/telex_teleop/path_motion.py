@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Mapping, Optional, Sequence, Tuple
+from typing import Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -57,15 +57,13 @@ class PathMotion:
         self._goal = None
         self._share = 0.0
 
-    def wanted_rates(self, speed_scale: float) -> Mapping[str, float]:
+    def wanted_rates(self, speed_scale: float) -> np.ndarray:
         """Return the rates (per second) that the joints would have at the operator's speed."""
         if self._references is None or self._goal is None:
-            return {}
+            return np.zeros(len(self._joints))
         way = self._goal - self._references
         left = float(np.max(np.abs(way) / self._velocity_limits))
-        if left == 0.0:
-            return {}
-        return dict(zip(self._joints, (way / left * speed_scale).tolist()))
+        return way if left == 0.0 else way / left * speed_scale
 
     def begin(self, pose: str, start: np.ndarray, goal: np.ndarray) -> None:
         """Set out from rest at `start` for a pose; a pose that is under way goes on."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from telex_control.kinematics import move_pose, rotation_vector
 
-__all__ = ["advanced", "inverse", "pose_error"]
+__all__ = ["advanced", "inverse", "pose_error", "shortened"]
 
 
 def inverse(pose: np.ndarray) -> np.ndarray:
@@ -39,3 +39,18 @@ def pose_error(target: np.ndarray, pose: np.ndarray) -> np.ndarray:
     error[:3] = target[:3, 3] - pose[:3, 3]
     error[3:] = rotation_vector(target[:3, :3] @ pose[:3, :3].T)
     return error
+
+
+def shortened(step: np.ndarray, longest: float, largest: float) -> np.ndarray:
+    """Return a step whose translation and rotation are not longer than this (m, rad).
+
+    The step itself, where it is not.
+    """
+    linear = float(np.linalg.norm(step[:3]))
+    angular = float(np.linalg.norm(step[3:]))
+    if linear <= longest and angular <= largest:
+        return step
+    made = step.copy()
+    made[:3] *= min(1.0, longest / max(linear, longest))
+    made[3:] *= min(1.0, largest / max(angular, largest))
+    return made

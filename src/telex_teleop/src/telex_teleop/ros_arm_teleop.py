@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import threading
 import time
-from typing import Any, Callable, Optional, Tuple
+from typing import Any, Callable, Collection, Optional, Tuple
 
 import numpy as np
 import rospy
@@ -28,7 +28,7 @@ from telex_teleop.ros_joint_teleop import JointTeleopNode
 from telex_teleop.tool_command import pose_matrix
 from telex_teleop.tool_motion import ToolMotion
 
-__all__ = ["ArmTeleopNode", "fill_pose", "vector_of"]
+__all__ = ["ArmTeleopNode", "fill_pose", "proximity_state", "quaternion_in", "vector_of"]
 
 WARMING_UP = "warming up: the kinematics are being compiled"
 
@@ -46,12 +46,19 @@ class ArmTeleopNode(JointTeleopNode):
         The node's parameters.
     chain
         From base to tool; None where the robot has no such arm.
+    links
+        Names of the robot's links.
     """
 
     def __init__(
-        self, core: ArmTeleop, settings: ArmTeleopSettings, chain: Optional[Chain]
+        self,
+        core: ArmTeleop,
+        settings: ArmTeleopSettings,
+        chain: Optional[Chain],
+        links: Collection[str],
     ) -> None:
         self._arm = core
+        self._links = frozenset(links)
         self._settings = settings
         self._chain = chain
         self._frames = settings.frames.names()
@@ -225,23 +232,11 @@ class ArmTeleopNode(JointTeleopNode):
             self._arm.base.take(stamp, matrix)
 
     def _on_proximity(self, message: Any) -> None:
-        pairs = tuple(
-            ProximityPair(
-                link=pair.link,
-                other=pair.other,
-                touchable=pair.contact == ProximityPairMessage.TOUCHABLE,
-                distance=pair.distance,
-                gradient=dict(zip(message.joints, pair.gradient)),
-            )
-            for pair in message.pairs
-        )
-        numbers = [*message.positions, *(number for p in pairs for number in p.gradient.values())]
-        if not all(map(math.isfinite, (*numbers, *(pair.distance for pair in pairs)))):
-            warn_dropped("sim/proximity", "a number in it is not finite")
+        try:
+            state = proximity_state(message, self._links)
+        except InvalidCommand as error:
+            warn_dropped("sim/proximity", str(error))
             return
-        state = ProximityState(
-            message.header.stamp.to_sec(), dict(zip(message.joints, message.positions)), pairs
-        )
         with self._lock:
             self._arm.guard.take(state)
 
@@ -271,6 +266,51 @@ class ArmTeleopNode(JointTeleopNode):
         except ModeError as error:
             return str(error)
         return ""
+
+
+def proximity_state(message: Any, links: Collection[str]) -> ProximityState:
+    """Check a Proximity message.
+
+    Parameters
+    ----------
+    message
+        What is near.
+    links
+        Of the robot: what is among them rides on its base.
+
+    Raises
+    ------
+    InvalidCommand
+        When a number is not finite, or not every joint has its position and gradient.
+    """
+    joints = message.joints
+    lists = [("positions", message.positions)]
+    lists += [("gradient", pair.gradient) for pair in message.pairs]
+    for field, values in lists:
+        if len(values) != len(joints):
+            raise InvalidCommand(f"{field} has {len(values)} numbers for {len(joints)} joints")
+    pairs = []
+    for pair in message.pairs:
+        point, normal = vector_of(pair.point), vector_of(pair.normal)
+        by_base = (*normal, *np.cross(point, normal).tolist())
+        for value in (pair.distance, *pair.gradient, *by_base):
+            if not math.isfinite(value):
+                raise InvalidCommand(f"a number of {pair.link} and {pair.other} is {value!r}")
+        pairs.append(
+            ProximityPair(
+                link=pair.link,
+                other=pair.other,
+                touchable=pair.contact == ProximityPairMessage.TOUCHABLE,
+                distance=pair.distance,
+                gradient=dict(zip(joints, pair.gradient)),
+                base_gradient=(0.0,) * 6 if pair.other in links else by_base,
+            )
+        )
+    for joint, position in zip(joints, message.positions):
+        if not math.isfinite(position):
+            raise InvalidCommand(f"position of {joint} is {position!r}; must be a finite number")
+    stamp = message.header.stamp.to_sec()
+    return ProximityState(stamp, dict(zip(joints, message.positions)), tuple(pairs))
 
 
 def vector_of(message: Any) -> Tuple[float, float, float]:

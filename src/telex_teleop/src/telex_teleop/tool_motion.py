@@ -8,25 +8,27 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Callable, Mapping, Optional, Protocol, Sequence, Tuple
+from typing import Optional, Protocol, Sequence, Tuple
 
 import numpy as np
 
-from telex_control.params import require_range
+from telex_teleop.held_place import HeldPlace
 from telex_teleop.joint_follower import JointFollower
-from telex_teleop.reference import MotionLimits, stoppable_speed
-from telex_teleop.rigid_motion import advanced, inverse, pose_error
+from telex_teleop.proximity import Clearance, Nearness
+from telex_teleop.reference import MotionLimits
+from telex_teleop.rigid_motion import advanced, inverse, pose_error, shortened
+from telex_teleop.tool_clearance import scaled_clear, slid_clear, tool_effects
 from telex_teleop.tool_command import Frame, PoseCommand, ToolCommand, TwistCommand
+from telex_teleop.tool_settings import ToolSettings
 
-__all__ = ["Slowdown", "ToolKinematics", "ToolMotion", "ToolSettings"]
+__all__ = ["Slowdown", "ToolKinematics", "ToolMotion"]
 
 # A share of the speed above this is not worth a word.
 FREE = 0.95
 # Below this a motion counts as ended: a joint's step (rad or m), the tool's speed as a share of its
-# largest, the way to a pose as time at full speed (s).
+# largest.
 STILL_STEP = 1e-7
 STILL_SHARE = 1e-6
-ARRIVED_TIME = 1e-5
 # A joint this near (rad or m) a bound stands on it.
 ON_BOUND = 1e-4
 # What is left of the way is given up when a step leaves more of it than this share.
@@ -44,12 +46,9 @@ LAG_FREE, LAG_STOP = 0.005, 0.1
 # The way ahead is tried so often (s): seldom enough to be cheap, often enough for any boundary.
 LOOK_PERIOD = 0.04
 
-Guard = Callable[[Mapping[str, float]], float]
-
-
-def _unguarded(rates: Mapping[str, float]) -> float:
-    del rates
-    return 1.0
+# So much faster (m/s) than allowed two bodies may come nearer by a tool that was already kept from
+# it: joints that move on curves miss by as little, and would stop a tool that slides along.
+CURVE_SLACK = 1e-3
 
 
 class ToolKinematics(Protocol):
@@ -58,58 +57,13 @@ class ToolKinematics(Protocol):
     def forward(self, positions: np.ndarray) -> np.ndarray:
         """Return the tool's pose (4x4) in the base's frame."""
 
+    def jacobian(self, positions: np.ndarray) -> np.ndarray:
+        """Return the tool's Jacobian, shape (6, n), along the base's axes."""
+
     def track(
         self, target: np.ndarray, q: np.ndarray, dt: float, lower: np.ndarray, upper: np.ndarray
     ) -> np.ndarray:
         """Return the joint positions nearest to a pose that are reached from `q` in time `dt`."""
-
-
-@dataclass(frozen=True)
-class ToolSettings:
-    """How the tool moves.
-
-    Attributes
-    ----------
-    max_linear, max_angular
-        Largest speed of the tool centre point (m/s, rad/s) at speed scale 1.
-    acceleration_time
-        Time (s) from rest to the largest speed.
-    look_ahead
-        How far ahead (s) the way is tried; should exceed the joints' acceleration_time, so that
-        they can brake within it.
-    lead, angular_lead
-        How far the desired pose may be ahead of what the arm can reach (m, rad): where the arm
-        slides along a boundary, it is off the desired line by at most so much.
-    hold_lead, angular_hold_lead
-        The same while the tool keeps its place in the world: further off, it gives the place up.
-    least_share
-        Share of the speed that is tried where the way seems to end; it makes the arm slide.
-    """
-
-    max_linear: float = 0.15
-    max_angular: float = 0.6
-    acceleration_time: float = 0.3
-    look_ahead: float = 0.4
-    lead: float = 0.005
-    angular_lead: float = 0.03
-    hold_lead: float = 0.3
-    angular_hold_lead: float = 0.6
-    least_share: float = 0.03
-
-    def __post_init__(self) -> None:
-        for name in (
-            "max_linear",
-            "max_angular",
-            "acceleration_time",
-            "look_ahead",
-            "lead",
-            "angular_lead",
-        ):
-            require_range(self, name, above=0.0)
-        require_range(self, "angular_lead", above=0.0, maximum=math.pi / 2)
-        require_range(self, "hold_lead", self.lead)
-        require_range(self, "angular_hold_lead", self.angular_lead, math.pi / 2)
-        require_range(self, "least_share", above=0.0, maximum=0.2)
 
 
 @dataclass(frozen=True)
@@ -158,24 +112,48 @@ class ToolMotion:
         self._leads = np.array([each.max_lead for each in limits])
         self._velocity_limits = np.array([each.max_velocity for each in limits])
         self._accelerations = np.array([each.max_acceleration for each in limits])
-        self._rates: Mapping[str, float] = {}
         self.slowdown: Optional[Slowdown] = None
+        self.nearness: Optional[Nearness] = None
         self._weights = np.repeat([1.0 / settings.max_linear, 1.0 / settings.max_angular], 3)
         self._follower = JointFollower(limits)
         self._goal: Optional[np.ndarray] = None
         self._solution = np.zeros(len(self._joints))
+        self._measured = self._solution
         self._reached = np.eye(4)
         self._stand()
         self._moving = False
         self._started: Optional[ToolCommand] = None
         self._target: Optional[np.ndarray] = None
-        self._held_place: Optional[np.ndarray] = None
-        self.holding = False
+        self._place = HeldPlace(settings)
 
     @property
     def moving(self) -> bool:
         """Whether the tool is led now, or still comes to rest."""
         return self._moving
+
+    @property
+    def holding(self) -> bool:
+        """Whether the tool is to keep its place in the world."""
+        return self._place.active
+
+    @property
+    def solution(self) -> np.ndarray:
+        """Where inverse kinematics leads the joints now (rad or m); references follow it."""
+        return self._solution
+
+    @property
+    def off_place(self) -> float:
+        """How far (m) the tool is from the place in the world that it is to keep."""
+        target = self._place.target
+        if target is None:
+            return 0.0
+        measured = self._kinematics.forward(self._measured)
+        return float(np.linalg.norm(target[:3, 3] - measured[:3, 3]))
+
+    @property
+    def hold_ahead(self) -> float:
+        """So much ahead (s) the base's pose is wanted: nothing unless the tool keeps its place."""
+        return self._settings.hold_ahead if self.holding else 0.0
 
     @property
     def goal(self) -> Optional[np.ndarray]:
@@ -184,8 +162,7 @@ class ToolMotion:
 
     def hold(self, active: bool) -> None:
         """Begin or end keeping the tool's place in the world while the base moves."""
-        self.holding = active
-        self._held_place = None
+        self._place.hold(active)
 
     def drop(self) -> None:
         """Stop at once and forget everything; what comes next starts where the arm is."""
@@ -202,8 +179,8 @@ class ToolMotion:
         self._share = 1.0
         self._free_share = 1.0
         self._look_age = math.inf
-        self._rates = {}
         self.slowdown = None
+        self.nearness = None
 
     def update(
         self,
@@ -213,7 +190,7 @@ class ToolMotion:
         positions: np.ndarray,
         base: Optional[np.ndarray],
         speed_scale: float,
-        guard: Guard = _unguarded,
+        clearance: Optional[Clearance] = None,
     ) -> Optional[np.ndarray]:
         """Lead the tool for one step.
 
@@ -231,15 +208,16 @@ class ToolMotion:
             Pose of the base in the world, as far as it is known.
         speed_scale
             The operator's speed.
-        guard
-            Tells what share of the speed what is near the arm leaves, 0 to 1, when the joints have
-            given rates (per second).
+        clearance
+            What is near leaves of the joints' motion; None where nothing is.
 
         Returns
         -------
         ndarray, shape (n,), or None
             References; None while idle.
         """
+        self.nearness = None
+        self._measured = positions
         if not self._moving:
             self.slowdown = None
             if command is None and not (self.holding and base is not None):
@@ -249,17 +227,20 @@ class ToolMotion:
         assert self._goal is not None
         wanted = self._wanted_twist(command, base, speed_scale, dt)
         self._twist = self._ramped(wanted, dt)
-        self._follow_base(base)
         lower, upper = self._bounds(positions)
-        self._look_ahead(lower, upper, dt)
-        twist = self._twist * (self._share * guard(self._rates))
+        twist = self._twist + self._place.twist(base, self._goal, dt)
+        if clearance is not None and len(clearance):
+            twist = self._cleared(twist, clearance)
+        self._look_ahead(twist, lower, upper, dt)
         last = self._solution
-        goal = self._step(twist, dt, lower, upper)
+        goal = self._step(twist * self._share, dt, lower, upper)
+        if clearance is not None and len(clearance):
+            self._keep_clear(last, dt, clearance)
         self._reached = self._kinematics.forward(self._solution)
         self._goal = self._within_lead(goal, self._reached)
         if not (self.holding or self._done.any()):
             self._settle()
-        self._take_place(base)
+        self._place.keep(base, self._goal, self._reached, bool(self._twist.any()))
         references = self._follower.update(self._solution, dt)
         still = command is None and not wanted.any() and self._still(last)
         self._moving = self.holding or not still
@@ -302,7 +283,8 @@ class ToolMotion:
                 self.slowdown = self._near_bound(braking, nearest, towards, lower, upper)
         change = np.abs((solution - last) / dt - self._follower.velocities)
         excess = float(np.max(change / (self._accelerations * dt)))
-        if excess > 1.0:
+        # A base that brakes harder than the slowest joint would take all of them off the place.
+        if excess > 1.0 and not self.holding:
             twist = self._done + (twist - self._done) / excess
             goal = advanced(self._goal, twist * dt)
             solution = kinematics.track(goal, last, dt, lower, upper)
@@ -312,11 +294,37 @@ class ToolMotion:
         self._solution = solution
         return goal
 
+    def _cleared(self, twist: np.ndarray, clearance: Clearance) -> np.ndarray:
+        """Return the twist without what would bring the arm too near to something."""
+        effects = tool_effects(clearance.gradients, self._kinematics.jacobian(self._solution))
+        closing = -(effects @ twist)
+        over = closing > clearance.allowed
+        if not over.any():
+            return twist
+        # to a pose the tool goes straight, or not at all
+        clear = slid_clear if self._started is None else scaled_clear
+        left = clear(twist, effects, clearance.allowed)
+        wanted = twist * self._weights
+        share = float(wanted @ (left * self._weights)) / float(wanted @ wanted)
+        nearest = int(np.argmax(np.where(over, closing - clearance.allowed, -np.inf)))
+        self.nearness = clearance.nearness(nearest, max(0.0, share))
+        return left
+
+    def _keep_clear(self, last: np.ndarray, dt: float, clearance: Clearance) -> None:
+        """Shorten a step of the joints, whatever asks for it, that comes too near to something."""
+        moved = self._solution - last
+        share, nearness = clearance.share(moved / dt, CURVE_SLACK)
+        if nearness is None:
+            return
+        self._solution = last + share * moved
+        self._done = self._done * share
+        if self.nearness is None or nearness.factor < self.nearness.factor:
+            self.nearness = nearness
+
     def _begin(self, start: np.ndarray) -> None:
         # A rest in between, or a joint that gave way a little, does not bend the desired line.
         if self._goal is None or not np.array_equal(start, self._follower.references):
             self._goal = self._kinematics.forward(start)
-            self._held_place = None
         self._solution = np.array(start, dtype=float)
         self._reached = self._kinematics.forward(self._solution)
         self._follower.rest_at(self._solution)
@@ -385,14 +393,7 @@ class ToolMotion:
                 from_tool = command.frame is Frame.TOOL
                 self._target = self._goal @ command.pose if from_tool else command.pose
             target = self._target
-        way = pose_error(target, self._goal)
-        linear = float(np.linalg.norm(way[:3])) / self._settings.max_linear
-        angular = float(np.linalg.norm(way[3:])) / self._settings.max_angular
-        left = max(linear, angular)
-        if left <= ARRIVED_TIME:
-            return np.zeros(6)
-        stoppable = stoppable_speed(1.0 / self._settings.acceleration_time, left, dt)
-        return way * (min(speed_scale, stoppable, left / dt) / left)
+        return self._settings.approach(pose_error(target, self._goal), speed_scale, dt)
 
     def _ramped(self, wanted: np.ndarray, dt: float) -> np.ndarray:
         """Return the twist on its way to the wanted one, translation and rotation in step."""
@@ -401,16 +402,6 @@ class ToolMotion:
         size = max(float(np.linalg.norm(weighted[:3])), float(np.linalg.norm(weighted[3:])))
         most = dt / self._settings.acceleration_time
         return wanted if size <= most else self._twist + change * (most / size)
-
-    # ------------------------------------------------------------ the place in the world
-
-    def _follow_base(self, base: Optional[np.ndarray]) -> None:
-        if self.holding and base is not None and self._held_place is not None:
-            self._goal = inverse(base) @ self._held_place
-
-    def _take_place(self, base: Optional[np.ndarray]) -> None:
-        if self.holding and base is not None:
-            self._held_place = base @ self._goal
 
     # ------------------------------------------------------------ what is possible
 
@@ -421,7 +412,9 @@ class ToolMotion:
         # a joint that is already outside may stay there, but goes no further
         return np.minimum(lower, self._solution), np.maximum(upper, self._solution)
 
-    def _look_ahead(self, lower: np.ndarray, upper: np.ndarray, dt: float) -> None:
+    def _look_ahead(
+        self, twist: np.ndarray, lower: np.ndarray, upper: np.ndarray, dt: float
+    ) -> None:
         """Find what share of the speed the arm can keep up, and why no more.
 
         The tool is led ahead on trial. How far it gets, as a share of how far it should, is the
@@ -431,7 +424,7 @@ class ToolMotion:
         self._look_age += dt
         if self._look_age >= LOOK_PERIOD:
             self._look_age = 0.0
-            self._look(lower, upper)
+            self._look(twist, lower, upper)
         lag = float(
             np.max(np.abs(self._solution - self._follower.references) / self._velocity_limits)
         )
@@ -440,13 +433,13 @@ class ToolMotion:
         # Sudden on the way down, as a boundary is; on the way up on the tool's own ramp.
         self._share = min(share, self._share + dt / self._settings.acceleration_time)
 
-    def _look(self, lower: np.ndarray, upper: np.ndarray) -> None:
+    def _look(self, twist: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> None:
         assert self._goal is not None
         horizon = self._settings.look_ahead
-        way = self._twist * horizon
+        way = twist * horizon
         wanted = way * self._weights
         size = float(wanted @ wanted)
-        self._free_share, self._rates, self.slowdown = 1.0, {}, None
+        self._free_share, self.slowdown = 1.0, None
         if size <= STILL_SHARE**2:
             return
         solution = self._solution
@@ -458,7 +451,6 @@ class ToolMotion:
         got = pose_error(self._kinematics.forward(ahead), self._reached) * self._weights
         share = max(0.0, min(1.0, float(got @ wanted) / size))
         self._free_share = share
-        self._rates = dict(zip(self._joints, ((ahead - solution) / horizon).tolist()))
         if share < FREE:
             self.slowdown = self._explain(share, ahead, lower, upper)
 
@@ -528,16 +520,8 @@ class ToolMotion:
             return goal
         error = pose_error(goal, reached)
         settings = self._settings
-        leads = (settings.lead, settings.angular_lead)
-        if self.holding:
-            leads = (settings.hold_lead, settings.angular_hold_lead)
-        taken_back = False
-        for part, lead in zip((slice(0, 3), slice(3, 6)), leads):
-            size = float(np.linalg.norm(error[part]))
-            if size > lead:
-                error[part] *= lead / size
-                taken_back = True
-        return advanced(reached, error) if taken_back else goal
+        lead = shortened(error, settings.lead, settings.angular_lead)
+        return goal if lead is error else advanced(reached, lead)
 
 
 def _same_pose(first: ToolCommand, second: PoseCommand) -> bool:
