@@ -13,7 +13,7 @@ from typing import Any, Callable, Dict, TypeVar
 
 import rosgraph
 
-from telex_control.private_master import descendants, end_tree, free_port
+from telex_control.private_master import DIES_WITH_US, descendants, end_tree, free_port
 
 Value = TypeVar("Value")
 
@@ -41,6 +41,7 @@ class PrivateSimulator:
         self._output = open(os.path.join(self._logs.name, "roslaunch.txt"), "w+")  # noqa: SIM115
         self._process = subprocess.Popen(
             [
+                *DIES_WITH_US,
                 "roslaunch",
                 f"--port={port}",
                 "--sigint-timeout=1.5",

@@ -80,3 +80,26 @@ def test_master_that_does_not_come_up_says_why(monkeypatch, tmp_path):
     monkeypatch.setattr(private_master, "START_TIMEOUT", 5.0)
     with pytest.raises(PrivateMasterError, match="no such thing"), PrivateMaster():
         pass
+
+
+STARTER = """
+import sys, time
+from telex_control.private_master import PrivateMaster
+with PrivateMaster() as master:
+    print(master.uri, flush=True)
+    time.sleep(60)
+"""
+
+
+@pytest.mark.ros
+def test_a_master_does_not_outlive_a_starter_that_is_killed():
+    with subprocess.Popen([sys.executable, "-c", STARTER], stdout=subprocess.PIPE) as starter:
+        uri = starter.stdout.readline().decode().strip()
+        tree = descendants(starter.pid)
+        assert tree
+        assert rosgraph.is_master_online(uri)
+        starter.kill()
+    deadline = time.monotonic() + 15.0
+    while any(map(is_running, tree)) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert not any(map(is_running, tree))

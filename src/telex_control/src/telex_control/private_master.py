@@ -19,6 +19,9 @@ START_TIMEOUT = 30.0
 STOP_TIMEOUT = 10.0
 """Time (s) that a process gets to end after SIGINT."""
 
+DIES_WITH_US = ("setpriv", "--pdeathsig", "TERM")
+"""Put before a command: it is asked to end, too, when its starter is killed."""
+
 
 class PrivateMasterError(RuntimeError):
     """The master did not come up; the message holds the end of its output."""
@@ -130,7 +133,7 @@ class PrivateMaster:
         output = os.path.join(self._folder.name, "roscore.txt")
         with open(output, "w") as file:
             self._core = subprocess.Popen(
-                ["roscore", "-p", str(self.port)],
+                [*DIES_WITH_US, "roscore", "-p", str(self.port)],
                 env=self.environment(),
                 stdin=subprocess.DEVNULL,
                 stdout=file,
