@@ -1,13 +1,17 @@
 import math
+from dataclasses import asdict
 from pathlib import Path
 
 import pytest
 import yaml
 
 from telex_control.params import ConfigError, read_config
+from telex_sim.rendering.camera_parameters import as_yaml, changed
 from telex_sim.rendering.cameras_config import CamerasConfig
 
 FRONT = {"frame": "front_camera_optical_frame", "width": 640, "height": 480, "horizontal_fov": 1.5}
+
+OVERVIEW = {"width": 640, "height": 480, "horizontal_fov": 1.0}
 
 
 def read(camera=FRONT, **params):
@@ -20,14 +24,22 @@ def test_shipped_cameras_are_accepted():
     assert set(config.cameras) == {"gripper", "arm", "turret", "front", "rear", "mast"}
     for name, camera in config.cameras.items():
         assert camera.frame == f"{name}_camera_optical_frame"
+        assert any(camera.distortion)
+    priorities = {name: camera.priority for name, camera in config.cameras.items()}
+    assert max(priorities, key=priorities.get) == "front"
+    assert config.overview.follow == "base_link"
 
 
 def test_defaults_and_optics():
     camera = read().cameras["front"]
     assert (camera.rate, camera.jpeg_quality) == (25.0, 80)
     optics = camera.optics()
-    assert (optics.width, optics.height, optics.horizontal_fov) == (640, 480, 1.5)
+    assert (optics.width, optics.height, optics.distortion) == (640, 480, (0.0,) * 5)
+    assert optics.focal_length == pytest.approx(320.0 / math.tan(0.75))
     assert (optics.near, optics.far) == (camera.near, camera.far)
+    assert not camera.exposure.auto
+    assert (camera.shutter, camera.noise, camera.radiation.dose_rate) == (0.0, 0.0, 0.0)
+    assert not camera.depth
 
 
 @pytest.mark.parametrize(
@@ -52,6 +64,21 @@ def test_defaults_and_optics():
         ({"zoom_max": 0.5}, "zoom_max is 0.5; it must be at least 1"),
         ({"zoom_max": math.inf}, "zoom_max is inf"),
         ({"zoom": 2.0}, "cameras/front/zoom is unknown"),
+        ({"distortion": [0.1, 0.0]}, "front/distortion has 2 elements; 5 are needed"),
+        ({"distortion": [math.nan, 0.0, 0.0, 0.0, 0.0]}, r"distortion\[0\] is nan"),
+        ({"distortion": [-0.6, 0.0, 0.0, 0.0, 0.0]}, "folds the picture 0.6.. rad off its middle"),
+        ({"distortion": [-0.3, 0.0, 0.0, 0.0, 0.0]}, "shows nothing at pixel"),
+        ({"detail": 0.0}, "detail is 0.0; it must be at least 0.1 and at most 4"),
+        ({"priority": -1}, "priority is -1"),
+        ({"noise": -1.0}, "noise is -1"),
+        ({"shutter": 2.0}, "shutter is 2.0; it must be at least 0 and at most 1"),
+        ({"shutter_samples": 1}, "shutter_samples is 1"),
+        ({"exposure": {"auto": "yes"}}, "front/exposure/auto is 'yes'; true or false is needed"),
+        ({"exposure": {"ev": math.inf}}, "front/exposure/ev is inf"),
+        ({"exposure": {"min_ev": 3.0}}, "min_ev is 3.0; it must not be above max_ev, which is 2.0"),
+        ({"exposure": {"time_constant": -1.0}}, "front/exposure: time_constant is -1"),
+        ({"radiation": {"dose_rate": -1.0}}, "front/radiation: dose_rate is -1"),
+        ({"radiation": {"dose": math.nan}}, "front/radiation/dose is nan"),
     ],
 )
 def test_bad_camera(changes, complaint):
@@ -72,6 +99,19 @@ def test_bad_camera(changes, complaint):
         ({"niceness": 20}, "niceness is 20; it must be at least 0 and at most 19"),
         ({"software_threads": -1}, "software_threads is -1"),
         ({"egl_device": -1}, "egl_device is -1"),
+        ({"renderer": "vulkan"}, "renderer is 'vulkan'; auto, opengl, tiny are possible"),
+        ({"tiny_detail": 0.0}, "tiny_detail is 0"),
+        ({"max_pose_age": math.nan}, "max_pose_age is nan"),
+        ({"shadow_period": -1.0}, "shadow_period is -1"),
+        ({"seed": -1}, "seed is -1"),
+        ({"cameras": {"overview": FRONT}}, "'overview', which is the instructor's camera"),
+        ({"overview": {"width": 640}}, "/telex/cameras/overview/"),
+        ({"overview": {**OVERVIEW, "follow": ""}}, "frame is ''"),
+        ({"overview": {**OVERVIEW, "smoothing": -1.0}}, "smoothing is -1"),
+        ({"overview": {**OVERVIEW, "start": {"mode": "fly"}}}, "mode is 'fly'; follow, orbit"),
+        ({"overview": {**OVERVIEW, "start": {"elevation": 2.0}}}, "elevation is 2.0; it must be"),
+        ({"overview": {**OVERVIEW, "start": {"distance": 0.0}}}, "distance is 0"),
+        ({"overview": {**OVERVIEW, "start": {"center": [1e9, 0, 0]}}}, "center is .1000000000"),
         ({"colour": "red"}, "/telex/cameras/colour is unknown"),
     ],
 )
@@ -114,6 +154,49 @@ def test_zoom_multiplies_the_focal_length():
 def test_bad_lamp(changes, complaint):
     with pytest.raises(ConfigError, match=complaint):
         read(lamps={"head": {**LAMP, **changes}})
+
+
+def test_the_field_of_view_holds_with_the_distortion():
+    camera = read({**FRONT, "distortion": [-0.12, 0.02, 0.0, 0.0, 0.0]}).cameras["front"]
+    ((left, _), (right, _)) = camera.optics().rays([(-0.5, 239.5), (639.5, 239.5)])
+    assert math.atan(right) - math.atan(left) == pytest.approx(1.5, abs=1e-6)
+
+
+class TestChanged:
+    def test_some_values_and_values_within(self):
+        before = read({**FRONT, "exposure": {"auto": True, "ev": 1.0}}).cameras["front"]
+        after = changed(before, "{rate: 5, exposure: {ev: -1}}", ["frame"])
+        assert (after.rate, after.exposure.auto, after.exposure.ev) == (5.0, True, -1.0)
+        assert changed(after, "{rate: 25, exposure: {ev: 1}}", []) == before
+
+    @pytest.mark.parametrize("text", ["", "  ", "{}", "{frame: front_camera_optical_frame}"])
+    def test_nothing(self, text):
+        before = read().cameras["front"]
+        assert changed(before, text, ["frame"]) == before
+
+    @pytest.mark.parametrize(
+        ("text", "complaint"),
+        [
+            ("{rate: 1000}", "rate is 1000.0; it must be above 0 and at most 240"),
+            ("{rate: .nan}", "rate is nan; it must be finite"),
+            ("{rate: fast}", "rate is 'fast'; a number is needed"),
+            ("{speed: 5}", "speed is unknown; known are .*rate"),
+            ("{exposure: {iso: 100}}", "exposure/iso is unknown; known are auto, ev"),
+            ("{exposure: 3}", "exposure is 3; a struct is needed"),
+            ("{frame: other}", "frame cannot be changed while the node runs"),
+            ("[1, 2]", r"parameters are \[1, 2\]; a struct is needed, e.g. {rate: 5}"),
+            ("{rate: 5", "parameters are no YAML at character"),
+            ("{1: 2}", "1 is unknown"),
+            ("{width: 320, distortion: [-1, 0, 0, 0, 0]}", "folds the picture"),
+        ],
+    )
+    def test_what_is_wrong_changes_nothing(self, text, complaint):
+        with pytest.raises(ConfigError, match=complaint):
+            changed(read().cameras["front"], text, ["frame"])
+
+    def test_is_written_as_it_can_be_read(self):
+        camera = read({**FRONT, "distortion": [-0.1, 0.0, 0.0, 0.0, 0.0]}).cameras["front"]
+        assert changed(read().cameras["front"], as_yaml(asdict(camera)), []) == camera
 
 
 def test_bad_name_of_a_lamp():

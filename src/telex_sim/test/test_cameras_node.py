@@ -21,6 +21,7 @@ from telex_control.private_master import PrivateMaster, end_tree
 
 NODE = Path(__file__).parents[1] / "nodes" / "cameras"
 SIZE = (160, 120)
+NO_EGL = {"__EGL_VENDOR_LIBRARY_DIRS": "/nonexistent"}
 POSES_RATE = 60.0  # 1/s
 POSES_PERIOD = 16_666_667  # sim time between poses (ns)
 RED, GREEN, BLUE = (0.9, 0.05, 0.05), (0.05, 0.8, 0.05), (0.05, 0.1, 0.9)
@@ -32,6 +33,8 @@ PARAMS = {
             "frame": "front_camera_optical_frame",
             "rate": 20.0,
             "zoom_max": 4.0,
+            "distortion": [-0.1, 0.02, 0.0, 0.0, 0.0],
+            "depth": True,
         },
         "rear": {**CAMERA, "frame": "rear_camera_optical_frame", "rate": 20.0},
         "ghost": {**CAMERA, "frame": "no_such_link"},
@@ -40,8 +43,25 @@ PARAMS = {
         "head": {"frame": "lamp_link", "intensity": 2.0, "level": 0.5},
         "lost": {"frame": "no_lamp_link"},
     },
+    "overview": {
+        "width": 64,
+        "height": 48,
+        "horizontal_fov": 1.0,
+        "rate": 20.0,
+        "smoothing": 0.0,
+        "start": {
+            "mode": "fixed",
+            "azimuth": 0,
+            "elevation": 0,
+            "distance": 6,
+            "center": [0, 0, 0],
+        },
+    },
     "model": "telex",
 }
+# Half the width of what the cameras see in the plane z = 1, and the front camera's focal length.
+EDGE = np.tan(0.6)
+FOCAL = SIZE[0] / 2 / (EDGE * (1.0 - 0.1 * EDGE**2 + 0.02 * EDGE**4))
 
 
 # ---------------------------------------------------------------- the tests
@@ -65,8 +85,18 @@ def set_params(environment, params):
 @pytest.fixture(scope="module")
 def seen(master, tmp_path_factory):
     """What the drill saw of a node, and how the node ended."""
-    set_params(master, PARAMS)
-    log = tmp_path_factory.mktemp("cameras") / "log"
+    return run(master, tmp_path_factory.mktemp("cameras") / "log", PARAMS, "drill")
+
+
+@pytest.fixture(scope="module")
+def seen_without_opengl(master, tmp_path_factory):
+    """What was seen of a node on a machine without EGL."""
+    environment = {**master, **NO_EGL}
+    return run(environment, tmp_path_factory.mktemp("tiny") / "log", PARAMS, "look")
+
+
+def run(master, log, params, drill):
+    set_params(master, params)
     with log.open("w") as output:
         node = subprocess.Popen(
             [sys.executable, str(NODE), "__name:=cameras"],
@@ -77,7 +107,7 @@ def seen(master, tmp_path_factory):
         )
         try:
             drill = subprocess.run(
-                [sys.executable, __file__],
+                [sys.executable, __file__, drill],
                 env=master,
                 capture_output=True,
                 text=True,
@@ -131,7 +161,8 @@ def test_every_picture_has_its_camera_info(seen):
     assert info["frame"] == "front_camera_optical_frame"
     assert info["size"] == list(SIZE)
     assert info["k"][2] == pytest.approx((SIZE[0] - 1) / 2)
-    assert info["k"][0] == pytest.approx(SIZE[0] / 2 / np.tan(0.6))
+    assert info["k"][0] == pytest.approx(FOCAL)
+    assert info["d"] == [-0.1, 0.02, 0.0, 0.0, 0.0]
 
 
 def test_the_other_camera_looks_the_other_way(seen):
@@ -145,17 +176,107 @@ def test_raw_pictures_while_somebody_listens(seen):
     assert all(looks(picture, RED) for picture in seen["raw"])
 
 
-def test_what_this_robot_lacks_is_named_once_and_keeps_still(seen):
-    assert seen["ghost"] == []
-    assert seen["log"].count("this robot has no telex/no_lamp_link, telex/no_such_link") == 1
+def test_what_this_robot_lacks_is_named_once_and_not_advertised(seen):
+    assert seen["topics_before"] == []
+    assert "/telex/cameras/front/image_raw/compressed" in seen["topics"]
+    assert "/telex/cameras/rear/camera_info" in seen["topics"]
+    assert not [topic for topic in seen["topics"] if "ghost" in topic]
+    # At first, and when the link has gone again.
+    assert seen["log"].count("this robot has no telex/no_lamp_link, telex/no_such_link") == 2
 
 
 def test_zoom_is_taken_within_its_range_and_told_by_camera_info(seen):
-    focal = SIZE[0] / 2 / np.tan(0.6)
-    assert seen["zoom"] == pytest.approx([focal, 2.5 * focal, 2.5 * focal, 4.0 * focal, focal])
+    factors = [1.0, 2.5, 2.5, 4.0, 1.0]
+    assert seen["zoom"] == pytest.approx([factor * FOCAL for factor in factors])
     assert "camera front: zoom is nan; 1 to 4 is possible" in seen["log"]
     assert "camera front: zoom is 99; 1 to 4 is possible, 4 is taken" in seen["log"]
     assert "camera front: zoom is -1; 1 to 4 is possible, 1 is taken" in seen["log"]
+
+
+def test_a_camera_comes_and_goes_with_its_link(seen):
+    assert seen["ghost_comes"]
+    assert seen["ghost_goes"]
+
+
+def test_depth_is_in_metres_and_offered_where_it_is_wanted(seen):
+    assert all(depth["encoding"] == "32FC1" for depth in seen["depth"])
+    assert all(depth["frame"] == "front_camera_optical_frame" for depth in seen["depth"])
+    assert [depth["middle"] for depth in seen["depth"]] == pytest.approx([2.75] * 3, abs=0.01)
+    # Beside the box there is nothing.
+    assert all(depth["corner"] == np.inf for depth in seen["depth"])
+    assert "/telex/cameras/front/depth" in seen["topics"]
+    assert "/telex/cameras/rear/depth" not in seen["topics"]
+
+
+def test_parameters_are_changed_while_it_runs(seen):
+    changed = seen["changed"]
+    assert changed["success"]
+    assert "width: 80" in changed["parameters"]
+    assert changed["on_server"] == 80
+    assert changed["info"]["size"] == [80, 60]
+    assert changed["info"]["k"][0] == pytest.approx(40.0 / EDGE)
+    assert changed["picture"]["size"] == [80, 60]
+    assert 3 <= changed["pictures_in_a_second"] <= 7
+    # One EV less is half the light.
+    assert changed["picture"]["brightness"] < 0.85 * changed["brightness_before"]
+    assert changed["topics"] == ["/telex/cameras/rear/depth"]
+    assert looks(changed["renderer"], GREEN)
+
+
+def test_parameters_that_make_no_sense_are_refused_with_the_reason(seen):
+    assert seen["refused"] == [
+        "rate is -1.0; it must be above 0 and at most 240",
+        "noise is nan; it must be finite",
+        "frame cannot be changed while the node runs",
+        "camera is 'side'; front, ghost, overview, rear are possible, or nothing for what all have"
+        " in common",
+        "quality is 'ultra'; auto, software, gpu are possible",
+        "seed cannot be changed while the node runs",
+    ]
+
+
+def test_the_overview_goes_where_it_is_sent(seen):
+    before, after, refused = seen["overview"]
+    # From far ahead it sees the front box, from behind the other one.
+    assert looks(before, RED)
+    assert looks(after, GREEN)
+    assert looks(refused, GREEN)
+    assert after["frame"] == "overview_camera_optical_frame"
+    assert "camera overview: distance is nan; it must be" in seen["log"]
+    assert "camera overview: mode is 'fly'; follow, orbit, fixed are possible" in seen["log"]
+
+
+def test_without_opengl_tiny_renderer_draws_and_the_log_says_what_to_install(seen_without_opengl):
+    seen = seen_without_opengl
+    assert "apt-get install libegl1 libgl1 libgl1-mesa-dri" in seen["log"]
+    assert "TinyRenderer draws" in seen["log"]
+    assert looks(seen["front"], RED)
+    assert seen["front"]["size"] == list(SIZE)
+    assert seen["depth"]["middle"] == pytest.approx(2.75, abs=0.02)
+    assert seen["info"]["k"][0] == pytest.approx(FOCAL)
+    assert seen["alive"]
+    assert seen["exit"] == 0
+    assert "Traceback" not in seen["log"]
+
+
+def test_nothing_is_drawn_for_nobody(master):
+    set_params(master, PARAMS)
+    drill = subprocess.run(
+        [sys.executable, __file__, "count"],
+        env=master,
+        capture_output=True,
+        text=True,
+        timeout=60.0,
+        check=False,
+    )
+    assert drill.returncode == 0, drill.stdout[-2000:] + drill.stderr[-4000:]
+    counted = json.loads(drill.stdout.splitlines()[-1])
+    assert counted["info"] == {"ahead": 0, "back": 0}
+    assert counted["front"]["ahead"] > 3
+    assert counted["front"]["back"] == 0
+    assert counted["rear"]["back"] > 3
+    assert counted["rear"]["ahead"] == 0
+    assert counted["nobody"] == {"ahead": 0, "back": 0}
 
 
 def test_lamps_are_switched(seen):
@@ -201,8 +322,8 @@ def test_the_node_survives_all_that_and_ends_in_order(seen):
         ({**PARAMS, "cameras": {}}, {}, "cameras is empty"),
         ({**PARAMS, "colour": "red"}, {}, "colour is unknown"),
         (
-            PARAMS,
-            {"__EGL_VENDOR_LIBRARY_DIRS": "/nonexistent"},
+            {**PARAMS, "renderer": "opengl"},
+            NO_EGL,
             "apt-get install libegl1 libgl1 libgl1-mesa-dri",
         ),
     ],
@@ -240,6 +361,7 @@ class Simulator:
         self.ticks = 0
         self.paused = False
         self.broken = False
+        self.ghost = False
         threading.Thread(target=self._run, daemon=True).start()
 
     @property
@@ -260,15 +382,19 @@ class Simulator:
                 color=ColorRGBA(*color, 1.0),
             )
 
-        frames = ["world", "telex/front_camera_optical_frame", "telex/rear_camera_optical_frame"]
         self._scenes.publish(
             SceneDescription(
                 revision=self.revision,
-                frames=[*frames, "telex/lamp_link"],
+                frames=self._frames(),
                 visuals=[box(3.0, color), box(-3.0, GREEN)],
                 ambient=ambient,
             )
         )
+
+    def _frames(self):
+        names = ["front_camera_optical_frame", "rear_camera_optical_frame", "lamp_link"]
+        names += ["base_link"] + ["no_such_link"] * self.ghost
+        return ["world", *(f"telex/{name}" for name in names)]
 
     def _run(self):
         from telex_msgs.msg import ScenePoses
@@ -280,7 +406,7 @@ class Simulator:
             # Optical frames that look along x, and against it.
             poses += [0.0, 0.0, 0.0, -0.5, 0.5, -0.5, 0.5]
             poses += [0.0, 0.0, 0.0, 0.5, 0.5, -0.5, -0.5]
-            poses += [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
+            poses += [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0] * (2 + self.ghost)
             if self.broken:
                 poses[7] = float("nan")
             message = ScenePoses(revision=self.revision, poses=poses)
@@ -309,6 +435,12 @@ class Viewer:
         deadline = time.monotonic() + 20.0
         while not self._noted and time.monotonic() < deadline:
             time.sleep(0.01)
+        return self._noted[-1]
+
+    def newest(self, seconds):
+        """The last message of some time, on a busy machine the first after it."""
+        noted = self.note_for(seconds)
+        return noted[-1] if noted else self.wait()
 
     def leave(self):
         self._subscriber.unregister()
@@ -317,13 +449,18 @@ class Viewer:
         header = message.header
         note = {"stamp": header.stamp.to_nsec(), "frame": header.frame_id}
         if hasattr(message, "K"):
-            note.update(size=[message.width, message.height], k=list(message.K))
+            note.update(size=[message.width, message.height], k=list(message.K), d=list(message.D))
+        elif getattr(message, "encoding", "") == "32FC1":
+            depth = np.frombuffer(message.data, np.float32).reshape(message.height, message.width)
+            middle, corner = depth[message.height // 2, message.width // 2], depth[0, 0]
+            note.update(encoding=message.encoding, middle=float(middle), corner=float(corner))
         else:
             pixels = self._pixels(message)
-            middle = pixels[
-                SIZE[1] // 2 - 2 : SIZE[1] // 2 + 3, SIZE[0] // 2 - 2 : SIZE[0] // 2 + 3
-            ]
+            rows, columns = pixels.shape[0] // 2, pixels.shape[1] // 2
+            middle = pixels[rows - 2 : rows + 3, columns - 2 : columns + 3]
             note["middle"] = middle.reshape(-1, 3).mean(axis=0).tolist()
+            note["brightness"] = float(middle.mean())
+            note["size"] = [pixels.shape[1], pixels.shape[0]]
         self._noted.append(note)
 
     @staticmethod
@@ -344,9 +481,9 @@ def drill():
     from std_msgs.msg import Float64
 
     rospy.init_node("drill")
+    seen = {"topics_before": camera_topics()}
     simulator = Simulator()
     simulator.describe(RED)
-    seen = {}
     time.sleep(1.0)
     seen["followed_before"] = simulator.followed
 
@@ -365,11 +502,13 @@ def drill():
     for name, topic, kind in (
         ("rear", "cameras/rear/image_raw/compressed", CompressedImage),
         ("raw", "cameras/front/image_raw", Image),
-        ("ghost", "cameras/ghost/image_raw/compressed", CompressedImage),
+        ("depth", "cameras/front/depth", Image),
     ):
         viewer = Viewer(topic, kind)
         seen[name] = viewer.note_for(0.7)
         viewer.leave()
+    seen["depth"] = seen["depth"][-3:]
+    seen["topics"] = camera_topics()
 
     simulator.paused = True
     front.note_for(0.3)
@@ -409,7 +548,7 @@ def drill():
     seen["zoom"] = command(
         "cameras/front/zoom",
         (2.5, float("nan"), 99.0, -1.0),
-        lambda: infos.note_for(0.3)[-1]["k"][0],
+        lambda: infos.newest(0.3)["k"][0],
     )
     simulator.revision = 2
     simulator.describe(RED, ambient=0.0)
@@ -417,10 +556,186 @@ def drill():
     seen["lamp"] = command(
         "lamps/head/command",
         (0.0, float("nan"), 1.0),
-        lambda: max(front.note_for(0.3)[-1]["middle"]),
+        lambda: max(front.newest(0.3)["middle"]),
     )
+    simulator.ghost = True
+    simulator.revision += 1
+    simulator.describe(RED)
+    seen["ghost_comes"] = eventually(
+        lambda: "/telex/cameras/ghost/image_raw/compressed" in camera_topics()
+    )
+    simulator.ghost = False
+    simulator.revision += 1
+    simulator.describe(RED)
+    seen["ghost_goes"] = eventually(
+        lambda: not [topic for topic in camera_topics() if "ghost" in topic]
+    )
+    front.leave()
+    infos.leave()
+    seen.update(configure())
+    seen["overview"] = fly()
     print(json.dumps(seen))
 
 
+def camera_topics():
+    import rospy
+
+    return [topic for topic, _ in rospy.get_published_topics() if "/telex/cameras/" in topic]
+
+
+def eventually(condition):
+    deadline = time.monotonic() + 10.0
+    while not condition() and time.monotonic() < deadline:
+        time.sleep(0.05)
+    return condition()
+
+
+def configure():
+    """Change parameters of the rear camera; some that make no sense first."""
+    import rospy
+    from sensor_msgs.msg import CameraInfo, CompressedImage
+    from telex_msgs.srv import ConfigureCamera
+
+    service = rospy.ServiceProxy("cameras/configure", ConfigureCamera)
+    service.wait_for_service(10.0)
+    rear = Viewer("cameras/rear/image_raw/compressed", CompressedImage)
+    before = rear.wait()
+    refused = []
+    for camera, parameters in (
+        ("rear", "{rate: -1, width: 32}"),
+        ("rear", "{noise: .nan}"),
+        ("rear", "{frame: lamp_link}"),
+        ("side", "{rate: 5}"),
+        ("", "{quality: ultra}"),
+        ("", "{seed: 5}"),
+    ):
+        answer = service(camera, parameters)
+        assert not answer.success
+        refused.append(answer.message)
+    topics = set(camera_topics())
+    answer = service("rear", "{width: 80, height: 60, rate: 5, depth: true, exposure: {ev: -1}}")
+    info = Viewer("cameras/rear/camera_info", CameraInfo)
+    rear.note_for(0.5)
+    pictures = rear.note_for(1.0)
+    changed = {
+        "success": answer.success,
+        "parameters": answer.parameters,
+        "on_server": rospy.get_param("cameras/cameras/rear/width"),
+        "brightness_before": before["brightness"],
+        "pictures_in_a_second": len(pictures),
+        "picture": pictures[-1] if pictures else rear.wait(),
+        "info": info.wait(),
+        "topics": sorted(set(camera_topics()) - topics),
+    }
+    # Another renderer takes the place of the first.
+    assert service("", "{shadow_radius: 3}").success
+    rear.note_for(0.3)
+    changed["renderer"] = rear.wait()
+    rear.leave()
+    info.leave()
+    return {"changed": changed, "refused": refused}
+
+
+def fly():
+    """Send the overview camera to the other side, and then nowhere."""
+    import rospy
+    from sensor_msgs.msg import CompressedImage
+    from telex_msgs.msg import OverviewView
+
+    viewer = Viewer("cameras/overview/image_raw/compressed", CompressedImage)
+    sender = rospy.Publisher("cameras/overview/view", OverviewView, queue_size=1)
+    seen = [viewer.wait()]
+    while not sender.get_num_connections():
+        time.sleep(0.01)
+    for view in (
+        OverviewView(mode="fixed", azimuth=np.pi, distance=6.0),
+        OverviewView(mode="fixed", distance=float("nan")),
+        OverviewView(mode="fly", distance=6.0),
+    ):
+        sender.publish(view)
+        seen.append(viewer.newest(0.5))
+    viewer.leave()
+    return seen[:2] + seen[3:]
+
+
+def look():
+    """Look once through the front camera."""
+    import rospy
+    from sensor_msgs.msg import CameraInfo, CompressedImage, Image
+
+    rospy.init_node("look")
+    Simulator().describe(RED)
+    kinds = {"image_raw/compressed": CompressedImage, "camera_info": CameraInfo, "depth": Image}
+    viewers = [Viewer(f"cameras/front/{topic}", kind) for topic, kind in kinds.items()]
+    front, info, depth = (viewer.wait() for viewer in viewers)
+    print(json.dumps({"front": front, "info": info, "depth": depth}))
+
+
+class CountingRenderer:
+    """Counts pictures by the direction in which the camera looks."""
+
+    def __init__(self):
+        self.counts = {"ahead": 0, "back": 0}
+
+    def load_scene(self, scene):
+        return []
+
+    def set_lamp_levels(self, levels):
+        pass
+
+    def place(self, frames_in_world, focus, recast=True):
+        pass
+
+    def render(self, camera, optical_in_world, exposure=1.0):
+        self.counts["ahead" if optical_in_world[0, 2] > 0.0 else "back"] += 1
+        return np.zeros((camera.height, camera.width, 4), np.uint8)
+
+    def depth(self, camera):
+        return np.zeros((camera.height, camera.width), np.float32)
+
+    def release(self):
+        pass
+
+
+def count():
+    """Count what a node draws for whom, in this process."""
+    import rospy
+    from sensor_msgs.msg import CameraInfo, CompressedImage
+
+    from telex_control.params import read_config
+    from telex_sim.rendering.cameras_config import CamerasConfig
+    from telex_sim.rendering.cameras_node import CamerasNode
+
+    rospy.init_node("count")
+    renderer = CountingRenderer()
+    node = CamerasNode(read_config(CamerasConfig, PARAMS, "count"), lambda config: renderer)
+    Simulator().describe(RED)
+    counted = {}
+
+    def watch():
+        for name, topic, kind in (
+            ("info", "front/camera_info", CameraInfo),
+            ("front", "front/image_raw/compressed", CompressedImage),
+            ("rear", "rear/image_raw/compressed", CompressedImage),
+        ):
+            viewer = Viewer(f"cameras/{topic}", kind)
+            viewer.wait()
+            before = dict(renderer.counts)
+            viewer.note_for(0.5)
+            counted[name] = {way: renderer.counts[way] - before[way] for way in before}
+            viewer.leave()
+        time.sleep(0.3)
+        before = dict(renderer.counts)
+        time.sleep(0.5)
+        counted["nobody"] = {way: renderer.counts[way] - before[way] for way in before}
+        rospy.signal_shutdown("counted")
+
+    watcher = threading.Thread(target=watch)
+    watcher.start()
+    node.run()
+    watcher.join()
+    print(json.dumps(counted))
+
+
 if __name__ == "__main__":
-    drill()
+    {"drill": drill, "look": look, "count": count}[sys.argv[1]]()

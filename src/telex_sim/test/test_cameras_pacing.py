@@ -3,7 +3,7 @@ import threading
 import pytest
 from telex_msgs.msg import SceneDescription, ScenePoses
 
-from telex_sim.rendering.frame_pacer import FramePacer
+from telex_sim.rendering.frame_pacer import FramePacer, next_due
 from telex_sim.rendering.scene_inbox import SceneInbox
 
 MILLISECOND = 10**6
@@ -78,6 +78,72 @@ class TestFramePacer:
         assert taken_early[-5:] == taken_late[-5:]
 
 
+class Paced:
+    def __init__(self, rate, priority=0):
+        self.pacer = FramePacer(rate, 5.0)
+        self.priority = priority
+        self.taken = 0
+
+
+def serve(cameras, seconds, work):
+    """Take pictures as the node does, each of which takes ``work`` (s); their rates (1/s)."""
+    now = 0.0005
+    while now < seconds:
+        stamp = int(now * 60.0) * 16 * MILLISECOND
+        camera = next_due(cameras, now, stamp)
+        if camera is None:
+            now += 0.001
+            continue
+        camera.pacer.sent(now, stamp)
+        camera.taken += 1
+        now += work
+    return [camera.taken / seconds for camera in cameras]
+
+
+class TestNextDue:
+    def test_all_keep_their_rates_while_there_is_time(self):
+        rates = serve([Paced(25.0, 1), Paced(10.0), Paced(15.0), Paced(5.0)], 10.0, 0.01)
+        assert rates == pytest.approx([25.0, 10.0, 15.0, 5.0], rel=0.03)
+
+    def test_the_first_keeps_its_rate_and_the_others_share_what_is_left(self):
+        rates = serve([Paced(25.0, 1), *(Paced(10.0) for _ in range(5))], 10.0, 0.02)
+        assert rates[0] > 23.5
+        assert sum(rates) == pytest.approx(50.0, rel=0.03)
+        assert max(rates[1:]) - min(rates[1:]) < 0.3
+
+    def test_what_is_left_is_shared_in_the_proportion_of_their_rates(self):
+        rates = serve([Paced(30.0), Paced(15.0), Paced(15.0)], 20.0, 0.05)
+        assert rates == pytest.approx([10.0, 5.0, 5.0], rel=0.15)
+
+    def test_none_starves(self):
+        rates = serve([Paced(60.0, 1), Paced(10.0), Paced(10.0)], 20.0, 0.1)
+        assert min(rates[1:]) > 0.7
+        assert rates[0] > 7.5
+
+    def test_where_every_picture_takes_longer_than_patience_all_have_their_turn(self):
+        cameras = [Paced(30.0, 1), *(Paced(30.0) for _ in range(5))]
+        rates = serve(cameras, 60.0, 1.5)
+        assert max(rates) < 1.5 * min(rates)
+
+    def test_who_comes_late_is_served_at_once(self):
+        busy, late = Paced(60.0, 1), Paced(10.0)
+        busy.pacer.sent(7.0, 7)
+        assert next_due([busy, late], 7.05, 8) is late
+
+    def test_nobody_is_due(self):
+        camera = Paced(10.0)
+        camera.pacer.sent(5.01, 7)
+        assert next_due([camera], 5.02, 8) is None
+        assert next_due([], 5.02, 8) is None
+
+    def test_a_rate_that_is_changed_counts_at_once(self):
+        camera = Paced(1.0)
+        camera.pacer.sent(5.01, 7)
+        assert next_due([camera], 5.2, 8) is None
+        camera.pacer.rate = 10.0
+        assert next_due([camera], 5.2, 8) is camera
+
+
 class TestSceneInbox:
     def test_a_scene_is_taken_once_poses_stay(self):
         inbox = SceneInbox()
@@ -88,7 +154,8 @@ class TestSceneInbox:
         inbox.put_poses(poses)
         assert inbox.take_scene() is scene
         assert inbox.take_scene() is None
-        assert inbox.newest_poses() is inbox.newest_poses() is poses
+        assert inbox.newest_poses() is inbox.newest_poses()
+        assert inbox.newest_poses().poses is poses
 
     def test_only_the_newest_counts(self):
         inbox = SceneInbox()
@@ -96,14 +163,24 @@ class TestSceneInbox:
             inbox.put_scene(SceneDescription(revision=revision))
             inbox.put_poses(ScenePoses(revision=revision))
         assert inbox.take_scene().revision == 3
-        assert inbox.newest_poses().revision == 3
+        assert inbox.newest_poses().poses.revision == 3
+
+    def test_poses_know_those_before_them_in_the_same_scene(self):
+        inbox = SceneInbox()
+        first, second, other = (ScenePoses(revision=number) for number in (1, 1, 2))
+        inbox.put_poses(first)
+        assert inbox.newest_poses().earlier is None
+        inbox.put_poses(second)
+        assert inbox.newest_poses().earlier is first
+        inbox.put_poses(other)
+        assert inbox.newest_poses().earlier is None
 
     def test_poses_that_overtake_their_scene_are_kept(self):
         inbox = SceneInbox()
         inbox.put_scene(SceneDescription(revision=1))
         inbox.put_poses(ScenePoses(revision=2))
         inbox.put_scene(SceneDescription(revision=2))
-        assert inbox.newest_poses().revision == 2
+        assert inbox.newest_poses().poses.revision == 2
 
     def test_poses_of_a_simulation_that_ended_are_dropped(self):
         inbox = SceneInbox()
@@ -119,4 +196,4 @@ class TestSceneInbox:
         news = ScenePoses()
         threading.Timer(0.05, inbox.put_poses, [news]).start()
         inbox.wait(60.0)
-        assert inbox.newest_poses() is news
+        assert inbox.newest_poses().poses is news

@@ -301,7 +301,7 @@ class TestFog:
 
 @pytest.mark.parametrize("zoom", [1.0, 2.5, 10.0])
 def test_zoom_narrows_the_view_as_camera_info_says(studio, zoom):
-    camera = CameraConfig("head", 640, 480, 1.2, zoom_max=10.0).optics(zoom)
+    camera = CameraConfig(640, 480, 1.2, zoom_max=10.0, frame="head").pinhole(zoom)
     assert camera.focal_length == pytest.approx(zoom * 320.0 / math.tan(0.6))
     offset = np.array([0.35, -0.2]) / zoom
     ball = Visual(

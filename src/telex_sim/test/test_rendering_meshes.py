@@ -312,8 +312,8 @@ def test_missing_file_is_named(tmp_path):
 
 
 def test_unknown_kind_is_named(tmp_path):
-    with pytest.raises(MeshFileError, match=r"a\.dae: unknown kind .* \.obj or \.stl"):
-        load_mesh(write(tmp_path / "a.dae", "<COLLADA/>"))
+    with pytest.raises(MeshFileError, match=r"a\.3ds: unknown kind .* \.obj or \.stl or \.dae"):
+        load_mesh(write(tmp_path / "a.3ds", "4D4D"))
 
 
 @pytest.mark.parametrize(

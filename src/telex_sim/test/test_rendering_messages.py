@@ -3,21 +3,21 @@ import math
 import cv2
 import numpy as np
 import pytest
+from genpy import Time
 from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
 from std_msgs.msg import ColorRGBA, Header
 from telex_msgs.msg import SceneDescription, SceneLamp, ScenePoses, SceneVisual
 
-from telex_sim.rendering.camera import PinholeCamera
+from telex_sim.rendering.lens import LensCamera
 from telex_sim.rendering.messages import (
     camera_info_message,
     compressed_image_message,
+    depth_message,
     frames_from_message,
     image_message,
     scene_from_message,
 )
 from telex_sim.rendering.scene import Daylight, Lamp, Shape
-
-CAMERA = PinholeCamera(64, 48, 1.2, 0.1, 50.0)
 
 
 def visual(**changes):
@@ -136,6 +136,23 @@ class TestPoses:
         frames = frames_from_message(ScenePoses(poses=poses), 2)
         assert frames[1, :3, 3].tolist() == [1.0, 2.0, 3.0]
 
+    def test_a_moment_before(self):
+        half = math.sqrt(0.5)
+        now = ScenePoses(poses=[1.0, 0.0, 0.0, 0.0, 0.0, half, half])
+        before = ScenePoses(poses=[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0])
+        now.header.stamp, before.header.stamp = Time(5, 0), Time(4, 980_000_000)
+        (frame,) = frames_from_message(now, 1, before, 0.01)
+        assert frame[0, 3] == pytest.approx(0.5)
+        assert math.atan2(frame[1, 0], frame[0, 0]) == pytest.approx(math.pi / 4.0)
+        assert (frames_from_message(now, 1, before, 0.0) == frames_from_message(now, 1)).all()
+
+    def test_poses_far_apart_say_nothing_of_the_time_between(self):
+        now = ScenePoses(poses=[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
+        before = ScenePoses(poses=[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
+        now.header.stamp, before.header.stamp = Time(5, 0), Time(4, 0)
+        assert frames_from_message(now, 1, before, 0.01)[0, 0, 3] == 1.0
+        assert frames_from_message(now, 1, None, 0.01)[0, 0, 3] == 1.0
+
     @pytest.mark.parametrize(
         "poses", [[], [0.0] * 6, [0.0] * 7, [math.nan] + [0.0] * 5 + [1.0], [0.0] * 14]
     )
@@ -148,18 +165,31 @@ class TestPictures:
     header = Header(frame_id="front_camera_optical_frame")
 
     def test_camera_info_is_that_of_the_projection(self):
-        info = camera_info_message(CAMERA, self.header)
-        point = np.array([0.2, -0.1, 2.0])
+        distortion = (-0.1, 0.02, 0.001, -0.002, 0.0)
+        camera = LensCamera.of_field(64, 48, 1.2, distortion, 0.1, 10.0)
+        info = camera_info_message(camera, self.header)
+        point = np.array([0.4, -0.3, 1.0])
+        pixel, _ = cv2.projectPoints(
+            point, np.zeros(3), np.zeros(3), np.reshape(info.K, (3, 3)), np.array(info.D)
+        )
+        np.testing.assert_allclose(pixel.reshape(2), camera.project([point])[0])
         u, v, w = np.reshape(info.P, (3, 4)) @ [*point, 1.0]
-        np.testing.assert_allclose([u / w, v / w], CAMERA.project([point])[0])
-        assert np.reshape(info.P, (3, 4))[:, :3].reshape(-1).tolist() == list(info.K)
+        rectified = cv2.undistortPoints(
+            pixel,
+            np.reshape(info.K, (3, 3)),
+            np.array(info.D),
+            R=np.reshape(info.R, (3, 3)),
+            P=np.reshape(info.P, (3, 4)),
+        )
+        np.testing.assert_allclose([u / w, v / w], rectified.reshape(2), atol=0.02)
         assert (info.width, info.height) == (64, 48)
-        assert (info.distortion_model, list(info.D)) == ("plumb_bob", [0.0] * 5)
+        assert (info.distortion_model, tuple(info.D)) == ("plumb_bob", distortion)
         assert list(info.R) == [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
 
     def test_jpeg(self):
         message = compressed_image_message(picture(), 90, self.header)
-        assert message.format == "jpeg"
+        # "<encoding>; jpeg compressed <encoding in the JPEG>": image_transport's convention.
+        assert message.format == "rgb8; jpeg compressed bgr8"
         decoded = cv2.imdecode(np.frombuffer(message.data, np.uint8), cv2.IMREAD_COLOR)
         np.testing.assert_allclose(decoded[24, 16], (10, 30, 200), atol=6)
         np.testing.assert_allclose(decoded[24, 48], (255, 255, 255), atol=6)
@@ -170,3 +200,10 @@ class TestPictures:
         pixels = np.frombuffer(message.data, np.uint8).reshape(48, 64, 3)
         assert pixels[0, 0].tolist() == [200, 30, 10]
         assert pixels[47, 63].tolist() == [255, 255, 255]
+
+    def test_depth(self):
+        depth = np.array([[1.5, np.inf, 0.25], [2.0, 3.0, 4.0]])
+        message = depth_message(depth, self.header)
+        assert (message.encoding, message.step, message.is_bigendian) == ("32FC1", 12, 0)
+        values = np.frombuffer(message.data, np.float32).reshape(message.height, message.width)
+        np.testing.assert_array_equal(values, depth)

@@ -42,11 +42,12 @@ ARM_JOINTS = [
 PRESET_NAMES = ["flat", "drive", "approach", "climb", "descend", "high", "folded"]
 FINGERS = [f"{s}_finger_{p}_joint" for s in ("left", "right") for p in ("base", "middle", "tip")]
 FLIPPER_JOINTS = [f"{e}_{s}_flipper_joint" for e in ("front", "rear") for s in ("left", "right")]
+THUMBNAILS = ["arm", "gripper", "mast", "rear", "turret"]
 POSITIONS = [0.5, -1.0, 0.12, 2.0, 0.1, -0.5, -1e-6]
 POSITIONS += [0.3, 0.3, -0.6, 0.3, 0.3, -0.6, 0.6, 0.61, -1.2, -1.2]
 
 
-def camera_picture():
+def camera_picture(width=640, height=480, number=0):
     """Draw a floor, a horizon and two boxes: something that an operator could drive by."""
     picture = np.zeros((480, 640, 3), np.uint8)
     picture[:240], picture[240:] = (70, 80, 90), (75, 70, 60)
@@ -54,7 +55,9 @@ def camera_picture():
         cv2.line(picture, (320, 240), (320 + x * 80, 480), (105, 100, 90), 1, cv2.LINE_AA)
     cv2.rectangle(picture, (100, 140), (220, 260), (90, 140, 130), -1)
     cv2.rectangle(picture, (420, 180), (500, 330), (200, 110, 40), -1)
-    return simplejpeg.encode_jpeg(picture, quality=90)
+    for each in range(number):
+        cv2.circle(picture, (120 + 100 * each, 400), 40, (220, 60, 40), -1)
+    return simplejpeg.encode_jpeg(cv2.resize(picture, (width, height)), quality=90)
 
 
 class Robot:
@@ -80,9 +83,16 @@ class Robot:
         states = {"name": names, "position": POSITIONS}
         self.probe.publish("/telex/joint_states", "sensor_msgs/JointState", states, rate=50)
         self.publish_sim()
-        data = {"data": camera_picture().hex()}
-        topic = "/telex/cameras/front/image_raw/compressed"
-        self.probe.publish(topic, "sensor_msgs/CompressedImage", hex=data, rate=15)
+        self.publish_camera("front", rate=15)
+        for number, camera in enumerate(THUMBNAILS, start=1):
+            self.publish_camera(camera, camera_picture(320, 240, number), rate=2)
+        self.publish_camera("overview", rate=1)
+
+    def publish_camera(self, name, picture=None, rate=0):
+        """Publish pictures at a rate, or one and then no more."""
+        data = {"data": (picture or camera_picture()).hex()}
+        topic = f"/telex/cameras/{name}/image_raw/compressed"
+        self.probe.publish(topic, "sensor_msgs/CompressedImage", hex=data, rate=rate)
 
     def publish_sim(self, **changes):
         status = {"real_time_factor": 0.998, "e_stop": False, "paused": False, **changes}
@@ -193,6 +203,28 @@ class Page:
         with self.hold(key):
             pass
 
+    def thumbnail(self, camera):
+        return self.element(f'.thumbnail[data-camera="{camera}"]')
+
+    def thumbnails(self):
+        """Return the cameras of the small views, from top to bottom, and their states."""
+        return self.script(
+            "return [...document.querySelectorAll('.thumbnail')]"
+            ".map(({dataset}) => [dataset.camera, dataset.state])"
+        )
+
+    def all_live(self):
+        return all(state == "live" for _, state in self.thumbnails())
+
+    def pixel(self, selector, x, y):
+        """Return the colour of a canvas at a part of its width and height."""
+        return self.script(
+            f"const canvas = document.querySelector('{selector}');"
+            "const dot = new OffscreenCanvas(1, 1).getContext('2d');"
+            f"dot.drawImage(canvas, {x} * canvas.width, {y} * canvas.height, 1, 1, 0, 0, 1, 1);"
+            "return [...dot.getImageData(0, 0, 1, 1).data].slice(0, 3)"
+        )
+
     def errors(self):
         """Return what the browser complained of since the last call."""
         return [entry["message"] for entry in self.driver.get_log("browser")]
@@ -272,14 +304,78 @@ def test_the_page_shows_picture_joints_and_status(robot, page, tmp_path):
     assert page.text("drive-linear") == "+0.25 m/s"
     assert "limited" in page.element('[data-joint="elbow_joint"]').get_attribute("class")
     assert not page.element("#no-picture").is_displayed()
-    pixel = page.script(
-        "return [...document.getElementById('picture').getContext('2d')"
-        ".getImageData(160, 200, 1, 1).data]"
-    )
-    assert np.abs(np.subtract(pixel[:3], (90, 140, 130))).max() < 12
+    assert np.abs(np.subtract(page.pixel("#picture", 0.25, 0.42), (90, 140, 130))).max() < 12
     assert page.driver.save_screenshot(str(tmp_path / "console.png"))
     assert page.errors() == []
     assert page.hosts() == {"127.0.0.1"}
+
+
+def is_marked(page, selector, number):
+    """Tell whether a canvas shows the picture with so many red discs."""
+    red = [page.pixel(selector, (120 + 100 * each) / 640, 400 / 480)[0] > 150 for each in range(5)]
+    return sum(red) == number
+
+
+def test_six_views_are_live_and_a_click_makes_one_large(page):
+    wait_until(lambda: len(page.thumbnails()) == 5 and page.all_live())
+    assert [camera for camera, _ in page.thumbnails()] == THUMBNAILS  # without the overview
+    for number, camera in enumerate(THUMBNAILS, start=1):
+        selector = f'[data-camera="{camera}"] canvas'
+        wait_until(lambda selector=selector, number=number: is_marked(page, selector, number))
+    wait_until(lambda: "fps" in page.text("camera-rate"))
+    rate, age = page.text("camera-rate").split(" fps · ")
+    assert 0 < float(rate) <= 20
+    assert 0 <= float(age[: -len(" ms")]) < 1000
+    page.thumbnail("rear").click()
+    assert page.text("camera-name") == "rear"
+    wait_until(lambda: is_marked(page, "#picture", 4))
+    assert [camera for camera, _ in page.thumbnails()][3] == "front"
+    wait_until(lambda: page.all_live() and is_marked(page, '[data-camera="front"] canvas', 0))
+    page.press(" ")  # must not click it again
+    page.thumbnail("front").click()
+    wait_until(lambda: page.text("camera-name") == "front" and page.all_live())
+    assert page.errors() == []
+
+
+def test_the_stream_viewer_shows_a_stream(page):
+    page.driver.get(f"{page.url}/stream_viewer?topic=/telex/cameras/front/image_raw")
+    image = page.element("img")
+    wait_until(lambda: image.get_property("naturalWidth") == 640)
+    assert page.element("h1").text == "/telex/cameras/front/image_raw"
+    page.script("document.body.append(document.createElement('canvas'))")
+    drawn = (
+        "const canvas = document.querySelector('canvas');"
+        "canvas.getContext('2d').drawImage(document.querySelector('img'), 0, 0, 300, 150);"
+    )
+    page.script(drawn)
+    assert np.abs(np.subtract(page.pixel("canvas", 0.25, 0.42), (90, 140, 130))).max() < 12
+
+
+def test_without_the_websocket_pictures_come_another_way(page, robot, tmp_path):
+    original = page.driver.execute_cdp_cmd(
+        "Page.addScriptToEvaluateOnNewDocument",
+        {
+            "source": "const Original = WebSocket;"
+            "window.WebSocket = class extends Original {"
+            "  constructor(url) { super(url.endsWith('/video') ? 'ws://127.0.0.1:9/video' : url); }"
+            "};"
+        },
+    )["identifier"]
+    try:
+        page.load()
+        wait_until(lambda: page.attribute("view", "data-state") == "live")
+        for number, camera in enumerate(THUMBNAILS, start=1):
+            selector = f'[data-camera="{camera}"] canvas'
+            wait_until(lambda selector=selector, number=number: is_marked(page, selector, number))
+        page.thumbnail("rear").click()
+        wait_until(lambda: is_marked(page, "#picture", 4))
+    finally:
+        page.driver.execute_cdp_cmd(
+            "Page.removeScriptToEvaluateOnNewDocument", {"identifier": original}
+        )
+        page.load()
+        page.errors()
+    wait_until(lambda: len(page.thumbnails()) == 5 and page.all_live())
 
 
 def test_the_attitude_turns_from_calm_to_alarm_and_vanishes_with_its_topic(robot, page):
@@ -583,13 +679,17 @@ def test_paused_and_silent_simulator(robot, page):
 
 
 def test_a_picture_that_stalls_is_not_shown_as_live(robot, page):
-    topic = "/telex/cameras/front/image_raw/compressed"
-    data = {"data": camera_picture().hex()}
-    robot.probe.publish(topic, "sensor_msgs/CompressedImage", hex=data)
+    robot.publish_camera("front")
     wait_until(lambda: page.element("#no-picture").is_displayed())
     assert "NO PICTURE" in page.text("no-picture")
-    robot.probe.publish(topic, "sensor_msgs/CompressedImage", hex=data, rate=15)
+    robot.publish_camera("mast", camera_picture(320, 240, 3))
+    wait_until(lambda: page.thumbnail("mast").get_attribute("data-state") == "stalled")
+    assert page.thumbnail("mast").text.split()[:3] == ["mast", "NO", "PICTURE"]
+    assert page.thumbnail("rear").get_attribute("data-state") == "live"
+    robot.publish_camera("front", rate=15)
+    robot.publish_camera("mast", camera_picture(320, 240, 3), rate=2)
     wait_until(lambda: page.attribute("view", "data-state") == "live")
+    wait_until(lambda: page.all_live())
 
 
 def test_a_lost_bridge_releases_is_announced_and_found_again(ros, robot, page):

@@ -46,6 +46,11 @@ def test_values_are_taken_and_own_parameters_ignored():
         ({"port": "8080"}, "parameter /v/port is '8080'; an integer is needed"),
         ({"port": True}, "parameter /v/port is True; an integer is needed"),
         ({"quality": 0}, "parameter /v: quality is 0; it must be at least 1"),
+        (
+            {"default_stream_type": "vp8"},
+            "parameter /v: default_stream_type is 'vp8'; mjpeg, ros_compressed, png are possible",
+        ),
+        ({"main_rate": 0}, "parameter /v: main_rate is 0.0; it must be at least 0.1"),
         ({"stall_timeout": float("nan")}, "parameter /v/stall_timeout is nan; it must be finite"),
         ({"stall_timeout": 0.4}, "parameter /v: stall_timeout is 0.4; it must be at least 0.5"),
         ({"address": ""}, "parameter /v: address is ''; it must not be empty"),

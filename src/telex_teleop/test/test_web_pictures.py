@@ -9,6 +9,7 @@ import simplejpeg
 
 from telex_teleop.web.video import mjpeg, pages, query
 from telex_teleop.web.video.pictures import (
+    PNG,
     CompressedPicture,
     RawPicture,
     UnusablePictureError,
@@ -106,6 +107,62 @@ def test_png_is_handed_on_or_made_a_jpeg():
     assert is_like(right, BLUE)
 
 
+@pytest.mark.parametrize(
+    ("size", "asked", "made"),
+    [
+        ((64, 48), (32, 24), (32, 24)),
+        ((64, 48), (32, None), (32, 24)),
+        ((64, 48), (None, 12), (16, 12)),
+        ((64, 48), (60, 12), (16, 12)),
+        ((64, 48), (640, 480), None),
+        ((64, 48), (64, 48), None),
+        ((200, 2), (10, 10), (10, 1)),
+    ],
+)
+def test_a_picture_is_scaled_down_into_a_box_but_never_up(size, asked, made):
+    data = jpeg(90, two_halves(*size))
+    encoded = encode(CompressedPicture(0.0, data), Variant(*asked, fit=True), 95)
+    if made is None:
+        assert encoded.data is data
+    else:
+        assert shown(encoded)[0] == made
+
+
+@pytest.mark.parametrize("source", ["jpeg", "png", "rgb8", "bgra8", "mono8"])
+def test_png_streams(source):
+    pixels = two_halves()
+    if source == "jpeg":
+        picture = CompressedPicture(0.0, jpeg())
+    elif source == "png":
+        picture = CompressedPicture(0.0, cv2.imencode(".png", pixels[:, :, ::-1])[1].tobytes())
+    else:
+        order = {"rgb8": [0, 1, 2], "bgra8": [2, 1, 0, 0], "mono8": [0]}[source]
+        picture = raw(source, np.ascontiguousarray(pixels[:, :, order]))
+    encoded = encode(picture, Variant(mime=PNG), 95)
+    assert encoded.mime == PNG
+    assert (encoded.data == getattr(picture, "data", None)) == (source == "png")
+    read = cv2.imdecode(np.frombuffer(encoded.data, np.uint8), cv2.IMREAD_COLOR)[:, :, ::-1]
+    assert read.shape == (48, 64, 3)
+    left = (RED[0],) * 3 if source == "mono8" else RED
+    assert is_like(read[24, 16], left)
+    small = encode(picture, Variant(width=10, mime=PNG), 95)
+    assert cv2.imdecode(np.frombuffer(small.data, np.uint8), 1).shape == (48, 10, 3)
+
+
+@pytest.mark.parametrize("big_endian", [False, True])
+@pytest.mark.parametrize(("encoding", "kind"), [("32FC1", "f4"), ("16UC1", "u2")])
+def test_depth_is_shown_as_grey(encoding, kind, big_endian):
+    depth = np.zeros((4, 6), np.dtype((">" if big_endian else "<") + kind))
+    depth[:, :3], depth[:, 3:] = 1000, 2000
+    if kind == "f4":
+        depth[0, 0], depth[0, 5] = np.nan, np.inf
+    picture = RawPicture(0.0, 6, 4, depth.strides[0], encoding, depth.tobytes(), 0.0, big_endian)
+    read = cv2.imdecode(np.frombuffer(encode(picture, Variant(mime=PNG), 95).data, np.uint8), 0)
+    assert read[2].tolist() == [127] * 3 + [255] * 3
+    if kind == "f4":
+        assert read[0, 0] == read[0, 5] == 0
+
+
 @pytest.mark.parametrize("padding", [0, 5])
 @pytest.mark.parametrize(
     ("encoding", "order"),
@@ -138,7 +195,9 @@ def test_grey_pictures_stay_grey(variant):
         (CompressedPicture(0.0, b"\xff\xd8nonsense"), "is a damaged JPEG"),
         (CompressedPicture(0.0, jpeg()[:60]), "is a damaged JPEG"),
         (CompressedPicture(0.0, b"\x89PNG\r\n\x1a\nnonsense"), "is a damaged PNG"),
-        (RawPicture(0.0, 2, 2, 4, "16UC1", bytes(8)), "has the encoding '16UC1'; known are rgb8"),
+        (CompressedPicture(0.0, b"\x89PNG\r\n\x1a\n"), "is a damaged PNG"),
+        (RawPicture(0.0, 2, 2, 4, "yuv422", bytes(8)), "has the encoding 'yuv422'; known are rgb8"),
+        (RawPicture(0.0, 2, 2, 2, "16UC1", bytes(4)), "has 4 bytes, which do not fit 2 x 2 16UC1"),
         (RawPicture(0.0, 2, 2, 6, "rgb8", bytes(11)), "has 11 bytes, which do not fit 2 x 2 rgb8"),
         (RawPicture(0.0, 2, 2, 5, "rgb8", bytes(10)), "has 10 bytes, which do not fit"),
         (RawPicture(0.0, 0, 0, 0, "rgb8", b""), "has 0 bytes, which do not fit 0 x 0"),
@@ -154,16 +213,42 @@ def test_damaged_pictures_are_refused_with_a_reason(picture, said):
 
 
 def test_a_query_without_wishes_changes_nothing():
-    assert query.parse({"topic": "x"}, 4096) == query.PictureQuery("x", Variant())
+    assert query.parse_stream({"topic": "x"}, 4096) == query.PictureQuery("x", Variant())
     as_upstream = {"topic": "x", "width": "-1", "height": "0", "bitrate": "x", "type": "mjpeg"}
-    assert query.parse(as_upstream, 4096).variant == Variant()
+    assert query.parse_stream(as_upstream, 4096).variant == Variant()
 
 
 def test_wishes_are_read():
     asked = {"topic": "x", "width": "320", "height": "240", "quality": "50", "invert": ""}
-    assert query.parse(asked, 4096).variant == Variant(320, 240, 50, invert=True)
+    assert query.parse_stream(asked, 4096).variant == Variant(320, 240, 50, invert=True)
+    # Where there is no compressed topic, it is an MJPEG stream with all its wishes.
     asked["type"] = "ros_compressed"
-    assert query.parse(asked, 4096).variant == Variant(unchanged=True)
+    variant = Variant(320, 240, 50, invert=True, unchanged=True)
+    assert query.parse_stream(asked, 4096).variant == variant
+
+
+def test_png_has_a_compression_level():
+    asked = {"topic": "x", "type": "png", "quality": "0"}
+    assert query.parse_stream(asked, 4096).variant == Variant(quality=0, mime=PNG)
+    assert query.parse_snapshot(asked, 4096).variant == Variant(quality=0, mime=PNG)
+    del asked["quality"]
+    assert query.parse_stream(asked, 4096).variant == Variant(mime=PNG)
+    assert query.parse_stream({"topic": "x"}, 4096, "png").variant == Variant(mime=PNG)
+
+
+def test_a_snapshot_is_a_jpeg_whatever_film_is_asked_for():
+    for stream_type in ("vp8", "h264", "ros_compressed", "mjpeg"):
+        asked = {"topic": "x", "type": stream_type, "width": "10"}
+        assert query.parse_snapshot(asked, 4096).variant == Variant(width=10)
+
+
+def test_the_raw_topic_is_taken_only_when_it_is_asked_for():
+    assert not query.parse_stream({"topic": "x"}, 4096).raw
+    assert not query.parse_stream({"topic": "x", "default_transport": "compressed"}, 4096).raw
+    asked = {"topic": "x", "default_transport": "raw"}
+    assert query.parse_stream(asked, 4096).raw
+    # This type is the compressed topic.
+    assert not query.parse_stream({**asked, "type": "ros_compressed"}, 4096).raw
 
 
 @pytest.mark.parametrize(
@@ -182,11 +267,21 @@ def test_wishes_are_read():
         ({"topic": "x", "quality": "0"}, 400, "The parameter 'quality' is 0; it must be"),
         ({"topic": "x", "quality": "101"}, 400, "The parameter 'quality' is 101"),
         ({"topic": "x", "quality": "²"}, 400, "The parameter 'quality' is '²'"),
+        (
+            {"topic": "x", "type": "png", "quality": "10"},
+            400,
+            "The parameter 'quality' is 10; it must be an integer from 0 (fast) to 9",
+        ),
+        (
+            {"topic": "x", "default_transport": "theora"},
+            400,
+            "The parameter 'default_transport' is 'theora'; it must be raw or compressed.",
+        ),
     ],
 )
 def test_bad_queries_are_refused_with_a_sentence(asked, status, said):
     with pytest.raises(query.QueryError) as error:
-        query.parse(asked, 4096)
+        query.parse_stream(asked, 4096)
     assert error.value.status == status
     assert str(error.value).startswith(said)
 
@@ -258,8 +353,17 @@ def test_topics_are_found_as_clients_spell_them(name, found):
     assert find_topic(name, TOPICS, "/telex/") == found
 
 
+def test_the_raw_topic_is_found_where_there_is_one():
+    front, rear = (f"/telex/cameras/{name}/image_raw" for name in ("front", "rear"))
+    assert find_topic(front, TOPICS, "/", raw=True) == PictureTopic(front, compressed=False)
+    compressed = PictureTopic(f"{rear}/compressed", compressed=True)
+    assert find_topic(rear, TOPICS, "/", raw=True) == compressed
+
+
 def test_cameras_and_image_topics():
-    assert [camera["name"] for camera in find_cameras(TOPICS, "/telex/")] == ["front", "rear"]
+    assert find_cameras(TOPICS, "/telex/") == {
+        name: f"/telex/cameras/{name}/image_raw" for name in ("front", "rear")
+    }
     assert base_topics(TOPICS) == [
         "/raw",
         "/telex/cameras/front/image_raw",

@@ -147,7 +147,10 @@ def test_unknown_topics_and_the_console(video, bridge, camera):
         "namespace": "/telex",
         "rosbridge": bridge,
         "cameras": [{"name": "front", "topic": CAMERA}],
+        "hidden_cameras": ["overview"],
         "main_camera": "front",
+        "main_rate": 30.0,
+        "thumbnail_rate": 10.0,
     }
 
 

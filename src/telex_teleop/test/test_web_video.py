@@ -306,7 +306,7 @@ def test_snapshot_of_a_silent_topic_says_so_and_of_a_latched_one_repeats(tmp_pat
         ("", 400, "The parameter &#x27;topic&#x27; is missing"),
         ("topic=/none", 404, "No image topic &#x27;/none&#x27; is published; /streams lists"),
         ("topic=%3Cscript%3E", 404, "&lt;script&gt;"),
-        ("topic=/raw&type=vp8", 404, "There is no stream type"),
+        ("topic=/raw&default_transport=theora", 400, "must be raw or compressed"),
         ("topic=/raw&width=x", 400, "must be an integer from 1 to 4096 (pixels)"),
     ],
 )
@@ -344,7 +344,9 @@ def test_pages(bench):
                 assert reply.status == 404
                 assert "404 Not Found" in await reply.text()
             assert (await http.post(f"{url}/stream?topic=/raw")).status == 405
-            assert (await http.head(f"{url}/stream?topic=/raw")).status == 404
+            assert (await http.head(f"{url}/stream?topic=/raw")).status == 405
+            assert (await http.get(f"{url}/stream?topic=/raw&type=vp8")).status == 404
+            assert (await http.get(f"{url}/video")).status == 426
             assert (await http.head(f"{url}/")).status == 200
             assert bench.pictures.events == []
 
@@ -359,7 +361,10 @@ def test_the_console_is_told_where_everything_is(bench):
                 "namespace": "/telex",
                 "rosbridge": None,
                 "cameras": [{"name": "front", "topic": CAMERA}],
+                "hidden_cameras": ["overview"],
                 "main_camera": "front",
+                "main_rate": 30.0,
+                "thumbnail_rate": 10.0,
             }
             bench.pictures.params["rosbridge/url"] = "ws://127.0.0.1:9090"
             for host, told in (

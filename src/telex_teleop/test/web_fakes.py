@@ -147,8 +147,8 @@ class FakePictures:
             raise ConnectionRefusedError("no master")
         return dict(self.published)
 
-    def find(self, topic):
-        return find_topic(topic, self.topics(), "/telex/")
+    def find(self, topic, *, raw=False):
+        return find_topic(topic, self.topics(), "/telex/", raw=raw)
 
     def subscribe(self, topic, receive):
         self.events.append(("subscribe", topic.name))

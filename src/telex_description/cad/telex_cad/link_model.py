@@ -80,6 +80,8 @@ class LinkModel:
     def __init__(self, name: str, mass: float) -> None:
         self.name = name
         self.mass = mass
+        # Material of what runs around its wheels as a belt; empty: nothing does.
+        self.belt = ""
         self.shapes: List[Shape] = []
         self._drawn: Dict[str, List[Manifold]] = {}
         self._inside: Dict[str, List[Manifold]] = {}

@@ -117,6 +117,7 @@ def flipper(figures: Figures, end: str, length: int) -> LinkModel:
     if length != standard:
         mass *= _weight(parts) / _weight(_flipper_parts(figures, figures.flipper["length"]))
     link = LinkModel(f"flipper_{end}_{length}", mass)
+    link.belt = "rubber"
     sign = 1.0 if end == "front" else -1.0
     for material, solids in parts.items():
         merged = union(solids)

@@ -44,8 +44,9 @@ def body_macro(link: LinkModel, properties: MassProperties, materials: Sequence[
     lines += ['    <xacro:if value="${inertial}">', *_inertial(properties), "    </xacro:if>"]
     for material in materials:
         mesh = f'<mesh filename="{MESHES}/{visual_mesh(link.name, material)}"/>'
+        name = ' name="belt"' if material == link.belt else ""
         lines.append(
-            f'    <visual><geometry>{mesh}</geometry><material name="{material}"/></visual>'
+            f'    <visual{name}><geometry>{mesh}</geometry><material name="{material}"/></visual>'
         )
     hulls: Dict[int, str] = {
         k: collision_mesh(link.name, number) for number, k in enumerate(hull_indices(link))

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass
-from typing import Dict, List, Sequence, Tuple
+from typing import Dict, List, Mapping, Sequence, Tuple
 
 from genpy import Time
 from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
@@ -110,7 +110,7 @@ class SceneMessages:
         for model, robot in self._robots.items():
             index = {link: len(self._frames) + i for i, link in enumerate(robot.links)}
             self._frames += [f"{model}/{link}" for link in robot.links]
-            self._visuals += [_robot(index[v.link], v) for v in robot.visuals if v.link in index]
+            self._visuals += [_robot(index, v) for v in robot.visuals if v.link in index]
         for item in self._objects:
             self._show(item)
         self.revision += 1
@@ -205,9 +205,9 @@ def _visual(
     )
 
 
-def _robot(frame: int, visual: UrdfVisual) -> SceneVisual:
+def _robot(index: Mapping[str, int], visual: UrdfVisual) -> SceneVisual:
     return SceneVisual(
-        frame=frame,
+        frame=index[visual.link],
         shape=int(visual.shape),
         size=Vector3(*visual.size),
         mesh=visual.mesh,
@@ -215,6 +215,9 @@ def _robot(frame: int, visual: UrdfVisual) -> SceneVisual:
         color=ColorRGBA(*visual.color),
         texture=visual.texture,
         texture_scale=0.0,
+        # A wheel that is not simulated leaves its belt at rest.
+        drive=index.get(visual.drive, _WORLD),
+        mesh_materials=visual.mesh_materials,
     )
 
 

@@ -3,6 +3,7 @@
 
 import { AttitudeView, STABILITY } from "./attitude.js";
 import { Bridge } from "./bridge.js";
+import { Cameras } from "./cameras.js";
 import { COMMAND_PERIOD, Commander } from "./commander.js";
 import { keepPace, watchOperator } from "./deadman.js";
 import { Held } from "./held.js";
@@ -11,19 +12,12 @@ import { Panels, byId } from "./panels.js";
 import { ACTIONS, ACTION_OF_KEY, FLIPPER_NODE, JOINT_NODES, TRACK_NODE, TYPES } from "./robot.js";
 import { SILENT_AFTER, StatusView } from "./status.js";
 import { TOOL_TYPES, ToolCommander, ToolPanel } from "./tool.js";
-import { VideoView } from "./video.js";
 
 const JOINTS_PERIOD = 100; // ms between two updates of the joint table
 const DISPLAY_PERIOD = 200; // ms between two updates of header and picture state
 const RETRY_AFTER = 1000; // ms
 
-/**
- * @typedef {object} Config  What the video server tells the page.
- * @property {string} namespace
- * @property {string | null} rosbridge
- * @property {{name: string, topic: string}[]} cameras
- * @property {string} main_camera
- */
+/** @typedef {import("./cameras.js").VideoConfig & {rosbridge: string | null}} Config  What the video server tells. */
 
 /** @returns {Promise<Config>} */
 async function fetchConfig() {
@@ -50,13 +44,13 @@ async function locateBridge() {
 }
 
 /** @param {Config} config */
-function startVideo(config) {
-  const video = new VideoView(/** @type {HTMLCanvasElement} */ (byId("picture")));
-  const camera = config.cameras.find(({ name }) => name === config.main_camera) ?? config.cameras[0];
-  byId("camera-name").textContent = camera?.name ?? config.main_camera;
-  // A camera that is not published yet has its place already.
-  video.show(camera?.topic ?? `${config.namespace}/cameras/${config.main_camera}/image_raw`);
-  return video;
+function startCameras(config) {
+  const canvas = /** @type {HTMLCanvasElement} */ (byId("picture"));
+  const cameras = new Cameras(config, canvas, byId("thumbnails"), (name) => {
+    byId("camera-name").textContent = name;
+  });
+  cameras.start();
+  return cameras;
 }
 
 async function start() {
@@ -65,7 +59,7 @@ async function start() {
   const attitude = new AttitudeView();
   const config = await waitForConfig();
   const topic = (/** @type {string} */ name) => `${config.namespace}/${name}`;
-  const video = startVideo(config);
+  const cameras = startCameras(config);
 
   const held = new Held(() => {
     update();
@@ -185,7 +179,8 @@ async function start() {
     status.showLink(bridge);
     status.showSim();
     status.showSpeed(commander.speeds);
-    status.showVideo(video);
+    status.showVideo(cameras.main);
+    cameras.refresh();
     status.fade();
     attitude.fade();
   }, DISPLAY_PERIOD);

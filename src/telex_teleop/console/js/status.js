@@ -91,7 +91,8 @@ export class StatusView {
   showVideo(video) {
     const paused = this._sim?.paused === true;
     byId("view").dataset.state = video.live ? "live" : "stalled";
-    byId("camera-rate").textContent = video.live ? `${video.rate.toFixed(0)} fps` : "";
+    const age = video.latency === null ? "" : ` · ${Math.max(0, Math.round(video.latency))} ms`;
+    byId("camera-rate").textContent = video.live ? `${video.rate.toFixed(0)} fps${age}` : "";
     if (video.live) return;
     const since = Number.isFinite(video.age) ? ` for ${(video.age / 1000).toFixed(1)} s` : "";
     byId("no-picture-why").textContent = paused ? `the simulation is paused${since}` : `${video.trouble}${since}`;

@@ -60,13 +60,23 @@ class Batch:
         return self.visuals[0].color[3]
 
     @property
+    def drive(self) -> str:
+        """Frame of the wheel that drives them as a belt; there is one visual only. Or empty."""
+        return self.visuals[0].drive
+
+    @property
     def casts_shadow(self) -> bool:
         """Whether they belong in the shadow map."""
         return self.visuals[0].casts_shadow
 
     @property
     def content(self) -> Tuple[Visual, ...]:
-        """What tells its mesh from others: the same for frames with the same visuals."""
+        """What tells its mesh from others: the same for frames with the same visuals.
+
+        Belts run each on its own.
+        """
+        if self.drive:
+            return self.visuals
         return tuple(replace(visual, frame="") for visual in self.visuals)
 
 
@@ -83,8 +93,8 @@ def batches(visuals: Iterable[Visual], radius_of: Callable[[Visual], float]) -> 
     groups: Dict[Tuple, List[Visual]] = defaultdict(list)
     singles: List[Batch] = []
     for visual in visuals:
-        if visual.color[3] < 1.0:
-            # Has to be drawn in the order of distance.
+        if visual.color[3] < 1.0 or visual.drive:
+            # The transparent have to be drawn in the order of distance.
             singles.append(Batch((visual,)))
         else:
             groups[visual.frame, visual.texture, visual.casts_shadow].append(visual)

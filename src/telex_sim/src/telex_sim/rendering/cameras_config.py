@@ -4,40 +4,74 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass, field
-from typing import Dict, Tuple
+from dataclasses import dataclass, field, replace
+from typing import Dict, Optional, Tuple
 
-from telex_control.params import require, require_choice, require_range, require_text
+from telex_control.params import (
+    ConfigError,
+    require,
+    require_choice,
+    require_range,
+    require_text,
+    required,
+)
 
 from .camera import PinholeCamera
+from .exposure import ExposureConfig
+from .lens import NO_DISTORTION, Distortion, DistortionError, LensCamera
 from .quality import AUTO, TIERS
 from .scene import Lamp
+from .sensor_noise import RadiationConfig
+
+# What draws: OpenGL, or PyBullet's TinyRenderer, which needs nothing but is slow and plain.
+OPENGL, TINY = "opengl", "tiny"
+
+# Name of the instructor's camera, and how it may go about.
+OVERVIEW = "overview"
+FOLLOW, ORBIT, FIXED = VIEW_MODES = ("follow", "orbit", "fixed")
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*\Z")
-_MAX_SIZE = 4096
+_MIN_SIZE, _MAX_SIZE = 16, 4096
 _MAX_FOV = 3.0
 _MAX_RATE = 240.0
 _MAX_ZOOM = 100.0
+_FAR_AWAY = 1e4
 
 
 @dataclass(frozen=True)
-class CameraConfig:
-    """One camera.
+class OpticsConfig:
+    """Lens, sensor and pictures of a camera.
 
     Attributes
     ----------
-    frame
-        Its optical frame, a link of the model: z forward, x right, y down.
     width, height
         Size of the picture (pixels).
     horizontal_fov
-        Full angle of view across the width (rad).
+        Full angle of view across the width (rad), with the distortion.
     near, far
         What is drawn lies between these distances (m).
+    distortion
+        k1, k2, p1, p2, k3 of the lens, as in sensor_msgs/CameraInfo ("plumb_bob").
+    detail
+        Pixels that are drawn for one of the picture, along each axis; fewer take less time.
     rate
         Pictures per second of wall time while somebody looks.
+    priority
+        Cameras of higher priority keep their rate when there is not enough time for all.
     jpeg_quality
         1 to 100.
+    exposure
+        By hand or automatic.
+    noise
+        Of the sensor: standard deviation at the exposure of a bright day (grey levels of 255).
+    radiation
+        What it does to the pictures.
+    shutter
+        Time for which a picture is exposed, in which motion blurs it (s of sim time); 0: none.
+    shutter_samples
+        Moments of that time that are drawn; a blurred picture takes as much more time.
+    depth
+        Whether depths are offered as well.
     zoom_max
         Largest zoom, a factor on the focal length; 1: the camera cannot zoom.
 
@@ -46,33 +80,154 @@ class CameraConfig:
     telex_control.params.ConfigError
     """
 
-    frame: str
     width: int
     height: int
     horizontal_fov: float
     near: float = 0.03
     far: float = 60.0
+    distortion: Distortion = NO_DISTORTION
+    detail: float = 1.0
     rate: float = 25.0
+    priority: int = 0
     jpeg_quality: int = 80
+    exposure: ExposureConfig = field(default_factory=ExposureConfig)
+    noise: float = 0.0
+    radiation: RadiationConfig = field(default_factory=RadiationConfig)
+    shutter: float = 0.0
+    shutter_samples: int = 4
+    depth: bool = False
     zoom_max: float = 1.0
 
     def __post_init__(self) -> None:
-        _require_link(self.frame)
-        require_range(self, "width", 16, _MAX_SIZE)
-        require_range(self, "height", 16, _MAX_SIZE)
+        require_range(self, "width", _MIN_SIZE, _MAX_SIZE)
+        require_range(self, "height", _MIN_SIZE, _MAX_SIZE)
         require_range(self, "horizontal_fov", 0.05, _MAX_FOV)
         require_range(self, "near", 0.001)
         require(
             self.far > self.near, f"far is {self.far}; it must be beyond near, which is {self.near}"
         )
+        require_range(self, "detail", 0.1, 4.0)
         require_range(self, "rate", above=0.0, maximum=_MAX_RATE)
+        require_range(self, "priority", 0, 100)
         require_range(self, "jpeg_quality", 1, 100)
+        require_range(self, "noise", 0.0, 64.0)
+        require_range(self, "shutter", 0.0, 1.0)
+        require_range(self, "shutter_samples", 2, 64)
         require_range(self, "zoom_max", 1.0, _MAX_ZOOM)
+        try:
+            self.optics()
+        except DistortionError as error:
+            raise ConfigError(str(error)) from None
 
-    def optics(self, zoom: float = 1.0) -> PinholeCamera:
-        """Return what the renderer needs to know of the camera, zoomed in by a factor."""
+    def optics(self, zoom: float = 1.0) -> LensCamera:
+        """Return how the camera maps what it sees, zoomed in by a factor."""
+        wide = LensCamera.of_field(
+            self.width, self.height, self.horizontal_fov, self.distortion, self.near, self.far
+        )
+        return replace(wide, focal_length=zoom * wide.focal_length)
+
+    def pinhole(self, zoom: float = 1.0) -> PinholeCamera:
+        """Return a camera without distortion that has the same field of view."""
         fov = 2.0 * math.atan(math.tan(0.5 * self.horizontal_fov) / zoom)
         return PinholeCamera(self.width, self.height, fov, self.near, self.far)
+
+
+@dataclass(frozen=True)
+class CameraConfig(OpticsConfig):
+    """A camera of the robot.
+
+    Attributes
+    ----------
+    frame
+        Its optical frame, a link of the model: z forward, x right, y down.
+
+    Raises
+    ------
+    telex_control.params.ConfigError
+    """
+
+    frame: str = field(default_factory=required)
+
+    def __post_init__(self) -> None:
+        _require_link(self.frame)
+        super().__post_init__()
+
+
+@dataclass(frozen=True)
+class ViewConfig:
+    """Where the instructor's camera is: on a sphere about a point at which it looks.
+
+    Attributes
+    ----------
+    mode
+        "follow": about the robot, turning with it. "orbit": about the robot, turning with nothing.
+        "fixed": about a point of the world.
+    azimuth
+        Of the camera as seen from the point (rad): from the robot's x axis to "follow", otherwise
+        from the world's, counter-clockwise; pi is behind the robot.
+    elevation
+        Above the horizontal (rad).
+    distance
+        From the point (m).
+    turn_rate
+        By which the azimuth goes on by itself (rad/s of wall time).
+    center
+        The point (m): in the world for "fixed"; otherwise from the link that is followed, along
+        the robot's heading, to its left and upwards for "follow", along the world's axes for
+        "orbit".
+
+    Raises
+    ------
+    telex_control.params.ConfigError
+    """
+
+    mode: str = FOLLOW
+    azimuth: float = 2.6
+    elevation: float = 0.45
+    distance: float = 3.0
+    turn_rate: float = 0.0
+    center: Tuple[float, float, float] = (0.0, 0.0, 0.3)
+
+    def __post_init__(self) -> None:
+        require_choice(self, "mode", VIEW_MODES)
+        require_range(self, "azimuth", -100.0, 100.0)
+        # Straight from above, nothing would say where the top of the picture is.
+        require_range(self, "elevation", -1.55, 1.55)
+        require_range(self, "distance", 0.1, 1000.0)
+        require_range(self, "turn_rate", -10.0, 10.0)
+        require(
+            all(abs(number) <= _FAR_AWAY for number in self.center),
+            f"center is {list(self.center)}; finite numbers up to {_FAR_AWAY:g} m are needed",
+        )
+
+
+@dataclass(frozen=True)
+class OverviewConfig(OpticsConfig):
+    """The instructor's camera, which flies about the robot.
+
+    Attributes
+    ----------
+    follow
+        Link of the model that it looks at.
+    start
+        Where it is at first.
+    smoothing
+        Time constant with which it follows, and goes where it is sent (s of wall time, because it
+        can be moved while the simulation is paused).
+
+    Raises
+    ------
+    telex_control.params.ConfigError
+    """
+
+    follow: str = "base_link"
+    start: ViewConfig = field(default_factory=ViewConfig)
+    smoothing: float = 0.25
+
+    def __post_init__(self) -> None:
+        _require_link(self.follow)
+        require_range(self, "smoothing", 0.0, 60.0)
+        super().__post_init__()
 
 
 @dataclass(frozen=True)
@@ -148,14 +303,29 @@ class CamerasConfig:
         By name; topics and messages use it.
     lamps
         Of the robot, by name.
+    overview
+        The instructor's camera; None: there is none.
     model
         Name of the robot in the scene; its frames are "<model>/<link>".
+    renderer
+        "opengl", "tiny" (PyBullet's TinyRenderer: slow and plain), or "auto": OpenGL where there is
+        any.
+    tiny_detail
+        Factor on the detail of all cameras where TinyRenderer draws.
     quality
         Tier of quality, or "auto" to choose it by what renders.
     shadow_radius
         Distance from the robot up to which the sun casts shadows (m).
     repeat_rate
         Pictures per second while the simulation is paused.
+    max_pose_age
+        How old poses may be that a picture is drawn of while newer ones wait (s): cameras that
+        share poses share what these cost.
+    shadow_period
+        Time between the shadows of moving things (s), as far as newer ones are needed: when
+        pictures follow each other closely, several share them.
+    seed
+        Of all noise.
     niceness
         By how much the process steps back for others, above all for the physics, 0 to 19.
     software_threads
@@ -171,10 +341,16 @@ class CamerasConfig:
 
     cameras: Dict[str, CameraConfig]
     lamps: Dict[str, LampConfig] = field(default_factory=dict)
+    overview: Optional[OverviewConfig] = None
     model: str = "telex"
+    renderer: str = AUTO
+    tiny_detail: float = 0.5
     quality: str = AUTO
-    shadow_radius: float = 4.0
+    shadow_radius: float = 9.0
     repeat_rate: float = 5.0
+    max_pose_age: float = 0.015
+    shadow_period: float = 0.035
+    seed: int = 0
     niceness: int = 5
     software_threads: int = 0
     egl_device: int = 0
@@ -187,10 +363,19 @@ class CamerasConfig:
                     bool(_NAME.match(name)),
                     f"{group} has the key '{name}'; letters, digits and _ make a name",
                 )
+        require(
+            OVERVIEW not in self.cameras,
+            f"cameras has the key '{OVERVIEW}', which is the instructor's camera",
+        )
         require_text(self, "model")
+        require_choice(self, "renderer", (AUTO, OPENGL, TINY))
+        require_range(self, "tiny_detail", 0.1, 4.0)
         require_choice(self, "quality", (AUTO, *TIERS))
         require_range(self, "shadow_radius", above=0.0)
         require_range(self, "repeat_rate", above=0.0)
+        require_range(self, "max_pose_age", 0.0, 1.0)
+        require_range(self, "shadow_period", 0.0, 1.0)
+        require_range(self, "seed", 0)
         require_range(self, "niceness", 0, 19)
         require_range(self, "software_threads", 0, 16)
         require_range(self, "egl_device", 0)

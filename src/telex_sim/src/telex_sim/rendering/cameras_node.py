@@ -7,9 +7,10 @@ import os
 import sys
 import time
 from dataclasses import replace
-from typing import List, Optional
+from typing import Callable, Iterator, List, Optional, Sequence
 
 import cv2
+import numpy as np
 import rospkg
 import rospy
 from telex_msgs.msg import SceneDescription, ScenePoses
@@ -17,15 +18,20 @@ from telex_msgs.msg import SceneDescription, ScenePoses
 from telex_control.node_start import init_node, until_shutdown
 from telex_control.params import ConfigError, read_config
 
+from .camera_service import CameraService
 from .camera_stream import CameraStream
-from .cameras_config import CamerasConfig
+from .cameras_config import OPENGL, TINY, CamerasConfig
+from .frame_pacer import next_due
 from .gl_context import NoContextError, create_context
 from .lamp_switches import LampSwitches
 from .lighting import Lighting
+from .overview import Overview
 from .quality import choose_quality
 from .renderer import Renderer
-from .scene_inbox import SceneInbox
+from .scene_inbox import Arrival, SceneInbox
 from .scene_mirror import SceneMirror
+from .scene_renderer import SceneRenderer
+from .tiny_renderer import TinyRenderer
 
 # Longest wait for the simulator before looking at who listens again (s).
 _PATIENCE = 0.1
@@ -37,6 +43,8 @@ _FOLLOW_ON = 5.0
 # More than the largest message, so that rospy reads on to the newest of those that wait.
 _BUFFER_SIZE = 2**24
 
+MakeRenderer = Callable[[CamerasConfig], SceneRenderer]
+
 
 class CamerasNode:
     """Renders the cameras that somebody looks at, in the thread that calls ``run``.
@@ -47,23 +55,47 @@ class CamerasNode:
     ----------
     config
         Of the node.
-    renderer
-        Made by the thread that will call ``run``.
+    make_renderer
+        Makes what draws; called by the thread that constructs the node, which must be the one that
+        calls ``run``, and again when what it depends on is changed.
     """
 
-    def __init__(self, config: CamerasConfig, renderer: Renderer) -> None:
-        self._renderer = renderer
+    def __init__(self, config: CamerasConfig, make_renderer: MakeRenderer) -> None:
+        self._config = config
+        self._make_renderer = make_renderer
+        self._renderer = make_renderer(config)
+        detail = config.tiny_detail if isinstance(self._renderer, TinyRenderer) else 1.0
         self._streams = [
-            CameraStream(name, camera, f"{config.model}/{camera.frame}", config.repeat_rate)
-            for name, camera in config.cameras.items()
+            CameraStream(
+                name,
+                camera,
+                optical_frame=camera.frame,
+                scene_frame=f"{config.model}/{camera.frame}",
+                locate=_itself,
+                repeat_rate=config.repeat_rate,
+                seed=config.seed + number,
+                detail=detail,
+            )
+            for number, (name, camera) in enumerate(sorted(config.cameras.items()))
         ]
+        camera_frames = [stream.scene_frame for stream in self._streams]
+        if config.overview is not None:
+            seed = config.seed + len(self._streams)
+            self._overview = Overview(config.overview, config.model, seed, detail)
+            self._streams.append(self._overview.stream)
         self._lamps = LampSwitches(config.lamps)
         self._mirror = SceneMirror(
-            renderer,
-            (stream.scene_frame for stream in self._streams),
+            self._renderer,
+            camera_frames,
             [lamp.lamp(name, config.model) for name, lamp in config.lamps.items()],
+            [stream.scene_frame for stream in self._streams],
         )
         self._inbox = SceneInbox()
+        self._placed: Optional[Arrival] = None
+        # Of which poses the shadows are, and since when.
+        self._cast: Optional[Arrival] = None
+        self._cast_time = -math.inf
+        self._service = CameraService(config, self._streams)
         self._scene_subscriber = rospy.Subscriber(
             "sim/scene", SceneDescription, self._inbox.put_scene, queue_size=1
         )
@@ -74,15 +106,36 @@ class CamerasNode:
         """Serve until ROS shuts down."""
         while not rospy.is_shutdown():
             self._inbox.wait(_PATIENCE)
-            scene = self._inbox.take_scene()
-            if scene is not None:
-                self._mirror.load(scene)
+            self._take_news()
             now = time.monotonic()
             wanted = [stream for stream in self._streams if stream.wanted]
             self._follow_poses(bool(wanted), now)
-            poses = self._inbox.newest_poses()
-            if poses is not None:
-                self._show(poses, wanted, now)
+            self._show(wanted)
+
+    def release(self) -> None:
+        """Free what draws."""
+        self._renderer.release()
+
+    def _take_news(self) -> None:
+        config = self._service.config
+        if config is not self._config:
+            self._configure(config)
+        scene = self._inbox.take_scene()
+        if scene is not None:
+            self._mirror.load(scene)
+            self._placed = None
+        for stream in self._streams:
+            stream.advertise(self._mirror.has(stream.scene_frame))
+
+    def _configure(self, config: CamerasConfig) -> None:
+        """Take over parameters that all cameras have in common."""
+        before, self._config = self._config, config
+        if (config.quality, config.shadow_radius) == (before.quality, before.shadow_radius):
+            return
+        self._renderer.release()
+        self._renderer = self._make_renderer(config)
+        self._mirror.change_renderer(self._renderer)
+        self._placed = None
 
     def _follow_poses(self, wanted: bool, now: float) -> None:
         """Listen to the poses only while somebody looks: they come many times a second."""
@@ -102,22 +155,67 @@ class CamerasNode:
             self._poses_subscriber = None
             self._inbox.drop_poses()
 
-    def _show(self, poses: ScenePoses, wanted: List[CameraStream], now: float) -> None:
-        """Publish what is due of these poses."""
-        stamp = poses.header.stamp
-        due = [stream for stream in wanted if stream.pacer.is_due(now, stamp.to_nsec())]
-        if not due or not self._mirror.place(poses):
-            return
+    def _show(self, wanted: List[CameraStream]) -> None:
+        """Take the pictures that are due, one by one, each of poses that are fresh enough."""
+        while not rospy.is_shutdown():
+            newest = self._inbox.newest_poses()
+            if newest is None:
+                return
+            now = time.monotonic()
+            stream = next_due(wanted, now, newest.poses.header.stamp.to_nsec())
+            if stream is None:
+                return
+            if not self._place(newest, stream, now):
+                return
+            self._take(stream, now)
+
+    def _place(self, newest: Arrival, stream: CameraStream, now: float) -> bool:
+        """Have poses placed that a camera may be shown; returns whether there are any."""
+        recast = now - self._cast_time >= self._config.shadow_period
+        placed = self._placed
+        if placed is not None:
+            if placed.poses is newest.poses:
+                if self._cast is placed or not recast:
+                    return True
+            elif (
+                now - placed.time <= self._config.max_pose_age
+                and placed.poses.header.stamp.to_nsec() != stream.pacer.stamp
+            ):
+                return True
+        if not self._mirror.place(newest.poses, recast=recast):
+            return False
         self._renderer.set_lamp_levels(self._lamps.levels())
-        for stream in due:
-            stream.pacer.sent(now, stamp.to_nsec())
-            camera_in_world = self._mirror.camera_in_world(stream.scene_frame)
-            if camera_in_world is None:
-                continue
-            optics = stream.optics
-            stream.publish_info(optics, stamp)
-            if stream.wants_picture:
-                stream.publish_picture(self._renderer.render(optics, camera_in_world), stamp)
+        self._placed = newest
+        if recast:
+            self._cast, self._cast_time = newest, now
+        return True
+
+    def _take(self, stream: CameraStream, now: float) -> None:
+        """Take a camera's picture of the poses that are placed, and publish it."""
+        assert self._placed is not None
+        stamp = self._placed.poses.header.stamp
+        sensor = stream.sensor()
+        stream.pacer.sent(now, stamp.to_nsec())
+        stream.publish_info(sensor, stamp)
+        if stream.wants_picture:
+            moments = self._moments(stream, sensor.moments, now)
+            picture = sensor.take(self._renderer, moments, stamp.to_nsec())
+            stream.publish_picture(sensor, picture, self._renderer, stamp)
+
+    def _moments(
+        self, stream: CameraStream, times: Sequence[float], now: float
+    ) -> Iterator[np.ndarray]:
+        """Place the scene for times before its stamp (s), and give the camera's pose at each."""
+        assert self._placed is not None
+        for back in times:
+            if len(times) > 1:
+                self._mirror.place(self._placed.poses, self._placed.earlier, back)
+            yield stream.locate(self._mirror.frame_in_world(stream.scene_frame), now)
+
+
+def _itself(frame_in_world: np.ndarray, now: float) -> np.ndarray:
+    """Pose of a camera whose optical frame is part of the scene."""
+    return frame_in_world
 
 
 def main() -> None:
@@ -125,28 +223,49 @@ def main() -> None:
     init_node("cameras")
     try:
         config = read_config(CamerasConfig, rospy.get_param("~", {}), rospy.get_name())
-        renderer = _renderer(config)
+        os.nice(config.niceness)
+        # OpenCV and Mesa would otherwise start a thread for each core, which the physics needs.
+        cv2.setNumThreads(1)
+        os.environ.setdefault("LP_NUM_THREADS", str(config.software_threads))
+        node = CamerasNode(config, make_renderer)
     except (ConfigError, NoContextError) as error:
         rospy.logfatal("%s", error)
         sys.exit(1)
     try:
         with until_shutdown():
-            CamerasNode(config, renderer).run()
+            node.run()
     finally:
-        renderer.release()
+        node.release()
 
 
-def _renderer(config: CamerasConfig) -> Renderer:
-    os.nice(config.niceness)
-    # OpenCV and Mesa would otherwise start a thread for each core, which the physics needs.
-    cv2.setNumThreads(1)
-    os.environ.setdefault("LP_NUM_THREADS", str(config.software_threads))
-    context = create_context(config.egl_device)
+def make_renderer(config: CamerasConfig) -> SceneRenderer:
+    """Make what draws, by the configuration and by what the machine has.
+
+    Raises
+    ------
+    NoContextError
+        OpenGL is asked for, and there is none.
+    """
+    package_path = rospkg.RosPack().get_path
+    if config.renderer == TINY:
+        rospy.loginfo("rendering with PyBullet's TinyRenderer")
+        return TinyRenderer(package_path)
+    try:
+        context = create_context(config.egl_device)
+    except NoContextError as error:
+        if config.renderer == OPENGL:
+            raise
+        rospy.logwarn(
+            "%s. Until then PyBullet's TinyRenderer draws: slowly, with neither textures nor"
+            " shadows",
+            error,
+        )
+        return TinyRenderer(package_path)
     name = context.info["GL_RENDERER"]
     rospy.loginfo("rendering with %s, quality %s", name, config.quality)
     return Renderer(
         context,
         choose_quality(config.quality, name),
         replace(Lighting(), shadow_radius=config.shadow_radius),
-        rospkg.RosPack().get_path,
+        package_path,
     )

@@ -1,9 +1,12 @@
-"""When a camera's next picture is due."""
+"""When a camera's next picture is due, and which camera's comes first."""
 
 from __future__ import annotations
 
 import math
-from typing import Optional
+from typing import Optional, Protocol, Sequence, Tuple, TypeVar
+
+# A camera that has waited so long gets its turn whatever the others' priority (s).
+_PATIENCE = 1.0
 
 
 class FramePacer:
@@ -24,11 +27,28 @@ class FramePacer:
     """
 
     def __init__(self, rate: float, repeat_rate: float) -> None:
-        self._rate = rate
-        self._repeat_period = 1.0 / min(repeat_rate, rate)
+        self._repeat_rate = repeat_rate
         self._slot: Optional[int] = None
         self._stamp: Optional[int] = None
         self._sent = -math.inf
+        self.rate = rate
+
+    @property
+    def rate(self) -> float:
+        """Pictures per second of wall time."""
+        return self._rate
+
+    @rate.setter
+    def rate(self, rate: float) -> None:
+        self._rate = rate
+        self._repeat_period = 1.0 / min(self._repeat_rate, rate)
+        # Slots of another length have other numbers.
+        self._slot = None if math.isinf(self._sent) else math.floor(self._sent * rate)
+
+    @property
+    def stamp(self) -> Optional[int]:
+        """Sim time (ns) of the last picture, None before the first."""
+        return self._stamp
 
     def is_due(self, now: float, stamp: int) -> bool:
         """Whether to take a picture now.
@@ -44,8 +64,51 @@ class FramePacer:
             return False
         return stamp != self._stamp or now - self._sent >= self._repeat_period
 
+    def waited(self, now: float) -> float:
+        """Time since the last picture (s); infinite before the first."""
+        return now - self._sent
+
     def sent(self, now: float, stamp: int) -> None:
         """Note that a picture of the poses of ``stamp`` was taken at ``now``."""
         self._slot = math.floor(now * self._rate)
         self._stamp = stamp
         self._sent = now
+
+
+class Paced(Protocol):
+    """A camera as far as its turn matters."""
+
+    @property
+    def pacer(self) -> FramePacer:
+        """Says when its pictures are due."""
+
+    @property
+    def priority(self) -> int:
+        """Those of a higher one come first."""
+
+
+Camera = TypeVar("Camera", bound=Paced)
+
+
+def next_due(cameras: Sequence[Camera], now: float, stamp: int) -> Optional[Camera]:
+    """Choose the camera whose picture comes next, or None when none is due.
+
+    When there is not enough time for all, those of the highest priority keep their rate; the others
+    get the same share of theirs each. None waits for more than a second beyond its turn.
+
+    Parameters
+    ----------
+    cameras
+        That somebody looks through.
+    now, stamp
+        As for `FramePacer.is_due`.
+    """
+
+    def urgency(camera: Camera) -> Tuple[bool, int, float]:
+        pacer = camera.pacer
+        waited = pacer.waited(now)
+        starves = waited > _PATIENCE + 1.0 / pacer.rate
+        return starves, 0 if starves else camera.priority, waited * pacer.rate
+
+    due = [camera for camera in cameras if camera.pacer.is_due(now, stamp)]
+    return max(due, key=urgency) if due else None

@@ -28,8 +28,11 @@ class FrameTarget:
         )
         self._resolved = self._drawn
         if samples:
-            self._resolved = context.framebuffer([context.renderbuffer(size, 4)])
+            self._resolved = context.framebuffer(
+                [context.renderbuffer(size, 4)], context.depth_renderbuffer(size)
+            )
         self._pixels = np.empty((height, width, 4), dtype=np.uint8)
+        self._depths = np.empty((height, width), dtype=np.float32)
 
     def begin(self) -> moderngl.Framebuffer:
         """Direct drawing here, and begin with nothing."""
@@ -43,3 +46,33 @@ class FrameTarget:
             self._context.copy_framebuffer(self._resolved, self._drawn)
         self._resolved.read_into(self._pixels, components=4)
         return self._pixels
+
+    def read_depth(self, near: float, far: float) -> np.ndarray:
+        """Return distances along the optical axis (m), of a picture that has been read.
+
+        Of several samples of a pixel one is taken: a mean would lie between two surfaces.
+
+        Parameters
+        ----------
+        near, far
+            With which it was projected (m).
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (height, width), float32; infinite where there is nothing.
+        """
+        self._resolved.read_into(self._depths, components=1, attachment=-1, dtype="f4")
+        # The window's depth is (1/near - 1/z) / (1/near - 1/far).
+        inverse = np.float32(1.0 / near) - self._depths * np.float32(1.0 / near - 1.0 / far)
+        with np.errstate(divide="ignore"):
+            distances: np.ndarray = np.reciprocal(inverse)
+        distances[self._depths >= 1.0] = np.inf
+        return distances
+
+    def release(self) -> None:
+        """Free the memory on the graphics card."""
+        for framebuffer in {self._drawn, self._resolved}:
+            for attachment in (*framebuffer.color_attachments, framebuffer.depth_attachment):
+                attachment.release()
+            framebuffer.release()

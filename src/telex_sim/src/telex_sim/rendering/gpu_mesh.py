@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Dict
+import math
+from typing import Dict, Optional
 
 import moderngl
 import numpy as np
 
+from .belts import belt_angle, belt_outline, carried, moved, subdivided, wheel_radius
 from .simplification import simplified
 
 # The fields of `batching.VERTEX` as OpenGL takes them: form, bytes, name.
@@ -82,3 +84,60 @@ class GpuMesh:
             array.release()
         for buffer in (self._vertices, self._triangles, *self._outline):
             buffer.release()
+
+
+# Travel that nobody could see (m).
+_STILL = 1e-4
+
+
+class BeltMesh(GpuMesh):
+    """A mesh that runs as a belt; it belongs to one belt alone.
+
+    Parameters
+    ----------
+    context, vertices, triangles, shadow_detail
+        As for `GpuMesh`.
+
+    Raises
+    ------
+    ValueError
+        When the mesh cannot be a belt.
+    """
+
+    def __init__(
+        self,
+        context: moderngl.Context,
+        vertices: np.ndarray,
+        triangles: np.ndarray,
+        shadow_detail: float,
+    ) -> None:
+        self._at_rest, triangles = subdivided(vertices, triangles)
+        super().__init__(context, self._at_rest, triangles, shadow_detail)
+        self._silhouette = np.frombuffer(self._outline[0].read(), dtype=np.float32).reshape(-1, 3)
+        self._path = belt_outline(self._at_rest["position"])
+        self._places = carried(self._path, self._at_rest["position"])
+        self._silhouette_places = carried(self._path, self._silhouette)
+        self._radius: Optional[float] = None
+        self._angle = 0.0
+        self._shown = 0.0
+
+    def run(self, belt_in_world: np.ndarray, wheel_in_world: np.ndarray) -> None:
+        """Move to where the wheel that drives it has turned; poses have the shape (4, 4)."""
+        if self._radius is None:
+            axle = belt_in_world[:3, :3].T @ (wheel_in_world[:3, 3] - belt_in_world[:3, 3])
+            self._radius = wheel_radius(self._path, axle[[0, 2]])
+        angle = belt_angle(belt_in_world, wheel_in_world)
+        # A wheel need not have a whole number of cleats: its turns have to be counted.
+        self._angle += math.remainder(angle - self._angle, 2.0 * math.pi)
+        travel = self._radius * self._angle
+        if abs(travel - self._shown) < _STILL:
+            return
+        self._shown = travel
+        rest = self._at_rest
+        vertices = rest.copy()
+        vertices["position"], vertices["normal"] = moved(
+            self._path, self._places, rest["position"], rest["normal"], travel
+        )
+        self._vertices.write(vertices.tobytes())
+        silhouette, _ = moved(self._path, self._silhouette_places, self._silhouette, None, travel)
+        self._outline[0].write(silhouette.tobytes())

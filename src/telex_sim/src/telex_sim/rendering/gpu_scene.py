@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Hashable, List, Optional, Sequence, Set, Tuple
+from urllib.parse import quote
 
 import moderngl
 import numpy as np
 
 from .addresses import AddressError, PackagePath, resolve_address
 from .batching import Batch, Part, batches, bounding_radius, merge
-from .gpu_mesh import GpuMesh
-from .mesh_files import MeshFileError, load_mesh
+from .gpu_mesh import BeltMesh, GpuMesh
+from .mesh_files import MeshFileError, MeshPart, load_mesh, load_parts
 from .meshes import Mesh, primitive_mesh
 from .procedural_textures import TextureNameError, generate_texture, is_generated
 from .programs import PICTURE_UNIT, LitProgram
 from .renewed_cache import RenewedCache
 from .scene import Scene, Shape, Visual
 from .textures import TextureFileError, load_texture
+
+# Name of the frame that never moves.
+_WORLD = "world"
 
 
 @dataclass(frozen=True)
@@ -59,8 +63,8 @@ class GpuScene:
         Number of the frame that each is fixed to, shape (N,).
     centers, radii
         Bounding spheres in their frames (m), shapes (N, 3) and (N,).
-    casts_shadow, transparent
-        Shape (N,), bool.
+    casts_shadow, transparent, fixed
+        Shape (N,), bool; fixed is what belongs to the world itself and never moves.
     """
 
     def __init__(
@@ -75,9 +79,11 @@ class GpuScene:
         self._shadow_detail = shadow_detail
         self._package_path = package_path
         self._files: RenewedCache[Mesh] = RenewedCache(lambda _: None)
+        self._parts: RenewedCache[List[MeshPart]] = RenewedCache(lambda _: None)
         self._meshes: RenewedCache[GpuMesh] = RenewedCache(lambda mesh: mesh.release())
         self._textures: RenewedCache[moderngl.Texture] = RenewedCache(lambda item: item.release())
         self._frame_count = 0
+        self._belts: List[Tuple[BeltMesh, int, int]] = []
         self._arrange([], [], 0)
 
     def load(self, scene: Scene) -> List[str]:
@@ -89,21 +95,36 @@ class GpuScene:
             What could not be loaded, and why. A visual without its mesh is left out, one without
             its texture keeps its colour; the rest of the scene is there.
         """
-        caches: Sequence[RenewedCache] = (self._files, self._meshes, self._textures)
+        caches: Sequence[RenewedCache] = (
+            self._files,
+            self._parts,
+            self._meshes,
+            self._textures,
+        )
         for cache in caches:
             cache.begin()
         problems: Set[str] = set()
-        visuals = [visual for visual in scene.visuals if self._is_drawable(visual, problems)]
+        visuals = [
+            part
+            for visual in scene.visuals
+            if self._is_drawable(visual, problems)
+            for part in self._with_materials(visual, problems)
+        ]
         drawables: List[Drawable] = []
         groups = batches(
             visuals, lambda visual: bounding_radius(visual, lambda item: self._radius(item))
         )
         for batch in groups:
             texture = self._texture_or_none(batch, problems)
-            drawables.append(Drawable(self._mesh(batch), texture, batch.opacity))
+            drawables.append(Drawable(self._mesh(batch, problems), texture, batch.opacity))
         for cache in caches:
             cache.end()
         number = {name: index for index, name in enumerate(scene.frames)}
+        self._belts = [
+            (drawable.mesh, number[batch.frame], number[batch.drive])
+            for drawable, batch in zip(drawables, groups)
+            if isinstance(drawable.mesh, BeltMesh)
+        ]
         self._arrange(
             [(drawable, batch) for drawable, batch in zip(drawables, groups)],
             [number[batch.frame] for batch in groups],
@@ -125,6 +146,11 @@ class GpuScene:
             )
         return frames_in_world[self.frames]
 
+    def run_belts(self, frames_in_world: np.ndarray) -> None:
+        """Move the belts to where the wheels that drive them have turned."""
+        for mesh, frame, drive in self._belts:
+            mesh.run(frames_in_world[frame], frames_in_world[drive])
+
     def _arrange(
         self, items: Sequence[Tuple[Drawable, Batch]], frames: Sequence[int], count: int
     ) -> None:
@@ -134,6 +160,7 @@ class GpuScene:
         self.centers = np.array([item.mesh.center for item in self.drawables]).reshape(-1, 3)
         self.radii = np.array([item.mesh.radius for item in self.drawables])
         self.casts_shadow = np.array([batch.casts_shadow for _, batch in items], dtype=bool)
+        self.fixed = np.array([batch.frame == _WORLD for _, batch in items], dtype=bool)
         self.transparent = np.array([batch.opacity < 1.0 for _, batch in items], dtype=bool)
 
     def _is_drawable(self, visual: Visual, problems: Set[str]) -> bool:
@@ -147,7 +174,31 @@ class GpuScene:
                 return False
         return True
 
+    def _with_materials(self, visual: Visual, problems: Set[str]) -> List[Visual]:
+        """Show each part of a mesh with materials of its own in its colour and texture."""
+        if visual.shape is not Shape.MESH or not visual.mesh_materials:
+            return [visual]
+        try:
+            parts = self._file_parts(visual)
+        except MeshFileError as error:
+            problems.add(f"{visual.label} has no materials of its own: {error}")
+            return [replace(visual, mesh_materials=False)]
+        shown = []
+        for number, part in enumerate(parts):
+            texture = visual.texture
+            if part.texture is not None:
+                texture = f"file://{quote(str(part.texture.resolve()))}"
+            color = visual.color if part.color is None else part.color
+            shown.append(replace(visual, part=number, color=color, texture=texture))
+        return [part for part in shown if part.color[3] > 0.0]
+
+    def _file_parts(self, visual: Visual) -> List[MeshPart]:
+        path = self._path(visual)
+        return self._parts.get((path, _last_change(path)), lambda: load_parts(path))
+
     def _file(self, visual: Visual) -> Mesh:
+        if visual.part >= 0:
+            return self._file_parts(visual)[visual.part].mesh
         path = self._path(visual)
         return self._files.get((path, _last_change(path)), lambda: load_mesh(path))
 
@@ -158,7 +209,7 @@ class GpuScene:
         reach = np.abs(self._file(visual).positions).max(axis=0)
         return float(np.linalg.norm(reach * visual.size))
 
-    def _mesh(self, batch: Batch) -> GpuMesh:
+    def _mesh(self, batch: Batch, problems: Set[str]) -> GpuMesh:
         files = tuple(
             _last_change(self._path(visual))
             for visual in batch.visuals
@@ -167,6 +218,11 @@ class GpuScene:
 
         def upload() -> GpuMesh:
             merged = merge([self._part(item) for item in batch.visuals])
+            if batch.drive:
+                try:
+                    return BeltMesh(self._context, *merged, self._shadow_detail)
+                except ValueError as error:
+                    problems.add(f"{batch.visuals[0].label} does not run: {error}")
             return GpuMesh(self._context, *merged, self._shadow_detail)
 
         return self._meshes.get((batch.content, files), upload)

@@ -20,7 +20,8 @@ NEAREST = 0.4
 # Distance ahead of a camera at which light matters most (m).
 _INTEREST = 1.5
 
-# Of the light of a lamp that is not drawn as one, what a surface of any direction gets.
+# Of the light of a lamp that is not drawn as one, what a surface of any direction gets, if it
+# shines all around; one with a cone gives as much less as its cone is narrower.
 _DIFFUSE_SHARE = 0.25
 
 
@@ -53,6 +54,19 @@ class LampRig:
         Names of the scene's frames, in the order of their poses.
     sun
         Light of a lamp of intensity 1 at 1 m.
+
+    Attributes
+    ----------
+    angles, reaches
+        Of the lamps (rad, m), shape (N,).
+    levels
+        At which they burn, 0 to 1, shape (N,).
+    positions, directions
+        In the world (m), shape (N, 3).
+    axes
+        Of their views in the world, by rows: right, down, forward; shape (N, 3, 3).
+    centers, radii
+        Spheres that hold what each lights (m), shapes (N, 3) and (N,).
     """
 
     def __init__(self, lamps: Sequence[Lamp], frames: Sequence[str], sun: float) -> None:
@@ -61,18 +75,25 @@ class LampRig:
         self._frames = np.array([number[lamp.frame] for lamp in lamps], dtype=np.intp)
         self._positions = np.array([lamp.position for lamp in lamps]).reshape(-1, 3)
         self._directions = np.array([unit(lamp.direction) for lamp in lamps]).reshape(-1, 3)
-        self._reaches = np.array([lamp.reach for lamp in lamps])
+        self.reaches = np.array([lamp.reach for lamp in lamps])
+        self.angles = np.array([lamp.angle for lamp in lamps])
+        # Of all directions, those into which each shines.
+        self._solid_shares = 0.5 - 0.5 * np.cos(0.5 * np.minimum(self.angles, 2.0 * math.pi))
         strength = (1.0 + NEAREST**2) * sun
         self._lights = np.array(
             [strength * lamp.intensity * np.square(lamp.color) for lamp in lamps]
         ).reshape(-1, 3)
         self._cones = np.array([_cone(lamp.angle) for lamp in lamps]).reshape(-1, 2)
+        self._casting = np.array([lamp.casts_shadow for lamp in lamps], dtype=bool)
+        self._axes = np.array([_axes(direction) for direction in self._directions])
+        self._axes = self._axes.reshape(-1, 3, 3)
         spheres = [_lit_sphere(lamp.angle, lamp.reach) for lamp in lamps]
         self._ahead = np.array([ahead for ahead, _ in spheres])
         self.radii = np.array([radius for _, radius in spheres])
         self.levels = np.ones(len(lamps))
         self.positions = np.zeros((len(lamps), 3))
         self.directions = np.zeros((len(lamps), 3))
+        self.axes = np.zeros((len(lamps), 3, 3))
         self.centers = np.zeros((len(lamps), 3))
 
     def __len__(self) -> int:
@@ -88,8 +109,17 @@ class LampRig:
         self.positions = (
             np.einsum("nij,nj->ni", poses[:, :3, :3], self._positions) + poses[:, :3, 3]
         )
-        self.directions = np.einsum("nij,nj->ni", poses[:, :3, :3], self._directions)
+        self.axes = np.einsum("nij,nkj->nki", poses[:, :3, :3], self._axes)
+        self.directions = self.axes[:, 2]
         self.centers = self.positions + self._ahead[:, None] * self.directions
+
+    def matter_most(self, focus: np.ndarray, most: int) -> np.ndarray:
+        """Numbers of the burning lamps whose shadows matter most around a point, shape (3,)."""
+        light = self.levels * (self._lights @ LUMINANCE)
+        squares = np.square(self.positions - focus).sum(axis=1)
+        score = np.where(self._casting & (light > 1e-4), light / (1.0 + squares), 0.0)
+        order = np.argsort(-score, kind="stable")[:most]
+        return order[score[order] > 0.0]
 
     def choose(self, clip_from_world: np.ndarray, eye: np.ndarray, most: int) -> ChosenLamps:
         """Choose the lamps that matter most for a picture.
@@ -115,7 +145,7 @@ class LampRig:
             # The weakest are faded, so that none springs into the picture when another goes.
             shares = np.clip(4.0 * (1.0 - score[order[most]] / score), 0.0, 1.0)
         chosen = order[:most]
-        rest = _DIFFUSE_SHARE * ((1.0 - shares) @ arriving)
+        rest = _DIFFUSE_SHARE * ((1.0 - shares) * self._solid_shares[seen] @ arriving)
         return ChosenLamps(seen[chosen], (self.levels[seen] * shares)[chosen], rest)
 
     def uniforms(self, numbers: np.ndarray, levels: np.ndarray, room: int) -> Dict[str, np.ndarray]:
@@ -123,7 +153,7 @@ class LampRig:
         place, aim, light = (np.zeros((room, 4), dtype=np.float32) for _ in range(3))
         used = len(numbers)
         place[:used, :3] = self.positions[numbers]
-        place[:used, 3] = self._reaches[numbers] ** -2.0
+        place[:used, 3] = self.reaches[numbers] ** -2.0
         # What is left over must not divide by zero.
         place[used:, 3] = 1.0
         aim[:used, :3] = self.directions[numbers]
@@ -145,6 +175,13 @@ def _cone(angle: float) -> Tuple[float, float]:
     edge, even = math.cos(0.5 * angle), math.cos(0.5 * angle * _EVEN_SHARE)
     factor = 1.0 / max(even - edge, 1e-6)
     return factor, -edge * factor
+
+
+def _axes(direction: np.ndarray) -> np.ndarray:
+    """Axes of a view in a direction, by rows: right, down, forward."""
+    beside = np.eye(3)[np.abs(direction).argmin()]
+    right = unit(np.cross(beside, direction))
+    return np.stack([right, np.cross(direction, right), direction])
 
 
 def _lit_sphere(angle: float, reach: float) -> Tuple[float, float]:

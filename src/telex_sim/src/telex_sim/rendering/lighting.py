@@ -56,7 +56,7 @@ class Lighting:
     zenith: Rgb = (0.40, 0.57, 0.78)
     horizon: Rgb = (0.76, 0.81, 0.86)
     haze_distance: float = 30.0
-    shadow_radius: float = 4.0
+    shadow_radius: float = 9.0
 
 
 def light_uniforms(lighting: Lighting, daylight: Daylight) -> Dict[str, np.ndarray]:
@@ -144,10 +144,7 @@ def sun_view(
         Bounding spheres of what casts shadows, shapes (N, 3) and (N,); the depth range holds those
         over the map.
     """
-    forward = -unit(to_sun)
-    sideways = np.array([0.0, 1.0, 0.0]) if abs(forward[2]) > 0.99 else np.array([0.0, 0.0, 1.0])
-    right = unit(np.cross(sideways, forward))
-    axes = np.stack([right, np.cross(forward, right), forward])
+    axes = sun_axes(to_sun)
     texel = 2.0 * half / map_size
     # Moving by whole pixels only keeps the edges of shadows from crawling as the robot drives.
     middle = np.round(axes[:2] @ focus / texel) * texel
@@ -164,6 +161,14 @@ def sun_view(
     clip[:3, :3] = scale[:, None] * axes
     clip[:3, 3] = -scale * origin
     return SunView(clip, texel)
+
+
+def sun_axes(to_sun: object) -> np.ndarray:
+    """Axes of the sun's view, by rows: right, down, forward; shape (3, 3)."""
+    forward = -unit(to_sun)
+    sideways = np.array([0.0, 1.0, 0.0]) if abs(forward[2]) > 0.99 else np.array([0.0, 0.0, 1.0])
+    right = unit(np.cross(sideways, forward))
+    return np.stack([right, np.cross(forward, right), forward])
 
 
 def unit(vector: object) -> np.ndarray:

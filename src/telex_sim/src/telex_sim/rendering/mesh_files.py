@@ -1,14 +1,17 @@
-"""Readers for the mesh files that URDF visuals name: OBJ and STL."""
+"""Readers for the mesh files that URDF visuals name: OBJ, STL and COLLADA (DAE)."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Callable, Dict, List, Optional, Sequence, Tuple
+from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
+from .collada_files import read_collada
+from .mesh_looks import Corners, FilePart, Look, read_mtl
 from .mesh_normals import mesh_from_corners
 from .meshes import Mesh
+from .scene import Color
 
 MOST_TRIANGLES = 500_000
 """A file with more is refused: pictures would take longer than anybody waits."""
@@ -27,11 +30,28 @@ class MeshFileError(ValueError):
     """A mesh file is missing or cannot be used; the message names the file."""
 
 
-def load_mesh(path: Path) -> Mesh:
-    """Read an OBJ or STL file.
+class MeshPart(NamedTuple):
+    """What of a mesh has one material.
 
-    Normals come from an OBJ file where it has them for every corner, and are computed otherwise.
-    Colours and materials are not read: in this project a visual has one colour.
+    Attributes
+    ----------
+    mesh
+        Its triangles.
+    color
+        Red, green, blue, alpha, as in sRGB; None: the file has none for it.
+    texture
+        Picture that is multiplied by the colour, or None.
+    """
+
+    mesh: Mesh
+    color: Optional[Color] = None
+    texture: Optional[Path] = None
+
+
+def load_mesh(path: Path) -> Mesh:
+    """Read an OBJ, STL or COLLADA file without its materials.
+
+    Normals come from the file where it has them for every corner, and are computed otherwise.
 
     Raises
     ------
@@ -39,24 +59,69 @@ def load_mesh(path: Path) -> Mesh:
         When the file is missing, of another kind, broken or too large; or when it has a
         coordinate that is not finite, or no triangle with an area.
     """
+    try:
+        return mesh_from_corners(*_joined([part.corners for part in _read(path, False)]))
+    except ValueError as error:
+        raise _refused(path, error) from error
+
+
+def load_parts(path: Path) -> List[MeshPart]:
+    """Read an OBJ, STL or COLLADA file, one part for each of its materials.
+
+    Raises
+    ------
+    MeshFileError
+        As for `load_mesh`, and when a library of materials is missing or broken.
+    """
+    try:
+        return [
+            MeshPart(mesh_from_corners(*part.corners), part.look.color, part.look.texture)
+            for part in _read(path, True)
+        ]
+    except ValueError as error:
+        raise _refused(path, error) from error
+
+
+def _refused(path: Path, error: ValueError) -> MeshFileError:
+    return error if isinstance(error, MeshFileError) else MeshFileError(f"{path}: {error}")
+
+
+def _read(path: Path, with_looks: bool) -> List[FilePart]:
     reader = _READERS.get(path.suffix.lower())
     if reader is None:
         raise MeshFileError(f"{path}: unknown kind of mesh, expected {' or '.join(_READERS)}")
     try:
-        mesh = reader(path.read_bytes())
-        if np.abs(mesh.positions).max() > _LARGEST:
+        parts = reader(path, with_looks)
+        _check_count(sum(len(part.corners.positions) for part in parts))
+        if any(np.abs(part.corners.positions).max(initial=0.0) > _LARGEST for part in parts):
             raise ValueError(f"a coordinate is beyond {_LARGEST:g}")
-        return mesh
+        return parts
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else error
         raise MeshFileError(f"{path}: {reason}") from error
 
 
-def _read_obj(content: bytes) -> Mesh:
+def _joined(parts: Sequence[Corners]) -> Corners:
+    """Put all triangles together; what not all of them have is left out."""
+    normals = [part.normals for part in parts if part.normals is not None]
+    uvs = [part.uvs for part in parts if part.uvs is not None]
+    return Corners(
+        np.concatenate([part.positions for part in parts]),
+        np.concatenate(normals) if len(normals) == len(parts) else None,
+        np.concatenate(uvs) if len(uvs) == len(parts) else None,
+    )
+
+
+def _read_obj(path: Path, with_looks: bool) -> List[FilePart]:
+    content = path.read_bytes()
     positions: List[Sequence[float]] = []
     uvs: List[Sequence[float]] = []
     normals: List[Sequence[float]] = []
     triangles: List[_Corner] = []
+    looks: Dict[str, Look] = {}
+    # Material of each triangle, by its place in ``names``.
+    names: List[str] = [""]
+    material: List[int] = []
     lines = content.decode("utf-8", errors="replace").replace("\\\n", " ").splitlines()
     for number, line in enumerate(lines, start=1):
         keyword, *words = line.split() or [""]
@@ -71,16 +136,32 @@ def _read_obj(content: bytes) -> Mesh:
                 counts = (len(positions), len(uvs), len(normals))
                 triangles += _fan([_obj_corner(word, counts) for word in words])
                 _check_count(len(triangles) // 3)
+                material += [len(names) - 1] * (len(triangles) // 3 - len(material))
+            elif keyword == "usemtl":
+                names.append(" ".join(words))
+            elif keyword == "mtllib" and with_looks:
+                looks.update(read_mtl(path.parent / " ".join(words)))
         except ValueError as error:
             raise ValueError(f"line {number}: {error}") from error
     if not triangles:
         raise ValueError("there is no face")
     corners = np.array(triangles, dtype=np.intp).reshape(-1, 3, 3)
-    return mesh_from_corners(
-        np.array(positions)[corners[..., 0]],
-        _looked_up(normals, corners[..., 2]),
-        _looked_up(uvs, corners[..., 1]),
-    )
+    of = [looks.get(name, Look()) for name in names]
+    groups: Dict[Look, List[int]] = {}
+    for triangle, place in enumerate(material):
+        groups.setdefault(of[place], []).append(triangle)
+    points = np.array(positions)
+    return [
+        FilePart(
+            Corners(
+                points[corners[members, :, 0]],
+                _looked_up(normals, corners[members, :, 2]),
+                _looked_up(uvs, corners[members, :, 1]),
+            ),
+            look,
+        )
+        for look, members in groups.items()
+    ]
 
 
 def _floats(words: Sequence[str], count: int) -> Sequence[float]:
@@ -124,7 +205,11 @@ def _looked_up(values: Sequence[Sequence[float]], indices: np.ndarray) -> Option
     return np.array(values)[indices] if values and (indices >= 0).all() else None
 
 
-def _read_stl(content: bytes) -> Mesh:
+def _read_stl(path: Path, _: bool) -> List[FilePart]:
+    return [FilePart(Corners(_stl_corners(path.read_bytes())))]
+
+
+def _stl_corners(content: bytes) -> np.ndarray:
     # Binary files may begin with the text files' keyword, so the size decides.
     if len(content) >= _STL_HEADER:
         count = int.from_bytes(content[_STL_HEADER - 4 : _STL_HEADER], "little")
@@ -132,7 +217,7 @@ def _read_stl(content: bytes) -> Mesh:
         if len(content) == expected:
             _check_count(count)
             facets = np.frombuffer(content, dtype=_STL_FACET, offset=_STL_HEADER)
-            return mesh_from_corners(facets["corners"].astype(np.float64), None, None)
+            return facets["corners"].astype(np.float64)
     if content.lstrip()[:5].lower() == b"solid":
         return _read_ascii_stl(content)
     if len(content) < _STL_HEADER:
@@ -140,7 +225,7 @@ def _read_stl(content: bytes) -> Mesh:
     raise ValueError(f"{count} triangles take {expected} bytes, the file has {len(content)}")
 
 
-def _read_ascii_stl(content: bytes) -> Mesh:
+def _read_ascii_stl(content: bytes) -> np.ndarray:
     vertices: List[Sequence[float]] = []
     for number, line in enumerate(content.decode("ascii", errors="replace").splitlines(), start=1):
         keyword, *words = line.split() or [""]
@@ -153,7 +238,7 @@ def _read_ascii_stl(content: bytes) -> Mesh:
     if not vertices or len(vertices) % 3:
         raise ValueError(f"{len(vertices)} vertices do not make triangles")
     _check_count(len(vertices) // 3)
-    return mesh_from_corners(np.array(vertices).reshape(-1, 3, 3), None, None)
+    return np.array(vertices).reshape(-1, 3, 3)
 
 
 def _check_count(triangles: int) -> None:
@@ -161,4 +246,8 @@ def _check_count(triangles: int) -> None:
         raise ValueError(f"it has more than {MOST_TRIANGLES} triangles, at most so many are drawn")
 
 
-_READERS: Dict[str, Callable[[bytes], Mesh]] = {".obj": _read_obj, ".stl": _read_stl}
+_READERS: Dict[str, Callable[[Path, bool], List[FilePart]]] = {
+    ".obj": _read_obj,
+    ".stl": _read_stl,
+    ".dae": lambda path, _: read_collada(path),
+}

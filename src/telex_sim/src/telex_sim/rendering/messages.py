@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Iterator, List, Sequence, Tuple, TypeVar
+import sys
+from typing import Any, Callable, Iterator, List, Optional, Sequence, Tuple, TypeVar
 
 import cv2
 import numpy as np
@@ -12,9 +13,17 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from std_msgs.msg import ColorRGBA, Header
 from telex_msgs.msg import SceneDescription, SceneLamp, ScenePoses, SceneVisual
 
-from .camera import PinholeCamera
+from .lens import LensCamera
 from .scene import Daylight, Lamp, Rgb, Scene, Shape, Vector3, Visual
 from .transforms import Quaternion, pose_matrices
+
+# As compressed_image_transport writes it: what the picture is, and how it is encoded.
+_JPEG_FORMAT = "rgb8; jpeg compressed bgr8"
+
+# Between poses further apart than this nobody knows how things have moved (s); and how many times
+# the move between two poses may be continued.
+_LONGEST_MOVE = 0.2
+_MOST_MOVES = 4.0
 
 Message = TypeVar("Message")
 Thing = TypeVar("Thing")
@@ -79,6 +88,8 @@ def _visual(message: SceneVisual, frames: List[str]) -> Visual:
         texture=message.texture,
         texture_scale=message.texture_scale,
         glow=message.glow,
+        drive=_frame(message.drive, frames) if message.drive else "",
+        mesh_materials=message.mesh_materials,
     )
 
 
@@ -121,8 +132,18 @@ def _pose(message: Pose) -> Tuple[Vector3, Quaternion]:
     return _vector(position), (orientation.x, orientation.y, orientation.z, orientation.w)
 
 
-def frames_from_message(message: ScenePoses, count: int) -> np.ndarray:
+def frames_from_message(
+    message: ScenePoses, count: int, earlier: Optional[ScenePoses] = None, back: float = 0.0
+) -> np.ndarray:
     """Read the poses of a scene's ``count`` frames in the world, shape (count, 4, 4).
+
+    Parameters
+    ----------
+    message, count
+        What to read, and of how many frames.
+    earlier, back
+        Poses before those of ``message``, and the time before it (s) for which to find poses: all
+        move evenly.
 
     Raises
     ------
@@ -131,18 +152,27 @@ def frames_from_message(message: ScenePoses, count: int) -> np.ndarray:
     """
     if len(message.poses) != 7 * count:
         raise ValueError(f"{len(message.poses)} numbers for {count} frames, 7 for each are needed")
-    return pose_matrices(np.reshape(message.poses, (-1, 7)))
+    poses = np.reshape(message.poses, (-1, 7))
+    if back > 0.0 and earlier is not None and len(earlier.poses) == len(message.poses):
+        passed = (message.header.stamp - earlier.header.stamp).to_sec()
+        if 0.0 < passed < _LONGEST_MOVE:
+            before = np.reshape(earlier.poses, (-1, 7)).copy()
+            # q and -q are the same orientation; of both, the one near the later one.
+            opposite = np.einsum("ij,ij->i", before[:, 3:], poses[:, 3:]) < 0.0
+            before[opposite, 3:] *= -1.0
+            poses = poses + min(back / passed, _MOST_MOVES) * (before - poses)
+    return pose_matrices(poses)
 
 
-def camera_info_message(optics: PinholeCamera, header: Header) -> CameraInfo:
-    """Describe a camera without distortion."""
-    k = optics.intrinsic_matrix()
+def camera_info_message(camera: LensCamera, header: Header) -> CameraInfo:
+    """Describe a camera. A rectified picture (R, P) has the focal length and the middle of K."""
+    k = camera.intrinsic_matrix()
     return CameraInfo(
         header=header,
-        width=optics.width,
-        height=optics.height,
+        width=camera.width,
+        height=camera.height,
         distortion_model="plumb_bob",
-        D=[0.0] * 5,
+        D=list(camera.distortion),
         K=k.reshape(-1).tolist(),
         R=np.eye(3).reshape(-1).tolist(),
         P=np.hstack([k, np.zeros((3, 1))]).reshape(-1).tolist(),
@@ -154,7 +184,7 @@ def compressed_image_message(picture: np.ndarray, quality: int, header: Header) 
     data = simplejpeg.encode_jpeg(
         picture, quality, colorspace="RGBA", colorsubsampling="420", fastdct=True
     )
-    return CompressedImage(header=header, format="jpeg", data=data)
+    return CompressedImage(header=header, format=_JPEG_FORMAT, data=data)
 
 
 def image_message(picture: np.ndarray, header: Header) -> Image:
@@ -168,4 +198,18 @@ def image_message(picture: np.ndarray, header: Header) -> Image:
         is_bigendian=0,
         step=3 * width,
         data=cv2.cvtColor(picture, cv2.COLOR_RGBA2RGB).tobytes(),
+    )
+
+
+def depth_message(depth: np.ndarray, header: Header) -> Image:
+    """Convert depths along z (m, inf for none), float32, to 32FC1, as REP 118 has them."""
+    height, width = depth.shape
+    return Image(
+        header=header,
+        height=height,
+        width=width,
+        encoding="32FC1",
+        is_bigendian=int(sys.byteorder == "big"),
+        step=4 * width,
+        data=np.ascontiguousarray(depth, dtype=np.float32).tobytes(),
     )

@@ -10,7 +10,7 @@ import numpy as np
 from .lamps import NEAREST
 from .shaders import LitVariant, ShaderSource, depth_source, lit_source, sky_source
 
-PICTURE_UNIT, SHADOW_MAP_UNIT, COVER_MAP_UNIT = range(3)
+PICTURE_UNIT, SHADOW_MAP_UNIT, COVER_MAP_UNIT, LAMP_MAP_UNIT = range(4)
 
 Uniforms = Mapping[str, np.ndarray]
 """Values by name, float32; matrices as OpenGL takes them (`column_major`)."""
@@ -23,8 +23,15 @@ class LitProgram:
     would take longer than writing them.
     """
 
-    def __init__(self, context: moderngl.Context, variant: LitVariant, shadow_lookups: int) -> None:
-        self.program: Any = _compile(context, lit_source(variant, shadow_lookups, NEAREST))
+    def __init__(
+        self,
+        context: moderngl.Context,
+        variant: LitVariant,
+        shadow_lookups: int,
+        lamp_lookups: int,
+    ) -> None:
+        source = lit_source(variant, shadow_lookups, lamp_lookups, NEAREST)
+        self.program: Any = _compile(context, source)
         self.world_from_model: Any = self.program["world_from_model"]
         self.opacity: Any = self.program["opacity"]
         if variant.textured:
@@ -33,6 +40,8 @@ class LitProgram:
             self.program["cover_map"] = COVER_MAP_UNIT
         if variant.sun:
             self.program["shadow_map"] = SHADOW_MAP_UNIT
+        if variant.lamps and lamp_lookups:
+            self.program["lamp_map"] = LAMP_MAP_UNIT
 
     def set(self, uniforms: Uniforms) -> None:
         """Write those of the uniforms that this variant has."""
@@ -42,15 +51,15 @@ class LitProgram:
 class LitPrograms:
     """All variants, each compiled when it is first needed."""
 
-    def __init__(self, context: moderngl.Context, shadow_lookups: int) -> None:
+    def __init__(self, context: moderngl.Context, shadow_lookups: int, lamp_lookups: int) -> None:
         self._context = context
-        self._shadow_lookups = shadow_lookups
+        self._lookups = (shadow_lookups, lamp_lookups)
         self._programs: Dict[LitVariant, LitProgram] = {}
 
     def get(self, variant: LitVariant) -> LitProgram:
         """Return the program of a variant."""
         if variant not in self._programs:
-            self._programs[variant] = LitProgram(self._context, variant, self._shadow_lookups)
+            self._programs[variant] = LitProgram(self._context, variant, *self._lookups)
         return self._programs[variant]
 
 
@@ -68,8 +77,11 @@ class SkyProgram:
         """Write those of the uniforms that it has."""
         _write(self._program, uniforms)
 
-    def draw(self, clip_from_optical: np.ndarray, optical_in_world: np.ndarray) -> None:
+    def draw(
+        self, clip_from_optical: np.ndarray, optical_in_world: np.ndarray, exposure: float
+    ) -> None:
         """Draw behind everything; the camera's matrices have the shape (4, 4)."""
+        self._program["exposure"].value = exposure
         (scale_x, _, shift_x), (_, scale_y, shift_y) = clip_from_optical[:2, :3]
         optical_from_corner = np.array(
             [

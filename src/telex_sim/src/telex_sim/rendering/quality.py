@@ -22,7 +22,7 @@ class Quality:
     edge_smoothing
         Whether edges are softened in the finished picture instead.
     shadow_map_size
-        Pixels along each side of the sun's shadow map.
+        Pixels along each side of each of the sun's two shadow maps.
     shadow_detail
         What is smaller need not show in shadows (m).
     shadow_lookups
@@ -33,6 +33,12 @@ class Quality:
         Of textures that are seen at a slant; 1 for none.
     lamps
         Most that can light one picture.
+    lamp_shadows
+        Most lamps that throw shadows.
+    lamp_map_size
+        Pixels along each side of a lamp's shadow map.
+    lamp_lookups
+        In the shadow map of each lamp for each pixel of a picture.
     """
 
     samples: int
@@ -43,12 +49,15 @@ class Quality:
     shadow_softness: float
     anisotropy: float
     lamps: int
+    lamp_shadows: int
+    lamp_map_size: int
+    lamp_lookups: int
 
 
 TIERS: Dict[str, Quality] = {
-    # Of the 11 ms that llvmpipe takes for 640x480, each shadow look-up is one and smoothing half of
+    # Of the 12 ms that llvmpipe takes for 640x480, each shadow look-up is one and smoothing half of
     # one; four samples would double the whole, and so would an anisotropy of 4. Each lamp that
-    # lights all of a picture takes two more.
+    # lights all of a picture takes two more, and its shadow another two.
     "software": Quality(
         samples=0,
         edge_smoothing=True,
@@ -59,16 +68,22 @@ TIERS: Dict[str, Quality] = {
         shadow_softness=0.8,
         anisotropy=1.0,
         lamps=4,
+        lamp_shadows=6,
+        lamp_map_size=512,
+        lamp_lookups=1,
     ),
     "gpu": Quality(
         samples=4,
         edge_smoothing=False,
-        shadow_map_size=4096,
+        shadow_map_size=2048,
         shadow_detail=0.0,
         shadow_lookups=12,
         shadow_softness=2.5,
         anisotropy=8.0,
         lamps=12,
+        lamp_shadows=12,
+        lamp_map_size=1024,
+        lamp_lookups=6,
     ),
 }
 
@@ -76,12 +91,15 @@ TIERS: Dict[str, Quality] = {
 STILL = Quality(
     samples=4,
     edge_smoothing=False,
-    shadow_map_size=8192,
+    shadow_map_size=4096,
     shadow_detail=0.0,
     shadow_lookups=16,
     shadow_softness=3.0,
     anisotropy=16.0,
     lamps=16,
+    lamp_shadows=16,
+    lamp_map_size=1024,
+    lamp_lookups=8,
 )
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from dataclasses import replace
-from typing import Dict, List, Mapping, NamedTuple, Sequence, Set, Tuple
+from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
 import moderngl
 import numpy as np
@@ -13,10 +14,12 @@ from .camera import PinholeCamera
 from .culling import spheres_in_view, spheres_in_world
 from .frame_target import FrameTarget
 from .gpu_scene import GpuScene
+from .lamp_shadows import LampShadows
 from .lamps import LampRig
 from .lighting import Lighting, light_uniforms
 from .programs import (
     COVER_MAP_UNIT,
+    LAMP_MAP_UNIT,
     SHADOW_MAP_UNIT,
     LitProgram,
     LitPrograms,
@@ -32,12 +35,16 @@ from .sky_cover import SkyCover
 from .smoothing import smooth_edges
 from .transforms import rigid_inverse
 
+# Sizes of pictures whose memory is kept.
+_MOST_TARGETS = 12
+
 
 class Renderer:
     """Renders one scene for any number of cameras.
 
     All calls must come from the thread that made the context. For each set of pictures of the same
-    poses: ``place``, then ``render`` for each camera.
+    poses: ``place``, then ``render`` for each camera. Shadows are cast by the first picture of a
+    set, for all of it; nothing is drawn for poses that nobody looks at.
 
     Parameters
     ----------
@@ -59,17 +66,30 @@ class Renderer:
         self._context = context
         self._quality = quality
         self._lighting = lighting
-        self._programs = LitPrograms(context, quality.shadow_lookups)
+        lamp_lookups = quality.lamp_lookups if quality.lamp_shadows else 0
+        self._programs = LitPrograms(context, quality.shadow_lookups, lamp_lookups)
         self._skies = {fog: SkyProgram(context, fog) for fog in (False, True)}
         depth = depth_program(context)
         self._scene = GpuScene(context, quality.anisotropy, quality.shadow_detail, package_path)
         radius = lighting.shadow_radius
         self._shadows = ShadowMap(context, depth, radius, quality.shadow_map_size)
-        self._cover = SkyCover(context, depth, radius)
-        self._targets: Dict[Tuple[int, int], FrameTarget] = {}
+        self._lamp_shadows = LampShadows(
+            context,
+            depth,
+            max(quality.lamp_shadows, 1),
+            quality.lamp_map_size,
+            quality.shadow_softness,
+        )
+        self._cover = SkyCover(context, depth)
+        self._targets: OrderedDict[Tuple[int, int], FrameTarget] = OrderedDict()
         self._warm: Set[LitVariant] = set()
         self._model = np.zeros((0, 4, 4))
         self._centers = np.zeros((0, 3))
+        self._focus = np.zeros(3)
+        self._frames_in_world = np.zeros((0, 4, 4))
+        self._belts_placed = True
+        self._cast = False
+        self._depth_source: Optional[FrameTarget] = None
         self._take_light(Scene(0, (), ()))
 
     def load_scene(self, scene: Scene) -> List[str]:
@@ -113,6 +133,8 @@ class Renderer:
         if sun:
             self._shadows.invalidate(daylight.to_sun)
         self._cover.invalidate()
+        self._lamp_shadows.invalidate()
+        self._cast = False
         self._base = LitVariant(
             textured=False,
             sun=sun,
@@ -126,14 +148,16 @@ class Renderer:
         # Half the width of soft edges, as a share of the shadow map's side.
         softness = self._quality.shadow_softness / self._quality.shadow_map_size
         self._uniforms["shadow_softness"] = np.array(softness, dtype=np.float32)
+        self._uniforms.update(self._lamp_shadows.fixed_uniforms())
         self._sky.set(self._uniforms)
 
     def set_lamp_levels(self, levels: Mapping[str, float]) -> None:
         """Dim the lamps that have names: 0 is off, 1 full."""
         self._lamps.set_levels(levels)
+        self._cast = False
 
-    def place(self, frames_in_world: np.ndarray, focus: np.ndarray) -> None:
-        """Move everything to where it is now and cast the shadows.
+    def place(self, frames_in_world: np.ndarray, focus: np.ndarray, recast: bool = True) -> None:
+        """Move everything to where it is now.
 
         Parameters
         ----------
@@ -141,6 +165,8 @@ class Renderer:
             Poses of the scene's frames, shape (frames, 4, 4).
         focus
             Point in the world around which shadows matter (m), shape (3,).
+        recast
+            Whether shadows move as well; those that the scene does not have yet come anyway.
 
         Raises
         ------
@@ -149,20 +175,38 @@ class Renderer:
         """
         self._model = self._scene.model_matrices(frames_in_world)
         self._centers = spheres_in_world(self._model, self._scene.centers)
+        self._frames_in_world = frames_in_world
+        self._belts_placed = False
         self._lamps.place(frames_in_world)
+        self._focus = np.asarray(focus, dtype=np.float64)
+        self._cast = self._cast and not recast
+
+    def _prepare(self) -> None:
+        """Do what all pictures of these poses share: let belts run, and cast the shadows."""
+        if not self._belts_placed:
+            self._belts_placed = True
+            self._scene.run_belts(self._frames_in_world)
+        if self._cast:
+            return
+        self._cast = True
         self._begin_pass()
+        what = (self._scene, self._model, self._centers)
         if self._base.cover:
-            self._cover.update(self._scene, self._model, self._centers, focus)
+            self._cover.update(*what, self._focus)
             self._uniforms["cover_place"] = self._cover.place()
+        if self._quality.lamp_shadows:
+            self._lamp_shadows.update(*what, self._lamps, self._focus)
         if not self._base.sun:
             return
-        self._shadows.update(self._scene, self._model, self._centers, focus)
+        self._shadows.update(*what, self._focus)
         # No look-up of the ring, nor the pixel that it falls into, may dip into the surface itself.
-        offset = (1.0 + self._quality.shadow_softness) * self._shadows.view.texel
+        offset = (1.0 + self._quality.shadow_softness) * self._shadows.texel
         self._uniforms["normal_offset"] = np.array(offset, dtype=np.float32)
-        self._uniforms["map_from_world"] = column_major(self._shadows.map_from_world())
+        self._uniforms.update(self._shadows.uniforms())
 
-    def render(self, camera: PinholeCamera, optical_in_world: np.ndarray) -> np.ndarray:
+    def render(
+        self, camera: PinholeCamera, optical_in_world: np.ndarray, exposure: float = 1.0
+    ) -> np.ndarray:
         """Take a picture.
 
         Parameters
@@ -171,6 +215,8 @@ class Renderer:
             Optics and size.
         optical_in_world
             Pose of the optical frame, shape (4, 4).
+        exposure
+            Factor on all light; 1 suits a bright day.
 
         Returns
         -------
@@ -178,24 +224,53 @@ class Renderer:
             RGBA, shape (height, width, 4), uint8, rows from above. The memory is the renderer's:
             the next picture of that size overwrites it.
         """
+        self._prepare()
         clip_from_optical = camera.clip_from_optical()
         clip_from_world = clip_from_optical @ rigid_inverse(optical_in_world)
         eye = optical_in_world[:3, 3]
         solid, transparent = self._visible(clip_from_world, eye)
-        drawing = self._drawing(clip_from_world, eye, np.concatenate([solid, transparent]))
+        drawing = self._drawing(
+            clip_from_world, eye, exposure, np.concatenate([solid, transparent])
+        )
         target = self._target(camera.width, camera.height)
         self._begin_pass()
         framebuffer = target.begin()
         self._use_maps()
         drawing.draw(solid)
-        self._sky.draw(clip_from_optical, optical_in_world)
+        self._sky.draw(clip_from_optical, optical_in_world, exposure)
         if transparent.size:
             self._context.enable(moderngl.BLEND)
             framebuffer.depth_mask = False
             drawing.draw(transparent)
             framebuffer.depth_mask = True
+        self._depth_source = target
         picture = target.read()
         return smooth_edges(picture) if self._quality.edge_smoothing else picture
+
+    def depth(self, camera: PinholeCamera) -> np.ndarray:
+        """Measure how far what the last picture shows is; to be called directly after `render`.
+
+        Parameters
+        ----------
+        camera
+            With which the picture was taken.
+
+        Returns
+        -------
+        numpy.ndarray
+            Distances along the optical axis (m), shape (height, width), float32; infinite where
+            nothing is nearer than the camera's ``far`` (REP 118). What is transparent is seen
+            through.
+
+        Raises
+        ------
+        ValueError
+            When the last picture was of another size, or there is none.
+        """
+        size = (camera.width, camera.height)
+        if self._depth_source is None or self._depth_source is not self._targets.get(size):
+            raise ValueError(f"the last picture was not of {camera.width}x{camera.height} pixels")
+        return self._depth_source.read_depth(camera.near, camera.far)
 
     def release(self) -> None:
         """Free everything, the context included."""
@@ -211,13 +286,18 @@ class Renderer:
 
     def _use_maps(self) -> None:
         self._shadows.use(SHADOW_MAP_UNIT)
+        self._lamp_shadows.use(LAMP_MAP_UNIT)
         self._cover.use(COVER_MAP_UNIT)
 
     def _target(self, width: int, height: int) -> FrameTarget:
         size = (width, height)
         if size not in self._targets:
+            if len(self._targets) >= _MOST_TARGETS:
+                _, oldest = self._targets.popitem(last=False)
+                oldest.release()
             samples = min(self._quality.samples, self._context.max_samples)
             self._targets[size] = FrameTarget(self._context, width, height, samples)
+        self._targets.move_to_end(size)
         return self._targets[size]
 
     def _visible(
@@ -241,13 +321,14 @@ class Renderer:
         )
 
     def _drawing(
-        self, clip_from_world: np.ndarray, eye: np.ndarray, numbers: np.ndarray
+        self, clip_from_world: np.ndarray, eye: np.ndarray, exposure: float, numbers: np.ndarray
     ) -> _Drawing:
         """Prepare to draw some of the drawables as a camera sees them."""
         chosen = self._lamps.choose(clip_from_world, eye, self._quality.lamps)
         uniforms = dict(self._uniforms)
         uniforms["clip_from_world"] = column_major(clip_from_world)
         uniforms["eye"] = eye.astype(np.float32)
+        uniforms["exposure"] = np.array(exposure, dtype=np.float32)
         for name in ("sky_ambient", "ground_ambient"):
             uniforms[name] = uniforms[name] + chosen.rest.astype(np.float32)
         # Each surface is drawn with the lamps that reach it alone: every one takes time.
@@ -257,7 +338,11 @@ class Renderer:
         groups = []
         for mask in masks:
             room = _room_for(int(mask.sum()), self._quality.lamps)
-            values = self._lamps.uniforms(chosen.numbers[mask], chosen.levels[mask], room)
+            lamps = chosen.numbers[mask]
+            values = {
+                **self._lamps.uniforms(lamps, chosen.levels[mask], room),
+                **self._lamp_shadows.uniforms(self._lamps, lamps, room),
+            }
             variants = tuple(
                 replace(self._base, textured=textured, lamps=room) for textured in (False, True)
             )

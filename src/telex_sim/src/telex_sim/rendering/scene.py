@@ -57,6 +57,13 @@ class Visual:
         Length that one repetition of the texture covers (m); 0: once over each face.
     glow
         0..1: share of the colour that is seen without any light.
+    drive
+        Frame of the wheel that drives this mesh as a belt, by turning about its y; empty for what
+        does not run.
+    mesh_materials
+        Whether parts of the mesh that have a colour or texture of their own show it.
+    part
+        Which of those parts this is; -1: the whole mesh.
 
     Raises
     ------
@@ -74,6 +81,9 @@ class Visual:
     texture: str = ""
     texture_scale: float = 1.0
     glow: float = 0.0
+    drive: str = ""
+    mesh_materials: bool = False
+    part: int = -1
 
     def __post_init__(self) -> None:
         pose_numbers = (*self.size, *self.position, *self.orientation)
@@ -109,7 +119,7 @@ class Visual:
 
 @dataclass(frozen=True)
 class Lamp:
-    """A lamp, fixed to a frame; it throws no shadow.
+    """A lamp, fixed to a frame.
 
     Attributes
     ----------
@@ -127,6 +137,8 @@ class Lamp:
         sRGB, each 0..1.
     name
         Of one that can be dimmed while the scene stands; empty for others.
+    casts_shadow
+        Whether things stand in its light; one that shines all around casts shadows ahead only.
 
     Raises
     ------
@@ -142,6 +154,7 @@ class Lamp:
     reach: float = 8.0
     color: Rgb = (1.0, 1.0, 1.0)
     name: str = ""
+    casts_shadow: bool = True
 
     def __post_init__(self) -> None:
         place_numbers = (*self.position, *self.direction, self.reach)
@@ -229,3 +242,6 @@ class Scene:
         for thing in things:
             if thing.frame not in known:
                 raise ValueError(f"{thing.label}: no such frame in the scene")
+        for visual in self.visuals:
+            if visual.drive and visual.drive not in known:
+                raise ValueError(f"{visual.label}: no frame '{visual.drive}' in the scene")

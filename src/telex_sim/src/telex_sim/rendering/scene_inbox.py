@@ -3,9 +3,27 @@
 from __future__ import annotations
 
 import threading
-from typing import Optional
+import time
+from typing import NamedTuple, Optional
 
 from telex_msgs.msg import SceneDescription, ScenePoses
+
+
+class Arrival(NamedTuple):
+    """Poses that have come.
+
+    Attributes
+    ----------
+    poses : ScenePoses
+    earlier : ScenePoses, optional
+        Those before them, of the same scene.
+    time : float
+        When they came (monotonic, s).
+    """
+
+    poses: ScenePoses
+    earlier: Optional[ScenePoses]
+    time: float
 
 
 class SceneInbox:
@@ -16,7 +34,7 @@ class SceneInbox:
         self._news = False
         self._revision: Optional[int] = None
         self._scene: Optional[SceneDescription] = None
-        self._poses: Optional[ScenePoses] = None
+        self._poses: Optional[Arrival] = None
 
     def put_scene(self, message: SceneDescription) -> None:
         """Store a scene."""
@@ -32,7 +50,9 @@ class SceneInbox:
     def put_poses(self, message: ScenePoses) -> None:
         """Store poses."""
         with self._changed:
-            self._poses = message
+            last = self._poses.poses if self._poses is not None else None
+            earlier = last if last is not None and last.revision == message.revision else None
+            self._poses = Arrival(message, earlier, time.monotonic())
             self._notify()
 
     def drop_poses(self) -> None:
@@ -52,7 +72,7 @@ class SceneInbox:
             scene, self._scene = self._scene, None
             return scene
 
-    def newest_poses(self) -> Optional[ScenePoses]:
+    def newest_poses(self) -> Optional[Arrival]:
         """Return the newest poses, however often."""
         with self._changed:
             return self._poses

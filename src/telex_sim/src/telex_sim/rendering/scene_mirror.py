@@ -10,8 +10,8 @@ import rospy
 from telex_msgs.msg import SceneDescription, ScenePoses
 
 from .messages import frames_from_message, scene_from_message
-from .renderer import Renderer
 from .scene import Lamp, Scene
+from .scene_renderer import SceneRenderer
 
 _WARNING_PERIOD = 5.0
 
@@ -28,22 +28,32 @@ class SceneMirror:
         matter around them.
     lamps
         Of the robot, on frames of the scene.
+    followed
+        Names of further frames that `frame_in_world` shall know.
     """
 
     def __init__(
-        self, renderer: Renderer, camera_frames: Iterable[str], lamps: Sequence[Lamp] = ()
+        self,
+        renderer: SceneRenderer,
+        camera_frames: Iterable[str],
+        lamps: Sequence[Lamp] = (),
+        followed: Iterable[str] = (),
     ) -> None:
         self._renderer = renderer
         self._lamps = tuple(lamps)
         self._camera_frames = tuple(camera_frames)
+        self._followed = tuple(followed)
+        self._message: Optional[SceneDescription] = None
         self._missing: List[str] = []
         self._revision: Optional[int] = None
         self._frame_count = 0
         self._numbers: Dict[str, int] = {}
+        self._others: Dict[str, int] = {}
         self._frames_in_world = np.zeros((0, 4, 4))
 
     def load(self, message: SceneDescription) -> None:
         """Show another scene from now on."""
+        self._message = message
         self._revision = None
         try:
             scene, problems = scene_from_message(message)
@@ -52,6 +62,7 @@ class SceneMirror:
             return
         numbers = {name: number for number, name in enumerate(scene.frames)}
         self._numbers = {name: numbers[name] for name in self._camera_frames if name in numbers}
+        self._others = {name: numbers[name] for name in self._followed if name in numbers}
         self._tell_missing(message.revision, scene)
         lamps = tuple(lamp for lamp in self._lamps if lamp.frame in numbers)
         problems += self._renderer.load_scene(replace(scene, lamps=scene.lamps + lamps))
@@ -60,6 +71,12 @@ class SceneMirror:
         for problem in problems:
             rospy.logerr("scene %d: %s", scene.revision, problem)
         rospy.loginfo("scene %d: %d visuals are shown", scene.revision, len(scene.visuals))
+
+    def change_renderer(self, renderer: SceneRenderer) -> None:
+        """Show the scene with another renderer from now on; poses must be placed anew."""
+        self._renderer = renderer
+        if self._message is not None:
+            self.load(self._message)
 
     def _tell_missing(self, revision: int, scene: Scene) -> None:
         """Say what of the configuration this variant of the robot does not have."""
@@ -73,8 +90,23 @@ class SceneMirror:
             )
         self._missing = missing
 
-    def place(self, message: ScenePoses) -> bool:
+    def place(
+        self,
+        message: ScenePoses,
+        earlier: Optional[ScenePoses] = None,
+        back: float = 0.0,
+        recast: bool = True,
+    ) -> bool:
         """Move everything to where the poses say.
+
+        Parameters
+        ----------
+        message
+            The poses.
+        recast
+            Whether shadows move as well.
+        earlier, back
+            As for `frames_from_message`, to see things where they were a moment (s) before.
 
         Returns
         -------
@@ -88,8 +120,8 @@ class SceneMirror:
             )
             return False
         try:
-            frames_in_world = frames_from_message(message, self._frame_count)
-            self._renderer.place(frames_in_world, self._focus(frames_in_world))
+            frames_in_world = frames_from_message(message, self._frame_count, earlier, back)
+            self._renderer.place(frames_in_world, self._focus(frames_in_world), recast)
         except ValueError as error:
             rospy.logwarn_throttle(_WARNING_PERIOD, f"poses are left out: {error}")
             return False
@@ -101,7 +133,17 @@ class SceneMirror:
         cameras = frames_in_world[list(self._numbers.values()), :3, 3]
         return cameras.mean(axis=0) if len(cameras) else np.zeros(3)
 
-    def camera_in_world(self, frame: str) -> Optional[np.ndarray]:
-        """Return where a camera was placed, shape (4, 4), or None if the scene has none."""
-        number = self._numbers.get(frame)
-        return None if number is None else self._frames_in_world[number]
+    def has(self, frame: str) -> bool:
+        """Whether the scene has a camera, or what else is to be known, of this name."""
+        return frame in self._numbers or frame in self._others
+
+    def frame_in_world(self, frame: str) -> np.ndarray:
+        """Return where a camera, or what else is to be known, was placed, shape (4, 4).
+
+        Raises
+        ------
+        KeyError
+            The scene does not have it.
+        """
+        numbers = self._numbers if frame in self._numbers else self._others
+        return self._frames_in_world[numbers[frame]]

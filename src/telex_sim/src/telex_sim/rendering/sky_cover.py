@@ -16,8 +16,8 @@ from .culling import spheres_in_view
 from .gpu_scene import GpuScene
 from .programs import column_major
 
-# Side of a pixel of the map (m).
-_TEXEL = 0.05
+# Half the side of the square around the focus that the map shows, and side of its pixels (m).
+_RADIUS, _TEXEL = 4.0, 0.05
 
 # Standard deviation of the blur (m): about as wide as such shadows are.
 _BLUR = 0.15
@@ -38,15 +38,13 @@ class SkyCover:
     ----------
     context, program
         To draw with; the program writes depth alone.
-    radius
-        Half the side of the square around the focus that the map shows (m).
     """
 
-    def __init__(self, context: moderngl.Context, program: moderngl.Program, radius: float) -> None:
+    def __init__(self, context: moderngl.Context, program: moderngl.Program) -> None:
         self._context = context
         self._program = program
         self._clip_from_model: Any = program["clip_from_model"]
-        self._size = max(4 * _BORDER, round(2.0 * radius / _TEXEL))
+        self._size = round(2.0 * _RADIUS / _TEXEL)
         side = (self._size, self._size)
         self._framebuffer = context.framebuffer(depth_attachment=context.depth_renderbuffer(side))
         self._heights = context.texture(side, 1, dtype="f4")

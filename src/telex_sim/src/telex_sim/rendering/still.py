@@ -70,6 +70,8 @@ class Still:
         optical_in_world: np.ndarray,
         frames_in_world: np.ndarray,
         focus: Union[np.ndarray, Sequence[float]],
+        exposure: float = 1.0,
+        recast: bool = True,
     ) -> np.ndarray:
         """Take a picture.
 
@@ -77,8 +79,10 @@ class Still:
         ----------
         camera, optical_in_world
             As for `Renderer.render`.
-        frames_in_world, focus
+        frames_in_world, focus, recast
             As for `Renderer.place`.
+        exposure
+            As for `Renderer.render`.
 
         Returns
         -------
@@ -86,8 +90,13 @@ class Still:
             RGB, shape (height, width, 3), uint8, rows from above.
         """
         with self._context:
-            self.renderer.place(frames_in_world, np.asarray(focus, dtype=np.float64))
-            return self.renderer.render(camera, optical_in_world)[..., :3].copy()
+            self.renderer.place(frames_in_world, np.asarray(focus, dtype=np.float64), recast)
+            return self.renderer.render(camera, optical_in_world, exposure)[..., :3].copy()
+
+    def depth(self, camera: PinholeCamera) -> np.ndarray:
+        """Measure how far what the last picture shows is; see `Renderer.depth`."""
+        with self._context:
+            return self.renderer.depth(camera)
 
     def release(self) -> None:
         """Free everything."""

@@ -10,6 +10,9 @@ from urdf_parser_py import urdf
 from .scene import Color, Shape, Vector3
 from .transforms import Quaternion, quaternion_from_rpy
 
+# Name of visuals that run around wheels.
+_BELT = "belt"
+
 # Of visuals without a material.
 DEFAULT_COLOR: Color = (0.7, 0.7, 0.7, 1.0)
 
@@ -36,6 +39,10 @@ class UrdfVisual:
         Address of the mesh, empty for primitives.
     texture
         Address of the material's picture, or empty.
+    drive
+        Link whose turning drives it as a belt, or empty.
+    mesh_materials
+        Whether the mesh shows colours and textures of its own: where the robot says nothing.
     """
 
     link: str
@@ -46,13 +53,16 @@ class UrdfVisual:
     color: Color
     mesh: str
     texture: str
+    drive: str = ""
+    mesh_materials: bool = False
 
 
 def urdf_visuals(text: str) -> List[UrdfVisual]:
     """List the visuals of all links, in the order of the text.
 
     A material that is only named takes the colour and picture of the material of that name in the
-    robot or, where the robot has none, in a visual.
+    robot or, where the robot has none, in a visual. A visual with the name "belt" runs around the
+    wheels of its link, driven by the one link that a continuous joint hangs there.
 
     Parameters
     ----------
@@ -62,7 +72,7 @@ def urdf_visuals(text: str) -> List[UrdfVisual]:
     Raises
     ------
     UrdfVisualError
-        When the text is no URDF.
+        When the text is no URDF, or a belt has not one drive wheel.
     """
     try:
         # Bytes, because lxml refuses a str that declares its encoding.
@@ -71,7 +81,9 @@ def urdf_visuals(text: str) -> List[UrdfVisual]:
         raise UrdfVisualError(f"robot description: {error}") from error
     materials = _materials(robot)
     return [
-        _visual(link.name, visual, materials) for link in robot.links for visual in link.visuals
+        _visual(link.name, visual, materials, robot)
+        for link in robot.links
+        for visual in link.visuals
     ]
 
 
@@ -88,14 +100,37 @@ def _is_defined(material: Any) -> bool:
     return material.color is not None or material.texture is not None
 
 
-def _visual(link: str, visual: Any, materials: Dict[str, Any]) -> UrdfVisual:
+def _visual(link: str, visual: Any, materials: Dict[str, Any], robot: Any) -> UrdfVisual:
     shape, size, mesh = _geometry(link, visual.geometry)
     position, orientation = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
     if visual.origin is not None:
         position = _vector3(visual.origin.xyz or position)
         orientation = quaternion_from_rpy(visual.origin.rpy or (0.0, 0.0, 0.0))
     color, texture = _appearance(visual.material, materials)
-    return UrdfVisual(link, shape, size, position, orientation, color, mesh, texture)
+    return UrdfVisual(
+        link,
+        shape,
+        size,
+        position,
+        orientation,
+        color,
+        mesh,
+        texture,
+        drive=_drive(link, robot) if visual.name == _BELT and mesh else "",
+        mesh_materials=bool(mesh) and visual.material is None,
+    )
+
+
+def _drive(link: str, robot: Any) -> str:
+    wheels = [
+        joint.child for joint in robot.joints if joint.parent == link and joint.type == "continuous"
+    ]
+    if len(wheels) != 1:
+        raise UrdfVisualError(
+            f"robot description: link '{link}' has a visual '{_BELT}' and {len(wheels)} continuous"
+            " joints; a belt needs one, which drives it"
+        )
+    return wheels[0]
 
 
 def _geometry(link: str, geometry: Any) -> Tuple[Shape, Vector3, str]:

@@ -316,7 +316,7 @@ def _camera(subject: Subject, options: argparse.Namespace) -> Tuple[PinholeCamer
     width, height = options.size or (1280, 720)
     if options.camera:
         config, pose = robot_camera(subject, options.camera)
-        optics = config.optics()
+        optics = config.pinhole()
         if options.size:
             optics = replace(optics, width=width, height=height)
         return optics, pose

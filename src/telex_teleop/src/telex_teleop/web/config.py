@@ -5,9 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Mapping, Tuple, Type, TypeVar
 
-from telex_control.params import read_config, require_range, require_text
+from telex_control.params import read_config, require_choice, require_range, require_text
 
 Config = TypeVar("Config")
+
+STREAM_TYPES = ("mjpeg", "ros_compressed", "png")
+"""Types of streams that the video server offers."""
 
 OWN_PARAMETERS = ("url",)
 """Private parameters that a server sets for others to read."""
@@ -42,24 +45,35 @@ class VideoServerConfig:
     address: str = "127.0.0.1"
     port: int = 8080
     quality: int = 95
+    default_stream_type: str = "mjpeg"
+    publish_rate: float = -1.0
     max_size: int = 4096
     send_buffer: int = 131072
     max_in_flight: int = 0
     stall_timeout: float = 5.0
     snapshot_timeout: float = 5.0
+    ping_interval: float = 10.0
     main_camera: str = "front"
+    hidden_cameras: Tuple[str, ...] = ("overview",)
+    main_rate: float = 30.0
+    thumbnail_rate: float = 10.0
     rosbridge: str = "rosbridge"
 
     def __post_init__(self) -> None:
         require_text(self, "address")
         require_range(self, "port", 0, 65535)
         require_range(self, "quality", 1, 100)
+        require_choice(self, "default_stream_type", STREAM_TYPES)
+        require_range(self, "publish_rate", -1.0, 1000.0)
         require_range(self, "max_size", 16, 16384)
         require_range(self, "send_buffer", 4096, 16777216)
         require_range(self, "max_in_flight", 0, 16777216)
         require_range(self, "stall_timeout", 0.5, 3600.0)
         require_range(self, "snapshot_timeout", 0.1, 60.0)
+        require_range(self, "ping_interval", 0.2, 600.0)
         require_text(self, "main_camera")
+        require_range(self, "main_rate", 0.1, 1000.0)
+        require_range(self, "thumbnail_rate", 0.1, 1000.0)
         require_text(self, "rosbridge")
 
 

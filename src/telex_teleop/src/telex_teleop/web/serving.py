@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import errno
 import ipaddress
+import logging
 import signal
 import socket
 import sys
@@ -13,6 +14,7 @@ from typing import Any, Callable, Type, TypeVar
 
 import rospy
 from aiohttp import web
+from aiohttp.http_exceptions import HttpProcessingError
 
 from telex_control.params import ConfigError
 
@@ -21,7 +23,23 @@ from .config import read_server_config
 SHUTDOWN_GRACE = 0.3
 """Time (s) that requests under way get to finish when the node ends."""
 
+REQUEST_TIMEOUT = 20.0
+"""Time (s) that a connection gets to deliver its first request, and the next one after each."""
+
 Config = TypeVar("Config")
+
+
+def _is_own_fault(record: logging.LogRecord) -> bool:
+    """Tell whether a record is about more than a request that is no HTTP, or a client that left.
+
+    Who sends such a request is told so; a traceback for each would let anybody fill the log.
+    """
+    others = (HttpProcessingError, ConnectionError)
+    return not (record.exc_info and isinstance(record.exc_info[1], others))
+
+
+_LOGGER = logging.getLogger(__name__)
+_LOGGER.addFilter(_is_own_fault)
 
 
 class BindError(OSError):
@@ -97,7 +115,12 @@ async def serve(
     their client.
     """
     runner = web.AppRunner(
-        app, access_log=None, handler_cancellation=True, shutdown_timeout=SHUTDOWN_GRACE
+        app,
+        access_log=None,
+        logger=_LOGGER,
+        handler_cancellation=True,
+        keepalive_timeout=REQUEST_TIMEOUT,
+        shutdown_timeout=SHUTDOWN_GRACE,
     )
     await runner.setup()
     try:

@@ -1,4 +1,4 @@
-"""Threads for calls that block: to the ROS master, to services.
+"""Threads for calls that block or take long: to the ROS master, to services, to encoders.
 
 All threads here are daemons. Those of concurrent.futures are joined when the interpreter ends, so
 that one service that never answers would keep the node from ending.
@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import logging
 import queue
 import threading
-from typing import Any, Callable, Optional, Tuple, TypeVar
+from typing import Any, Callable, Dict, Hashable, Optional, Tuple, TypeVar
 
 Result = TypeVar("Result")
 _Job = Tuple[Callable[[], Any], "asyncio.Future[Any]"]
@@ -68,3 +69,41 @@ class OrderedWorker:
     def _run(self) -> None:
         while True:
             _run_job(*self._jobs.get())
+
+
+class NewestWorker:
+    """One thread that runs the newest call of each key; a call that is overtaken never runs.
+
+    Keys take turns, so that none of them starves however often another one calls.
+    """
+
+    def __init__(self, name: str) -> None:
+        self._calls: Dict[Hashable, Callable[[], None]] = {}
+        self._changed = threading.Condition()
+        threading.Thread(target=self._run, name=name, daemon=True).start()
+
+    @property
+    def backlog(self) -> int:
+        """How many calls wait for their turn."""
+        return len(self._calls)
+
+    def submit(self, key: Hashable, call: Callable[[], None]) -> None:
+        """Let a call run instead of the one of the same key that still waits."""
+        with self._changed:
+            self._calls[key] = call
+            self._changed.notify()
+
+    def cancel(self, key: Hashable) -> None:
+        """Forget the call of a key, if it still waits."""
+        with self._changed:
+            self._calls.pop(key, None)
+
+    def _run(self) -> None:
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._calls)
+                call = self._calls.pop(next(iter(self._calls)))
+            try:
+                call()
+            except Exception:  # the thread serves all; the one whose call it is goes without
+                logging.getLogger(__name__).exception("a call in a thread failed")

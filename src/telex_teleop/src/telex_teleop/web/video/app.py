@@ -11,15 +11,19 @@ from urllib.parse import urlsplit, urlunsplit
 from aiohttp import web
 
 from ..config import VideoServerConfig
-from ..workers import OrderedWorker
+from ..workers import NewestWorker, OrderedWorker
 from . import mjpeg, pages, query
 from .hub import PictureHubs, PictureSource
 from .pictures import EncodedPicture, UnusablePictureError, encode
+from .sockets import VideoSockets
 from .topics import PictureTopic, Topics, base_topics, find_cameras
 from .viewers import SnapshotViewer, StreamViewer
 
 CHECK_PERIOD = 1.0
 """Time (s) between two looks at whether viewers still read."""
+
+FOR_LONG = 3600.0
+"""Time (s) to sleep when there is nothing to do but to be cancelled."""
 
 # The console speaks to the bridge on another port, and its pictures may be blobs; nothing else is
 # foreign.
@@ -82,30 +86,39 @@ class VideoServer:
         self.hubs = PictureHubs(
             graph,
             self._worker,
+            NewestWorker("picture encoder"),
             lambda picture, variant: encode(picture, variant, config.quality),
             on_unusable=self._report_unusable,
             on_failure=lambda topic, error: warn(f"cannot subscribe to {topic}: {error}"),
+        )
+        self.sockets = VideoSockets(
+            config, namespace, self.hubs, lambda: self._ask(self._graph.topics)
         )
 
     def make_app(self) -> web.Application:
         """Return the application with all routes."""
         app = web.Application(middlewares=[self._answer_errors])
         # HEAD would start a stream only to throw it away.
-        app.router.add_get("/stream", self.stream, allow_head=False)
-        app.router.add_get("/snapshot", self.snapshot, allow_head=False)
+        for path, handler in (
+            ("/stream", self.stream),
+            ("/snapshot", self.snapshot),
+            ("/video", self.sockets.accept),
+        ):
+            app.router.add_get(path, handler, allow_head=False)
+            app.router.add_head(path, _refuse_head)
         app.router.add_get("/stream_viewer", self.stream_viewer)
         app.router.add_get("/streams", self.streams)
         app.router.add_get("/config.json", self.console_config)
         app.router.add_get("/{path:.*}", self.console_file)
         app.on_response_prepare.append(_add_page_headers)
-        app.on_shutdown.append(self._close_hubs)
-        app.cleanup_ctx.append(self._check_viewers)
+        app.on_shutdown.append(self._dismiss)
+        app.cleanup_ctx.append(self._look_after)
         return app
 
     async def stream(self, request: web.Request) -> web.StreamResponse:
         """Send an MJPEG stream until the client goes."""
-        wish = query.parse(request.query, self._config.max_size)
-        topic = await self._find(wish.topic)
+        wish = self._stream_query(request)
+        topic = await self._find(wish)
         if request.transport is None:
             raise ConnectionResetError
         viewer = StreamViewer(
@@ -118,15 +131,24 @@ class VideoServer:
         self.hubs.join(topic, viewer, wish.variant)
         try:
             # The server cancels a handler when its connection is lost: the only way out of here.
-            await asyncio.get_running_loop().create_future()
-            raise AssertionError("nobody sets this future")
+            while True:
+                await self._repeat(viewer)
         finally:
             self.hubs.leave(topic, viewer, wish.variant)
 
+    async def _repeat(self, viewer: StreamViewer) -> None:
+        """Wait, and send the last picture again if none has come and that is asked for."""
+        if self._config.publish_rate <= 0.0:
+            await asyncio.sleep(FOR_LONG)
+            return
+        period = 1.0 / self._config.publish_rate
+        await asyncio.sleep(period)
+        viewer.repeat(period)
+
     async def snapshot(self, request: web.Request) -> web.StreamResponse:
         """Send the next picture of a topic."""
-        wish = query.parse(request.query, self._config.max_size)
-        topic = await self._find(wish.topic)
+        wish = query.parse_snapshot(request.query, self._config.max_size)
+        topic = await self._find(wish)
         picture = await self._next_picture(topic, wish)
         if picture is None:
             limit = self._config.snapshot_timeout
@@ -152,8 +174,8 @@ class VideoServer:
 
     async def stream_viewer(self, request: web.Request) -> web.Response:
         """Show a page with one stream."""
-        wish = query.parse(request.query, self._config.max_size)
-        await self._find(wish.topic)
+        wish = self._stream_query(request)
+        await self._find(wish)
         return _page(pages.viewer_page(wish.topic, request.query))
 
     async def streams(self, _request: web.Request) -> web.Response:
@@ -168,8 +190,15 @@ class VideoServer:
         config: Dict[str, Any] = {
             "namespace": self._namespace.rstrip("/"),
             "rosbridge": _seen_from(request, bridge) if isinstance(bridge, str) else None,
-            "cameras": find_cameras(topics, self._namespace),
+            "cameras": [
+                {"name": name, "topic": topic}
+                for name, topic in find_cameras(topics, self._namespace).items()
+                if name not in self._config.hidden_cameras
+            ],
+            "hidden_cameras": list(self._config.hidden_cameras),
             "main_camera": self._config.main_camera,
+            "main_rate": self._config.main_rate,
+            "thumbnail_rate": self._config.thumbnail_rate,
         }
         return web.json_response(config)
 
@@ -184,11 +213,15 @@ class VideoServer:
             raise web.HTTPNotFound
         return web.FileResponse(path)
 
-    async def _find(self, name: str) -> PictureTopic:
-        topic = await self._ask(lambda: self._graph.find(name))
+    def _stream_query(self, request: web.Request) -> query.PictureQuery:
+        config = self._config
+        return query.parse_stream(request.query, config.max_size, config.default_stream_type)
+
+    async def _find(self, wish: query.PictureQuery) -> PictureTopic:
+        topic = await self._ask(lambda: self._graph.find(wish.topic, raw=wish.raw))
         if topic is None:
             raise _NoSuchTopicError(
-                f"No image topic '{name}' is published; /streams lists those that are."
+                f"No image topic '{wish.topic}' is published; /streams lists those that are."
             )
         return topic
 
@@ -212,18 +245,23 @@ class VideoServer:
         except web.HTTPNotFound:
             return _page(pages.error_page(404), 404)
 
-    async def _close_hubs(self, _app: web.Application) -> None:
+    async def _dismiss(self, _app: web.Application) -> None:
         self.hubs.close()
+        await self.sockets.dismiss()
 
-    async def _check_viewers(self, _app: web.Application) -> AsyncIterator[None]:
+    async def _look_after(self, _app: web.Application) -> AsyncIterator[None]:
         async def check_regularly() -> None:
             while True:
                 await asyncio.sleep(CHECK_PERIOD)
                 self.hubs.check(time.monotonic())
 
-        task = asyncio.ensure_future(check_regularly())
+        tasks = [
+            asyncio.ensure_future(check_regularly()),
+            asyncio.ensure_future(self.sockets.follow_cameras()),
+        ]
         yield
-        task.cancel()
+        for task in tasks:
+            task.cancel()
 
 
 class _NoSuchTopicError(LookupError):
@@ -232,6 +270,10 @@ class _NoSuchTopicError(LookupError):
 
 class _NoMasterError(OSError):
     status = 503
+
+
+async def _refuse_head(request: web.Request) -> web.StreamResponse:
+    raise web.HTTPMethodNotAllowed(request.method, ["GET"])
 
 
 def _page(text: str, status: int = 200) -> web.Response:

@@ -3,24 +3,38 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
+import dataclasses
 import functools
-from typing import Callable, Dict, Optional, Protocol, Set, Tuple, Union
+import threading
+from typing import Callable, Dict, Optional, Protocol, Set
 
-from ..workers import OrderedWorker, in_own_thread
-from .mjpeg import part
-from .pictures import CompressedPicture, EncodedPicture, RawPicture, UnusablePictureError, Variant
+from ..workers import NewestWorker, OrderedWorker
+from .pictures import EncodedPicture, Picture, UnusablePictureError, Variant, kept
 from .topics import PictureTopic
 from .viewers import Viewer
 
-Picture = Union[CompressedPicture, RawPicture]
-Encode = Callable[[Picture, Variant], EncodedPicture]
+
+class Encode(Protocol):
+    """Makes a variant of a picture; may raise UnusablePictureError."""
+
+    def __call__(self, picture: Picture, variant: Variant) -> EncodedPicture:
+        """Return the picture ready for a client."""
 
 
 class PictureSource(Protocol):
     """Where pictures come from; all methods may block and are called off the loop's thread."""
 
-    def find(self, topic: str) -> Optional[PictureTopic]:
-        """Return the topic to subscribe to for a name as clients spell it, or None."""
+    def find(self, topic: str, *, raw: bool = False) -> Optional[PictureTopic]:
+        """Return the topic to subscribe to for a name as clients spell it, or None.
+
+        Parameters
+        ----------
+        topic
+            The name.
+        raw
+            Take the uncompressed topic, where there is one.
+        """
 
     def subscribe(
         self, topic: PictureTopic, receive: Callable[[Picture], None]
@@ -28,29 +42,46 @@ class PictureSource(Protocol):
         """Call `receive`, in any thread, with every picture; return a function that ends this."""
 
 
-class PictureHub:
-    """Encodes each picture of a topic once per variant and offers it to all who watch that variant.
+@dataclasses.dataclass(frozen=True)
+class _Newest:
+    """The last picture of a variant, and its number among those of the topic."""
 
-    Viewers come and go on the loop's thread; pictures come in the subscriber's thread and are
-    encoded there.
+    number: int
+    picture: EncodedPicture
+
+
+class PictureHub:
+    """Offers the pictures of a topic to all who watch it, each encoded once per variant.
+
+    Pictures that go out as they came are offered at once; those that have to be encoded are made
+    in the encoder's thread, and only while a viewer would take them, so that encoding delays
+    nobody else. Viewers come and go on the loop's thread.
 
     Parameters
     ----------
     encode
-        Makes a variant of a picture; may raise UnusablePictureError.
+        Makes a variant of a picture; called in the encoder's thread.
+    encoder
+        Thread for it.
     on_unusable
-        Called in the subscriber's thread for a picture that cannot be used.
+        Called, in any thread, for a picture that cannot be used.
     """
 
-    def __init__(self, encode: Encode, on_unusable: Callable[[UnusablePictureError], None]) -> None:
+    def __init__(
+        self,
+        encode: Encode,
+        encoder: NewestWorker,
+        on_unusable: Callable[[UnusablePictureError], None],
+    ) -> None:
         self._loop = asyncio.get_running_loop()
         self._encode = encode
+        self._encoder = encoder
         self._on_unusable = on_unusable
         self._viewers: Dict[Variant, Set[Viewer]] = {}
-        self._newest: Dict[Variant, Tuple[int, EncodedPicture, bytes]] = {}
-        # Shared with the subscriber's thread; each is replaced as a whole.
-        self._variants: Tuple[Variant, ...] = ()
-        self._last_received: Tuple[int, Optional[Picture]] = (0, None)
+        self._newest: Dict[Variant, _Newest] = {}
+        self._last: Optional[Picture] = None
+        self._count = 0
+        self._mailbox = _Mailbox(self._loop, self._arrive)
 
     @property
     def viewers(self) -> Set[Viewer]:
@@ -60,7 +91,7 @@ class PictureHub:
     def newest(self, variant: Variant) -> Optional[EncodedPicture]:
         """Return the last picture in a variant that is being watched."""
         entry = self._newest.get(variant)
-        return entry[1] if entry else None
+        return entry.picture if entry else None
 
     def add(self, viewer: Viewer, variant: Variant, *, show_newest: bool) -> None:
         """Let a viewer watch a variant.
@@ -72,17 +103,15 @@ class PictureHub:
         show_newest
             Offer the last picture at once; otherwise the viewer begins with the next one.
         """
-        is_new = variant not in self._viewers
         self._viewers.setdefault(variant, set()).add(viewer)
-        self._variants = tuple(self._viewers)
-        if variant in self._newest:
-            if show_newest:
-                viewer.offer(*self._newest[variant][1:])
+        if not show_newest or self._last is None:
             return
-        number, picture = self._last_received
-        if is_new and show_newest and picture is not None:
-            # A topic may be slow or latched: its last picture is not yet encoded in this variant.
-            in_own_thread(functools.partial(self._deliver, number, picture, (variant,)))
+        entry = self._newest.get(variant)
+        if entry is not None and entry.number == self._count:
+            viewer.offer(entry.picture)
+        else:
+            # A topic may be slow or latched: its last picture is not yet made in this variant.
+            self._make(self._count, self._last, variant)
 
     def remove(self, viewer: Viewer, variant: Variant) -> None:
         """Let a viewer go; a variant that nobody watches any more is forgotten."""
@@ -91,36 +120,49 @@ class PictureHub:
         if not watching:
             self._viewers.pop(variant, None)
             self._newest.pop(variant, None)
-            self._variants = tuple(self._viewers)
+            self._encoder.cancel((self, variant))
 
     def receive(self, picture: Picture) -> None:
         """Take a new picture; the subscriber's thread calls this."""
-        number = self._last_received[0] + 1
-        self._last_received = (number, picture)
-        self._deliver(number, picture, self._variants)
+        self._mailbox.put(picture)
 
-    def _deliver(self, number: int, picture: Picture, variants: Tuple[Variant, ...]) -> None:
-        """Encode a picture in some variants and hand them to the loop; runs in any thread."""
-        for variant in variants:
-            try:
-                encoded = self._encode(picture, variant)
-            except UnusablePictureError as error:
-                self._on_unusable(error)
-                return
-            framed = part(encoded.data, encoded.stamp, encoded.mime)
-            try:
-                self._loop.call_soon_threadsafe(self._put, variant, number, encoded, framed)
-            except RuntimeError:
-                return  # the loop has ended
+    def _arrive(self, picture: Picture) -> None:
+        """Take a new picture on the loop's thread."""
+        self._count += 1
+        self._last = picture
+        for variant in tuple(self._viewers):
+            self._make(self._count, picture, variant)
 
-    def _put(self, variant: Variant, number: int, picture: EncodedPicture, framed: bytes) -> None:
+    def _make(self, number: int, picture: Picture, variant: Variant) -> None:
+        """Offer a picture in a variant, now if its bytes stay, else once it is encoded."""
+        try:
+            as_it_is = kept(picture, variant)
+        except UnusablePictureError as error:
+            self._on_unusable(error)
+            return
+        if as_it_is is not None:
+            self._put(number, as_it_is, variant)
+        elif any(viewer.wants() for viewer in self._viewers[variant]):
+            work = functools.partial(self._encode_and_post, number, picture, variant)
+            self._encoder.submit((self, variant), work)
+
+    def _encode_and_post(self, number: int, picture: Picture, variant: Variant) -> None:
+        """Encode a picture in the encoder's thread and hand it to the loop."""
+        try:
+            encoded = self._encode(picture, variant)
+        except UnusablePictureError as error:
+            self._on_unusable(error)
+            return
+        _post(self._loop, self._put, number, encoded, variant)
+
+    def _put(self, number: int, picture: EncodedPicture, variant: Variant) -> None:
         """Offer a picture to the viewers of its variant, unless a newer one was faster."""
         known = self._newest.get(variant)
-        if variant not in self._viewers or (known is not None and known[0] >= number):
+        if variant not in self._viewers or (known is not None and known.number >= number):
             return
-        self._newest[variant] = (number, picture, framed)
+        self._newest[variant] = _Newest(number, picture)
         for viewer in tuple(self._viewers[variant]):
-            viewer.offer(picture, framed)
+            viewer.offer(picture)
 
     def check(self, now: float) -> None:
         """Let every viewer look after itself; `now` is the monotonic time (s)."""
@@ -133,6 +175,34 @@ class PictureHub:
             viewer.close()
 
 
+class _Mailbox:
+    """Hands the newest picture of a thread to the loop; those that are overtaken are forgotten."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop, take: Callable[[Picture], None]) -> None:
+        self._loop = loop
+        self._take = take
+        self._lock = threading.Lock()
+        self._picture: Optional[Picture] = None
+
+    def put(self, picture: Picture) -> None:
+        with self._lock:
+            is_first, self._picture = self._picture is None, picture
+        if is_first:
+            _post(self._loop, self._empty)
+
+    def _empty(self) -> None:
+        with self._lock:
+            picture, self._picture = self._picture, None
+        if picture is not None:
+            self._take(picture)
+
+
+def _post(loop: asyncio.AbstractEventLoop, call: Callable[..., None], *arguments: object) -> None:
+    """Run a call on the loop's thread, unless the loop has ended."""
+    with contextlib.suppress(RuntimeError):
+        loop.call_soon_threadsafe(call, *arguments)
+
+
 class PictureHubs:
     """A hub for each topic that somebody watches, subscribed from the first viewer to the last.
 
@@ -142,7 +212,7 @@ class PictureHubs:
         Where pictures come from.
     worker
         Thread in which subscriptions begin and end, in order.
-    encode, on_unusable
+    encoder, encode, on_unusable
         See `PictureHub`; `on_unusable` also gets the topic's name.
     on_failure
         Called with a topic's name and the error when it cannot be subscribed to.
@@ -152,6 +222,7 @@ class PictureHubs:
         self,
         source: PictureSource,
         worker: OrderedWorker,
+        encoder: NewestWorker,
         encode: Encode,
         *,
         on_unusable: Callable[[str, UnusablePictureError], None],
@@ -159,6 +230,7 @@ class PictureHubs:
     ) -> None:
         self._source = source
         self._worker = worker
+        self._encoder = encoder
         self._encode = encode
         self._on_unusable = on_unusable
         self._on_failure = on_failure
@@ -174,7 +246,9 @@ class PictureHubs:
         """Let a viewer watch a topic and return its hub."""
         hub = self._hubs.get(topic)
         if hub is None:
-            hub = PictureHub(self._encode, functools.partial(self._on_unusable, topic.name))
+            hub = PictureHub(
+                self._encode, self._encoder, functools.partial(self._on_unusable, topic.name)
+            )
             self._hubs[topic] = hub
             self._open(topic, hub)
         hub.add(viewer, variant, show_newest=show_newest)

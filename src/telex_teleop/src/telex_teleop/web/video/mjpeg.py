@@ -6,6 +6,8 @@ HTTP/1.1's chunked coding, which is why the head says HTTP/1.0 and is written by
 
 from __future__ import annotations
 
+from typing import Tuple
+
 BOUNDARY = "boundarydonotcross"
 
 _NEXT_PART = f"\r\n--{BOUNDARY}\r\n".encode()
@@ -27,7 +29,7 @@ SERVER_HEADERS = (
 )
 
 
-def _block(*headers: tuple[str, str]) -> bytes:
+def _block(*headers: Tuple[str, str]) -> bytes:
     return "".join(f"{name}: {value}\r\n" for name, value in headers).encode("ascii") + b"\r\n"
 
 

@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Any, Optional
+import functools
+import time
+from typing import Any, Optional, Tuple, Union
 
 import numpy as np
 import simplejpeg
 
+from . import mjpeg
+
 JPEG = "image/jpeg"
 PNG = "image/png"
+
+PNG_COMPRESSION = 3
+"""Compression level (0 to 9) of PNG where nobody asks for another, as web_video_server has it."""
 
 _JPEG_MAGIC = b"\xff\xd8"
 _PNG_MAGIC = b"\x89PNG\r\n\x1a\n"
@@ -23,6 +30,8 @@ _RAW_COLORSPACES = {
     "8UC3": "BGR",
 }
 _CHANNELS = {"GRAY": 1, "RGB": 3, "BGR": 3, "RGBA": 4, "BGRA": 4}
+_MEASURED = {"32FC1": "f4", "64FC1": "f8", "16UC1": "u2", "mono16": "u2", "16SC1": "i2"}
+"""Encodings of one measured value per pixel, such as depth, and their numbers."""
 
 
 class UnusablePictureError(ValueError):
@@ -31,15 +40,44 @@ class UnusablePictureError(ValueError):
 
 @dataclasses.dataclass(frozen=True)
 class CompressedPicture:
-    """A sensor_msgs/CompressedImage: stamp (s) and the encoded bytes."""
+    """A sensor_msgs/CompressedImage.
+
+    Attributes
+    ----------
+    stamp
+        Its header's stamp (s), which is sim time in a simulation.
+    data
+        The encoded bytes.
+    captured
+        Wall time (s since 1970) of what it shows.
+    """
 
     stamp: float
     data: bytes
+    captured: float = dataclasses.field(default_factory=time.time)
 
 
 @dataclasses.dataclass(frozen=True)
 class RawPicture:
-    """A sensor_msgs/Image: stamp (s), sizes (pixels; step in bytes), encoding and the pixels."""
+    """A sensor_msgs/Image.
+
+    Attributes
+    ----------
+    stamp
+        Its header's stamp (s), which is sim time in a simulation.
+    width, height
+        Size (pixels).
+    step
+        Bytes of a row.
+    encoding
+        ROS's name of the pixel format.
+    data
+        The pixels, row by row.
+    captured
+        Wall time (s since 1970) of what it shows.
+    big_endian
+        Byte order of pixels of more than one byte.
+    """
 
     stamp: float
     width: int
@@ -47,37 +85,81 @@ class RawPicture:
     step: int
     encoding: str
     data: bytes
+    captured: float = dataclasses.field(default_factory=time.time)
+    big_endian: bool = False
+
+
+Picture = Union[CompressedPicture, RawPicture]
 
 
 @dataclasses.dataclass(frozen=True)
 class Variant:
     """What a client wants to be done to the pictures of a topic; None leaves a thing as it is.
 
-    Each size stands alone: like web_video_server, a width without a height does not keep the
-    aspect.
+    Attributes
+    ----------
+    width, height
+        Size (pixels). Each stands alone: like web_video_server, a width without a height does not
+        keep the aspect.
+    quality
+        JPEG quality (1 to 100), or compression level of PNG (0 to 9).
+    invert
+        Turn by 180 degrees.
+    mime
+        `JPEG` or `PNG`.
+    unchanged
+        Hand on compressed pictures as they are, whatever their format (type ros_compressed).
+    fit
+        Width and height are the most that is wanted: larger pictures are scaled down, keeping
+        their aspect; others keep their size.
     """
 
     width: Optional[int] = None
     height: Optional[int] = None
     quality: Optional[int] = None
     invert: bool = False
+    mime: str = JPEG
     unchanged: bool = False
-    """Hand on compressed pictures as they are, whatever their format (type ros_compressed)."""
+    fit: bool = False
 
 
 @dataclasses.dataclass(frozen=True)
 class EncodedPicture:
-    """A picture ready for a client: stamp (s), content type and bytes."""
+    """A picture ready for a client: stamp (s), content type, bytes, wall time (s) of its scene."""
 
     stamp: float
     mime: str
     data: bytes
+    captured: float = 0.0
+
+    @functools.cached_property
+    def part(self) -> bytes:
+        """The picture as a part of an MJPEG stream; made once for all who watch it."""
+        return mjpeg.part(self.data, self.stamp, self.mime)
 
 
-def encode(
-    picture: CompressedPicture | RawPicture, variant: Variant, default_quality: int
-) -> EncodedPicture:
-    """Make the variant of a picture; a JPEG of which no change is asked keeps its bytes.
+def kept(picture: Picture, variant: Variant) -> Optional[EncodedPicture]:
+    """Return the picture with its bytes as they are, or None where something has to be changed.
+
+    Raises
+    ------
+    UnusablePictureError
+        The picture is damaged or of an unknown kind.
+    """
+    if not isinstance(picture, CompressedPicture):
+        return None
+    mime = _mime(picture.data)
+    if not variant.unchanged:
+        if mime != variant.mime or variant.quality is not None or variant.invert:
+            return None
+        asked = (variant.width, variant.height)
+        if asked != (None, None) and not _has_size(picture.data, mime, variant):
+            return None
+    return EncodedPicture(picture.stamp, mime, picture.data, picture.captured)
+
+
+def encode(picture: Picture, variant: Variant, default_quality: int) -> EncodedPicture:
+    """Make the variant of a picture; one of which no change is asked keeps its bytes.
 
     Parameters
     ----------
@@ -93,85 +175,125 @@ def encode(
     UnusablePictureError
         The picture is damaged or of an unknown kind.
     """
+    as_it_is = kept(picture, variant)
+    if as_it_is is not None:
+        return as_it_is
     if isinstance(picture, CompressedPicture):
-        kept = _kept(picture, variant)
-        if kept is not None:
-            return kept
-        pixels, colorspace = _decode(picture.data)
+        pixels, colorspace = _decode(picture.data, variant)
     else:
         pixels, colorspace = _pixels(picture)
-    pixels = _changed(pixels, variant)
-    try:
-        data = simplejpeg.encode_jpeg(
-            np.ascontiguousarray(pixels),
-            quality=variant.quality or default_quality,
-            colorspace=colorspace,
-            colorsubsampling="Gray" if colorspace == "GRAY" else "420",
-        )
-    except ValueError as error:
-        raise UnusablePictureError(f"cannot be encoded as JPEG: {error}") from error
-    return EncodedPicture(picture.stamp, JPEG, data)
+    pixels = np.ascontiguousarray(_changed(pixels, variant))
+    if variant.mime == PNG:
+        data = _png(pixels, colorspace, variant.quality)
+    else:
+        data = _jpeg(pixels, colorspace, variant.quality or default_quality)
+    return EncodedPicture(picture.stamp, variant.mime, data, picture.captured)
 
 
-def _kept(picture: CompressedPicture, variant: Variant) -> Optional[EncodedPicture]:
-    """Return the picture with its bytes as they are, or None where something is to be changed."""
-    data = picture.data
+def _mime(data: bytes) -> str:
+    if data.startswith(_JPEG_MAGIC):
+        return JPEG
     if data.startswith(_PNG_MAGIC):
-        return EncodedPicture(picture.stamp, PNG, data) if variant.unchanged else None
-    if not data.startswith(_JPEG_MAGIC):
-        raise UnusablePictureError("is neither JPEG nor PNG")
-    if not variant.unchanged:
-        if variant.quality is not None or variant.invert:
-            return None
-        if (variant.width, variant.height) != (None, None) and not _has_size(data, variant):
-            return None
-    return EncodedPicture(picture.stamp, JPEG, data)
+        return PNG
+    raise UnusablePictureError("is neither JPEG nor PNG")
 
 
-def _has_size(jpeg: bytes, variant: Variant) -> bool:
-    """Tell whether a JPEG has the asked size already."""
+def _size(data: bytes, mime: str) -> Tuple[int, int]:
+    """Return width and height (pixels) of an encoded picture, without decoding it."""
+    if mime == PNG:
+        # The first chunk of a PNG is its header, which begins with the size.
+        if len(data) < 24 or data[12:16] != b"IHDR":
+            raise UnusablePictureError("is a damaged PNG")
+        return int.from_bytes(data[16:20], "big"), int.from_bytes(data[20:24], "big")
     try:
-        height, width = simplejpeg.decode_jpeg_header(jpeg)[:2]
+        height, width = simplejpeg.decode_jpeg_header(data)[:2]
     except ValueError as error:
         raise UnusablePictureError(f"is a damaged JPEG: {error}") from error
-    return variant.width in (None, width) and variant.height in (None, height)
+    return width, height
 
 
-def _decode(data: bytes) -> tuple[Any, str]:
-    """Return the pixels of a JPEG or PNG and their colour space."""
-    if data.startswith(_JPEG_MAGIC):
+def _target(size: Tuple[int, int], variant: Variant) -> Tuple[int, int]:
+    """Return the size (width, height) that a variant makes of a picture's own."""
+    if not variant.fit:
+        return variant.width or size[0], variant.height or size[1]
+    width, height = size
+    scale = min(1.0, (variant.width or width) / width, (variant.height or height) / height)
+    return max(1, round(width * scale)), max(1, round(height * scale))
+
+
+def _has_size(data: bytes, mime: str, variant: Variant) -> bool:
+    """Tell whether an encoded picture has the asked size already."""
+    size = _size(data, mime)
+    return _target(size, variant) == size
+
+
+def _decode(data: bytes, variant: Variant) -> Tuple[Any, str]:
+    """Return the pixels of a JPEG or PNG, not smaller than asked, and their colour space."""
+    mime = _mime(data)
+    if mime == JPEG:
+        width, height = _target(_size(data, mime), variant)
         try:
             colorspace = "GRAY" if simplejpeg.decode_jpeg_header(data)[2] == "Gray" else "BGR"
-            return simplejpeg.decode_jpeg(data, colorspace=colorspace), colorspace
+            # JPEG decodes to half, a quarter, ... of its size in less time than to the whole. Its
+            # colours have half the resolution, and will again: finer steps between them are lost.
+            pixels = simplejpeg.decode_jpeg(
+                data,
+                colorspace=colorspace,
+                fastdct=True,
+                fastupsample=True,
+                min_width=width,
+                min_height=height,
+                min_factor=1,
+            )
         except ValueError as error:
             raise UnusablePictureError(f"is a damaged JPEG: {error}") from error
+        return pixels, colorspace
     pixels = _cv2().imdecode(np.frombuffer(data, np.uint8), _cv2().IMREAD_COLOR)
     if pixels is None:
         raise UnusablePictureError("is a damaged PNG")
     return pixels, "BGR"
 
 
-def _pixels(picture: RawPicture) -> tuple[Any, str]:
+def _pixels(picture: RawPicture) -> Tuple[Any, str]:
     """Return the pixels of a raw picture, (height, width, channels), and their colour space."""
+    number = _MEASURED.get(picture.encoding)
+    if number is not None:
+        order = ">" if picture.big_endian else "<"
+        kind = np.dtype(order + number)
+        rows = _rows(picture, kind.itemsize)
+        return _as_grey(np.ascontiguousarray(rows).view(kind)), "GRAY"
     colorspace = _RAW_COLORSPACES.get(picture.encoding)
     if colorspace is None:
-        known = ", ".join(_RAW_COLORSPACES)
+        known = ", ".join([*_RAW_COLORSPACES, *_MEASURED])
         raise UnusablePictureError(f"has the encoding {picture.encoding!r}; known are {known}")
     channels = _CHANNELS[colorspace]
-    row = picture.width * channels
+    rows = _rows(picture, channels)
+    return rows.reshape(picture.height, picture.width, channels), colorspace
+
+
+def _rows(picture: RawPicture, pixel: int) -> Any:
+    """Return the bytes of a raw picture, (height, width * bytes per pixel), without padding."""
+    row = picture.width * pixel
     if not row or picture.step < row or len(picture.data) != picture.step * picture.height:
         raise UnusablePictureError(
             f"has {len(picture.data)} bytes, which do not fit {picture.width} x {picture.height} "
             f"{picture.encoding} with a step of {picture.step}"
         )
-    rows = np.frombuffer(picture.data, np.uint8).reshape(picture.height, picture.step)[:, :row]
-    return rows.reshape(picture.height, picture.width, channels), colorspace
+    return np.frombuffer(picture.data, np.uint8).reshape(picture.height, picture.step)[:, :row]
+
+
+def _as_grey(values: Any) -> Any:
+    """Show measured values as grey, (height, width, 1): the largest white, no number black."""
+    finite = np.where(np.isfinite(values), values, 0).astype(np.float64)
+    largest = finite.max()
+    scale = 255.0 / largest if largest > 0.0 else 0.0
+    return np.clip(finite * scale, 0.0, 255.0).astype(np.uint8)[:, :, np.newaxis]
 
 
 def _changed(pixels: Any, variant: Variant) -> Any:
     """Return the pixels resized and turned by 180 degrees as the variant asks."""
     height, width = pixels.shape[:2]
-    size = (variant.width or width, variant.height or height)
+    size = _target((width, height), variant)
     if size != (width, height):
         cv2 = _cv2()
         shrinks = size[0] * size[1] < width * height
@@ -181,6 +303,33 @@ def _changed(pixels: Any, variant: Variant) -> Any:
         if pixels.ndim == 2:  # OpenCV drops the channel of grey pictures
             pixels = pixels[:, :, np.newaxis]
     return pixels[::-1, ::-1] if variant.invert else pixels
+
+
+def _jpeg(pixels: Any, colorspace: str, quality: int) -> bytes:
+    try:
+        return simplejpeg.encode_jpeg(
+            pixels,
+            quality=quality,
+            colorspace=colorspace,
+            colorsubsampling="Gray" if colorspace == "GRAY" else "420",
+        )
+    except ValueError as error:
+        raise UnusablePictureError(f"cannot be encoded as JPEG: {error}") from error
+
+
+def _png(pixels: Any, colorspace: str, level: Optional[int]) -> bytes:
+    cv2 = _cv2()
+    if colorspace in ("RGB", "RGBA"):
+        pixels = cv2.cvtColor(pixels, getattr(cv2, f"COLOR_{colorspace}2BGR"))
+    elif colorspace == "BGRA":
+        pixels = pixels[:, :, :3]
+    level = PNG_COMPRESSION if level is None else level
+    made, data = cv2.imencode(
+        ".png", np.ascontiguousarray(pixels), [cv2.IMWRITE_PNG_COMPRESSION, level]
+    )
+    if not made:
+        raise UnusablePictureError("cannot be encoded as PNG")
+    return data.tobytes()
 
 
 def _cv2() -> Any:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import dataclasses
 from typing import Mapping, Optional
 
-from .pictures import Variant
+from ..config import STREAM_TYPES
+from .pictures import JPEG, PNG, Variant
 
-STREAM_TYPES = ("mjpeg", "ros_compressed")
+TRANSPORTS = ("raw", "compressed")
 
 
 class QueryError(ValueError):
@@ -24,14 +25,27 @@ class UnknownStreamTypeError(QueryError):
 
 @dataclasses.dataclass(frozen=True)
 class PictureQuery:
-    """A validated query: the topic as the client spells it, and the variant of its pictures."""
+    """A validated query.
+
+    Attributes
+    ----------
+    topic
+        Name of the topic as the client spells it.
+    variant
+        What is to be done to its pictures.
+    raw
+        Whether the client wants the uncompressed topic, where there is one.
+    """
 
     topic: str
     variant: Variant
+    raw: bool = False
 
 
-def parse(query: Mapping[str, str], max_size: int) -> PictureQuery:
-    """Read a query; parameters that web_video_server has for other stream types are ignored.
+def parse_stream(
+    query: Mapping[str, str], max_size: int, default_type: str = "mjpeg"
+) -> PictureQuery:
+    """Read the query of a stream; parameters of web_video_server's film types are ignored.
 
     Parameters
     ----------
@@ -39,29 +53,54 @@ def parse(query: Mapping[str, str], max_size: int) -> PictureQuery:
         The decoded query parameters.
     max_size
         Largest width and height (pixels) that a client may ask for.
+    default_type
+        One of `STREAM_TYPES`, for a query without a type.
 
     Raises
     ------
     QueryError
         The topic is missing, or a value cannot be used.
     """
+    stream_type = query.get("type", default_type)
+    if stream_type not in STREAM_TYPES:
+        raise UnknownStreamTypeError(
+            f"There is no stream type {stream_type!r}; known are {', '.join(STREAM_TYPES)}."
+        )
+    return _parse(query, max_size, stream_type)
+
+
+def parse_snapshot(query: Mapping[str, str], max_size: int) -> PictureQuery:
+    """Read the query of a snapshot: that of a stream, but it is a JPEG unless a PNG is asked for.
+
+    Raises
+    ------
+    QueryError
+        The topic is missing, or a value cannot be used.
+    """
+    return _parse(query, max_size, "png" if query.get("type") == "png" else "mjpeg")
+
+
+def _parse(query: Mapping[str, str], max_size: int, stream_type: str) -> PictureQuery:
     topic = query.get("topic", "")
     if not topic:
         raise QueryError("The parameter 'topic' is missing; /streams lists the image topics.")
-    stream_type = query.get("type", "mjpeg")
-    if stream_type not in STREAM_TYPES:
-        raise UnknownStreamTypeError(
-            f"There is no stream type {stream_type!r}; known are {' and '.join(STREAM_TYPES)}."
+    transport = query.get("default_transport")
+    if transport is not None and transport not in TRANSPORTS:
+        raise QueryError(
+            f"The parameter 'default_transport' is {transport!r}; it must be "
+            f"{' or '.join(TRANSPORTS)}."
         )
-    if stream_type == "ros_compressed":
-        return PictureQuery(topic, Variant(unchanged=True))
+    is_png = stream_type == "png"
+    unchanged = stream_type == "ros_compressed"
     variant = Variant(
         width=_size(query, "width", max_size),
         height=_size(query, "height", max_size),
-        quality=_quality(query),
+        quality=_compression(query) if is_png else _quality(query),
         invert="invert" in query,
+        mime=PNG if is_png else JPEG,
+        unchanged=unchanged,
     )
-    return PictureQuery(topic, variant)
+    return PictureQuery(topic, variant, transport == "raw" and not unchanged)
 
 
 def _integer(query: Mapping[str, str], name: str, expected: str) -> Optional[int]:
@@ -71,7 +110,7 @@ def _integer(query: Mapping[str, str], name: str, expected: str) -> Optional[int
     # int() alone would also take "1_000", blanks and the digits of every script.
     digits = text[1:] if text.startswith("-") else text
     if not (digits.isascii() and digits.isdigit() and len(digits) <= 9):
-        raise QueryError(f"The parameter '{name}' is {text!r}; it must be {expected}.")
+        raise QueryError(f"The parameter '{name}' is {text[:40]!r}; it must be {expected}.")
     return int(text)
 
 
@@ -90,5 +129,13 @@ def _quality(query: Mapping[str, str]) -> Optional[int]:
     expected = "an integer from 1 (smallest) to 100 (best)"
     value = _integer(query, "quality", expected)
     if value is not None and not 1 <= value <= 100:
+        raise QueryError(f"The parameter 'quality' is {value}; it must be {expected}.")
+    return value
+
+
+def _compression(query: Mapping[str, str]) -> Optional[int]:
+    expected = "an integer from 0 (fast) to 9 (small), the compression level of PNG"
+    value = _integer(query, "quality", expected)
+    if value is not None and not 0 <= value <= 9:
         raise QueryError(f"The parameter 'quality' is {value}; it must be {expected}.")
     return value

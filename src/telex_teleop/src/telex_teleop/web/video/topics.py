@@ -30,7 +30,9 @@ def base_topics(topics: Topics) -> List[str]:
     return sorted(names)
 
 
-def find_topic(name: str, topics: Topics, namespace: str) -> Optional[PictureTopic]:
+def find_topic(
+    name: str, topics: Topics, namespace: str, *, raw: bool = False
+) -> Optional[PictureTopic]:
     """Find the topic to subscribe to for a name that a client gave.
 
     Parameters
@@ -42,14 +44,19 @@ def find_topic(name: str, topics: Topics, namespace: str) -> Optional[PictureTop
         Published topics and their types.
     namespace
         The server's own namespace, with slashes around it.
+    raw
+        Prefer the raw topic.
 
     Returns
     -------
     topic
-        The compressed topic where there is one, else the raw one; None if there is neither.
+        The compressed topic where there is one, else the raw one, or the other way round; None if
+        there is neither.
     """
     spellings = [name] if name.startswith("/") else [f"/{name}", f"{namespace}{name}"]
     for spelling in spellings:
+        if raw and topics.get(spelling) == RAW_TYPE:
+            return PictureTopic(spelling, compressed=False)
         if topics.get(spelling + _SUFFIX) == COMPRESSED_TYPE:
             return PictureTopic(spelling + _SUFFIX, compressed=True)
         if topics.get(spelling) == COMPRESSED_TYPE:
@@ -59,11 +66,11 @@ def find_topic(name: str, topics: Topics, namespace: str) -> Optional[PictureTop
     return None
 
 
-def find_cameras(topics: Topics, namespace: str) -> List[Dict[str, str]]:
-    """Return name and topic of every camera of the namespace: `cameras/<name>/image_raw`."""
+def find_cameras(topics: Topics, namespace: str) -> Dict[str, str]:
+    """Return the topic of every camera of the namespace, `cameras/<name>/image_raw`, by name."""
     prefix, suffix = f"{namespace}cameras/", "/image_raw"
-    return [
-        {"name": topic[len(prefix) : -len(suffix)], "topic": topic}
+    return {
+        topic[len(prefix) : -len(suffix)]: topic
         for topic in base_topics(topics)
         if topic.startswith(prefix) and topic.endswith(suffix)
-    ]
+    }

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-from typing import Protocol
+import time
+from typing import Optional, Protocol
 
 from ..freshness import Backlog
 from .mjpeg import STREAM_HEAD
@@ -13,8 +14,11 @@ from .pictures import EncodedPicture
 class Viewer(Protocol):
     """Somebody to whom a hub offers every new picture; all calls come on the loop's thread."""
 
-    def offer(self, picture: EncodedPicture, part: bytes) -> None:
-        """Take or skip a new picture; `part` is the picture as a part of a stream."""
+    def wants(self) -> bool:
+        """Tell whether a picture would be taken now; one that nobody takes is not encoded."""
+
+    def offer(self, picture: EncodedPicture) -> None:
+        """Take or skip a new picture."""
 
     def check(self, now: float) -> None:
         """Called about once a second with the monotonic time (s)."""
@@ -54,21 +58,36 @@ class StreamViewer:
         self._backlog = Backlog(transport, send_buffer)
         self._max_in_flight = max_in_flight
         self._stall_timeout = stall_timeout
-        self._started = False
+        self._newest: Optional[EncodedPicture] = None
+        self._sent: Optional[float] = None
 
     def start(self) -> None:
         """Send the head of the reply."""
         self._transport.write(STREAM_HEAD)
 
-    def offer(self, picture: EncodedPicture, part: bytes) -> None:
-        """Send the picture if it would arrive without delay."""
+    def wants(self) -> bool:
+        """Tell whether a picture would arrive without delay."""
         if self._transport.is_closing():
-            return
+            return False
         # The head may still be unacknowledged when the first picture comes; that must not cost
         # the picture.
-        if not self._started or self._backlog.clear(self._max_in_flight):
-            self._started = True
-            self._transport.write(part)
+        return self._sent is None or self._backlog.clear(self._max_in_flight)
+
+    def offer(self, picture: EncodedPicture) -> None:
+        """Send the picture if it would arrive without delay."""
+        self._newest = picture
+        if self.wants():
+            self._send(picture)
+
+    def repeat(self, period: float) -> None:
+        """Send the last picture again if nothing has been sent for a period (s)."""
+        idle = self._sent is None or time.monotonic() - self._sent >= period
+        if self._newest is not None and idle and self.wants():
+            self._send(self._newest)
+
+    def _send(self, picture: EncodedPicture) -> None:
+        self._sent = time.monotonic()
+        self._transport.write(picture.part)
 
     def check(self, now: float) -> None:
         """Drop the client if it has stopped reading."""
@@ -86,7 +105,11 @@ class SnapshotViewer:
     def __init__(self) -> None:
         self.picture: asyncio.Future[EncodedPicture] = asyncio.get_running_loop().create_future()
 
-    def offer(self, picture: EncodedPicture, part: bytes) -> None:
+    def wants(self) -> bool:
+        """Tell whether the picture has not come yet."""
+        return not self.picture.done()
+
+    def offer(self, picture: EncodedPicture) -> None:
         """Take the first picture that comes."""
         if not self.picture.done():
             self.picture.set_result(picture)

@@ -1,0 +1,212 @@
+"""Belts that run: a mesh that moves along its own outline.
+
+Seen along the wheels' axles (y of its frame), a belt is convex; its outline is the convex hull of
+its vertices. Each vertex keeps its place beside the outline and is carried along it.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple, Optional, Tuple
+
+import cv2
+import numpy as np
+
+# Longest edge, seen from the side: what is longer would cut the corners of the wheels (m).
+_LONGEST_EDGE = 0.05
+
+# Points of an outline.
+_SAMPLES = 1024
+
+# Of the outline, smoothed over so much to both sides, so that no cleat's tip is a corner (m).
+_SMOOTHED = 0.012
+
+
+class Outline(NamedTuple):
+    """A closed curve in x and z, evenly sampled, in the direction of turning about +y.
+
+    Attributes
+    ----------
+    points, tangents
+        Shape (N, 2); tangents have length 1.
+    length
+        Of the whole curve (m).
+    """
+
+    points: np.ndarray
+    tangents: np.ndarray
+    length: float
+
+
+class Carried(NamedTuple):
+    """Vertices beside an outline.
+
+    Attributes
+    ----------
+    sample
+        Number of the outline's nearest point, shape (V,).
+    offset
+        From there, along the tangent and outwards (m), shape (V, 2).
+    """
+
+    sample: np.ndarray
+    offset: np.ndarray
+
+
+def belt_outline(positions: np.ndarray) -> Outline:
+    """Find the outline of a belt's vertices, shape (V, 3) (m).
+
+    Raises
+    ------
+    ValueError
+        When they are no wider than a line.
+    """
+    flat = np.ascontiguousarray(positions[:, [0, 2]], dtype=np.float32)
+    corners = cv2.convexHull(flat).reshape(-1, 2).astype(np.float64)
+    following = np.roll(corners, -1, axis=0)
+    area = 0.5 * float(np.sum(corners[:, 0] * following[:, 1] - corners[:, 1] * following[:, 0]))
+    if abs(area) < 1e-8:
+        raise ValueError("a belt goes around wheels; this mesh is flat along y")
+    # Turning about +y leads from z to x.
+    if area > 0.0:
+        corners = corners[::-1]
+    points = _evenly(corners)
+    spacing = np.linalg.norm(points[1] - points[0])
+    reach = int(_SMOOTHED / spacing)
+    for _ in range(2):
+        points = np.mean([np.roll(points, k, axis=0) for k in range(-reach, reach + 1)], axis=0)
+    points = _evenly(points)
+    tangents = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
+    steps = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
+    tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
+    return Outline(points, tangents, float(steps.sum()))
+
+
+def _evenly(corners: np.ndarray) -> np.ndarray:
+    """Take points at equal distances on a closed polygon."""
+    closed = np.vstack([corners, corners[:1]])
+    passed = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
+    wanted = np.arange(_SAMPLES) * (passed[-1] / _SAMPLES)
+    return np.stack([np.interp(wanted, passed, closed[:, axis]) for axis in range(2)], axis=1)
+
+
+def carried(outline: Outline, positions: np.ndarray) -> Carried:
+    """Find the places of vertices, shape (V, 3), beside an outline."""
+    flat = positions[:, [0, 2]].astype(np.float64)
+    squares = (
+        np.square(flat).sum(axis=1)[:, None]
+        - 2.0 * flat @ outline.points.T
+        + np.square(outline.points).sum(axis=1)
+    )
+    sample = squares.argmin(axis=1)
+    beside = flat - outline.points[sample]
+    tangents = outline.tangents[sample]
+    along = np.einsum("ij,ij->i", beside, tangents)
+    return Carried(sample, np.stack([along, _outwards(beside, tangents)], axis=1))
+
+
+def moved(
+    outline: Outline,
+    places: Carried,
+    positions: np.ndarray,
+    normals: Optional[np.ndarray],
+    travel: float,
+) -> Tuple[np.ndarray, Optional[np.ndarray]]:
+    """Carry vertices along an outline.
+
+    Parameters
+    ----------
+    outline, places
+        Of the belt.
+    positions, normals
+        At rest, shape (V, 3); normals may be left out.
+    travel
+        How far (m).
+
+    Returns
+    -------
+    tuple of numpy.ndarray
+        Positions and, if given, normals; shape (V, 3), float32.
+    """
+    shift = (travel / outline.length) % 1.0 * _SAMPLES
+    whole = int(shift)
+    points, tangents = (
+        _between(curve, whole, shift - whole) for curve in (outline.points, outline.tangents)
+    )
+    tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
+    new = tangents[places.sample]
+    along, outwards = places.offset.T
+    there = np.array(positions, dtype=np.float32)
+    point = points[places.sample]
+    there[:, 0] = point[:, 0] + along * new[:, 0] - outwards * new[:, 1]
+    there[:, 2] = point[:, 1] + along * new[:, 1] + outwards * new[:, 0]
+    if normals is None:
+        return there, None
+    old = outline.tangents[places.sample]
+    cos, sin = np.einsum("ij,ij->i", old, new), old[:, 0] * new[:, 1] - old[:, 1] * new[:, 0]
+    turned = np.array(normals, dtype=np.float32)
+    turned[:, 0] = cos * normals[:, 0] - sin * normals[:, 2]
+    turned[:, 2] = sin * normals[:, 0] + cos * normals[:, 2]
+    return there, turned
+
+
+def _between(curve: np.ndarray, whole: int, part: float) -> np.ndarray:
+    """Shift a closed curve by whole samples and part of one."""
+    return (1.0 - part) * np.roll(curve, -whole, axis=0) + part * np.roll(curve, -whole - 1, axis=0)
+
+
+def _outwards(beside: np.ndarray, tangents: np.ndarray) -> np.ndarray:
+    # Left of the tangent, as x and z lie in a side view, is outside.
+    return tangents[:, 0] * beside[:, 1] - tangents[:, 1] * beside[:, 0]
+
+
+def wheel_radius(outline: Outline, axle: np.ndarray) -> float:
+    """Radius at which a wheel drives the belt: from its axle (x, z), shape (2,), to the outline."""
+    beside = axle - outline.points
+    return float(np.abs(_outwards(beside, outline.tangents)).min())
+
+
+def belt_angle(belt_in_world: np.ndarray, wheel_in_world: np.ndarray) -> float:
+    """Angle by which a wheel has turned about y in the belt's frame (rad); shapes (4, 4)."""
+    wheel_in_belt = belt_in_world[:3, :3].T @ wheel_in_world[:3, :3]
+    return math.atan2(wheel_in_belt[0, 2], wheel_in_belt[0, 0])
+
+
+def subdivided(vertices: np.ndarray, triangles: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Halve edges that are too long to run around a wheel.
+
+    Parameters
+    ----------
+    vertices
+        Shape (V,), of `batching.VERTEX`.
+    triangles
+        Shape (T, 3).
+
+    Returns
+    -------
+    tuple of two numpy.ndarray
+        More vertices and triangles. Both sides of an edge halve it at the same point, so that no
+        gaps open.
+    """
+    while True:
+        flat = vertices["position"][triangles][:, :, [0, 2]]
+        lengths = np.linalg.norm(np.roll(flat, -1, axis=1) - flat, axis=2)
+        longest = lengths.argmax(axis=1)
+        long = np.flatnonzero(lengths.max(axis=1) > _LONGEST_EDGE)
+        if not len(long):
+            return vertices, triangles
+        # The longest edge first: from a to b, c opposite.
+        corner = longest[long][:, None]
+        a, b, c = np.take_along_axis(triangles[long], (np.arange(3) + corner) % 3, axis=1).T
+        ends = np.unique(np.sort(np.stack([a, b], axis=1), axis=1), axis=0, return_inverse=True)
+        first, second = ends[0].T
+        middle = vertices[first].copy()
+        for name in ("position", "normal", "uv"):
+            middle[name] = 0.5 * (vertices[name][first] + vertices[name][second])
+        size = np.linalg.norm(middle["normal"], axis=1, keepdims=True)
+        middle["normal"] = np.where(size > 1e-3, middle["normal"] / np.maximum(size, 1e-3), 0.0)
+        new = len(vertices) + ends[1].reshape(-1)
+        halves = [np.stack([a, new, c], axis=1), np.stack([new, b, c], axis=1)]
+        kept = np.delete(triangles, long, axis=0)
+        vertices = np.concatenate([vertices, middle])
+        triangles = np.concatenate([kept, *halves]).astype(np.int32)

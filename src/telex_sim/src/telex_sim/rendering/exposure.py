@@ -1,0 +1,118 @@
+"""How long a camera exposes: by hand, or by how bright its last pictures were."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Optional
+
+import numpy as np
+
+from telex_control.params import require, require_range
+
+_MAX_EV = 16.0
+
+# Of the finished picture, every so many rows and columns are metered.
+_METERED = 8
+
+# Light that an automatic exposure aims at, in the mean: shown as 0.53 of white.
+_AIM = -math.log2(1.0 - 0.53**2)
+
+# The darkest that is told apart from black (of white).
+_DARKEST = 1.0 / 255.0
+
+# Light for each of the values that a picture is made of, by the curve that they are shown with:
+# value = sqrt(1 - 2^-light). White is as bright as the last value below it.
+_LIGHT = -np.log2(1.0 - np.square(np.minimum(np.arange(256), 254) / 255.0))
+
+
+@dataclass(frozen=True)
+class ExposureConfig:
+    """How a camera exposes. One EV more is twice the light.
+
+    Attributes
+    ----------
+    auto
+        Whether it follows the light.
+    ev
+        By hand: the exposure, 0 for a bright day. Automatic: how much brighter the picture shall
+        be than a medium one.
+    min_ev, max_ev
+        Between which an automatic exposure stays.
+    time_constant
+        In which it makes up for 63 % of a change (s of sim time).
+
+    Raises
+    ------
+    telex_control.params.ConfigError
+    """
+
+    auto: bool = False
+    ev: float = 0.0
+    min_ev: float = -2.0
+    max_ev: float = 2.0
+    time_constant: float = 0.4
+
+    def __post_init__(self) -> None:
+        require_range(self, "ev", -_MAX_EV, _MAX_EV)
+        require_range(self, "min_ev", -_MAX_EV, _MAX_EV)
+        require_range(self, "max_ev", -_MAX_EV, _MAX_EV)
+        require(
+            self.min_ev <= self.max_ev,
+            f"min_ev is {self.min_ev}; it must not be above max_ev, which is {self.max_ev}",
+        )
+        require_range(self, "time_constant", 0.0, 60.0)
+
+
+class ExposureControl:
+    """Exposes one camera, picture after picture."""
+
+    def __init__(self) -> None:
+        self._ev = 0.0
+        self._wanted_ev = 0.0
+        self._stamp: Optional[int] = None
+
+    def expose(self, config: ExposureConfig, stamp: int) -> float:
+        """Choose the exposure of the next picture.
+
+        Parameters
+        ----------
+        config
+            How to choose it.
+        stamp
+            Sim time of the picture (ns); may jump back when the simulation restarts.
+
+        Returns
+        -------
+        float
+            EV.
+        """
+        if not config.auto:
+            self._ev = self._wanted_ev = config.ev
+        elif self._stamp is not None:
+            passed = max(0.0, (stamp - self._stamp) * 1e-9)
+            share = 1.0
+            if config.time_constant > 0.0:
+                share = -math.expm1(-passed / config.time_constant)
+            wanted = min(max(self._wanted_ev + config.ev, config.min_ev), config.max_ev)
+            self._ev += share * (wanted - self._ev)
+        self._stamp = stamp
+        return self._ev
+
+    def meter(self, picture: np.ndarray) -> None:
+        """Look at the picture that was taken with the exposure chosen last.
+
+        Parameters
+        ----------
+        picture
+            RGBA, shape (height, width, 4), uint8, without noise.
+        """
+        # Green carries most of the brightness.
+        sample = picture[_METERED // 2 :: _METERED, _METERED // 2 :: _METERED, 1]
+        light = max(float(_LIGHT[sample].mean()), _DARKEST**2)
+        self._wanted_ev = self._ev + math.log2(_AIM / light)
+
+
+def exposure_factor(ev: float) -> float:
+    """By what light is multiplied."""
+    return 2.0**ev

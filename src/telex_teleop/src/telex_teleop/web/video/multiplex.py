@@ -1,0 +1,235 @@
+"""All cameras over one WebSocket: one client of `/video`."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import itertools
+import json
+import time
+from typing import Any, Dict, Iterator, List, Optional
+
+from aiohttp import WSCloseCode, WSMessage, WSMsgType, web
+
+from ..freshness import Backlog
+from .cameras import CameraList
+from .feed import Feed
+from .hub import PictureHubs
+from .protocol import VERSION, Ack, Message, Ping, ProtocolError, Show, View, parse
+
+BACKLOG_POLL = 0.005
+"""Period (s) at which a client whose connection is full is looked at."""
+
+MAX_REPLY_BACKLOG = 65536
+"""Bytes of replies that may wait for a client before it counts as one that does not read."""
+
+
+COSTS = {Ack: 1.0, Ping: 5.0, Show: 20.0}
+"""What the messages of a client cost of the patience with it, by the work that they make."""
+
+ERROR_COST = 50.0
+"""What a message costs that cannot be used."""
+
+
+class Patience:
+    """How much of a client's chatter is taken before it is sent away: what fits into a bucket.
+
+    Six cameras at 60 pictures a second are acknowledged 360 times; `REFILL` come back per second.
+    """
+
+    CAPACITY = 2000.0
+    REFILL = 1000.0
+
+    def __init__(self) -> None:
+        self._left = self.CAPACITY
+        self._since = time.monotonic()
+
+    def spend(self, cost: float) -> bool:
+        """Take note of a message; False when there is no patience left."""
+        now = time.monotonic()
+        self._left = min(self.CAPACITY, self._left + (now - self._since) * self.REFILL) - cost
+        self._since = now
+        return self._left > 0.0
+
+
+class VideoClient:
+    """Serves one client: what it asks for, and pictures as it acknowledges them.
+
+    Parameters
+    ----------
+    websocket
+        The connection, prepared.
+    transport
+        Of the connection.
+    cameras
+        All cameras.
+    hubs
+        Where their pictures come from.
+    max_size
+        Largest width and height (pixels) that the client may ask for.
+    send_buffer
+        Size of the kernel's send buffer (bytes).
+    """
+
+    def __init__(
+        self,
+        websocket: web.WebSocketResponse,
+        transport: asyncio.Transport,
+        cameras: CameraList,
+        hubs: PictureHubs,
+        *,
+        max_size: int,
+        send_buffer: int,
+    ) -> None:
+        self._websocket = websocket
+        self._transport = transport
+        self._cameras = cameras
+        self._hubs = hubs
+        self._max_size = max_size
+        self._backlog = Backlog(transport, send_buffer)
+        self._views: List[View] = []
+        self._feeds: Dict[str, Feed] = {}
+        self._told: Optional[List[Dict[str, str]]] = None
+        self._wake = asyncio.Event()
+        self._patience = Patience()
+        self._numbers = itertools.count(1)
+
+    async def serve(self) -> None:
+        """Serve until the client goes."""
+        sender = asyncio.ensure_future(self._send_pictures())
+        try:
+            await self.cameras_changed()
+            async for message in self._websocket:
+                if not await self._receive(message):
+                    return
+        except ConnectionError:
+            return
+        finally:
+            sender.cancel()
+            for name in tuple(self._feeds):
+                self._end(name)
+
+    async def cameras_changed(self) -> None:
+        """Tell the client which cameras there are, and watch what can be watched now."""
+        described = self._cameras.described()
+        if described != self._told:
+            self._told = described
+            await self._say(version=VERSION, cameras=described)
+        self._watch()
+
+    async def dismiss(self) -> None:
+        """Close the connection because the server ends."""
+        with contextlib.suppress(ConnectionError):
+            await self._websocket.close(code=WSCloseCode.GOING_AWAY, message=b"the server ends")
+
+    async def _receive(self, message: WSMessage) -> bool:
+        """Take one message; False: the connection is to end."""
+        if message.type not in (WSMsgType.TEXT, WSMsgType.BINARY):
+            return False  # such as one that is too long, for which aiohttp has closed already
+        try:
+            if message.type == WSMsgType.BINARY:
+                raise ProtocolError("messages must be text; binary ones are not understood")
+            parsed = parse(message.data, self._max_size)
+            cost = COSTS[type(parsed)]
+            await self._do(parsed)
+        except ProtocolError as error:
+            cost = ERROR_COST
+            await self._say(error=str(error))
+        if self._patience.spend(cost):
+            return True
+        await self._websocket.close(
+            code=WSCloseCode.POLICY_VIOLATION, message=b"too many messages, or too many bad ones"
+        )
+        return False
+
+    async def _do(self, message: Message) -> None:
+        if isinstance(message, Ack):
+            self._acknowledge(message)
+        elif isinstance(message, Ping):
+            await self._answer(message)
+        else:
+            self._show(message)
+
+    def _acknowledge(self, ack: Ack) -> None:
+        names = self._cameras.names
+        if ack.camera >= len(names):
+            raise ProtocolError(f"ack is for camera {ack.camera}; there are {len(names)}")
+        feed = self._feeds.get(names[ack.camera])
+        # The picture of a view that has been changed meanwhile is nobody's any more.
+        if feed is not None:
+            feed.acknowledge(ack.number)
+
+    async def _answer(self, ping: Ping) -> None:
+        figures = {name: feed.figures() for name, feed in self._feeds.items()}
+        await self._say(pong=ping.token, time=time.time(), views=figures)
+
+    def _show(self, show: Show) -> None:
+        for view in show.views:
+            if self._cameras.find(view.camera) is None:
+                known = ", ".join(self._cameras.names) or "none yet"
+                raise ProtocolError(
+                    f"there is no camera {json.dumps(view.camera[:40])}; known are {known}"
+                )
+        self._views = list(show.views)
+        self._watch()
+
+    def _watch(self) -> None:
+        """Let the feeds be those of the views."""
+        wanted = {view.camera: view for view in self._views}
+        outdated = [
+            name
+            for name, feed in self._feeds.items()
+            if wanted.get(name) != feed.view or self._cameras.find(name) != feed.camera
+        ]
+        ended = [self._feeds.pop(name) for name in outdated]
+        for view in self._views:
+            camera = self._cameras.find(view.camera)
+            if camera is not None and view.camera not in self._feeds:
+                feed = Feed(
+                    camera,
+                    view,
+                    ready=self._wake.set,
+                    lost=self._lost,
+                    next_number=lambda: next(self._numbers) & 0xFFFFFFFF,
+                )
+                self._feeds[view.camera] = feed
+                self._hubs.join(camera.source, feed, feed.variant)
+        # After the new ones, so that a topic that goes on being watched stays subscribed.
+        for feed in ended:
+            self._hubs.leave(feed.camera.source, feed, feed.variant)
+
+    def _end(self, name: str) -> None:
+        feed = self._feeds.pop(name)
+        self._hubs.leave(feed.camera.source, feed, feed.variant)
+
+    def _lost(self, feed: Feed) -> None:
+        """Forget a feed whose camera cannot be watched; the next look at the cameras tries anew."""
+        if self._feeds.get(feed.camera.name) is feed:
+            self._end(feed.camera.name)
+
+    async def _send_pictures(self) -> None:
+        """Send what is ready, in turns, the picture chosen only when the connection has room."""
+        with contextlib.suppress(ConnectionError):
+            while True:
+                await self._wake.wait()
+                self._wake.clear()
+                for feed in self._ready():
+                    await self._websocket.send_bytes(feed.take())
+                    while self._backlog.buffered():
+                        await asyncio.sleep(BACKLOG_POLL)
+
+    def _ready(self) -> Iterator[Feed]:
+        """Yield feeds that can send, each once per turn, until there is none."""
+        while True:
+            sendable = [feed for feed in tuple(self._feeds.values()) if feed.is_sendable]
+            if not sendable:
+                return
+            for feed in sendable:
+                if feed.is_sendable and self._feeds.get(feed.camera.name) is feed:
+                    yield feed
+
+    async def _say(self, **news: Any) -> None:
+        if self._backlog.buffered() > MAX_REPLY_BACKLOG:
+            self._transport.abort()
+            raise ConnectionResetError("the client does not read")
+        await self._websocket.send_str(json.dumps(news))

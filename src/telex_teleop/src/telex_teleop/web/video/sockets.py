@@ -1,0 +1,108 @@
+"""The WebSocket side of the video server: everybody who is connected to `/video`."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from typing import Awaitable, Callable, Set
+
+from aiohttp import web
+
+from ..config import VideoServerConfig
+from .cameras import CameraList
+from .hub import PictureHubs
+from .multiplex import VideoClient
+from .topics import Topics
+
+CAMERAS_PERIOD = 2.0
+"""Period (s) at which the published topics are looked at while somebody is connected."""
+
+MAX_MESSAGE_SIZE = 16384
+"""Bytes of the longest message taken from a client."""
+
+CLOSE_TIMEOUT = 0.2
+"""Time (s) that a client gets to answer the closing handshake."""
+
+
+class VideoSockets:
+    """Accepts clients of `/video`; make it on the loop's thread.
+
+    Parameters
+    ----------
+    config
+        The node's parameters.
+    namespace
+        The node's namespace, with slashes around it.
+    hubs
+        Where pictures come from.
+    topics
+        Asks for the published topics; may raise OSError.
+    """
+
+    def __init__(
+        self,
+        config: VideoServerConfig,
+        namespace: str,
+        hubs: PictureHubs,
+        topics: Callable[[], Awaitable[Topics]],
+    ) -> None:
+        self._config = config
+        self._hubs = hubs
+        self._topics = topics
+        self._cameras = CameraList(namespace)
+        self._clients: Set[VideoClient] = set()
+
+    async def accept(self, request: web.Request) -> web.StreamResponse:
+        """Serve one client."""
+        websocket = web.WebSocketResponse(
+            heartbeat=self._config.ping_interval,
+            max_msg_size=MAX_MESSAGE_SIZE,
+            compress=False,
+            timeout=CLOSE_TIMEOUT,
+        )
+        if not websocket.can_prepare(request):
+            return web.Response(
+                status=426,
+                text="This address is a WebSocket; docs/video.md describes it.\n",
+                headers={"Upgrade": "websocket"},
+            )
+        await self._look()
+        await websocket.prepare(request)
+        transport = request.transport
+        if transport is None:
+            return websocket
+        client = VideoClient(
+            websocket,
+            transport,
+            self._cameras,
+            self._hubs,
+            max_size=self._config.max_size,
+            send_buffer=self._config.send_buffer,
+        )
+        self._clients.add(client)
+        try:
+            await client.serve()
+        finally:
+            self._clients.discard(client)
+        return websocket
+
+    async def follow_cameras(self) -> None:
+        """Look for new cameras for as long as somebody is connected, for ever."""
+        while True:
+            await asyncio.sleep(CAMERAS_PERIOD)
+            if self._clients:
+                await self._look()
+                for client in tuple(self._clients):
+                    with contextlib.suppress(ConnectionError):
+                        await client.cameras_changed()
+
+    async def dismiss(self) -> None:
+        """Close all connections."""
+        if self._clients:
+            farewells = [asyncio.ensure_future(client.dismiss()) for client in self._clients]
+            await asyncio.wait(farewells, timeout=2 * CLOSE_TIMEOUT)
+
+    async def _look(self) -> None:
+        # Without a master the cameras stay those that are known.
+        with contextlib.suppress(OSError):
+            self._cameras.update(await self._topics())
