@@ -12,11 +12,9 @@ _FORCE = 1.0e5  # N, that fixes it at most
 
 def fix_payload(body: Body, mass: float) -> None:
     """Fix a mass (kg) to the tool centre point of a robot in PyBullet."""
-    client, tool = body.client, body.links["tool_link"]
-    place = pybullet.getLinkState(
-        body.uid, tool, computeForwardKinematics=1, physicsClientId=client
-    )
-    load = pybullet.createMultiBody(mass, -1, -1, *place[4:6], physicsClientId=client)
+    client = body.client
+    link, position, orientation = body.place("tool_link")
+    load = pybullet.createMultiBody(mass, -1, -1, *body.pose("tool_link"), physicsClientId=client)
     pybullet.changeDynamics(
         load,
         -1,
@@ -26,8 +24,8 @@ def fix_payload(body: Body, mass: float) -> None:
         physicsClientId=client,
     )
     fixed = pybullet.createConstraint(
-        *(body.uid, tool, load, -1, pybullet.JOINT_FIXED),
-        *((0, 0, 0), (0, 0, 0), (0, 0, 0)),
+        *(body.uid, link, load, -1, pybullet.JOINT_FIXED),
+        *((0, 0, 0), position, (0, 0, 0), orientation),
         physicsClientId=client,
     )
     pybullet.changeConstraint(fixed, maxForce=_FORCE, physicsClientId=client)

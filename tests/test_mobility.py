@@ -3,14 +3,23 @@
 from __future__ import annotations
 
 import math
-from typing import Dict, Tuple
+from typing import Dict, List, Tuple
+from xml.etree import ElementTree
 
+import pybullet
 import pytest
-from mobility import flat, hold, stairs
+from mobility import flat, footing, hold, novice, random_commands, rough, stairs
 from mobility.obstacles import Obstacle, all_obstacles, attempt
 from mobility.offline import Trial
-from mobility.scripted_operator import NotManagedError, Operator
+from mobility.scripted_operator import (
+    FRONT_FLIPPERS,
+    REAR_FLIPPERS,
+    NotManagedError,
+    Operator,
+)
 from mobility.stairs import Stairs
+from mobility.step import Step
+from mobility.watch import Watch
 
 OBSTACLES: Dict[str, Obstacle] = {obstacle.name: obstacle for obstacle in all_obstacles()}
 
@@ -20,14 +29,85 @@ def state(trial: Trial) -> Tuple[float, ...]:
     return (*trial.simulation.link_poses(), *linear, *angular)
 
 
-@pytest.mark.parametrize(
-    "name", ["step 50 cm, mu 0.8", "4 loose pallets, 50 cm, 10 kg forward", "hurdle 30 cm"]
-)
-def test_an_obstacle_is_passed(name: str) -> None:
-    obstacle = OBSTACLES[name]
+def test_loose_pallets_are_climbed_with_a_load() -> None:
+    obstacle = OBSTACLES["4 loose pallets, 50 cm, 10 kg forward"]
     with obstacle.trial() as trial:
         outcome = attempt(obstacle, trial.operator)
     assert outcome.passed, outcome.message
+
+
+def test_a_step_is_climbed_by_presets_alone() -> None:
+    block = Step(friction=0.8)
+    with OBSTACLES["step 50 cm, mu 0.8"].trial() as trial:
+        user = novice.Novice(trial)
+        novice.climb_step(user, block)
+        assert trial.position()[0] - 0.39 > block.edge
+        assert user.operator.time < 20.0
+
+
+def test_flippers_lie_flat_on_level_ground() -> None:
+    angles = footing.settings(lambda x, y: 0.0, 1.0, 0.0, clearance=0.02)
+    assert set(angles) == {*FRONT_FLIPPERS, *REAR_FLIPPERS}
+    assert list(angles.values()) == pytest.approx([0.0] * 4, abs=0.05)
+
+
+def test_each_flipper_goes_to_the_ground_under_it() -> None:
+    def block_at_the_front_left(x: float, y: float) -> float:
+        return 0.1 if x > 0.5 and y > 0.0 else 0.0
+
+    angles = footing.settings(block_at_the_front_left, 0.0, 0.0, clearance=0.02)
+    raised = angles.pop("front_left_flipper")
+    # A tip of radius 0.07 m over the block, its pivot 0.11 m over the floor, 0.44 m from it.
+    assert raised == pytest.approx(math.asin(0.06 / 0.44) + math.asin(0.04 / 0.44), abs=0.05)
+    assert list(angles.values()) == pytest.approx([0.0] * 3, abs=0.05)
+
+
+def test_flippers_reach_down_where_something_lies_under_the_belly() -> None:
+    angles = footing.settings(lambda x, y: 0.2 if abs(x) < 0.1 else 0.0, 0.0, 0.0, clearance=0.0)
+    # Belly 0.2 m up, so pivots 0.245 m up.
+    down = math.asin((0.07 - 0.245) / 0.44) + math.asin(0.04 / 0.44)
+    assert list(angles.values()) == pytest.approx([down] * 4, abs=0.05)
+
+
+def test_the_high_side_of_a_hull_that_rolls_is_let_down() -> None:
+    angles = dict(zip((*FRONT_FLIPPERS, *REAR_FLIPPERS), (-0.5, -0.1, 0.2, 0.3)))
+    assert list(footing.let_down(angles, "left").values()) == [-0.1, -0.1, 0.3, 0.3]
+    assert list(footing.let_down(angles, "right").values()) == [-0.5, -0.1, 0.2, 0.3]
+
+
+def test_the_operator_sees_the_ramps_as_they_stand() -> None:
+    ramps = rough.CrossingRamps()
+    ridge = 1.2 * math.tan(math.radians(15.0))
+    for x, right, left in (
+        (0.9, 0.0, 0.0),
+        (2.2, ridge, 0.0),
+        (2.8, 0.5 * ridge, 0.5 * ridge),
+        (3.4, 0.0, ridge),
+        (5.8, 0.0, ridge),
+        (7.1, 0.0, 0.0),
+    ):
+        assert ramps.height(x, -0.3) == pytest.approx(right, abs=1e-6)
+        assert ramps.height(x, 0.3) == pytest.approx(left, abs=1e-6)
+
+
+def test_gains_shrink_with_a_longer_control_period(caplog: pytest.LogCaptureFixture) -> None:
+    def damping(step_size: float) -> List[float]:
+        caplog.clear()
+        with Trial(step_size=step_size) as trial:
+            flipper = trial.node.params()["front_left_flipper_position_controller"]
+            return [flipper["pid"]["d"], _brake(trial.urdf)]
+
+    shipped = damping(0.002)
+    assert "tuned for" not in caplog.text
+    assert damping(0.004) == pytest.approx([0.5 * value for value in shipped])
+    assert "control_period is 0.004 s: the shipped gains are tuned for 0.002 s" in caplog.text
+
+
+def _brake(urdf: str) -> float:
+    robot = ElementTree.fromstring(urdf)
+    joint = robot.find("joint[@name='front_left_flipper_joint']/safety_controller")
+    assert joint is not None
+    return float(joint.attrib["k_velocity"])
 
 
 def test_stairs_are_climbed_and_the_robot_stands_whole_on_the_landing() -> None:
@@ -39,7 +119,7 @@ def test_stairs_are_climbed_and_the_robot_stands_whole_on_the_landing() -> None:
 
 
 def test_the_same_script_leads_to_the_same_state_to_the_last_bit() -> None:
-    obstacle = OBSTACLES["hurdle 10 cm"]
+    obstacle = OBSTACLES["hurdle 30 cm"]
     states = []
     for _ in range(2):
         with obstacle.trial() as trial:
@@ -53,9 +133,11 @@ def test_the_robot_drives_as_fast_as_it_is_told() -> None:
         assert flat.straight(trial, 0.5, seconds=1.0).speed == pytest.approx(0.5, rel=0.01)
 
 
-def test_the_robot_turns_as_fast_as_it_is_told() -> None:
+def test_the_robot_turns_in_place_as_fast_as_it_is_told() -> None:
     with Trial() as trial:
-        assert flat.turn(trial, 0.5, seconds=3.0).rate == pytest.approx(0.5, rel=0.02)
+        found = flat.turn(trial, 1.0, seconds=3.0)
+    assert found.rate == pytest.approx(1.0, rel=0.02)
+    assert found.drift < 0.05
 
 
 @pytest.mark.parametrize("heading", [0.0, 0.5 * math.pi])
@@ -79,6 +161,33 @@ def test_a_robot_on_its_side_is_noticed() -> None:
         trial.place((0.0, 0.0, 0.4), (math.sin(0.8), 0.0, 0.0, math.cos(0.8)))
         with pytest.raises(NotManagedError, match="tipped over"):
             trial.operator.wait(2.0)
+
+
+def test_random_commands_are_watched_at_every_step() -> None:
+    found = random_commands.run(seed=1, seconds=4.0)
+    assert found.finite
+    assert found.jump < 0.001
+    assert 0.0 < found.gain < found.rated
+    assert found.deepest < 0.02
+
+
+def test_the_watch_sees_what_cannot_have_happened() -> None:
+    with Trial(pose="look_front") as trial:
+        watch, rated = Watch(trial), random_commands.rated_power(trial) * trial.step_size
+        trial.operator.wait(0.4)
+        assert watch.gain < rated
+        x, y, z = trial.position()
+        trial.place((x + 0.01, y, z), (0.0, 0.0, 0.0, 1.0))
+        trial.operator.wait(0.04)
+        assert watch.jump == pytest.approx(0.01, rel=0.1)
+        body = trial.simulation.body
+        pybullet.resetBaseVelocity(body.uid, (0.7, 0, 0), (0, 0, 0), physicsClientId=body.client)
+        trial.operator.wait(0.04)
+        assert watch.gain > rated
+        joint = body.joints["left_finger_tip_joint"]
+        pybullet.resetJointState(body.uid, joint, math.nan, physicsClientId=body.client)
+        watch.look()
+        assert not watch.finite
 
 
 def test_an_operator_keeps_its_lane() -> None:

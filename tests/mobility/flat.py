@@ -11,11 +11,12 @@ import numpy as np
 from .offline import Trial
 from .scripted_operator import TICK
 
-FLAT = (0.0, 0.0)
+FLAT = (0.01, 0.01)
+"""As the preset: the tips 4 mm off the floor."""
+FLUSH = (0.0, 0.0)
 UP = (1.20, 1.20)
-
-BALANCED = {"elbow": 2.00}
-"""Arm, from `drive`, with the centre of mass 6 mm before base_link, not 16 (rad)."""
+UPRIGHT = (1.57, 1.20)
+"""With the arm as in `drive`, the centre of mass is then 8 mm before base_link, not 16."""
 
 
 @dataclass(frozen=True)
@@ -85,9 +86,16 @@ def straight(
 
 
 def turn(
-    trial: Trial, rate: float, seconds: float = 4.0, ramp: float = 0.6, balanced: bool = False
+    trial: Trial,
+    rate: float,
+    seconds: float = 4.0,
+    ramp: float = 0.6,
+    flippers: Tuple[float, float] = UPRIGHT,
 ) -> Turn:
     """Turn in place with the flippers up.
+
+    The robot turns about a point before or behind base_link, about twice as far from it as the
+    centre of mass: upright front flippers make up for the turret.
 
     Parameters
     ----------
@@ -97,13 +105,11 @@ def turn(
         Over which rate and drift are measured.
     ramp : float
         From rest until it begins to be measured (s).
-    balanced : bool
-        With the arm so far back that the load is in the middle between front and rear hubs.
+    flippers : tuple of float
+        Front and rear (rad).
     """
     operator = trial.operator
-    operator.flippers(*UP)
-    if balanced:
-        operator.move(**BALANCED)
+    operator.flippers(*flippers)
     operator.wait(2.5)
     operator.drive(0.0, rate)
     operator.wait(ramp)

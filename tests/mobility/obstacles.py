@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, List, Optional, Tuple
+from typing import Any, Callable, Dict, List, Optional, Tuple, Union
 
 from . import gap, hurdle, load, rough, slope, stairs, step
 from .offline import Trial
@@ -132,9 +132,27 @@ def _ramp(degrees: float, friction: float) -> Obstacle:
     return Obstacle(f"ramp {degrees:.0f} deg", plane.objects(), script, {}, friction)
 
 
+def _rough(name: str, ground: Union[rough.CrossingRamps, rough.Stepfield]) -> Obstacle:
+    def script(operator: Operator) -> None:
+        rough.cross(operator, ground.height, ground.end)
+
+    return Obstacle(name, ground.objects(), script, {"x": rough.START - 1.2}, ground.friction)
+
+
+STEPFIELDS = tuple(
+    rough.Stepfield(pattern, seed=seed)
+    for pattern, seeds in (("flat", (1, 2, 3)), ("hill", (1, 2, 5)), ("diagonal", (1, 2, 8)))
+    for seed in seeds
+)
+"""Three fields of each pattern; the last seeds are those of the scene ``mobility_lane``."""
+
+RAMPS = (rough.CrossingRamps(rows=4), rough.CrossingRamps(rows=6))
+"""As the library has them by default, and those of the scene ``mobility_lane``."""
+
+
 def all_obstacles() -> List[Obstacle]:
     """All of them, in the order of the table."""
-    ramps, posts, platforms = rough.CrossingRamps(), rough.Stepfield(), gap.Gap()
+    platforms = gap.Gap()
     flights = [
         ("stairs 17x28 cm", stairs.Stairs(0.17, 0.28)),
         ("stairs 18x28 cm", stairs.Stairs(0.18, 0.28)),
@@ -154,11 +172,6 @@ def all_obstacles() -> List[Obstacle]:
         *(step_up(block, f"{name}, 10 kg forward", load.MASS) for name, block in blocks),
         *(_over(hurdle.Hurdle(height)) for height in (0.1, 0.2, 0.3, 0.4, 0.5)),
         Obstacle("gap 40 cm", platforms.objects(), lambda op: gap.cross(op, platforms), {}),
-        Obstacle(
-            "crossing ramps",
-            ramps.objects(),
-            lambda op: rough.cross_ramps(op, ramps),
-            {"x": rough.START - 1.2, "y": ramps.ridges()[0][1]},
-        ),
-        Obstacle("stepfield", posts.objects(), lambda op: rough.cross_posts(op, posts), {}),
+        *(_rough(f"crossing ramps, {ramps.rows} rows", ramps) for ramps in RAMPS),
+        *(_rough(f"stepfield {field.pattern}, seed {field.seed}", field) for field in STEPFIELDS),
     ]

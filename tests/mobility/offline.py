@@ -6,13 +6,15 @@ import functools
 import tempfile
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
+from xml.etree import ElementTree
 
 import numpy as np
 import pybullet
 import yaml
 from geometry_msgs.msg import Point, PoseStamped, Quaternion
 
-from telex_sim.offline import OfflineSimulation, robot_description
+from telex_sim.config import TUNED_PERIOD
+from telex_sim.offline import OfflineSimulation, package_file, robot_description
 
 from .scripted_operator import TICK, Operator
 
@@ -25,6 +27,27 @@ LOAD_FORCE = 1.0e5
 @functools.lru_cache(maxsize=None)
 def _urdf() -> str:
     return robot_description()
+
+
+def _for_period(period: float, urdf: str) -> Tuple[Dict[str, Any], str]:
+    """Shipped controllers and robot, so changed that they are stable at a longer control period.
+
+    An explicit damper chatters where its gain is above 2 * inertia / period. The shipped gains and
+    the brakes of the soft limits go near that at 2 ms; they shrink as the period grows.
+    """
+    share = min(1.0, TUNED_PERIOD / period)
+    path = package_file("telex_control", "config", "telex_controllers.yaml")
+    controllers = yaml.safe_load(path.read_text())
+    for value in controllers.values():
+        pid = value.get("pid", {}) if isinstance(value, dict) else {}
+        smaller = {gain: share * pid[gain] for gain in ("p", "i", "d") if gain in pid}
+        if smaller:
+            # Controllers of one kind share these in the file.
+            value["pid"] = {**pid, **smaller}
+    root = ElementTree.fromstring(urdf)
+    for safety in root.iter("safety_controller"):
+        safety.set("k_velocity", repr(share * float(safety.attrib["k_velocity"])))
+    return controllers, ElementTree.tostring(root, encoding="unicode")
 
 
 class Trial:
@@ -41,7 +64,8 @@ class Trial:
     pose : str
         Named pose that the robot starts in.
     step_size : float
-        Of the physics (s); the control period is 2 ms, or this where it is longer.
+        Of the physics (s); the control period is 2 ms, or this where it is longer. Then the gains
+        are less than the shipped ones, which are tuned for 2 ms.
     load : float
         Mass held in the gripper (kg).
     **changes
@@ -66,7 +90,8 @@ class Trial:
         load: float = 0.0,
         **changes: Any,
     ) -> None:
-        self.urdf = _urdf()
+        period = max(TUNED_PERIOD, step_size)
+        controllers, self.urdf = _for_period(period, _urdf())
         scene = {
             "floor": {"friction": friction},
             "start": dict(start or {}),
@@ -77,10 +102,11 @@ class Trial:
             path.write_text(yaml.safe_dump(scene))
             self._offline = OfflineSimulation(
                 self.urdf,
+                controllers,
                 world=str(path),
                 start__pose=pose,
                 timing__step_size=step_size,
-                timing__control_period=max(0.002, step_size),
+                timing__control_period=period,
                 **changes,
             )
         self.simulation = self._offline.simulation
@@ -122,11 +148,10 @@ class Trial:
     def _hold(self, mass: float) -> None:
         """Fix a load between the pads, as a grip does that does not slip."""
         body = self.simulation.body
-        client, tool = body.client, body.links["tool_link"]
-        place = pybullet.getLinkState(
-            body.uid, tool, computeForwardKinematics=1, physicsClientId=client
-        )
-        load = pybullet.createMultiBody(mass, -1, -1, *place[4:6], physicsClientId=client)
+        client = body.client
+        link, position, orientation = body.place("tool_link")
+        pose = body.pose("tool_link")
+        load = pybullet.createMultiBody(mass, -1, -1, *pose, physicsClientId=client)
         inertia = mass * LOAD_EDGE**2 / 6.0
         pybullet.changeDynamics(
             load,
@@ -138,8 +163,8 @@ class Trial:
         )
         origin = (0.0, 0.0, 0.0)
         joint = pybullet.createConstraint(
-            *(body.uid, tool, load, -1, pybullet.JOINT_FIXED),
-            *(origin, origin, origin),
+            *(body.uid, link, load, -1, pybullet.JOINT_FIXED),
+            *(origin, position, origin, orientation),
             physicsClientId=client,
         )
         pybullet.changeConstraint(joint, maxForce=LOAD_FORCE, physicsClientId=client)

@@ -8,15 +8,12 @@ import time
 from dataclasses import dataclass
 from typing import Any, Dict, List
 
-import numpy as np
-
 from .offline import Trial
 from .scripted_operator import FRONT_FLIPPERS, REAR_FLIPPERS, TICK, NotManagedError
+from .watch import Watch
 
 _COMMAND = 1.0
 """How long a command stands (s)."""
-_LOOK = 5
-"""Steps from one look at the contacts to the next."""
 _LYING, _RAISED = 4.0, (0.5, 0.5)
 """How long the robot lies before it is put on its tracks (s); by then its flippers are up."""
 _EDGE = 4.0
@@ -30,21 +27,20 @@ class Behaviour:
     Attributes
     ----------
     finite : bool
-        Whether every state was a number.
-    jump : float
-        Farthest that the hull came in a step beyond what its velocity explains (m).
-    fastest : float
-        m/s.
-    deepest : float
-        Penetration of the robot into anything (m).
+    jump, gain, fastest, deepest : float
+        See `watch.Watch`.
+    rated : float
+        Most that the drives could add to the energy in a step (J).
     cpu : float
-        CPU time per sim time.
+        CPU time per sim time, in the worst second.
     falls : int
         How often it lay on its side or back, and was put on its tracks again.
     """
 
     finite: bool
     jump: float
+    gain: float
+    rated: float
     fastest: float
     deepest: float
     cpu: float
@@ -92,10 +88,10 @@ def run(seed: int, seconds: float, step_size: float = 0.002) -> Behaviour:
     with Trial(
         rough_ground(), {"x": 0.0, "y": 0.0, "yaw": 6.28 * numbers.random()}, step_size=step_size
     ) as trial:
-        watch = _Watch(trial)
+        watch = Watch(trial)
         operator = trial.operator
-        began = time.process_time()
-        falls, lain = 0, 0.0
+        falls, lain, worst = 0, 0.0, 0.0
+        began = time.process_time() - watch.cost
         for tick in range(round(seconds / TICK)):
             if lain == 0.0 and tick % round(_COMMAND / TICK) == 0:
                 operator.drive(numbers.uniform(-1.2, 1.2), numbers.uniform(-1.0, 1.0))
@@ -113,36 +109,26 @@ def run(seed: int, seconds: float, step_size: float = 0.002) -> Behaviour:
                 falls, lain = falls + 1, 0.0
                 trial.place((0.0, 0.0, 0.35), (0.0, 0.0, 0.0, 1.0))
                 watch.restart()
-        cpu = (time.process_time() - began - watch.cost) / seconds
-        return Behaviour(watch.finite, watch.jump, watch.fastest, watch.deepest, cpu, falls)
+            if (tick + 1) % round(1.0 / TICK) == 0:
+                now = time.process_time() - watch.cost
+                worst, began = max(worst, now - began), now
+        return Behaviour(
+            watch.finite,
+            watch.jump,
+            watch.gain,
+            rated_power(trial) * step_size,
+            watch.fastest,
+            watch.deepest,
+            worst,
+            falls,
+        )
 
 
-class _Watch:
-    """Looks at every step of a trial."""
-
-    def __init__(self, trial: Trial) -> None:
-        self._trial = trial
-        self._last = trial.center()
-        self._steps = 0
-        self.finite = True
-        self.jump = self.fastest = self.deepest = self.cost = 0.0
-        trial.each_step.append(self._look)
-
-    def restart(self) -> None:
-        """Take the present place for granted."""
-        self._last = self._trial.center()
-
-    def _look(self) -> None:
-        began = time.process_time()
-        trial = self._trial
-        center, (velocity, turning) = trial.center(), trial.velocity()
-        numbers = np.concatenate([center, velocity, turning])
-        self.finite = self.finite and bool(np.isfinite(numbers).all())
-        explained = trial.step_size * velocity
-        self.jump = max(self.jump, float(np.linalg.norm(center - self._last - explained)))
-        self.fastest = max(self.fastest, float(np.linalg.norm(velocity)))
-        self._last = center
-        self._steps += 1
-        if self._steps % _LOOK == 0:
-            self.deepest = max(self.deepest, trial.penetration())
-        self.cost += time.process_time() - began
+def rated_power(trial: Trial) -> float:
+    """Of all drives together (W)."""
+    simulation = trial.simulation
+    tracks = simulation.config.tracks
+    hw = simulation.hw
+    joints = [hw.drive(name) for name in hw.joint_positions() if name not in tracks.belts]
+    of_joints = sum(drive.max_effort * drive.max_velocity for drive in joints)
+    return of_joints + len(tracks.drives) * tracks.drive.power

@@ -13,3 +13,11 @@ HALF_LENGTH = PIVOT + AXLE_HEIGHT
 
 FLIPPER_LENGTH = 0.440
 """From a flipper's pivot to the middle of its tip."""
+
+TIP_RADIUS = 0.070
+
+BELT_INNER, BELT_OUTER = 0.145, 0.200
+"""From the robot's middle to the inner and the outer edge of the belts."""
+
+BELLY = 0.045
+"""From the axles down to the hull's lower side."""

@@ -2,35 +2,46 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass
-from typing import Any, Dict, List, Tuple
+from typing import Any, Dict, List
 
+from telex_sim.scene.library import stepfield
+
+from . import footing
 from .robot import AXLE_HEIGHT
 from .scripted_operator import NotManagedError, Operator
 
-SPEED = 0.25  # m/s
+SPEED = 0.15  # m/s
 
 START = 1.0
 """Where the ground gets rough (m)."""
 
-ON_RAMPS = ((-0.25, -0.25), (0.10, 0.10), (-0.50, -0.50))
-"""Flat flippers hang between two ridges, raised ones leave the belly on one."""
-ON_POSTS = ((0.45, 0.0), (0.15, -0.45), (-0.70, -0.70), (0.50, -0.90), (-0.90, 0.30), (0.75, 0.20))
-LEVEL = (0.35, 0.35)
-TURNING = (1.00, 1.00)
+CLEARANCE = 0.03
+"""Under the belly (m)."""
 
-CHANGING = ((0.35, 0.35), (-0.30, -0.30), (0.0, 0.0))
+ROLLING = math.radians(15.0)
+"""From which roll on the high side is let down."""
 
-EARLY = 0.20
-"""How far before the place where the columns are level it turns, for it slides down (m)."""
+FREEING = ((0.45, 0.0), (-0.70, -0.70), (0.50, -0.90), (-0.90, 0.30))
+"""Tried one after the other where the robot hangs, until it has come on a little."""
+
+ARRIVED = (0.35, 0.35)
+
+_PROGRESS = 0.02  # m, that tells progress from slipping
+_PATIENCE = 2.0
+"""How long the robot may hang before another setting is tried (s)."""
+_FREE = 0.08
+"""After how much way the flippers are set to the ground again (m)."""
+
+_ANGLE = math.radians(15.0)
+"""Of a ramp."""
 
 
 @dataclass(frozen=True)
 class CrossingRamps:
-    """Two columns of ramps of 15 degrees; where one rises, the other falls.
-
-    By default as wide as the test method has them for a lane of 2.4 m.
+    """Two columns of ramps of 15 degrees, side by side; where one rises, the other falls.
 
     Attributes
     ----------
@@ -41,9 +52,9 @@ class CrossingRamps:
     friction : float
     """
 
-    rows: int = 2
-    length: float = 2.4
-    width: float = 1.2
+    rows: int = 4
+    length: float = 1.2
+    width: float = 0.6
     friction: float = 1.0
 
     @property
@@ -65,13 +76,15 @@ class CrossingRamps:
             }
         ]
 
-    def ridges(self) -> List[Tuple[float, float]]:
-        """Where the ridges are, in their order along x: x and y of their middles (m)."""
-        half = 0.5 * self.width
-        return [
-            (START + (row + 1) * self.length, -half if row % 2 == 0 else half)
-            for row in range(self.rows)
-        ]
+    def height(self, x: float, y: float) -> float:
+        """Height of the ground (m); the left column begins a ramp later."""
+        if abs(y) > self.width:
+            return 0.0
+        along = (x - START) / self.length - (1.0 if y > 0.0 else 0.0)
+        if not 0.0 <= along <= self.rows:
+            return 0.0
+        ramp, share = divmod(along, 1.0)
+        return self.length * math.tan(_ANGLE) * (share if ramp % 2.0 == 0.0 else 1.0 - share)
 
 
 @dataclass(frozen=True)
@@ -90,10 +103,18 @@ class Stepfield:
     seed: int = 5
     friction: float = 1.0
 
+    @functools.cached_property
+    def _field(self) -> stepfield.Stepfield:
+        return stepfield.Stepfield(self.pattern, self.pallets, seed=self.seed)
+
+    @functools.cached_property
+    def _heights(self) -> List[List[List[int]]]:
+        return self._field.heights()
+
     @property
     def end(self) -> float:
         """Where it ends (m)."""
-        return START + 1.2 * self.pallets
+        return START + self._field.pitch * self.pallets
 
     def objects(self) -> List[Dict[str, Any]]:
         """Entries of a scene file."""
@@ -109,72 +130,71 @@ class Stepfield:
             }
         ]
 
-
-def cross_ramps(operator: Operator, ramps: CrossingRamps) -> None:
-    """Drive over every ridge, from one column to the other behind each, where they are level.
-
-    Raises
-    ------
-    NotManagedError
-    """
-    ridges = ramps.ridges()
-    for (ridge, y), (_, beside) in zip(ridges, ridges[1:]):
-        _along(operator, y, ridge + 0.5 * ramps.length - EARLY)
-        _change_column(operator, y, beside)
-    _along(operator, ridges[-1][1], ramps.end + 0.8)
-    _arrive(operator)
+    def height(self, x: float, y: float) -> float:
+        """Height of the posts, or of the frame round them (m)."""
+        field = self._field
+        pallet, along = divmod(x - START, field.pitch)
+        if not 0 <= pallet < self.pallets or abs(y) > 0.5 * field.pitch:
+            return 0.0
+        row = math.floor((along - field.border) / field.post)
+        column = math.floor((y + 0.5 * field.pitch - field.border) / field.post)
+        posts = self._heights[int(pallet)]
+        if 0 <= row < len(posts) and 0 <= column < len(posts[row]):
+            return field.post * posts[row][column]
+        return field.post
 
 
-def _change_column(operator: Operator, y: float, beside: float) -> None:
-    """Turn across the ramps, drive over to the middle of the other column, and turn back."""
-    side = math.copysign(1.0, beside - y)
-    _turn(operator, side * 0.5 * math.pi)
-    operator.keep_lane(SPEED, (operator.pose.x, y), side * 0.5 * math.pi)
+def cross(operator: Operator, ground: footing.Ground, end: float) -> None:
+    """Drive straight over rough ground, each flipper set to what lies under it.
 
-    def left() -> float:
-        return side * (beside - operator.pose.y)
-
-    operator.work_on(lambda: left() < 0.05, CHANGING, 20.0, "the other column", way=lambda: -left())
-    _turn(operator, 0.0)
-
-
-def _turn(operator: Operator, heading: float) -> None:
-    operator.stop()
-    operator.flippers(*TURNING)
-    operator.wait(1.0)
-    operator.turn_to(heading)
-
-
-def _along(operator: Operator, y: float, end: float) -> None:
-    """Drive along a column to x = `end`."""
-    operator.keep_lane(SPEED, (0.0, y))
-    operator.work_on(lambda: operator.pose.x > end, ON_RAMPS, 40.0, f"x {end:.1f} m")
-
-
-def cross_posts(operator: Operator, field: Stepfield) -> None:
-    """Drive straight over the posts, trying what the flippers can do.
+    Parameters
+    ----------
+    operator : Operator
+    ground : callable
+    end : float
+        Where it is level again (m).
 
     Raises
     ------
     NotManagedError
     """
+
     operator.keep_lane(SPEED)
-    operator.flippers(*ON_POSTS[0])
-    operator.until(lambda: operator.pose.x > START - 0.8, 15.0, "the posts")
-    operator.work_on(
-        lambda: operator.pose.x > field.end + 0.5,
-        ON_POSTS,
-        40.0 * field.pallets,
-        "the end of the posts",
-        patience=2.0,
+    operator.until(
+        lambda: operator.pose.x > end + 0.8,
+        3.0 * (end + 0.8 - operator.pose.x) / SPEED,
+        "the floor behind",
+        _Feeling(operator, ground).look,
     )
-    operator.wait(2.0)
-    _arrive(operator)
-
-
-def _arrive(operator: Operator) -> None:
-    operator.flippers(*LEVEL)
+    operator.flippers(*ARRIVED)
     operator.stop()
-    operator.wait(3.0)
+    operator.wait(1.0)
     if operator.pose.z > AXLE_HEIGHT + 0.03 or abs(operator.pose.rise) > 0.05:
         raise NotManagedError(f"does not stand on the floor; {operator.where()}")
+
+
+class _Feeling:
+    """Sets the flippers to the ground, and frees a robot that hangs by other settings."""
+
+    def __init__(self, operator: Operator, ground: footing.Ground) -> None:
+        self._operator = operator
+        self._ground = ground
+        self._best, self._since = operator.pose.x, operator.time
+        self._tried = 0
+        self._free_at = operator.pose.x
+
+    def look(self) -> None:
+        """Do what is to be done at a look."""
+        operator = self._operator
+        pose, now = operator.pose, operator.time
+        if pose.x > self._best + _PROGRESS:
+            self._best, self._since = pose.x, now
+        elif now - self._since > _PATIENCE:
+            operator.flippers(*FREEING[self._tried % len(FREEING)])
+            self._tried, self._since = self._tried + 1, now
+            self._free_at = pose.x + _FREE
+        if pose.x >= self._free_at:
+            angles = footing.settings(self._ground, pose.x, pose.y, CLEARANCE)
+            if abs(pose.roll) > ROLLING:
+                angles = footing.let_down(angles, "left" if pose.roll > 0.0 else "right")
+            operator.move(**angles)

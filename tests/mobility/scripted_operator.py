@@ -184,38 +184,37 @@ class Operator:
         for _ in range(round(seconds / TICK)):
             self.tick()
 
-    def until(self, reached: Callable[[], bool], timeout: float, what: str) -> None:
+    def until(
+        self,
+        reached: Callable[[], bool],
+        timeout: float,
+        what: str,
+        meanwhile: Optional[Callable[[], None]] = None,
+    ) -> None:
         """Go on until something is reached.
+
+        Parameters
+        ----------
+        reached : callable
+        timeout : float
+            s.
+        what : str
+            What is to be reached, for the message.
+        meanwhile : callable, optional
+            What the operator does at every look.
 
         Raises
         ------
         NotManagedError
-            It is not, within `timeout` (s).
+            It is not reached within `timeout`.
         """
         end = self.time + timeout
         while not reached():
             if self.time >= end:
                 raise NotManagedError(f"not within {timeout:g} s: {what}; {self.where()}")
+            if meanwhile is not None:
+                meanwhile()
             self.tick()
-
-    def turn_to(self, yaw: float, rate: float = 0.5, timeout: float = 15.0) -> None:
-        """Turn in place to a heading (rad), and stand.
-
-        Raises
-        ------
-        NotManagedError
-            It is not reached within `timeout` (s).
-        """
-
-        def left() -> float:
-            return math.remainder(yaw - self.pose.yaw, 2.0 * math.pi)
-
-        side = math.copysign(1.0, left())
-        self.drive(0.0, side * rate)
-        # It takes a moment to stop.
-        self.until(lambda: side * left() < 0.15 * rate, timeout, f"heading {yaw:.2f} rad")
-        self.stop()
-        self.wait(0.4)
 
     def work_on(
         self,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Dict, List
+from typing import Any, Callable, Dict, List, Optional
 
 from .robot import AXLE_HEIGHT, HALF_LENGTH
 from .scripted_operator import NotManagedError, Operator
@@ -112,6 +112,7 @@ def climb(operator: Operator, stairs: Stairs) -> None:
         25.0,
         "over the crest",
     )
+    operator.flippers(*STANDING)
     stand_on_landing(operator, stairs)
 
 
@@ -122,11 +123,15 @@ def start_climb(operator: Operator) -> None:
     operator.until(lambda: operator.pose.rise > 0.25, 20.0, "the front on the first step")
 
 
-def stand_on_landing(operator: Operator, stairs: Stairs) -> None:
-    """Stop on the landing with the flippers up, and make sure that all of the robot is there."""
-    operator.flippers(*STANDING)
+def stand_on_landing(
+    operator: Operator, stairs: Stairs, meanwhile: Optional[Callable[[], None]] = None
+) -> None:
+    """Stop on the landing, and make sure that all of the robot is there; see `Operator.until`."""
     operator.until(
-        lambda: operator.pose.x > stairs.crest + HALF_LENGTH + 0.10, 8.0, "whole on the landing"
+        lambda: operator.pose.x > stairs.crest + HALF_LENGTH + 0.10,
+        8.0,
+        "whole on the landing",
+        meanwhile,
     )
     operator.stop()
     operator.wait(2.0)

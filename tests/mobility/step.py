@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Dict, List
+from typing import Any, Callable, Dict, List, Optional
 
 from .robot import AXLE_HEIGHT
 from .scripted_operator import FlipperAngles, NotManagedError, Operator
@@ -84,7 +84,14 @@ def climb(operator: Operator, step: Step) -> None:
     mount(operator, step)
     operator.keep_lane(SPEED)
     operator.flippers(*TOP)
-    operator.until(lambda: beyond(operator, step) > 0.6, 6.0, "on the top")
+    stand_on_top(operator, step)
+
+
+def stand_on_top(
+    operator: Operator, step: Step, meanwhile: Optional[Callable[[], None]] = None
+) -> None:
+    """Drive on until all four hubs stand on the top, and stop there; see `Operator.until`."""
+    operator.until(lambda: beyond(operator, step) > 0.6, 6.0, "on the top", meanwhile)
     operator.stop()
     operator.wait(0.4)
     if operator.pose.z < step.height + AXLE_HEIGHT - 0.03:

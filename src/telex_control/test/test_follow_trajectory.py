@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from telex_msgs.msg import Proximity, ProximityPair, SimStatus
 
-from telex_control.follow_trajectory import TrajectoryError, report, table
+from telex_control.follow_trajectory import TrajectoryError, command_line, report, table
 from telex_control.follow_trajectory.analysis import Recording, Result, analyse
 from telex_control.follow_trajectory.command_line import parse, tool_path
 from telex_control.follow_trajectory.follower import approach, follow
@@ -26,6 +26,7 @@ from telex_control.follow_trajectory.reference import plan
 from telex_control.follow_trajectory.speed_profile import SpeedProfile
 from telex_control.follow_trajectory.watch import Watch
 from telex_control.kinematics import Chain, IKSolver
+from telex_control.step_response.runner import StepError
 
 # ---- paths
 
@@ -347,3 +348,39 @@ def test_a_wrong_command_line_ends_the_program(arguments, capsys):
     with pytest.raises(SystemExit):
         parse(arguments)
     assert "follow_trajectory: error" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("error", "status", "said"),
+    [
+        (None, 0, ""),
+        (TrajectoryError("too far"), 1, "follow_trajectory: too far\n"),
+        (StepError("it is paused"), 1, "follow_trajectory: it is paused\n"),
+        (OSError("no folder"), 1, "follow_trajectory: no folder\n"),
+        (KeyboardInterrupt(), 130, ""),
+    ],
+)
+def test_the_program_ends_with_a_status_and_a_reason(monkeypatch, capsys, error, status, said):
+    def measure(options):
+        if error is not None:
+            raise error
+
+    monkeypatch.setattr(command_line, "measure", measure)
+    monkeypatch.setattr(command_line.program, "arguments", lambda: ["--circle"])
+    monkeypatch.setattr(command_line.rosgraph, "is_master_online", lambda: True)
+    for name in ("init_node", "signal_shutdown"):
+        monkeypatch.setattr(command_line.rospy, name, lambda *_, **__: None)
+    with pytest.raises(SystemExit) as ended:
+        command_line.main()
+    assert ended.value.code == status
+    assert capsys.readouterr().err == said
+
+
+def test_without_a_master_the_program_says_what_to_start(monkeypatch, capsys):
+    monkeypatch.setattr(command_line.program, "arguments", lambda: ["--circle"])
+    monkeypatch.setattr(command_line.rosgraph, "is_master_online", lambda: False)
+    monkeypatch.setattr(command_line.rospy, "signal_shutdown", lambda _: None)
+    with pytest.raises(SystemExit) as ended:
+        command_line.main()
+    assert ended.value.code == 1
+    assert "start the simulator first" in capsys.readouterr().err

@@ -412,6 +412,9 @@ def test_limits_that_are_wrong_are_refused():
         IKSolver(CHAIN, position_limits=wide, backend="kdl")
     with pytest.raises(KinematicsError, match="7 numbers"):
         IKSolver(CHAIN, position_limits=([0.0], [1.0]), backend="kdl")
+    for limits in (1.0, (CHAIN.lower,), (CHAIN.lower, ["high"] * 7)):
+        with pytest.raises(KinematicsError, match="lower and upper limits are needed"):
+            IKSolver(CHAIN, position_limits=limits, backend="kdl")
     with pytest.raises(KinematicsError, match="velocity_limits is"):
         IKSolver(CHAIN, velocity_limits=[0.0] * 7, backend="kdl")
 

@@ -157,6 +157,10 @@ def test_chains_that_are_not_there_are_named(base, tip, named):
 
 def test_wrong_calls_are_named():
     chain = Chain(ARM, "base", "hand")
+    for call in (chain.forward, chain.jacobian):
+        for wrong in (math.nan, math.inf):
+            with pytest.raises(KinematicsError, match=rf"position of \w+ is {wrong}; a finite one"):
+                call([0.0, wrong, 0.0])
     with pytest.raises(KinematicsError, match="2 positions for the 3 joints from base to hand"):
         chain.forward([0.0, 0.0])
     with pytest.raises(KinematicsError, match="'camera' is not between base and hand"):

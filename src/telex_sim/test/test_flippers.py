@@ -153,6 +153,24 @@ def test_standing_up_is_led_and_smooth(flippers):
     assert max(steps) < 40.0
 
 
+def test_flippers_that_meet_the_ground_at_full_speed_do_not_hammer_it(flippers):
+    tested = flippers(0.6)
+    tested.run(0.3)
+    tested.send(-1.4)
+    tested.run(1.0)
+    loads = []
+
+    def note():
+        contacts = pybullet.getContactPoints(tested.body.uid, physicsClientId=tested.body.client)
+        loads.append(sum(contact[9] for contact in contacts))
+
+    tested.run(0.3, note)
+    # It is being lifted by them, and weighs 76 kg.
+    assert min(tested.states[name].velocity for name in FLIPPERS) < -0.9
+    assert 600.0 < sum(loads) / len(loads) < 900.0
+    assert max(abs(now - last) for last, now in zip(loads, loads[1:])) < 200.0
+
+
 def test_a_sudden_load_hardly_bends_them(flippers):
     tested = flippers(-0.5, "look_front", start__height=0.32)
     tested.run(1.0)

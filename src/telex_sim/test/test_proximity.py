@@ -374,9 +374,7 @@ def test_what_fingers_hold_belongs_to_the_hand_and_may_be_put_down(robot, tmp_pa
     arm = Arm(offline)
     body, client = arm.body, arm.body.client
     [cube] = arm.simulation.objects.bodies_of("cube")
-    tool = pybullet.getLinkState(
-        body.uid, body.links["tool_link"], computeForwardKinematics=1, physicsClientId=client
-    )
+    tool = body.pose("tool_link")
     fingers = ("base", "middle", "tip")
     commands = [
         (
@@ -394,7 +392,7 @@ def test_what_fingers_hold_belongs_to_the_hand_and_may_be_put_down(robot, tmp_pa
 
     close(0.3, 0.8)
     assert not any("cube" in key(pair) for pair in arm.measure().pairs)
-    pybullet.resetBasePositionAndOrientation(cube, *tool[4:6], physicsClientId=client)
+    pybullet.resetBasePositionAndOrientation(cube, *tool, physicsClientId=client)
     pybullet.changeDynamics(cube, -1, mass=0.05, physicsClientId=client)
     offline.run(0.002)
     before = [pair for pair in arm.measure().pairs if pair.other == "cube"]

@@ -91,9 +91,7 @@ def test_the_gripper_opens_and_closes(acting):
 
 
 def tool_pose(body):
-    return pybullet.getLinkState(
-        body.uid, body.links["tool_link"], computeForwardKinematics=1, physicsClientId=body.client
-    )[4:6]
+    return body.pose("tool_link")
 
 
 def grip(tested, mass, half_extents, force):

@@ -36,13 +36,13 @@ def command(tested, name, position):
 def put_into_the_gripper(tested, mass):
     """A mass point at the tool; returns what takes it out again."""
     body = tested.simulation.body
-    client, tool = body.client, body.links["tool_link"]
-    place = pybullet.getLinkState(body.uid, tool, physicsClientId=client)[4:6]
-    load = pybullet.createMultiBody(mass, -1, -1, *place, physicsClientId=client)
+    client = body.client
+    link, position, orientation = body.place("tool_link")
+    load = pybullet.createMultiBody(mass, -1, -1, *body.pose("tool_link"), physicsClientId=client)
     pybullet.changeDynamics(load, -1, localInertiaDiagonal=[0.01] * 3, physicsClientId=client)
     held = pybullet.createConstraint(
-        *(body.uid, tool, load, -1, pybullet.JOINT_FIXED),
-        *((0, 0, 0), (0, 0, 0), (0, 0, 0)),
+        *(body.uid, link, load, -1, pybullet.JOINT_FIXED),
+        *((0, 0, 0), position, (0, 0, 0), orientation),
         physicsClientId=client,
     )
     pybullet.changeConstraint(held, maxForce=1.0e5, physicsClientId=client)

@@ -175,6 +175,57 @@ def test_force_never_exceeds_the_friction_ellipse(world, monkeypatch):
     assert max(worst) > 0.99  # it did slip
 
 
+WINDOW = round(0.020 / STEP)
+
+
+@pytest.mark.parametrize(
+    ("height", "yaw", "plan"),
+    [
+        (0.0501, 0.0, [(0.5, 1.0, (0.0, 0.0)), (0.5, 0.0, (0.0, 0.0))]),
+        (0.0501, 0.3, [(1.0, 3.0, (0.0, 0.4))]),
+        (0.0501, 0.0, [(1.0, -2.0, (0.5, 0.3))]),
+        (0.3, 0.0, [(0.8, 2.0, (0.0, 0.0))]),
+    ],
+    ids=["braking", "across", "spinning uphill", "dropped"],
+)
+def test_impulse_stays_in_the_cone_over_20_ms(world, monkeypatch, height, yaw, plan):
+    """Loads come as impulses, of 65 and 1300 N in turn when it slides; friction spreads them."""
+    sledge = Sledge(world, height=height, yaw=yaw)
+    applied, frictions, loads = [], [], [0.0]
+    original = pybullet.applyExternalForce
+
+    def spy(uid, link, force, *rest):
+        applied.append(force)
+        original(uid, link, force, *rest)
+
+    monkeypatch.setattr(pybullet, "applyExternalForce", spy)
+    heading = yaw
+
+    def watch(tested):
+        nonlocal heading
+        cosine, sine = math.cos(heading), math.sin(heading)
+        along = sum(f[0] * cosine + f[1] * sine for f in applied)
+        across = sum(f[1] * cosine - f[0] * sine for f in applied)
+        frictions.append((along / MU, across / LATERAL))
+        applied.clear()
+        contacts = pybullet.getContactPoints(tested.body.uid, physicsClientId=world.client)
+        loads.append(sum(contact[9] for contact in contacts))
+        heading = pybullet.getEulerFromQuaternion(tested.body.base_pose()[1])[2]
+
+    for seconds, belt, tilt in plan:
+        sledge.run(seconds, belt=belt, tilt=tilt, watch=watch)
+    used = 0.0
+    for begin in range(len(frictions) - WINDOW):
+        end = begin + WINDOW
+        friction = math.hypot(*(sum(part) for part in zip(*frictions[begin:end])))
+        # `loads` runs a step ahead: these are what the frictions were computed from. Beyond their
+        # sum is one step of the mean that was left from before, or of the first touch.
+        pressed = sum(loads[begin:end]) + max(loads[max(0, begin - WINDOW) : end])
+        assert friction <= pressed * (1.0 + 1e-6), begin
+        used = max(used, friction / pressed if pressed else 0.0)
+    assert used > 0.85  # a steady slip comes to 10 / 11
+
+
 def test_no_force_in_the_air(world):
     sledge = Sledge(world, height=5.0)
     sledge.run(0.2, belt=2.0)

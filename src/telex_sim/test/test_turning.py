@@ -118,7 +118,7 @@ def tilt(tested, degrees):
     ("hold", "rest", "most"),
     # Without, the tolerance of 0.01 rad/s for 5 s; with, what is left of the bias: its standard
     # deviation is 0.01 deg/s.
-    [(True, 0.0, 0.15), (True, 3.0, 0.15), (False, 0.0, 2.9), (False, 3.0, 2.9)],
+    [(True, 0.0, 0.15), (True, 3.0, 0.15), (False, 0.0, 2.9)],
 )
 def test_on_a_cross_slope_the_heading_is_held_when_asked_for(robot, holding, hold, rest, most):
     driver = Driver(robot(controllers=holding(hold), start__pose="stow"))
@@ -134,13 +134,63 @@ def test_on_a_cross_slope_the_heading_is_held_when_asked_for(robot, holding, hol
     assert abs(there[1] - y) < 0.15
 
 
-def test_what_moves_it_slowly_at_rest_is_not_taken_for_a_bias(robot):
-    tested = robot(start__pose="stow")
-    driver = Driver(tested)
-    commands = [
+@pytest.mark.parametrize(("hold", "least", "most"), [(False, 0.3, 2.9), (True, 0.0, 0.15)])
+def test_with_the_arm_out_on_a_cross_slope_only_held_headings_last(
+    robot, holding, hold, least, most
+):
+    """The load before the hull pulls the nose down, slower than the rate's tolerance."""
+    driver = Driver(robot(controllers=holding(hold), start__pose="floor_pick"))
+    driver.tested.run(1.0)
+    tilt(driver.tested, 25.0)
+    driver.tested.run(1.0)
+    before = driver.heading()
+    driver.drive(0.3, 0.0, 5.0)
+    lost = math.degrees(math.remainder(before - driver.heading(), math.tau))
+    assert least <= abs(lost) < most
+
+
+def flipper_commands(tested):
+    return [
         tested.node.advertise(f"{flipper}_flipper_position_controller/command", Float64)
         for flipper in FLIPPERS
     ]
+
+
+def bias_error(tested):
+    """How wrong the bias is that was learnt, and its standard deviation (rad/s)."""
+    (controller,) = (
+        each.controller
+        for each in tested.simulation.controllers._controllers
+        if each.name == "track_controller"
+    )
+    (sensor,) = tested.simulation.hw._imus
+    imu = controller._imu
+    # The mount is not turned: the sensor's axes are the base's.
+    wrong = np.subtract(imu._bias, sensor._errors._gyroscope._bias)
+    return np.abs(wrong).max(), math.sqrt(imu.bias_variance)
+
+
+def test_what_moves_it_in_its_first_second_is_not_taken_for_a_bias(robot):
+    tested = robot(start__pose="look_front")
+    commands = flipper_commands(tested)
+    pitch = [pybullet.getEulerFromQuaternion(tested.simulation.body.base_pose()[1])[1]]
+    for index in range(50):
+        for command in commands[:2]:
+            command.publish(Float64(-0.5 * index / 50))
+        tested.run(0.02)
+        wrong, deviation = bias_error(tested)
+        assert wrong < 4.0 * deviation
+        pitch.append(pybullet.getEulerFromQuaternion(tested.simulation.body.base_pose()[1])[1])
+    assert pitch[-1] - pitch[0] < -0.05  # the nose has risen
+    tested.run(2.0)
+    wrong, deviation = bias_error(tested)
+    assert wrong < 4.0 * deviation < 4e-3
+
+
+def test_what_moves_it_slowly_at_rest_is_not_taken_for_a_bias(robot):
+    tested = robot(start__pose="stow")
+    driver = Driver(tested)
+    commands = flipper_commands(tested)
     for command in commands:
         command.publish(Float64(0.0))
     tested.run(3.0)
@@ -151,16 +201,8 @@ def test_what_moves_it_slowly_at_rest_is_not_taken_for_a_bias(robot):
         tested.run(0.02)
     pitch = pybullet.getEulerFromQuaternion(driver.pose()[1])[1]
     assert -0.3 < pitch - level < -0.03  # the nose has risen, slowly enough to be at rest
-    (controller,) = (
-        each.controller
-        for each in tested.simulation.controllers._controllers
-        if each.name == "track_controller"
-    )
-    (sensor,) = tested.simulation.hw._imus
-    imu = controller._imu
-    # The mount is not turned: the sensor's axes are the base's.
-    wrong = np.subtract(imu._bias, sensor._errors._gyroscope._bias)
-    assert np.abs(wrong).max() < 4.0 * math.sqrt(imu.bias_variance) < 4e-3
+    wrong, deviation = bias_error(tested)
+    assert wrong < 4.0 * deviation < 4e-3
 
 
 def test_at_rest_nothing_turns_it(robot):

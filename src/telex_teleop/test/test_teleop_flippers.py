@@ -424,7 +424,7 @@ def test_the_shipped_presets():
     for preset in table.values():
         assert set(preset.positions) == set(settings.joints)
         assert preset.description
-    assert set(table["flat"].positions.values()) == {0.0}
+    assert set(table["flat"].positions.values()) == {0.01}
 
 
 def test_drive_and_folded_are_those_of_the_named_poses():

@@ -13,6 +13,9 @@ from .self_collision import SelfCollisionConfig
 from .stability import StabilityConfig
 from .tracks.config import TrackConfig
 
+TUNED_PERIOD = 0.002
+"""Longest control period that the shipped gains are tuned for (s)."""
+
 
 @dataclass(frozen=True)
 class TimingConfig:

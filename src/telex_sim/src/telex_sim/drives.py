@@ -225,13 +225,18 @@ def _effort_limits(
 
     By itself the soft limits' handle takes effort away from every joint that nears its rated
     velocity, wherever it stands: at this velocity none is left to carry a load. Here that begins
-    where the whole effort is still there at the rated velocity, which the hard limits' handle then
-    bounds; towards the soft limits, nothing differs.
+    where the whole effort is still there at the rated velocity; towards the soft limits, nothing
+    differs. The hard limits' handle takes all effort away at once, so that a joint which moves a
+    load would have all and nothing by turns, and shake: it begins where the other leaves nothing.
     """
-    tolerated = dataclasses.replace(limits, max_velocity=limits.max_velocity * tolerance)
-    found = [limits_handle(EffortJointInterface, handle, tolerated)]
-    if soft_limits is not None:
-        droop = limits.max_effort / soft_limits.k_velocity if soft_limits.k_velocity else 0.0
-        unslowed = dataclasses.replace(limits, max_velocity=tolerated.max_velocity + droop)
-        found.append(limits_handle(EffortJointInterface, handle, unslowed, soft_limits))
-    return tuple(found)
+    fastest = limits.max_velocity * tolerance
+    if soft_limits is None:
+        tolerated = dataclasses.replace(limits, max_velocity=fastest)
+        return (limits_handle(EffortJointInterface, handle, tolerated),)
+    droop = limits.max_effort / soft_limits.k_velocity if soft_limits.k_velocity else 0.0
+    unslowed = dataclasses.replace(limits, max_velocity=limits.max_velocity + droop)
+    bound = dataclasses.replace(limits, max_velocity=max(fastest, unslowed.max_velocity))
+    return (
+        limits_handle(EffortJointInterface, handle, bound),
+        limits_handle(EffortJointInterface, handle, unslowed, soft_limits),
+    )

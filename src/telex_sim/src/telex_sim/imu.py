@@ -47,12 +47,14 @@ class Imu:
         self.handle.linear_acceleration_covariance = _EXACT
         self._body: Optional[Body] = None
         self._link = -1
+        self._offset: Tuple[Vector, Quaternion] = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
         self._velocity: Optional[Vector] = None
 
     def attach(self, body: Body) -> None:
         """Measure the link of `body`, from rest."""
         self._body = body
-        self._link = body.links[self.handle.frame_id]
+        self._link, position, orientation = body.place(self.handle.frame_id)
+        self._offset = (position, orientation)
         self._velocity = None
         if self._errors is not None:
             self._errors.restart()
@@ -96,11 +98,10 @@ class Imu:
     def _motion(self, body: Body) -> Tuple[Quaternion, Vector, Vector]:
         """Orientation, and linear and angular velocity of the link's frame, in the world."""
         if self._link < 0:
-            center, _ = pybullet.getBasePositionAndOrientation(
+            center, turned = pybullet.getBasePositionAndOrientation(
                 body.uid, physicsClientId=body.client
             )
             velocity, turning = pybullet.getBaseVelocity(body.uid, physicsClientId=body.client)
-            origin, orientation = body.base_pose()
         else:
             state = pybullet.getLinkState(
                 body.uid,
@@ -109,7 +110,8 @@ class Imu:
                 computeForwardKinematics=1,
                 physicsClientId=body.client,
             )
-            center, _, _, _, origin, orientation, velocity, turning = state
+            center, turned, velocity, turning = state[0], state[1], state[6], state[7]
+        origin, orientation = pybullet.multiplyTransforms(center, turned, *self._offset)
         x, y, z = (a - b for a, b in zip(origin, center))
         p, q, r = turning
         u, v, w = velocity

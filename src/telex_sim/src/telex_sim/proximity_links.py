@@ -63,7 +63,7 @@ class Links:
             index: pybullet.getJointInfo(body.uid, index, physicsClientId=body.client)
             for index in body.joints.values()
         }
-        above = {body.joints[joint]: body.links[link] for joint, link in body.parents.items()}
+        above = {index: body.links[body.parents[joint]] for joint, index in body.joints.items()}
         solid = [index for index in self.names if self._is_solid(index)]
         carrying = {
             joint for link in solid for joint in _way(link, above) if infos[joint][2] != _FIXED

@@ -178,6 +178,7 @@ class Robot:
             self._positions,
             config.fixed_base,
             config.self_collision.enabled,
+            config.tracks.belts,
         )
         disable_pairs(self.body, config.self_collision)
         self.proximity = ProximityGuard(self.body, config.proximity, config.self_collision)

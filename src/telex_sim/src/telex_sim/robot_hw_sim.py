@@ -239,10 +239,12 @@ class RobotHWSim(RobotHW):
     def attach(self, body: Body) -> None:
         """Take over the joints of `body`, which stands for this robot in a new world."""
         self._body = body
-        missing = sorted(set(self._joints) - set(body.joints))
+        missing = sorted(set(self._joints) - set(body.joints) - set(body.wheels))
         if missing:
             raise UrdfError(f"joint '{missing[0]}' has a transmission but is not in the world")
         for name, drive in self._joints.items():
+            if name in body.wheels:
+                continue
             drive.index = body.joints[name]
             self._add_armature(drive)
             self._place_stops(drive)

@@ -15,7 +15,7 @@ from telex_control.node_handle import NodeHandle
 from telex_control.params import ConfigError
 from telex_control.urdf_joints import UrdfError
 
-from .config import RobotConfig, SimulatorConfig
+from .config import TUNED_PERIOD, RobotConfig, SimulatorConfig
 from .phase_timer import PhaseTimer
 from .proximity import Proximity
 from .robot import Robot
@@ -78,6 +78,7 @@ class Simulation:
         resolve: Callable[[str], str],
     ) -> None:
         self.config = config
+        _warn_of_long_period(config.timing.control_period)
         self.timer = PhaseTimer()
         self._resolve = resolve
         self._step_size = config.timing.step_size
@@ -371,3 +372,14 @@ class Simulation:
         for robot in self.robots:
             robot.close()
         self.world.close()
+
+
+def _warn_of_long_period(period: float) -> None:
+    """Say it where the control period (s) asks for other gains than the shipped ones."""
+    if period > TUNED_PERIOD:
+        _log.warning(
+            "timing/control_period is %g s: the shipped gains are tuned for %g s; with a longer "
+            "period joints chatter unless their gains are less",
+            period,
+            TUNED_PERIOD,
+        )

@@ -7,10 +7,12 @@ from __future__ import annotations
 
 import os
 import tempfile
-from typing import Callable, Collection, Dict, List, Optional, Sequence, Tuple
+from typing import Callable, Collection, Dict, List, Mapping, Optional, Sequence, Tuple
 from xml.etree import ElementTree
 
 import pybullet
+
+from .urdf_frames import Frame, take_out_frames, take_out_wheels
 
 GRAVITY = 9.81
 _NO_PRODUCTS = {"ixy": "0", "ixz": "0", "iyz": "0"}
@@ -27,17 +29,30 @@ class WorldError(RuntimeError):
 class Body:
     """A robot in the world, by the names of its URDF.
 
-    Attributes
+    PyBullet knows nothing of the links that `urdf_frames` takes out: mere frames, and the wheels of
+    belts.
+
+    Parameters
     ----------
     client, uid : int
         PyBullet's identifiers.
+    frames : mapping of str to Frame
+        The links that PyBullet does not have.
+
+    Attributes
+    ----------
+    client, uid : int
     joints, links : dict of str to int
-        Indices by name; a joint has the index of its child link, the base link is -1.
+        Indices by name; a joint has the index of its child link, the base link is -1. Those that
+        PyBullet has.
     parents : dict of str to str
-        Parent link of each joint.
+        Parent link of each joint, those of wheels too.
+    wheels : dict of str to float
+        Angle (rad) of each wheel that PyBullet does not have, by its joint; whoever drives it
+        keeps it.
     """
 
-    def __init__(self, client: int, uid: int) -> None:
+    def __init__(self, client: int, uid: int, frames: Mapping[str, Frame]) -> None:
         self.client = client
         self.uid = uid
         base, _ = pybullet.getBodyInfo(uid, physicsClientId=client)
@@ -54,34 +69,78 @@ class Body:
             names[index] = link
             parents[joint] = info[16]
         self.parents = {joint: names[parent] for joint, parent in parents.items()}
-        self._link_indices = list(range(len(self.joints)))
-        inertial = pybullet.getDynamicsInfo(uid, -1, physicsClientId=client)[3:5]
-        # PyBullet places the base by its centre of mass; the URDF by its link frame.
-        self._base_from_inertial = pybullet.invertTransform(*inertial)
+        self._indices = list(range(len(self.joints)))
+        self._places: Dict[str, Tuple[int, Vector, Quaternion]] = {}
+        for link, index in self.links.items():
+            inertial = pybullet.getDynamicsInfo(uid, index, physicsClientId=client)[3:5]
+            self._places[link] = (index, *pybullet.invertTransform(*inertial))
+        self.wheels: Dict[str, float] = {}
+        for name, frame in frames.items():
+            index, *own = self._places[frame.link]
+            offset = (frame.position, frame.orientation)
+            self._places[name] = (index, *pybullet.multiplyTransforms(*own, *offset))
+            if frame.joint:
+                self.parents[frame.joint] = frame.link
+                self.wheels[frame.joint] = 0.0
+        self._frames = frames
 
     def link_names(self) -> List[str]:
-        """Names of all links: the base, then the rest in PyBullet's order."""
-        return list(self.links)
+        """Names of all links: the base, then the rest in PyBullet's order, then what it lacks."""
+        return list(self._places)
+
+    def place(self, link: str) -> Tuple[int, Vector, Quaternion]:
+        """Where a link's frame is in PyBullet's body.
+
+        Returns
+        -------
+        index : int
+            Of the link in PyBullet that it is, or is a part of.
+        position, orientation : Vector, Quaternion
+            In that one's inertial frame, which is the one that PyBullet places and holds it by; of
+            a wheel, at angle 0.
+        """
+        return self._places[link]
+
+    def pose(self, link: str) -> Tuple[Vector, Quaternion]:
+        """Pose of a link's frame in the world; of a wheel, at angle 0."""
+        index, *place = self._places[link]
+        if index < 0:
+            state = pybullet.getBasePositionAndOrientation(self.uid, physicsClientId=self.client)
+        else:
+            state = pybullet.getLinkState(
+                self.uid, index, computeForwardKinematics=1, physicsClientId=self.client
+            )
+        return pybullet.multiplyTransforms(*state[:2], *place)
 
     def base_pose(self) -> Tuple[Vector, Quaternion]:
         """Pose of the base link's frame in the world."""
-        position, orientation = pybullet.getBasePositionAndOrientation(
-            self.uid, physicsClientId=self.client
-        )
-        return pybullet.multiplyTransforms(position, orientation, *self._base_from_inertial)
+        return self.pose(self.base_link)
 
     def link_poses(self) -> List[float]:
         """Poses of all links in the order of `link_names`: 7 numbers each (m, quaternion xyzw)."""
+        client = self.client
+        base = pybullet.getBasePositionAndOrientation(self.uid, physicsClientId=client)
         position, orientation = self.base_pose()
         poses = [*position, *orientation]
-        if not self._link_indices:
-            return poses
-        states = pybullet.getLinkStates(
-            self.uid, self._link_indices, computeForwardKinematics=1, physicsClientId=self.client
-        )
+        states: Sequence[Tuple] = ()
+        if self._indices:
+            states = pybullet.getLinkStates(
+                self.uid, self._indices, computeForwardKinematics=1, physicsClientId=client
+            )
         for state in states:
             poses.extend(state[4])
             poses.extend(state[5])
+        for name, frame in self._frames.items():
+            index, *place = self._places[name]
+            carrier = base if index < 0 else states[index][:2]
+            position, orientation = pybullet.multiplyTransforms(*carrier, *place)
+            if frame.joint:
+                turned = pybullet.getQuaternionFromAxisAngle(frame.axis, self.wheels[frame.joint])
+                orientation = pybullet.multiplyTransforms(
+                    position, orientation, (0.0, 0.0, 0.0), turned
+                )[1]
+            poses.extend(position)
+            poses.extend(orientation)
         return poses
 
 
@@ -155,6 +214,7 @@ class World:
         joint_positions: Dict[str, float],
         fixed_base: bool = False,
         self_collision: bool = True,
+        wheels: Collection[str] = (),
     ) -> Body:
         """Put a robot into the world.
 
@@ -173,6 +233,8 @@ class World:
             Fix the root link to the world; one of the name ``world`` always is.
         self_collision : bool
             Whether its links can touch each other.
+        wheels : collection of str
+            Joints whose wheels only show how something runs, see `urdf_frames.take_out_wheels`.
 
         Raises
         ------
@@ -181,6 +243,7 @@ class World:
         """
         client = self.client
         root = _with_local_meshes(urdf, resolve)
+        frames = {**take_out_wheels(root, wheels), **take_out_frames(root)}
         _complete_inertials(root)
         if not self._gui:
             # Nothing looks at them there, and reading them is most of the time that loading takes.
@@ -202,7 +265,7 @@ class World:
             raise WorldError(f"PyBullet cannot load robot_description: {error}") from error
         finally:
             os.unlink(path)
-        body = Body(client, uid)
+        body = Body(client, uid, frames)
         for index in range(-1, len(body.joints)):
             # Bullet's damping defaults would brake the robot on slopes and in the air.
             pybullet.changeDynamics(

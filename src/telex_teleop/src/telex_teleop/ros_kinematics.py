@@ -45,10 +45,19 @@ class KinematicsServices:
         self._frames = frames
         self._lock = threading.Lock()
         self._solver = None if chain is None else IKSolver(chain)
+        if self._solver is not None:
+            threading.Thread(
+                target=self._warm_up, args=(self._solver,), name="kinematics services", daemon=True
+            ).start()
         self._services = [
             rospy.Service("~compute_fk", ComputeFK, self._compute_fk),
             rospy.Service("~compute_ik", ComputeIK, self._compute_ik),
         ]
+
+    def _warm_up(self, solver: IKSolver) -> None:
+        """Prepare for the first question, which waits where it comes earlier."""
+        with self._lock:
+            solver.warm_up()
 
     def _compute_fk(self, request: Any) -> ComputeFKResponse:
         try:

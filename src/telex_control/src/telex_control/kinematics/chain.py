@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Dict, Optional, Sequence, Tuple
 from xml.etree import ElementTree
 
@@ -85,7 +86,8 @@ class Chain:
         Raises
         ------
         KinematicsError
-            There are more or fewer positions than joints, or the chain has no such link.
+            There are more or fewer positions than joints, one is not finite, or the chain has no
+            such link.
         """
         angles = self._joint_array(positions)
         frame = PyKDL.Frame()
@@ -109,7 +111,7 @@ class Chain:
         Raises
         ------
         KinematicsError
-            There are more or fewer positions than joints.
+            There are more or fewer positions than joints, or one is not finite.
         """
         angles = self._joint_array(positions)
         count = len(self.joints)
@@ -125,6 +127,9 @@ class Chain:
             )
         angles = PyKDL.JntArray(count)
         for index, position in enumerate(positions):
+            if not math.isfinite(position):
+                name = self.joints[index].name
+                raise KinematicsError(f"position of {name} is {position}; a finite one is needed")
             angles[index] = position
         return angles
 

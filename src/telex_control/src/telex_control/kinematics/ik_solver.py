@@ -15,6 +15,7 @@ from .ik_options import Goal, IKOptions, Mode, Tolerance
 from .ik_result import IKResult, IKStatus, TrackResult
 from .ik_task import (
     AT_LIMIT,
+    AT_SPEED,
     DISTANCE,
     SINGULARITY,
     Backend,
@@ -99,7 +100,8 @@ class IKSolver:
     ) -> None:
         self.chain = chain
         self.options = options or IKOptions()
-        self._count = len(chain.joints)
+        self._names = chain.joint_names
+        self._count = len(self._names)
         self._box = self._position_box(position_limits)
         if not (self._box[0] < self._box[1]).any():
             raise KinematicsError(f"no joint from {chain.base} to {chain.tip} can move")
@@ -295,7 +297,9 @@ class IKSolver:
             if self.options.goal in (Goal.MID_RANGE, Goal.MANIPULABILITY):
                 tick = self._use_freedom(task, here, reach, tick)
             return self._answer(here, dt, tick, IKStatus.CONVERGED)
-        if (abs(tick.held) == 1.0).any():
+        # In a list: in an array so small, to look takes a hundred times as long.
+        held = tick.held.tolist()
+        if AT_SPEED in held or -AT_SPEED in held:
             return self._answer(here, dt, tick, IKStatus.LAGGING)
         posture = self._search.look(task, tick.outcome.q, float(dt))
         status = IKStatus.BEST_EFFORT if posture is None else IKStatus.NEEDS_RECONFIGURE
@@ -383,7 +387,7 @@ class IKSolver:
         moved = numerics.tick(fine.at(slowed), here, box, reach, iterations, damping)
         tick = moved._replace(outcome=self._against(shape.at(target), moved.outcome.q))
         if share < 1.0 and tick.held[slowest] == 0.0:
-            tick.held[slowest] = math.copysign(1.0, wanted[slowest] - here[slowest])
+            tick.held[slowest] = math.copysign(AT_SPEED, wanted[slowest] - here[slowest])
         if tick.outcome.converged:
             status = IKStatus.CONVERGED
         else:
@@ -437,10 +441,10 @@ class IKSolver:
         q, held = tick.outcome.q, tick.held
         limited: Tuple[str, ...] = ()
         fast: Tuple[str, ...] = ()
-        if status is not IKStatus.CONVERGED and held.any():
-            names = self.chain.joint_names
-            limited = tuple(name for name, how in zip(names, held) if abs(how) == AT_LIMIT)
-            fast = tuple(name for name, how in zip(names, held) if abs(how) == 1.0)
+        if status is not IKStatus.CONVERGED:
+            pairs = [(name, abs(how)) for name, how in zip(self._names, held.tolist()) if how]
+            limited = tuple(name for name, how in pairs if how == AT_LIMIT)
+            fast = tuple(name for name, how in pairs if how == AT_SPEED)
         return TrackResult(
             q=q,
             velocity=(q - here) / dt,
@@ -476,7 +480,13 @@ class IKSolver:
         lower, upper = self.chain.lower, self.chain.upper
         if limits is None:
             return lower, upper
-        own = tuple(np.array(side, dtype=float, order="C") for side in (limits[0], limits[1]))
+        try:
+            low, high = limits
+            own = tuple(np.array(side, dtype=float, order="C") for side in (low, high))
+        except (TypeError, ValueError):
+            raise KinematicsError(
+                f"position_limits is {limits!r:.80}; lower and upper limits are needed"
+            ) from None
         for side in own:
             if side.shape != lower.shape or np.isnan(side).any():
                 raise KinematicsError(

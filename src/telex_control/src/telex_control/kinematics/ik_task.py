@@ -126,7 +126,8 @@ class Tick(NamedTuple):
     direction: np.ndarray
 
 
-AT_LIMIT = 2.0
+AT_LIMIT, AT_SPEED = 2.0, 1.0
+"""What holds a joint, in `Tick.held`."""
 
 
 class Backend:

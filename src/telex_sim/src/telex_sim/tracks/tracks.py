@@ -25,7 +25,7 @@ Below 2 / (1 + mu tan(angle)) no flipper shakes that slides on its tip at an ang
 _LOAD_EXCESS = 2.0
 """Of a track's mean load over that of the step, at most."""
 _WHEEL_TORQUE = 1.0e3
-"""Bound of the motors that turn the drive wheels in PyBullet (N m); they carry nothing."""
+"""Bound of the motors that turn drive wheels with a collision shape (N m); they carry nothing."""
 
 
 class _Track:
@@ -42,12 +42,10 @@ class _Track:
         "radius",
         "running",
         "state",
-        "wheel",
     )
 
     def __init__(self, link: int, joint: Drive, radius: float) -> None:
         self.link = link
-        self.wheel = joint.index
         self.drive = joint
         self.handle = joint.handle
         self.state = joint.state
@@ -161,9 +159,13 @@ class Tracks:
         self._tracks = list(tracks.values())
         self._by_link = {track.link: track for track in self._tracks}
         self._links = [track.link for track in self._tracks]
-        self._wheels = [track.wheel for track in self._tracks]
-        self._torques = [_WHEEL_TORQUE] * len(self._tracks)
+        turning = [track for track in self._tracks if track.drive.description.name in body.joints]
+        self._turning = turning
+        self._wheels = [track.drive.index for track in turning]
+        self._torques = [_WHEEL_TORQUE] * len(turning)
         self._wheel_speeds: List[float] = []
+        self._angles = body.wheels
+        self._shown = [(belt, track.state) for belt, track in tracks.items() if belt in body.wheels]
         self._sides = [
             _Side([tracks[belt] for belt in belts], config, step_size) for belts in config.groups()
         ]
@@ -196,7 +198,11 @@ class Tracks:
 
     def _turn_wheels(self) -> None:
         """Let the drive wheels be seen to turn; PyBullet's motors go on until told otherwise."""
-        speeds = [track.state.velocity for track in self._tracks]
+        for joint, state in self._shown:
+            self._angles[joint] = state.position
+        if not self._turning:
+            return
+        speeds = [track.state.velocity for track in self._turning]
         if speeds == self._wheel_speeds:
             return
         self._wheel_speeds = speeds

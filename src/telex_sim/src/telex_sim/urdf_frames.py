@@ -1,0 +1,231 @@
+"""Links of a URDF that PyBullet can do without, because no force depends on how they move.
+
+PyBullet takes nearly as long for each of them as for a link that collides and is driven.
+"""
+
+from __future__ import annotations
+
+from typing import Collection, Dict, List, NamedTuple, Optional, Tuple
+from xml.etree import ElementTree
+
+import numpy as np
+import pybullet
+
+Vector = Tuple[float, float, float]
+Quaternion = Tuple[float, float, float, float]
+Pose = Tuple[Vector, Quaternion]
+
+IDENTITY: Pose = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+_NO_MASS = 1.0e-5
+"""What mere frames are given for tools that demand a mass (kg), at most."""
+_MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+
+
+class Frame(NamedTuple):
+    """Where a link is that was taken out.
+
+    Attributes
+    ----------
+    link : str
+        What carries it: a link that stays.
+    position, orientation : Vector, Quaternion
+        In that link's frame (m, xyzw); of a wheel, at angle 0.
+    joint : str
+        That turns it; empty where it is fixed.
+    axis : Vector
+        Of that joint, in the frame itself.
+    """
+
+    link: str
+    position: Vector
+    orientation: Quaternion
+    joint: str = ""
+    axis: Vector = (1.0, 0.0, 0.0)
+
+
+def take_out_wheels(root: ElementTree.Element, joints: Collection[str]) -> Dict[str, Frame]:
+    """Take wheels out of a robot that only show how something runs; their mass stays.
+
+    It becomes their carrier's, and must be the same all around the axis. Left are wheels with a
+    collision shape, and such as carry something.
+
+    Parameters
+    ----------
+    root : Element
+        The robot; it is changed.
+    joints : collection of str
+        That turn the wheels.
+
+    Returns
+    -------
+    dict of str to Frame
+        By name of the wheel's link.
+    """
+    links, carried = _links(root), _carried(root)
+    gone: Dict[str, Frame] = {}
+    for joint in root.findall("joint"):
+        name, parent = _end(joint, "child"), _end(joint, "parent")
+        wheel, carrier = links.get(name), links.get(parent)
+        if joint.get("name") not in joints or name in carried or wheel is None or carrier is None:
+            continue
+        if wheel.find("collision") is None and _is_placed(joint, wheel, carrier):
+            pose = _origin(joint)
+            axis = joint.find("axis")
+            x, y, z = _numbers("1 0 0" if axis is None else axis.get("xyz", "1 0 0"))
+            _add_mass(carrier, wheel, pose)
+            _take(root, joint, wheel, carrier, pose)
+            gone[name] = Frame(parent, *pose, joint=joint.get("name", ""), axis=(x, y, z))
+    return gone
+
+
+def take_out_frames(root: ElementTree.Element) -> Dict[str, Frame]:
+    """Take mere frames out of a robot: links without mass and shape that are fixed to another.
+
+    A frame stays that carries a link which stays. What is to be seen of one goes to the link that
+    carries it. What PyBullet would read out of an origin that is no numbers is left to it.
+
+    Parameters
+    ----------
+    root : Element
+        The robot; it is changed.
+
+    Returns
+    -------
+    dict of str to Frame
+        By name.
+    """
+    links, carried = _links(root), _carried(root)
+    gone: Dict[str, Frame] = {}
+
+    def is_bare(joint: ElementTree.Element) -> bool:
+        name = _end(joint, "child")
+        link = links.get(name)
+        return (
+            joint.get("type") == "fixed"
+            and link is not None
+            and _is_placed(joint, link)
+            and link.find("collision") is None
+            and _mass(link) <= _NO_MASS
+            and all(is_bare(each) for each in carried.get(name, ()))
+        )
+
+    def take(joint: ElementTree.Element, carrier: str, pose: Pose) -> None:
+        name = _end(joint, "child")
+        pose = pybullet.multiplyTransforms(*pose, *_origin(joint))
+        gone[name] = Frame(carrier, *pose)
+        _take(root, joint, links[name], links[carrier], pose)
+        for each in carried.get(name, ()):
+            take(each, carrier, pose)
+
+    for joint in root.findall("joint"):
+        parent = _end(joint, "parent")
+        if parent in links and parent not in gone and is_bare(joint):
+            take(joint, parent, IDENTITY)
+    return gone
+
+
+def _take(
+    root: ElementTree.Element,
+    joint: ElementTree.Element,
+    link: ElementTree.Element,
+    carrier: ElementTree.Element,
+    pose: Pose,
+) -> None:
+    """Remove a link and its joint; what is to be seen of it goes to its carrier."""
+    for visual in link.findall("visual"):
+        _place(visual, pybullet.multiplyTransforms(*pose, *_origin(visual)))
+        carrier.append(visual)
+    root.remove(link)
+    root.remove(joint)
+
+
+def _links(root: ElementTree.Element) -> Dict[str, ElementTree.Element]:
+    return {link.get("name", ""): link for link in root.findall("link")}
+
+
+def _carried(root: ElementTree.Element) -> Dict[str, List[ElementTree.Element]]:
+    """Joints on each link that has any."""
+    carried: Dict[str, List[ElementTree.Element]] = {}
+    for joint in root.findall("joint"):
+        carried.setdefault(_end(joint, "parent"), []).append(joint)
+    return carried
+
+
+def _end(joint: ElementTree.Element, which: str) -> str:
+    """Name of a joint's ``parent`` or ``child``."""
+    end = joint.find(which)
+    return "" if end is None else end.get("link", "")
+
+
+def _numbers(text: str) -> List[float]:
+    return [float(word) for word in text.split()]
+
+
+def _is_placed(joint: ElementTree.Element, *links: ElementTree.Element) -> bool:
+    """Whether all origins of a joint and of links have the numbers that they should have."""
+    try:
+        for element in (joint, *(part for link in links for part in link)):
+            _origin(element)
+    except ValueError:
+        return False
+    return True
+
+
+def _origin(element: Optional[ElementTree.Element]) -> Pose:
+    origin = None if element is None else element.find("origin")
+    if origin is None:
+        return IDENTITY
+    x, y, z = _numbers(origin.get("xyz", "0 0 0"))
+    roll, pitch, yaw = _numbers(origin.get("rpy", "0 0 0"))
+    return (x, y, z), pybullet.getQuaternionFromEuler((roll, pitch, yaw))
+
+
+def _place(element: ElementTree.Element, pose: Pose) -> None:
+    """Replace the origin of an element."""
+    origin = element.find("origin")
+    if origin is None:
+        origin = ElementTree.SubElement(element, "origin")
+    for key, values in (("xyz", pose[0]), ("rpy", pybullet.getEulerFromQuaternion(pose[1]))):
+        origin.set(key, " ".join(repr(float(value)) for value in values))
+
+
+def _mass(link: ElementTree.Element) -> float:
+    """Mass (kg); 0 where none is given."""
+    mass = link.find("inertial/mass")
+    return 0.0 if mass is None else float(mass.get("value", "0"))
+
+
+def _add_mass(link: ElementTree.Element, other: ElementTree.Element, pose: Pose) -> None:
+    """Add the mass of another link, which is at `pose` in this one's frame."""
+    parts = [_inertial(link, IDENTITY), _inertial(other, pose)]
+    mass = sum(part[0] for part in parts)
+    if mass <= 0.0:
+        return
+    centre: np.ndarray = np.add(*(part[0] * part[1] for part in parts)) / mass
+    moments = np.zeros((3, 3))
+    for share, place, own in parts:
+        # The parallel axis theorem.
+        away = place - centre
+        moments += own + share * (away @ away * np.eye(3) - np.outer(away, away))
+    for inertial in link.findall("inertial"):
+        link.remove(inertial)
+    inertial = ElementTree.SubElement(link, "inertial")
+    ElementTree.SubElement(inertial, "mass", value=repr(mass))
+    _place(inertial, ((centre[0], centre[1], centre[2]), IDENTITY[1]))
+    values = moments[np.triu_indices(3)]
+    ElementTree.SubElement(
+        inertial, "inertia", {key: repr(float(value)) for key, value in zip(_MOMENTS, values)}
+    )
+
+
+def _inertial(link: ElementTree.Element, pose: Pose) -> Tuple[float, np.ndarray, np.ndarray]:
+    """Mass (kg), centre of mass (m) and inertia about it (kg m2), where the link is at `pose`."""
+    centre, turned = pybullet.multiplyTransforms(*pose, *_origin(link.find("inertial")))
+    moments = np.zeros((3, 3))
+    inertia = link.find("inertial/inertia")
+    if inertia is not None:
+        values = [float(inertia.get(key, "0")) for key in _MOMENTS]
+        moments[np.triu_indices(3)] = values
+        moments = moments + np.triu(moments, 1).T
+    rotation = np.reshape(pybullet.getMatrixFromQuaternion(turned), (3, 3))
+    return _mass(link), np.array(centre), rotation @ moments @ rotation.T
