@@ -134,8 +134,8 @@ make_venv() {
 build_inputs() {
   cd "$root"
   { find src -type f \( -name CMakeLists.txt -o -name package.xml -o -name setup.py -o -name '*.msg' \
-      -o -name '*.srv' -o -name '*.action' -o -name '*.cfg' \) -not -path src/CMakeLists.txt -print0 | sort -z | xargs -0 sha256sum
-    find src -path '*/src/*' -type d -not -name __pycache__ -print | sort
+      -o -name '*.srv' -o -name '*.action' -o -name '*.cfg' \) -not -path src/CMakeLists.txt -not -path '*/node_modules/*' -print0 | sort -z | xargs -0 sha256sum
+    find src -path '*/src/*' -type d -not -name __pycache__ -not -path '*/node_modules/*' -print | sort
     echo "$root $("$python" --version)"
   } | sha256sum
 }
@@ -166,6 +166,20 @@ compile_kinematics() {
   printf '%s' "$wanted" >"$stamp"
 }
 
+# The bridge is tried with npm's roslib, too; where there is no npm, or no network, those tests are skipped.
+install_roslib() {
+  local folder="$root/src/telex_teleop/test/bridge_clients" stamp="$state/roslib" wanted
+  command -v npm >/dev/null || return 0
+  wanted="$(cat "$folder/package-lock.json" | sha256sum)"
+  [ "$(cat "$stamp" 2>/dev/null)" = "$wanted" ] && [ -d "$folder/node_modules" ] && return 0
+  rm -f "$stamp"
+  if ! (step "roslib (npm)" "the tests go on without it" env -C "$folder" npm ci --no-audit --no-fund); then
+    rm -rf "$folder/node_modules"
+    return 0
+  fi
+  printf '%s' "$wanted" >"$stamp"
+}
+
 command -v flock >/dev/null && command -v dpkg-query >/dev/null ||
   fail "Set-up" "this is no Debian or Ubuntu system" "use Debian 12, or Ubuntu 20.04 with ROS Noetic"
 if [ -f /opt/ros/noetic/setup.bash ]; then
@@ -188,3 +202,4 @@ install_system_packages
 make_venv
 build_workspace
 compile_kinematics
+[ -z "$with_tests" ] || install_roslib

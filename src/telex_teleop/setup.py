@@ -8,7 +8,9 @@ setup(
     **generate_distutils_setup(
         packages=[
             "telex_teleop",
+            "telex_teleop.joy",
             "telex_teleop.keyboard",
+            "telex_teleop.operating",
             "telex_teleop.web",
             "telex_teleop.web.bridge",
             "telex_teleop.web.video",

@@ -259,7 +259,7 @@ def test_without_opengl_tiny_renderer_draws_and_the_log_says_what_to_install(see
     assert "Traceback" not in seen["log"]
 
 
-def test_nothing_is_drawn_for_nobody(master):
+def test_nothing_is_drawn_for_nobody_and_everybody_is_served(master):
     set_params(master, PARAMS)
     drill = subprocess.run(
         [sys.executable, __file__, "count"],
@@ -277,6 +277,9 @@ def test_nothing_is_drawn_for_nobody(master):
     assert counted["rear"]["back"] > 3
     assert counted["rear"]["ahead"] == 0
     assert counted["nobody"] == {"ahead": 0, "back": 0}
+    # Whoever comes when all is late already is served as well, and who goes no more.
+    assert counted["overloaded"]["back"] > 0
+    assert counted["overloaded"]["ahead"] == 0
 
 
 def test_lamps_are_switched(seen):
@@ -676,6 +679,7 @@ class CountingRenderer:
 
     def __init__(self):
         self.counts = {"ahead": 0, "back": 0}
+        self.seconds = 0.0
 
     def load_scene(self, scene):
         return []
@@ -687,6 +691,7 @@ class CountingRenderer:
         pass
 
     def render(self, camera, optical_in_world, exposure=1.0):
+        time.sleep(self.seconds)
         self.counts["ahead" if optical_in_world[0, 2] > 0.0 else "back"] += 1
         return np.zeros((camera.height, camera.width, 4), np.uint8)
 
@@ -728,6 +733,16 @@ def count():
         before = dict(renderer.counts)
         time.sleep(0.5)
         counted["nobody"] = {way: renderer.counts[way] - before[way] for way in before}
+        # Far longer than the period of the cameras: one of them is always late.
+        renderer.seconds = 0.15
+        front = Viewer("cameras/front/image_raw/compressed", CompressedImage)
+        front.wait()
+        Viewer("cameras/rear/image_raw/compressed", CompressedImage).wait()
+        front.leave()
+        time.sleep(0.5)
+        before = dict(renderer.counts)
+        time.sleep(0.5)
+        counted["overloaded"] = {way: renderer.counts[way] - before[way] for way in before}
         rospy.signal_shutdown("counted")
 
     watcher = threading.Thread(target=watch)

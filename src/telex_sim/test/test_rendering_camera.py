@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 from telex_sim.rendering.camera import PinholeCamera
-from telex_sim.rendering.culling import spheres_in_view, spheres_in_world
+from telex_sim.rendering.culling import (
+    Cones,
+    cones_in_view,
+    spheres_in_cones,
+    spheres_in_view,
+    spheres_in_world,
+)
 from telex_sim.rendering.gl_context import NEEDED_PACKAGES, NoContextError, create_context
 from telex_sim.rendering.lighting import sun_view
 from telex_sim.rendering.quality import TIERS, choose_quality
@@ -66,6 +72,57 @@ class TestCulling:
         visible = (np.abs(clipped[..., :3]) < clipped[..., 3:]).all(axis=2).any(axis=1)
         assert visible.sum() > 50
         assert spheres_in_view(clip, centers, radii)[visible].all()
+
+    def test_cones_that_point_away_from_the_view_are_dropped_whatever_their_reach(self):
+        axes = np.array([(0.0, 0.0, -1.0), (0.0, 0.0, 1.0), (-1.0, 0.0, 0.0), (0.0, 0.0, -1.0)])
+        tips = np.array([(0.0, 0.0, -0.2), (0.0, 0.0, -0.2), (-2.0, 0.0, 1.0), (0.0, 0.0, -0.2)])
+        cones = Cones(tips, axes, np.array([1.2, 1.2, 0.5, math.pi]), np.full(4, 30.0))
+        seen = cones_in_view(CAMERA.clip_from_optical(), cones)
+        assert seen.tolist() == [False, True, False, True]
+
+    def test_never_drops_a_cone_or_a_sphere_that_shares_a_point(self):
+        generator = np.random.default_rng(3)
+        tips = generator.uniform(-6.0, 6.0, (120, 3))
+        axes = generator.normal(size=(120, 3))
+        axes /= np.linalg.norm(axes, axis=1, keepdims=True)
+        half_angles = generator.uniform(0.1, math.pi, 120)
+        cones = Cones(tips, axes, half_angles, generator.uniform(0.5, 8.0, 120))
+        directions = generator.normal(size=(600, 3))
+        directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+        directions *= generator.uniform(0.0, 1.0, (600, 1)) ** (1.0 / 3.0)
+        offsets = cones.reaches[:, None, None] * directions
+        lengths = np.linalg.norm(offsets, axis=2)
+        lit = np.einsum("nki,ni->nk", offsets, axes) >= np.cos(half_angles)[:, None] * lengths
+        points = tips[:, None] + offsets
+
+        clip = CAMERA.clip_from_optical()
+        clipped = np.concatenate([points, np.ones((120, 600, 1))], axis=2) @ clip.T
+        visible = lit & (np.abs(clipped[..., :3]) < clipped[..., 3:]).all(axis=2)
+        kept = cones_in_view(clip, cones)
+        assert visible.any(axis=1).sum() > 15
+        assert kept[visible.any(axis=1)].all()
+        assert (~kept).sum() > 15
+
+        centers, radii = generator.uniform(-8.0, 8.0, (25, 3)), generator.uniform(0.05, 1.0, 25)
+        kept = spheres_in_cones(centers, radii, cones)
+        for number in range(25):
+            inside = lit & (np.linalg.norm(points - centers[number], axis=2) < radii[number])
+            assert kept[number][inside.any(axis=1)].all()
+        assert 0.05 < kept.mean() < 0.5
+
+    def test_a_sphere_beside_or_beyond_a_cone_is_not_in_it(self):
+        cones = Cones(np.zeros((1, 3)), np.array([(1.0, 0.0, 0.0)]), np.array([0.5]), np.array([4]))
+        beside = 2.0 * np.array([math.cos(0.7), math.sin(0.7), 0.0])
+        # Of its edge it is 2 sin 0.2 = 0.397 m off.
+        for center, radius, inside in (
+            (beside, 0.39, False),
+            (beside, 0.41, True),
+            ((5.0, 0.0, 0.0), 0.9, False),
+            ((5.0, 0.0, 0.0), 1.1, True),
+            ((-1.0, 0.0, 0.0), 0.9, False),
+        ):
+            kept = spheres_in_cones(np.array([center]), np.array([radius]), cones)
+            assert kept.tolist() == [[inside]]
 
     def test_spheres_move_with_their_visuals(self):
         half = math.sqrt(0.5)

@@ -86,6 +86,16 @@ class TestHeadlight:
         assert brightness(picture(still, thing=(2.0, 0.4, 1.0)), aside) < 30
         assert brightness(picture(still, robot=(0.0, -0.8, 1.0)), aside) < 30
 
+    def test_each_picture_has_the_shadows_of_the_lamps_in_it(self, still):
+        behind = headlight(direction=(-1.0, 0.0, 0.0))
+        load(still, WALL, POST, lamps=[headlight(), behind])
+        elsewhere = looking((0.0, 0.0, 1.0), (-5.0, 0.0, 1.0))
+        frames = pose_matrices([at(0.0, 0.0, 0.0), at(0.0, 0.0, 1.0), at(2.0, 0.0, 1.0)])
+        still.picture(CAMERA, elsewhere, frames, (0.0, 0.0, 0.0))
+        image = picture(still, recast=False)
+        assert brightness(image, (3.95, 0.0, 1.0)) < 30
+        assert brightness(image, (3.95, -0.42, 1.0)) > 80
+
     def test_a_lamp_that_casts_none_shines_through(self, still):
         load(still, WALL, POST, lamps=[headlight(casts_shadow=False)])
         assert brightness(picture(still), (3.95, 0.0, 1.0)) > 80
@@ -127,6 +137,8 @@ class TestSun:
     def test_shadows_stay_behind_only_when_told_to(self, still):
         load(still, FLOOR, POST, daylight=self.DAY)
         picture(still, thing=(2.0, 0.0, 0.3))
+        # As the cameras node does with every set of poses; no lamp has changed.
+        still.renderer.set_lamp_levels({})
         moved = picture(still, thing=(2.0, 1.0, 0.3), recast=False)
         stale = brightness(moved, (2.35, 0.0, 0.0))
         fresh = brightness(picture(still, thing=(2.0, 1.0, 0.3)), (2.35, 0.0, 0.0))

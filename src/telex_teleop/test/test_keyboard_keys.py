@@ -7,20 +7,9 @@ import pytest
 import yaml
 
 from telex_control.params import ConfigError, read_config
-from telex_teleop.keyboard.commands import Commander
 from telex_teleop.keyboard.decoding import KeyEvent, KeyKind
 from telex_teleop.keyboard.held import HeldKeys
-from telex_teleop.keyboard.map import (
-    Command,
-    Drive,
-    Jog,
-    KeyboardSettings,
-    KeyMap,
-    Preset,
-    Tool,
-    ToPose,
-    parse_action,
-)
+from telex_teleop.keyboard.map import KeyboardSettings, KeyMap
 from telex_teleop.keyboard.screen import (
     JointView,
     NodeView,
@@ -29,6 +18,21 @@ from telex_teleop.keyboard.screen import (
     ToolView,
     render,
 )
+from telex_teleop.operating.actions import (
+    Command,
+    Drive,
+    Jog,
+    Lamps,
+    Preset,
+    Side,
+    Tool,
+    ToPose,
+    Zoom,
+    parse_action,
+    parse_axis,
+)
+from telex_teleop.operating.commander import Commander, FixedRates, PresetCommand
+from telex_teleop.operating.zoom import ZoomFactor
 from telex_teleop.track_drive import Velocity
 
 FILE = Path(__file__).parents[1] / "config" / "keyboard_teleop.yaml"
@@ -122,6 +126,10 @@ class TestExactKeys:
         ("preset climb", Preset("climb")),
         ("tool pitch -", Tool(4, -1)),
         ("pose ready", ToPose("ready")),
+        ("side left", Side("left")),
+        ("zoom -", Zoom(-1)),
+        ("lamps front_left gripper", Lamps(("front_left", "gripper"))),
+        ("proximity guard", Command.GUARD),
         ("release  e-stop", Command.RELEASE_E_STOP),
     ],
 )
@@ -145,6 +153,12 @@ def test_actions(text, action):
         "pose",
         "tool up +",
         "tool x",
+        "side",
+        "side up",
+        "zoom",
+        "zoom in",
+        "lamps",
+        "lamps a a",
     ],
 )
 def test_unknown_actions_are_refused(text):
@@ -233,7 +247,7 @@ class TestCommander:
 
     @pytest.fixture
     def commander(self):
-        return Commander(jog_rate=100.0, linear=1.2, angular=1.0)
+        return Commander(FixedRates(jog=100.0, linear=1.2, angular=1.0))
 
     def test_held_keys_move_and_released_ones_stop_once(self, commander):
         assert commander.update([self.turret]).jogs == {"arm": {"turret_joint": 100.0}}
@@ -266,18 +280,18 @@ class TestCommander:
         assert commander.update([]).drive == ()
 
     def test_a_held_preset_is_repeated_and_stopped_once(self, commander):
-        assert commander.update([Preset("flat")]).preset == ("flat",)
+        assert commander.update([Preset("flat")]).preset == (PresetCommand("flat"),)
         assert commander.busy
-        assert commander.update([Preset("flat")]).preset == ("flat",)
-        assert commander.update([]).preset == ("",)
+        assert commander.update([Preset("flat")]).preset == (PresetCommand("flat"),)
+        assert commander.update([]).preset == (PresetCommand(""),)
         assert not commander.busy
         assert commander.update([]).preset == ()
 
     def test_two_presets_at_once_stand_still(self, commander):
         commander.update([Preset("flat")])
-        assert commander.update([Preset("flat"), Preset("high")]).preset == ("",)
+        assert commander.update([Preset("flat"), Preset("high")]).preset == (PresetCommand(""),)
         assert commander.update([Preset("flat"), Preset("high")]).preset == ()
-        assert commander.update([Preset("high")]).preset == ("high",)
+        assert commander.update([Preset("high")]).preset == (PresetCommand("high"),)
 
     def test_two_poses_at_once_stand_still(self, commander):
         assert commander.update([ToPose("stow")]).pose == ("stow",)
@@ -288,7 +302,7 @@ class TestCommander:
     def test_a_preset_is_sent_beside_a_flipper_key(self, commander):
         # which of them wins is for the robot's side to say
         commands = commander.update([Preset("flat"), self.pair])
-        assert commands.preset == ("flat",)
+        assert commands.preset == (PresetCommand("flat"),)
         assert commands.jogs == {"flipper": {"left": 100.0, "right": 100.0}}
 
     def test_stop_tells_everything(self, commander):
@@ -299,8 +313,106 @@ class TestCommander:
             "flipper": {"left": 0.0, "right": 0.0},
         }
         assert commands.drive == (Velocity(0.0, 0.0),)
-        assert commands.preset == ("",)
+        assert commands.preset == (PresetCommand(""),)
         assert commander.update([]).jogs == {}
+
+    def test_a_side_key_restricts_flippers_and_presets(self, commander):
+        flippers = Jog("flipper", ("front_left_joint", "front_right_joint"), 1)
+        left, right = Side("left"), Side("right")
+        assert commander.update([flippers]).jogs["flipper"]["front_right_joint"] == 100.0
+        one = commander.update([flippers, left, Preset("flat")])
+        assert one.jogs["flipper"] == {"front_left_joint": 100.0, "front_right_joint": 0.0}
+        assert one.preset == (PresetCommand("flat", "left"),)
+        # both of them are no restriction, as on the console
+        both = commander.update([flippers, left, right, Preset("flat")])
+        assert both.jogs["flipper"] == {"front_left_joint": 100.0, "front_right_joint": 100.0}
+        assert both.preset == (PresetCommand("flat"),)
+        assert commander.update([left]).preset == (PresetCommand(""),)
+
+    def test_zoom_ends_with_a_zero(self, commander):
+        assert commander.update([Zoom(1)]).zoom == (1.0,)
+        assert commander.busy
+        assert commander.update([]).zoom == (0.0,)
+        assert commander.update([]).zoom == ()
+
+    def test_half_a_demand_is_half_the_rate(self, commander):
+        half = commander.update({self.turret: 0.5, Drive(1, 0): 0.25, Tool(0, -1): 0.5})
+        assert half.jogs == {"arm": {"turret_joint": 50.0}}
+        assert half.drive == (Velocity(0.3, 0.0),)
+        assert half.tool == ((-0.5, 0.0, 0.0, 0.0, 0.0, 0.0),)
+
+    def test_two_demands_add_up_to_the_full_rate_at_most(self, commander):
+        commands = commander.update({self.turret: 0.8, Jog("arm", ("turret_joint",), 1): 0.8})
+        assert commands.jogs == {"arm": {"turret_joint": 80.0}}
+        both = {self.pair: 0.8, Jog("flipper", ("left",), 1): 0.8}
+        assert commander.update(both).jogs["flipper"] == {"left": 100.0, "right": 80.0}
+
+    def test_what_has_no_known_rate_is_told_and_not_sent(self):
+        class Unknown:
+            def joint(self, node, joint):
+                return 2.0 if joint == "left" else None
+
+            def drive(self):
+                return None
+
+            def tool_speed(self):
+                return None
+
+        commander = Commander(Unknown())
+        commands = commander.update([self.pair, Drive(1, 0), Tool(0, 1)])
+        assert commands.jogs == {"flipper": {"left": 2.0}}
+        assert (commands.drive, commands.tool) == ((), ())
+        assert commands.unknown == ("right", "tracks", "tool")
+        assert commander.update([]).unknown == ()
+
+
+@pytest.mark.parametrize(
+    ("text", "ends"),
+    [
+        ("tracks linear", (Drive(1, 0), Drive(-1, 0))),
+        ("tracks angular", (Drive(0, 1), Drive(0, -1))),
+        ("arm turret_joint", (Jog("arm", ("turret_joint",), 1), Jog("arm", ("turret_joint",), -1))),
+        ("tool yaw", (Tool(5, 1), Tool(5, -1))),
+        ("zoom", (Zoom(1), Zoom(-1))),
+    ],
+)
+def test_axes(text, ends):
+    assert parse_axis(text) == ends
+
+
+@pytest.mark.parametrize(
+    "text", ["", "tracks", "tracks forward", "preset", "lamps", "lamps a", "stop"]
+)
+def test_unknown_axes_are_refused(text):
+    with pytest.raises(ValueError):
+        parse_axis(text)
+
+
+class TestZoomFactor:
+    def test_turns_as_long_as_it_is_told(self):
+        zoom = ZoomFactor(6.0)
+        assert zoom.turn(1.0, 5.0) == 1.0
+        assert zoom.turn(1.0, 5.1) == pytest.approx(1.10517, rel=1e-4)
+        assert zoom.turn(0.0, 5.2) == pytest.approx(1.10517, rel=1e-4)
+        zoom.turn(1.0, 50.0)
+        assert zoom.turn(1.0, 50.1) == pytest.approx(1.2214, rel=1e-4)
+
+    def test_stays_within_its_bounds(self):
+        zoom = ZoomFactor(1.05)
+        zoom.turn(9.0, 1.0)
+        assert zoom.turn(9.0, 1.1) == 1.05
+        assert zoom.turn(-9.0, 1.2) == 1.0
+
+    def test_a_pause_is_no_time_that_it_was_held(self):
+        zoom = ZoomFactor(6.0)
+        zoom.turn(1.0, 1.0)
+        assert zoom.turn(1.0, 9.0) == pytest.approx(1.10517, rel=1e-4)
+
+    def test_what_somebody_else_has_set_is_where_it_begins(self):
+        zoom = ZoomFactor(6.0)
+        for value, held in ((3.0, 3.0), (float("nan"), 3.0), (99.0, 6.0), (0.1, 1.0)):
+            zoom.take(value)
+            assert zoom.value == held
 
 
 class TestScreen:
@@ -336,6 +448,11 @@ class TestScreen:
             "b floor_pick",
             "y: frame",
             "h: hold tool",
+            "(only q left, e right)",
+            "pageup pagedown zoom",
+            "home front",
+            "insert turret camera",
+            "\\: guard",
             "space: stop",
         ):
             assert word in text
@@ -360,6 +477,15 @@ class TestScreen:
         text = self.text(settings, held=frozenset([Preset("climb")]))
         assert "> 4 climb" in text
         assert "  5 descend" in text
+
+    def test_zoom_lamps_and_side(self, settings):
+        text = self.text(
+            settings, zoom=2.5, lit=("rear_left", "rear_right"), held=frozenset([Side("left")])
+        )
+        assert "x2.5" in text
+        assert "* end rear" in text
+        assert "* home front" not in text
+        assert "(only >q left, e right)" in text
 
     def test_obedience(self, settings):
         active = {**self.nodes, "arm": NodeView(0.1, True, "")}

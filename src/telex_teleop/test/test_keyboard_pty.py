@@ -26,6 +26,17 @@ from telex_control.private_master import PrivateMaster, free_port
 
 NODE = Path(__file__).parents[1] / "nodes" / "keyboard_teleop"
 ROBOT = "/robot7"
+ARM = [
+    "turret_joint",
+    "shoulder_joint",
+    "telescope_joint",
+    "elbow_joint",
+    "forearm_roll_joint",
+    "wrist_pitch_joint",
+    "gripper_roll_joint",
+    "turret_camera_pan_joint",
+    "turret_camera_tilt_joint",
+]
 
 
 # ---------------------------------------------------------------- the tests
@@ -259,8 +270,8 @@ class Drill:
             speed_scale=0.5,
             min_speed_scale=0.05,
             max_speed_scale=1.0,
-            joint_names=["turret_joint"],
-            position=[1.0],
+            joint_names=ARM,
+            position=[1.0] + [0.0] * (len(ARM) - 1),
         )
         self.track_status = TrackTeleopStatus(speed_scale=0.5, min_speed_scale=0.05)
         self.publishers = [

@@ -1,13 +1,20 @@
-"""What the keyboard publishes to a robot, without ROS around it."""
+"""What the operator's devices publish to a robot, without ROS around it."""
 
 from __future__ import annotations
 
 import pytest
 import rospy
-from telex_msgs.msg import FlipperPresets
+from std_msgs.msg import Float64
+from telex_msgs.msg import (
+    CartesianTeleopStatus,
+    FlipperPresets,
+    JointTeleopStatus,
+    TrackTeleopStatus,
+)
 
-from telex_teleop.keyboard.commands import Commands
-from telex_teleop.keyboard.robot import Robot
+from telex_teleop.operating.commander import Commands, PresetCommand
+from telex_teleop.operating.robot import Robot
+from telex_teleop.track_drive import Velocity
 
 
 class Graph:
@@ -26,8 +33,13 @@ class Graph:
 
         return Publisher()
 
-    def subscriber(self, name, _kind, callback, **_options):
-        self.receivers[name] = callback
+    def subscriber(self, name, _kind, callback, callback_args=None, **_options):
+        arguments = () if callback_args is None else (callback_args,)
+        self.receivers[name] = lambda message: callback(message, *arguments)
+
+    def say(self, name, message, caller="/somebody"):
+        message._connection_header = {"callerid": caller}
+        self.receivers[name](message)
 
 
 @pytest.fixture
@@ -36,6 +48,7 @@ def graph(monkeypatch):
     monkeypatch.setattr(rospy, "Publisher", graph.publisher)
     monkeypatch.setattr(rospy, "Subscriber", graph.subscriber)
     monkeypatch.setattr(rospy.Time, "now", rospy.Time)
+    monkeypatch.setattr(rospy, "get_name", lambda: "/us")
     return graph
 
 
@@ -44,7 +57,7 @@ def test_a_preset_that_the_robot_lacks_is_told_and_not_sent(graph):
     presets = "/r/flipper_teleop/presets"
     graph.receivers[presets](FlipperPresets(names=["flat", "high"]))
     for name in ("somersault", "high", ""):
-        robot.send(Commands(jogs={}, drive=(), preset=(name,)))
+        robot.send(Commands(jogs={}, drive=(), preset=(PresetCommand(name),)))
     topic = "/r/flipper_teleop/preset_cmds"
     sent = [(name, message.preset) for name, message in graph.sent]
     assert sent == [(topic, "high"), (topic, "")]
@@ -53,6 +66,85 @@ def test_a_preset_that_the_robot_lacks_is_told_and_not_sent(graph):
 
 def test_before_the_robot_has_named_its_presets_they_are_sent(graph):
     robot = Robot("/r")
-    robot.send(Commands(jogs={}, drive=(), preset=("somersault",)))
+    robot.send(Commands(jogs={}, drive=(), preset=(PresetCommand("somersault"),)))
     assert [message.preset for _, message in graph.sent] == ["somersault"]
     assert robot.notice == ""
+
+
+def test_a_preset_for_a_side_names_the_flippers_of_that_side(graph):
+    robot = Robot("/r")
+    left = Commands(jogs={}, drive=(), preset=(PresetCommand("flat", "left"),))
+    robot.send(left)
+    # without a name it would move all of them
+    assert graph.sent == []
+    assert robot.notice == "preset flat: no flippers known on the left"
+    names = ["front_left_flipper_joint", "front_right_flipper_joint", "rear_left_flipper_joint"]
+    graph.say("/r/flipper_teleop/status", JointTeleopStatus(joint_names=names))
+    robot.send(left)
+    assert graph.sent[0][1].joint_names == [names[0], names[2]]
+
+
+def test_a_stop_of_what_the_robot_lacks_keeps_no_other_from_stopping(graph):
+    # the node refuses a message with an unknown joint as a whole
+    robot = Robot("/r")
+    graph.say("/r/arm_teleop/status", JointTeleopStatus(joint_names=["turret_joint"]))
+    for rates in (
+        {"turret_joint": 0.0, "telescope_joint": 0.0},
+        {"telescope_joint": 0.0},
+        {"telescope_joint": 1.0},  # a wish is told to the node, which says why it refuses it
+    ):
+        robot.send(Commands(jogs={"arm": rates}, drive=()))
+    assert [message.joint_names for _, message in graph.sent] == [
+        ["turret_joint"],
+        ["telescope_joint"],
+    ]
+
+
+class TestLamps:
+    def test_a_press_switches_all_of_them(self, graph):
+        robot = Robot("/r", lamps=("a", "b"))
+        for levels, lit in (([1.0, 1.0], ("a", "b")), ([0.0, 0.0], ())):
+            graph.sent.clear()
+            robot.switch_lamps(("a", "b"))
+            topics = ["/r/lamps/a/command", "/r/lamps/b/command"]
+            assert [(n, m.data) for n, m in graph.sent] == list(zip(topics, levels))
+            assert robot.lit == lit
+
+    def test_what_others_have_lit_is_known(self, graph):
+        robot = Robot("/r", lamps=("a", "b"))
+        graph.say("/r/lamps/b/command", Float64(0.4))
+        assert robot.lit == ("b",)
+        robot.switch_lamps(("a", "b"))
+        assert [message.data for _, message in graph.sent] == [0.0, 0.0]
+
+    def test_our_own_words_that_come_late_undo_nothing(self, graph):
+        robot = Robot("/r", lamps=("a",))
+        robot.switch_lamps(("a",))
+        graph.say("/r/lamps/a/command", Float64(0.0), caller="/us")
+        assert robot.lit == ("a",)
+
+
+def test_zoom_goes_on_from_where_others_have_set_it(graph, monkeypatch):
+    robot = Robot("/r", zoom_rate=1.0, max_zoom=6.0)
+    graph.say("/r/cameras/turret/zoom", Float64(3.0))
+    now = [10.0]
+    monkeypatch.setattr("telex_teleop.operating.robot.time.monotonic", lambda: now[0])
+    for share in (1.0, 1.0, 0.0):
+        robot.send(Commands(jogs={}, drive=(), zoom=(share,)))
+        now[0] += 0.1
+    name, message = graph.sent[0]
+    assert name == "/r/cameras/turret/zoom"
+    assert message.data == pytest.approx(3.0 * 1.10517, rel=1e-4)
+
+
+def test_full_rates_are_what_the_nodes_say(graph):
+    robot = Robot("/r")
+    assert (robot.joint("arm", "a"), robot.drive(), robot.tool_speed()) == (None, None, None)
+    status = JointTeleopStatus(joint_names=["a", "b"], max_velocity=[0.5, 0.0])
+    graph.say("/r/arm_teleop/status", status)
+    graph.say("/r/track_teleop/status", TrackTeleopStatus(max_linear=1.2, max_angular=0.9))
+    tool = CartesianTeleopStatus(max_linear=0.15, max_angular=0.6)
+    graph.say("/r/arm_teleop/cartesian_status", tool)
+    assert [robot.joint("arm", name) for name in "abc"] == [0.5, None, None]
+    assert robot.drive() == Velocity(1.2, 0.9)
+    assert robot.tool_speed() == (0.15, 0.6)

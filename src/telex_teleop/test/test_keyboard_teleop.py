@@ -16,6 +16,8 @@ KEYS = {
     "+": "faster",
     "-": "slower",
     "tab": "mode",
+    "8": "lamps front rear",
+    "\\": "proximity guard",
     "?": "help",
     "ctrl+c": "quit",
 }
@@ -48,7 +50,7 @@ class Terminal:
 
 
 class Robot:
-    namespace, mode, speed_scale, e_stop, drive, notice = (
+    namespace, mode, speed_scale, e_stop, driven, notice = (
         "/r",
         "JOINT",
         1.0,
@@ -56,7 +58,7 @@ class Robot:
         Velocity(0, 0),
         "",
     )
-    tool, arm_notice = None, ""
+    tool, arm_notice, zoom, lit = None, "", 1.0, ()
 
     def __init__(self):
         self.sent = []
@@ -79,6 +81,12 @@ class Robot:
 
     def next_frame(self):
         self.done.append("frame")
+
+    def toggle_guard(self):
+        self.done.append("guard")
+
+    def switch_lamps(self, names):
+        self.done.append(names)
 
     def node_views(self):
         return {}
@@ -331,3 +339,12 @@ class TestLine:
         keyboard.take(KeyDecoder().feed(b"j", 6.0), 6.0)
         self.hold(keyboard, 6.0, 1.0, answers=True)
         assert terminal.asked == 0
+
+
+def test_lamps_and_guard_are_done_once(keyboard, robot):
+    press(keyboard, b"8", 1.0)
+    press(keyboard, b"8", 1.1)  # repeated by the terminal
+    press(keyboard, b"\\", 2.0)
+    assert robot.done == [("front", "rear"), "guard"]
+    assert keyboard.picture(1.05)
+    assert not robot.sent or not robot.sent[-1].jogs

@@ -155,3 +155,99 @@ async def test_what_is_no_websocket_is_told_so():
         reply = await client.get(url.replace("ws:", "http:"))
         assert reply.status == 426
         assert "WebSocket" in await reply.text()
+
+
+# Who may connect
+
+
+async def refusal(http, url, **options):
+    with pytest.raises(aiohttp.WSServerHandshakeError) as refused:
+        await http.ws_connect(url, **options)
+    reply = await http.get(url.replace("ws:", "http:"), **options)
+    assert reply.status == refused.value.status
+    return reply.status, await reply.text()
+
+
+@on_loop
+async def test_other_machines_need_a_token():
+    bench = Bench(address="0.0.0.0")
+    tokens = bench.bridge.tokens
+    assert tokens.made_up
+    assert len({tokens.client, tokens.instructor, ""}) == 3
+    async with bench.served() as url, aiohttp.ClientSession() as http:
+        for query in ("", "?token=", "?token=wrong", "?role=instructor", "?token=%FF%00"):
+            status, why = await refusal(http, f"{url}/{query}")
+            assert status == 401
+            assert "token" in why
+        wrong = {"Authorization": "Bearer wrong"}
+        assert (await refusal(http, f"{url}/?token={tokens.client}", headers=wrong))[0] == 401
+        as_instructor = f"{url}/?role=instructor&token={tokens.client}"
+        assert "instructor's token" in (await refusal(http, as_instructor))[1]
+        assert (await refusal(http, f"{url}/?role=king"))[0] == 400
+        good = {"Authorization": f"Bearer {tokens.client}"}
+        for query, headers in (
+            ("", good),
+            (f"?token={tokens.client}", {}),
+            (f"?token={tokens.instructor}", {}),
+            (f"?role=instructor&token={tokens.instructor}", {}),
+        ):
+            async with http.ws_connect(f"{url}/{query}", headers=headers):
+                pass
+    assert any(warning.startswith("refused 127.0.0.1: ") for warning in bench.warnings)
+    assert not any(tokens.client in warning for warning in bench.warnings)
+
+
+@on_loop
+async def test_a_token_that_is_given_holds_on_this_machine_too():
+    bench = Bench(token="open-sesame", instructor_token="teacher")
+    assert not bench.bridge.tokens.made_up
+    async with bench.served() as url, aiohttp.ClientSession() as http:
+        assert (await refusal(http, url))[0] == 401
+        async with http.ws_connect(f"{url}/?token=open-sesame"):
+            pass
+        async with http.ws_connect(f"{url}/?role=instructor&token=teacher"):
+            pass
+
+
+@on_loop
+async def test_no_more_clients_than_allowed():
+    bench = Bench(max_clients=1)
+    async with bench.served() as url, aiohttp.ClientSession() as http, http.ws_connect(url):
+        assert (await refusal(http, url))[0] == 503
+
+
+@on_loop
+async def test_everybody_can_see_who_is_there():
+    bench = Bench()
+    async with bench.served() as url, aiohttp.ClientSession() as http:
+        first = await http.ws_connect(f"{url}/?name=Ann")
+        teacher = await http.ws_connect(f"{url}/?role=instructor&name=%0a")
+        await first.send_json({"op": "advertise", "topic": "drive", "type": "geometry_msgs/Twist"})
+        await first.send_json({"op": "publish", "topic": "drive", "msg": AHEAD["msg"]})
+        await becomes(lambda: bench.ros.rosters and bench.ros.rosters[-1].holder == "1")
+        rows = [
+            (client.id, client.name, client.role, client.address, client.in_control)
+            for client in bench.ros.rosters[-1].clients
+        ]
+        assert rows == [
+            ("1", "Ann", "operator", "127.0.0.1", True),
+            ("2", "", "instructor", "127.0.0.1", False),
+        ]
+        await first.close()
+        await becomes(lambda: len(bench.ros.rosters[-1].clients) == 1)
+        assert bench.ros.rosters[-1].holder == ""
+        await teacher.close()
+
+
+@on_loop
+async def test_a_client_can_ask_for_warnings_by_its_address():
+    bench = Bench()
+    async with bench.served() as url, aiohttp.ClientSession() as http:
+        first, second = await http.ws_connect(url), await http.ws_connect(f"{url}/?status=1")
+        drive = {"op": "publish", "topic": "drive", "type": "geometry_msgs/Twist"}
+        await first.send_json({**drive, "msg": AHEAD["msg"]})
+        await becomes(lambda: bench.bridge.control.holder is not None)
+        await second.send_json({**drive, "msg": AHEAD["msg"]})
+        assert "client 1 holds control" in (await second.receive_json(timeout=5))["msg"]
+        await first.close()
+        await second.close()

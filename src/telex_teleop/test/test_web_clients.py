@@ -56,6 +56,7 @@ class RunningServer:
             thread.join(10.0)
 
     def _serve(self):
+        self._thread_id = threading.get_native_id()
         asyncio.run(self._serve_until_stopped())
 
     async def _serve_until_stopped(self):
@@ -79,6 +80,16 @@ class RunningServer:
                 self.fed += 1
             due = max(due + 1.0 / RATE, time.monotonic())
             time.sleep(max(0.0, due - time.monotonic()))
+
+    def viewers(self):
+        """All who watch anything now."""
+        hubs = tuple(self.server.hubs._hubs.values())
+        return set().union(*(hub.viewers for hub in hubs))
+
+    def waited(self):
+        """For how long (s) the server's thread could have run, and no processor was free."""
+        times = Path(f"/proc/self/task/{self._thread_id}/schedstat").read_text()
+        return int(times.split()[1]) * 1e-9
 
     def stream(self, query=""):
         return f"{self.url}/stream?topic={CAMERA}{query}"
@@ -155,8 +166,12 @@ def test_curl_saves_a_snapshot_and_a_stream(server, tmp_path):
 
 
 @needs("ffmpeg")
-def test_ffmpeg_reads_ten_seconds_of_a_stream_while_others_misbehave(server, tmp_path):
-    """The ten seconds are used: all that others may do wrong happens meanwhile."""
+def test_ffmpeg_reads_ten_seconds_of_a_stream_while_others_misbehave(server, watcher, tmp_path):
+    """The ten seconds are used: all that others may do wrong happens meanwhile.
+
+    Rates are compared with what the camera has really given, and with the time in which the server
+    was not waiting for a processor: what else the machine does is not its fault.
+    """
     saved = tmp_path / "saved.mjpeg"
     ffmpeg = subprocess.Popen(
         [
@@ -168,17 +183,21 @@ def test_ffmpeg_reads_ten_seconds_of_a_stream_while_others_misbehave(server, tmp
         stderr=subprocess.PIPE,
         text=True,
     )
-    wait_until(lambda: COMPRESSED in server.pictures.receivers)
+    wait_until(lambda: len(server.viewers()) == 2)
+    fed, seen, began, waited = server.fed, watcher.seen, time.monotonic(), server.waited()
     subprocess.run(
         [sys.executable, Path(__file__).with_name("web_misuse.py"), str(server.port), CAMERA, "6"],
         check=True,
         timeout=40,
     )
+    waiting = (server.waited() - waited) / (time.monotonic() - began)
+    fed_meanwhile, seen_meanwhile = server.fed - fed, watcher.seen - seen
     said, complaints = ffmpeg.communicate(timeout=40)
     assert ffmpeg.returncode == 0, complaints
     frames = int(said.rpartition("frame=")[2].split()[0])
     assert saved.read_bytes() == frames * JPEG
-    # How many of the 300 it gets depends on the machine; benchmarks/video has the rate.
+    assert fed_meanwhile > 20
+    assert seen_meanwhile > 0.8 * fed_meanwhile * (1.0 - waiting)
     assert frames > 10
 
 
@@ -296,10 +315,9 @@ def test_two_hundred_viewers(server, watcher):
     viewers = [socket.create_connection(("127.0.0.1", server.port)) for _ in range(200)]
     for viewer in viewers:
         viewer.sendall(f"GET /stream?topic={CAMERA} HTTP/1.0\r\n\r\n".encode())
-    hubs = server.server.hubs
-    wait_until(lambda: sum(len(hub.viewers) for hub in tuple(hubs._hubs.values())) == 201)
+    wait_until(lambda: len(server.viewers()) == 201)
     seen = watcher.seen
     wait_until(lambda: watcher.seen > seen + 20)
     for viewer in viewers:
         viewer.close()
-    wait_until(lambda: sum(len(hub.viewers) for hub in tuple(hubs._hubs.values())) == 1)
+    wait_until(lambda: len(server.viewers()) == 1)

@@ -9,6 +9,7 @@ import pytest
 import yaml
 
 from telex_control.params import ConfigError
+from telex_teleop.web.bridge.tokens import is_loopback
 from telex_teleop.web.config import RosbridgeConfig, VideoServerConfig, read_server_config
 from telex_teleop.web.serving import BindError, bind, url_of
 
@@ -69,6 +70,32 @@ def test_a_list_of_origins_must_be_a_list_of_strings():
         read_server_config(RosbridgeConfig, {"allowed_origins": "a"}, "/b")
     with pytest.raises(ConfigError, match=r"/b/allowed_origins\[1\] is 1; a string is needed"):
         read_server_config(RosbridgeConfig, {"allowed_origins": ["a", 1]}, "/b")
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ({"token": "a b"}, "token holds other characters than letters, digits and . _ ~ -"),
+        ({"token": "a", "instructor_token": "a"}, "token and instructor_token are the same"),
+        ({"max_command_age": 0}, "max_command_age is 0.0; it must be at least 0.01"),
+        ({"allowed": {"publish": ["a b"]}}, "publish holds 'a b'; a pattern is a ROS name"),
+        ({"commands": {"call": [""]}}, "call holds ''; a pattern is a ROS name"),
+        ({"commands": {"serve": []}}, "serve is unknown; known are call, publish, set"),
+        ({"instructor": {"set": "*"}}, "set is '*'; a list is needed"),
+    ],
+)
+def test_who_may_do_what_is_checked(values, said):
+    with pytest.raises(ConfigError) as error:
+        read_server_config(RosbridgeConfig, values, "/b")
+    assert said in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("address", "own"),
+    [("127.0.0.1", True), ("localhost", True), ("::1", True), ("0.0.0.0", False), ("::", False)],
+)
+def test_addresses_that_only_this_machine_reaches(address, own):
+    assert is_loopback(address) is own
 
 
 def test_port_0_takes_a_free_port():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import re
 import signal
 import socket
 import time
@@ -325,6 +326,39 @@ def test_nonsense_moves_nothing_and_the_bridge_lives_on(probe, bridge):
 
     on_bridge(bridge, still_there)
     assert probe.messages(topic) == []
+
+
+def test_tokens_that_the_bridge_made_up_are_told_to_who_started_it_only(ros, bridge):
+    process = ros.start_node(
+        "rosbridge",
+        "_port:=0",
+        "_address:=0.0.0.0",
+        "__name:=open",
+        stdout=-1,
+        stderr=-1,
+        text=True,
+    )
+    url = wait_until(lambda: ros.param("/telex/open/url"), 20.0)
+    said = process.stdout.readline()
+    client, instructor = re.fullmatch(
+        r"/telex/open: clients connect with \?token=([\w-]{16}) , instructors with "
+        r"\?role=instructor&token=([\w-]{16})\n",
+        said,
+    ).groups()
+
+    async def check(watcher):
+        await watcher.say("subscribe", topic="/rosout", type="rosgraph_msgs/Log")
+        await watcher.say("subscribe", topic="bridge/clients")
+        while True:
+            heard = await watcher.hear()
+            assert client not in json.dumps(heard)
+            assert instructor not in json.dumps(heard)
+            if heard["topic"] == "bridge/clients":
+                assert heard["msg"]["clients"][0]["role"] == "instructor"
+                return
+
+    on_bridge(f"{url}/?role=instructor&token={instructor}", check)
+    ros.stop(process)
 
 
 def test_the_launch_file_starts_both_nodes():

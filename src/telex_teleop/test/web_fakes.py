@@ -46,13 +46,21 @@ async def becomes(condition, timeout=5.0):
         await asyncio.sleep(0.005)
 
 
+ROSTER = "/telex/bridge/clients"
+"""What the bridge itself publishes; kept apart from what its clients do."""
+OWN_TOPICS = (ROSTER, "/telex/e_stop")
+
+
 class FakePublisher:
     def __init__(self, ros, topic):
         self.ros = ros
         self.topic = topic
 
     def publish(self, message):
-        self.ros.published.append((self.topic, message))
+        if self.topic == ROSTER:
+            self.ros.rosters.append(message)
+        else:
+            self.ros.published.append((self.topic, message))
 
     def connections(self):
         return self.ros.connected
@@ -68,8 +76,10 @@ class FakeRos:
         self.types = {"/known": "std_msgs/String", "/telex/joint_states": "sensor_msgs/JointState"}
         self.active = set(self.types)
         self.published = []
+        self.rosters = []
         self.events = []
         self.receivers = {}
+        self.services_offered = {}
         self.params = {"/telex/limit": 1.5, "/nan": float("nan")}
         self.expected = 0
         self.connected = 0
@@ -82,6 +92,8 @@ class FakeRos:
     def resolve(self, name):
         if " " in name:
             raise OperationError(f"{name!r} is no ROS name")
+        if name.startswith("~"):
+            return f"/telex/rosbridge/{name[1:]}"
         return name if name.startswith("/") else f"/telex/{name}"
 
     def topic_types(self):
@@ -93,14 +105,21 @@ class FakeRos:
     def nodes(self):
         return ["/telex/arm_teleop"]
 
+    def node_details(self, node):
+        return {"subscribing": ["/known"], "publishing": [], "services": [node]}
+
     def services(self):
         return ["/telex/switch"]
 
-    def subscriber_count(self, topic):
-        return self.expected
+    def publishers(self, topic):
+        return []
+
+    def subscribers(self, topic):
+        return [f"/listener_{number}" for number in range(self.expected)]
 
     def advertise(self, topic, message_class, *, latch, queue_size):
-        self.events.append(("advertise", topic, message_class._type, latch, queue_size))
+        if topic not in OWN_TOPICS:
+            self.events.append(("advertise", topic, message_class._type, latch, queue_size))
         return FakePublisher(self, topic)
 
     def subscribe(self, topic, message_class, receive):
@@ -116,6 +135,12 @@ class FakeRos:
         if request.data:
             return SetBoolResponse(success=True, message="on")
         raise OperationError("it is broken")
+
+    def serve(self, service, service_class, answer):
+        if service == "/telex/switch":
+            raise OperationError(f"{service} is offered by /telex/lamp already")
+        self.services_offered[service] = answer
+        return lambda: self.services_offered.pop(service)
 
     def get_param(self, name):
         return self.params[name]

@@ -8,6 +8,7 @@ Messages are read and written as YAML by genpy, not by the code under test.
     {"do": "publish", "topic", "type", "message", ["latch", "hex": {field: text}, "rate"]}
     {"do": "subscribers", "topic", "type"}  how many are connected to this probe's publisher
     {"do": "serve", "service", "type", "response", ["delay"]}
+    {"do": "act", "server"}                 offer a telex_msgs/FlipperPreset action
     {"do": "unsubscribe", "topic"}
 """
 
@@ -18,9 +19,11 @@ import sys
 import threading
 import time
 
+import actionlib
 import genpy
 import rospy
 import yaml
+from telex_msgs.msg import FlipperPresetAction, FlipperPresetFeedback, FlipperPresetResult
 
 
 class Probe:
@@ -90,6 +93,15 @@ class Probe:
             return filled
 
         self.services[service] = rospy.Service(service, cls, answer)
+
+    def do_act(self, server):
+        def execute(goal):
+            offered.publish_feedback(FlipperPresetFeedback(joint_names=["a"], remaining=[0.5]))
+            offered.set_succeeded(FlipperPresetResult(message=f"did {goal.preset}"))
+
+        offered = actionlib.SimpleActionServer(server, FlipperPresetAction, execute, False)
+        self.services[server] = offered
+        offered.start()
 
 
 def main():

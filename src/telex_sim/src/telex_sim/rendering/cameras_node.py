@@ -105,12 +105,14 @@ class CamerasNode:
     def run(self) -> None:
         """Serve until ROS shuts down."""
         while not rospy.is_shutdown():
-            self._inbox.wait(_PATIENCE)
             self._take_news()
             now = time.monotonic()
             wanted = [stream for stream in self._streams if stream.wanted]
             self._follow_poses(bool(wanted), now)
-            self._show(wanted)
+            # News come first after every picture: when there is more to show than time, one is
+            # always due.
+            if not self._show_next(wanted, now):
+                self._inbox.wait(_PATIENCE)
 
     def release(self) -> None:
         """Free what draws."""
@@ -155,19 +157,16 @@ class CamerasNode:
             self._poses_subscriber = None
             self._inbox.drop_poses()
 
-    def _show(self, wanted: List[CameraStream]) -> None:
-        """Take the pictures that are due, one by one, each of poses that are fresh enough."""
-        while not rospy.is_shutdown():
-            newest = self._inbox.newest_poses()
-            if newest is None:
-                return
-            now = time.monotonic()
-            stream = next_due(wanted, now, newest.poses.header.stamp.to_nsec())
-            if stream is None:
-                return
-            if not self._place(newest, stream, now):
-                return
-            self._take(stream, now)
+    def _show_next(self, wanted: List[CameraStream], now: float) -> bool:
+        """Take the picture that is due first, if any, of poses that are fresh enough."""
+        newest = self._inbox.newest_poses()
+        if newest is None:
+            return False
+        stream = next_due(wanted, now, newest.poses.header.stamp.to_nsec())
+        if stream is None or not self._place(newest, stream, now):
+            return False
+        self._take(stream, now)
+        return True
 
     def _place(self, newest: Arrival, stream: CameraStream, now: float) -> bool:
         """Have poses placed that a camera may be shown; returns whether there are any."""

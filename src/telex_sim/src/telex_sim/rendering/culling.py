@@ -1,8 +1,31 @@
-"""Which visuals a view can see at all, by their bounding spheres."""
+"""What a view can see at all, by bounding spheres and by the cones of lamps."""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
+
+
+class Cones(NamedTuple):
+    """Parts of balls around their tips; from half a turn on, a whole ball.
+
+    Attributes
+    ----------
+    tips
+        In the world (m), shape (N, 3).
+    axes
+        Unit vectors in the world, shape (N, 3).
+    half_angles
+        Between axis and edge, 0 to pi (rad), shape (N,).
+    reaches
+        Radii of the balls (m), shape (N,).
+    """
+
+    tips: np.ndarray
+    axes: np.ndarray
+    half_angles: np.ndarray
+    reaches: np.ndarray
 
 
 def spheres_in_world(model: np.ndarray, centers: np.ndarray) -> np.ndarray:
@@ -30,8 +53,51 @@ def spheres_in_view(
     numpy.ndarray
         Shape (N,), bool.
     """
-    w = clip_from_world[3]
-    planes = np.concatenate([w + clip_from_world[:3], w - clip_from_world[:3]])
-    planes /= np.linalg.norm(planes[:, :3], axis=1, keepdims=True)
+    planes = _view_planes(clip_from_world)
     distances = centers @ planes[:, :3].T + planes[:, 3]
     return (distances > -radii[:, None]).all(axis=1)
+
+
+def cones_in_view(clip_from_world: np.ndarray, cones: Cones) -> np.ndarray:
+    """Which cones touch the view's volume, shape (N,), bool; as for `spheres_in_view`."""
+    planes = _view_planes(clip_from_world)
+    # How far a cone reaches along a plane's normal: its ball does where that lies within the cone,
+    # otherwise the edge, or the tip.
+    turned = np.arccos(np.clip(cones.axes @ planes[:, :3].T, -1.0, 1.0))
+    beyond = np.maximum(turned - cones.half_angles[:, None], 0.0)
+    extents = cones.reaches[:, None] * np.maximum(np.cos(beyond), 0.0)
+    distances = cones.tips @ planes[:, :3].T + planes[:, 3]
+    return (distances > -extents).all(axis=1)
+
+
+def spheres_in_cones(centers: np.ndarray, radii: np.ndarray, cones: Cones) -> np.ndarray:
+    """Which spheres touch which cones.
+
+    Parameters
+    ----------
+    centers, radii
+        In the world (m), shapes (M, 3) and (M,).
+    cones
+        N of them.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (M, N), bool.
+    """
+    apart = centers[:, None] - cones.tips[None]
+    along = np.einsum("mni,ni->mn", apart, cones.axes)
+    distances = np.linalg.norm(apart, axis=2)
+    beside = np.sqrt(np.maximum(distances**2 - along**2, 0.0))
+    cos, sin = np.cos(cones.half_angles), np.sin(cones.half_angles)
+    on_edge = np.clip(along * cos + beside * sin, 0.0, cones.reaches)
+    to_edge = np.hypot(along - on_edge * cos, beside - on_edge * sin)
+    within = np.arctan2(beside, along) <= cones.half_angles
+    return np.where(within, distances - cones.reaches, to_edge) < radii[:, None]
+
+
+def _view_planes(clip_from_world: np.ndarray) -> np.ndarray:
+    """Planes around a view's volume: normals inwards of length 1, and offsets, shape (6, 4)."""
+    w = clip_from_world[3]
+    planes = np.concatenate([w + clip_from_world[:3], w - clip_from_world[:3]])
+    return planes / np.linalg.norm(planes[:, :3], axis=1, keepdims=True)

@@ -34,12 +34,13 @@ _TILES_PER_ROW = 3
 
 @dataclass
 class _Tile:
-    """A tile and what it shows at present."""
+    """A tile and what it shows; it is checked when that has been seen to since the last move."""
 
     lamp: Optional[int] = None
     pose: Optional[np.ndarray] = None
     casters: Optional[np.ndarray] = None
     model: Optional[np.ndarray] = None
+    checked: bool = False
 
     def shows(self, pose: np.ndarray, casters: np.ndarray, model: np.ndarray) -> bool:
         """Whether it need not be drawn again."""
@@ -91,8 +92,22 @@ class LampShadows:
         self._framebuffer = context.framebuffer(depth_attachment=self._depths)
 
     def invalidate(self) -> None:
-        """Have the next update draw even if nothing has moved: the scene is another one."""
+        """Have everything drawn anew even if nothing has moved: the scene is another one."""
         self._tiles = [_Tile() for _ in self._tiles]
+
+    def choose(self, rig: LampRig, focus: np.ndarray) -> None:
+        """Choose the lamps that have maps, now that things have moved.
+
+        Parameters
+        ----------
+        rig
+            The lamps.
+        focus
+            Point around which shadows matter (m), shape (3,).
+        """
+        self._assign(rig.matter_most(focus, len(self._tiles)))
+        for tile in self._tiles:
+            tile.checked = False
 
     def update(
         self,
@@ -100,9 +115,9 @@ class LampShadows:
         model: np.ndarray,
         centers: np.ndarray,
         rig: LampRig,
-        focus: np.ndarray,
+        numbers: np.ndarray,
     ) -> None:
-        """Draw the maps of the lamps that matter most around a point.
+        """Draw the maps that a picture needs, unless another one has needed them since the choice.
 
         Parameters
         ----------
@@ -114,13 +129,14 @@ class LampShadows:
             Of their bounding spheres in the world, shape (N, 3).
         rig
             The lamps.
-        focus
-            Point around which shadows matter (m), shape (3,).
+        numbers
+            Of the lamps in the picture.
         """
-        self._assign(rig.matter_most(focus, len(self._tiles)))
+        needed = set(numbers.tolist())
         casters = np.flatnonzero(scene.casts_shadow)
         for place, tile in enumerate(self._tiles):
-            if tile.lamp is not None:
+            if tile.lamp is not None and tile.lamp in needed and not tile.checked:
+                tile.checked = True
                 self._draw(place, tile, tile.lamp, scene, model, centers, casters, rig)
 
     def _assign(self, wanted: np.ndarray) -> None:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import Dict, Mapping, NamedTuple, Sequence, Tuple
+from typing import Dict, Mapping, NamedTuple, Sequence, Tuple, Union
 
 import numpy as np
 
-from .culling import spheres_in_view
+from .culling import Cones, cones_in_view, spheres_in_cones
 from .lighting import LUMINANCE, unit
 from .scene import Lamp
 
@@ -65,8 +65,6 @@ class LampRig:
         In the world (m), shape (N, 3).
     axes
         Of their views in the world, by rows: right, down, forward; shape (N, 3, 3).
-    centers, radii
-        Spheres that hold what each lights (m), shapes (N, 3) and (N,).
     """
 
     def __init__(self, lamps: Sequence[Lamp], frames: Sequence[str], sun: float) -> None:
@@ -87,14 +85,10 @@ class LampRig:
         self._casting = np.array([lamp.casts_shadow for lamp in lamps], dtype=bool)
         self._axes = np.array([_axes(direction) for direction in self._directions])
         self._axes = self._axes.reshape(-1, 3, 3)
-        spheres = [_lit_sphere(lamp.angle, lamp.reach) for lamp in lamps]
-        self._ahead = np.array([ahead for ahead, _ in spheres])
-        self.radii = np.array([radius for _, radius in spheres])
         self.levels = np.ones(len(lamps))
         self.positions = np.zeros((len(lamps), 3))
         self.directions = np.zeros((len(lamps), 3))
         self.axes = np.zeros((len(lamps), 3, 3))
-        self.centers = np.zeros((len(lamps), 3))
 
     def __len__(self) -> int:
         return len(self._names)
@@ -111,7 +105,6 @@ class LampRig:
         )
         self.axes = np.einsum("nij,nkj->nki", poses[:, :3, :3], self._axes)
         self.directions = self.axes[:, 2]
-        self.centers = self.positions + self._ahead[:, None] * self.directions
 
     def matter_most(self, focus: np.ndarray, most: int) -> np.ndarray:
         """Numbers of the burning lamps whose shadows matter most around a point, shape (3,)."""
@@ -134,7 +127,7 @@ class LampRig:
             How many can be had.
         """
         burning = self.levels * self._lights.max(axis=1, initial=0.0) > 1e-4
-        seen = np.flatnonzero(burning & spheres_in_view(clip_from_world, self.centers, self.radii))
+        seen = np.flatnonzero(burning & cones_in_view(clip_from_world, self._lit(slice(None))))
         ahead = eye + _INTEREST * unit(clip_from_world[3, :3])
         squares = np.square(self.positions[seen] - ahead).sum(axis=1)
         arriving = self._lights[seen] * (self.levels[seen] / (1.0 + squares))[:, None]
@@ -164,8 +157,16 @@ class LampRig:
 
     def reach(self, numbers: np.ndarray, centers: np.ndarray, radii: np.ndarray) -> np.ndarray:
         """Which of some lamps light which of some spheres, shape (spheres, lamps), bool."""
-        gaps = np.linalg.norm(centers[:, None] - self.centers[None, numbers], axis=2)
-        return gaps < radii[:, None] + self.radii[None, numbers]
+        return spheres_in_cones(centers, radii, self._lit(numbers))
+
+    def _lit(self, numbers: Union[np.ndarray, slice]) -> Cones:
+        """What some lamps light."""
+        return Cones(
+            self.positions[numbers],
+            self.directions[numbers],
+            0.5 * np.minimum(self.angles[numbers], 2.0 * math.pi),
+            self.reaches[numbers],
+        )
 
 
 def _cone(angle: float) -> Tuple[float, float]:
@@ -182,17 +183,3 @@ def _axes(direction: np.ndarray) -> np.ndarray:
     beside = np.eye(3)[np.abs(direction).argmin()]
     right = unit(np.cross(beside, direction))
     return np.stack([right, np.cross(direction, right), direction])
-
-
-def _lit_sphere(angle: float, reach: float) -> Tuple[float, float]:
-    """Describe a sphere that holds what a lamp lights: how far ahead its middle is, and its radius.
-
-    A cone with its tip on the sphere, as long as narrow cones are; wide ones take the whole reach.
-    """
-    half = 0.5 * angle
-    if half < 0.25 * math.pi:
-        radius = 0.5 * reach / math.cos(half)
-        return radius, radius
-    if half < 0.5 * math.pi:
-        return reach * math.cos(half), reach * math.sin(half)
-    return 0.0, reach

@@ -153,8 +153,10 @@ class Renderer:
 
     def set_lamp_levels(self, levels: Mapping[str, float]) -> None:
         """Dim the lamps that have names: 0 is off, 1 full."""
+        before = self._lamps.levels
         self._lamps.set_levels(levels)
-        self._cast = False
+        if not np.array_equal(before, self._lamps.levels):
+            self._cast = False
 
     def place(self, frames_in_world: np.ndarray, focus: np.ndarray, recast: bool = True) -> None:
         """Move everything to where it is now.
@@ -195,7 +197,7 @@ class Renderer:
             self._cover.update(*what, self._focus)
             self._uniforms["cover_place"] = self._cover.place()
         if self._quality.lamp_shadows:
-            self._lamp_shadows.update(*what, self._lamps, self._focus)
+            self._lamp_shadows.choose(self._lamps, self._focus)
         if not self._base.sun:
             return
         self._shadows.update(*what, self._focus)
@@ -325,6 +327,11 @@ class Renderer:
     ) -> _Drawing:
         """Prepare to draw some of the drawables as a camera sees them."""
         chosen = self._lamps.choose(clip_from_world, eye, self._quality.lamps)
+        if self._quality.lamp_shadows:
+            self._begin_pass()
+            self._lamp_shadows.update(
+                self._scene, self._model, self._centers, self._lamps, chosen.numbers
+            )
         uniforms = dict(self._uniforms)
         uniforms["clip_from_world"] = column_major(clip_from_world)
         uniforms["eye"] = eye.astype(np.float32)

@@ -1,141 +1,17 @@
-"""The operator's keys: which key does what, read from YAML.
-
-An action is a short text: ``tracks forward``, ``arm turret_joint +``, ``flipper JOINT JOINT -``,
-``preset NAME`` (of the flippers), ``tool x +``, ``pose NAME`` (of the arm), or one of the commands
-``stop``, ``e-stop``, ``release e-stop``, ``faster``, ``slower``, ``mode``, ``frame``,
-``hold tool``, ``help``, ``quit``.
-"""
+"""The operator's keys: which key does what, read from YAML."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from enum import Enum
 from functools import cached_property
-from typing import Dict, List, Mapping, Optional, Tuple, Union
+from typing import Dict, List, Mapping, Optional, Tuple
 
 from telex_control.params import ConfigError, require, require_names, require_range
+from telex_teleop.operating.actions import GRAMMAR, Action, Command, Lamps, parse_action
 
-__all__ = [
-    "TOOL_AXES",
-    "Action",
-    "Command",
-    "Drive",
-    "Jog",
-    "KeyMap",
-    "KeyboardSettings",
-    "Preset",
-    "ToPose",
-    "Tool",
-]
+__all__ = ["KeyMap", "KeyboardSettings"]
 
-
-@dataclass(frozen=True)
-class Jog:
-    """Move joints of one node while the key is held; `sign` is 1 or -1."""
-
-    node: str
-    joints: Tuple[str, ...]
-    sign: int
-
-
-@dataclass(frozen=True)
-class Drive:
-    """Drive while the key is held: signs of forward speed and of yaw rate to the left."""
-
-    linear: int
-    angular: int
-
-
-@dataclass(frozen=True)
-class Preset:
-    """Move the flippers to a preset while the key is held."""
-
-    name: str
-
-
-@dataclass(frozen=True)
-class Tool:
-    """Move the tool along or about an axis while the key is held; `sign` is 1 or -1.
-
-    `axis` is an index of `TOOL_AXES`.
-    """
-
-    axis: int
-    sign: int
-
-
-@dataclass(frozen=True)
-class ToPose:
-    """Move the arm to a named pose while the key is held."""
-
-    name: str
-
-
-class Command(Enum):
-    """Done once when its key goes down."""
-
-    STOP = "stop"
-    E_STOP = "e-stop"
-    RELEASE_E_STOP = "release e-stop"
-    FASTER = "faster"
-    SLOWER = "slower"
-    MODE = "mode"
-    FRAME = "frame"
-    HOLD_TOOL = "hold tool"
-    HELP = "help"
-    QUIT = "quit"
-
-
-Action = Union[Jog, Drive, Preset, Tool, ToPose, Command]
-
-NODES = ("arm", "gripper", "flipper")
-DIRECTIONS = {
-    "forward": Drive(1, 0),
-    "back": Drive(-1, 0),
-    "left": Drive(0, 1),
-    "right": Drive(0, -1),
-}
-SIGNS = {"+": 1, "-": -1}
-# in the order of a twist: along x, y, z, then about them
-TOOL_AXES = ("x", "y", "z", "roll", "pitch", "yaw")
 NOTHING = "nothing"
-GRAMMAR = (
-    "'tracks DIRECTION' with "
-    + ", ".join(DIRECTIONS)
-    + "; 'NODE JOINT ... +' or '-' with node "
-    + ", ".join(NODES)
-    + "; 'preset NAME'; 'tool AXIS +' or '-' with "
-    + ", ".join(TOOL_AXES)
-    + "; 'pose NAME'; or one of "
-    + ", ".join(command.value for command in Command)
-)
-
-
-def parse_action(text: str) -> Action:
-    """Return the action that a text names.
-
-    Raises
-    ------
-    ValueError
-        When it names none.
-    """
-    words = text.split()
-    for command in Command:
-        if " ".join(words) == command.value:
-            return command
-    if len(words) == 2 and words[0] == "tracks" and words[1] in DIRECTIONS:
-        return DIRECTIONS[words[1]]
-    if len(words) == 2 and words[0] == "preset":
-        return Preset(words[1])
-    if len(words) == 2 and words[0] == "pose":
-        return ToPose(words[1])
-    if len(words) == 3 and words[0] == "tool" and words[1] in TOOL_AXES and words[2] in SIGNS:
-        return Tool(TOOL_AXES.index(words[1]), SIGNS[words[2]])
-    if len(words) >= 3 and words[0] in NODES and words[-1] in SIGNS:
-        joints = tuple(words[1:-1])
-        if len(set(joints)) == len(joints):
-            return Jog(words[0], joints, SIGNS[words[-1]])
-    raise ValueError(text)
 
 
 class KeyMap:
@@ -217,6 +93,10 @@ class KeyboardSettings:
         The same of the tool.
     speed_step
         Factor of one step of the speed scale.
+    zoom_rate
+        How fast the camera zooms (1/s, of the factor's logarithm).
+    max_zoom
+        Largest zoom factor.
     lengths
         Joints whose position is a length and shown in mm; the others are angles, shown in degrees.
 
@@ -239,6 +119,8 @@ class KeyboardSettings:
     tool_linear: float = 10.0
     tool_angular: float = 10.0
     speed_step: float = 1.25
+    zoom_rate: float = 0.8
+    max_zoom: float = 6.0
     lengths: Tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -249,9 +131,10 @@ class KeyboardSettings:
             ("redraw_rate", 1.0, 30.0),
             ("longest_gap", 0.05, 1.0),
             ("speed_step", 1.01, 4.0),
+            ("max_zoom", 1.0, 100.0),
         ):
             require_range(self, name, minimum, maximum)
-        for name in ("jog_rate", "linear", "angular", "tool_linear", "tool_angular"):
+        for name in ("jog_rate", "linear", "angular", "tool_linear", "tool_angular", "zoom_rate"):
             require_range(self, name, above=0.0)
         if self.lengths:
             require_names(self, "lengths")
@@ -261,6 +144,13 @@ class KeyboardSettings:
     def key_map(self) -> KeyMap:
         """The keys and their actions."""
         return KeyMap.from_texts(self.keys)
+
+    @cached_property
+    def lamps(self) -> Tuple[str, ...]:
+        """Names of all lamps that a key switches."""
+        actions = (*self.key_map.actions.values(), *self.cartesian_map.actions.values())
+        names = (name for action in actions if isinstance(action, Lamps) for name in action.names)
+        return tuple(dict.fromkeys(names))
 
     @cached_property
     def cartesian_map(self) -> KeyMap:

@@ -16,7 +16,7 @@ import yaml
 
 from telex_control.params import ConfigError, read_config
 from telex_teleop.keyboard.map import KeyboardSettings
-from telex_teleop.keyboard.robot import Robot
+from telex_teleop.keyboard.robot import ShownRobot
 from telex_teleop.keyboard.teleop import KeyboardTeleop
 from telex_teleop.keyboard.terminal import Terminal, TerminalError
 
@@ -36,7 +36,7 @@ FAREWELL_TIME = 0.1  # s for the last zeros to leave before the connections clos
 class _LastMessage(logging.Handler):
     """Puts warnings of rospy on the screen: printed, they would destroy it."""
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: ShownRobot) -> None:
         super().__init__(logging.WARNING)
         self._robot = robot
 
@@ -64,7 +64,9 @@ def keyboard_main() -> int:
     rospy.init_node("keyboard_teleop", anonymous=True, disable_signals=True)
     try:
         settings = _read_settings()
-        robot = Robot(_robot_namespace())
+        robot = ShownRobot(
+            _robot_namespace(), settings.lamps, settings.zoom_rate, settings.max_zoom
+        )
         with Terminal(sys.stdin.fileno(), sys.stdout.fileno()) as terminal:
             _divert_logs(robot)
             interruptions = _count_interruptions()
@@ -101,7 +103,7 @@ def _read_settings() -> KeyboardSettings:
         raise ConfigError(f"{path}: cannot be read: {error}") from error
 
 
-def _divert_logs(robot: Robot) -> None:
+def _divert_logs(robot: ShownRobot) -> None:
     """Take rospy's messages off the terminal and show the last one on our screen."""
     for name in ("", "rosout", "rospy"):
         logger = logging.getLogger(name)

@@ -8,17 +8,20 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import FrozenSet, List, Mapping, Optional, Sequence, Tuple, Type, TypeVar
 
-from telex_teleop.keyboard.map import (
+from telex_teleop.keyboard.map import KeyMap
+from telex_teleop.operating.actions import (
     NODES,
     TOOL_AXES,
     Action,
     Command,
     Drive,
     Jog,
-    KeyMap,
+    Lamps,
     Preset,
+    Side,
     Tool,
     ToPose,
+    Zoom,
 )
 from telex_teleop.track_drive import STANDSTILL, Velocity
 
@@ -37,11 +40,14 @@ COLUMN = 39  # characters of one of the two columns
 KEYS = 10  # of them for the keys
 VALUE = 11  # and for the value
 LABEL = COLUMN - 2 - KEYS - 1 - 1 - VALUE
+NAMED_BY = KEYS + 1 + LABEL
 TITLES = {"tracks": "TRACKS", "flipper": "FLIPPERS", "gripper": "GRIPPER", "arm": "ARM"}
 # what goes by the names of its YAML file
 Named = TypeVar("Named", Preset, ToPose)
 NAMED = {Preset: "FLIPPER PRESETS", ToPose: "ARM POSES"}
 LEFT, RIGHT = ("tracks", "flipper", "gripper"), ("arm",)
+SIDES = (Side("left"), Side("right"))
+ZOOMS = (Zoom(1), Zoom(-1))
 DRIVES = (
     ("drive", Drive(1, 0), Drive(-1, 0)),
     ("turn", Drive(0, 1), Drive(0, -1)),
@@ -54,6 +60,7 @@ COMMANDS: Tuple[Tuple[str, Tuple[Command, ...]], ...] = (
     ("mode", (Command.MODE,)),
     ("frame", (Command.FRAME,)),
     ("hold tool", (Command.HOLD_TOOL,)),
+    ("guard", (Command.GUARD,)),
     ("help", (Command.HELP,)),
     ("quit", (Command.QUIT,)),
 )
@@ -144,6 +151,10 @@ class ScreenState:
         The tool, None before the arm's first status.
     arm_notice
         What there is to know of the arm's motion.
+    zoom
+        Zoom factor of the camera.
+    lit
+        Lamps that are lit.
     """
 
     robot: str
@@ -158,6 +169,8 @@ class ScreenState:
     notice: str = ""
     tool: Optional[ToolView] = None
     arm_notice: str = ""
+    zoom: float = 1.0
+    lit: Tuple[str, ...] = ()
 
 
 def roll_pitch_yaw(x: float, y: float, z: float, w: float) -> Tuple[float, float, float]:
@@ -238,7 +251,10 @@ def _table(keys: KeyMap, lengths: Sequence[str], state: ScreenState, columns: in
     left = [text for node in LEFT for text in _section(node, keys, lengths, state)]
     left += _named(keys, Preset, state)
     right = [text for node in RIGHT for text in _section(node, keys, lengths, state)]
+    if any(keys.keys_of(zoom) for zoom in ZOOMS):
+        right.append(_row(keys, ZOOMS, "zoom", f"x{state.zoom:.1f}", state))
     right += _named(keys, ToPose, state)
+    right += _lamps(keys, state)
     if columns < 2 * COLUMN + 1:
         return [Line(text) for text in (*right, *left)]
     height = max(len(left), len(right))
@@ -268,7 +284,17 @@ def _section(node: str, keys: KeyMap, lengths: Sequence[str], state: ScreenState
         ]
         if node == "arm":
             rows = [*_tool_rows(keys, state), *rows]
-    return [TITLES[node], *rows] if rows else []
+    return [TITLES[node] + _sides(node, keys, state), *rows] if rows else []
+
+
+def _sides(node: str, keys: KeyMap, state: ScreenState) -> str:
+    """Return what the title of the flippers says about their sides."""
+    parts = [
+        f"{'>' if side in state.held else ''}{'/'.join(keys.keys_of(side))} {side.name}"
+        for side in SIDES
+        if node == "flipper" and keys.keys_of(side)
+    ]
+    return f"  (only {', '.join(parts)})" if parts else ""
 
 
 def _named(keys: KeyMap, kind: Type[Named], state: ScreenState) -> List[str]:
@@ -279,6 +305,17 @@ def _named(keys: KeyMap, kind: Type[Named], state: ScreenState) -> List[str]:
         for action in dict.fromkeys(actions)
     ]
     return [NAMED[kind], *_fill(parts, COLUMN, " ")] if parts else []
+
+
+def _lamps(keys: KeyMap, state: ScreenState) -> List[str]:
+    """Return all switches of lamps; a star marks those of which one is lit."""
+    switches = [action for action in keys.actions.values() if isinstance(action, Lamps)]
+    parts = [
+        f"{'*' if set(lamps.names) & set(state.lit) else ' '} {'/'.join(keys.keys_of(lamps))} "
+        f"{joint_label(lamps.names, '')}"
+        for lamps in dict.fromkeys(switches)
+    ]
+    return ["LAMPS", *_fill(parts, COLUMN, " ")] if parts else []
 
 
 def _tool_rows(keys: KeyMap, state: ScreenState) -> List[str]:
@@ -311,7 +348,8 @@ def _row(
     bound = list(keys.actions.values())
     ordered = sorted(actions, key=lambda a: bound.index(a) if a in bound else len(bound))
     names = " ".join("/".join(keys.keys_of(action)) or "-" for action in ordered)
-    return f"{marker} {names:<{KEYS}.{KEYS}} {label:<{LABEL}.{LABEL}} {value:>{VALUE}.{VALUE}}"
+    said = f"{names:<{KEYS}} {label}"
+    return f"{marker} {said:<{NAMED_BY}.{NAMED_BY}} {value:>{VALUE}.{VALUE}}"
 
 
 def joint_label(joints: Sequence[str], title: str) -> str:
@@ -343,7 +381,7 @@ def _commands(keys: KeyMap, columns: int) -> List[Line]:
         for label, commands in COMMANDS
         if _names(keys, commands)
     ]
-    return [Line(text) for text in _fill(parts, columns, "   ")]
+    return [Line(text) for text in _fill(parts, columns, "  ")]
 
 
 def _fill(parts: Sequence[str], columns: int, space: str) -> List[str]:
@@ -367,13 +405,15 @@ several keys work at once."""
 TYPED_KEYS = """\
 This terminal does not report when a key goes up: a short press is a nudge; a held key pauses after
 it until your keyboard begins to repeat, then moves until just after you let go; of several held
-keys only the last one counts. A terminal with the kitty keyboard protocol (kitty, foot, WezTerm,
-Ghostty) is exact."""
+keys only the last one counts. Terminals with the kitty protocol (kitty, foot, WezTerm) are
+exact."""
 HELP = """\
 Hold a key to move, let it go to stop; all motion is on ramps. The first key of a pair moves
 forward, up, out or open, or to the left. '!' marks a joint that a limit, or something in its way,
 holds back. In mode CARTESIAN the arm's keys move its tool along the axes of the frame. A pose moves
 the whole arm, a preset all flippers; a flipper key ends a preset, which then needs a new press.
+With a side key held, only the flippers of that side follow. Lamps go on and off by a press ('*' is
+lit). The guard slows and stops the arm before what is near.
 
 {holding}
 

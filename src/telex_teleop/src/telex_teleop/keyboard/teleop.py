@@ -5,15 +5,16 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING, Callable, FrozenSet, List
 
-from telex_teleop.keyboard.commands import Commander
 from telex_teleop.keyboard.decoding import Event, FocusEvent, KeyDecoder, KeyEvent, KeyKind
 from telex_teleop.keyboard.held import HeldKeys
 from telex_teleop.keyboard.line import LineCheck
-from telex_teleop.keyboard.map import Action, Command, KeyboardSettings, KeyMap
+from telex_teleop.keyboard.map import KeyboardSettings, KeyMap
 from telex_teleop.keyboard.screen import Line, ScreenState, render
+from telex_teleop.operating.actions import Action, Command, Lamps, is_momentary
+from telex_teleop.operating.commander import Commander, FixedRates
 
 if TYPE_CHECKING:
-    from telex_teleop.keyboard.robot import Robot
+    from telex_teleop.keyboard.robot import ShownRobot
     from telex_teleop.keyboard.terminal import Terminal
 
 __all__ = ["KeyboardTeleop"]
@@ -36,7 +37,7 @@ class KeyboardTeleop:
         The terminal, already entered.
     """
 
-    def __init__(self, settings: KeyboardSettings, robot: Robot, terminal: Terminal) -> None:
+    def __init__(self, settings: KeyboardSettings, robot: ShownRobot, terminal: Terminal) -> None:
         self._settings = settings
         self._robot = robot
         self._terminal = terminal
@@ -44,11 +45,13 @@ class KeyboardTeleop:
         self._line = LineCheck()
         self._held = HeldKeys(settings.tap_time, settings.key_timeout)
         self._commander = Commander(
-            settings.jog_rate,
-            settings.linear,
-            settings.angular,
-            settings.tool_linear,
-            settings.tool_angular,
+            FixedRates(
+                settings.jog_rate,
+                settings.linear,
+                settings.angular,
+                settings.tool_linear,
+                settings.tool_angular,
+            )
         )
         self._ended = False
         self._cartesian = False
@@ -143,11 +146,13 @@ class KeyboardTeleop:
             e_stop=robot.e_stop,
             nodes=robot.node_views(),
             joints=robot.joint_views(),
-            drive=robot.drive,
+            drive=robot.driven,
             held=self._held_actions(now),
             notice=robot.notice,
             tool=robot.tool,
             arm_notice=robot.arm_notice,
+            zoom=robot.zoom,
+            lit=robot.lit,
         )
         columns, lines = self._terminal.size()
         settings = self._settings
@@ -165,13 +170,13 @@ class KeyboardTeleop:
     def _held_actions(self, now: float) -> FrozenSet[Action]:
         actions = (self._key_map.action(name) for name in self._held.names(now))
         return frozenset(
-            action for action in actions if action is not None and not isinstance(action, Command)
+            action for action in actions if action is not None and not is_momentary(action)
         )
 
     def _take_key(self, event: KeyEvent, now: float, late: bool) -> None:
         went_down = self._held.take(event, now)
         action = self._key_map.action(event.name)
-        if not isinstance(action, Command) or event.kind is KeyKind.RELEASED:
+        if action is None or not is_momentary(action) or event.kind is KeyKind.RELEASED:
             return
         if late and action not in NEVER_TOO_LATE:
             return
@@ -189,9 +194,11 @@ class KeyboardTeleop:
         self._sent = frozenset()
         self._robot.send(self._commander.stop(self._key_map.actions.values()))
 
-    def _do(self, command: Command) -> None:
+    def _do(self, command: Action) -> None:
         self._robot.notice = ""
-        if command is Command.RELEASE_E_STOP:
+        if isinstance(command, Lamps):
+            self._robot.switch_lamps(command.names)
+        elif command is Command.RELEASE_E_STOP:
             self._robot.set_e_stop(False)
         elif command is Command.FASTER:
             self._robot.change_speed(self._settings.speed_step)
@@ -203,7 +210,9 @@ class KeyboardTeleop:
             self._robot.next_frame()
         elif command is Command.HOLD_TOOL:
             self._robot.toggle_hold()
+        elif command is Command.GUARD:
+            self._robot.toggle_guard()
         elif command is Command.HELP:
             self._show_help = not self._show_help
-        else:
+        elif command is Command.QUIT:
             self._ended = True

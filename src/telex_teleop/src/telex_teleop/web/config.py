@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import re
+from dataclasses import dataclass, field
 from typing import Any, Mapping, Tuple, Type, TypeVar
 
-from telex_control.params import read_config, require_choice, require_range, require_text
+from telex_control.params import (
+    read_config,
+    require,
+    require_choice,
+    require_range,
+    require_text,
+)
 
 Config = TypeVar("Config")
 
@@ -14,6 +21,9 @@ STREAM_TYPES = ("mjpeg", "ros_compressed", "png")
 
 OWN_PARAMETERS = ("url",)
 """Private parameters that a server sets for others to read."""
+
+_PATTERN = re.compile(r"!?[A-Za-z0-9_/*]+")
+_TOKEN = re.compile(r"[A-Za-z0-9._~-]*")
 
 
 def read_server_config(kind: Type[Config], params: Any, name: str) -> Config:
@@ -77,6 +87,79 @@ class VideoServerConfig:
         require_text(self, "rosbridge")
 
 
+def _require_patterns(lists: object) -> None:
+    """Raise a ConfigError unless all strings of some lists are patterns of ROS names."""
+    for use, patterns in vars(lists).items():
+        for pattern in patterns:
+            require(
+                _PATTERN.fullmatch(pattern) is not None,
+                f"{use} holds {pattern!r}; a pattern is a ROS name, in which * stands for any "
+                "text, after a ! if it takes away",
+            )
+
+
+@dataclass(frozen=True)
+class AllowedNames:
+    """What clients of the bridge may use at all."""
+
+    publish: Tuple[str, ...] = (
+        "/*",
+        "!/clock",
+        "!/rosout",
+        "!/rosout_agg",
+        "!/tf",
+        "!/tf_static",
+        "!joint_states",
+        "!sim/*",
+        "!bridge/*",
+    )
+    subscribe: Tuple[str, ...] = ("/*",)
+    call: Tuple[str, ...] = ("/*",)
+    serve: Tuple[str, ...] = ("/*", "!/rosapi/*", "!bridge/*")
+    set: Tuple[str, ...] = (
+        "/*",
+        "!/run_id",
+        "!/rosdistro",
+        "!/roslaunch/*",
+        "!/rosversion",
+        "!/use_sim_time",
+    )
+
+    def __post_init__(self) -> None:
+        _require_patterns(self)
+
+
+@dataclass(frozen=True)
+class CommandNames:
+    """What only the client that holds control may do."""
+
+    publish: Tuple[str, ...] = ("*",)
+    call: Tuple[str, ...] = (
+        "*",
+        "!*/compute_fk",
+        "!*/compute_ik",
+        "!controller_manager/list_*",
+        "!controller_manager/query_*",
+        "!*/get_loggers",
+    )
+    set: Tuple[str, ...] = ("*",)
+
+    def __post_init__(self) -> None:
+        _require_patterns(self)
+
+
+@dataclass(frozen=True)
+class InstructorNames:
+    """Commands that an instructor may give without holding control."""
+
+    publish: Tuple[str, ...] = ("cameras/*",)
+    call: Tuple[str, ...] = ("sim/*", "cameras/*")
+    set: Tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        _require_patterns(self)
+
+
 @dataclass(frozen=True)
 class RosbridgeConfig:
     """Parameters of the bridge; see config/rosbridge.yaml for their meaning."""
@@ -84,20 +167,43 @@ class RosbridgeConfig:
     address: str = "127.0.0.1"
     port: int = 9090
     allowed_origins: Tuple[str, ...] = ()
+    token: str = ""
+    instructor_token: str = ""
+    e_stop_topic: str = "e_stop"
+    max_command_age: float = 0.15
+    max_clients: int = 64
     max_message_size: int = 1048576
     max_queue_length: int = 100
     max_queue_bytes: int = 4194304
     max_subscriptions: int = 200
     max_service_calls: int = 16
+    max_services: int = 50
     service_timeout: float = 30.0
     connect_timeout: float = 0.5
     ping_interval: float = 5.0
     send_buffer: int = 65536
     max_in_flight: int = 32768
+    allowed: AllowedNames = field(default_factory=AllowedNames)
+    commands: CommandNames = field(default_factory=CommandNames)
+    instructor: InstructorNames = field(default_factory=InstructorNames)
 
     def __post_init__(self) -> None:
         require_text(self, "address")
         require_range(self, "port", 0, 65535)
+        for name in ("token", "instructor_token"):
+            require(
+                _TOKEN.fullmatch(getattr(self, name)) is not None,
+                f"{name} holds other characters than letters, digits and . _ ~ -, with which it "
+                "could not stand in an address",
+            )
+        require(
+            not self.token or self.token != self.instructor_token,
+            "token and instructor_token are the same; every client would be an instructor",
+        )
+        require_text(self, "e_stop_topic")
+        require_range(self, "max_command_age", 0.01, 60.0)
+        require_range(self, "max_clients", 1, 10000)
+        require_range(self, "max_services", 1, 10000)
         require_range(self, "max_message_size", 1024, 268435456)
         require_range(self, "max_queue_length", 1, 10000)
         require_range(self, "max_queue_bytes", 65536, 1073741824)
@@ -108,3 +214,7 @@ class RosbridgeConfig:
         require_range(self, "ping_interval", 0.2, 600.0)
         require_range(self, "send_buffer", 4096, 16777216)
         require_range(self, "max_in_flight", 0, 16777216)
+
+    def depth(self, length: int) -> int:
+        """Return how many messages may wait; rosbridge's 0 means that the client does not mind."""
+        return min(length, self.max_queue_length) if length else self.max_queue_length

@@ -4,23 +4,28 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import ipaddress
 import itertools
-import socket
-from typing import Callable, Set
-from urllib.parse import urlsplit
+import time
+from typing import AsyncIterator, Callable, Set
 
 from aiohttp import WSCloseCode, WSMsgType, web
 
 from ..config import RosbridgeConfig
 from ..freshness import Backlog
 from ..workers import OrderedWorker
+from .access import Access
+from .control import MAX_NAME, Control, Member
+from .control_services import ControlServices
 from .feeds import FeedPool
+from .operations import OperationError
+from .origins import origin_allowed
 from .outbox import Outbox
 from .publishers import PublisherPool
 from .ros import Ros
+from .roster import Roster
 from .services import ServiceDesk
-from .session import ClientSession
+from .session import ClientSession, Shared
+from .tokens import ForbiddenError, is_instructor, tokens_of
 
 BACKLOG_POLL = 0.005
 """Period (s) at which a client that has not taken its messages yet is looked at."""
@@ -30,46 +35,6 @@ LAST_WORDS = 0.1
 
 CLOSE_TIMEOUT = 0.2
 """Time (s) that a client gets to answer the closing handshake."""
-
-_LOOPBACK = ("127.0.0.1", "::1", "localhost")
-
-
-def origin_allowed(request: web.Request, allowed: Set[str]) -> bool:
-    """Tell whether the page that opens a connection may do so.
-
-    A browser lets any web page connect to a server on its own machine; without this check every
-    page that an operator visits could drive the robot. Programs that are no browser send no
-    origin.
-
-    Parameters
-    ----------
-    request
-        The WebSocket's HTTP request.
-    allowed
-        Origins allowed besides those of this machine and of the host that the client asked for;
-        "*" allows all.
-    """
-    origin = request.headers.get("Origin")
-    if origin is None or "*" in allowed or origin in allowed:
-        return True
-    try:
-        host = urlsplit(origin).hostname
-    except ValueError:
-        return False
-    if host in _LOOPBACK:
-        return True
-    # The same host as the bridge's, unless that is a foreign name which somebody let point here.
-    return host is not None and host == request.url.host and _is_own_name(host)
-
-
-def _is_own_name(host: str) -> bool:
-    """Tell whether a host is given by its IP address or by this machine's own name."""
-    try:
-        ipaddress.ip_address(host)
-    except ValueError:
-        own = socket.gethostname().lower()
-        return host.lower() in (own, own.partition(".")[0])
-    return True
 
 
 class Rosbridge:
@@ -89,19 +54,53 @@ class Rosbridge:
         self._config = config
         self._ros = ros
         self._warn = warn
-        self._worker = OrderedWorker("bridge to ROS")
-        self.publishers = PublisherPool(ros, self._worker)
-        self.feeds = FeedPool(ros, self._worker)
-        self._services = ServiceDesk(ros, self._worker, config.service_timeout)
-        self._clients: Set[web.WebSocketResponse] = set()
+        self.tokens = tokens_of(config)
+        worker = OrderedWorker("bridge to ROS")
+        self.publishers = PublisherPool(ros, worker)
+        self.feeds = FeedPool(ros, worker)
+        self.control = Control()
+        self._roster = Roster(self.control, self.publishers, ros.resolve("bridge/clients"))
+        own_services = ControlServices(self.control, ros.resolve)
+        self._shared = Shared(
+            config=config,
+            ros=ros,
+            worker=worker,
+            publishers=self.publishers,
+            feeds=self.feeds,
+            services=ServiceDesk(ros, worker, own_services, config.service_timeout),
+            access=Access(config, ros.resolve),
+            control=self.control,
+        )
+        self._sockets: Set[web.WebSocketResponse] = set()
         self._numbers = itertools.count(1)
 
     def make_app(self) -> web.Application:
         """Return the application."""
         app = web.Application()
         app.router.add_get("/{path:.*}", self.accept, allow_head=False)
+        app.cleanup_ctx.append(self._keep_publishing)
         app.on_shutdown.append(self._dismiss_clients)
         return app
+
+    async def _keep_publishing(self, _app: web.Application) -> AsyncIterator[None]:
+        """Tell who is connected, and hold the e-stop's publisher ready, as long as it serves."""
+        tasks = [
+            asyncio.ensure_future(work) for work in (self._roster.run(), self._prepare_e_stop())
+        ]
+        yield
+        for task in tasks:
+            task.cancel()
+
+    async def _prepare_e_stop(self) -> None:
+        """Open the topic of the e-stop: nobody's first one may wait until that is done."""
+        topic = self._shared.access.e_stop_topic
+        try:
+            publisher = await self.publishers.acquire(
+                topic, "std_msgs/Bool", latch=False, queue_size=10
+            )
+            await publisher.settle(self._config.connect_timeout)
+        except Exception as error:  # whatever ROS raises
+            self._warn(f"the e-stop's topic cannot be opened: {error}")
 
     async def accept(self, request: web.Request) -> web.StreamResponse:
         """Serve one client."""
@@ -112,6 +111,14 @@ class Rosbridge:
                 "parameter allowed_origins"
             )
             return web.Response(status=403, text="This page's origin may not use the bridge.\n")
+        try:
+            instructor = is_instructor(request, self.tokens)
+        except ForbiddenError as error:
+            self._warn(f"refused {request.remote}: {error}")
+            return web.Response(status=error.status, text=f"{error}\n")
+        if len(self._sockets) >= self._config.max_clients:
+            self._warn(f"refused {request.remote}: {len(self._sockets)} clients are connected")
+            return web.Response(status=503, text="The bridge has as many clients as it may.\n")
         websocket = web.WebSocketResponse(
             heartbeat=self._config.ping_interval,
             max_msg_size=self._config.max_message_size,
@@ -129,39 +136,49 @@ class Rosbridge:
         if transport is None:
             return websocket
         outbox = Outbox(self._config.max_queue_bytes)
-        session = self._make_session(outbox, transport)
+        session = self._make_session(request, instructor, outbox, transport)
         sender = asyncio.ensure_future(self._send_all(websocket, transport, outbox))
-        self._clients.add(websocket)
+        self._sockets.add(websocket)
         try:
-            await self._receive_all(websocket, session)
+            await self._receive_all(websocket, session, outbox)
         finally:
-            self._clients.discard(websocket)
+            self._sockets.discard(websocket)
             sender.cancel()
             session.close()
         return websocket
 
-    def _make_session(self, outbox: Outbox, transport: asyncio.Transport) -> ClientSession:
+    def _make_session(
+        self,
+        request: web.Request,
+        instructor: bool,
+        outbox: Outbox,
+        transport: asyncio.Transport,
+    ) -> ClientSession:
         def drop(reason: str) -> None:
             self._warn(f"dropped a client that does not read: {reason}")
             transport.abort()
 
-        return ClientSession(
-            str(next(self._numbers)),
-            self._config,
-            self._ros,
-            publishers=self.publishers,
-            feeds=self.feeds,
-            services=self._services,
-            outbox=outbox,
-            drop=drop,
-        )
+        number = str(next(self._numbers))
+        member = Member(number, request.remote or "", instructor, time.time())
+        session = ClientSession(member, self._shared, outbox, drop)
+        with contextlib.suppress(OperationError):
+            self.control.rename(member, request.query.get("name", "")[:MAX_NAME])
+        if request.query.get("status") == "1":
+            session.set_level("warning")
+        return session
 
-    async def _receive_all(self, websocket: web.WebSocketResponse, session: ClientSession) -> None:
+    async def _receive_all(
+        self, websocket: web.WebSocketResponse, session: ClientSession, outbox: Outbox
+    ) -> None:
         async for message in websocket:
             if message.type == WSMsgType.TEXT:
                 session.receive(message.data)
             elif message.type == WSMsgType.BINARY:
                 session.report("messages must be text; binary ones are not offered")
+            # A client that sends without a pause lets others have their turn; one that does not
+            # take the answers is not heard until it does.
+            await asyncio.sleep(0)
+            await outbox.room()
 
     async def _send_all(
         self, websocket: web.WebSocketResponse, transport: asyncio.Transport, outbox: Outbox
@@ -176,13 +193,13 @@ class Rosbridge:
 
     async def _dismiss_clients(self, _app: web.Application) -> None:
         """Close all connections; with each its session ends and stops what it drove."""
-        if not self._clients:
+        if not self._sockets:
             return
         farewells = [
             asyncio.ensure_future(
                 websocket.close(code=WSCloseCode.GOING_AWAY, message=b"the bridge ends")
             )
-            for websocket in tuple(self._clients)
+            for websocket in tuple(self._sockets)
         ]
         await asyncio.wait(farewells, timeout=2 * CLOSE_TIMEOUT)
         await asyncio.sleep(LAST_WORDS)

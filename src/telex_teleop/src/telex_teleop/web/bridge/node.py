@@ -18,7 +18,15 @@ def _make_app(config: RosbridgeConfig) -> web.Application:
     def warn(sentence: str) -> None:
         rospy.logwarn_throttle(WARNING_PERIOD, f"{rospy.get_name()}: {sentence}")
 
-    return Rosbridge(config, RosGraph(), warn).make_app()
+    bridge = Rosbridge(config, RosGraph(), warn)
+    if bridge.tokens.made_up:
+        # Not by rospy's log: that is a topic, and every client may read it.
+        print(
+            f"{rospy.get_name()}: clients connect with ?token={bridge.tokens.client} , instructors "
+            f"with ?role=instructor&token={bridge.tokens.instructor}",
+            flush=True,
+        )
+    return bridge.make_app()
 
 
 def main() -> int:

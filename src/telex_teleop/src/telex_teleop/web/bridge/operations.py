@@ -8,6 +8,9 @@ from typing import Any, Dict, Optional, Union
 MAX_DIGITS = 20
 """Digits of the longest 64-bit integer; longer ones would only cost time to read."""
 
+MAX_TEXT = 500
+"""Characters of the longest name of a topic, service, type or operation."""
+
 Id = Union[str, int, None]
 
 
@@ -81,6 +84,8 @@ class Operation:
         value = self._fields.get(name)
         if not isinstance(value, str) or not value:
             raise OperationError(f"'{name}' must be a string that is not empty")
+        if len(value) > MAX_TEXT:
+            raise OperationError(f"'{name}' has {len(value)} characters; {MAX_TEXT} are enough")
         return value
 
     def optional_text(self, name: str) -> Optional[str]:

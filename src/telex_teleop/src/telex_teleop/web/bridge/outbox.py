@@ -43,6 +43,7 @@ class Outbox:
         self._bytes = 0
         self._replies = 0
         self._filled = asyncio.Event()
+        self._emptier = asyncio.Event()
 
     def __len__(self) -> int:
         return self._replies + sum(len(entries) for entries in self._topics.values())
@@ -87,6 +88,12 @@ class Outbox:
             self._filled.clear()
             await self._filled.wait()
 
+    async def room(self) -> None:
+        """Wait until less than half of the replies wait that may."""
+        while 2 * self._replies >= self._max_replies:
+            self._emptier.clear()
+            await self._emptier.wait()
+
     def _append(self, topic: Optional[str], text: str) -> _Entry:
         entry = _Entry(topic, text)
         self._queue.append(entry)
@@ -99,6 +106,7 @@ class Outbox:
         self._bytes -= len(entry.text or "")
         if entry.topic is None:
             self._replies -= 1
+            self._emptier.set()
             return
         waiting = self._topics[entry.topic]
         waiting.popleft()

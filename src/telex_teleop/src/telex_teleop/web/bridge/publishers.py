@@ -13,6 +13,7 @@ from .message_types import topic_class
 from .operations import OperationError
 from .ros import Publisher, Ros
 from .sharing import SharedResources
+from .stop import commands_motion
 
 LINGER = 1.0
 """Time (s) that a publisher outlives its last client: its last message must still get out."""
@@ -22,7 +23,7 @@ CONNECTION_POLL = 0.01
 
 
 class SharedPublisher:
-    """A publisher of a topic.
+    """A publisher of a topic; `settled` when its subscribers are connected.
 
     Parameters
     ----------
@@ -39,17 +40,17 @@ class SharedPublisher:
         self.codec = codec
         self._publisher = publisher
         self._expected = expected
-        self._settled = False
+        self.settled = False
 
     async def settle(self, timeout: float) -> None:
         """Wait until the subscribers are connected, for `timeout` (s) at most."""
         loop = asyncio.get_running_loop()
         deadline = loop.time() + timeout
-        while not self._settled and self._publisher.connections() < self._expected:
+        while not self.settled and self._publisher.connections() < self._expected:
             if loop.time() >= deadline:
                 break
             await asyncio.sleep(CONNECTION_POLL)
-        self._settled = True
+        self.settled = True
 
     def publish(self, message: genpy.Message) -> None:
         """Publish without blocking; raises OperationError if that cannot be done."""
@@ -75,6 +76,7 @@ class PublisherPool:
 
     def __init__(self, ros: Ros, worker: OrderedWorker, linger: float = LINGER) -> None:
         self._ros = ros
+        self._worker = worker
         self._shared: SharedResources[Tuple[str, bool], SharedPublisher] = SharedResources(
             worker, linger
         )
@@ -95,14 +97,29 @@ class PublisherPool:
 
         def advertise() -> SharedPublisher:
             found = topic_class(self._ros, topic, type_name)
-            publisher = self._ros.advertise(topic, found, latch=latch, queue_size=queue_size)
-            return SharedPublisher(publisher, codec_of(found), self._ros.subscriber_count(topic))
+            # An old command must not reach a node that starts later.
+            latched = latch and not commands_motion(found._type)
+            publisher = self._ros.advertise(topic, found, latch=latched, queue_size=queue_size)
+            expected = len(self._ros.subscribers(topic))
+            return SharedPublisher(publisher, codec_of(found), expected)
 
         shared = await self._shared.acquire((topic, latch), advertise)
         if type_name not in (None, shared.codec.type_name):
             self.release(topic, latch=latch)
             raise OperationError(f"{topic} has the type {shared.codec.type_name}, not {type_name}")
         return shared
+
+    async def catch_up(self) -> None:
+        """Wait until all that ROS has been asked for by now is done, subscriptions as well."""
+        await self._worker.submit(lambda: None)
+
+    def settled(self, topic: str) -> Optional[SharedPublisher]:
+        """Return a publisher of a topic whose subscribers are connected, if any client has one."""
+        for latch in (True, False):
+            shared = self._shared.in_use((topic, latch))
+            if shared is not None and shared.settled:
+                return shared
+        return None
 
     def release(self, topic: str, *, latch: bool) -> None:
         """Give a publisher back; it ends a while after its last client."""

@@ -9,6 +9,9 @@ import genpy
 Receive = Callable[[genpy.Message, Optional[str]], None]
 """Takes a message in any thread; the name of its publisher, if that publisher latches."""
 
+Answer = Callable[[genpy.Message], genpy.Message]
+"""Answers a call of a service in any thread; OperationError says why it cannot."""
+
 
 class Publisher(Protocol):
     """A publisher of one topic."""
@@ -45,11 +48,17 @@ class Ros(Protocol):
     def nodes(self) -> List[str]:
         """Return all nodes."""
 
+    def node_details(self, node: str) -> Dict[str, List[str]]:
+        """Return the topics and services of a node: `subscribing`, `publishing`, `services`."""
+
     def services(self) -> List[str]:
         """Return all services."""
 
-    def subscriber_count(self, topic: str) -> int:
-        """Return how many nodes have subscribed to a topic."""
+    def publishers(self, topic: str) -> List[str]:
+        """Return the nodes that publish a topic."""
+
+    def subscribers(self, topic: str) -> List[str]:
+        """Return the nodes that have subscribed to a topic."""
 
     def advertise(
         self, topic: str, message_class: Type[genpy.Message], *, latch: bool, queue_size: int
@@ -66,6 +75,9 @@ class Ros(Protocol):
 
     def call_service(self, service: str, service_class: Any, request: genpy.Message) -> Any:
         """Call a service and return its response."""
+
+    def serve(self, service: str, service_class: Any, answer: Answer) -> Callable[[], None]:
+        """Begin to offer a service; return the function that ends it, which may block."""
 
     def get_param(self, name: str) -> Any:
         """Return a parameter; raises KeyError if it is not set."""

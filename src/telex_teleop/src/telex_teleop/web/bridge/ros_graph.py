@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import Any, Callable, Dict, List, Optional, Type
 
 import genpy
@@ -11,13 +12,17 @@ import rospy
 import rosservice
 
 from .operations import OperationError
-from .ros import Publisher, Receive
+from .ros import Answer, Publisher, Receive
 
 _ONLY_NEWEST_COUNTS = (
     "sensor_msgs/Image",
     "sensor_msgs/CompressedImage",
     "sensor_msgs/PointCloud2",
 )
+_SAID_ONCE = ("ActionFeedback", "ActionResult")
+"""Endings of types whose messages follow at once on what the same client sends next: its goal."""
+_CONNECT_TIMEOUT = 1.0
+_CONNECT_POLL = 0.005
 _BUFFER_SIZE = 2**24
 _QUEUE_SIZE = 100
 
@@ -68,14 +73,25 @@ class RosGraph:
         state = self._master().getSystemState()
         return sorted({node for part in state for _, nodes in part for node in nodes})
 
+    def node_details(self, node: str) -> Dict[str, List[str]]:
+        """Return the topics and services of a node."""
+        publishers, subscribers, services = (
+            sorted(name for name, nodes in part if node in nodes)
+            for part in self._master().getSystemState()
+        )
+        return {"subscribing": subscribers, "publishing": publishers, "services": services}
+
     def services(self) -> List[str]:
         """Return all services."""
         return sorted(name for name, _ in self._master().getSystemState()[2])
 
-    def subscriber_count(self, topic: str) -> int:
-        """Return how many nodes have subscribed to a topic."""
-        subscribers = dict(self._master().getSystemState()[1])
-        return len(subscribers.get(topic, []))
+    def publishers(self, topic: str) -> List[str]:
+        """Return the nodes that publish a topic."""
+        return sorted(dict(self._master().getSystemState()[0]).get(topic, []))
+
+    def subscribers(self, topic: str) -> List[str]:
+        """Return the nodes that have subscribed to a topic."""
+        return sorted(dict(self._master().getSystemState()[1]).get(topic, []))
 
     def advertise(
         self, topic: str, message_class: Type[genpy.Message], *, latch: bool, queue_size: int
@@ -111,7 +127,16 @@ class RosGraph:
             )
         except (rospy.ROSException, ValueError) as error:
             raise OperationError(str(error)) from None
+        if message_class._type.endswith(_SAID_ONCE):
+            self._await_publishers(topic, subscriber)
         return subscriber.unregister
+
+    def _await_publishers(self, topic: str, subscriber: rospy.Subscriber) -> None:
+        """Wait until a subscriber is connected to the publishers that the master knows."""
+        expected = len(self.publishers(topic))
+        deadline = time.monotonic() + _CONNECT_TIMEOUT
+        while subscriber.get_num_connections() < expected and time.monotonic() < deadline:
+            time.sleep(_CONNECT_POLL)
 
     def service_type(self, service: str) -> Optional[str]:
         """Return the type of a service, None if there is no such service."""
@@ -130,6 +155,26 @@ class RosGraph:
             return rospy.ServiceProxy(service, service_class)(request)
         except (rospy.ServiceException, rospy.ROSException) as error:
             raise OperationError(str(error)) from None
+
+    def serve(self, service: str, service_class: Any, answer: Answer) -> Callable[[], None]:
+        """Begin to offer a service; return the function that ends it."""
+        # The master would let a newcomer take any service from its node without a word.
+        others = set(dict(self._master().getSystemState()[2]).get(service, []))
+        others.discard(rospy.get_name())
+        if others:
+            raise OperationError(f"{service} is offered by {', '.join(sorted(others))} already")
+
+        def handle(request: Any) -> Any:
+            try:
+                return answer(request)
+            except OperationError as error:
+                raise rospy.ServiceException(str(error)) from None
+
+        try:
+            offered = rospy.Service(service, service_class, handle)
+        except (rospy.ServiceException, ValueError) as error:
+            raise OperationError(str(error)) from None
+        return lambda: offered.shutdown("its client has withdrawn it")
 
     def get_param(self, name: str) -> Any:
         """Return a parameter; raises KeyError if it is not set."""

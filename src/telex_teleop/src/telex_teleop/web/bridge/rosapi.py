@@ -8,12 +8,15 @@ import datetime
 import json
 import math
 import xmlrpc.client
-from typing import Any, Callable, Dict, List, Optional, Tuple
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
-from .operations import OperationError, parse_json
+from .message_types import message_class, service_class
+from .operations import MAX_TEXT, OperationError, parse_json
 from .ros import Ros
+from .type_details import type_details
 
 _PREFIX = "rosapi/"
+_ACTION_TOPICS = ("cancel", "feedback", "status", "result")
 Arguments = Dict[str, Any]
 
 
@@ -29,11 +32,14 @@ class Question:
         The request's fields, in their order.
     immediate
         It does not block.
+    changed
+        Gives the global names of the parameters that it would change.
     """
 
     ask: Callable[[Arguments], Dict[str, Any]]
     fields: Tuple[str, ...] = ()
     immediate: bool = False
+    changed: Optional[Callable[[Arguments], List[str]]] = None
 
 
 class RosApi:
@@ -43,21 +49,51 @@ class RosApi:
     ----------
     ros
         Where the answers are.
+    own_services
+        Types of the services that the bridge itself answers besides these, by their global names.
+    secrets
+        Global names of parameters that no client may read.
     """
 
-    def __init__(self, ros: Ros) -> None:
+    def __init__(
+        self, ros: Ros, own_services: Mapping[str, str], secrets: Sequence[str] = ()
+    ) -> None:
         self._ros = ros
+        self._secrets = tuple(secrets)
         self._questions: Dict[str, Question] = {
             "topics": Question(lambda _: self._topics()),
+            "topics_and_raw_types": Question(lambda _: self._topics_and_raw_types()),
             "topic_type": Question(self._topic_type, ("topic",)),
-            "services": Question(lambda _: {"services": sorted(ros.services())}),
+            "topics_for_type": Question(self._topics_for_type, ("type",)),
+            "publishers": Question(self._publishers, ("topic",)),
+            "subscribers": Question(self._subscribers, ("topic",)),
+            "services": Question(lambda _: {"services": self._services()}),
             "service_type": Question(self._service_type, ("service",)),
+            "services_for_type": Question(self._services_for_type, ("type",)),
+            "message_details": Question(self._message_details, ("type",)),
+            "service_request_details": Question(self._request_details, ("type",)),
+            "service_response_details": Question(self._response_details, ("type",)),
             "nodes": Question(lambda _: {"nodes": sorted(ros.nodes())}),
+            "node_details": Question(self._node_details, ("node",)),
+            "action_servers": Question(lambda _: {"action_servers": self._action_servers()}),
             "get_param": Question(self._get_param, ("name", "default")),
-            "set_param": Question(self._set_param, ("name", "value")),
-            "delete_param": Question(self._delete_param, ("name",)),
+            "set_param": Question(
+                self._set_param,
+                ("name", "value"),
+                changed=lambda arguments: [ros.resolve(_name(arguments, "name"))],
+            ),
+            "has_param": Question(self._has_param, ("name",)),
+            "delete_param": Question(
+                self._delete_param,
+                ("name",),
+                changed=lambda arguments: self._spellings(_name(arguments, "name")),
+            ),
             "get_param_names": Question(lambda _: {"names": sorted(ros.param_names())}),
             "get_time": Question(lambda _: self._time(), immediate=True),
+        }
+        self._own_services = {
+            **own_services,
+            **{f"/{_PREFIX}{name}": _type_of(name) for name in self._questions},
         }
 
     def find(self, service: str) -> Optional[Question]:
@@ -76,23 +112,106 @@ class RosApi:
         types = self._ros.topic_types()
         return {"topics": names, "types": [types.get(name, "") for name in names]}
 
+    def _topics_and_raw_types(self) -> Dict[str, Any]:
+        answer = self._topics()
+        texts = []
+        for type_name in answer["types"]:
+            try:
+                texts.append(str(message_class(type_name)._full_text))
+            except OperationError:
+                texts.append("")
+        return {**answer, "typedefs_full_text": texts}
+
+    def _topics_for_type(self, arguments: Arguments) -> Dict[str, Any]:
+        wanted = _name(arguments, "type")
+        answer = self._topics()
+        pairs = zip(answer["topics"], answer["types"])
+        return {"topics": [topic for topic, type_name in pairs if type_name == wanted]}
+
     def _topic_type(self, arguments: Arguments) -> Dict[str, Any]:
         types = self._ros.topic_types()
         found = (types.get(name) for name in self._spellings(_name(arguments, "topic")))
         return {"type": next(filter(None, found), "")}
 
+    def _publishers(self, arguments: Arguments) -> Dict[str, Any]:
+        return {"publishers": self._ros.publishers(self._ros.resolve(_name(arguments, "topic")))}
+
+    def _subscribers(self, arguments: Arguments) -> Dict[str, Any]:
+        return {"subscribers": self._ros.subscribers(self._ros.resolve(_name(arguments, "topic")))}
+
+    def _services(self) -> List[str]:
+        return sorted({*self._ros.services(), *self._own_services})
+
+    def _type_of_service(self, service: str) -> str:
+        own = self._own_services.get(service)
+        if own is not None:
+            return own
+        try:
+            return self._ros.service_type(service) or ""
+        except OperationError:  # its node is gone, or hangs
+            return ""
+
     def _service_type(self, arguments: Arguments) -> Dict[str, Any]:
         names = self._spellings(_name(arguments, "service"))
-        return {"type": next(filter(None, map(self._ros.service_type, names)), "")}
+        return {"type": next(filter(None, map(self._type_of_service, names)), "")}
+
+    def _services_for_type(self, arguments: Arguments) -> Dict[str, Any]:
+        wanted = _name(arguments, "type")
+        found = [name for name in self._services() if self._type_of_service(name) == wanted]
+        return {"services": found}
+
+    def _message_details(self, arguments: Arguments) -> Dict[str, Any]:
+        return {"typedefs": type_details(message_class(_name(arguments, "type")))}
+
+    def _request_details(self, arguments: Arguments) -> Dict[str, Any]:
+        found = service_class(_name(arguments, "type"))
+        return {"typedefs": type_details(found._request_class)}
+
+    def _response_details(self, arguments: Arguments) -> Dict[str, Any]:
+        found = service_class(_name(arguments, "type"))
+        return {"typedefs": type_details(found._response_class)}
+
+    def _node_details(self, arguments: Arguments) -> Dict[str, Any]:
+        return self._ros.node_details(self._ros.resolve(_name(arguments, "node")))
+
+    def _action_servers(self) -> List[str]:
+        topics = set(self._ros.topics())
+        goals = (topic[: -len("/goal")] for topic in topics if topic.endswith("/goal"))
+        return sorted(
+            name for name in goals if all(f"{name}/{part}" in topics for part in _ACTION_TOPICS)
+        )
 
     def _get_param(self, arguments: Arguments) -> Dict[str, Any]:
         for name in self._spellings(_name(arguments, "name")):
             try:
-                return {"value": json.dumps(_plain(self._ros.get_param(name)))}
+                value = self._ros.get_param(name)
+                return {"value": json.dumps(_plain(self._without_secrets(name, value)))}
             except KeyError:
                 continue
         default = arguments.get("default")
         return {"value": default if isinstance(default, str) and default else "null"}
+
+    def _without_secrets(self, name: str, value: Any) -> Any:
+        """Return a parameter's value, without what no client may read."""
+        if name in self._secrets:
+            raise OperationError(f"{name} is not for clients to read")
+        if isinstance(value, dict):
+            inside = name if name.endswith("/") else f"{name}/"
+            return {
+                key: self._without_secrets(f"{inside}{key}", part)
+                for key, part in value.items()
+                if f"{inside}{key}" not in self._secrets
+            }
+        return value
+
+    def _has_param(self, arguments: Arguments) -> Dict[str, Any]:
+        for name in self._spellings(_name(arguments, "name")):
+            try:
+                self._ros.get_param(name)
+            except KeyError:
+                continue
+            return {"exists": True}
+        return {"exists": False}
 
     def _set_param(self, arguments: Arguments) -> Dict[str, Any]:
         name = self._ros.resolve(_name(arguments, "name"))
@@ -104,6 +223,8 @@ class RosApi:
         value = parse_json(text)
         try:
             self._ros.set_param(name, value)
+        except RecursionError:
+            raise OperationError("the value is nested too deeply") from None
         except (TypeError, OverflowError, xmlrpc.client.Fault) as error:
             raise OperationError(f"the parameter server cannot hold this value: {error}") from None
         return {}
@@ -129,10 +250,19 @@ class RosApi:
         return meanings
 
 
+def _type_of(question: str) -> str:
+    """Return the type that rosapi gives to one of its services."""
+    if question == "action_servers":
+        return "rosapi/GetActionServers"
+    return "rosapi/" + "".join(part.capitalize() for part in question.split("_"))
+
+
 def _name(arguments: Any, field: str) -> str:
     value = arguments.get(field)
     if not isinstance(value, str) or not value:
         raise OperationError(f"'{field}' must be a string that is not empty")
+    if len(value) > MAX_TEXT:
+        raise OperationError(f"'{field}' has {len(value)} characters; {MAX_TEXT} are enough")
     return value
 
 

@@ -1,16 +1,31 @@
-"""Services: those of ROS, and rosapi's, which the bridge answers itself."""
+"""Services: those of ROS, and those of rosapi and of control, which the bridge answers itself."""
 
 from __future__ import annotations
 
 import asyncio
+import dataclasses
 from typing import Any, Dict, Sequence
 
 from ..workers import OrderedWorker, in_own_thread
+from .command_gate import CommandGate
+from .control import Member
+from .control_services import ControlServices
 from .message_json import codec_of
 from .message_types import service_class
 from .operations import OperationError
 from .ros import Ros
-from .rosapi import RosApi
+from .rosapi import Question, RosApi
+
+SECRETS = ("~token", "~instructor_token")
+"""Parameters of the bridge that would make an instructor of every client who reads them."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Caller:
+    """The client that calls, and what it may do."""
+
+    member: Member
+    gate: CommandGate
 
 
 class ServiceDesk:
@@ -22,17 +37,22 @@ class ServiceDesk:
         Where the services are.
     worker
         Thread for rosapi's questions to the master.
+    control
+        Answers what concerns control.
     timeout
         Time (s) after which a call is given up.
     """
 
-    def __init__(self, ros: Ros, worker: OrderedWorker, timeout: float) -> None:
+    def __init__(
+        self, ros: Ros, worker: OrderedWorker, control: ControlServices, timeout: float
+    ) -> None:
         self._ros = ros
         self._worker = worker
+        self._control = control
         self._timeout = timeout
-        self._rosapi = RosApi(ros)
+        self._rosapi = RosApi(ros, control.types, [ros.resolve(name) for name in SECRETS])
 
-    async def call(self, service: str, arguments: Any) -> Dict[str, Any]:
+    async def call(self, service: str, arguments: Any, caller: Caller) -> Dict[str, Any]:
         """Call a service and return the values of its response.
 
         Parameters
@@ -41,27 +61,41 @@ class ServiceDesk:
             Its name as the client spells it.
         arguments
             Object with the request's fields, list of them in their order, or None.
+        caller
+            Who calls.
 
         Raises
         ------
         OperationError
             There is no such service, the arguments do not fit, or the call failed.
         """
-        question = self._rosapi.find(service)
         try:
-            if question is None:
-                # A service may take its time, so each call has a thread of its own.
-                answer = in_own_thread(lambda: self._call_ros(service, arguments))
-                return await asyncio.wait_for(answer, self._timeout)
-            if question.immediate:
-                return question.ask(_as_object(arguments, question.fields))
-            fields = _as_object(arguments, question.fields)
-            answer = self._worker.submit(lambda: question.ask(fields))
+            question = self._rosapi.find(service)
+            if question is not None:
+                return await self._ask_rosapi(question, arguments, caller)
+            fields = self._control.fields_of(service)
+            if fields is not None:
+                return self._control.answer(service, caller.member, _as_object(arguments, fields))
+            caller.gate.admit_call(self._ros.resolve(service))
+            # A service may take its time, so each call has a thread of its own.
+            answer = in_own_thread(lambda: self._call_ros(service, arguments))
             return await asyncio.wait_for(answer, self._timeout)
         except asyncio.TimeoutError:
             raise OperationError(f"{service} did not answer within {self._timeout:g} s") from None
         except Exception as error:  # whatever fails in ROS is the answer to the client
             raise OperationError(str(error) or type(error).__name__) from error
+
+    async def _ask_rosapi(
+        self, question: Question, arguments: Any, caller: Caller
+    ) -> Dict[str, Any]:
+        fields = _as_object(arguments, question.fields)
+        if question.immediate:
+            return question.ask(fields)
+        if question.changed is not None:
+            for name in question.changed(fields):
+                caller.gate.admit_setting(name)
+        answer = self._worker.submit(lambda: question.ask(fields))
+        return await asyncio.wait_for(answer, self._timeout)
 
     def _call_ros(self, service: str, arguments: Any) -> Dict[str, Any]:
         name = self._ros.resolve(service)

@@ -31,19 +31,19 @@ class _Share(Generic[Resource]):
         self.failed = False
         self.opened: Optional[asyncio.Future[Resource]] = None
         self._make = make
-        self._resource: Optional[Resource] = None
+        self.resource: Optional[Resource] = None
 
     def open(self) -> Resource:
         try:
-            self._resource = self._make()
+            self.resource = self._make()
         except Exception:
             self.failed = True
             raise
-        return self._resource
+        return self.resource
 
     def close(self) -> None:
-        if self._resource is not None:
-            self._resource.close()
+        if self.resource is not None:
+            self.resource.close()
 
 
 class SharedResources(Generic[Key, Resource]):
@@ -94,6 +94,11 @@ class SharedResources(Generic[Key, Resource]):
         except BaseException:
             self.release(key)
             raise
+
+    def in_use(self, key: Key) -> Optional[Resource]:
+        """Return the resource of a key if it is open and somebody uses it."""
+        share = self._shares.get(key)
+        return share.resource if share is not None and share.users else None
 
     def release(self, key: Key) -> None:
         """Give a resource back."""

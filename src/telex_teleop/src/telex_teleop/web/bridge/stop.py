@@ -3,21 +3,39 @@
 from __future__ import annotations
 
 import copy
-from typing import Any, Callable, Dict, Iterable, Optional, Tuple
+import dataclasses
+from typing import Any, Callable, Dict, Iterable, Optional
 
 import genpy
+from actionlib_msgs.msg import GoalID
 
 
-def _moves(*numbers: Iterable[float]) -> bool:
+@dataclasses.dataclass(frozen=True)
+class CommandKind:
+    """What the bridge knows of a type of command.
+
+    Attributes
+    ----------
+    moves
+        Tells whether a message asks for motion; if not, it asks for standstill.
+    stop
+        Makes the message that ends the motion; None if it ends when the stream falls silent.
+    """
+
+    moves: Callable[[Any], bool]
+    stop: Optional[Callable[[Any], Any]]
+
+
+def _any(*numbers: Iterable[float]) -> bool:
     return any(value != 0.0 for group in numbers for value in group)
 
 
 def _twist_moves(twist: Any) -> bool:
     linear, angular = twist.linear, twist.angular
-    return _moves((linear.x, linear.y, linear.z), (angular.x, angular.y, angular.z))
+    return _any((linear.x, linear.y, linear.z), (angular.x, angular.y, angular.z))
 
 
-def _stop_twist(message: Any) -> Any:
+def _stop_empty(message: Any) -> Any:
     return type(message)()
 
 
@@ -33,29 +51,38 @@ def _stop_preset(message: Any) -> Any:
     return stop
 
 
-def _jog_moves(jog: Any) -> bool:
-    return _moves(jog.velocities, jog.displacements)
-
-
 def _stop_jog(message: Any) -> Any:
-    stop = type(message)()
-    stop.header = copy.copy(message.header)
+    stop = _stop_with_header(message)
     stop.joint_names = list(message.joint_names)
     stop.velocities = [0.0] * len(message.joint_names)
     return stop
 
 
-_Rule = Tuple[Callable[[Any], bool], Callable[[Any], Any]]
-
-_RULES: Dict[str, _Rule] = {
-    "geometry_msgs/Twist": (_twist_moves, _stop_twist),
-    "geometry_msgs/TwistStamped": (
-        lambda message: _twist_moves(message.twist),
-        _stop_with_header,
+_KINDS: Dict[str, CommandKind] = {
+    "geometry_msgs/Twist": CommandKind(_twist_moves, _stop_empty),
+    "geometry_msgs/TwistStamped": CommandKind(
+        lambda message: _twist_moves(message.twist), _stop_with_header
     ),
-    "control_msgs/JointJog": (_jog_moves, _stop_jog),
-    "telex_msgs/FlipperPresetHold": (lambda message: message.preset != "", _stop_preset),
+    "geometry_msgs/PoseStamped": CommandKind(lambda message: True, None),
+    "control_msgs/JointJog": CommandKind(
+        lambda message: _any(message.velocities, message.displacements), _stop_jog
+    ),
+    "telex_msgs/FlipperPresetHold": CommandKind(lambda message: message.preset != "", _stop_preset),
+    # An empty trajectory, and only one without a stamp, stops the controller at once.
+    "trajectory_msgs/JointTrajectory": CommandKind(
+        lambda message: bool(message.points), _stop_empty
+    ),
 }
+
+
+def kind_of(message: genpy.Message) -> Optional[CommandKind]:
+    """Return what is known of a message as a command; None for types that command no motion."""
+    return _KINDS.get(message._type)
+
+
+def commands_motion(type_name: str) -> bool:
+    """Tell whether messages of a type command motion, so that an old one must not be replayed."""
+    return type_name in _KINDS or is_goal_type(type_name)
 
 
 def stop_for(message: genpy.Message) -> Optional[genpy.Message]:
@@ -64,10 +91,20 @@ def stop_for(message: genpy.Message) -> Optional[genpy.Message]:
     Returns
     -------
     stop
-        A command of zero velocity for the same thing; None if the message commands no motion, or
-        is no velocity command at all.
+        A command of standstill for the same thing, on the same topic; None if the message commands
+        no motion, or one that ends otherwise.
     """
-    rule = _RULES.get(message._type)
-    if rule is None or not rule[0](message):
+    kind = kind_of(message)
+    if kind is None or kind.stop is None or not kind.moves(message):
         return None
-    return rule[1](message)
+    return kind.stop(message)
+
+
+def is_goal_type(type_name: str) -> bool:
+    """Tell whether messages of a type are goals of an action."""
+    return type_name.endswith("ActionGoal")
+
+
+def cancel_for(goal: Any) -> GoalID:
+    """Return the message that cancels a goal, for the topic `cancel` beside that of the goal."""
+    return GoalID(id=goal.goal_id.id)

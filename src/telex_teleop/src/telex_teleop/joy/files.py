@@ -1,0 +1,32 @@
+"""Reading of the YAML files of joysticks."""
+
+from __future__ import annotations
+
+from typing import Type, TypeVar
+
+import yaml
+
+from telex_control.params import ConfigError, read_struct
+
+__all__ = ["read_file"]
+
+Config = TypeVar("Config")
+
+
+def read_file(kind: Type[Config], path: str) -> Config:
+    """Read a file into a dataclass.
+
+    Raises
+    ------
+    telex_control.params.ConfigError
+        When it cannot be read or is wrong; the message begins with the path.
+    """
+    try:
+        with open(path, encoding="utf-8") as file:
+            content = yaml.safe_load(file)
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise ConfigError(f"{path}: cannot be read: {error}") from error
+    try:
+        return read_struct(kind, content)
+    except ConfigError as error:
+        raise ConfigError(f"{path}: {error}") from None

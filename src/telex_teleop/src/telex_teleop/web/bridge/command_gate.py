@@ -1,0 +1,153 @@
+"""Which commands of one client are obeyed."""
+
+from __future__ import annotations
+
+from typing import Any, Callable, Dict, Optional, Tuple
+
+import genpy
+
+from .access import Access
+from .control import Control, ControlError, Member
+from .operations import OperationError
+from .stop import kind_of
+
+PAUSE = 0.3
+"""Silence (s) after which a stream of commands has ended, as on the robot's side."""
+
+
+class CommandRefusedError(OperationError):
+    """A command is not obeyed; the text says why."""
+
+
+class CommandGate:
+    """Lets the commands of one client through, or says why not.
+
+    A stream of commands that was refused stays refused until it has paused or sent a stop, even if
+    its client gets control meanwhile: a key that was held all the time must be pressed anew.
+
+    Parameters
+    ----------
+    member
+        The client.
+    control
+        Who holds control.
+    access
+        What is a command.
+    max_age
+        Age (s) above which a command comes too late.
+    clock
+        Monotonic time (s).
+    """
+
+    def __init__(
+        self,
+        member: Member,
+        control: Control,
+        access: Access,
+        max_age: float,
+        clock: Callable[[], float],
+    ) -> None:
+        self._member = member
+        self._control = control
+        self._access = access
+        self._max_age = max_age
+        self._clock = clock
+        self._refused: Dict[str, Tuple[float, int]] = {}  # topic to time of the last one, number
+
+    def admit_message(self, topic: str, message: genpy.Message, age: Optional[float]) -> bool:
+        """Decide on a message to a topic.
+
+        Parameters
+        ----------
+        topic
+            Global name.
+        message
+            What the client wants to publish.
+        age
+            Its age (s), None if the client does not tell.
+
+        Returns
+        -------
+        bool
+            False for a stop that is not this client's to give; there is nothing to complain of.
+
+        Raises
+        ------
+        CommandRefusedError
+            It is a command, and not obeyed.
+        """
+        if topic == self._access.e_stop_topic:
+            return self._admit_e_stop(message, age)
+        if not self._access.is_command("publish", topic):
+            return True
+        kind = kind_of(message)
+        if kind is not None and not kind.moves(message):
+            self._refused.pop(topic, None)
+            # Whose stop reaches the robot also ends the wait for a new press, so it must be his.
+            return self._control.holder in (None, self._member)
+        with_right = self._member.instructor and self._access.is_instructors("publish", topic)
+        try:
+            self._check_age(age)
+            if not with_right:
+                self._require_control()
+                self._check_stream(topic)
+        except CommandRefusedError:
+            self._note_refused(topic)
+            raise
+        self._refused.pop(topic, None)
+        return True
+
+    def admit_call(self, service: str) -> None:
+        """Raise CommandRefusedError unless the client may call a service now."""
+        self._access.check("call", service)
+        self._admit("call", service)
+
+    def admit_setting(self, name: str) -> None:
+        """Raise CommandRefusedError unless the client may set or delete a parameter now."""
+        self._access.check("set", name)
+        self._admit("set", name)
+
+    def _admit(self, use: str, name: str) -> None:
+        if not self._access.is_command(use, name):
+            return
+        if self._member.instructor and self._access.is_instructors(use, name):
+            return
+        try:
+            self._require_control()
+        except CommandRefusedError:
+            self._control.count_dropped(self._member)
+            raise
+
+    def _admit_e_stop(self, message: Any, age: Optional[float]) -> bool:
+        if message.data or self._member.instructor:
+            return True
+        try:
+            self._check_age(age)
+            self._require_control()
+        except CommandRefusedError:
+            self._control.count_dropped(self._member)
+            raise
+        return True
+
+    def _check_age(self, age: Optional[float]) -> None:
+        if age is not None and age > self._max_age:
+            raise CommandRefusedError(
+                f"the command came {age:.2f} s late; {self._max_age:g} s are allowed"
+            )
+
+    def _require_control(self) -> None:
+        try:
+            self._control.require(self._member)
+        except ControlError as error:
+            raise CommandRefusedError(str(error)) from None
+
+    def _check_stream(self, topic: str) -> None:
+        refused, number = self._refused.get(topic, (0.0, 0))
+        if number > 1 and self._clock() - refused < PAUSE:
+            raise CommandRefusedError("this stream began when it was refused: stop, and start anew")
+
+    def _note_refused(self, topic: str) -> None:
+        self._control.count_dropped(self._member)
+        now = self._clock()
+        refused, number = self._refused.get(topic, (now, 0))
+        self._refused[topic] = (now, number + 1 if now - refused < PAUSE else 1)

@@ -1,0 +1,124 @@
+"""What the parts of a client's session share: replies, complaints, and work under way."""
+
+from __future__ import annotations
+
+import asyncio
+import dataclasses
+import json
+from typing import (
+    Any,
+    Awaitable,
+    Callable,
+    Coroutine,
+    Dict,
+    Generic,
+    Protocol,
+    Set,
+    TypeVar,
+)
+
+from .operations import Id, Operation
+from .outbox import Outbox, OutboxFullError
+
+LEVELS = ("none", "error", "warning", "info")
+"""What a client can ask to hear, rising."""
+
+WARNING_PERIOD = 1.0
+"""Shortest time (s) between two equal warnings; commands come up to a hundred times a second."""
+
+MAX_WARNINGS = 100
+"""Different warnings that are remembered as said."""
+
+
+class Link:
+    """One client's way out, on the loop's thread.
+
+    Parameters
+    ----------
+    outbox
+        What goes to the client.
+    drop
+        Cuts the connection, with the reason.
+    """
+
+    def __init__(self, outbox: Outbox, drop: Callable[[str], None]) -> None:
+        self._outbox = outbox
+        self._drop = drop
+        self.level = "error"
+        self._said: Dict[str, float] = {}
+        self._tasks: Set[asyncio.Task[None]] = set()
+
+    def reply(self, reply: Dict[str, Any]) -> None:
+        """Send an operation."""
+        try:
+            self._outbox.put_reply(json.dumps(reply, separators=(",", ":")))
+        except OutboxFullError as error:
+            self._drop(str(error))
+
+    def report(self, sentence: str, operation_id: Id = None, level: str = "error") -> None:
+        """Tell the client what went wrong, if it has asked to hear of what is that grave."""
+        if LEVELS.index(level) > LEVELS.index(self.level):
+            return
+        if level == "warning" and self._said_lately(sentence):
+            return
+        status: Dict[str, Any] = {"op": "status", "level": level, "msg": sentence}
+        if operation_id is not None:
+            status["id"] = operation_id
+        self.reply(status)
+
+    def _said_lately(self, sentence: str) -> bool:
+        now = asyncio.get_running_loop().time()
+        if now - self._said.get(sentence, -WARNING_PERIOD) < WARNING_PERIOD:
+            return True
+        if len(self._said) >= MAX_WARNINGS:
+            self._said.clear()
+        self._said[sentence] = now
+        return False
+
+    def start(self, work: Coroutine[Any, Any, None]) -> asyncio.Task[None]:
+        """Run something that ends with the session at the latest."""
+        task = asyncio.ensure_future(work)
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+        return task
+
+    async def open(
+        self,
+        opening: Callable[[], Awaitable[None]],
+        operation: Operation,
+        forget: Callable[[], Any],
+    ) -> None:
+        """Open what an operation asks for; if that fails, tell the client and forget it."""
+        try:
+            await opening()
+        except Exception as error:  # whatever ROS raises is an answer to the client
+            forget()
+            self.report(f"{operation.op}: {error}", operation.id)
+
+    def close(self) -> None:
+        """End all work under way."""
+        for task in tuple(self._tasks):
+            task.cancel()
+
+
+class _Opening(Protocol):
+    """Something of ROS that can be closed before it is open."""
+
+    def close(self) -> None:
+        """Give back what it has got so far."""
+
+
+Opening = TypeVar("Opening", bound=_Opening)
+
+
+@dataclasses.dataclass
+class Held(Generic[Opening]):
+    """A publication, subscription or service of a client, with the task that opens it."""
+
+    thing: Opening
+    opening: asyncio.Task[None]
+
+    def close(self) -> None:
+        """Give it back, open or not."""
+        self.opening.cancel()
+        self.thing.close()

@@ -1,0 +1,147 @@
+"""What one client publishes: advertise, publish, unadvertise."""
+
+from __future__ import annotations
+
+import asyncio
+import functools
+import math
+from typing import Dict, Optional
+
+from ..config import RosbridgeConfig
+from .access import Access
+from .command_age import CommandAge
+from .command_gate import CommandGate
+from .link import Held, Link
+from .operations import Operation, OperationError
+from .publications import Outgoing, Publication
+from .publishers import PublisherPool
+from .ros import Ros
+
+DEFAULT_QUEUE_SIZE = 100
+"""Messages that a publisher keeps for a slow subscriber, as in rosbridge."""
+
+
+class Publishing:
+    """The topics that one client publishes.
+
+    Parameters
+    ----------
+    name
+        Tells the client from the others of the bridge.
+    config
+        Limits.
+    ros
+        Names and time.
+    pool
+        Where publishers come from.
+    access
+        Which topics are open to clients.
+    gate
+        Which commands are obeyed.
+    link
+        The client.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        config: RosbridgeConfig,
+        ros: Ros,
+        *,
+        pool: PublisherPool,
+        access: Access,
+        gate: CommandGate,
+        link: Link,
+    ) -> None:
+        self._name = name
+        self._config = config
+        self._ros = ros
+        self._pool = pool
+        self._access = access
+        self._gate = gate
+        self._link = link
+        self._clock = asyncio.get_running_loop().time
+        self._age = CommandAge()
+        self._publications: Dict[str, Held[Publication]] = {}
+
+    def note_time(self, operation: Operation) -> Optional[float]:
+        """Return when an operation was sent, on this machine's clock (s), if it tells that.
+
+        Raises
+        ------
+        OperationError
+            What it tells is no time.
+        """
+        sent = operation.get("sent")
+        if sent is None:
+            return None
+        number = isinstance(sent, (int, float)) and not isinstance(sent, bool)
+        if not number or not math.isfinite(sent):
+            raise OperationError("'sent' must be a number: milliseconds on the client's clock")
+        received = self._clock()
+        return received - self._age.of(sent / 1000.0, received)
+
+    def advertise(self, operation: Operation) -> None:
+        """Begin to publish a topic."""
+        topic = self._ros.resolve(operation.text("topic"))
+        type_name = operation.text("type")
+        held = self._publications.get(topic)
+        if held is None:
+            held = self._begin(topic, type_name, operation)
+        held.thing.ids.add(operation.id)
+
+    def publish(self, operation: Operation, sent: Optional[float]) -> None:
+        """Publish a message; begin with the topic if the client has not."""
+        topic = self._ros.resolve(operation.text("topic"))
+        held = self._publications.get(topic)
+        if held is None:
+            held = self._begin(topic, operation.optional_text("type"), operation)
+        held.thing.publish(Outgoing(operation.get("msg"), operation.id, sent))
+
+    def unadvertise(self, operation: Operation) -> None:
+        """Publish a topic no more; what the client drove by it stops."""
+        topic = self._ros.resolve(operation.text("topic"))
+        held = self._publications.get(topic)
+        if held is None:
+            raise OperationError(f"{topic} has not been advertised")
+        held.thing.ids.discard(operation.id)
+        if operation.id is None or not held.thing.ids:
+            self._publications.pop(topic).close()
+
+    def stop(self) -> None:
+        """Stop all that the client drives."""
+        for held in self._publications.values():
+            held.thing.stop()
+
+    def close(self) -> None:
+        """End: stop what the client drove, give back what it used."""
+        while self._publications:
+            self._publications.popitem()[1].close()
+
+    def _begin(
+        self, topic: str, type_name: Optional[str], operation: Operation
+    ) -> Held[Publication]:
+        self._access.check("publish", topic)
+        limit = self._config.max_subscriptions
+        if len(self._publications) >= limit:
+            raise OperationError(f"a client may publish {limit} topics at most")
+        publication = Publication(
+            topic,
+            latch=operation.flag("latch"),
+            queue_size=self._config.depth(operation.count("queue_size", DEFAULT_QUEUE_SIZE)),
+            pool=self._pool,
+            ros=self._ros,
+            client=self._name,
+            gate=self._gate,
+            clock=self._clock,
+            report=self._link.report,
+        )
+
+        def forget() -> None:
+            self._publications.pop(topic, None)
+            publication.close()
+
+        opening = functools.partial(publication.open, type_name, self._config.connect_timeout)
+        task = self._link.start(self._link.open(opening, operation, forget))
+        held = self._publications[topic] = Held(publication, task)
+        return held

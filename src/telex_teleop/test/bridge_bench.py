@@ -1,0 +1,78 @@
+"""A bridge without sockets and ROS, and clients of it, for tests."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+
+from web_fakes import FakeRos
+
+from telex_control.params import read_config
+from telex_teleop.web.bridge.access import Access
+from telex_teleop.web.bridge.control import Control, Member
+from telex_teleop.web.bridge.control_services import ControlServices
+from telex_teleop.web.bridge.feeds import FeedPool
+from telex_teleop.web.bridge.outbox import Outbox
+from telex_teleop.web.bridge.publishers import PublisherPool
+from telex_teleop.web.bridge.services import ServiceDesk
+from telex_teleop.web.bridge.session import ClientSession, Shared
+from telex_teleop.web.config import RosbridgeConfig
+from telex_teleop.web.workers import OrderedWorker
+
+TWIST = "geometry_msgs/Twist"
+JOG = "control_msgs/JointJog"
+
+
+class Client:
+    """A session of the bridge with what it sends."""
+
+    def __init__(self, bench, *, instructor=False):
+        self.outbox = Outbox(1000000)
+        self.dropped = []
+        bench.clients += 1
+        self.id = str(bench.clients)
+        self.member = Member(self.id, "127.0.0.1", instructor, 0.0)
+        self.session = ClientSession(self.member, bench.shared, self.outbox, self.dropped.append)
+
+    def say(self, op, **fields):
+        self.session.receive(json.dumps({"op": op, **fields}))
+
+    async def hear(self):
+        return json.loads(await asyncio.wait_for(self.outbox.get(), 5.0))
+
+    async def ask(self, service, args=None):
+        self.say("call_service", service=service, args=args, id="q")
+        answer = await self.hear()
+        assert (answer["op"], answer["service"], answer["id"]) == ("service_response", service, "q")
+        return answer["result"], answer["values"]
+
+
+class Bench:
+    """Everything that clients share; make it on the loop."""
+
+    def __init__(self, **config):
+        params = {"connect_timeout": 0.2, **config}
+        self.config = read_config(RosbridgeConfig, params, "~")
+        self.ros = FakeRos()
+        self.clients = 0
+        self.worker = OrderedWorker("test")
+        self.publishers = PublisherPool(self.ros, self.worker, linger=0.05)
+        self.feeds = FeedPool(self.ros, self.worker)
+        self.control = Control()
+        own = ControlServices(self.control, self.ros.resolve)
+        self.shared = Shared(
+            config=self.config,
+            ros=self.ros,
+            worker=self.worker,
+            publishers=self.publishers,
+            feeds=self.feeds,
+            services=ServiceDesk(self.ros, self.worker, own, self.config.service_timeout),
+            access=Access(self.config, self.ros.resolve),
+            control=self.control,
+        )
+
+    async def settle(self):
+        """Let everything happen that has been begun."""
+        for _ in range(3):
+            await self.worker.submit(lambda: None)
+            await asyncio.sleep(0.015)

@@ -1,0 +1,406 @@
+"""Who may command the robot through the bridge, and what stops when that changes."""
+
+from __future__ import annotations
+
+import asyncio
+
+import pytest
+from bridge_bench import JOG, TWIST, Bench, Client
+from std_msgs.msg import Bool
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+from web_fakes import on_loop
+
+from telex_teleop.web.bridge.command_age import CommandAge
+from telex_teleop.web.bridge.control import Control, ControlError, Member
+from telex_teleop.web.bridge.operations import OperationError
+from telex_teleop.web.bridge.stop import stop_for
+
+DRIVE, E_STOP = "/telex/track_teleop/cmd_vel", "/telex/e_stop"
+AHEAD, STILL = {"linear": {"x": 1.0}}, {"linear": {"x": 0.0}}
+
+
+async def driver(bench, **kind):
+    client = Client(bench, **kind)
+    client.say("advertise", topic=DRIVE, type=TWIST)
+    await bench.settle()
+    return client
+
+
+def driven(bench):
+    return [message.linear.x for topic, message in bench.ros.published if topic == DRIVE]
+
+
+# Control
+
+
+@on_loop
+async def test_the_first_command_takes_control_and_others_are_not_obeyed():
+    bench = Bench()
+    first, second = await driver(bench), await driver(bench)
+    first.say("publish", topic=DRIVE, msg=AHEAD)
+    second.say("publish", topic=DRIVE, msg={"linear": {"x": 0.5}})
+    assert driven(bench) == [1.0]
+    assert bench.control.holder is first.member
+    assert (first.member.dropped, second.member.dropped) == (0, 1)
+    # A client that has not asked for warnings hears none: roslibpy could not read them.
+    assert len(second.outbox) == 0
+    assert await second.ask("switch", {"data": True}) == (
+        False,
+        "client 1 holds control; it can release it, or an instructor take it",
+    )
+    second.say("publish", topic="/elsewhere", type=TWIST, msg=AHEAD)
+    await bench.settle()
+    assert bench.ros.published[-1][0] == "/elsewhere"
+
+
+@on_loop
+async def test_who_asks_for_warnings_is_told_once_a_second():
+    bench = Bench()
+    first, second = await driver(bench), await driver(bench)
+    first.say("publish", topic=DRIVE, msg=AHEAD)
+    second.say("set_level", level="warning")
+    for _ in range(2):
+        second.say("publish", topic=DRIVE, msg=AHEAD, id="p")
+    status = await second.hear()
+    assert (status["level"], status["id"]) == ("warning", "p")
+    assert status["msg"].startswith(f"publish to {DRIVE}: client 1 holds control")
+    assert len(second.outbox) == 0
+
+
+@on_loop
+async def test_control_is_lost_with_the_connection():
+    bench = Bench()
+    first, second = await driver(bench), await driver(bench)
+    first.say("publish", topic=DRIVE, msg=AHEAD)
+    first.session.close()
+    assert bench.control.holder is None
+    second.say("publish", topic=DRIVE, msg={"linear": {"x": 0.5}})
+    assert driven(bench) == [1.0, 0.0, 0.5]
+
+
+@on_loop
+async def test_take_release_and_hand_over():
+    bench = Bench()
+    first, second = await driver(bench), await driver(bench)
+    teacher = Client(bench, instructor=True)
+    ask = "bridge/take_control", "bridge/release_control", "bridge/hand_over"
+    assert (await first.ask(ask[0]))[1] == {"success": True, "message": "you hold control"}
+    refused = (await second.ask("/telex/bridge/take_control"))[1]
+    assert refused["success"] is False
+    assert refused["message"].startswith("client 1 holds control")
+    first.say("publish", topic=DRIVE, msg=AHEAD)
+    assert (await teacher.ask(ask[0]))[1]["success"]
+    assert driven(bench) == [1.0, 0.0]  # what the operator drove has stopped
+    first.say("publish", topic=DRIVE, msg=AHEAD)
+    assert driven(bench) == [1.0, 0.0]
+    assert (await teacher.ask(ask[2], {"client": second.id}))[1]["success"]
+    assert bench.control.holder is second.member
+    assert not (await first.ask(ask[2], {"client": first.id}))[1]["success"]
+    absent = (await teacher.ask(ask[2], ["nobody"]))[1]
+    assert absent["message"] == ("there is no client 'nobody'; connected are 1, 2, 3")
+    assert (await second.ask(ask[1]))[1] == {"success": True, "message": "control is free"}
+    assert not (await second.ask(ask[1]))[1]["success"]
+    assert (await second.ask("bridge/who_am_i"))[1]["message"] == second.id
+
+
+@on_loop
+async def test_an_instructor_may_do_some_things_without_control():
+    bench = Bench(instructor={"publish": (DRIVE,), "call": ("switch",), "set": ()})
+    operator, teacher = await driver(bench), await driver(bench, instructor=True)
+    operator.say("publish", topic=DRIVE, msg=AHEAD)
+    teacher.say("publish", topic=DRIVE, msg={"linear": {"x": 0.2}})
+    assert driven(bench) == [1.0, 0.2]
+    assert (await teacher.ask("switch", {"data": True}))[0]
+    assert bench.control.holder is operator.member
+    value = {"name": "limit", "value": "2"}
+    assert not (await teacher.ask("rosapi/set_param", value))[0]
+    assert (await operator.ask("rosapi/set_param", value))[0]
+    assert (await teacher.ask("rosapi/set_param", {**value, "name": "/elsewhere"}))[0]
+
+
+@on_loop
+async def test_a_key_that_was_held_while_refused_must_be_pressed_anew():
+    bench = Bench()
+    first, second = await driver(bench), await driver(bench)
+    first.say("publish", topic=DRIVE, msg=AHEAD)
+    for _ in range(3):
+        second.say("publish", topic=DRIVE, msg={"linear": {"x": 0.5}})
+    first.session.close()
+    second.say("publish", topic=DRIVE, msg={"linear": {"x": 0.5}})
+    assert driven(bench) == [1.0, 0.0]
+    second.say("publish", topic=DRIVE, msg=STILL)
+    second.say("publish", topic=DRIVE, msg={"linear": {"x": 0.5}})
+    assert driven(bench) == [1.0, 0.0, 0.0, 0.5]
+
+
+@on_loop
+async def test_a_watchers_stop_does_not_release_the_operators_key():
+    bench = Bench()
+    first, second = await driver(bench), await driver(bench)
+    first.say("publish", topic=DRIVE, msg=AHEAD)
+    second.say("publish", topic=DRIVE, msg=STILL)
+    second.session.close()
+    assert driven(bench) == [1.0]
+    assert second.member.dropped == 0
+    first.say("publish", topic=DRIVE, msg=STILL)
+    assert driven(bench) == [1.0, 0.0]
+
+
+@on_loop
+async def test_a_stop_takes_no_control():
+    bench = Bench()
+    client = await driver(bench)
+    client.say("publish", topic=DRIVE, msg=STILL)
+    assert driven(bench) == [0.0]
+    assert bench.control.holder is None
+
+
+# Emergency stop
+
+
+@on_loop
+async def test_everybody_may_set_the_e_stop_and_only_the_operator_release_it():
+    bench = Bench()
+    operator, watcher = await driver(bench), Client(bench)
+    operator.say("publish", topic=DRIVE, msg=AHEAD)
+    teacher = Client(bench, instructor=True)
+    for client in (operator, watcher, teacher):
+        client.say("advertise", topic=E_STOP, type="std_msgs/Bool")
+    await bench.settle()
+    del bench.ros.published[:]
+    watcher.say("publish", topic=E_STOP, msg={"data": True}, sent=1000)
+    watcher.say("publish", topic=E_STOP, msg={"data": False})
+    assert bench.ros.published == [(E_STOP, Bool(True))]
+    teacher.say("publish", topic=E_STOP, msg={"data": False})
+    operator.say("publish", topic=E_STOP, msg={"data": False})
+    assert bench.ros.published[1:] == [(E_STOP, Bool(False))] * 2
+    assert watcher.member.dropped == 1
+
+
+@on_loop
+async def test_the_first_e_stop_does_not_wait_for_a_publisher_of_its_own():
+    bench = Bench(connect_timeout=5.0)
+    ready = await bench.publishers.acquire(E_STOP, "std_msgs/Bool", latch=False, queue_size=1)
+    await ready.settle(0.0)
+    client = Client(bench)
+    client.say("publish", topic=E_STOP, type="std_msgs/Bool", msg={"data": True})
+    assert bench.ros.published == [(E_STOP, Bool(True))]
+
+
+# Age
+
+
+@on_loop
+async def test_old_commands_are_dropped_and_old_stops_are_not():
+    bench = Bench(max_command_age=0.15)
+    client = await driver(bench)
+    client.say("publish", topic=DRIVE, msg=AHEAD, sent=5000.0)
+    client.say("publish", topic=DRIVE, msg={"linear": {"x": 2.0}}, sent=4700.0)
+    assert driven(bench) == [1.0]
+    assert client.member.dropped == 1
+    client.say("publish", topic=DRIVE, msg=STILL, sent=4700.0)
+    client.say("publish", topic=DRIVE, msg={"linear": {"x": 3.0}})  # does not tell
+    assert driven(bench) == [1.0, 0.0, 3.0]
+    for sent in ("now", True, [1], float("1e308") * 10):
+        client.say("publish", topic=DRIVE, msg=AHEAD, sent=sent)
+        said = (await client.hear())["msg"]
+        assert "'sent' must be a number" in said or "no JSON number" in said
+    assert driven(bench) == [1.0, 0.0, 3.0]
+
+
+@on_loop
+async def test_a_command_ages_while_it_waits_for_its_publisher():
+    bench = Bench(max_command_age=0.01, connect_timeout=0.2)
+    bench.ros.expected = 1
+    client = Client(bench)
+    client.say("advertise", topic=DRIVE, type=TWIST)
+    client.say("publish", topic=DRIVE, msg=AHEAD, sent=5000.0)
+    await asyncio.sleep(0.05)
+    bench.ros.connected = 1
+    await bench.settle()
+    assert driven(bench) == []
+    assert client.member.dropped == 1
+
+
+def test_age_is_told_by_the_quickest_message():
+    age = CommandAge()
+    assert age.of(100.0, 7.0) == 0.0
+    assert age.of(100.02, 7.05) == pytest.approx(0.03, abs=1e-4)
+    assert age.of(101.0, 7.9) == 0.0  # quicker by 0.1 s: the first was slow itself
+    assert age.of(101.02, 8.02) == pytest.approx(0.1, abs=1e-3)
+
+
+def test_a_burst_after_a_gap_is_old():
+    age = CommandAge()
+    for tick in range(50):
+        age.of(0.02 * tick, 10.0 + 0.02 * tick)
+    held_up = [age.of(1.0 + 0.02 * tick, 13.0) for tick in range(50)]
+    assert held_up[0] == pytest.approx(2.0, abs=0.01)
+    assert held_up[-1] == pytest.approx(1.02, abs=0.01)
+
+
+def test_clocks_that_drift_apart_do_not_make_commands_old():
+    age = CommandAge()
+    drifting = [age.of(second * 0.9998, float(second)) for second in range(7200)]
+    assert max(drifting) < 0.001
+
+
+# What stops
+
+
+@on_loop
+async def test_goals_are_cancelled_with_their_client():
+    bench = Bench()
+    client = Client(bench)
+    goal = "/telex/flipper_teleop/preset/goal"
+    kind = "telex_msgs/FlipperPresetActionGoal"
+    client.say("advertise", topic=goal, type=kind)
+    client.say("publish", topic=goal, msg={"goal_id": {"id": "g1"}, "goal": {"preset": "high"}})
+    client.say("publish", topic=goal, msg={"goal": {"preset": "low"}})
+    await bench.settle()
+    (_, first), (_, second) = bench.ros.published
+    assert first.goal_id.id == "g1"
+    assert second.goal_id.id  # made up, so that it can be cancelled
+    del bench.ros.published[:]
+    client.session.close()
+    cancel = "/telex/flipper_teleop/preset/cancel"
+    assert [(topic, message.id) for topic, message in bench.ros.published] == [
+        (cancel, "g1"),
+        (cancel, second.goal_id.id),
+    ]
+    await asyncio.sleep(0.1)
+    await bench.settle()
+    assert len(bench.publishers) == 0
+
+
+def test_a_trajectory_is_stopped_by_an_empty_one():
+    trajectory = JointTrajectory(joint_names=["a"], points=[JointTrajectoryPoint(positions=[1.0])])
+    assert stop_for(trajectory) == JointTrajectory()
+    assert stop_for(JointTrajectory(joint_names=["a"])) is None
+
+
+@on_loop
+async def test_old_commands_are_not_replayed_to_nodes_that_start_later():
+    bench = Bench()
+    client = Client(bench)
+    client.say("advertise", topic=DRIVE, type=TWIST, latch=True)
+    client.say("advertise", topic="/telex/jog", type=JOG, latch=True)
+    client.say("advertise", topic="/telex/text", type="std_msgs/String", latch=True)
+    await bench.settle()
+    latched = {event[1]: event[3] for event in bench.ros.events}
+    assert latched == {DRIVE: False, "/telex/jog": False, "/telex/text": True}
+
+
+@on_loop
+async def test_a_command_that_waits_is_forgotten_when_control_is_lost():
+    bench = Bench(connect_timeout=5.0)
+    bench.ros.expected = 1
+    client = Client(bench)
+    client.say("advertise", topic=DRIVE, type=TWIST)
+    client.say("publish", topic=DRIVE, msg=AHEAD)
+    await bench.settle()
+    client.member.stop()
+    bench.ros.connected = 1
+    await bench.settle()
+    assert driven(bench) == []
+
+
+# Lists
+
+
+@on_loop
+async def test_only_what_is_listed_may_be_used():
+    names = {"publish": ("*", "!secret"), "subscribe": ("joint_states",), "call": (), "set": ()}
+    bench = Bench(allowed={**names, "serve": ("/mine/*",)})
+    client = Client(bench)
+    for op, name in (
+        ("advertise", "/other/chat"),
+        ("publish", "secret"),
+        ("subscribe", "/known"),
+    ):
+        client.say(op, topic=name, type="std_msgs/String", id=op)
+        status = await client.hear()
+        assert (status["id"], status["op"]) == (op, "status")
+        assert "is not open to clients; the bridge's parameter ~allowed/" in status["msg"]
+    client.say("advertise_service", service="/other/x", type="std_srvs/Empty")
+    assert "~allowed/serve" in (await client.hear())["msg"]
+    assert "~allowed/call" in (await client.ask("switch", {"data": True}))[1]
+    assert "~allowed/set" in (await client.ask("rosapi/set_param", ["limit", "1"]))[1]
+    assert "~allowed/set" in (await client.ask("rosapi/delete_param", ["limit"]))[1]
+    client.say("subscribe", topic="joint_states")
+    client.say("advertise", topic="chat", type="std_msgs/String")
+    client.say("advertise_service", service="/mine/x", type="std_srvs/Empty")
+    await bench.settle()
+    assert [event[:2] for event in bench.ros.events] == [
+        ("subscribe", "/telex/joint_states"),
+        ("advertise", "/telex/chat"),
+    ]
+    assert list(bench.ros.services_offered) == ["/mine/x"]
+    assert len(client.outbox) == 0
+
+
+@pytest.mark.parametrize(
+    "topic", ["/clock", "/tf", "joint_states", "sim/status", "bridge/clients", "/rosout"]
+)
+def test_nobody_passes_for_the_simulator(topic):
+    async def check():
+        bench = Bench()
+        client = Client(bench)
+        client.say("advertise", topic=topic, type="std_msgs/String")
+        assert "is not open to clients" in (await client.hear())["msg"]
+        assert bench.ros.events == []
+
+    asyncio.run(check())
+
+
+@on_loop
+async def test_tokens_cannot_be_read():
+    bench = Bench()
+    bench.ros.params = {
+        "/telex/rosbridge/token": "secret",
+        "/telex": {"rosbridge": {"token": "secret", "port": 9090}, "limit": 1},
+    }
+    client = Client(bench)
+    refused = await client.ask("rosapi/get_param", {"name": "rosbridge/token"})
+    assert refused == (False, "/telex/rosbridge/token is not for clients to read")
+    whole = await client.ask("rosapi/get_param", {"name": "/telex"})
+    assert whole[1] == {"value": '{"rosbridge": {"port": 9090}, "limit": 1}'}
+
+
+# Who is who
+
+
+def test_control_by_itself():
+    changes = []
+    control = Control(lambda: changes.append(control.holder))
+    first, second = (Member(number, "", False, 0.0) for number in "12")
+    stopped = []
+    first.stop = lambda: stopped.append(control.holder)
+    control.join(first)
+    control.join(second)
+    control.take(first)
+    control.take(first)
+    assert stopped == []
+    control.rename(first, "Ann")
+    with pytest.raises(ControlError, match=r"^Ann \(client 1\) holds control"):
+        control.take(second)
+    for name in ("x" * 41, "two\nlines"):
+        with pytest.raises(OperationError, match="a name is one line"):
+            control.rename(second, name)
+    control.release(first)
+    assert stopped == [first]  # it is the holder until it has stopped
+    control.leave(first)
+    assert control.members == [second]
+    assert changes == [None, None, first, first, None, None]
+
+
+@on_loop
+async def test_clients_can_have_a_name_and_ask_the_time():
+    client = Client(Bench())
+    assert (await client.ask("bridge/set_name", ["Ann"]))[1]["success"]
+    assert client.member.shown == "Ann (client 1)"
+    assert not (await client.ask("bridge/set_name", {"name": 5}))[1]["success"]
+    now = (await client.ask("bridge/time"))[1]["time"]
+    assert now["secs"] > 1.7e9
+    kind = {"service": "bridge/time"}
+    assert (await client.ask("rosapi/service_type", kind))[1] == {"type": "telex_msgs/GetWallTime"}
