@@ -1,7 +1,7 @@
 // @ts-check
 /** How the robot stands and how far it is from tipping over, over the picture. */
 
-import { byId } from "./panels.js";
+import { byId, setText } from "./panels.js";
 
 export const STABILITY = { topic: "sim/stability", type: "telex_msgs/Stability" };
 
@@ -35,11 +35,11 @@ export class AttitudeView {
     const roll = describe(stability.roll, "right down", "left down");
     turn("attitude-side", stability.pitch);
     turn("attitude-rear", stability.roll);
-    byId("attitude-pitch").textContent = pitch;
-    byId("attitude-roll").textContent = roll;
+    setText(byId("attitude-pitch"), pitch);
+    setText(byId("attitude-roll"), roll);
     byId("attitude-fill").style.width = `${Math.min(100, percent)}%`;
-    byId("attitude-margin").textContent = `${percent} %`;
-    byId("attitude-way").textContent = percent > 0 && name !== "stable" && name !== "tipped" ? `over the ${way}` : "";
+    setText(byId("attitude-margin"), `${percent} %`);
+    setText(byId("attitude-way"), percent > 0 && name !== "stable" && name !== "tipped" ? `over the ${way}` : "");
     const meter = byId("attitude-meter");
     meter.setAttribute("aria-valuenow", String(Math.min(100, percent)));
     meter.setAttribute("aria-valuetext", `${percent} percent, weakest over the ${way}`);
@@ -61,7 +61,7 @@ export class AttitudeView {
     if (panel.dataset.state === name) return;
     panel.dataset.state = name;
     panel.hidden = name === "silent";
-    byId("attitude-word").textContent = word;
+    setText(byId("attitude-word"), word);
   }
 }
 

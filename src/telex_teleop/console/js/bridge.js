@@ -7,6 +7,12 @@ const ANSWER_WITHIN = 5000; // ms after which a service call is given up
 const DEAD_AFTER = 3000; // ms without a word from the bridge after which the connection is given up
 
 /**
+ * Change (ms) of the wall clock against performance.now(), which may stand still in sleep, after which the bridge would take all
+ * commands for old: it has to learn this page's clock anew.
+ */
+const MAX_SKEW = 1000;
+
+/**
  * @typedef {object} Subscription
  * @property {string} topic
  * @property {string} type
@@ -35,6 +41,8 @@ export class Bridge {
     this._calls = new Map();
     this._callNumber = 0;
     this._lastWord = 0;
+    /** Wall time less performance.now() (ms) since the connection was opened. */
+    this._skew = 0;
     this._pingSent = 0;
     this._pingNumber = 0;
     /** Round trip to the bridge (ms), null while unknown. @type {number | null} */
@@ -131,7 +139,9 @@ export class Bridge {
    */
   _send(operation) {
     if (!this.connected) return false;
-    /** @type {WebSocket} */ (this._socket).send(JSON.stringify(operation));
+    // By this the bridge knows a command that was held up on its way, and drops it.
+    const stamped = { ...operation, sent: performance.now() };
+    /** @type {WebSocket} */ (this._socket).send(JSON.stringify(stamped));
     return true;
   }
 
@@ -146,6 +156,7 @@ export class Bridge {
     this._socket = socket;
     socket.onopen = () => {
       this._lastWord = performance.now();
+      this._skew = Date.now() - performance.now();
       this.roundTrip = null;
       this._pingSent = 0;
       for (const topic of this._advertised.keys()) this._advertiseNow(topic);
@@ -177,7 +188,10 @@ export class Bridge {
 
   _watch() {
     if (!this.connected) return;
-    if (this.silence > DEAD_AFTER) {
+    const skew = Date.now() - performance.now();
+    if (Math.abs(skew - this._skew) > MAX_SKEW) {
+      this._giveUp("the computer slept");
+    } else if (this.silence > DEAD_AFTER) {
       this._giveUp("the bridge is silent");
     } else if (this._pingSent === 0) {
       this._pingSent = performance.now();

@@ -1,63 +1,93 @@
 // @ts-check
-/** One large view and a small one for each of the other cameras, live, by whatever way their pictures come. */
+/** One large view and a small one for each of the other cameras; their pictures are drawn by the video worker. */
 
-import { readSnapshots, readStream } from "./mjpeg.js";
-import { VideoView } from "./video.js";
-import { VideoLink } from "./video_link.js";
+import { setText } from "./panels.js";
 
-const RETRY_AFTER = 1000; // ms between two attempts to connect
-const RETRY_WEBSOCKET_AFTER = 5000; // ms between two attempts while pictures come another way
-const REFUSALS = 2; // attempts after which pictures are got another way
+export const STALLED_AFTER = 1000; // ms without a new picture after which a view counts as stalled
 
-/**
- * @typedef {object} VideoConfig  What the video server tells the page.
- * @property {string} namespace
- * @property {{name: string, topic: string}[]} cameras
- * @property {string[]} hidden_cameras
- * @property {string} main_camera
- * @property {number} main_rate
- * @property {number} thumbnail_rate
- */
+const THUMBNAIL_WIDTH = 208; // CSS px; they are hardly ever shown larger
+
+/** @typedef {import("./video_source.js").VideoConfig} VideoConfig */
+
+/** What the page knows of a view, from the worker's last report. */
+export class ViewState {
+  constructor() {
+    /** @type {import("./video.js").ViewReport | null} */
+    this._report = null;
+    /** @type {string} */
+    this.camera = "";
+  }
+
+  /** @param {import("./video.js").ViewReport} report */
+  set(report) {
+    // One that was on its way while the view turned to another camera is about the camera before.
+    this._report = report.camera === this.camera ? report : null;
+  }
+
+  /** Age (ms) of the scene that is shown, as well as it is known; Infinity if there is none. */
+  get age() {
+    if (this._report === null || this._report.drawn === null) return Infinity;
+    return Date.now() - Math.min(this._report.drawn, this._report.captured ?? Infinity);
+  }
+
+  get live() {
+    return this.age < STALLED_AFTER;
+  }
+
+  /** How old the scene was (ms) when it was drawn; null where only its picture's arrival is known. */
+  get latency() {
+    return this._report?.latency ?? null;
+  }
+
+  /** Pictures per second. */
+  get rate() {
+    return this._report?.rate ?? 0;
+  }
+
+  /** Why there is no picture. */
+  get trouble() {
+    return this._report?.trouble ?? "waiting for the camera";
+  }
+}
 
 /** A small view of a camera that becomes the large one by a click. */
 class Thumbnail {
   /** @param {(camera: string) => void} choose */
   constructor(choose) {
+    this.state = new ViewState();
     this.element = document.createElement("button");
     this.element.type = "button";
     this.element.className = "thumbnail";
     this.element.tabIndex = -1;
-    const canvas = document.createElement("canvas");
-    canvas.width = 320;
-    canvas.height = 240;
+    this.canvas = document.createElement("canvas");
+    this.canvas.width = 208;
+    this.canvas.height = 156;
     this._name = document.createElement("span");
     this._name.className = "hud thumbnail-name";
     this._note = document.createElement("span");
     this._note.className = "thumbnail-note num";
-    this.element.append(canvas, this._name, this._note);
+    this.element.append(this.canvas, this._name, this._note);
     // Like every button here it leaves the focus where it is: Space must never click it.
     this.element.addEventListener("pointerdown", (event) => event.preventDefault());
     this.element.addEventListener("mousedown", (event) => event.preventDefault());
-    this.element.addEventListener("click", () => this.view.camera !== null && choose(this.view.camera));
-    this.view = new VideoView(canvas);
+    this.element.addEventListener("click", () => choose(this.state.camera));
   }
 
   /** @param {string} camera */
   show(camera) {
-    if (camera === this.view.camera) return;
-    this.view.show(camera);
-    this._name.textContent = camera;
+    this.state.camera = camera;
+    setText(this._name, camera);
     this.element.dataset.camera = camera;
     this.element.title = `show ${camera} large`;
-    this.refresh();
   }
 
   /** Show whether the picture is live. */
   refresh() {
-    const { live, age } = this.view;
-    this.element.dataset.state = live ? "live" : "stalled";
+    const { live, age } = this.state;
+    const state = live ? "live" : "stalled";
+    if (this.element.dataset.state !== state) this.element.dataset.state = state;
     const since = age < 100_000 ? ` ${(age / 1000).toFixed(1)} s` : "";
-    this._note.textContent = live ? "" : `NO PICTURE${since}`;
+    setText(this._note, live ? "" : `NO PICTURE${since}`);
   }
 }
 
@@ -72,45 +102,23 @@ export class Cameras {
     this._config = config;
     this._column = column;
     this._named = named;
-    this.main = new VideoView(canvas);
+    this._worker = new Worker(new URL("video_worker.js", import.meta.url), { type: "module" });
+    this._worker.onmessage = ({ data }) => this._receive(data);
+    this.main = new ViewState();
     /** @type {Thumbnail[]} */
     this._thumbnails = [];
-    /** Topics by name. @type {Map<string, string>} */
-    this._topics = new Map();
-    /** @type {VideoLink | null} */
-    this._link = null;
-    this._refusals = 0;
-    /** While pictures come another way than by the link. @type {AbortController | null} */
-    this._fallback = null;
-    /** The large view's part of it, for its present camera. @type {AbortController | null} */
-    this._fallbackCamera = null;
+    this._giveCanvas(canvas);
     const camera = config.cameras.find(({ name }) => name === config.main_camera) ?? config.cameras[0];
-    this.main.show(camera?.name ?? config.main_camera);
-    this._named(/** @type {string} */ (this.main.camera));
-    this._setCameras(config.cameras);
+    this.main.camera = camera?.name ?? config.main_camera;
+    this._named(this.main.camera);
+    this._addViews(config.cameras);
   }
 
   start() {
     const scheme = location.protocol === "https:" ? "wss:" : "ws:";
-    let wasAnnounced = false;
-    const link = new VideoLink(`${scheme}//${location.host}/video`, {
-      cameras: (cameras) => {
-        wasAnnounced = true;
-        this._refusals = 0;
-        this._endFallback();
-        this._link = link;
-        this._setCameras(cameras);
-        this._ask();
-      },
-      picture: (camera, picture, captured) => this._draw(camera, picture, captured),
-      closed: (reason) => {
-        this._link = null;
-        this._complain(null, reason);
-        if (!wasAnnounced) this._refusals += 1;
-        if (this._refusals >= REFUSALS && this._fallback === null) this._startFallback();
-        setTimeout(() => this.start(), this._fallback === null ? RETRY_AFTER : RETRY_WEBSOCKET_AFTER);
-      },
-    });
+    const { cameras, ...others } = this._config;
+    this._worker.postMessage({ start: { url: `${scheme}//${location.host}/video`, config: { ...others, cameras } } });
+    this._tell();
   }
 
   /** Show which views are live. */
@@ -118,110 +126,66 @@ export class Cameras {
     for (const thumbnail of this._thumbnails) thumbnail.refresh();
   }
 
-  /** @param {{name: string, topic: string}[]} cameras  All that are published. */
-  _setCameras(cameras) {
-    for (const { name, topic } of cameras) {
-      if (!this._config.hidden_cameras.includes(name)) this._topics.set(name, topic);
-    }
-    const shown = new Set([this.main.camera, ...this._thumbnails.map(({ view }) => view.camera)]);
-    for (const name of this._topics.keys()) {
-      if (shown.has(name)) continue;
-      const thumbnail = new Thumbnail((camera) => this._choose(camera));
+  /** Show the next camera large. */
+  next() {
+    if (this._thumbnails.length > 0) this.choose(this._thumbnails[0].state.camera, true);
+  }
+
+  /**
+   * Show another camera large; the one that was takes its place, or the end of the column.
+   * @param {string} camera
+   * @param {boolean} [last]
+   */
+  choose(camera, last = false) {
+    const thumbnail = this._thumbnails.find(({ state }) => state.camera === camera);
+    if (thumbnail === undefined) return;
+    const names = this._thumbnails.map(({ state }) => state.camera);
+    const before = this.main.camera;
+    if (last) names.push(...names.splice(names.indexOf(camera), 1, before).slice(1), names.shift() ?? "");
+    else names[names.indexOf(camera)] = before;
+    this.main.camera = camera;
+    this._thumbnails.forEach((each, index) => each.show(names[index]));
+    this.refresh();
+    this._named(camera);
+    this._tell();
+  }
+
+  /** @param {any} message  From the worker. */
+  _receive(message) {
+    if (message.cameras !== undefined) this._addViews(message.cameras);
+    if (message.views === undefined) return;
+    const states = this._states();
+    message.views.forEach((/** @type {any} */ report, /** @type {number} */ index) => states[index]?.set(report));
+  }
+
+  /** @param {{name: string}[]} cameras  All that are published. */
+  _addViews(cameras) {
+    const shown = new Set(this._states().map(({ camera }) => camera));
+    for (const { name } of cameras) {
+      if (shown.has(name) || this._config.hidden_cameras.includes(name)) continue;
+      const thumbnail = new Thumbnail((camera) => this.choose(camera));
       thumbnail.show(name);
       this._thumbnails.push(thumbnail);
       this._column.append(thumbnail.element);
+      this._giveCanvas(thumbnail.canvas);
     }
     this._column.style.setProperty("--thumbnails", String(Math.max(5, this._thumbnails.length)));
-    for (const view of this._views()) {
-      const isKnown = view.camera !== null && this._topics.has(view.camera);
-      if (!view.live) view.trouble = isKnown ? "the camera sends nothing" : "the camera is not there yet";
-    }
+    this.refresh();
+    this._tell();
   }
 
-  _views() {
-    return [this.main, ...this._thumbnails.map(({ view }) => view)];
+  _states() {
+    return [this.main, ...this._thumbnails.map(({ state }) => state)];
   }
 
-  /**
-   * Show another camera large; the one that was takes its place.
-   * @param {string} camera
-   */
-  _choose(camera) {
-    const thumbnail = this._thumbnails.find(({ view }) => view.camera === camera);
-    if (thumbnail === undefined || this.main.camera === null) return;
-    const before = this.main.camera;
-    this.main.show(camera);
-    thumbnail.show(before);
-    this._named(camera);
-    this._ask();
-    this._fallbackCamera?.abort();
+  /** @param {HTMLCanvasElement} canvas */
+  _giveCanvas(canvas) {
+    const offscreen = canvas.transferControlToOffscreen();
+    const maxWidth = this._thumbnails.length === 0 ? Infinity : THUMBNAIL_WIDTH * window.devicePixelRatio;
+    this._worker.postMessage({ view: this._thumbnails.length, canvas: offscreen, maxWidth }, [offscreen]);
   }
 
-  _ask() {
-    const { main_rate: mainRate, thumbnail_rate: thumbnailRate } = this._config;
-    this._link?.show(
-      this._views()
-        .filter(({ camera }) => camera !== null && this._topics.has(camera))
-        .map((view) => ({
-          camera: /** @type {string} */ (view.camera),
-          rate: view === this.main ? mainRate : thumbnailRate,
-        })),
-    );
-  }
-
-  /**
-   * @param {string} camera
-   * @param {Uint8Array} picture
-   * @param {number | null} captured
-   */
-  async _draw(camera, picture, captured) {
-    await this._views()
-      .find((view) => view.camera === camera)
-      ?.draw(camera, picture, captured);
-  }
-
-  /**
-   * @param {string | null} camera  null: all of them.
-   * @param {string} why
-   */
-  _complain(camera, why) {
-    for (const view of this._views()) {
-      if (camera === null || view.camera === camera) view.trouble = why;
-    }
-  }
-
-  /** The large view as a stream, the small ones as single pictures in turns. */
-  _startFallback() {
-    const fallback = new AbortController();
-    this._fallback = fallback;
-    const streams = async () => {
-      while (!fallback.signal.aborted) {
-        const camera = /** @type {string} */ (this.main.camera);
-        const topic = this._topics.get(camera) ?? `${this._config.namespace}/cameras/${camera}/image_raw`;
-        const turn = new AbortController();
-        this._fallbackCamera = turn;
-        await readStream(
-          topic,
-          turn.signal,
-          (picture) => this._draw(camera, picture, null),
-          (why) => this._complain(camera, why),
-        );
-      }
-    };
-    const nameOf = (/** @type {string} */ topic) =>
-      /** @type {string} */ ([...this._topics].find(([, each]) => each === topic)?.[0]);
-    streams();
-    readSnapshots(
-      () => this._thumbnails.map(({ view }) => /** @type {string} */ (this._topics.get(view.camera ?? ""))),
-      fallback.signal,
-      (topic, picture) => this._draw(nameOf(topic), picture, null),
-      (topic, why) => this._complain(nameOf(topic), why),
-    );
-  }
-
-  _endFallback() {
-    this._fallback?.abort();
-    this._fallbackCamera?.abort();
-    this._fallback = this._fallbackCamera = null;
+  _tell() {
+    this._worker.postMessage({ show: this._states().map(({ camera }) => camera) });
   }
 }

@@ -160,7 +160,7 @@ export class Commander {
       if (action.kind !== "joints" || action.node !== node) continue;
       for (const joint of action.joints) {
         if (node === FLIPPER_NODE && side !== "both" && !joint.includes(`_${side}_`)) continue;
-        directions.set(joint, (directions.get(joint) ?? 0) + action.direction);
+        directions.set(joint, (directions.get(joint) ?? 0) + action.direction * (action.amount ?? 1));
       }
     }
     /** @type {Map<string, number>} */
@@ -171,7 +171,7 @@ export class Commander {
       if (limit === undefined) {
         this._warn(`${node} has not said yet how fast ${joint} may move: is it running?`);
       } else {
-        wanted.set(joint, Math.sign(direction) * limit);
+        wanted.set(joint, clamp(direction, -1, 1) * limit);
       }
     }
     return wanted;
@@ -247,7 +247,7 @@ export class Commander {
   /** @param {import("./robot.js").Action[]} held */
   _commandTracks(held) {
     const command = { linear: 0, angular: 0 };
-    for (const action of held) if (action.kind === "drive") command[action.axis] += action.direction;
+    for (const action of held) if (action.kind === "drive") command[action.axis] += action.direction * (action.amount ?? 1);
     const wanted = command.linear !== 0 || command.angular !== 0;
     if (wanted && this._maxDrive === null) {
       this._warn(`${TRACK_NODE} has not said yet how fast it may drive: is it running?`);
@@ -256,8 +256,8 @@ export class Commander {
     if ((!wanted && !this._driving) || (wanted && this.congested)) return;
     const { linear, angular } = this._maxDrive ?? { linear: 0, angular: 0 };
     const sent = this._bridge.publish(this._topic(`${TRACK_NODE}/cmd_vel`), {
-      linear: { x: command.linear * linear },
-      angular: { z: command.angular * angular },
+      linear: { x: clamp(command.linear, -1, 1) * linear },
+      angular: { z: clamp(command.angular, -1, 1) * angular },
     });
     if (sent) this._driving = wanted;
   }

@@ -1,17 +1,28 @@
 // @ts-check
-/** Which actions are being held, by whatever: a key, a pointer on a button. */
+/** Which actions are being held, by whatever: a key, a pointer on a button, a stick. */
 
 export class Held {
   /** @param {() => void} changed  Called after every change. */
   constructor(changed) {
     this._changed = changed;
-    /** Who holds what: source ("key:KeyW", "pointer:1") to name of the action. @type {Map<string, string>} */
+    /**
+     * Who holds what, and how far: by source ("key:KeyW", "pointer:1", "pad:0:-1").
+     * @type {Map<string, {name: string, amount: number}>}
+     */
     this._holds = new Map();
   }
 
   /** Names of the actions that are held. */
   get actions() {
-    return new Set(this._holds.values());
+    return new Set(this.amounts.keys());
+  }
+
+  /** How far each action is held, 0 to 1: the most of those who hold it. */
+  get amounts() {
+    /** @type {Map<string, number>} */
+    const amounts = new Map();
+    for (const { name, amount } of this._holds.values()) amounts.set(name, Math.max(amount, amounts.get(name) ?? 0));
+    return amounts;
   }
 
   get empty() {
@@ -20,11 +31,14 @@ export class Held {
 
   /**
    * @param {string} source
-   * @param {string} action
+   * @param {string} name  Of the action.
+   * @param {number} [amount]  0 to 1
    */
-  press(source, action) {
-    this._holds.set(source, action);
-    this._changed();
+  press(source, name, amount = 1) {
+    const before = this._holds.get(source);
+    this._holds.set(source, { name, amount });
+    // A stick that moves on is told with the next command; only what begins is told at once.
+    if (before?.name !== name) this._changed();
   }
 
   /** @param {string} source */

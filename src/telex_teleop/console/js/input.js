@@ -1,33 +1,43 @@
 // @ts-check
 /** From keys and pointers to held actions. */
 
-import { COMMAND_OF_KEY } from "./robot.js";
+import { capOf } from "./keymap.js";
+import { setText } from "./panels.js";
+import { COMMANDS } from "./robot.js";
 
 /**
  * Let keys hold actions, by their position on the keyboard.
  * @param {import("./held.js").Held} held
  * @param {() => boolean} mayPress  Whether actions can be held now.
- * @param {(code: string) => string | undefined} actionOfKey  Name of the action that a key has now.
+ * @param {(code: string) => string | undefined} find  Name of the action or command that a key has now.
  * @param {Record<import("./robot.js").Command, () => void>} commands
+ * @param {(code: string) => boolean} takes  Whether something else wants this key.
  */
-export function listenToKeys(held, mayPress, actionOfKey, commands) {
+export function listenToKeys(held, mayPress, find, commands, takes) {
   window.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.altKey || event.metaKey || event.isComposing) return;
-    const action = actionOfKey(event.code);
-    const command = COMMAND_OF_KEY.get(event.code);
-    if (action === undefined && command === undefined) return;
+    if (!event.repeat && takes(event.code)) {
+      event.preventDefault();
+      return;
+    }
+    const name = find(event.code);
+    if (name === undefined) return;
     event.preventDefault();
     // A key that repeats was pressed before, perhaps before everything was released: that is no new press.
     if (event.repeat) return;
-    if (command !== undefined) commands[command]();
-    else if (action !== undefined && mayPress()) held.press(`key:${event.code}`, action);
+    if (isCommand(name)) commands[name]();
+    else if (mayPress()) held.press(`key:${event.code}`, name);
   }, { capture: true });
   window.addEventListener("keyup", (event) => {
     // Space on a focused button would click it.
-    if (COMMAND_OF_KEY.has(event.code)) event.preventDefault();
+    const name = find(event.code);
+    if (name !== undefined && isCommand(name)) event.preventDefault();
     held.release(`key:${event.code}`);
   }, { capture: true });
 }
+
+/** @param {string} name  @returns {name is import("./robot.js").Command} */
+const isCommand = (name) => name in COMMANDS;
 
 /**
  * Let pointers hold the buttons that have a data-action.
@@ -50,16 +60,27 @@ export function listenToPointers(root, held, mayPress) {
   root.addEventListener("contextmenu", (event) => event.preventDefault());
 }
 
-/**
- * Show on every key cap what the user's own keyboard has at that position, where the browser knows it.
- * @param {ParentNode} root
- */
-export async function labelKeys(root) {
+/** What the user's own keyboard has at each position, where the browser knows it. */
+async function layout() {
   const keyboard = /** @type {any} */ (navigator).keyboard;
-  if (!keyboard?.getLayoutMap) return;
-  const layout = await keyboard.getLayoutMap();
-  for (const cap of root.querySelectorAll("kbd[data-code]")) {
-    const label = layout.get(/** @type {HTMLElement} */ (cap).dataset.code);
-    if (label) cap.textContent = label.toUpperCase();
+  try {
+    return /** @type {Map<string, string>} */ (await keyboard.getLayoutMap());
+  } catch {
+    return new Map(); // without a layout the caps of a US keyboard stay
+  }
+}
+
+/**
+ * Show on every key cap which key it is now.
+ * @param {ParentNode} root
+ * @param {import("./keymap.js").KeyMap} keymap
+ */
+export async function labelKeys(root, keymap) {
+  const labels = await layout();
+  for (const cap of /** @type {NodeListOf<HTMLElement>} */ (root.querySelectorAll("kbd[data-binding]"))) {
+    const code = keymap.codeOf(/** @type {string} */ (cap.dataset.binding));
+    const label = labels.get(code);
+    // One that names no sign, such as Escape, is not in a layout.
+    setText(cap, label && code !== "Slash" ? label.toUpperCase() : capOf(code));
   }
 }

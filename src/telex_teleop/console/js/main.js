@@ -2,20 +2,33 @@
 /** Puts the console together. */
 
 import { AttitudeView, STABILITY } from "./attitude.js";
+import { Avatar } from "./avatar.js";
 import { Bridge } from "./bridge.js";
+import { CameraCommander } from "./camera_panel.js";
 import { Cameras } from "./cameras.js";
+import { MissionClock } from "./clock.js";
 import { COMMAND_PERIOD, Commander } from "./commander.js";
+import { ControlView } from "./control.js";
 import { keepPace, watchOperator } from "./deadman.js";
+import { GamepadInput } from "./gamepad.js";
 import { Held } from "./held.js";
+import { Hud, IMU } from "./hud.js";
 import { labelKeys, listenToKeys, listenToPointers } from "./input.js";
-import { Panels, byId } from "./panels.js";
-import { ACTIONS, ACTION_OF_KEY, FLIPPER_NODE, JOINT_NODES, TRACK_NODE, TYPES } from "./robot.js";
+import { JointPositions } from "./joints.js";
+import { KeyDialog } from "./key_dialog.js";
+import { KeyMap } from "./keymap.js";
+import { ModeSwitch } from "./modes.js";
+import { Panels, byId, setText } from "./panels.js";
+import { ACTIONS, FLIPPER_NODE, JOINT_NODES, TRACK_NODE, TYPES } from "./robot.js";
 import { SILENT_AFTER, StatusView } from "./status.js";
 import { TOOL_TYPES, ToolCommander, ToolPanel } from "./tool.js";
+import { Tour } from "./tour.js";
+import { RobotModel } from "./urdf.js";
 
 const JOINTS_PERIOD = 100; // ms between two updates of the joint table
 const DISPLAY_PERIOD = 200; // ms between two updates of header and picture state
 const RETRY_AFTER = 1000; // ms
+const MODEL_RETRY_AFTER = 2000; // ms between two attempts to get the robot's description
 
 /** @typedef {import("./cameras.js").VideoConfig & {rosbridge: string | null}} Config  What the video server tells. */
 
@@ -40,22 +53,60 @@ async function waitForConfig() {
 async function locateBridge() {
   const { rosbridge } = await fetchConfig();
   if (rosbridge === null) throw new Error("the bridge is not running");
-  return rosbridge;
+  const url = new URL(rosbridge);
+  // What the operator was given with the page's address is meant for the bridge.
+  const given = new URLSearchParams(location.search);
+  for (const name of ["token", "role", "name"]) if (given.has(name)) url.searchParams.set(name, given.get(name) ?? "");
+  // The bridge is to say which commands it does not obey, and why.
+  url.searchParams.set("status", "1");
+  return url.href;
 }
 
 /** @param {Config} config */
 function startCameras(config) {
   const canvas = /** @type {HTMLCanvasElement} */ (byId("picture"));
   const cameras = new Cameras(config, canvas, byId("thumbnails"), (name) => {
-    byId("camera-name").textContent = name;
+    setText(byId("camera-name"), name);
   });
   cameras.start();
   return cameras;
 }
 
+/**
+ * Ask for the robot's description until there is one.
+ * @param {import("./bridge.js").Bridge} bridge
+ * @param {string} parameter
+ * @returns {Promise<RobotModel>}
+ */
+async function fetchModel(bridge, parameter) {
+  for (;;) {
+    if (bridge.connected) {
+      try {
+        const { value } = await bridge.call("/rosapi/get_param", { name: parameter, default: "null" });
+        const text = JSON.parse(value);
+        if (typeof text === "string") return new RobotModel(text);
+      } catch (error) {
+        console.info(`${parameter}: ${/** @type {Error} */ (error).message}`);
+      }
+    }
+    await new Promise((resolve) => setTimeout(resolve, MODEL_RETRY_AFTER));
+  }
+}
+
 async function start() {
   const status = new StatusView();
-  const panels = new Panels();
+  const joints = new JointPositions();
+  const panels = new Panels(joints);
+  const hud = new Hud();
+  const clock = new MissionClock();
+  const avatar = new Avatar(
+    /** @type {HTMLCanvasElement} */ (byId("avatar-side")), /** @type {HTMLCanvasElement} */ (byId("avatar-top")),
+  );
+  const keymap = new KeyMap(localStorage);
+  const relabel = () => labelKeys(document, keymap);
+  /** @type {RobotModel | null} */
+  let model = null;
+  let pitch = 0; // rad, positive with the nose down
   const attitude = new AttitudeView();
   const config = await waitForConfig();
   const topic = (/** @type {string} */ name) => `${config.namespace}/${name}`;
@@ -65,41 +116,64 @@ async function start() {
     update();
     panels.showHeld(held.actions);
     panels.showSide(commander.sideOf(heldActions()));
+    hud.showSelected([...held.actions].map((name) => ({ name, action: ACTIONS[name] })), (joint) => panels.format(joint));
+    if (!held.empty) clock.begin();
+    tour.see(held.actions);
   });
 
-  const heldActions = () => [...held.actions].map((name) => ACTIONS[name]);
+  const heldActions = () => [...held.amounts].map(([name, amount]) => ({ ...ACTIONS[name], amount }));
   const update = () => {
     commander.update(heldActions());
     toolCommander.update(heldActions());
+    cameraCommander.update(heldActions());
   };
 
   const letGo = (/** @type {string} */ reason) => {
     if (!held.empty) status.warn(`released: ${reason}`);
+    gamepad.block();
     held.releaseAll();
   };
 
   const bridge = new Bridge(locateBridge, {
-    opened: () => status.log("connected"),
+    opened: () => {
+      status.log("connected");
+      control.connected();
+    },
     lost: (reason) => {
       letGo(reason);
       commander.disconnected();
       toolCommander.disconnected();
+      control.disconnected();
       status.forgetSim();
       status.setLinkBand("Connection lost. Everything is released. Reconnecting …");
       status.log(`connection lost: ${reason}`, true);
     },
-    refused: (sentence) => status.warn(`bridge: ${sentence}`),
+    refused: (sentence) => {
+      // A stream of commands that was refused once stays so: the operator has to know, and to press anew.
+      if (sentence.startsWith("publish to ")) letGo("the bridge refused a command");
+      status.warn(`bridge: ${sentence}`);
+    },
   });
   const warn = (/** @type {string} */ sentence) => status.warn(sentence);
   const commander = new Commander(bridge, topic, warn);
   const toolCommander = new ToolCommander(bridge, topic, () => commander.congested, warn);
   const call = (/** @type {string} */ name, /** @type {object} */ args) => bridge.call(topic(name), args);
+  const cameraCommander = new CameraCommander(bridge, topic, () => commander.congested);
   const tool = new ToolPanel(toolCommander, call, letGo, warn);
-  labelKeys(document).catch(() => {}); // without a layout the caps of a US keyboard stay
+  const modes = new ModeSwitch(tool, letGo);
+  tool.changed = () => modes.show();
+  modes.show();
+  const control = new ControlView(bridge, topic, letGo, warn);
+  const keyDialog = new KeyDialog(keymap, relabel);
+  keymap.changed = relabel;
+  const tour = new Tour(localStorage, relabel);
+  relabel();
 
   const mayPress = () => {
     if (!bridge.connected) status.warn("not connected: nothing can be moved");
     else if (status.estopped) status.warn("e-stop is active: release it first");
+    else if (control.isWatching) status.warn(`${control.holderName} has control: you are watching`);
+    else if (keyDialog.isOpen) status.warn("close the list of keys first");
     else return true;
     return false;
   };
@@ -115,19 +189,43 @@ async function start() {
       commander.stopPresets();
     },
     estop: () => setEstop(true),
-    mode: () => tool.setMode(),
+    mode: () => modes.toggle(),
+    drive_mode: () => modes.set("DRIVE"),
+    camera_mode: () => modes.set("CAMERA"),
     frame: () => tool.setFrame(),
     hold: () => tool.toggleHold(),
+    guard: () => tool.toggleGuard(),
+    view: () => cameras.next(),
+    keys: () => {
+      letGo("the list of keys");
+      keyDialog.toggle();
+    },
+    "lamps:front": () => cameraCommander.toggle("lamps:front"),
+    "lamps:rear": () => cameraCommander.toggle("lamps:rear"),
+    "lamps:turret": () => cameraCommander.toggle("lamps:turret"),
+    "lamps:gripper": () => cameraCommander.toggle("lamps:gripper"),
   };
 
-  listenToKeys(held, mayPress, (code) => tool.actionOfKey(code, ACTION_OF_KEY.get(code)), commands);
+  listenToKeys(held, mayPress, (code) => keymap.find(code, modes.mode), commands, (code) => keyDialog.take(code));
+  const gamepad = new GamepadInput(held, mayPress, () => modes.mode, commands, letGo);
   listenToPointers(document.body, held, mayPress);
   watchOperator(letGo);
   onClick(byId("slower"), commands.slower);
   onClick(byId("faster"), commands.faster);
   onClick(byId("estop"), commands.estop);
   onClick(byId("release"), () => setEstop(false));
+  onClick(byId("help"), commands.keys);
+  onClick(byId("tour-start"), () => {
+    keyDialog.toggle();
+    tour.start();
+  });
+  onClick(byId("clock"), () => clock.reset());
+  onClick(byId("control-button"), () => control.toggle());
+  for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-command]"))) {
+    onClick(button, commands[/** @type {import("./robot.js").Command} */ (button.dataset.command)]);
+  }
   tool.listen(onClick);
+  modes.listen(onClick);
   for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-side]"))) {
     button.addEventListener("click", () => {
       commander.side = /** @type {"left" | "both" | "right"} */ (button.dataset.side);
@@ -138,6 +236,8 @@ async function start() {
 
   commander.advertise();
   toolCommander.advertise();
+  cameraCommander.advertise();
+  control.subscribe();
   bridge.advertise(topic("e_stop"), TYPES.bool, { latch: true });
   const listen = (
     /** @type {string} */ name,
@@ -145,8 +245,15 @@ async function start() {
     /** @type {(message: any) => void} */ heard,
     throttle = 0,
   ) => bridge.subscribe({ topic: topic(name), type, throttle, heard });
-  listen("joint_states", TYPES.jointStates, (states) => panels.showJoints(states), JOINTS_PERIOD);
-  listen(STABILITY.topic, STABILITY.type, (stability) => attitude.set(stability));
+  listen("joint_states", TYPES.jointStates, (states) => {
+    joints.set(states);
+    panels.showJoints();
+  }, JOINTS_PERIOD);
+  listen(IMU.topic, IMU.type, (imu) => hud.setHeading(imu), DISPLAY_PERIOD);
+  listen(STABILITY.topic, STABILITY.type, (stability) => {
+    attitude.set(stability);
+    pitch = stability.pitch ?? 0;
+  }, JOINTS_PERIOD);
   listen("sim/status", TYPES.simStatus, (sim) => {
     status.setSim(sim);
     // Releasing the e-stop must not bring back a motion that is still held.
@@ -172,6 +279,7 @@ async function start() {
   });
 
   keepPace(COMMAND_PERIOD, () => {
+    gamepad.poll();
     if (!held.empty && bridge.silence > SILENT_AFTER) letGo("the robot does not answer");
     if (!held.empty || commander.busy || toolCommander.busy) update();
   }, letGo);
@@ -181,10 +289,17 @@ async function start() {
     status.showSpeed(commander.speeds);
     status.showVideo(cameras.main);
     cameras.refresh();
+    hud.showLink(bridge, cameras.main);
+    hud.showGripper(joints, model);
+    avatar.draw((joint) => joints.position(joint) ?? 0, pitch);
+    clock.show();
     status.fade();
     attitude.fade();
   }, DISPLAY_PERIOD);
   bridge.start();
+  model = await fetchModel(bridge, topic("robot_description"));
+  panels.setModel(model);
+  avatar.setModel(model);
 }
 
 /**

@@ -1,6 +1,7 @@
 // @ts-check
 /** The side panel: joints with their values and the buttons that move them. */
 
+import { CAMERA_JOINTS } from "./camera_actions.js";
 import {
   ACTIONS, ARM_JOINTS, FINGER_BASES, GRIPPER_JOINT, PRESET_KEYS, fingerJoints, flipperJoints,
 } from "./robot.js";
@@ -31,6 +32,15 @@ export function element(tag, className = "", text = "") {
   return made;
 }
 
+/**
+ * Write a text, unless it is there already: what does not change must not be laid out anew.
+ * @param {Element} where
+ * @param {string} text
+ */
+export function setText(where, text) {
+  if (where.textContent !== text) where.textContent = text;
+}
+
 /** @param {string} name  Of an action. */
 export function holdButton(name) {
   const action = ACTIONS[name];
@@ -39,17 +49,25 @@ export function holdButton(name) {
   button.tabIndex = -1;
   button.dataset.action = name;
   const cap = element("kbd", "", action.cap);
-  cap.dataset.code = action.code;
+  cap.dataset.binding = name;
   const arrow = ARROWS[action.label];
   button.append(cap, arrow === undefined ? action.label : `${arrow} ${action.label}`);
   return button;
 }
 
-/** @param {string} joint */
+/**
+ * A joint's value over a bar that shows where it is between its limits.
+ * @param {string} joint
+ */
 function valueOf(joint) {
   const value = element("span", "num", "–");
   value.dataset.joint = joint;
-  return value;
+  const bar = element("i", "bar");
+  bar.dataset.bar = joint;
+  bar.append(element("i", "bar-fill"), element("i", "bar-mark"));
+  const made = element("span", "joint");
+  made.append(value, bar);
+  return made;
 }
 
 /**
@@ -69,8 +87,16 @@ function cell(...nodes) {
   return made;
 }
 
+/** Share of a joint's way within which its end counts as near. */
+const NEAR = 0.1;
+
+/** Least share of the bar that what is beyond a soft limit takes: less could not be seen. */
+const VISIBLE = 0.03;
+
 export class Panels {
-  constructor() {
+  /** @param {import("./joints.js").JointPositions} joints */
+  constructor(joints) {
+    this._joints = joints;
     const pair = (/** @type {string} */ name, /** @type {string[]} */ ways) =>
       ways.map((way) => holdButton(`${name}:${way}`));
     byId("drive-pad").append(...pair("drive", ["forward", "left", "back", "right"]));
@@ -79,39 +105,77 @@ export class Panels {
       const ways = Object.keys(ACTIONS).filter((key) => key.startsWith(`${motion}:`)).map((key) => key.split(":")[1]);
       byId("arm-rows").append(row("", label, valueOf(name), ...pair(motion, ways)));
     }
+    for (const { name, label } of CAMERA_JOINTS) {
+      const ways = label === "pan" ? ["left", "right"] : ["up", "down"];
+      byId("camera-rows").append(row("", label, valueOf(name), ...pair(`camera_${label}`, ways)));
+    }
+    const zoom = element("span", "num", "–");
+    zoom.id = "zoom-value";
+    const lamps = element("div", "lamps");
+    lamps.id = "lamp-buttons";
+    byId("camera-rows").append(row("", "zoom", zoom, ...pair("camera_zoom", ["wider", "nearer"])), row("lamp-row", "lamps", lamps));
     byId("gripper-rows").append(
       row("", "opening", valueOf(GRIPPER_JOINT), ...pair("gripper", ["close", "open"])),
-      row("wide", "fingers", ...["left", "right"].map((side) => cell(...spaced(fingerJoints(side).map(valueOf))))),
+      row("wide", "fingers", ...["left", "right"].map((side) => cell(...fingerJoints(side).map(valueOf)))),
     );
     for (const end of ["front", "rear"]) {
       const [left, right] = flipperJoints(end).map(valueOf);
-      byId("flipper-rows").append(row("pair", end, cell("L ", left, "  R ", right), ...pair(end, ["up", "down"])));
+      byId("flipper-rows").append(row("pair", end, cell("L", left, "R", right), ...pair(end, ["up", "down"])));
     }
     this._presets = Array.from({ length: PRESET_KEYS }, (_, index) => holdButton(`preset:${index}`));
     byId("flipper-presets").append(...this._presets);
     this.showPresets([], []);
     this._values = [.../** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-joint]"))];
     this._metres = new Set(ARM_JOINTS.filter(({ metres }) => metres).map(({ name }) => name));
-    /** @type {Map<string, number>} */
-    this._positions = new Map();
+    this._bars = [.../** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-bar]"))];
+    /** @type {import("./urdf.js").RobotModel | null} */
+    this._model = null;
     /** Joints held back by a limit, by node. @type {Map<string, string[]>} */
     this._limited = new Map();
   }
 
-  /** @param {any} states  sensor_msgs/JointState */
-  showJoints(states) {
-    states.name.forEach((/** @type {string} */ name, /** @type {number} */ index) => {
-      this._positions.set(name, states.position[index]);
-    });
-    const bases = FINGER_BASES.map((base) => this._positions.get(base));
-    if (bases.every(Number.isFinite)) {
-      const sum = /** @type {number[]} */ (bases).reduce((total, angle) => total + angle, 0);
-      this._positions.set(GRIPPER_JOINT, sum / bases.length);
+  /** @param {import("./urdf.js").RobotModel} model  Says what the limits are. */
+  setModel(model) {
+    this._model = model;
+    for (const bar of this._bars) {
+      const limits = this._limits(bar);
+      bar.classList.toggle("limits", limits !== null);
+      if (limits === null) continue;
+      const span = limits.upper - limits.lower;
+      const percent = (/** @type {number} */ share) => `${(100 * Math.max(VISIBLE, share)).toFixed(1)}%`;
+      bar.style.setProperty("--lower", percent((limits.softLower - limits.lower) / span));
+      bar.style.setProperty("--upper", percent((limits.upper - limits.softUpper) / span));
     }
-    for (const value of this._values) {
-      const joint = /** @type {string} */ (value.dataset.joint);
-      value.textContent = this._format(joint, this._positions.get(joint));
+  }
+
+  /** Show where the joints are. */
+  showJoints() {
+    for (const value of this._values) setText(value, this.format(/** @type {string} */ (value.dataset.joint)));
+    for (const bar of this._bars) {
+      const limits = this._limits(bar);
+      const position = this._joints.position(/** @type {string} */ (bar.dataset.bar));
+      if (limits === null || !Number.isFinite(position)) continue;
+      const { lower, upper, softLower, softUpper } = limits;
+      const share = (/** @type {number} */ at) => Math.min(1, Math.max(0, (at - lower) / (upper - lower)));
+      const at = share(/** @type {number} */ (position)), zero = share(0);
+      // A joint without a soft limit, such as the telescope, may well rest at its end.
+      const isBeyond = at > share(softUpper) || at < share(softLower);
+      const state = isBeyond ? "end" : at < NEAR || at > 1 - NEAR ? "near" : "free";
+      if (bar.dataset.state !== state) bar.dataset.state = state;
+      const now = at.toFixed(3);
+      if (bar.dataset.at === now) continue;
+      bar.dataset.at = now;
+      const [fill, mark] = /** @type {HTMLCollectionOf<HTMLElement>} */ (bar.children);
+      fill.style.left = `${(100 * Math.min(at, zero)).toFixed(1)}%`;
+      fill.style.width = `${(100 * Math.abs(at - zero)).toFixed(1)}%`;
+      mark.style.left = `${(100 * at).toFixed(1)}%`;
     }
+  }
+
+  /** @param {HTMLElement} bar */
+  _limits(bar) {
+    const joint = /** @type {string} */ (bar.dataset.bar);
+    return this._model?.limits(joint === GRIPPER_JOINT ? FINGER_BASES[0] : joint) ?? null;
   }
 
   /**
@@ -157,28 +221,18 @@ export class Panels {
   showDrive(twist) {
     const forward = `${signed(twist.linear.x, 2)} m/s`;
     const turn = `${signed((twist.angular.z * 180) / Math.PI, 0)} °/s`;
-    byId("drive-linear").textContent = forward;
-    byId("drive-angular").textContent = turn;
-    byId("drive-hud").textContent = `${forward}  ${turn}`;
+    setText(byId("drive-linear"), forward);
+    setText(byId("drive-angular"), turn);
+    setText(byId("drive-hud"), `${forward}  ${turn}`);
   }
 
-  /**
-   * @param {string} joint
-   * @param {number | undefined} position  rad or m
-   */
-  _format(joint, position) {
+  /** A joint's position as text. @param {string} joint */
+  format(joint) {
+    const position = this._joints.position(joint);
     if (position === undefined || position === null) return "–";
     if (this._metres.has(joint)) return `${fixed(position * 1000, 0)} mm`;
     return `${fixed((position * 180) / Math.PI, joint.includes("finger") ? 0 : 1)}°`;
   }
-}
-
-/**
- * @param {HTMLElement[]} values
- * @returns {(HTMLElement | Text)[]}
- */
-function spaced(values) {
-  return values.flatMap((value, index) => (index > 0 ? [document.createTextNode("  "), value] : [value]));
 }
 
 /**

@@ -1,6 +1,7 @@
 // @ts-check
 /** What the console knows of the robot: its topics, its joints, and which key moves what. */
 
+import { CAMERA_ACTIONS, LOOK_ACTIONS } from "./camera_actions.js";
 import { POSE_ACTIONS, TOOL_ACTIONS } from "./tool_actions.js";
 
 /** Nodes that take joint commands; their topics are `<node>/delta_joint_cmds`, `/speed_scale`, `/status`. */
@@ -47,9 +48,12 @@ export const TYPES = {
  * @typedef {import("./tool_actions.js").ToolMotion} ToolMotion
  * @typedef {import("./tool_actions.js").PoseMotion} PoseMotion
  *
- * @typedef {JointMotion | DriveMotion | SideChoice | PresetMotion | ToolMotion | PoseMotion} Motion
- * @typedef {Motion & {code: string, cap: string, label: string}} Action
- *   `code`: key position (KeyboardEvent.code); `cap`: what a US keyboard shows there; `label`: what it does.
+ * @typedef {import("./camera_actions.js").ZoomMotion} ZoomMotion
+ *
+ * @typedef {JointMotion | DriveMotion | SideChoice | PresetMotion | ToolMotion | PoseMotion | ZoomMotion} Motion
+ * @typedef {Motion & {code: string, cap: string, label: string, amount?: number}} Action
+ *   `code`: key position (KeyboardEvent.code); `cap`: what a US keyboard shows there; `label`: what it does;
+ *   `amount`: how far it is held, 0 to 1 (default).
  */
 
 /** @typedef {{name: string, label: string, metres?: boolean}} Joint */
@@ -168,26 +172,31 @@ export const ACTIONS = {
   ...Object.fromEntries(Array.from({ length: PRESET_KEYS }, (_, index) => preset(index))),
   ...POSE_ACTIONS,
   ...TOOL_ACTIONS,
+  ...LOOK_ACTIONS,
+  ...CAMERA_ACTIONS,
 };
 
-/** Names of actions by key position, in JOINT mode. */
-export const ACTION_OF_KEY = new Map(
-  Object.entries(ACTIONS).filter(([, { kind }]) => kind !== "tool").map(([name, { code }]) => [code, name]),
-);
+/**
+ * @typedef {"slower" | "faster" | "stop" | "estop" | "mode" | "drive_mode" | "camera_mode" | "frame" | "hold" | "guard" | "view"
+ *   | "keys" | import("./camera_actions.js").LampCommand} Command
+ */
 
-/** @typedef {"slower" | "faster" | "stop" | "estop" | "mode" | "frame" | "hold"} Command */
-
-/** Keys that act once, by key position. */
-export const COMMAND_OF_KEY = new Map(
-  /** @type {[string, Command][]} */ ([
-    ["Minus", "slower"],
-    ["NumpadSubtract", "slower"],
-    ["Equal", "faster"],
-    ["NumpadAdd", "faster"],
-    ["Space", "stop"],
-    ["Escape", "estop"],
-    ["Tab", "mode"],
-    ["KeyY", "frame"],
-    ["KeyH", "hold"],
-  ]),
-);
+/** What is done once when its key goes down. @type {Record<Command, import("./tool_actions.js").Key>} */
+export const COMMANDS = {
+  estop: { code: "Escape", cap: "Esc", label: "e-stop" },
+  stop: { code: "Space", cap: "Space", label: "stop all" },
+  slower: { code: "Minus", cap: "-", label: "slower" },
+  faster: { code: "Equal", cap: "=", label: "faster" },
+  mode: { code: "Tab", cap: "Tab", label: "JOINT or CARTESIAN mode" },
+  drive_mode: { code: "Backquote", cap: "`", label: "DRIVE mode" },
+  camera_mode: { code: "Enter", cap: "Enter", label: "CAMERA mode" },
+  frame: { code: "KeyY", cap: "Y", label: "next frame" },
+  hold: { code: "KeyH", cap: "H", label: "hold the tool" },
+  guard: { code: "Backslash", cap: "\\", label: "proximity guard" },
+  view: { code: "Digit8", cap: "8", label: "next camera" },
+  keys: { code: "Slash", cap: "?", label: "list of keys" },
+  "lamps:front": { code: "Home", cap: "Home", label: "front lamps" },
+  "lamps:rear": { code: "End", cap: "End", label: "rear lamps" },
+  "lamps:turret": { code: "Insert", cap: "Ins", label: "turret's lamp" },
+  "lamps:gripper": { code: "Delete", cap: "Del", label: "gripper's lamp" },
+};

@@ -1,7 +1,7 @@
 // @ts-check
 /** Header, bands over the picture, warnings and the log of messages. */
 
-import { byId } from "./panels.js";
+import { byId, setText } from "./panels.js";
 
 /** Time (ms) without a word after which the link counts as silent. */
 export const SILENT_AFTER = 1000;
@@ -11,6 +11,7 @@ const SIM_SILENT_AFTER = 2500;
 
 const WARNING_SHOWN_FOR = 3000; // ms
 const LOG_LINES = 12;
+const REPEATED_WITHIN = 30_000; // ms
 
 export class StatusView {
   constructor() {
@@ -51,8 +52,8 @@ export class StatusView {
     const { paused = false, real_time_factor: factor = 0 } = this._sim ?? {};
     const state = silent ? "silent" : paused ? "paused" : "running";
     byId("sim-state").dataset.state = state;
-    byId("sim-state").textContent = { silent: "NO STATUS", paused: "PAUSED", running: "running" }[state];
-    byId("sim-speed").textContent = silent || factor === null ? "–" : `${factor.toFixed(2)}×`;
+    setText(byId("sim-state"), { silent: "NO STATUS", paused: "PAUSED", running: "running" }[state]);
+    setText(byId("sim-speed"), silent || factor === null ? "–" : `${factor.toFixed(2)}×`);
     document.body.classList.toggle("estopped", this.estopped);
     byId("estop-band").hidden = !this.estopped;
     byId("release").hidden = !this.estopped;
@@ -65,49 +66,48 @@ export class StatusView {
     byId("link").dataset.state = silent ? "silent" : bridge.connected ? "up" : "lost";
     byId("link-band").hidden = bridge.connected && !silent;
     if (!bridge.connected) {
-      byId("link-text").textContent = "not connected";
+      setText(byId("link-text"), "not connected");
     } else if (silent) {
-      byId("link-text").textContent = `silent ${(bridge.silence / 1000).toFixed(1)} s`;
-      byId("link-band").textContent = "The robot does not answer. Everything is released.";
+      setText(byId("link-text"), `silent ${(bridge.silence / 1000).toFixed(1)} s`);
+      setText(byId("link-band"), "The robot does not answer. Everything is released.");
     } else {
       const trip = bridge.roundTrip === null ? "" : ` ${Math.max(1, Math.round(bridge.roundTrip))} ms`;
-      byId("link-text").textContent = `connected${trip}`;
+      setText(byId("link-text"), `connected${trip}`);
     }
   }
 
   /** @param {string} sentence */
   setLinkBand(sentence) {
-    byId("link-band").textContent = sentence;
+    setText(byId("link-band"), sentence);
   }
 
   /** @param {number[]} speeds  Speed scales of the teleop nodes. */
   showSpeed(speeds) {
     const percent = speeds.map((speed) => Math.round(speed * 100));
-    byId("speed").textContent =
-      percent.length === 0 ? "–" : percent.length === 1 ? `${percent[0]} %` : `${percent[0]}–${percent.at(-1)} %`;
+    setText(byId("speed"), percent.length === 0 ? "–" : percent.length === 1 ? `${percent[0]} %` : `${percent[0]}–${percent.at(-1)} %`);
   }
 
-  /** @param {import("./video.js").VideoView} video */
+  /** @param {import("./cameras.js").ViewState} video */
   showVideo(video) {
     const paused = this._sim?.paused === true;
     byId("view").dataset.state = video.live ? "live" : "stalled";
     const age = video.latency === null ? "" : ` · ${Math.max(0, Math.round(video.latency))} ms`;
-    byId("camera-rate").textContent = video.live ? `${video.rate.toFixed(0)} fps${age}` : "";
+    setText(byId("camera-rate"), video.live ? `${video.rate.toFixed(0)} fps${age}` : "");
     if (video.live) return;
     const since = Number.isFinite(video.age) ? ` for ${(video.age / 1000).toFixed(1)} s` : "";
-    byId("no-picture-why").textContent = paused ? `the simulation is paused${since}` : `${video.trouble}${since}`;
+    setText(byId("no-picture-why"), paused ? `the simulation is paused${since}` : `${video.trouble}${since}`);
   }
 
   /** Show a sentence over the picture for a while, and log it. @param {string} sentence */
   warn(sentence) {
-    byId("warning").textContent = sentence;
+    setText(byId("warning"), sentence);
     this._warnedAt = performance.now();
     this.log(sentence, true);
   }
 
   /** Let old warnings vanish. */
   fade() {
-    if (performance.now() - this._warnedAt > WARNING_SHOWN_FOR) byId("warning").textContent = "";
+    if (performance.now() - this._warnedAt > WARNING_SHOWN_FOR) setText(byId("warning"), "");
   }
 
   /**
@@ -127,9 +127,11 @@ export class StatusView {
    */
   log(sentence, alarm = false) {
     const now = performance.now();
-    const repeated = sentence === this._lastLogged.sentence && now - this._lastLogged.at < 5000;
-    this._lastLogged = { sentence, at: repeated ? this._lastLogged.at : now };
-    if (repeated) return;
+    // What differs from the last line by its figures only takes its place: it is the same news.
+    const figureless = sentence.replace(/[\d.]+/g, "#");
+    const repeated = figureless === this._lastLogged.sentence && now - this._lastLogged.at < REPEATED_WITHIN;
+    this._lastLogged = { sentence: figureless, at: now };
+    if (repeated) byId("log").firstElementChild?.remove();
     const line = document.createElement("li");
     line.className = alarm ? "alarm" : "";
     const time = document.createElement("span");

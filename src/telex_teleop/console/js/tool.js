@@ -1,9 +1,9 @@
 // @ts-check
 /** The arm by its tool: mode, frame, commands, and what the panel shows of it. */
 
-import { byId, element, fixed, holdButton, row } from "./panels.js";
-import { ACTIONS, ARM_JOINTS } from "./robot.js";
-import { POSE_ACTIONS, TOOL_ACTION_OF_KEY, TOOL_ROWS } from "./tool_actions.js";
+import { byId, element, fixed, holdButton, row, setText } from "./panels.js";
+import { ACTIONS } from "./robot.js";
+import { POSE_ACTIONS, TOOL_ROWS } from "./tool_actions.js";
 
 const NODE = "arm_teleop";
 
@@ -68,7 +68,7 @@ export class ToolCommander {
   _commandTwist(held) {
     const twist = { linear: { x: 0, y: 0, z: 0 }, angular: { x: 0, y: 0, z: 0 } };
     for (const action of held) {
-      if (action.kind === "tool") twist[action.part][action.axis] += action.direction;
+      if (action.kind === "tool") twist[action.part][action.axis] += action.direction * (action.amount ?? 1);
     }
     const parts = /** @type {("linear" | "angular")[]} */ (["linear", "angular"]);
     const wanted = parts.some((part) => Object.values(twist[part]).some((rate) => rate !== 0));
@@ -79,7 +79,9 @@ export class ToolCommander {
     }
     const limits = { linear: this._status?.max_linear ?? 0, angular: this._status?.max_angular ?? 0 };
     for (const part of parts) {
-      for (const axis of /** @type {("x" | "y" | "z")[]} */ (["x", "y", "z"])) twist[part][axis] *= limits[part];
+      for (const axis of /** @type {("x" | "y" | "z")[]} */ (["x", "y", "z"])) {
+        twist[part][axis] = Math.max(-1, Math.min(1, twist[part][axis])) * limits[part];
+      }
     }
     const sent = this._bridge.publish(this._topic(`${NODE}/delta_twist_cmds`), {
       header: { frame_id: this.frame }, twist,
@@ -114,6 +116,8 @@ export class ToolPanel {
     this.mode = "JOINT";
     this._holdsTool = false;
     this._guard = true;
+    /** Called when the arm is in another mode. */
+    this.changed = () => {};
     /** @type {string[]} */
     this._frames = [];
     for (const { name, label, ways } of TOOL_ROWS) {
@@ -125,27 +129,15 @@ export class ToolPanel {
     this._show();
   }
 
-  /**
-   * What a key does in this mode.
-   * @param {string} code
-   * @param {string | undefined} otherwise  What it does in JOINT mode.
-   * @returns {string | undefined}
-   */
-  actionOfKey(code, otherwise) {
-    if (this.mode === "JOINT") return otherwise;
-    const action = TOOL_ACTION_OF_KEY.get(code);
-    if (action !== undefined) return action;
-    return otherwise !== undefined && movesArmJoint(otherwise) ? undefined : otherwise;
-  }
-
   /** @param {any} status  telex_msgs/JointTeleopStatus of arm_teleop */
   setArmStatus(status) {
     const mode = status.mode === "CARTESIAN" ? "CARTESIAN" : "JOINT";
     if (mode !== this.mode) {
       this._letGo(`the arm is in ${mode} mode now`);
       this.mode = mode;
+      this.changed();
     }
-    byId("arm-hud").textContent = status.notice;
+    setText(byId("arm-hud"), status.notice);
     this._show();
   }
 
@@ -163,10 +155,10 @@ export class ToolPanel {
       yaw: Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)),
     };
     for (const axis of /** @type {("x" | "y" | "z")[]} */ (["x", "y", "z"])) {
-      byId(`tool_${axis}-value`).textContent = `${fixed(position[axis] * 1000, 0)} mm`;
+      setText(byId(`tool_${axis}-value`), `${fixed(position[axis] * 1000, 0)} mm`);
     }
     for (const [name, angle] of Object.entries(angles)) {
-      byId(`tool_${name}-value`).textContent = `${fixed((angle * 180) / Math.PI, 1)}°`;
+      setText(byId(`tool_${name}-value`), `${fixed((angle * 180) / Math.PI, 1)}°`);
     }
     for (const button of /** @type {NodeListOf<HTMLButtonElement>} */ (
       document.querySelectorAll("#pose-buttons [data-action]")
@@ -177,8 +169,8 @@ export class ToolPanel {
     this._show();
   }
 
-  /** @param {Mode} [mode]  The other one if none is named. */
-  setMode(mode = this.mode === "JOINT" ? "CARTESIAN" : "JOINT") {
+  /** @param {Mode} mode */
+  setMode(mode) {
     this._letGo(`${mode} mode`);
     this._ask("set_mode", { mode });
   }
@@ -214,13 +206,6 @@ export class ToolPanel {
   }
 
   _show() {
-    const cartesian = this.mode === "CARTESIAN";
-    byId("arm-rows").hidden = cartesian;
-    byId("tool-rows").hidden = !cartesian;
-    byId("tool-options").hidden = !cartesian;
-    for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-mode]"))) {
-      button.setAttribute("aria-checked", String(button.dataset.mode === this.mode));
-    }
     for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-frame]"))) {
       const frame = this._frames[Number(button.dataset.frame)];
       button.hidden = frame === undefined;
@@ -233,19 +218,10 @@ export class ToolPanel {
 
   /** Let the panel's switches be clicked. @param {(button: HTMLElement, act: () => void) => void} onClick */
   listen(onClick) {
-    for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-mode]"))) {
-      onClick(button, () => this.setMode(/** @type {Mode} */ (button.dataset.mode)));
-    }
     for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-frame]"))) {
       onClick(button, () => this.setFrame(this._frames[Number(button.dataset.frame)]));
     }
     onClick(byId("hold-tool"), () => this.toggleHold());
     onClick(byId("guard"), () => this.toggleGuard());
   }
-}
-
-/** @param {string} name  Of an action. */
-function movesArmJoint(name) {
-  const action = ACTIONS[name];
-  return action.kind === "joints" && ARM_JOINTS.some((joint) => action.joints.includes(joint.name));
 }

@@ -66,9 +66,6 @@ export const POSE_ACTIONS = {
   "pose:floor_pick": toPose("floor_pick", "KeyB", "B", "pick"),
 };
 
-/** Names of tool actions by key position. */
-export const TOOL_ACTION_OF_KEY = new Map(Object.entries(TOOL_ACTIONS).map(([name, { code }]) => [code, name]));
-
 /** Rows of the panel: what is moved, and the value that shows it. */
 export const TOOL_ROWS = [
   { name: "tool_x", label: "x ahead", ways: ["back", "ahead"] },

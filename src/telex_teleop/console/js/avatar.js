@@ -1,0 +1,230 @@
+// @ts-check
+/** The robot from its right side and from above, in its present pose. */
+
+import { transform } from "./urdf.js";
+
+/** @typedef {import("./urdf.js").RobotModel} RobotModel */
+/** @typedef {import("./urdf.js").Pose} Pose */
+/** @typedef {import("./urdf.js").Vector} Vector */
+/** @typedef {[number, number]} Point */
+
+/** What is to be seen always (m, of the root link): about the reach of the arm is let out, the picture shrinks for it. */
+const ROOM = 0.45;
+const MARGIN = 6; // px
+const BASE = "base_link";
+const FLIPPER = /^(front|rear)_(left|right)_flipper_joint$/;
+/** Half the height of a belt (m) that stands on the ground, where the URDF says it only by a mesh. */
+const WHEEL_RADIUS = 0.085;
+const TIP_RADIUS = 0.045;
+const BELT_WIDTH = 0.07;
+const HULL_HEIGHT = 0.155;
+
+const COLOURS = {
+  belt: "#52606d", hull: "#6a7987", body: "#93a3b1", arm: "#4fb3ff", gripper: "#b7e3ff", ground: "#9aa8b5",
+};
+
+/**
+ * Convex hull (Andrew's monotone chain).
+ * @param {Point[]} points
+ * @returns {Point[]}
+ */
+export function hull(points) {
+  const sorted = [...points].sort((a, b) => a[0] - b[0] || a[1] - b[1]);
+  const half = (/** @type {Point[]} */ from) => {
+    /** @type {Point[]} */
+    const chain = [];
+    for (const [x, y] of from) {
+      for (;;) {
+        const a = chain.at(-2), b = chain.at(-1);
+        if (a === undefined || b === undefined) break;
+        if ((b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0]) > 0) break;
+        chain.pop();
+      }
+      chain.push([x, y]);
+    }
+    return chain.slice(0, -1);
+  };
+  return [...half(sorted), ...half(sorted.reverse())];
+}
+
+/** @param {Point} centre @param {number} radius @returns {Point[]} */
+function disc([x, y], radius) {
+  return Array.from({ length: 20 }, (_, i) => {
+    const angle = (Math.PI * i) / 10;
+    return /** @type {Point} */ ([x + radius * Math.cos(angle), y + radius * Math.sin(angle)]);
+  });
+}
+
+/** @type {Record<"side" | "top", (point: Vector) => Point>} */
+const PROJECTIONS = {
+  side: ([x, , z]) => [x, -z],
+  top: ([x, y]) => [x, -y],
+};
+
+export class Avatar {
+  /**
+   * @param {HTMLCanvasElement} side
+   * @param {HTMLCanvasElement} top
+   */
+  constructor(side, top) {
+    this._canvases = { side, top };
+    /** @type {RobotModel | null} */
+    this._model = null;
+    this._last = "";
+  }
+
+  /** @param {RobotModel} model */
+  setModel(model) {
+    this._model = model;
+    this._last = "";
+  }
+
+  /**
+   * @param {(joint: string) => number} position  rad or m
+   * @param {number} pitch  rad, positive with the nose down
+   */
+  draw(position, pitch) {
+    if (this._model === null) return;
+    const pose = JSON.stringify([
+      ...this._model.joints.filter(({ limits }) => limits !== null).map(({ name }) => position(name).toFixed(2)),
+      pitch.toFixed(2),
+    ]);
+    if (pose === this._last) return;
+    this._last = pose;
+    const poses = this._model.poses(position);
+    for (const view of /** @type {("side" | "top")[]} */ (["side", "top"])) this._draw(view, poses, view === "side" ? pitch : 0);
+  }
+
+  /**
+   * @param {"side" | "top"} view
+   * @param {Map<string, Pose>} poses
+   * @param {number} pitch
+   */
+  _draw(view, poses, pitch) {
+    const canvas = this._canvases[view];
+    const width = canvas.clientWidth, height = canvas.clientHeight;
+    const density = window.devicePixelRatio;
+    if (width === 0) return;
+    if (canvas.width !== width * density) canvas.width = width * density;
+    if (canvas.height !== height * density) canvas.height = height * density;
+    const pieces = this._pieces(PROJECTIONS[view], poses);
+    const points = pieces.flatMap(({ outline }) => outline);
+    const bounds = (/** @type {0 | 1} */ axis) => {
+      const values = points.map((point) => point[axis]);
+      return [Math.min(...values), Math.max(...values)];
+    };
+    const [left, right] = bounds(0), [up, down] = bounds(1);
+    const spanX = Math.max(right, ROOM) - Math.min(left, -ROOM), spanY = Math.max(down - up, 0.4);
+    const scale = Math.min((width - 2 * MARGIN) / spanX, (height - 2 * MARGIN) / spanY);
+    const middle = (Math.max(right, ROOM) + Math.min(left, -ROOM)) / 2;
+    const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
+    context.setTransform(density, 0, 0, density, 0, 0);
+    context.clearRect(0, 0, width, height);
+    context.translate(width / 2, view === "side" ? height - MARGIN : height / 2);
+    context.scale(scale, scale);
+    if (view === "side") {
+      context.strokeStyle = COLOURS.ground;
+      context.setLineDash([4 / scale, 3 / scale]);
+      context.lineWidth = 1 / scale;
+      context.beginPath();
+      context.moveTo(-width, 0);
+      context.lineTo(width, 0);
+      context.stroke();
+      context.setLineDash([]);
+      context.translate(0, -down);
+      context.rotate(pitch);
+    } else {
+      context.translate(0, -(up + down) / 2);
+    }
+    context.translate(-middle, 0);
+    context.lineWidth = 0.7 / scale;
+    context.lineJoin = "round";
+    for (const { outline, colour } of pieces) {
+      context.beginPath();
+      for (const [x, y] of outline) context.lineTo(x, y);
+      context.closePath();
+      context.fillStyle = colour;
+      context.strokeStyle = "#0e1216";
+      context.fill();
+      context.stroke();
+    }
+  }
+
+  /**
+   * Outlines, the furthest first.
+   * @param {(point: Vector) => Point} project
+   * @param {Map<string, Pose>} poses
+   */
+  _pieces(project, poses) {
+    const model = /** @type {RobotModel} */ (this._model);
+    const isTop = project === PROJECTIONS.top;
+    /** @type {{outline: Point[], colour: string, depth: number}[]} */
+    const pieces = [];
+    const axles = new Map();
+    for (const joint of model.joints) {
+      const [, end, side] = FLIPPER.exec(joint.name) ?? [];
+      const pose = poses.get(joint.child);
+      if (end === undefined || pose === undefined) continue;
+      const axle = pose.translation;
+      axles.set(`${end}_${side}`, axle);
+      // Twice as far as its centre of mass is about its length, and its tip is thinner than its root.
+      const [x, y, z] = model.centres.get(joint.child) ?? [0, 0, 0];
+      const tip = transform(pose, [2.05 * x, y, 2.05 * z]);
+      pieces.push({ ...this._belt(project, isTop, axle, tip, WHEEL_RADIUS, TIP_RADIUS), depth: side === "left" ? -1 : 3 });
+    }
+    for (const side of ["left", "right"]) {
+      const front = axles.get(`front_${side}`), rear = axles.get(`rear_${side}`);
+      if (front === undefined || rear === undefined) continue;
+      const inward = (/** @type {Vector} */ [x, y, z]) =>
+        /** @type {Vector} */ ([x, y - Math.sign(y) * BELT_WIDTH, z]);
+      pieces.push({
+        ...this._belt(project, isTop, inward(front), inward(rear), WHEEL_RADIUS, WHEEL_RADIUS), depth: side === "left" ? 0 : 2,
+      });
+    }
+    const [frontLeft, rearRight] = [axles.get("front_left"), axles.get("rear_right")];
+    if (frontLeft !== undefined && rearRight !== undefined) {
+      // The hull itself is a mesh: all between the belts, as high as what stands on it begins.
+      const inset = 1.5 * BELT_WIDTH;
+      /** @type {Point[]} */
+      const corners = [];
+      for (const x of [frontLeft[0], rearRight[0]]) {
+        for (const y of [frontLeft[1] - inset, rearRight[1] + inset]) {
+          for (const z of [0, HULL_HEIGHT]) corners.push(project([x, y, frontLeft[2] + z]));
+        }
+      }
+      pieces.push({ outline: hull(corners), colour: COLOURS.hull, depth: isTop ? 3 : 1 });
+    }
+    for (const [link, shapes] of model.shapes) {
+      const pose = poses.get(link);
+      if (pose === undefined) continue;
+      const isGripper = /finger|gripper/.test(link);
+      const colour = isGripper ? COLOURS.gripper : /base|turret/.test(link) ? COLOURS.body : COLOURS.arm;
+      for (const { points } of shapes) {
+        const corners = points.map((point) => transform(pose, point));
+        const heights = corners.reduce((sum, corner) => sum + corner[2], 0) / corners.length;
+        const depth = isTop ? 4 + heights : link === BASE ? 1 : isGripper ? 6 : 4;
+        pieces.push({ outline: hull(corners.map(project)), colour, depth });
+      }
+    }
+    return pieces.sort((a, b) => a.depth - b.depth);
+  }
+
+  /**
+   * @param {(point: Vector) => Point} project
+   * @param {boolean} isTop
+   * @param {Vector} from
+   * @param {Vector} to
+   * @param {number} fromRadius
+   * @param {number} toRadius
+   */
+  _belt(project, isTop, from, to, fromRadius, toRadius) {
+    const ends = /** @type {[Vector, number][]} */ ([[from, fromRadius], [to, toRadius]]);
+    const corners = ends.flatMap(([centre, radius]) => {
+      if (!isTop) return disc(project(centre), radius);
+      const [x, y] = project(centre);
+      const half = BELT_WIDTH / 2;
+      return /** @type {Point[]} */ ([[x - radius, y - half], [x + radius, y - half], [x - radius, y + half], [x + radius, y + half]]);
+    });
+    return { outline: hull(corners), colour: COLOURS.belt };
+  }
+}

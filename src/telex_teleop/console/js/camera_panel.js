@@ -1,0 +1,99 @@
+// @ts-check
+/** Zoom and lamps: commands to them, and what the panel shows of them. */
+
+import { LAMPS } from "./camera_actions.js";
+import { byId, element, setText } from "./panels.js";
+
+const ZOOM_TOPIC = "cameras/turret/zoom";
+const ZOOM_RATE = 0.8; // 1/s, of the factor's logarithm: twice as near in 0.9 s
+const MAX_ZOOM = 6;
+const LONGEST_STEP = 100; // ms; a longer time between two commands is a pause, over which nothing was held
+
+const ECHO_WITHIN = 1000; // ms in which what this page has commanded comes back to it
+
+const NUMBER = "std_msgs/Float64";
+
+export class CameraCommander {
+  /**
+   * @param {import("./bridge.js").Bridge} bridge
+   * @param {(name: string) => string} topic
+   * @param {() => boolean} congested
+   */
+  constructor(bridge, topic, congested) {
+    this._bridge = bridge;
+    this._topic = topic;
+    this._congested = congested;
+    this._zoom = 1;
+    this._last = -Infinity;
+    /** @type {Set<string>} */
+    this._lit = new Set();
+    for (const [name, { label }] of Object.entries(LAMPS)) {
+      const button = /** @type {HTMLButtonElement} */ (element("button", "small lamp", label));
+      button.type = "button";
+      button.tabIndex = -1;
+      button.dataset.command = name;
+      button.setAttribute("role", "checkbox");
+      byId("lamp-buttons").append(button);
+    }
+    this._show();
+  }
+
+  advertise() {
+    this._bridge.advertise(this._topic(ZOOM_TOPIC), NUMBER);
+    this._bridge.subscribe({
+      topic: this._topic(ZOOM_TOPIC), type: NUMBER, throttle: 100, heard: ({ data }) => {
+        // Others may zoom as well, but what comes while this page does is its own.
+        if (performance.now() - this._last > ECHO_WITHIN) this._take(data);
+      },
+    });
+    for (const lamp of Object.values(LAMPS).flatMap(({ lamps }) => lamps)) {
+      const topic = this._topic(`lamps/${lamp}/command`);
+      this._bridge.advertise(topic, NUMBER);
+      // Another operator or the joystick may switch it as well.
+      this._bridge.subscribe({
+        topic, type: NUMBER, throttle: 0, heard: ({ data }) => {
+          this._lit[data > 0 ? "add" : "delete"](lamp);
+          this._show();
+        },
+      });
+    }
+  }
+
+  /** @param {import("./robot.js").Action[]} held */
+  update(held) {
+    let direction = 0;
+    for (const action of held) if (action.kind === "zoom") direction += action.direction * (action.amount ?? 1);
+    direction = Math.max(-1, Math.min(1, direction));
+    if (direction === 0 || this._congested()) return;
+    const now = performance.now();
+    const step = now - this._last > LONGEST_STEP ? 20 : now - this._last;
+    this._last = now;
+    this._take(this._zoom * Math.exp((direction * ZOOM_RATE * step) / 1000));
+    this._bridge.publish(this._topic(ZOOM_TOPIC), { data: this._zoom });
+  }
+
+  /** @param {import("./camera_actions.js").LampCommand} name  Lights these lamps, or puts them out if one of them burns. */
+  toggle(name) {
+    const { lamps } = LAMPS[name];
+    const data = lamps.some((lamp) => this._lit.has(lamp)) ? 0 : 1;
+    for (const lamp of lamps) {
+      if (!this._bridge.publish(this._topic(`lamps/${lamp}/command`), { data })) return;
+      this._lit[data > 0 ? "add" : "delete"](lamp);
+    }
+    this._show();
+  }
+
+  /** @param {number | null} factor */
+  _take(factor) {
+    if (factor !== null && Number.isFinite(factor)) this._zoom = Math.min(MAX_ZOOM, Math.max(1, factor));
+    setText(byId("zoom-value"), `${this._zoom.toFixed(1)}×`);
+  }
+
+  _show() {
+    for (const [name, { lamps }] of Object.entries(LAMPS)) {
+      const isLit = lamps.some((lamp) => this._lit.has(lamp));
+      document.querySelector(`[data-command="${name}"]`)?.setAttribute("aria-checked", String(isLit));
+    }
+    setText(byId("zoom-value"), `${this._zoom.toFixed(1)}×`);
+  }
+}

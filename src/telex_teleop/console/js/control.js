@@ -1,0 +1,94 @@
+// @ts-check
+/** Who of those who are connected holds control of the robot. */
+
+import { byId, setText } from "./panels.js";
+
+const TYPE = "telex_msgs/BridgeClients";
+const FREE = "";
+
+export class ControlView {
+  /**
+   * @param {import("./bridge.js").Bridge} bridge
+   * @param {(name: string) => string} topic
+   * @param {(reason: string) => void} letGo
+   * @param {(sentence: string) => void} warn
+   */
+  constructor(bridge, topic, letGo, warn) {
+    this._bridge = bridge;
+    this._topic = topic;
+    this._letGo = letGo;
+    this._warn = warn;
+    /** This page's name at the bridge; null: a bridge without a control lock, or not known yet. @type {string | null} */
+    this._id = null;
+    this._holder = FREE;
+    /** @type {{id: string, name: string}[]} */
+    this._clients = [];
+  }
+
+  /** Whether somebody else holds control. */
+  get isWatching() {
+    return this._id !== null && this._holder !== FREE && this._holder !== this._id;
+  }
+
+  /** What the holder is called. */
+  get holderName() {
+    const holder = this._clients.find(({ id }) => id === this._holder);
+    return holder?.name || `client ${this._holder}`;
+  }
+
+  subscribe() {
+    this._bridge.subscribe({
+      topic: this._topic("bridge/clients"), type: TYPE, throttle: 0, heard: (message) => this._hear(message),
+    });
+  }
+
+  /** Ask, after every new connection, who this page is. */
+  async connected() {
+    try {
+      const { message } = await this._bridge.call(this._topic("bridge/who_am_i"), {});
+      this._id = message;
+    } catch {
+      this._id = null; // a bridge that has no control lock
+    }
+    this._show();
+  }
+
+  disconnected() {
+    this._id = null;
+    this._holder = FREE;
+    this._show();
+  }
+
+  /** Take control, or give it up. */
+  async toggle() {
+    const name = this._holder === this._id ? "release_control" : "take_control";
+    if (name === "release_control") this._letGo("control is given up");
+    try {
+      const answer = await this._bridge.call(this._topic(`bridge/${name}`), {});
+      if (!answer.success) this._warn(answer.message);
+    } catch (error) {
+      this._warn(/** @type {Error} */ (error).message);
+    }
+  }
+
+  /** @param {any} message  telex_msgs/BridgeClients */
+  _hear({ holder, clients }) {
+    const wasHeld = this._holder === this._id;
+    this._holder = holder;
+    this._clients = clients;
+    if (wasHeld && holder !== this._id && this._id !== null) {
+      this._letGo("control was taken away");
+      if (holder !== FREE) this._warn(`${this.holderName} has control now`);
+    }
+    this._show();
+  }
+
+  _show() {
+    byId("control").hidden = this._id === null;
+    const state = this._holder === FREE ? "free" : this.isWatching ? "watching" : "mine";
+    byId("control").dataset.state = state;
+    setText(byId("control-text"), { free: "control free", watching: `WATCHING · ${this.holderName}`, mine: "you control" }[state]);
+    setText(byId("control-button"), state === "mine" ? "release" : "take");
+    document.body.classList.toggle("watching", this.isWatching);
+  }
+}

@@ -1,0 +1,75 @@
+// @ts-check
+/** What stands over the picture besides the camera's own state: heading, gripper, what moves, and how good the link is. */
+
+import { byId, fixed, setText } from "./panels.js";
+import { FINGER_BASES, GRIPPER_JOINT } from "./robot.js";
+
+export const IMU = { topic: "imu", type: "sensor_msgs/Imu" };
+
+/** Longest round trip (ms) and age of the picture (ms), least pictures per second with which the link is good, and fair. */
+const GOOD = { trip: 100, age: 200, rate: 8 };
+const FAIR = { trip: 300, age: 500, rate: 4 };
+
+export class Hud {
+  constructor() {
+    /** Action that is held, or was last. */
+    this._selected = "";
+    /** Joint that it moves, empty if it is about something else. */
+    this._joint = "";
+    this._label = "";
+  }
+
+  /** @param {any} imu  sensor_msgs/Imu */
+  setHeading({ orientation: { x, y, z, w } }) {
+    const yaw = Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z));
+    // As on a compass: clockwise from where the scene's x axis points.
+    const heading = Math.round((-yaw * 180) / Math.PI + 720) % 360;
+    setText(byId("heading"), `${String(heading).padStart(3, "0")}°`);
+  }
+
+  /**
+   * @param {import("./joints.js").JointPositions} joints
+   * @param {import("./urdf.js").RobotModel | null} model
+   */
+  showGripper(joints, model) {
+    const angle = joints.position(GRIPPER_JOINT);
+    const limits = model?.limits(FINGER_BASES[0]) ?? null;
+    const opening = angle === undefined ? "–" : limits === null
+      ? `${fixed((angle * 180) / Math.PI, 0)}°`
+      : `${Math.round(100 * Math.min(1, Math.max(0, (angle - limits.lower) / (limits.upper - limits.lower))))} %`;
+    const torques = FINGER_BASES.map((base) => joints.effort(base)).filter(Number.isFinite);
+    const torque = torques.length === 0 ? "" : ` ${Math.max(.../** @type {number[]} */ (torques).map(Math.abs)).toFixed(1)} Nm`;
+    setText(byId("grip"), `${opening}${torque}`);
+  }
+
+  /**
+   * What moves, or moved last.
+   * @param {{name: string, action: import("./robot.js").Action}[]} held
+   * @param {(joint: string) => string} format
+   */
+  showSelected(held, format) {
+    const last = held.at(-1);
+    if (last !== undefined) this._selected = last.name;
+    const action = last?.action;
+    if (action !== undefined) this._joint = action.kind === "joints" ? action.joints[0] : "";
+    const [what, way] = this._selected.split(":");
+    const label = action?.label ?? this._label;
+    this._label = label;
+    const rest = this._joint ? format(this._joint) : label.startsWith(what) ? label.slice(what.length + 1) : label || way;
+    setText(byId("selected"), this._selected === "" ? "–" : `${what.replace(/_/g, " ")} ${rest}`);
+  }
+
+  /**
+   * @param {import("./bridge.js").Bridge} bridge
+   * @param {import("./cameras.js").ViewState} video
+   */
+  showLink(bridge, video) {
+    const trip = bridge.connected ? bridge.roundTrip ?? Infinity : Infinity;
+    const age = video.live ? video.latency ?? 0 : Infinity;
+    const is = (/** @type {typeof GOOD} */ least) => trip <= least.trip && age <= least.age && video.rate >= least.rate;
+    const quality = !bridge.connected || bridge.silence > 1000 ? "lost" : is(GOOD) ? "good" : is(FAIR) ? "fair" : "poor";
+    const view = byId("view");
+    if (view.dataset.link !== quality) view.dataset.link = quality;
+    setText(byId("link-quality"), `link ${quality}`);
+  }
+}
