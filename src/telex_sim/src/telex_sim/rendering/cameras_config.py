@@ -57,7 +57,7 @@ class OpticsConfig:
     rate
         Pictures per second of wall time while somebody looks.
     priority
-        Cameras of higher priority keep their rate when there is not enough time for all.
+        When there is not enough time for all, pictures are shared out by rate times (1 + priority).
     jpeg_quality
         1 to 100.
     exposure
