@@ -115,10 +115,13 @@ class TestNextDue:
         rates = serve([Paced(30.0), Paced(15.0), Paced(15.0)], 20.0, 0.05)
         assert rates == pytest.approx([10.0, 5.0, 5.0], rel=0.15)
 
-    @pytest.mark.parametrize("work", [0.03, 1.5])
+    @pytest.mark.parametrize("work", [0.03, 0.1, 1.5])
     def test_priority_is_a_larger_share_and_none_starves(self, work):
         rates = serve([Paced(30.0, 1), Paced(10.0), Paced(10.0)], 400.0 * work, work)
-        assert [rate * work for rate in rates] == pytest.approx([0.75, 0.125, 0.125], rel=0.15)
+        assert sum(rates) == pytest.approx(1.0 / work, rel=0.02)
+        # Six times as many; a picture less where two would fall into one slot of the first.
+        assert 4.5 < rates[0] / rates[1] < 6.5
+        assert rates[1] == pytest.approx(rates[2], rel=0.05)
 
     def test_who_comes_late_is_served_at_once(self):
         busy, late = Paced(60.0, 1), Paced(10.0)
