@@ -149,8 +149,9 @@ build_workspace() {
   if [ -f "$root/build/CMakeCache.txt" ] && ! grep -qF "CMAKE_HOME_DIRECTORY:INTERNAL=$root/src" "$root/build/CMakeCache.txt"; then
     rm -rf "$root/build" "$root/devel"
   fi
+  # catkin_make believes PWD, which env -C leaves as it was.
   step "Workspace (catkin_make)" "read the messages above; 'rm -rf build devel' starts the build anew" \
-    env -C "$root" PATH="$root/.venv/bin:$PATH" catkin_make -DPYTHON_EXECUTABLE="$root/.venv/bin/python" -DCATKIN_ENABLE_TESTING=OFF
+    env -C "$root" PWD="$root" PATH="$root/.venv/bin:$PATH" catkin_make -DPYTHON_EXECUTABLE="$root/.venv/bin/python" -DCATKIN_ENABLE_TESTING=OFF
   printf '%s' "$wanted" >"$stamp"
 }
 
