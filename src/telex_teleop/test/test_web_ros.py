@@ -353,7 +353,8 @@ def test_tokens_that_the_bridge_made_up_are_told_to_who_started_it_only(ros, bri
             heard = await watcher.hear()
             assert client not in json.dumps(heard)
             assert instructor not in json.dumps(heard)
-            if heard["topic"] == "bridge/clients":
+            # The other bridge, which nobody uses now, tells of its clients on the same topic.
+            if heard["topic"] == "bridge/clients" and heard["msg"]["clients"]:
                 assert heard["msg"]["clients"][0]["role"] == "instructor"
                 return
 

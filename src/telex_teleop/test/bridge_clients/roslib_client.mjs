@@ -59,7 +59,9 @@ async function offeredService(ros) {
     response.message = name;
     return true;
   });
-  await ask(ros, "getTopics");
+  while (!(await ask(ros, "getServices")).includes(options.name)) {
+    await new Promise((resolve) => setTimeout(resolve, 20));
+  }
   const answer = await call(await connect(), options.name, { data: false });
   server.unadvertise();
   return { ...answer };
