@@ -96,7 +96,10 @@ class Probe:
 
     def do_act(self, server):
         def execute(goal):
-            offered.publish_feedback(FlipperPresetFeedback(joint_names=["a"], remaining=[0.5]))
+            # A client that has just come misses the first ones, as with any action server.
+            for remaining in (0.5, 0.4, 0.3, 0.2, 0.1):
+                offered.publish_feedback(FlipperPresetFeedback(["a"], [remaining]))
+                rospy.sleep(0.1)
             offered.set_succeeded(FlipperPresetResult(message=f"did {goal.preset}"))
 
         offered = actionlib.SimpleActionServer(server, FlipperPresetAction, execute, False)

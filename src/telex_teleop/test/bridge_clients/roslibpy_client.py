@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import sys
 import threading
+import time
 
 import roslibpy
 
@@ -71,7 +72,8 @@ class Steps:
 
         service = roslibpy.Service(self.ros, f"/{self.name}/switch", "std_srvs/SetBool")
         service.advertise(serve)
-        self.ros.get_topics()
+        while service.name not in self.ros.get_services():
+            time.sleep(0.02)
         other = self.connect()
         caller = roslibpy.Service(other, f"/{self.name}/switch", "std_srvs/SetBool")
         answer = dict(caller.call(roslibpy.ServiceRequest({"data": False}), timeout=TIMEOUT))
