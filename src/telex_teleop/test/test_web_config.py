@@ -9,9 +9,9 @@ import pytest
 import yaml
 
 from telex_control.params import ConfigError
-from telex_teleop.web.bridge.tokens import is_loopback
 from telex_teleop.web.config import RosbridgeConfig, VideoServerConfig, read_server_config
 from telex_teleop.web.serving import BindError, bind, url_of
+from telex_teleop.web.tokens import is_loopback
 
 PACKAGE = Path(__file__).resolve().parents[1]
 

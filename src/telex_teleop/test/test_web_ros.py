@@ -152,6 +152,7 @@ def test_unknown_topics_and_the_console(video, bridge, camera):
         "main_camera": "front",
         "main_rate": 30.0,
         "thumbnail_rate": 10.0,
+        "thumbnail_width": 320,
     }
 
 
@@ -359,7 +360,13 @@ def test_tokens_that_the_bridge_made_up_are_told_to_who_started_it_only(ros, bri
                 return
 
     on_bridge(f"{url}/?role=instructor&token={instructor}", check)
+    # The video server knows them as long as the bridge runs.
+    pictures, page = ros.serve("video_server", "shown", "_address:=0.0.0.0", "_rosbridge:=open")
+    streams = f"{page}/streams?token={client}"
+    assert [get(each)[0] for each in (f"{page}/streams", streams)] == [401, 200]
     ros.stop(process)
+    assert get(streams)[0] == 401
+    ros.stop(pictures)
 
 
 def test_the_launch_file_starts_both_nodes():

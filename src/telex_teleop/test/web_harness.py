@@ -91,10 +91,10 @@ class Ros:
         self.processes.remove(process)
         return stop_process(process, number)
 
-    def serve(self, name, node_name=None):
+    def serve(self, name, node_name=None, *arguments):
         """Start a server node on a free port; return its process and its address."""
         node_name = node_name or name
-        process = self.start_node(name, "_port:=0", f"__name:={node_name}")
+        process = self.start_node(name, "_port:=0", f"__name:={node_name}", *arguments)
         return process, wait_until(lambda: self.param(f"/telex/{node_name}/url"), 20.0)
 
     def param(self, name):

@@ -54,6 +54,8 @@ class VideoServerConfig:
 
     address: str = "127.0.0.1"
     port: int = 8080
+    token: str = ""
+    instructor_token: str = ""
     quality: int = 95
     default_stream_type: str = "mjpeg"
     publish_rate: float = -1.0
@@ -67,11 +69,14 @@ class VideoServerConfig:
     hidden_cameras: Tuple[str, ...] = ("overview",)
     main_rate: float = 30.0
     thumbnail_rate: float = 10.0
+    thumbnail_width: int = 320
+    preview_rate: float = 10.0
     rosbridge: str = "rosbridge"
 
     def __post_init__(self) -> None:
         require_text(self, "address")
         require_range(self, "port", 0, 65535)
+        _require_tokens(self.token, self.instructor_token)
         require_range(self, "quality", 1, 100)
         require_choice(self, "default_stream_type", STREAM_TYPES)
         require_range(self, "publish_rate", -1.0, 1000.0)
@@ -84,7 +89,23 @@ class VideoServerConfig:
         require_text(self, "main_camera")
         require_range(self, "main_rate", 0.1, 1000.0)
         require_range(self, "thumbnail_rate", 0.1, 1000.0)
+        require_range(self, "thumbnail_width", 16, self.max_size)
+        require_range(self, "preview_rate", 0.0, 1000.0)
         require_text(self, "rosbridge")
+
+
+def _require_tokens(token: str, instructor_token: str) -> None:
+    """Raise a ConfigError unless a server can ask for these tokens."""
+    for name, value in (("token", token), ("instructor_token", instructor_token)):
+        require(
+            _TOKEN.fullmatch(value) is not None,
+            f"{name} holds other characters than letters, digits and . _ ~ -, with which it "
+            "could not stand in an address",
+        )
+    require(
+        not token or token != instructor_token,
+        "token and instructor_token are the same; every client would be an instructor",
+    )
 
 
 def _require_patterns(lists: object) -> None:
@@ -123,6 +144,8 @@ class AllowedNames:
         "!/roslaunch/*",
         "!/rosversion",
         "!/use_sim_time",
+        "!rosbridge*",
+        "!video_server*",
     )
 
     def __post_init__(self) -> None:
@@ -190,16 +213,7 @@ class RosbridgeConfig:
     def __post_init__(self) -> None:
         require_text(self, "address")
         require_range(self, "port", 0, 65535)
-        for name in ("token", "instructor_token"):
-            require(
-                _TOKEN.fullmatch(getattr(self, name)) is not None,
-                f"{name} holds other characters than letters, digits and . _ ~ -, with which it "
-                "could not stand in an address",
-            )
-        require(
-            not self.token or self.token != self.instructor_token,
-            "token and instructor_token are the same; every client would be an instructor",
-        )
+        _require_tokens(self.token, self.instructor_token)
         require_text(self, "e_stop_topic")
         require_range(self, "max_command_age", 0.01, 60.0)
         require_range(self, "max_clients", 1, 10000)

@@ -12,6 +12,7 @@ from aiohttp import WSCloseCode, WSMsgType, web
 
 from ..config import RosbridgeConfig
 from ..freshness import Backlog
+from ..tokens import ForbiddenError, is_instructor, tokens_of
 from ..workers import OrderedWorker
 from .access import Access
 from .control import MAX_NAME, Control, Member
@@ -25,7 +26,6 @@ from .ros import Ros
 from .roster import Roster
 from .services import ServiceDesk
 from .session import ClientSession, Shared
-from .tokens import ForbiddenError, is_instructor, tokens_of
 
 BACKLOG_POLL = 0.005
 """Period (s) at which a client that has not taken its messages yet is looked at."""

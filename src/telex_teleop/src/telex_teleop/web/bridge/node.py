@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
+
 import rospy
 from aiohttp import web
 
 from ..config import RosbridgeConfig
 from ..serving import run_node
+from ..tokens import Tokens
 from .app import Rosbridge
 from .ros_graph import RosGraph
 
@@ -26,7 +29,26 @@ def _make_app(config: RosbridgeConfig) -> web.Application:
             f"with ?role=instructor&token={bridge.tokens.instructor}",
             flush=True,
         )
+        return _sharing_tokens(bridge.tokens, bridge.make_app())
     return bridge.make_app()
+
+
+def _sharing_tokens(tokens: Tokens, app: web.Application) -> web.Application:
+    """Let the video server know what was made up, by the node's own parameters while it runs.
+
+    No client of the bridge can read them.
+    """
+    made_up = {"~token": tokens.client, "~instructor_token": tokens.instructor}
+    for name, token in made_up.items():
+        rospy.set_param(name, token)
+
+    async def forget(_app: web.Application) -> None:
+        with contextlib.suppress(OSError, KeyError):  # the master may have ended before
+            for name in made_up:
+                rospy.delete_param(name)
+
+    app.on_cleanup.append(forget)
+    return app
 
 
 def main() -> int:

@@ -52,7 +52,7 @@ class RosApi:
     own_services
         Types of the services that the bridge itself answers besides these, by their global names.
     secrets
-        Global names of parameters that no client may read.
+        Last parts of the names of parameters that no client may read.
     """
 
     def __init__(
@@ -193,14 +193,14 @@ class RosApi:
 
     def _without_secrets(self, name: str, value: Any) -> Any:
         """Return a parameter's value, without what no client may read."""
-        if name in self._secrets:
+        if name.rpartition("/")[2] in self._secrets:
             raise OperationError(f"{name} is not for clients to read")
         if isinstance(value, dict):
             inside = name if name.endswith("/") else f"{name}/"
             return {
                 key: self._without_secrets(f"{inside}{key}", part)
                 for key, part in value.items()
-                if f"{inside}{key}" not in self._secrets
+                if key not in self._secrets
             }
         return value
 

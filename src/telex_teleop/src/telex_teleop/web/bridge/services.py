@@ -16,8 +16,8 @@ from .operations import OperationError
 from .ros import Ros
 from .rosapi import Question, RosApi
 
-SECRETS = ("~token", "~instructor_token")
-"""Parameters of the bridge that would make an instructor of every client who reads them."""
+SECRETS = ("token", "instructor_token")
+"""Parameters of the servers that would make an instructor of every client who reads them."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -50,7 +50,7 @@ class ServiceDesk:
         self._worker = worker
         self._control = control
         self._timeout = timeout
-        self._rosapi = RosApi(ros, control.types, [ros.resolve(name) for name in SECRETS])
+        self._rosapi = RosApi(ros, control.types, SECRETS)
 
     async def call(self, service: str, arguments: Any, caller: Caller) -> Dict[str, Any]:
         """Call a service and return the values of its response.

@@ -1,4 +1,4 @@
-"""Who may connect: what a client has to know when the bridge listens to more than its machine."""
+"""Who may connect: what a client has to know when a server listens to more than its machine."""
 
 from __future__ import annotations
 
@@ -7,14 +7,12 @@ import hmac
 import ipaddress
 import secrets
 import socket
-from typing import Optional
+from typing import Optional, Protocol
 
 from aiohttp import web
 
-from ..config import RosbridgeConfig
-
 TOKEN_BYTES = 12
-"""Random bytes of a token that the bridge makes up."""
+"""Random bytes of a token that is made up."""
 
 INSTRUCTOR = "instructor"
 _ROLES = ("operator", INSTRUCTOR)
@@ -39,7 +37,7 @@ class Tokens:
     instructor
         Of those that connect as an instructor; it is good for every other client, too.
     made_up
-        Whether the bridge made them up, so that somebody has to be told.
+        Whether they were made up, so that somebody has to be told.
     """
 
     client: str
@@ -47,7 +45,23 @@ class Tokens:
     made_up: bool = False
 
 
-def tokens_of(config: RosbridgeConfig) -> Tokens:
+class TokenConfig(Protocol):
+    """The parameters of a server that say who may connect."""
+
+    @property
+    def address(self) -> str:
+        """Address that the server listens on."""
+
+    @property
+    def token(self) -> str:
+        """Token of every client; may be empty."""
+
+    @property
+    def instructor_token(self) -> str:
+        """Token of instructors; may be empty."""
+
+
+def tokens_of(config: TokenConfig) -> Tokens:
     """Return the tokens to ask for; makes up what is needed and not given."""
     if not config.token and is_loopback(config.address):
         return Tokens("", config.instructor_token)
@@ -105,7 +119,7 @@ def _same(given: Optional[str], token: str) -> bool:
 def _complaint(given: Optional[str], what: str) -> str:
     if given is None:
         return (
-            f"This bridge asks for {what}: add ?token=... to its address; unless it was given as a "
+            f"This server asks for {what}: add ?token=... to its address; unless it was given as a "
             "parameter, it was printed when the bridge started."
         )
-    return f"This is not {what} of this bridge."
+    return f"This is not {what} of this server."
