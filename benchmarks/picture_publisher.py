@@ -2,7 +2,8 @@
 
     picture_publisher.py NAME:WIDTHxHEIGHT@RATE ...
 
-publishes on /telex/cameras/NAME/image_raw/compressed until it is ended.
+publishes on /telex/cameras/NAME/image_raw/compressed until it is ended; a NAME with a slash is
+that of another stream of a camera: front/preview is /telex/cameras/front/preview/compressed.
 """
 
 from __future__ import annotations
@@ -45,7 +46,8 @@ def main() -> None:
         name, _, rest = spec.partition(":")
         size, _, rate = rest.partition("@")
         width, height = (int(each) for each in size.split("x"))
-        topic = f"/telex/cameras/{name}/image_raw/compressed"
+        stream = name if "/" in name else f"{name}/image_raw"
+        topic = f"/telex/cameras/{stream}/compressed"
         publisher = rospy.Publisher(topic, CompressedImage, queue_size=1, tcp_nodelay=True)
         message = CompressedImage(format="jpeg", data=picture(width, height))
         cameras.append((publisher, message, 1.0 / float(rate)))
@@ -55,8 +57,9 @@ def main() -> None:
         when, number = heapq.heappop(due)
         time.sleep(max(0.0, when - time.monotonic()))
         publisher, message, period = cameras[number]
-        message.header.stamp = rospy.Time.from_sec(time.time())
-        publisher.publish(message)
+        if publisher.get_num_connections():
+            message.header.stamp = rospy.Time.from_sec(time.time())
+            publisher.publish(message)
         heapq.heappush(due, (when + period, number))
 
 

@@ -372,7 +372,7 @@ def test_cameras_and_image_topics():
 
 
 def test_the_index_groups_topics_by_camera():
-    page = pages.index_page(base_topics(TOPICS), TOPICS)
+    page = pages.index_page(base_topics(TOPICS), TOPICS, {})
     camera, rest = page.split("</ul></li></ul>")
     assert "/stream_viewer?topic=/telex/cameras/front/image_raw" in camera
     assert "/snapshot?topic=/raw" in rest
@@ -384,7 +384,7 @@ def test_pages_escape_what_comes_from_outside():
     for page in (
         pages.viewer_page(evil, {"topic": evil, evil: evil}),
         pages.error_page(404, evil),
-        pages.index_page([evil], [f"{evil}/camera_info"]),
-        pages.index_page([f"{evil}/image"], [f"{evil}/camera_info"]),
+        pages.index_page([evil], [f"{evil}/camera_info"], {"token": evil}),
+        pages.index_page([f"{evil}/image"], [f"{evil}/camera_info"], {}),
     ):
         assert "<script" not in page

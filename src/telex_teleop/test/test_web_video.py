@@ -42,6 +42,10 @@ class Bench:
         self.server_config = VideoServerConfig(**config)
         self.console = tmp_path
 
+    def params(self, **values):
+        """Set parameters of the bridge."""
+        self.pictures.params.update({f"rosbridge/{name}": text for name, text in values.items()})
+
     def served(self):
         self.server = VideoServer(
             self.server_config, self.pictures, "/telex/", self.console, self.warnings.append
@@ -365,6 +369,7 @@ def test_the_console_is_told_where_everything_is(bench):
                 "main_camera": "front",
                 "main_rate": 30.0,
                 "thumbnail_rate": 10.0,
+                "thumbnail_width": 320,
             }
             bench.pictures.params["rosbridge/url"] = "ws://127.0.0.1:9090"
             for host, told in (
@@ -374,6 +379,96 @@ def test_the_console_is_told_where_everything_is(bench):
             ):
                 reply = await http.get(f"{url}/config.json", headers={"Host": host})
                 assert json.loads(await reply.text())["rosbridge"] == told
+
+    run(check())
+
+
+PICTURES = (
+    f"stream?topic={CAMERA}",
+    f"snapshot?topic={CAMERA}",
+    f"stream_viewer?topic={CAMERA}",
+    "streams?",
+    "video?",
+)
+
+
+async def replies(http, url, access="", **options):
+    """Return the statuses of all addresses of pictures."""
+    got = []
+    for path in PICTURES:
+        async with http.get(f"{url}/{path}{access}", **options) as reply:
+            got.append(reply.status)
+    return got
+
+
+SEEN, REFUSED = [200, 504, 200, 200, 426], [401] * 5
+
+
+@pytest.mark.parametrize("given_to", ["this server", "the bridge"])
+def test_where_there_is_a_token_pictures_need_it(tmp_path, given_to):
+    tokens = {"token": "sesame", "instructor_token": "teacher"}
+    bench = Bench(tmp_path, snapshot_timeout=0.1, **(tokens if given_to == "this server" else {}))
+    if given_to == "the bridge":
+        bench.params(**tokens)
+
+    async def check():
+        async with bench.served() as url, aiohttp.ClientSession() as http:
+            for access in ("", "&token=", "&token=wrong", "&role=instructor&token=sesame"):
+                assert await replies(http, url, access) == REFUSED
+            said = await (await http.get(f"{url}/{PICTURES[0]}")).text()
+            assert "This server asks for a token: add ?token=... to its address" in said
+            for access in ("&token=sesame", "&token=teacher", "&role=instructor&token=teacher"):
+                assert await replies(http, url, access) == SEEN
+            bearer = {"Authorization": "Bearer sesame"}
+            assert await replies(http, url, headers=bearer) == SEEN
+            assert (await http.get(f"{url}/streams?role=king")).status == 400
+            for path in ("", "main.js", "config.json"):
+                assert (await http.get(f"{url}/{path}")).status == 200
+            viewer = await (await http.get(f"{url}/{PICTURES[2]}&token=sesame")).text()
+            assert "&amp;token=sesame" in viewer
+            index = await (await http.get(f"{url}/streams?token=sesame")).text()
+            assert f"/snapshot?topic={CAMERA}&amp;token=sesame" in index
+
+    run(check())
+
+
+def test_other_machines_see_nothing_as_long_as_there_is_no_token(tmp_path):
+    bench = Bench(tmp_path, address="0.0.0.0", snapshot_timeout=0.1)
+
+    async def check():
+        async with bench.served() as url, aiohttp.ClientSession() as http:
+            assert await replies(http, url, "&token=") == REFUSED
+            said = await (await http.get(f"{url}/{PICTURES[0]}")).text()
+            assert "set its parameter ~token, or start the bridge" in said
+            # The bridge starts later, and has made them up.
+            bench.params(token="sesame")
+            assert await replies(http, url, "&token=sesame") == SEEN
+            # Nobody has told an instructor's token, which does not make one of everybody.
+            for token in ("", "sesame"):
+                assert await replies(http, url, f"&role=instructor&token={token}") == REFUSED
+
+    run(check())
+
+
+def test_hidden_cameras_are_for_instructors(bench):
+    hidden = "/telex/cameras/overview/image_raw"
+    bench.pictures.published[hidden] = "sensor_msgs/Image"
+
+    async def check():
+        async with bench.served() as url, aiohttp.ClientSession() as http:
+            for topic in (hidden, hidden[1:], "cameras/overview/image_raw"):
+                for path in ("stream", "snapshot", "stream_viewer"):
+                    reply = await http.get(f"{url}/{path}?topic={topic}")
+                    assert reply.status == 403
+                    assert "is for instructors: add role=instructor" in await reply.text()
+            for role, seen in (("operator", False), ("instructor", True)):
+                access = f"role={role}"
+                viewer = await http.get(f"{url}/stream_viewer?topic={hidden}&{access}")
+                assert viewer.status == (200 if seen else 403)
+                index = await (await http.get(f"{url}/streams?{access}")).text()
+                assert ("overview" in index) is seen
+                config = await (await http.get(f"{url}/config.json?{access}")).json()
+                assert ("overview" in [each["name"] for each in config["cameras"]]) is seen
 
     run(check())
 

@@ -19,11 +19,15 @@ from telex_teleop.web.video import protocol
 from telex_teleop.web.video.app import VideoServer
 from telex_teleop.web.video.cameras import CameraList
 from telex_teleop.web.video.feed import Pacer
+from telex_teleop.web.video.frames import binary_frame_head
 from telex_teleop.web.video.pictures import CompressedPicture
 from telex_teleop.web.video.protocol import Ack, Ping, ProtocolError, Show, View
 from telex_teleop.web.video.ros_source import captured_at
 
-FRONT, REAR = (f"/telex/cameras/{name}/image_raw/compressed" for name in ("front", "rear"))
+FRONT, REAR, OVERVIEW = (
+    f"/telex/cameras/{name}/image_raw/compressed" for name in ("front", "rear", "overview")
+)
+PREVIEW = "/telex/cameras/front/preview/compressed"
 COMPRESSED_TYPE = "sensor_msgs/CompressedImage"
 
 
@@ -40,7 +44,8 @@ COMPRESSED_TYPE = "sensor_msgs/CompressedImage"
             ' "credits": 2}, {"camera": "b", "rate": null}]}',
             Show((View("a", 2.5, 320, 240, 50, 2), View("b"))),
         ),
-        ('{"ack": [3, 4294967295]}', Ack(3, 4294967295)),
+        ('{"ack": [3, 4294967295]}', Ack(((3, 4294967295),))),
+        ('{"ack": [[3, 5], [0, 6]]}', Ack(((3, 5), (0, 6)))),
         ('{"ping": -1.5}', Ping(-1.5)),
     ],
 )
@@ -73,6 +78,9 @@ def test_messages_are_read(text, message):
         ('{"show": [{"camera": "a", "credits": 9}]}', "show[0].credits is 9"),
         ('{"ack": 1}', "ack is 1; it must be a list of a camera's index and the number"),
         ('{"ack": [1, 2, 3]}', "ack is [1, 2, 3]"),
+        ('{"ack": []}', "ack is []; it must be a list of a camera's index"),
+        ('{"ack": [[1, 2], 3]}', "ack[1] is 3"),
+        ('{"ack": [[1, 2], [0, true]]}', "ack[1][1] is true"),
         ('{"ack": [256, 1]}', "ack[0] is 256"),
         ('{"ack": [0, -1]}', "ack[1] is -1"),
         ('{"ping": "now"}', 'ping is "now"; it must be any finite number'),
@@ -89,8 +97,22 @@ def test_messages_that_cannot_be_used_are_answered_with_a_sentence(text, said):
 
 
 def test_the_header_of_a_picture():
-    message = protocol.picture_message(5, 70000, 12.5, b"\xff\xd8")
-    assert message == b"\x01\x05\x00\x00\x70\x11\x01\x00" + struct.pack("<d", 12.5) + b"\xff\xd8"
+    header = protocol.picture_header(5, 70000, 12.5)
+    assert header == b"\x01\x05\x00\x00\x70\x11\x01\x00" + struct.pack("<d", 12.5)
+
+
+@pytest.mark.parametrize(
+    ("length", "head"),
+    [
+        (16, b"\x82\x10"),
+        (125, b"\x82\x7d"),
+        (126, b"\x82\x7e\x00\x7e"),
+        (65535, b"\x82\x7e\xff\xff"),
+        (65536, b"\x82\x7f\x00\x00\x00\x00\x00\x01\x00\x00"),
+    ],
+)
+def test_the_head_of_a_websocket_frame(length, head):
+    assert binary_frame_head(length) == head
 
 
 @pytest.mark.parametrize(
@@ -284,6 +306,142 @@ async def test_a_box_scales_once_for_all_clients(bench, client):
         await asyncio.sleep(0.55)
         await bench.feed(FRONT, jpeg(90, two_halves(640, 480)))
         assert len(encoded) == 1
+
+
+@on_bench
+async def test_acknowledgements_of_several_cameras_in_one_message(bench, client):
+    await client.say(show=[{"camera": "front"}, {"camera": "rear"}])
+    for _ in range(2):
+        for topic in (FRONT, REAR):
+            await bench.feed(topic, jpeg())
+        used = [(await client.picture())[:2] for _ in range(2)]
+        assert {camera for camera, _ in used} == {0, 1}
+        await client.say(ack=used)
+    await client.say(ack=[[0, 1], [9, 1]])
+    assert (await client.hear())["error"] == "ack is for camera 9; there are 2"
+
+
+@on_bench
+async def test_a_client_whose_connection_is_full_gets_the_newest_pictures_when_it_reads_on(
+    bench, client
+):
+    connection = client.socket._response.connection.transport
+    connection.pause_reading()
+    names = ("front", "rear")
+    await client.say(show=[{"camera": name, "credits": 8} for name in names])
+    large = jpeg()[:-2] + bytes(3_000_000) + b"\xff\xd9"  # more than the system takes at once
+    for count in range(20):
+        for topic in (FRONT, REAR):
+            await bench.feed(topic, large, captured=count)
+    connection.resume_reading()
+    captured = {0: [], 1: []}
+    while not all(times and times[-1] == 19 for times in captured.values()):
+        camera, number, when, data = await client.picture()
+        assert data == large
+        captured[camera].append(when)
+        await client.ack(camera, number)
+    for times in captured.values():
+        assert times == sorted(set(times))
+        assert len(times) < 12
+
+
+def with_preview(check):
+    """Make a test on a bench whose front camera has a preview."""
+
+    @on_bench
+    async def test(bench, client):
+        bench.pictures.published[PREVIEW] = COMPRESSED_TYPE
+        async with bench.http.ws_connect(bench.url) as socket:
+            other = Client(socket)
+            assert len((await other.hear())["cameras"]) == 2
+            await check(bench, other)
+
+    test.__doc__ = check.__doc__
+    return test
+
+
+SMALL = jpeg(80, two_halves(320, 240))
+
+
+@pytest.mark.parametrize(
+    ("wish", "topic"),
+    [
+        ({"width": 320, "rate": 10}, PREVIEW),
+        ({"width": 320, "height": 240, "rate": 10}, PREVIEW),
+        ({"height": 100, "rate": 1}, PREVIEW),
+        ({}, FRONT),
+        ({"rate": 10}, FRONT),
+        ({"width": 320}, FRONT),
+        ({"width": 320, "rate": 10.5}, FRONT),
+        ({"width": 320, "rate": 10, "quality": 90}, FRONT),
+    ],
+)
+def test_the_preview_serves_those_for_whom_it_is_enough(tmp_path, wish, topic):
+    @with_preview
+    async def check(bench, client):
+        await client.say(show=[{"camera": "front", **wish}])
+        await bench.feed(topic, SMALL)
+        camera, number, _, data = await client.picture()
+        assert bench.pictures.events == [("subscribe", topic)]
+        if wish.get("width") and "quality" not in wish:
+            assert data == SMALL
+        if "height" in wish:
+            assert simplejpeg.decode_jpeg_header(data)[0] == wish["height"]
+        await client.ack(camera, number)
+
+    check(tmp_path)
+
+
+@with_preview
+async def test_a_preview_that_is_too_small_gives_way_to_the_full_picture(bench, client):
+    await client.say(show=[{"camera": "front", "width": 400, "rate": 10}])
+    await bench.feed(PREVIEW, SMALL)
+    await client.nothing_comes(0.0)
+    await bench.feed(FRONT, jpeg(80, two_halves(800, 600)))
+    assert simplejpeg.decode_jpeg_header((await client.picture())[3])[:2] == (300, 400)
+    await becomes(lambda: len(bench.pictures.events) == 3)
+    assert ("unsubscribe", PREVIEW) in bench.pictures.events
+
+
+@with_preview
+async def test_a_preview_that_shrinks_while_it_is_watched_gives_way_too(bench, client):
+    await client.say(show=[{"camera": "front", "width": 320, "rate": 10}])
+    await bench.feed(PREVIEW, SMALL)
+    camera, number, _, _ = await client.picture()
+    await client.ack(camera, number)
+    await bench.feed(PREVIEW, jpeg(80, two_halves(160, 120)))
+    await bench.feed(FRONT, SMALL)
+    assert (await client.picture())[3] == SMALL
+
+
+@with_preview
+async def test_a_swap_changes_between_preview_and_full_picture(bench, client):
+    small, large = {"camera": "front", "width": 320, "rate": 10}, {"camera": "front", "rate": 30}
+    for wish, topic in ((small, PREVIEW), (large, FRONT), (small, PREVIEW)):
+        await client.say(show=[wish])
+        await becomes(lambda topic=topic: list(bench.pictures.receivers) == [topic])
+        await bench.feed(topic, SMALL)
+        await client.picture()
+
+
+@on_bench
+async def test_hidden_cameras_are_for_instructors(bench, client):
+    bench.pictures.published = {OVERVIEW: COMPRESSED_TYPE, **bench.pictures.published}
+    for role, names in (
+        ("instructor", {"overview", "front", "rear"}),
+        ("operator", {"front", "rear"}),
+    ):
+        async with bench.http.ws_connect(f"{bench.url}?role={role}") as socket:
+            watcher = Client(socket)
+            cameras = [each["name"] for each in (await watcher.hear())["cameras"]]
+            assert set(cameras) == names
+            await watcher.say(show=[{"camera": "overview"}])
+            if "overview" in names:
+                await bench.feed(OVERVIEW, jpeg())
+                assert cameras[(await watcher.picture())[0]] == "overview"
+            else:
+                said = (await watcher.hear())["error"]
+                assert said == 'there is no camera "overview"; known are front, rear'
 
 
 @on_bench

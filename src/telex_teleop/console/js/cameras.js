@@ -7,21 +7,36 @@ export const STALLED_AFTER = 1000; // ms without a new picture after which a vie
 
 const THUMBNAIL_WIDTH = 208; // CSS px; they are hardly ever shown larger
 
+/** @typedef {import("./video.js").ViewReport} ViewReport */
 /** @typedef {import("./video_source.js").VideoConfig} VideoConfig */
 
 /** What the page knows of a view, from the worker's last report. */
 export class ViewState {
   constructor() {
-    /** @type {import("./video.js").ViewReport | null} */
+    /** @type {ViewReport | null} */
     this._report = null;
     /** @type {string} */
     this.camera = "";
   }
 
-  /** @param {import("./video.js").ViewReport} report */
+  /** @param {ViewReport} report */
   set(report) {
     // One that was on its way while the view turned to another camera is about the camera before.
-    this._report = report.camera === this.camera ? report : null;
+    if (report.camera === this.camera) this._report = report;
+  }
+
+  /**
+   * Turn to another camera.
+   * @param {string} camera
+   * @param {ViewReport | null} report  The last of the view that showed it before.
+   */
+  turn(camera, report) {
+    this.camera = camera;
+    this._report = report;
+  }
+
+  get report() {
+    return this._report;
   }
 
   /** Age (ms) of the scene that is shown, as well as it is known; Infinity if there is none. */
@@ -73,9 +88,12 @@ class Thumbnail {
     this.element.addEventListener("click", () => choose(this.state.camera));
   }
 
-  /** @param {string} camera */
-  show(camera) {
-    this.state.camera = camera;
+  /**
+   * @param {string} camera
+   * @param {ViewReport | null} report  The last of the view that showed it before.
+   */
+  show(camera, report) {
+    this.state.turn(camera, report);
     setText(this._name, camera);
     this.element.dataset.camera = camera;
     this.element.title = `show ${camera} large`;
@@ -97,9 +115,11 @@ export class Cameras {
    * @param {HTMLCanvasElement} canvas  Of the large view.
    * @param {HTMLElement} column  Where the small ones go.
    * @param {(name: string) => void} named  Called with the camera that is shown large.
+   * @param {URLSearchParams} [given]  Has the token and the role that the video server may ask for.
    */
-  constructor(config, canvas, column, named) {
+  constructor(config, canvas, column, named, given = new URLSearchParams(location.search)) {
     this._config = config;
+    this._access = Object.fromEntries([...given].filter(([name]) => name === "token" || name === "role"));
     this._column = column;
     this._named = named;
     this._worker = new Worker(new URL("video_worker.js", import.meta.url), { type: "module" });
@@ -116,8 +136,8 @@ export class Cameras {
 
   start() {
     const scheme = location.protocol === "https:" ? "wss:" : "ws:";
-    const { cameras, ...others } = this._config;
-    this._worker.postMessage({ start: { url: `${scheme}//${location.host}/video`, config: { ...others, cameras } } });
+    const url = `${scheme}//${location.host}/video`;
+    this._worker.postMessage({ start: { url, access: this._access, config: this._config } });
     this._tell();
   }
 
@@ -141,10 +161,11 @@ export class Cameras {
     if (thumbnail === undefined) return;
     const names = this._thumbnails.map(({ state }) => state.camera);
     const before = this.main.camera;
+    const reports = new Map(this._states().map((state) => [state.camera, state.report]));
     if (last) names.push(...names.splice(names.indexOf(camera), 1, before).slice(1), names.shift() ?? "");
     else names[names.indexOf(camera)] = before;
-    this.main.camera = camera;
-    this._thumbnails.forEach((each, index) => each.show(names[index]));
+    this.main.turn(camera, reports.get(camera) ?? null);
+    this._thumbnails.forEach((each, index) => each.show(names[index], reports.get(names[index]) ?? null));
     this.refresh();
     this._named(camera);
     this._tell();
@@ -162,9 +183,9 @@ export class Cameras {
   _addViews(cameras) {
     const shown = new Set(this._states().map(({ camera }) => camera));
     for (const { name } of cameras) {
-      if (shown.has(name) || this._config.hidden_cameras.includes(name)) continue;
+      if (shown.has(name)) continue;
       const thumbnail = new Thumbnail((camera) => this.choose(camera));
-      thumbnail.show(name);
+      thumbnail.show(name, null);
       this._thumbnails.push(thumbnail);
       this._column.append(thumbnail.element);
       this._giveCanvas(thumbnail.canvas);

@@ -75,11 +75,12 @@ class Newest {
 /**
  * Read a stream until told to stop; one that ends or falls silent is asked for again.
  * @param {string} topic
+ * @param {Record<string, string>} access  Further parameters of the address: token and role.
  * @param {AbortSignal} stop
  * @param {(picture: Uint8Array) => Promise<void>} use
  * @param {(why: string) => void} complain  Called with why there is no picture.
  */
-export async function readStream(topic, stop, use, complain) {
+export async function readStream(topic, access, stop, use, complain) {
   const newest = new Newest(use);
   while (!stop.aborted) {
     const attempt = new AbortController();
@@ -91,7 +92,7 @@ export async function readStream(topic, stop, use, complain) {
       if (performance.now() - lastData > RECONNECT_AFTER) end();
     }, 500);
     try {
-      const reply = await ask("stream", topic, attempt.signal);
+      const reply = await ask("stream", topic, access, attempt.signal);
       complain("the camera sends nothing");
       const reader = /** @type {ReadableStream<Uint8Array>} */ (reply.body).getReader();
       const multipart = new MultipartReader();
@@ -117,17 +118,18 @@ export async function readStream(topic, stop, use, complain) {
  *
  * A stream for each would take all six connections that a browser opens to a host.
  * @param {() => string[]} topics
+ * @param {Record<string, string>} access  Further parameters of the address: token and role.
  * @param {AbortSignal} stop
  * @param {(topic: string, picture: Uint8Array) => Promise<void>} use
  * @param {(topic: string, why: string) => void} complain
  */
-export async function readSnapshots(topics, stop, use, complain) {
+export async function readSnapshots(topics, access, stop, use, complain) {
   while (!stop.aborted) {
     const turn = topics();
     for (const topic of turn) {
       if (stop.aborted) return;
       try {
-        const reply = await ask("snapshot", topic, stop);
+        const reply = await ask("snapshot", topic, access, stop);
         await use(topic, new Uint8Array(await reply.arrayBuffer()));
       } catch (error) {
         if (!stop.aborted) complain(topic, String(/** @type {any} */ (error).message ?? error));
@@ -141,10 +143,12 @@ export async function readSnapshots(topics, stop, use, complain) {
 /**
  * @param {string} what
  * @param {string} topic
+ * @param {Record<string, string>} access
  * @param {AbortSignal} signal
  */
-async function ask(what, topic, signal) {
-  const reply = await fetch(`/${what}?topic=${encodeURIComponent(topic)}`, { signal, cache: "no-store" });
+async function ask(what, topic, access, signal) {
+  const reply = await fetch(`/${what}?${new URLSearchParams({ topic, ...access })}`, { signal, cache: "no-store" });
+  if (reply.status === 401) throw new Error("the video server asks for a token: open the page with ?token=…");
   if (reply.status === 404) throw new Error("the camera is not there yet");
   if (reply.status === 504) throw new Error("the camera sends nothing");
   if (!reply.ok) throw new Error(`the video server says ${reply.status}`);

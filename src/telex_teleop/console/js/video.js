@@ -1,10 +1,8 @@
 // @ts-check
-/** Decodes and draws the pictures of one camera, and counts them. Runs in the video worker. */
+/** Decodes pictures; draws those of one camera, and counts them. Runs in the video worker. */
 
 const RATE_WINDOW = 2000; // ms over which the frame rate is counted
 const LIVE_FOR = 1000; // ms
-
-/** @typedef {CanvasRenderingContext2D | OffscreenCanvasRenderingContext2D} Context */
 
 /**
  * @typedef {object} ViewReport  Times as Date.now() counts (ms).
@@ -16,12 +14,14 @@ const LIVE_FOR = 1000; // ms
  * @property {string} trouble          Why there is no picture.
  */
 
+/** @typedef {ImageBitmap | VideoFrame | OffscreenCanvas} Drawable */
+
 /**
  * Decode a picture, by the quickest means that the browser has.
  * @param {Uint8Array} bytes
  * @returns {Promise<ImageBitmap | VideoFrame>}
  */
-async function decode(bytes) {
+export async function decode(bytes) {
   const type = bytes[0] === 0x89 ? "image/png" : "image/jpeg";
   // It takes half the time of the other, but only pages from this machine or from https have it.
   if ("ImageDecoder" in self) {
@@ -34,6 +34,15 @@ async function decode(bytes) {
   }
   return createImageBitmap(new Blob([/** @type {any} */ (bytes)], { type }));
 }
+
+/**
+ * @typedef {object} Shown  What a view showed of a camera, for the view that shows it from now on.
+ * @property {OffscreenCanvas} picture
+ * @property {number[]} drawn
+ * @property {number | null} captured
+ * @property {number | null} latency
+ * @property {string} trouble
+ */
 
 export class VideoView {
   /**
@@ -56,61 +65,58 @@ export class VideoView {
   }
 
   /**
-   * Show another camera.
+   * Let another view go on with the camera.
+   * @returns {Shown}
+   */
+  leave() {
+    const picture = new OffscreenCanvas(this._canvas.width, this._canvas.height);
+    /** @type {OffscreenCanvasRenderingContext2D} */ (picture.getContext("2d", { alpha: false })).drawImage(this._canvas, 0, 0);
+    return { picture, drawn: this._drawn, captured: this._captured, latency: this._latency, trouble: this.trouble };
+  }
+
+  /**
+   * Show another camera, its last picture in another view until one comes for this view.
    * @param {string | null} camera
+   * @param {Shown} [shown]
    */
-  show(camera) {
-    if (camera === this.camera) return;
+  show(camera, shown) {
     this.camera = camera;
-    this._drawn = [];
-    this._captured = this._latency = null;
-    this.trouble = "waiting for the camera";
-    this._context.fillRect(0, 0, this._canvas.width, this._canvas.height);
+    this._drawn = shown?.drawn ?? [];
+    this._captured = shown?.captured ?? null;
+    this._latency = shown?.latency ?? null;
+    this.trouble = shown?.trouble ?? "waiting for the camera";
+    if (shown === undefined) this._context.fillRect(0, 0, this._canvas.width, this._canvas.height);
+    else this._paint(shown.picture, shown.picture.width, shown.picture.height);
   }
 
   /**
-   * Decode a picture of a camera.
-   * @param {string} camera
-   * @param {Uint8Array} bytes
+   * @param {ImageBitmap | VideoFrame} picture  Of this view's camera.
    * @param {number | null} captured  When its scene was (ms, performance.now()); null: not known.
-   * @returns {Promise<(() => void) | null>} Draws it, unless the view has turned to another camera meanwhile; call it once.
    */
-  async decode(camera, bytes, captured) {
-    try {
-      const picture = await decode(bytes);
-      return () => this._draw(camera, picture, captured);
-    } catch {
-      if (camera === this.camera) this.trouble = "the camera's picture cannot be decoded";
-      return null;
-    }
-  }
-
-  /**
-   * @param {string} camera
-   * @param {ImageBitmap | VideoFrame} picture
-   * @param {number | null} captured
-   */
-  _draw(camera, picture, captured) {
-    try {
-      if (camera !== this.camera) return;
-      const fullWidth = "displayWidth" in picture ? picture.displayWidth : picture.width;
-      const fullHeight = "displayHeight" in picture ? picture.displayHeight : picture.height;
-      const scale = Math.min(1, this._maxWidth / fullWidth);
-      const width = Math.round(fullWidth * scale), height = Math.round(fullHeight * scale);
-      if (this._canvas.width !== width || this._canvas.height !== height) {
-        this._canvas.width = width;
-        this._canvas.height = height;
-      }
-      this._context.drawImage(picture, 0, 0, width, height);
-    } finally {
-      picture.close();
-    }
+  draw(picture, captured) {
+    if ("displayWidth" in picture) this._paint(picture, picture.displayWidth, picture.displayHeight);
+    else this._paint(picture, picture.width, picture.height);
     const now = performance.now();
     this._captured = captured;
     this._latency = captured === null ? null : now - captured;
     this.trouble = "the camera sends nothing";
     this._drawn.push(now);
     while (this._drawn.length > 1 && this._drawn[0] < now - RATE_WINDOW) this._drawn.shift();
+  }
+
+  /**
+   * @param {Drawable} picture
+   * @param {number} fullWidth  Its own size (px).
+   * @param {number} fullHeight
+   */
+  _paint(picture, fullWidth, fullHeight) {
+    const scale = Math.min(1, this._maxWidth / fullWidth);
+    const width = Math.round(fullWidth * scale), height = Math.round(fullHeight * scale);
+    if (this._canvas.width !== width || this._canvas.height !== height) {
+      this._canvas.width = width;
+      this._canvas.height = height;
+    }
+    this._context.drawImage(picture, 0, 0, width, height);
   }
 
   get live() {

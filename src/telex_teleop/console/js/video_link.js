@@ -39,6 +39,7 @@ export class ServerClock {
  * @typedef {object} CameraWish
  * @property {string} camera
  * @property {number} rate
+ * @property {number} [width]  Most pixels that are wanted.
  */
 
 /**
@@ -61,6 +62,8 @@ export class VideoLink {
     this._names = [];
     /** The picture of each camera that is being shown. @type {Map<number, Promise<void>>} */
     this._shown = new Map();
+    /** Pictures (camera's index, number) whose acknowledgement has not been sent. @type {[number, number][]} */
+    this._used = [];
     /** Pings since something came: a page that stood still has not been waiting meanwhile. */
     this._unanswered = 0;
     this._socket = new WebSocket(url);
@@ -137,7 +140,18 @@ export class VideoLink {
     const before = this._shown.get(index) ?? Promise.resolve();
     const shown = before
       .then(() => this._listener.picture(name, picture, this._clock.toPage(captured)))
-      .finally(() => this._send({ ack: [index, number] }));
+      .finally(() => this._acknowledge(index, number));
     this._shown.set(index, shown);
+  }
+
+  /**
+   * Acknowledge a picture, together with those that are drawn at the same time.
+   * @param {number} index
+   * @param {number} number
+   */
+  _acknowledge(index, number) {
+    this._used.push([index, number]);
+    if (this._used.length > 1) return;
+    setTimeout(() => this._send({ ack: this._used.splice(0) }));
   }
 }

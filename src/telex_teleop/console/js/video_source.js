@@ -18,6 +18,7 @@ const REFUSALS = 2; // attempts after which pictures are got another way
  * @property {string} main_camera
  * @property {number} main_rate
  * @property {number} thumbnail_rate
+ * @property {number} thumbnail_width  Most pixels that a small picture needs.
  */
 
 /**
@@ -30,12 +31,14 @@ const REFUSALS = 2; // attempts after which pictures are got another way
 
 export class VideoSource {
   /**
-   * @param {string} url
+   * @param {string} url  Of the WebSocket.
+   * @param {Record<string, string>} access  Parameters of every address: token and role.
    * @param {VideoConfig} config
    * @param {SourceListener} listener
    */
-  constructor(url, config, listener) {
-    this._url = url;
+  constructor(url, access, config, listener) {
+    this._url = `${url}?${new URLSearchParams(access)}`;
+    this._access = access;
     this._config = config;
     this._listener = listener;
     /** Topics by name. @type {Map<string, string>} */
@@ -83,10 +86,10 @@ export class VideoSource {
   }
 
   _ask() {
-    const { main_rate: mainRate, thumbnail_rate: thumbnailRate } = this._config;
+    const { main_rate: mainRate, thumbnail_rate: rate, thumbnail_width: width } = this._config;
     this._link?.show(
       this._shown
-        .map((camera, index) => ({ camera, rate: index === 0 ? mainRate : thumbnailRate }))
+        .map((camera, index) => (index === 0 ? { camera, rate: mainRate } : { camera, rate, width }))
         .filter(({ camera }) => this._topics.has(camera)),
     );
   }
@@ -103,6 +106,7 @@ export class VideoSource {
         this._fallbackCamera = turn;
         await readStream(
           topic,
+          this._access,
           turn.signal,
           (picture) => this._listener.picture(camera, picture, null),
           (why) => this._listener.complain(camera, why),
@@ -114,6 +118,7 @@ export class VideoSource {
     streams();
     readSnapshots(
       () => this._shown.slice(1).flatMap((camera) => this._topics.get(camera) ?? []),
+      this._access,
       fallback.signal,
       (topic, picture) => this._listener.picture(nameOf(topic), picture, null),
       (topic, why) => this._listener.complain(nameOf(topic), why),

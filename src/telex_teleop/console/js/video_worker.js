@@ -3,21 +3,21 @@
  * Gets, decodes and draws the pictures of all cameras on a thread of its own: whatever they cost, the page's thread is
  * free for keys and commands.
  *
- * From the page: `{start: {url, config}}` once; `{view: number, canvas, maxWidth}` for each view, once; `{show: camera[]}`, the camera of
+ * From the page: `{start: {url, access, config}}` once; `{view: number, canvas, maxWidth}` for each view, once; `{show: camera[]}`, the camera of
  * each view, the large one first. To the page: `{cameras}` whenever there are others, `{views}` every REPORT_PERIOD; times as
  * Date.now() counts, since the two threads' performance.now() do not start at the same time.
  */
 
 import { VideoSource } from "./video_source.js";
-import { VideoView } from "./video.js";
+import { VideoView, decode } from "./video.js";
 
 const REPORT_PERIOD = 200; // ms
 
 /**
- * Time (ms) that a small picture waits for the next large one. All are composited at once then, which is the dearest part where
- * there is no GPU.
+ * Time (ms) that a small picture waits for the next large one, or for other small ones. All are composited at once then, which
+ * is the dearest part where there is no GPU; waiting longer would save more, but show older pictures.
  */
-const PATIENCE = 60;
+const PATIENCE = 12;
 
 /** @type {VideoView[]} */
 const views = [];
@@ -34,27 +34,49 @@ function drawAll() {
   for (const draw of waiting.splice(0)) draw();
 }
 
+/** @param {string} camera */
+const viewOf = (camera) => views.find((each) => each.camera === camera);
+
 /**
  * @param {string} camera
  * @param {Uint8Array} bytes
  * @param {number | null} captured
  */
-async function show(camera, bytes, captured) {
-  const view = views.find((each) => each.camera === camera);
-  const draw = await view?.decode(camera, bytes, captured);
-  if (draw === undefined || draw === null) return;
+async function showPicture(camera, bytes, captured) {
+  if (viewOf(camera) === undefined) return;
+  /** @type {ImageBitmap | VideoFrame} */
+  let picture;
+  try {
+    picture = await decode(bytes);
+  } catch {
+    const view = viewOf(camera);
+    if (view !== undefined) view.trouble = "the camera's picture cannot be decoded";
+    return;
+  }
   await new Promise((resolve) => {
-    waiting.push(() => resolve(draw()));
-    if (view === views[0] || !views[0].live) drawAll();
+    waiting.push(() => {
+      viewOf(camera)?.draw(picture, captured);
+      picture.close();
+      resolve(null);
+    });
+    if (viewOf(camera) === views[0] || !views[0].live) drawAll();
     else timer ??= setTimeout(drawAll, PATIENCE);
   });
 }
 
+/** @param {string[]} cameras  Of all views, the large one first. */
+function turn(cameras) {
+  const changed = cameras.map((_, index) => index).filter((index) => views[index] && views[index].camera !== cameras[index]);
+  /** @type {Map<string | null, import("./video.js").Shown>} */
+  const before = new Map(changed.map((index) => [views[index].camera, views[index].leave()]));
+  for (const index of changed) views[index].show(cameras[index], before.get(cameras[index]));
+}
+
 self.onmessage = ({ data }) => {
   if (data.start !== undefined) {
-    source = new VideoSource(data.start.url, data.start.config, {
+    source = new VideoSource(data.start.url, data.start.access, data.start.config, {
       cameras: (cameras) => self.postMessage({ cameras }),
-      picture: show,
+      picture: showPicture,
       complain: (camera, why) => {
         for (const view of views) if (camera === null || view.camera === camera) view.trouble = why;
       },
@@ -63,7 +85,7 @@ self.onmessage = ({ data }) => {
   } else if (data.canvas !== undefined) {
     views[data.view] = new VideoView(data.canvas, data.maxWidth);
   } else if (data.show !== undefined) {
-    data.show.forEach((/** @type {string} */ camera, /** @type {number} */ index) => views[index]?.show(camera));
+    turn(data.show);
     source?.show(data.show);
   }
 };

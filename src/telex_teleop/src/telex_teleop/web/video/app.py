@@ -11,8 +11,10 @@ from urllib.parse import urlsplit, urlunsplit
 from aiohttp import web
 
 from ..config import VideoServerConfig
+from ..tokens import INSTRUCTOR, ForbiddenError
 from ..workers import NewestWorker, OrderedWorker
 from . import mjpeg, pages, query
+from .gate import Gate
 from .hub import PictureHubs, PictureSource
 from .pictures import EncodedPicture, UnusablePictureError, encode
 from .sockets import VideoSockets
@@ -91,6 +93,9 @@ class VideoServer:
             on_unusable=self._report_unusable,
             on_failure=lambda topic, error: warn(f"cannot subscribe to {topic}: {error}"),
         )
+        self._gate = Gate(
+            config, namespace, lambda name: self._ask(lambda: self._graph.parameter(name))
+        )
         self.sockets = VideoSockets(
             config, namespace, self.hubs, lambda: self._ask(self._graph.topics)
         )
@@ -102,7 +107,7 @@ class VideoServer:
         for path, handler in (
             ("/stream", self.stream),
             ("/snapshot", self.snapshot),
-            ("/video", self.sockets.accept),
+            ("/video", self.video),
         ):
             app.router.add_get(path, handler, allow_head=False)
             app.router.add_head(path, _refuse_head)
@@ -118,7 +123,7 @@ class VideoServer:
     async def stream(self, request: web.Request) -> web.StreamResponse:
         """Send an MJPEG stream until the client goes."""
         wish = self._stream_query(request)
-        topic = await self._find(wish)
+        topic = await self._find(request, wish)
         if request.transport is None:
             raise ConnectionResetError
         viewer = StreamViewer(
@@ -148,7 +153,7 @@ class VideoServer:
     async def snapshot(self, request: web.Request) -> web.StreamResponse:
         """Send the next picture of a topic."""
         wish = query.parse_snapshot(request.query, self._config.max_size)
-        topic = await self._find(wish)
+        topic = await self._find(request, wish)
         picture = await self._next_picture(topic, wish)
         if picture is None:
             limit = self._config.snapshot_timeout
@@ -175,17 +180,26 @@ class VideoServer:
     async def stream_viewer(self, request: web.Request) -> web.Response:
         """Show a page with one stream."""
         wish = self._stream_query(request)
-        await self._find(wish)
+        await self._find(request, wish)
         return _page(pages.viewer_page(wish.topic, request.query))
 
-    async def streams(self, _request: web.Request) -> web.Response:
+    async def video(self, request: web.Request) -> web.StreamResponse:
+        """Serve a client of all cameras over one WebSocket."""
+        return await self.sockets.accept(request, instructor=await self._gate.admit(request))
+
+    async def streams(self, request: web.Request) -> web.Response:
         """List the image topics."""
+        instructor = await self._gate.admit(request)
         topics = await self._ask(self._graph.topics)
-        return _page(pages.index_page(base_topics(topics), topics))
+        shown = self._gate.visible(base_topics(topics), instructor=instructor)
+        access = {name: request.query[name] for name in ("token", "role") if name in request.query}
+        return _page(pages.index_page(shown, topics, access))
 
     async def console_config(self, request: web.Request) -> web.Response:
         """Tell the console where everything is."""
         topics = await self._ask(self._graph.topics)
+        hidden = self._config.hidden_cameras
+        for_instructor = request.query.get("role") == INSTRUCTOR
         bridge = await self._ask(lambda: self._graph.parameter(f"{self._config.rosbridge}/url"))
         config: Dict[str, Any] = {
             "namespace": self._namespace.rstrip("/"),
@@ -193,12 +207,13 @@ class VideoServer:
             "cameras": [
                 {"name": name, "topic": topic}
                 for name, topic in find_cameras(topics, self._namespace).items()
-                if name not in self._config.hidden_cameras
+                if for_instructor or name not in hidden
             ],
-            "hidden_cameras": list(self._config.hidden_cameras),
+            "hidden_cameras": list(hidden),
             "main_camera": self._config.main_camera,
             "main_rate": self._config.main_rate,
             "thumbnail_rate": self._config.thumbnail_rate,
+            "thumbnail_width": self._config.thumbnail_width,
         }
         return web.json_response(config)
 
@@ -217,12 +232,14 @@ class VideoServer:
         config = self._config
         return query.parse_stream(request.query, config.max_size, config.default_stream_type)
 
-    async def _find(self, wish: query.PictureQuery) -> PictureTopic:
+    async def _find(self, request: web.Request, wish: query.PictureQuery) -> PictureTopic:
+        instructor = await self._gate.admit(request)
         topic = await self._ask(lambda: self._graph.find(wish.topic, raw=wish.raw))
         if topic is None:
             raise _NoSuchTopicError(
                 f"No image topic '{wish.topic}' is published; /streams lists those that are."
             )
+        self._gate.require_visible(topic.name, instructor=instructor)
         return topic
 
     async def _ask(self, call: Callable[[], Result]) -> Result:
@@ -240,7 +257,7 @@ class VideoServer:
         """Answer errors with a page that says what is wrong."""
         try:
             return await handler(request)
-        except (query.QueryError, _NoSuchTopicError, _NoMasterError) as error:
+        except (query.QueryError, ForbiddenError, _NoSuchTopicError, _NoMasterError) as error:
             return _page(pages.error_page(error.status, str(error)), error.status)
         except web.HTTPNotFound:
             return _page(pages.error_page(404), 404)

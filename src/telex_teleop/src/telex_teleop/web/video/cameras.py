@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Dict, List, Optional, Tuple
+from typing import Container, Dict, List, Optional, Tuple
 
-from .topics import PictureTopic, Topics, find_cameras, find_topic
+from .topics import PictureTopic, Topics, find_cameras, find_preview, find_topic
 
 MAX_CAMERAS = 256
 """Cameras that the one byte of a picture's header can tell apart."""
@@ -13,12 +13,25 @@ MAX_CAMERAS = 256
 
 @dataclasses.dataclass(frozen=True)
 class Camera:
-    """A camera: its index, its name, its base topic, and the topic to subscribe to."""
+    """A camera.
+
+    Attributes
+    ----------
+    index
+        Its number.
+    name, topic
+        Its name and its base topic.
+    source
+        The topic to subscribe to.
+    preview
+        The topic of its small pictures, if it offers them.
+    """
 
     index: int
     name: str
     topic: str
     source: PictureTopic
+    preview: Optional[PictureTopic] = None
 
 
 class CameraList:
@@ -30,21 +43,27 @@ class CameraList:
     ----------
     namespace
         With slashes around it.
+    hidden
+        Names of cameras that are left out.
     """
 
-    def __init__(self, namespace: str) -> None:
+    def __init__(self, namespace: str, hidden: Container[str] = ()) -> None:
         self._namespace = namespace
+        self._hidden = hidden
         self._cameras: Dict[str, Camera] = {}
 
     def update(self, topics: Topics) -> bool:
         """Take over what is published now; tell whether anything has changed."""
         before = dict(self._cameras)
         for name, topic in find_cameras(topics, self._namespace).items():
+            if name in self._hidden:
+                continue
             source = find_topic(topic, topics, self._namespace)
+            preview = find_preview(name, topics, self._namespace)
             known = self._cameras.get(name)
             index = known.index if known is not None else len(self._cameras)
             if source is not None and index < MAX_CAMERAS:
-                self._cameras[name] = Camera(index, name, topic, source)
+                self._cameras[name] = Camera(index, name, topic, source, preview)
         return self._cameras != before
 
     def find(self, name: str) -> Optional[Camera]:

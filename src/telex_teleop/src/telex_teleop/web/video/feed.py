@@ -9,7 +9,8 @@ from typing import Callable, Deque, Dict, List, Optional, Tuple
 
 from .cameras import Camera
 from .pictures import EncodedPicture, Variant
-from .protocol import View, picture_message
+from .protocol import View, picture_header
+from .topics import PictureTopic
 
 REMEMBERED = 50
 """Acknowledgements over which the figures of a feed are taken."""
@@ -63,8 +64,12 @@ class Feed:
     ----------
     camera, view
         Which, and how the client wants it.
+    source
+        The topic that the pictures come from: the camera's preview or its full one.
     ready
         Called when there is something to send.
+    too_small
+        Called when the preview turns out to be smaller than what the client wants.
     lost
         Called when no more pictures will come.
     next_number
@@ -75,15 +80,19 @@ class Feed:
         self,
         camera: Camera,
         view: View,
+        source: PictureTopic,
         *,
         ready: Callable[[], None],
+        too_small: Callable[[Feed], None],
         lost: Callable[[Feed], None],
         next_number: Callable[[], int],
     ) -> None:
         self.camera = camera
         self.view = view
+        self.source = source
         self.variant = variant_of(view)
         self._ready = ready
+        self._too_small = too_small
         self._lost = lost
         self._next_number = next_number
         self._pacer = Pacer(view.rate)
@@ -99,7 +108,9 @@ class Feed:
 
     def offer(self, picture: EncodedPicture) -> None:
         """Keep a picture that is due until it can be sent, or a newer one comes."""
-        if self._pacer.is_due(time.monotonic()):
+        if self.source == self.camera.preview and not self.view.is_filled_by(picture.size):
+            self._too_small(self)
+        elif self._pacer.is_due(time.monotonic()):
             self._newest = picture
             self._ready()
 
@@ -115,15 +126,15 @@ class Feed:
         """Whether there is a picture, and credit for it."""
         return self._newest is not None and len(self._under_way) < self.view.credits
 
-    def take(self) -> bytes:
-        """Return the newest picture as a message, and count it as sent."""
+    def take(self) -> Tuple[bytes, bytes]:
+        """Return the newest picture as the two parts of a message, and count it as sent."""
         picture, self._newest = self._newest, None
         assert picture is not None
         now = time.monotonic()
         self._pacer.sent(now)
         number = self._next_number()
         self._under_way.append(_Sent(number, picture.captured, now))
-        return picture_message(self.camera.index, number, picture.captured, picture.data)
+        return picture_header(self.camera.index, number, picture.captured), picture.data
 
     def acknowledge(self, number: int) -> bool:
         """Give back the credit of a picture and of those before it; False: it was not sent."""

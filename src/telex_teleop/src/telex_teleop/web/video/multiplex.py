@@ -7,15 +7,17 @@ import contextlib
 import itertools
 import json
 import time
-from typing import Any, Dict, Iterator, List, Optional
+from typing import Any, Dict, List, Optional
 
 from aiohttp import WSCloseCode, WSMessage, WSMsgType, web
 
 from ..freshness import Backlog
-from .cameras import CameraList
+from .cameras import Camera, CameraList
 from .feed import Feed
+from .frames import binary_frame_head
 from .hub import PictureHubs
 from .protocol import VERSION, Ack, Message, Ping, ProtocolError, Show, View, parse
+from .topics import PictureTopic
 
 BACKLOG_POLL = 0.005
 """Period (s) at which a client whose connection is full is looked at."""
@@ -24,8 +26,12 @@ MAX_REPLY_BACKLOG = 65536
 """Bytes of replies that may wait for a client before it counts as one that does not read."""
 
 
-COSTS = {Ack: 1.0, Ping: 5.0, Show: 20.0}
-"""What the messages of a client cost of the patience with it, by the work that they make."""
+PING_COST = 5.0
+SHOW_COST = 20.0
+"""What messages of a client cost of the patience with it, by the work that they make."""
+
+ACK_COST = 1.0
+"""What each picture costs that is acknowledged."""
 
 ERROR_COST = 50.0
 """What a message costs that cannot be used."""
@@ -69,6 +75,8 @@ class VideoClient:
         Largest width and height (pixels) that the client may ask for.
     send_buffer
         Size of the kernel's send buffer (bytes).
+    preview_rate
+        Rate (1/s) up to which a view may get the camera's preview.
     """
 
     def __init__(
@@ -80,23 +88,25 @@ class VideoClient:
         *,
         max_size: int,
         send_buffer: int,
+        preview_rate: float,
     ) -> None:
         self._websocket = websocket
         self._transport = transport
         self._cameras = cameras
         self._hubs = hubs
         self._max_size = max_size
+        self._preview_rate = preview_rate
         self._backlog = Backlog(transport, send_buffer)
         self._views: List[View] = []
         self._feeds: Dict[str, Feed] = {}
         self._told: Optional[List[Dict[str, str]]] = None
-        self._wake = asyncio.Event()
+        self._is_full = asyncio.Event()
         self._patience = Patience()
         self._numbers = itertools.count(1)
 
     async def serve(self) -> None:
         """Serve until the client goes."""
-        sender = asyncio.ensure_future(self._send_pictures())
+        sender = asyncio.ensure_future(self._send_when_empty())
         try:
             await self.cameras_changed()
             async for message in self._websocket:
@@ -130,7 +140,7 @@ class VideoClient:
             if message.type == WSMsgType.BINARY:
                 raise ProtocolError("messages must be text; binary ones are not understood")
             parsed = parse(message.data, self._max_size)
-            cost = COSTS[type(parsed)]
+            cost = _cost(parsed)
             await self._do(parsed)
         except ProtocolError as error:
             cost = ERROR_COST
@@ -152,12 +162,13 @@ class VideoClient:
 
     def _acknowledge(self, ack: Ack) -> None:
         names = self._cameras.names
-        if ack.camera >= len(names):
-            raise ProtocolError(f"ack is for camera {ack.camera}; there are {len(names)}")
-        feed = self._feeds.get(names[ack.camera])
-        # The picture of a view that has been changed meanwhile is nobody's any more.
-        if feed is not None:
-            feed.acknowledge(ack.number)
+        for camera, number in ack.pictures:
+            if camera >= len(names):
+                raise ProtocolError(f"ack is for camera {camera}; there are {len(names)}")
+            feed = self._feeds.get(names[camera])
+            # The picture of a view that has been changed meanwhile is nobody's any more.
+            if feed is not None:
+                feed.acknowledge(number)
 
     async def _answer(self, ping: Ping) -> None:
         figures = {name: feed.figures() for name, feed in self._feeds.items()}
@@ -185,51 +196,74 @@ class VideoClient:
         for view in self._views:
             camera = self._cameras.find(view.camera)
             if camera is not None and view.camera not in self._feeds:
-                feed = Feed(
-                    camera,
-                    view,
-                    ready=self._wake.set,
-                    lost=self._lost,
-                    next_number=lambda: next(self._numbers) & 0xFFFFFFFF,
-                )
-                self._feeds[view.camera] = feed
-                self._hubs.join(camera.source, feed, feed.variant)
+                small_enough = view.suits_preview(self._preview_rate)
+                preview = camera.preview if small_enough else None
+                self._begin(camera, view, preview or camera.source)
         # After the new ones, so that a topic that goes on being watched stays subscribed.
         for feed in ended:
-            self._hubs.leave(feed.camera.source, feed, feed.variant)
+            self._hubs.leave(feed.source, feed, feed.variant)
+
+    def _begin(self, camera: Camera, view: View, source: PictureTopic) -> None:
+        feed = Feed(
+            camera,
+            view,
+            source,
+            ready=self._send,
+            too_small=self._take_full,
+            lost=self._lost,
+            next_number=lambda: next(self._numbers) & 0xFFFFFFFF,
+        )
+        self._feeds[camera.name] = feed
+        self._hubs.join(source, feed, feed.variant)
+
+    def _take_full(self, feed: Feed) -> None:
+        """Let a view have the full pictures of its camera instead of the previews."""
+        if self._feeds.get(feed.camera.name) is feed:
+            self._end(feed.camera.name)
+            self._begin(feed.camera, feed.view, feed.camera.source)
 
     def _end(self, name: str) -> None:
         feed = self._feeds.pop(name)
-        self._hubs.leave(feed.camera.source, feed, feed.variant)
+        self._hubs.leave(feed.source, feed, feed.variant)
 
     def _lost(self, feed: Feed) -> None:
         """Forget a feed whose camera cannot be watched; the next look at the cameras tries anew."""
         if self._feeds.get(feed.camera.name) is feed:
             self._end(feed.camera.name)
 
-    async def _send_pictures(self) -> None:
-        """Send what is ready, in turns, the picture chosen only when the connection has room."""
-        with contextlib.suppress(ConnectionError):
-            while True:
-                await self._wake.wait()
-                self._wake.clear()
-                for feed in self._ready():
-                    await self._websocket.send_bytes(feed.take())
-                    while self._backlog.buffered():
-                        await asyncio.sleep(BACKLOG_POLL)
-
-    def _ready(self) -> Iterator[Feed]:
-        """Yield feeds that can send, each once per turn, until there is none."""
-        while True:
-            sendable = [feed for feed in tuple(self._feeds.values()) if feed.is_sendable]
-            if not sendable:
+    def _send(self) -> None:
+        """Send what is ready, in turns, a picture chosen only when the connection has room."""
+        while not (self._transport.is_closing() or self._websocket.closed):
+            feed = next((each for each in self._feeds.values() if each.is_sendable), None)
+            if feed is None:
                 return
-            for feed in sendable:
-                if feed.is_sendable and self._feeds.get(feed.camera.name) is feed:
-                    yield feed
+            if self._backlog.buffered():
+                self._is_full.set()
+                return
+            self._feeds[feed.camera.name] = self._feeds.pop(feed.camera.name)  # the last in turn
+            header, data = feed.take()
+            # Past aiohttp, whose way costs a task's turn for every picture; a frame that is
+            # written in one go cannot come between the parts of another.
+            head = binary_frame_head(len(header) + len(data))
+            self._transport.write(b"".join((head, header, data)))
+
+    async def _send_when_empty(self) -> None:
+        """Send what has become ready while the connection was full."""
+        while True:
+            await self._is_full.wait()
+            while self._backlog.buffered() and not self._transport.is_closing():
+                await asyncio.sleep(BACKLOG_POLL)
+            self._is_full.clear()
+            self._send()
 
     async def _say(self, **news: Any) -> None:
         if self._backlog.buffered() > MAX_REPLY_BACKLOG:
             self._transport.abort()
             raise ConnectionResetError("the client does not read")
         await self._websocket.send_str(json.dumps(news))
+
+
+def _cost(message: Message) -> float:
+    if isinstance(message, Ack):
+        return ACK_COST * len(message.pictures)
+    return PING_COST if isinstance(message, Ping) else SHOW_COST

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from html import escape
 from typing import Iterable, List, Mapping
-from urllib.parse import quote, urlencode
+from urllib.parse import urlencode
 
 _REASONS = {
     400: "Bad Request",
+    401: "Unauthorized",
+    403: "Forbidden",
     404: "Not Found",
     500: "Internal Server Error",
     503: "Service Unavailable",
@@ -43,7 +45,9 @@ def viewer_page(topic: str, query: Mapping[str, str]) -> str:
     )
 
 
-def index_page(image_topics: Iterable[str], all_topics: Iterable[str]) -> str:
+def index_page(
+    image_topics: Iterable[str], all_topics: Iterable[str], access: Mapping[str, str]
+) -> str:
     """Return the list of image topics with links.
 
     First the topics that share a prefix with a camera_info topic, grouped by that prefix; then
@@ -55,6 +59,8 @@ def index_page(image_topics: Iterable[str], all_topics: Iterable[str]) -> str:
         Image topics, without "/compressed".
     all_topics
         Every topic that is published.
+    access
+        Parameters of the client's own query that the links need as well.
     """
     cameras = sorted(t[: -len("camera_info")] for t in all_topics if t.endswith("/camera_info"))
     rest = set(image_topics)
@@ -63,9 +69,9 @@ def index_page(image_topics: Iterable[str], all_topics: Iterable[str]) -> str:
         own = sorted(topic for topic in rest if topic.startswith(prefix))
         rest.difference_update(own)
         if own:
-            items = "".join(_links(topic, topic[len(prefix) :]) for topic in own)
+            items = "".join(_links(topic, topic[len(prefix) :], access) for topic in own)
             groups.append(f"<li>{escape(prefix)}<ul>{items}</ul></li>")
-    others = "".join(_links(topic, topic) for topic in sorted(rest))
+    others = "".join(_links(topic, topic, access) for topic in sorted(rest))
     return (
         '<!doctype html><html><head><meta charset="utf-8"><title>Image topics</title></head>'
         f"<body><h1>Available image topics</h1><ul>{''.join(groups)}</ul>"
@@ -73,10 +79,10 @@ def index_page(image_topics: Iterable[str], all_topics: Iterable[str]) -> str:
     )
 
 
-def _links(topic: str, label: str) -> str:
-    address = escape(quote(topic))
+def _links(topic: str, label: str, access: Mapping[str, str]) -> str:
+    address = escape(urlencode({"topic": topic, **access}, safe="/"))
     return (
-        f'<li><a href="/stream_viewer?topic={address}">{escape(label)}</a> '
-        f'(<a href="/stream?topic={address}">stream</a>, '
-        f'<a href="/snapshot?topic={address}">snapshot</a>)</li>'
+        f'<li><a href="/stream_viewer?{address}">{escape(label)}</a> '
+        f'(<a href="/stream?{address}">stream</a>, '
+        f'<a href="/snapshot?{address}">snapshot</a>)</li>'
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import threading
 import time
 from typing import Any, Optional, Tuple, Union
 
@@ -137,6 +138,11 @@ class EncodedPicture:
         """The picture as a part of an MJPEG stream; made once for all who watch it."""
         return mjpeg.part(self.data, self.stamp, self.mime)
 
+    @functools.cached_property
+    def size(self) -> Tuple[int, int]:
+        """Width and height (pixels)."""
+        return _size(self.data, self.mime)
+
 
 def kept(picture: Picture, variant: Variant) -> Optional[EncodedPicture]:
     """Return the picture with its bytes as they are, or None where something has to be changed.
@@ -227,13 +233,36 @@ def _has_size(data: bytes, mime: str, variant: Variant) -> bool:
     return _target(size, variant) == size
 
 
+class _Scratch(threading.local):
+    """Memory of a thread for the pixels of one picture.
+
+    Fresh memory for each would come from the kernel, page by page, which is a tenth of decoding.
+    """
+
+    def __init__(self) -> None:
+        self._bytes = np.empty(0, np.uint8)
+
+    def take(self, size: int) -> Any:
+        """Return so many bytes, good until the next call."""
+        if self._bytes.size < size:
+            self._bytes = np.empty(size, np.uint8)
+        return self._bytes
+
+
+_scratch = _Scratch()
+
+
 def _decode(data: bytes, variant: Variant) -> Tuple[Any, str]:
-    """Return the pixels of a JPEG or PNG, not smaller than asked, and their colour space."""
+    """Return the pixels of a JPEG or PNG, not smaller than asked, and their colour space.
+
+    They are good until the thread decodes another picture.
+    """
     mime = _mime(data)
     if mime == JPEG:
         width, height = _target(_size(data, mime), variant)
         try:
-            colorspace = "GRAY" if simplejpeg.decode_jpeg_header(data)[2] == "Gray" else "BGR"
+            rows, columns, kind = simplejpeg.decode_jpeg_header(data, height, width, 1)[:3]
+            colorspace = "GRAY" if kind == "Gray" else "BGR"
             # JPEG decodes to half, a quarter, ... of its size in less time than to the whole. Its
             # colours have half the resolution, and will again: finer steps between them are lost.
             pixels = simplejpeg.decode_jpeg(
@@ -244,6 +273,7 @@ def _decode(data: bytes, variant: Variant) -> Tuple[Any, str]:
                 min_width=width,
                 min_height=height,
                 min_factor=1,
+                buffer=_scratch.take(rows * columns * _CHANNELS[colorspace]),
             )
         except ValueError as error:
             raise UnusablePictureError(f"is a damaged JPEG: {error}") from error

@@ -50,6 +50,18 @@ class View:
     quality: Optional[int] = None
     credits: int = 1
 
+    def suits_preview(self, rate: float) -> bool:
+        """Tell whether a camera's preview may be enough, if it comes at a rate (1/s)."""
+        asks_size = self.width is not None or self.height is not None
+        return asks_size and self.quality is None and self.rate is not None and self.rate <= rate
+
+    def is_filled_by(self, size: Tuple[int, int]) -> bool:
+        """Tell whether a picture (width, height, in pixels) is as large as the view wants it."""
+        limits = (self.width, self.height)
+        return limits == (None, None) or any(
+            limit is not None and own >= limit for own, limit in zip(size, limits)
+        )
+
 
 @dataclasses.dataclass(frozen=True)
 class Show:
@@ -60,10 +72,9 @@ class Show:
 
 @dataclasses.dataclass(frozen=True)
 class Ack:
-    """A picture of a camera (index) has been used, and all that were sent before it."""
+    """Pictures (camera's index, number) have been used, and all that were sent before them."""
 
-    camera: int
-    number: int
+    pictures: Tuple[Tuple[int, int], ...]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -76,8 +87,8 @@ class Ping:
 Message = Union[Show, Ack, Ping]
 
 
-def picture_message(camera: int, number: int, captured: float, data: bytes) -> bytes:
-    """Return a picture as a message: 16 bytes of header, then the encoded picture.
+def picture_header(camera: int, number: int, captured: float) -> bytes:
+    """Return the 16 bytes that go before the encoded picture in a message.
 
     Parameters
     ----------
@@ -87,10 +98,8 @@ def picture_message(camera: int, number: int, captured: float, data: bytes) -> b
         Of the picture, among all that this client gets, 0 to 2^32 - 1.
     captured
         Wall time (s since 1970, server's clock) of what the picture shows.
-    data
-        The encoded picture.
     """
-    return _HEADER.pack(VERSION, camera, 0, number, captured) + data
+    return _HEADER.pack(VERSION, camera, 0, number, captured)
 
 
 def parse(text: str, max_size: int) -> Message:
@@ -163,14 +172,20 @@ def _parse_view(item: Any, where: str, max_size: int) -> View:
 
 
 def _parse_ack(content: Any) -> Ack:
+    if isinstance(content, list) and content and isinstance(content[0], list):
+        return Ack(tuple(_parse_pair(pair, f"ack[{n}]") for n, pair in enumerate(content)))
+    return Ack((_parse_pair(content, "ack"),))
+
+
+def _parse_pair(content: Any, where: str) -> Tuple[int, int]:
     if not isinstance(content, list) or len(content) != 2:
         raise ProtocolError(
-            f"ack is {_shown(content)}; it must be a list of a camera's index and the number of "
-            "its picture, both out of the picture's header"
+            f"{where} is {_shown(content)}; it must be a list of a camera's index and the number "
+            "of its picture, both out of the picture's header, or ack a list of such lists"
         )
-    camera = _integer(content[0], "ack[0]", 0, 255, "a camera's index")
-    number = _integer(content[1], "ack[1]", 0, 0xFFFFFFFF, "the number of a picture")
-    return Ack(int(camera), int(number))
+    camera = _integer(content[0], f"{where}[0]", 0, 255, "a camera's index")
+    number = _integer(content[1], f"{where}[1]", 0, 0xFFFFFFFF, "the number of a picture")
+    return int(camera), int(number)
 
 
 def _number(value: Any, name: str, lowest: float, highest: float, expected: str) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from typing import Awaitable, Callable, Set
+from typing import Awaitable, Callable, Dict, Set
 
 from aiohttp import web
 
@@ -49,11 +49,14 @@ class VideoSockets:
         self._config = config
         self._hubs = hubs
         self._topics = topics
-        self._cameras = CameraList(namespace)
+        self._cameras: Dict[bool, CameraList] = {
+            False: CameraList(namespace, config.hidden_cameras),
+            True: CameraList(namespace),
+        }
         self._clients: Set[VideoClient] = set()
 
-    async def accept(self, request: web.Request) -> web.StreamResponse:
-        """Serve one client."""
+    async def accept(self, request: web.Request, *, instructor: bool) -> web.StreamResponse:
+        """Serve one client, an instructor with the hidden cameras."""
         websocket = web.WebSocketResponse(
             heartbeat=self._config.ping_interval,
             max_msg_size=MAX_MESSAGE_SIZE,
@@ -74,10 +77,11 @@ class VideoSockets:
         client = VideoClient(
             websocket,
             transport,
-            self._cameras,
+            self._cameras[instructor],
             self._hubs,
             max_size=self._config.max_size,
             send_buffer=self._config.send_buffer,
+            preview_rate=self._config.preview_rate,
         )
         self._clients.add(client)
         try:
@@ -105,4 +109,6 @@ class VideoSockets:
     async def _look(self) -> None:
         # Without a master the cameras stay those that are known.
         with contextlib.suppress(OSError):
-            self._cameras.update(await self._topics())
+            topics = await self._topics()
+            for cameras in self._cameras.values():
+                cameras.update(topics)

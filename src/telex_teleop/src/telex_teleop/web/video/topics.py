@@ -66,6 +66,17 @@ def find_topic(
     return None
 
 
+def find_preview(camera: str, topics: Topics, namespace: str) -> Optional[PictureTopic]:
+    """Return the topic of a camera's small pictures, if it offers them beside the full ones."""
+    return find_topic(f"{namespace}cameras/{camera}/preview", topics, namespace)
+
+
+def camera_of(topic: str, namespace: str) -> str:
+    """Return the name of the camera to which a topic belongs; empty if it belongs to none."""
+    prefix = f"{namespace}cameras/"
+    return topic[len(prefix) :].partition("/")[0] if topic.startswith(prefix) else ""
+
+
 def find_cameras(topics: Topics, namespace: str) -> Dict[str, str]:
     """Return the topic of every camera of the namespace, `cameras/<name>/image_raw`, by name."""
     prefix, suffix = f"{namespace}cameras/", "/image_raw"
