@@ -162,6 +162,46 @@ def test_the_field_of_view_holds_with_the_distortion():
     assert math.atan(right) - math.atan(left) == pytest.approx(1.5, abs=1e-6)
 
 
+class TestPreviews:
+    def small(self, **changes):
+        return read({**FRONT, "distortion": [-0.1, 0.02, 0.0, 0.0, 0.0], **changes}).cameras[
+            "front"
+        ]
+
+    def test_show_the_same_field_in_fewer_pixels(self):
+        full = self.small(noise=2.0)
+        small = full.small()
+        assert (small.width, small.height, small.rate, small.jpeg_quality) == (320, 240, 10.0, 75)
+        assert small.optics().field() == pytest.approx(full.optics().field(), rel=1e-9)
+        assert small.noise == 1.0
+        assert small.frame == full.frame
+
+    def test_zoom_with_the_camera(self):
+        camera = self.small(zoom_max=3.0)
+        ratio = camera.small().optics(2.0).focal_length / camera.optics(2.0).focal_length
+        assert ratio == pytest.approx(0.5)
+
+    def test_are_never_larger_than_the_pictures_and_keep_their_shape(self):
+        small = self.small(width=200, height=100).small()
+        assert (small.width, small.height) == (200, 100)
+        small = self.small(width=960, height=540, preview={"width": 240, "rate": 4}).small()
+        assert (small.width, small.height, small.rate) == (240, 135, 4.0)
+
+    @pytest.mark.parametrize(
+        ("changes", "complaint"),
+        [
+            ({"width": 8}, "width is 8"),
+            ({"rate": 0}, "rate is 0"),
+            ({"rate": math.nan}, "rate is nan"),
+            ({"jpeg_quality": 101}, "jpeg_quality is 101"),
+            ({"height": 240}, "height is unknown"),
+        ],
+    )
+    def test_that_make_no_sense_are_refused(self, changes, complaint):
+        with pytest.raises(ConfigError, match=complaint):
+            self.small(preview=changes)
+
+
 class TestChanged:
     def test_some_values_and_values_within(self):
         before = read({**FRONT, "exposure": {"auto": True, "ev": 1.0}}).cameras["front"]

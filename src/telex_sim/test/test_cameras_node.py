@@ -25,7 +25,13 @@ NO_EGL = {"__EGL_VENDOR_LIBRARY_DIRS": "/nonexistent"}
 POSES_RATE = 60.0  # 1/s
 POSES_PERIOD = 16_666_667  # sim time between poses (ns)
 RED, GREEN, BLUE = (0.9, 0.05, 0.05), (0.05, 0.8, 0.05), (0.05, 0.1, 0.9)
-CAMERA = {"width": SIZE[0], "height": SIZE[1], "horizontal_fov": 1.2}
+SMALL = (80, 60)
+CAMERA = {
+    "width": SIZE[0],
+    "height": SIZE[1],
+    "horizontal_fov": 1.2,
+    "preview": {"width": SMALL[0], "rate": 20.0},
+}
 PARAMS = {
     "cameras": {
         "front": {
@@ -142,7 +148,7 @@ def test_poses_are_not_followed_before_somebody_looks(seen):
 
 def test_pictures_at_the_rate_of_the_camera(seen):
     pictures = seen["running"]["pictures"]
-    assert 16 <= len(pictures) <= 42
+    assert 10 <= len(pictures) <= 26
     assert all(looks(picture, RED) for picture in pictures)
 
 
@@ -174,6 +180,15 @@ def test_the_other_camera_looks_the_other_way(seen):
 def test_raw_pictures_while_somebody_listens(seen):
     assert seen["raw"]
     assert all(looks(picture, RED) for picture in seen["raw"])
+
+
+def test_previews_show_the_same_in_fewer_pixels(seen):
+    for name, color in (("preview", GREEN), ("reduced", RED)):
+        assert seen[name]
+        assert all(looks(picture, color) for picture in seen[name])
+        assert all(picture["size"] == list(SMALL) for picture in seen[name])
+    assert {picture["frame"] for picture in seen["preview"]} == {"rear_camera_optical_frame"}
+    assert all(stamp % POSES_PERIOD == 0 for stamp in stamps(seen["preview"]))
 
 
 def test_what_this_robot_lacks_is_named_once_and_not_advertised(seen):
@@ -276,6 +291,11 @@ def test_nothing_is_drawn_for_nobody_and_everybody_is_served(master):
     assert counted["front"]["back"] == 0
     assert counted["rear"]["back"] > 3
     assert counted["rear"]["ahead"] == 0
+    assert counted["sizes_alone"] == [SMALL[0]]
+    assert counted["sizes_beside"] == [SIZE[0]]
+    # At their rate of 20 in a second, none is drawn for the previews alone.
+    assert counted["beside_preview"] > 1
+    assert counted["beside"] <= 0.4 * 20.0 + 3
     assert counted["nobody"] == {"ahead": 0, "back": 0}
     # Whoever comes when all is late already is served as well, and who goes no more.
     assert counted["overloaded"]["back"] > 0
@@ -487,7 +507,7 @@ def drill():
     seen = {"topics_before": camera_topics()}
     simulator = Simulator()
     simulator.describe(RED)
-    time.sleep(1.0)
+    time.sleep(0.5)
     seen["followed_before"] = simulator.followed
 
     front = Viewer("cameras/front/image_raw/compressed", CompressedImage)
@@ -496,26 +516,28 @@ def drill():
     infos.wait()
     seen["followed_while_looking"] = simulator.followed
     with_infos = []
-    reader = threading.Thread(target=lambda: with_infos.extend(infos.note_for(2.0)))
+    reader = threading.Thread(target=lambda: with_infos.extend(infos.note_for(1.2)))
     reader.start()
-    pictures = front.note_for(2.0)
+    pictures = front.note_for(1.2)
     reader.join()
     seen["running"] = {"pictures": pictures, "infos": with_infos}
 
     for name, topic, kind in (
         ("rear", "cameras/rear/image_raw/compressed", CompressedImage),
         ("raw", "cameras/front/image_raw", Image),
+        ("preview", "cameras/rear/preview/compressed", CompressedImage),
+        ("reduced", "cameras/front/preview/compressed", CompressedImage),
         ("depth", "cameras/front/depth", Image),
     ):
         viewer = Viewer(topic, kind)
-        seen[name] = viewer.note_for(0.7)
+        seen[name] = viewer.note_for(0.6)
         viewer.leave()
     seen["depth"] = seen["depth"][-3:]
     seen["topics"] = camera_topics()
 
     simulator.paused = True
     front.note_for(0.3)
-    seen["paused"] = front.note_for(1.5)
+    seen["paused"] = front.note_for(1.0)
     simulator.paused = False
 
     simulator.broken = True
@@ -544,14 +566,14 @@ def drill():
             time.sleep(0.01)
         for value in values:
             publisher.publish(value)
-            time.sleep(0.3)
+            time.sleep(0.2)
             seen_values.append(look())
         return seen_values
 
     seen["zoom"] = command(
         "cameras/front/zoom",
         (2.5, float("nan"), 99.0, -1.0),
-        lambda: infos.newest(0.3)["k"][0],
+        lambda: infos.newest(0.2)["k"][0],
     )
     simulator.revision = 2
     simulator.describe(RED, ambient=0.0)
@@ -679,6 +701,7 @@ class CountingRenderer:
 
     def __init__(self):
         self.counts = {"ahead": 0, "back": 0}
+        self.sizes = set()
         self.seconds = 0.0
 
     def load_scene(self, scene):
@@ -693,6 +716,7 @@ class CountingRenderer:
     def render(self, camera, optical_in_world, exposure=1.0):
         time.sleep(self.seconds)
         self.counts["ahead" if optical_in_world[0, 2] > 0.0 else "back"] += 1
+        self.sizes.add(camera.width)
         return np.zeros((camera.height, camera.width, 4), np.uint8)
 
     def depth(self, camera):
@@ -729,6 +753,24 @@ def count():
             viewer.note_for(0.5)
             counted[name] = {way: renderer.counts[way] - before[way] for way in before}
             viewer.leave()
+        # Whoever looks at the small pictures alone has nothing larger drawn; beside the pictures of
+        # full size, they cost nothing.
+        preview = Viewer("cameras/rear/preview/compressed", CompressedImage)
+        preview.wait()
+        time.sleep(0.2)
+        renderer.sizes.clear()
+        preview.note_for(0.3)
+        counted["sizes_alone"] = sorted(renderer.sizes)
+        full = Viewer("cameras/rear/image_raw/compressed", CompressedImage)
+        full.wait()
+        time.sleep(0.2)
+        renderer.sizes.clear()
+        before = renderer.counts["back"]
+        counted["beside_preview"] = len(preview.note_for(0.4))
+        counted["beside"] = renderer.counts["back"] - before
+        counted["sizes_beside"] = sorted(renderer.sizes)
+        preview.leave()
+        full.leave()
         time.sleep(0.3)
         before = dict(renderer.counts)
         time.sleep(0.5)

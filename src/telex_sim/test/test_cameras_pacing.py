@@ -79,9 +79,9 @@ class TestFramePacer:
 
 
 class Paced:
-    def __init__(self, rate, priority=0):
+    def __init__(self, rate, weight=1.0):
         self.pacer = FramePacer(rate, 5.0)
-        self.priority = priority
+        self.weight = weight
         self.taken = 0
 
 
@@ -102,11 +102,11 @@ def serve(cameras, seconds, work):
 
 class TestNextDue:
     def test_all_keep_their_rates_while_there_is_time(self):
-        rates = serve([Paced(25.0, 1), Paced(10.0), Paced(15.0), Paced(5.0)], 10.0, 0.01)
+        rates = serve([Paced(25.0, 2.0), Paced(10.0), Paced(15.0), Paced(5.0)], 10.0, 0.01)
         assert rates == pytest.approx([25.0, 10.0, 15.0, 5.0], rel=0.03)
 
     def test_the_first_keeps_its_rate_and_the_others_share_what_is_left(self):
-        rates = serve([Paced(25.0, 1), *(Paced(10.0) for _ in range(5))], 10.0, 0.02)
+        rates = serve([Paced(25.0, 2.0), *(Paced(10.0) for _ in range(5))], 10.0, 0.02)
         assert rates[0] > 23.5
         assert sum(rates) == pytest.approx(50.0, rel=0.03)
         assert max(rates[1:]) - min(rates[1:]) < 0.3
@@ -116,15 +116,21 @@ class TestNextDue:
         assert rates == pytest.approx([10.0, 5.0, 5.0], rel=0.15)
 
     @pytest.mark.parametrize("work", [0.03, 0.1, 1.5])
-    def test_priority_is_a_larger_share_and_none_starves(self, work):
-        rates = serve([Paced(30.0, 1), Paced(10.0), Paced(10.0)], 400.0 * work, work)
+    def test_weight_is_a_larger_share_and_none_starves(self, work):
+        rates = serve([Paced(30.0, 2.0), Paced(10.0), Paced(10.0)], 400.0 * work, work)
         assert sum(rates) == pytest.approx(1.0 / work, rel=0.02)
         # Six times as many; a picture less where two would fall into one slot of the first.
         assert 4.5 < rates[0] / rates[1] < 6.5
         assert rates[1] == pytest.approx(rates[2], rel=0.05)
 
+    def test_previews_leave_a_full_picture_its_rate_and_do_not_starve(self):
+        rates = serve([Paced(25.0, 2.0), *(Paced(10.0, 0.4) for _ in range(5))], 20.0, 0.024)
+        assert rates[0] > 3.0 * max(rates[1:])
+        assert rates[0] > 23.0
+        assert min(rates[1:]) > 2.5
+
     def test_who_comes_late_is_served_at_once(self):
-        busy, late = Paced(60.0, 1), Paced(10.0)
+        busy, late = Paced(60.0, 2.0), Paced(10.0)
         busy.pacer.sent(7.0, 7)
         assert next_due([busy, late], 7.05, 8) is late
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import threading
-from typing import Callable, List, Optional, Tuple
+from typing import Callable, Iterator, List, Optional, Sequence, Tuple
 
+import cv2
 import numpy as np
 import rospy
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
@@ -26,6 +27,53 @@ from .scene_renderer import SceneRenderer
 Locate = Callable[[np.ndarray, float], np.ndarray]
 """Gives the pose of the optical frame in the world, of that of the frame in the scene on which the
 camera depends, and of the monotonic time (s)."""
+
+
+# What previews count for when there is too little time, beside pictures of full size.
+_PREVIEW_WEIGHT = 0.4
+
+Setting = Tuple[OpticsConfig, float]
+"""How a camera is set, and its zoom."""
+
+
+class PictureSize:
+    """One of the two sizes of a camera's pictures: full, or its previews.
+
+    Parameters
+    ----------
+    stream
+        The camera's topics.
+    make_sensor
+        Makes what takes the pictures, of a setting.
+    pacer
+        Says when they are due.
+    """
+
+    def __init__(
+        self,
+        stream: CameraStream,
+        make_sensor: Callable[[Setting], CameraSensor],
+        pacer: FramePacer,
+    ) -> None:
+        self.stream = stream
+        self.pacer = pacer
+        self._make_sensor = make_sensor
+        self._made_for: Optional[Setting] = None
+        self._sensor: Optional[CameraSensor] = None
+
+    @property
+    def weight(self) -> float:
+        """By which its rate counts, when there is too little time for all."""
+        return self.stream.weight_of(self)
+
+    def sensor(self) -> CameraSensor:
+        """Return the camera as it is set now; ask once for each picture."""
+        setting = self.stream.setting
+        if self._sensor is None or setting is not self._made_for:
+            self._sensor = self._make_sensor(setting)
+            self.pacer.rate = self._sensor.config.rate
+            self._made_for = setting
+        return self._sensor
 
 
 class CameraStream:
@@ -65,21 +113,32 @@ class CameraStream:
         self.name = name
         self.scene_frame = scene_frame
         self.locate = locate
-        self.pacer = FramePacer(config.rate, repeat_rate)
         self._optical_frame = optical_frame
-        self._seed = seed
-        self._detail = detail
-        self._exposure = ExposureControl()
+        # Of both sizes: it is one camera.
+        exposure = ExposureControl()
+
+        def full_size(setting: Setting) -> CameraSensor:
+            return CameraSensor(*setting, seed, exposure, detail)
+
+        def small_size(setting: Setting) -> CameraSensor:
+            return CameraSensor(setting[0].small(), setting[1], seed, exposure, detail)
+
+        self._full = PictureSize(self, full_size, FramePacer(config.rate, repeat_rate))
+        preview_pacer = FramePacer(config.preview.rate, repeat_rate)
+        self._small = PictureSize(self, small_size, preview_pacer)
         # Replaced as a whole by ROS's threads, read once a picture by the one that renders.
         self._writing = threading.Lock()
-        self._setting: Tuple[OpticsConfig, float] = (config, 1.0)
-        self._made_for: Optional[Tuple[OpticsConfig, float]] = None
-        self._sensor: Optional[CameraSensor] = None
+        self._setting: Setting = (config, 1.0)
         self._publishers: List[rospy.Publisher] = []
         self._depth: Optional[rospy.Publisher] = None
         self._zoom: Optional[rospy.Subscriber] = None
 
     # ------------------------------------------------------------ any thread
+
+    @property
+    def setting(self) -> Setting:
+        """How the camera is set now, and its zoom; another object whenever that changes."""
+        return self._setting
 
     @property
     def config(self) -> OpticsConfig:
@@ -125,7 +184,8 @@ class CameraStream:
         self._compressed = _publisher(f"{topic}/image_raw/compressed", CompressedImage)
         self._raw = _publisher(f"{topic}/image_raw", Image)
         self._info = _publisher(f"{topic}/camera_info", CameraInfo)
-        self._publishers = [self._compressed, self._raw, self._info]
+        self._preview = _publisher(f"{topic}/preview/compressed", CompressedImage)
+        self._publishers = [self._compressed, self._raw, self._info, self._preview]
         if self.config.zoom_max > 1.0:
             self._zoom = rospy.Subscriber(
                 f"{topic}/zoom", Float64, self._take_zoom, queue_size=1, tcp_nodelay=True
@@ -147,19 +207,28 @@ class CameraStream:
             self._depth.unregister()
             self._depth = None
 
-    @property
-    def priority(self) -> int:
-        """When there is not time for all, those of a higher one come first."""
-        return self.config.priority
+    def weight_of(self, size: PictureSize) -> float:
+        """How much a size's rate counts, when there is too little time for all."""
+        return 1.0 + self.config.priority if size is self._full else _PREVIEW_WEIGHT
 
     @property
-    def wanted(self) -> bool:
-        """Whether somebody listens to any of the topics."""
-        return any(_is_heard(publisher) for publisher in self._publishers) or self._wants_depth
+    def wanted(self) -> List[PictureSize]:
+        """The sizes that somebody waits for.
+
+        Where pictures of full size are taken, previews are made of them.
+        """
+        if not self._publishers:
+            return []
+        sizes = []
+        if self.wants_picture or _is_heard(self._info):
+            sizes.append(self._full)
+        if _is_heard(self._preview) and not self.wants_picture:
+            sizes.append(self._small)
+        return sizes
 
     @property
     def wants_picture(self) -> bool:
-        """Whether something must be drawn."""
+        """Whether pictures of full size must be drawn."""
         if not self._publishers:
             return False
         return _is_heard(self._compressed) or _is_heard(self._raw) or self._wants_depth
@@ -168,37 +237,57 @@ class CameraStream:
     def _wants_depth(self) -> bool:
         return self._depth is not None and _is_heard(self._depth)
 
-    def sensor(self) -> CameraSensor:
-        """Return the camera as it is set now; ask once for each picture."""
-        setting = self._setting
-        if self._sensor is None or setting is not self._made_for:
-            config, zoom = setting
-            self.pacer.rate = config.rate
-            self._sensor = CameraSensor(config, zoom, self._seed, self._exposure, self._detail)
-            self._made_for = setting
-        return self._sensor
-
-    def publish_info(self, sensor: CameraSensor, stamp: rospy.Time) -> None:
-        """Publish the camera's description, with the sim time of the poses."""
-        if _is_heard(self._info):
-            self._info.publish(camera_info_message(sensor.camera, self._header(stamp)))
-
-    def publish_picture(
-        self, sensor: CameraSensor, picture: np.ndarray, renderer: SceneRenderer, stamp: rospy.Time
+    def serve(
+        self,
+        size: PictureSize,
+        renderer: SceneRenderer,
+        poses: Callable[[Sequence[float]], Iterator[np.ndarray]],
+        stamp: rospy.Time,
+        now: float,
     ) -> None:
-        """Publish a picture in the forms that somebody listens to.
+        """Take a picture, and publish it in the forms that somebody listens to.
 
         Parameters
         ----------
-        sensor
-            That has taken it.
-        picture
-            RGBA, shape (height, width, 4), uint8; not kept.
+        size
+            Which is due.
         renderer
-            With which it was taken.
+            Of the scene, which is placed.
+        poses
+            As for `CameraSensor.take`, given the times before the stamp (s) at which to look.
         stamp
-            Sim time of the poses that it shows.
+            Sim time of the poses.
+        now
+            Monotonic time (s).
         """
+        sensor = size.sensor()
+        size.pacer.sent(now, stamp.to_nsec())
+        if size is self._small:
+            picture = sensor.take(renderer, poses(sensor.moments), stamp.to_nsec())
+            self._publish_preview(sensor, picture, stamp)
+            return
+        if _is_heard(self._info):
+            self._info.publish(camera_info_message(sensor.camera, self._header(stamp)))
+        if not self.wants_picture:
+            return
+        picture = sensor.take(renderer, poses(sensor.moments), stamp.to_nsec())
+        self._publish_picture(sensor, picture, renderer, stamp)
+        small = self._small.sensor()
+        if _is_heard(self._preview) and self._small.pacer.is_due(now, stamp.to_nsec()):
+            self._small.pacer.sent(now, stamp.to_nsec())
+            shape = (small.config.width, small.config.height)
+            reduced = cv2.resize(picture, shape, interpolation=cv2.INTER_AREA)
+            self._publish_preview(small, reduced, stamp)
+
+    def _publish_preview(
+        self, sensor: CameraSensor, picture: np.ndarray, stamp: rospy.Time
+    ) -> None:
+        quality = sensor.config.jpeg_quality
+        self._preview.publish(compressed_image_message(picture, quality, self._header(stamp)))
+
+    def _publish_picture(
+        self, sensor: CameraSensor, picture: np.ndarray, renderer: SceneRenderer, stamp: rospy.Time
+    ) -> None:
         header = self._header(stamp)
         if _is_heard(self._compressed):
             quality = sensor.config.jpeg_quality

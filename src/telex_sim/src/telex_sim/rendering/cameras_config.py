@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass, field, replace
-from typing import Dict, Optional, Tuple
+from typing import Dict, Optional, Tuple, TypeVar
 
 from telex_control.params import (
     ConfigError,
@@ -36,6 +36,36 @@ _MAX_FOV = 3.0
 _MAX_RATE = 240.0
 _MAX_ZOOM = 100.0
 _FAR_AWAY = 1e4
+
+Optics = TypeVar("Optics", bound="OpticsConfig")
+
+
+@dataclass(frozen=True)
+class PreviewConfig:
+    """The small pictures of a camera that stands beside the one the operator looks at.
+
+    Attributes
+    ----------
+    width
+        Pixels, if the camera's own pictures are not smaller; the height follows.
+    rate
+        Pictures per second of wall time while somebody looks.
+    jpeg_quality
+        1 to 100.
+
+    Raises
+    ------
+    telex_control.params.ConfigError
+    """
+
+    width: int = 320
+    rate: float = 10.0
+    jpeg_quality: int = 75
+
+    def __post_init__(self) -> None:
+        require_range(self, "width", _MIN_SIZE, _MAX_SIZE)
+        require_range(self, "rate", above=0.0, maximum=_MAX_RATE)
+        require_range(self, "jpeg_quality", 1, 100)
 
 
 @dataclass(frozen=True)
@@ -72,6 +102,8 @@ class OpticsConfig:
         Moments of that time that are drawn; a blurred picture takes as much more time.
     depth
         Whether depths are offered as well.
+    preview
+        Small pictures of the same field.
     zoom_max
         Largest zoom, a factor on the focal length; 1: the camera cannot zoom.
 
@@ -96,6 +128,7 @@ class OpticsConfig:
     shutter: float = 0.0
     shutter_samples: int = 4
     depth: bool = False
+    preview: PreviewConfig = field(default_factory=PreviewConfig)
     zoom_max: float = 1.0
 
     def __post_init__(self) -> None:
@@ -125,6 +158,22 @@ class OpticsConfig:
             self.width, self.height, self.horizontal_fov, self.distortion, self.near, self.far
         )
         return replace(wide, focal_length=zoom * wide.focal_length)
+
+    def small(self: Optics) -> Optics:
+        """Return the same camera as its previews show it.
+
+        Reducing a picture takes the mean of pixels, and noise from it in proportion.
+        """
+        width = min(self.preview.width, self.width)
+        scale = width / self.width
+        return replace(
+            self,
+            width=width,
+            height=max(round(scale * self.height), _MIN_SIZE),
+            rate=self.preview.rate,
+            jpeg_quality=self.preview.jpeg_quality,
+            noise=scale * self.noise,
+        )
 
     def pinhole(self, zoom: float = 1.0) -> PinholeCamera:
         """Return a camera without distortion that has the same field of view."""
@@ -348,7 +397,7 @@ class CamerasConfig:
     quality: str = AUTO
     shadow_radius: float = 9.0
     repeat_rate: float = 5.0
-    max_pose_age: float = 0.015
+    max_pose_age: float = 0.004
     shadow_period: float = 0.035
     seed: int = 0
     niceness: int = 5

@@ -19,7 +19,7 @@ from telex_control.node_start import init_node, until_shutdown
 from telex_control.params import ConfigError, read_config
 
 from .camera_service import CameraService
-from .camera_stream import CameraStream
+from .camera_stream import CameraStream, PictureSize
 from .cameras_config import OPENGL, TINY, CamerasConfig
 from .frame_pacer import next_due
 from .gl_context import NoContextError, create_context
@@ -107,7 +107,7 @@ class CamerasNode:
         while not rospy.is_shutdown():
             self._take_news()
             now = time.monotonic()
-            wanted = [stream for stream in self._streams if stream.wanted]
+            wanted = [size for stream in self._streams for size in stream.wanted]
             self._follow_poses(bool(wanted), now)
             # News come first after every picture: when there is more to show than time, one is
             # always due.
@@ -157,18 +157,18 @@ class CamerasNode:
             self._poses_subscriber = None
             self._inbox.drop_poses()
 
-    def _show_next(self, wanted: List[CameraStream], now: float) -> bool:
+    def _show_next(self, wanted: List[PictureSize], now: float) -> bool:
         """Take the picture that is due first, if any, of poses that are fresh enough."""
         newest = self._inbox.newest_poses()
         if newest is None:
             return False
-        stream = next_due(wanted, now, newest.poses.header.stamp.to_nsec())
-        if stream is None or not self._place(newest, stream, now):
+        size = next_due(wanted, now, newest.poses.header.stamp.to_nsec())
+        if size is None or not self._place(newest, size, now):
             return False
-        self._take(stream, now)
+        self._take(size, now)
         return True
 
-    def _place(self, newest: Arrival, stream: CameraStream, now: float) -> bool:
+    def _place(self, newest: Arrival, size: PictureSize, now: float) -> bool:
         """Have poses placed that a camera may be shown; returns whether there are any."""
         recast = now - self._cast_time >= self._config.shadow_period
         placed = self._placed
@@ -178,7 +178,7 @@ class CamerasNode:
                     return True
             elif (
                 now - placed.time <= self._config.max_pose_age
-                and placed.poses.header.stamp.to_nsec() != stream.pacer.stamp
+                and placed.poses.header.stamp.to_nsec() != size.pacer.stamp
             ):
                 return True
         if not self._mirror.place(newest.poses, recast=recast):
@@ -189,17 +189,16 @@ class CamerasNode:
             self._cast, self._cast_time = newest, now
         return True
 
-    def _take(self, stream: CameraStream, now: float) -> None:
+    def _take(self, size: PictureSize, now: float) -> None:
         """Take a camera's picture of the poses that are placed, and publish it."""
         assert self._placed is not None
+        stream = size.stream
+
+        def moments(times: Sequence[float]) -> Iterator[np.ndarray]:
+            return self._moments(stream, times, now)
+
         stamp = self._placed.poses.header.stamp
-        sensor = stream.sensor()
-        stream.pacer.sent(now, stamp.to_nsec())
-        stream.publish_info(sensor, stamp)
-        if stream.wants_picture:
-            moments = self._moments(stream, sensor.moments, now)
-            picture = sensor.take(self._renderer, moments, stamp.to_nsec())
-            stream.publish_picture(sensor, picture, self._renderer, stamp)
+        stream.serve(size, self._renderer, moments, stamp, now)
 
     def _moments(
         self, stream: CameraStream, times: Sequence[float], now: float

@@ -80,8 +80,8 @@ class Paced(Protocol):
         """Says when its pictures are due."""
 
     @property
-    def priority(self) -> int:
-        """Each step more is one more share of the time, when there is too little for all."""
+    def weight(self) -> float:
+        """By which its rate counts, when there is too little time for all."""
 
 
 Camera = TypeVar("Camera", bound=Paced)
@@ -91,7 +91,7 @@ def next_due(cameras: Sequence[Camera], now: float, stamp: int) -> Optional[Came
     """Choose the camera whose picture comes next, or None when none is due.
 
     When there is not enough time for all, each gets pictures in the proportion of its rate times
-    (1 + its priority): the operator's eyes see most, and none goes blind.
+    its weight: the operator's eyes see most, and none goes blind.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def next_due(cameras: Sequence[Camera], now: float, stamp: int) -> Optional[Came
 
     def urgency(camera: Camera) -> float:
         pacer = camera.pacer
-        return pacer.waited(now) * pacer.rate * (1 + camera.priority)
+        return pacer.waited(now) * pacer.rate * camera.weight
 
     due = [camera for camera in cameras if camera.pacer.is_due(now, stamp)]
     return max(due, key=urgency) if due else None
