@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 from functools import lru_cache
+from pathlib import Path
 from typing import TYPE_CHECKING, List, Tuple
 
 import pytest
@@ -21,9 +22,45 @@ if TYPE_CHECKING:
 settings.register_profile("telex", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("telex")
 
+ROOT = Path(__file__).resolve().parent
 NEEDS_THE_MACHINE = ("ros", "browser", "real_time")
 """Markers of tests that others may not hold up."""
 GROUP = "real_time"
+SLOW = (
+    "src/telex_control/test/test_ik_properties.py",
+    "src/telex_control/test/test_ik_solver.py",
+    "src/telex_control/test/test_ik_track.py",
+    "src/telex_control/test/test_tracked_drive.py",
+    "src/telex_description/test/test_arm_model.py",
+    "src/telex_description/test/test_generated_model.py",
+    "src/telex_sim/test/test_camera_sensor.py",
+    "src/telex_sim/test/test_control_stability.py",
+    "src/telex_sim/test/test_drive_friction.py",
+    "src/telex_sim/test/test_flippers.py",
+    "src/telex_sim/test/test_proximity.py",
+    "src/telex_sim/test/test_rendering_generated.py",
+    "src/telex_sim/test/test_rendering_pictures.py",
+    "src/telex_sim/test/test_scene_command_line.py",
+    "src/telex_sim/test/test_scene_preview.py",
+    "src/telex_sim/test/test_scene_simulation.py",
+    "src/telex_sim/test/test_self_collision.py",
+    "src/telex_sim/test/test_shipped_actions.py",
+    "src/telex_sim/test/test_shipped_scenes.py",
+    "src/telex_sim/test/test_shipped_variants.py",
+    "src/telex_sim/test/test_simulation.py",
+    "src/telex_sim/test/test_tracks_drive.py",
+    "src/telex_sim/test/test_tracks_robot.py",
+    "src/telex_sim/test/test_turning.py",
+    "src/telex_teleop/test/test_arm_clearance.py",
+    "src/telex_teleop/test/test_arm_teleop.py",
+    "src/telex_teleop/test/test_arm_telex.py",
+    "src/telex_teleop/test/test_arm_tool_motion.py",
+    "src/telex_teleop/test/test_teleop_reference.py",
+    "tests/test_mobility.py",
+)
+"""Files of more than 3 s of CPU time, which ``test.sh --fast`` leaves out; its closing table of
+durations names those that belong here.
+"""
 PATIENCE = 10
 """Niceness of a worker from its first test that can wait."""
 
@@ -40,8 +77,14 @@ def needs_the_machine(item: pytest.Item) -> bool:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: List[pytest.Item]) -> None:
-    """Keep those tests together that may not run side by side."""
+    """Mark the slow tests; keep those together that may not run side by side."""
+    gone = [name for name in SLOW if not (ROOT / name).is_file()]
+    if gone:
+        raise pytest.UsageError(f"conftest.py: SLOW names what is not there: {', '.join(gone)}")
+    slow = {ROOT / name for name in SLOW}
     for item in items:
+        if item.path in slow:
+            item.add_marker(pytest.mark.slow)
         if needs_the_machine(item):
             item.add_marker(pytest.mark.xdist_group(GROUP))
 

@@ -3,8 +3,8 @@
 #
 #   ./launch_scripts/test.sh [--fast] [pytest arguments]
 #
-# --fast: lint, types and the tests that need no ROS master. Further arguments go to pytest
-# (-n 0: all tests in one process, one after the other, as --pdb wants it).
+# --fast: lint, types and what is quick and needs no ROS master, browser or wall time: under a minute.
+# Further arguments go to pytest (-n 0: all tests in one process, as --pdb wants it).
 set -uo pipefail
 
 root="$(CDPATH= cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)"
@@ -55,7 +55,7 @@ if [ -z "$fast" ]; then
     check "rostest $suite" rostest "$suite"
   done
 else
-  pytest_arguments=(-m "not ros" "${pytest_arguments[@]}")
+  pytest_arguments=(-m "not (ros or browser or real_time or slow)" --durations=5 "${pytest_arguments[@]}")
 fi
 
 # Tests that need no wall time run beside those that do, at low priority; conftest.py says which.

@@ -189,3 +189,50 @@ def test_what_is_being_loaded_when_the_spawner_ends_is_unloaded(spawner):
         each.join(5.0)
         assert not each.is_alive()
     assert manager.loaded == manager.unloaded == ["elbow"]
+
+
+def test_another_manager_is_one_at_another_address(spawner, monkeypatch):
+    tested = spawner("elbow_joint")
+    seen = iter(["rosrpc://a:1", None, "rosrpc://a:1", "rosrpc://a:2"])
+    monkeypatch.setattr(tested, "manager_address", lambda: next(seen))
+    monkeypatch.setattr("telex_control.command_lines.spawner._WATCH_PERIOD", 0.0)
+    monkeypatch.setattr(rospy, "is_shutdown", lambda: False)
+    assert tested.wait_for_another_manager("rosrpc://a:1")
+    assert list(seen) == []
+    monkeypatch.setattr(rospy, "is_shutdown", lambda: True)
+    assert not tested.wait_for_another_manager("rosrpc://a:2")
+
+
+def test_what_another_manager_has_of_ours_is_unloaded_before_it_is_loaded_anew(
+    spawner, monkeypatch
+):
+    tested = spawner("elbow_joint")
+    asked = []
+
+    class Client:
+        def load(self, name):
+            asked.append(("load", name))
+            return True
+
+        def unload(self, name):
+            asked.append(("unload", name))
+            return True
+
+        def switch(self, start, stop):
+            asked.append(("switch", start, stop))
+            return True
+
+        def list_controllers(self):
+            return [
+                SimpleNamespace(name="elbow", state="running"),
+                SimpleNamespace(name="states", state="initialized"),
+                SimpleNamespace(name="foreign", state="running"),
+            ]
+
+    monkeypatch.setattr(tested, "_client", Client())
+    tested.load(["states", "elbow", "slide"])
+    del asked[:]
+    tested.clear()
+    assert asked == [("switch", [], ["elbow"]), ("unload", "elbow"), ("unload", "states")]
+    del asked[:]
+    assert tested.load(["states"]) == ["states"]

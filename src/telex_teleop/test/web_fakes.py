@@ -48,7 +48,8 @@ async def becomes(condition, timeout=5.0):
 
 ROSTER = "/telex/bridge/clients"
 """What the bridge itself publishes; kept apart from what its clients do."""
-OWN_TOPICS = (ROSTER, "/telex/e_stop")
+MISSING_NODES = "/telex/bridge/missing_nodes"
+OWN_TOPICS = (ROSTER, MISSING_NODES, "/telex/e_stop")
 
 
 class FakePublisher:
@@ -59,6 +60,8 @@ class FakePublisher:
     def publish(self, message):
         if self.topic == ROSTER:
             self.ros.rosters.append(message)
+        elif self.topic == MISSING_NODES:
+            self.ros.missing.append(message.names)
         else:
             self.ros.published.append((self.topic, message))
 
@@ -77,10 +80,12 @@ class FakeRos:
         self.active = set(self.types)
         self.published = []
         self.rosters = []
+        self.missing = []
         self.events = []
         self.receivers = {}
         self.services_offered = {}
         self.params = {"/telex/limit": 1.5, "/nan": float("nan")}
+        self.crashed = set()
         self.expected = 0
         self.connected = 0
         self.release_service = threading.Event()
@@ -104,6 +109,9 @@ class FakeRos:
 
     def nodes(self):
         return ["/telex/arm_teleop"]
+
+    def node_answers(self, node):
+        return node not in self.crashed
 
     def node_details(self, node):
         return {"subscribing": ["/known"], "publishing": [], "services": [node]}

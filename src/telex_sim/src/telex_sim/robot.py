@@ -194,6 +194,11 @@ class Robot:
         """Look at every surface anew, after bodies have come or gone."""
         self._tracks.forget_surfaces()
 
+    @property
+    def e_stop_wanted(self) -> bool:
+        """Whether the last request was to set the emergency stop."""
+        return self._e_stop_wanted
+
     def request_e_stop(self, active: bool) -> None:
         """Set or release the emergency stop with the next cycle. From any thread."""
         self._e_stop_wanted = active

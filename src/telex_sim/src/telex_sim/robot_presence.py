@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time as wall
 from typing import Callable, Optional, Tuple
 
 import rospy
@@ -20,6 +21,8 @@ from .scene.model import WORLD_FRAME
 from .stability_monitor import Margin, StabilityMonitor
 
 _STOP_TIMEOUT = 1.0
+_OLD_NEWS = 2.0
+"""Wall time (s) in which a new simulator hears what was latched before it began."""
 
 
 class RobotPresence:
@@ -27,10 +30,18 @@ class RobotPresence:
 
     Topics are opened and closed in a thread of ROS; `observe`, `changed` and all that publishes
     are the simulation's thread's.
+
+    Parameters
+    ----------
+    robot : Robot
+    after_crash : bool
+        Whether the simulator before has crashed: latched releases of its emergency stop that come
+        in the first moments may be older than the stop.
     """
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Robot, after_crash: bool = False) -> None:
         self.robot = robot
+        self._no_release_before = wall.monotonic() + (_OLD_NEWS if after_crash else 0.0)
         namespace = robot.namespace
         self._told = (False, False, False)
         self._monitor: Optional[StabilityMonitor] = None
@@ -49,6 +60,8 @@ class RobotPresence:
 
     def _on_e_stop(self, message: Bool) -> None:
         robot = self.robot
+        if not message.data and wall.monotonic() < self._no_release_before:
+            return
         if message.data != robot.hw.e_stop:
             rospy.logwarn(
                 "%s: emergency stop %s", robot.model, "set" if message.data else "released"

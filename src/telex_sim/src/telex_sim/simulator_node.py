@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+import os
 import queue
 import sys
 import threading
@@ -33,9 +34,11 @@ from telex_control.node_start import init_node, until_shutdown
 from telex_control.params import ConfigError, read_config
 from telex_control.robot_description import offer_globally, wait_for_robot_description
 from telex_control.ros_node_handle import RosNodeHandle
+from telex_control.run_memory import RunMemory
 from telex_control.urdf_joints import UrdfError
 
 from .config import RobotConfig, SimulatorConfig
+from .crash_recovery import CrashRecovery
 from .pacing import RealTimeFactor, RealTimePacer
 from .rendering.addresses import resolve_address
 from .rendering.urdf_visuals import UrdfVisual, UrdfVisualError, urdf_visuals
@@ -83,8 +86,9 @@ class SimulatorNode:
     simulation.
     """
 
-    def __init__(self, simulation: Simulation, paused: bool) -> None:
+    def __init__(self, simulation: Simulation, recovery: CrashRecovery, paused: bool) -> None:
         self._simulation = simulation
+        self._recovery = recovery
         self._paused = paused
         config = simulation.config
         self._step_ns = round(config.timing.step_size * 1e9)
@@ -93,7 +97,7 @@ class SimulatorNode:
         self._pacer = RealTimePacer(config.timing.real_time_factor)
         self._factor = RealTimeFactor()
         self._late_cycles = 0
-        self._resets = 0
+        self._resets = recovery.resets
         first = simulation.robots[0]
         self._scene = SceneMessages(
             first.model, first.body.link_names(), first.urdf, simulation.scene
@@ -107,7 +111,7 @@ class SimulatorNode:
         )
         self._poses = rospy.Publisher("sim/poses", ScenePoses, queue_size=1, tcp_nodelay=True)
         # Replaced as a whole, never changed: the loop reads it without a lock.
-        self._presences: Tuple[RobotPresence, ...] = (RobotPresence(first),)
+        self._presences: Tuple[RobotPresence, ...] = (RobotPresence(first, recovery.happened),)
         self._next_status = 0.0
         self._clock_every = self._steps_between(config.publish.clock_rate)
         self._poses_every = self._steps_between(config.publish.poses_rate)
@@ -414,6 +418,7 @@ class SimulatorNode:
         self._publish_stability()
 
     def _publish_clock(self) -> None:
+        self._recovery.note(self._simulation, self._resets)
         self._clock.publish(Clock(self._now()))
 
     def _publish_poses(self) -> None:
@@ -494,16 +499,26 @@ def main() -> None:
             RosNodeHandle(),
             lambda address: resolve_address(address, packages.get_path),
         )
-        node = SimulatorNode(simulation, paused)
+        recovery = CrashRecovery(RunMemory.of_this_node())
+        recovery.restore(simulation)
+        node = SimulatorNode(simulation, recovery, paused)
     except rospy.ROSInterruptException:
         return
     except (ConfigError, SceneError, UrdfError, UrdfVisualError, WorldError) as error:
         rospy.logfatal("%s", error)
-        sys.exit(1)
+        sys.exit(os.EX_CONFIG)
     prepare_for_loop()
+    if recovery.happened:
+        rospy.logwarn(
+            "simulator: the one before has crashed; the scene begins anew, the clock goes on at "
+            "%.0f s, the emergency stop is %s",
+            simulation.time,
+            "set" if simulation.robots[0].e_stop_wanted else "released",
+        )
     rospy.loginfo("simulator: ready")
     try:
         with until_shutdown():
             node.run()
+        recovery.forget()
     finally:
         node.close()

@@ -11,6 +11,7 @@ import { COMMAND_PERIOD, Commander } from "./commander.js";
 import { ControlView } from "./control.js";
 import { keepPace, watchOperator } from "./deadman.js";
 import { GamepadInput } from "./gamepad.js";
+import { Health, MISSING_NODES } from "./health.js";
 import { Held } from "./held.js";
 import { Hud, IMU } from "./hud.js";
 import { labelKeys, listenToKeys, listenToPointers } from "./input.js";
@@ -144,6 +145,7 @@ async function start() {
       commander.disconnected();
       toolCommander.disconnected();
       control.disconnected();
+      health.forget();
       status.forgetSim();
       status.setLinkBand("Connection lost. Everything is released. Reconnecting …");
       status.log(`connection lost: ${reason}`, true);
@@ -164,6 +166,7 @@ async function start() {
   tool.changed = () => modes.show();
   modes.show();
   const control = new ControlView(bridge, topic, letGo, warn);
+  const health = new Health(status, letGo);
   const keyDialog = new KeyDialog(keymap, relabel);
   keymap.changed = relabel;
   const tour = new Tour(localStorage, relabel);
@@ -249,6 +252,7 @@ async function start() {
     joints.set(states);
     panels.showJoints();
   }, JOINTS_PERIOD);
+  listen(MISSING_NODES.topic, MISSING_NODES.type, (message) => health.hear(message));
   listen(IMU.topic, IMU.type, (imu) => hud.setHeading(imu), DISPLAY_PERIOD);
   listen(STABILITY.topic, STABILITY.type, (stability) => {
     attitude.set(stability);

@@ -1,7 +1,7 @@
 """Loads and starts controllers, and stops and unloads them again when it ends.
 
-The command line is that of ros_control's ``spawner``; ``--optional`` and ``--optional-stopped``
-are beyond it.
+The command line is that of ros_control's ``spawner``; ``--optional``, ``--optional-stopped`` and
+``--watch`` are beyond it.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import threading
 import time
 from typing import Any, Collection, Dict, List, Optional
 
+import rosgraph
 import rospy
 import yaml
 from std_msgs.msg import Bool
@@ -21,6 +22,9 @@ from ..controller_manager_client import ControllerManagerClient
 from ..transmission_parser import driven_joints
 from ..urdf_joints import UrdfError, parse_urdf
 from . import program
+
+_WATCH_PERIOD = 0.5
+"""Wall time (s) between two looks whether the manager is another one."""
 
 _STALL = 1.0
 """Wall time (s) without an answer after which a manager counts as gone when the spawner ends."""
@@ -58,6 +62,11 @@ def parse(arguments: List[str]) -> argparse.Namespace:
         default=[],
         metavar="NAME",
         help="as --optional, but these are loaded only, not started",
+    )
+    parser.add_argument(
+        "--watch",
+        action="store_true",
+        help="load and start them again whenever the manager has been started again",
     )
     parser.add_argument("--stopped", action="store_true", help="load only, do not start")
     parser.add_argument(
@@ -232,6 +241,34 @@ class Spawner:
     def _param(self, name: str) -> str:
         return f"{self._namespace}/{name}" if self._namespace else name
 
+    def manager_address(self) -> Optional[str]:
+        """Where the manager's services are, which differs for every process; None if nowhere."""
+        service = rospy.resolve_name(f"{self._client.prefix}/load_controller")
+        try:
+            return str(rosgraph.Master(rospy.get_name()).lookupService(service))
+        except (OSError, rosgraph.MasterException):
+            return None
+
+    def wait_for_another_manager(self, address: Optional[str]) -> bool:
+        """Wait until the manager's address is another one; False when this node is shut down."""
+        while not rospy.is_shutdown():
+            if self.manager_address() not in (None, address):
+                return True
+            # Sim time may stand still.
+            time.sleep(_WATCH_PERIOD)
+        return False
+
+    def clear(self) -> None:
+        """Unload what another manager has of ours: it may have come while we were loading."""
+        listed = {each.name: each.state for each in self._client.list_controllers()}
+        names = [name for name in self._loaded[::-1] if name in listed]
+        running = [name for name in names if listed[name] == "running"]
+        if running:
+            self._client.switch([], running)
+        for name in names:
+            self._client.unload(name)
+        self._loaded = []
+
     def load(self, names: List[str]) -> List[str]:
         """Load controllers; those that cannot be loaded are reported and left out."""
         for name in names:
@@ -341,11 +378,25 @@ def main() -> None:
         except SpawnerError as error:
             rospy.logerr("%s", error)
             return 1
+        address = spawner.manager_address()
         if not spawner.load(names):
             return 1
         if not options.stopped:
             spawner.start(options.optional_stopped)
-        rospy.spin()
+        if not options.watch:
+            rospy.spin()
+            return 0
+        while spawner.wait_for_another_manager(address):
+            address = spawner.manager_address()
+            rospy.logwarn("Controller Spawner: the controller manager has been started again")
+            try:
+                spawner.wait_for_manager(None)
+                spawner.clear()
+                spawner.load(names)
+                if not options.stopped:
+                    spawner.start(options.optional_stopped)
+            except rospy.ServiceException as error:
+                rospy.logwarn("Controller Spawner: the manager has gone once more: %s", error)
         return 0
 
     program.run("spawner", work)

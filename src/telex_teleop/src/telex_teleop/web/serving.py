@@ -10,7 +10,8 @@ import logging
 import signal
 import socket
 import sys
-from typing import Any, Callable, Type, TypeVar
+import urllib.parse
+from typing import Any, Callable, Optional, Type, TypeVar
 
 import rospy
 from aiohttp import web
@@ -78,6 +79,37 @@ def bind(address: str, port: int, where: str) -> socket.socket:
         listener.close()
         raise BindError(_bind_failure(error, address, port, where)) from None
     return listener
+
+
+def bind_again(address: str, port: int, where: str, earlier_url: Any) -> socket.socket:
+    """Open a listening socket, where there is a choice at the port of a server that has crashed.
+
+    Its clients know that port, and no other.
+
+    Parameters
+    ----------
+    address, port, where
+        As `bind` takes them.
+    earlier_url
+        What that server announced, if there was one.
+
+    Raises
+    ------
+    BindError
+        As `bind` does.
+    """
+    earlier_port = _port_of(earlier_url)
+    if port == 0 and earlier_port is not None:
+        with contextlib.suppress(BindError):  # somebody else has it now
+            return bind(address, earlier_port, where)
+    return bind(address, port, where)
+
+
+def _port_of(url: Any) -> Optional[int]:
+    try:
+        return urllib.parse.urlsplit(url).port if isinstance(url, str) else None
+    except ValueError:
+        return None
 
 
 def _bind_failure(error: OSError, address: str, port: int, where: str) -> str:
@@ -174,7 +206,9 @@ def run_node(
         return 1
     try:
         config: Any = read_server_config(config_class, rospy.get_param("~", {}), rospy.get_name())
-        listener = bind(config.address, config.port, rospy.get_name())
+        # One that ends in order withdraws it.
+        earlier_url = rospy.get_param("~url", None)
+        listener = bind_again(config.address, config.port, rospy.get_name(), earlier_url)
     except (ConfigError, BindError) as error:
         rospy.logfatal("%s", error)
         rospy.signal_shutdown(str(error))

@@ -7,7 +7,7 @@ import hmac
 import ipaddress
 import secrets
 import socket
-from typing import Optional, Protocol
+from typing import Any, Dict, Mapping, Optional, Protocol
 
 from aiohttp import web
 
@@ -61,15 +61,36 @@ class TokenConfig(Protocol):
         """Token of instructors; may be empty."""
 
 
-def tokens_of(config: TokenConfig) -> Tokens:
-    """Return the tokens to ask for; makes up what is needed and not given."""
+def tokens_of(config: TokenConfig, earlier: Optional[Mapping[str, Any]] = None) -> Tokens:
+    """Return the tokens to ask for; makes up what is needed and not given.
+
+    Parameters
+    ----------
+    config
+        The bridge's parameters.
+    earlier
+        What `kept` returned for a bridge that has crashed: those whom it told its tokens know no
+        others.
+    """
     if not config.token and is_loopback(config.address):
         return Tokens("", config.instructor_token)
     return Tokens(
-        config.token or secrets.token_urlsafe(TOKEN_BYTES),
-        config.instructor_token or secrets.token_urlsafe(TOKEN_BYTES),
+        config.token or _made_up("client", earlier),
+        config.instructor_token or _made_up("instructor", earlier),
         made_up=not (config.token and config.instructor_token),
     )
+
+
+def kept(tokens: Tokens) -> Dict[str, str]:
+    """Return what a successor has to know of some tokens; nothing if it makes up none."""
+    if not tokens.made_up:
+        return {}
+    return {"client": tokens.client, "instructor": tokens.instructor}
+
+
+def _made_up(which: str, earlier: Optional[Mapping[str, Any]]) -> str:
+    token = (earlier or {}).get(which)
+    return token if isinstance(token, str) and token else secrets.token_urlsafe(TOKEN_BYTES)
 
 
 def is_loopback(address: str) -> bool:

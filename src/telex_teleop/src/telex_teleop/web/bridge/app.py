@@ -6,18 +6,19 @@ import asyncio
 import contextlib
 import itertools
 import time
-from typing import AsyncIterator, Callable, Set
+from typing import AsyncIterator, Callable, Optional, Set
 
 from aiohttp import WSCloseCode, WSMsgType, web
 
 from ..config import RosbridgeConfig
 from ..freshness import Backlog
-from ..tokens import ForbiddenError, is_instructor, tokens_of
+from ..tokens import ForbiddenError, Tokens, is_instructor, tokens_of
 from ..workers import OrderedWorker
 from .access import Access
 from .control import MAX_NAME, Control, Member
 from .control_services import ControlServices
 from .feeds import FeedPool
+from .node_watch import NodeWatch
 from .operations import OperationError
 from .origins import origin_allowed
 from .outbox import Outbox
@@ -48,18 +49,27 @@ class Rosbridge:
         ROS.
     warn
         Called with what an administrator should know.
+    tokens
+        What clients must know; None: as the parameters say, made up where that is needed.
     """
 
-    def __init__(self, config: RosbridgeConfig, ros: Ros, warn: Callable[[str], None]) -> None:
+    def __init__(
+        self,
+        config: RosbridgeConfig,
+        ros: Ros,
+        warn: Callable[[str], None],
+        tokens: Optional[Tokens] = None,
+    ) -> None:
         self._config = config
         self._ros = ros
         self._warn = warn
-        self.tokens = tokens_of(config)
+        self.tokens = tokens_of(config) if tokens is None else tokens
         worker = OrderedWorker("bridge to ROS")
         self.publishers = PublisherPool(ros, worker)
         self.feeds = FeedPool(ros, worker)
         self.control = Control()
         self._roster = Roster(self.control, self.publishers, ros.resolve("bridge/clients"))
+        self._node_watch = NodeWatch(ros, self.publishers)
         own_services = ControlServices(self.control, ros.resolve)
         self._shared = Shared(
             config=config,
@@ -83,10 +93,9 @@ class Rosbridge:
         return app
 
     async def _keep_publishing(self, _app: web.Application) -> AsyncIterator[None]:
-        """Tell who is connected, and hold the e-stop's publisher ready, as long as it serves."""
-        tasks = [
-            asyncio.ensure_future(work) for work in (self._roster.run(), self._prepare_e_stop())
-        ]
+        """Tell who is connected, and who is missing; hold the e-stop's publisher ready."""
+        works = (self._roster.run(), self._node_watch.run(), self._prepare_e_stop())
+        tasks = [asyncio.ensure_future(work) for work in works]
         yield
         for task in tasks:
             task.cancel()

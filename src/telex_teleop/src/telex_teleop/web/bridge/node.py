@@ -7,9 +7,11 @@ import contextlib
 import rospy
 from aiohttp import web
 
+from telex_control.run_memory import RunMemory
+
 from ..config import RosbridgeConfig
 from ..serving import run_node
-from ..tokens import Tokens
+from ..tokens import Tokens, kept, tokens_of
 from .app import Rosbridge
 from .ros_graph import RosGraph
 
@@ -21,7 +23,10 @@ def _make_app(config: RosbridgeConfig) -> web.Application:
     def warn(sentence: str) -> None:
         rospy.logwarn_throttle(WARNING_PERIOD, f"{rospy.get_name()}: {sentence}")
 
-    bridge = Rosbridge(config, RosGraph(), warn)
+    memory = RunMemory.of_this_node()
+    bridge = Rosbridge(config, RosGraph(), warn, tokens_of(config, memory.recall()))
+    memory.keep(**kept(bridge.tokens))
+    rospy.on_shutdown(memory.forget)
     if bridge.tokens.made_up:
         # Not by rospy's log: that is a topic, and every client may read it.
         print(

@@ -48,6 +48,9 @@ class Ros(Protocol):
     def nodes(self) -> List[str]:
         """Return all nodes."""
 
+    def node_answers(self, node: str) -> bool:
+        """Tell whether a node that the master knows can be reached."""
+
     def node_details(self, node: str) -> Dict[str, List[str]]:
         """Return the topics and services of a node: `subscribing`, `publishing`, `services`."""
 

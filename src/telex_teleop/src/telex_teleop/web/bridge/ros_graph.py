@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import socket
 import time
+import urllib.parse
 from typing import Any, Callable, Dict, List, Optional, Type
 
 import genpy
@@ -21,6 +23,7 @@ _ONLY_NEWEST_COUNTS = (
 )
 _SAID_ONCE = ("ActionFeedback", "ActionResult")
 """Endings of types whose messages follow at once on what the same client sends next: its goal."""
+_ANSWER_TIMEOUT = 1.0
 _CONNECT_TIMEOUT = 1.0
 _CONNECT_POLL = 0.005
 _BUFFER_SIZE = 2**24
@@ -46,8 +49,23 @@ class _RosPublisher:
         self._publisher.unregister()
 
 
+def _reachable(address: Optional[str]) -> bool:
+    """Whether somebody listens at a node's address."""
+    if address is None:
+        return False
+    parts = urllib.parse.urlsplit(address)
+    try:
+        socket.create_connection((parts.hostname or "", parts.port or 0), _ANSWER_TIMEOUT).close()
+    except OSError:
+        return False
+    return True
+
+
 class RosGraph:
     """Implements `ros.Ros`; the node must have been initialised."""
+
+    def __init__(self) -> None:
+        self._addresses: Dict[str, str] = {}
 
     def now(self) -> genpy.Time:
         """Return the present ROS time."""
@@ -72,6 +90,17 @@ class RosGraph:
         """Return all nodes that publish, subscribe or serve."""
         state = self._master().getSystemState()
         return sorted({node for part in state for _, nodes in part for node in nodes})
+
+    def node_answers(self, node: str) -> bool:
+        """Tell whether a node that the master knows can be reached."""
+        if _reachable(self._addresses.get(node)):
+            return True
+        try:
+            # It may have been started again meanwhile, at another port.
+            self._addresses[node] = self._master().lookupNode(node)
+        except rosgraph.MasterError:
+            return True  # it has taken its leave: nobody misses it
+        return _reachable(self._addresses[node])
 
     def node_details(self, node: str) -> Dict[str, List[str]]:
         """Return the topics and services of a node."""

@@ -1,0 +1,67 @@
+"""A simulator that follows one that has crashed."""
+
+from __future__ import annotations
+
+import pytest
+
+from telex_control.run_memory import RunMemory
+from telex_sim.crash_recovery import CrashRecovery
+
+
+@pytest.fixture
+def memory(tmp_path):
+    """Opens the memory anew, as each process does."""
+    return lambda: RunMemory(str(tmp_path / "memory.json"))
+
+
+def test_a_first_start_begins_at_zero(robot, memory):
+    simulation = robot().simulation
+    recovery = CrashRecovery(memory())
+    recovery.restore(simulation)
+    assert (recovery.happened, recovery.resets, simulation.steps) == (False, 0, 0)
+
+
+def test_after_a_crash_the_clock_goes_on_and_the_stop_holds(robot, memory):
+    first = robot()
+    first.simulation.request_e_stop(True)
+    for _ in range(700):
+        first.simulation.step()
+    CrashRecovery(memory()).note(first.simulation, resets=2)
+
+    second = robot()
+    recovery = CrashRecovery(memory())
+    recovery.restore(second.simulation)
+    assert recovery.happened
+    assert recovery.resets == 3
+    # 1.4 s had passed: the next whole second after one more.
+    assert second.simulation.time == 3.0
+    assert second.simulation.at_cycle_start
+    second.simulation.step()
+    assert second.simulation.hw.e_stop
+
+
+def test_a_released_stop_stays_released(robot, memory):
+    simulation = robot().simulation
+    simulation.request_e_stop(True)
+    simulation.request_e_stop(False)
+    CrashRecovery(memory()).note(simulation, resets=0)
+    CrashRecovery(memory()).restore(simulation)
+    assert not simulation.robots[0].e_stop_wanted
+
+
+def test_an_end_in_order_leaves_nothing(robot, memory):
+    simulation = robot().simulation
+    recovery = CrashRecovery(memory())
+    recovery.note(simulation, resets=1)
+    recovery.forget()
+    another = CrashRecovery(memory())
+    another.restore(simulation)
+    assert not another.happened
+
+
+def test_what_makes_no_sense_is_not_restored(robot, memory):
+    simulation = robot().simulation
+    memory().keep(steps="many", resets=1)
+    recovery = CrashRecovery(memory())
+    recovery.restore(simulation)
+    assert (recovery.happened, simulation.steps) == (False, 0)

@@ -1,0 +1,65 @@
+// @ts-check
+/** Says which of the robot's nodes do not answer, and what that means for who drives it. */
+
+import { byId, setText } from "./panels.js";
+
+export const MISSING_NODES = { topic: "bridge/missing_nodes", type: "telex_msgs/MissingNodes" };
+
+/** What cannot be done without a node, by the last part of its name. */
+const WITHOUT = /** @type {Record<string, string>} */ ({
+  simulator: "nothing moves; once it is back, the exercise begins anew",
+  controller_spawner: "a simulator that crashes would get no controllers",
+  robot_state_publisher: "other programs get no frames (/tf)",
+  cameras: "there are no pictures",
+  video_server: "there are no pictures",
+  arm_teleop: "the arm does not move",
+  gripper_teleop: "the gripper does not move",
+  flipper_teleop: "the flippers do not move",
+  track_teleop: "the tracks do not move",
+  joy: "the robot's own gamepad is not read",
+  joy_teleop: "the robot's own gamepad moves nothing",
+});
+
+export class Health {
+  /**
+   * @param {import("./status.js").StatusView} status
+   * @param {(reason: string) => void} letGo
+   */
+  constructor(status, letGo) {
+    this._status = status;
+    this._letGo = letGo;
+    /** @type {string[]} */
+    this._missing = [];
+  }
+
+  /** @param {{names: string[]}} message  telex_msgs/MissingNodes */
+  hear({ names }) {
+    const missing = names.map((name) => name.slice(name.lastIndexOf("/") + 1));
+    for (const name of missing.filter((each) => !this._missing.includes(each))) {
+      if (!(name in WITHOUT)) {
+        this._status.log(`${name}, which is no part of the robot, has crashed`);
+        continue;
+      }
+      // Who drives has to look up first; and what is held on would not be obeyed when the node is back.
+      this._letGo(`${name} is missing`);
+      this._status.warn(`${name} is missing: ${WITHOUT[name]}`);
+    }
+    for (const name of this._missing.filter((each) => !missing.includes(each))) this._status.log(`${name} is back`);
+    this._show(missing);
+  }
+
+  /** Without the bridge nothing is known. */
+  forget() {
+    this._show([]);
+  }
+
+  /** @param {string[]} missing */
+  _show(missing) {
+    this._missing = missing;
+    const needed = missing.filter((name) => name in WITHOUT);
+    const chip = byId("health");
+    chip.hidden = needed.length === 0;
+    chip.title = needed.map((name) => `${name}: ${WITHOUT[name]}`).join("\n");
+    setText(chip, `MISSING ${needed.join(", ")}`);
+  }
+}

@@ -1,0 +1,111 @@
+"""The console's page in headless Chromium, as an operator uses it."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from typing import Any, Callable, List
+
+from robot import eventually
+from selenium import webdriver
+from selenium.webdriver.chrome.options import Options
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.action_chains import ActionChains
+
+STOOD_STILL = "released: the page stood still"
+"""What the page logs when it lets go because it was not served in time, as on a loaded machine."""
+
+
+def browser(profile: str) -> webdriver.Chrome:
+    """Start Chromium without a window."""
+    options = Options()
+    options.binary_location = shutil.which("chromium") or shutil.which("chromium-browser") or ""
+    for argument in (
+        "--headless=new",
+        "--no-sandbox",
+        "--disable-gpu",
+        "--disable-background-networking",
+        "--disable-component-update",
+        "--disable-sync",
+        "--no-first-run",
+        "--window-size=1280,720",
+        f"--user-data-dir={profile}",
+    ):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    return webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
+
+
+class Page:
+    """The console at an address, connected and with a picture; `quit` ends the browser."""
+
+    def __init__(self, url: str) -> None:
+        self._profile = tempfile.mkdtemp(prefix="telex-chromium-")
+        self.driver = browser(self._profile)
+        self._stood_still = 0
+        self.driver.get(f"{url}/")
+        eventually(self.settled, 30.0, "the console to be connected and to show a picture")
+
+    def quit(self) -> None:
+        self.driver.quit()
+        shutil.rmtree(self._profile, ignore_errors=True)
+
+    def ask(self, script: str) -> Any:
+        """Return what a script returns in the page."""
+        return self.driver.execute_script(script)
+
+    def text(self, element: str) -> str:
+        """Text of an element, by its id; empty while it is hidden."""
+        return self.ask(
+            f"const e = document.getElementById('{element}'); return e.hidden ? '' : e.textContent;"
+        )
+
+    def settled(self) -> bool:
+        """Tell whether an operator would begin: a page that still loads lets go of held keys."""
+        return self.ask(
+            """
+            return document.getElementById("link").dataset.state === "up"
+              && document.getElementById("view").dataset.state === "live"
+              && document.getElementById("speed").textContent.includes("%");
+            """
+        )
+
+    def log(self) -> List[str]:
+        """Lines of the console's log, newest first."""
+        return self.ask(
+            "return [...document.querySelectorAll('#log li')].map((line) => line.title);"
+        )
+
+    def hold(self, key: str, until: Callable[[], object], what: str) -> None:
+        """Hold a key until something is seen, as an operator: pressed anew if the page let go.
+
+        It lets go, and says so, when it stood still, which it may on a loaded machine.
+        """
+
+        def seen() -> bool:
+            if until():
+                return True
+            count = self._count_still()
+            if count > self._stood_still:
+                self._stood_still = count
+                self.release(key)
+                self.press(key)
+            return False
+
+        self._stood_still = self._count_still()
+        self.press(key)
+        try:
+            eventually(seen, 15.0, what)
+        except AssertionError as error:
+            raise AssertionError(
+                f"{error}; the console says, newest first: {self.log()}"
+            ) from error
+
+    def press(self, key: str) -> None:
+        ActionChains(self.driver).key_down(key).perform()
+
+    def release(self, key: str) -> None:
+        ActionChains(self.driver).key_up(key).perform()
+
+    def _count_still(self) -> int:
+        return sum(STOOD_STILL in line for line in self.log())
