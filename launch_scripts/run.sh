@@ -1,15 +1,16 @@
 #!/usr/bin/env bash
 # Sets everything up, starts the whole simulator, and says where the console is.
 #
-#   ./launch_scripts/run.sh [roslaunch arguments, e.g. world:=training_hall video_port:=8081]
+#   ./launch_scripts/run.sh [roslaunch arguments, e.g. world:=stairs video_port:=8081]
 #
+# Without world:= it starts in the training hall.
 # Ctrl-C ends it all. A running ROS master (ROS_MASTER_URI) is used; without one, one is started.
 set -uo pipefail
 
 root="$(CDPATH= cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)"
 case "${1:-}" in
   -h | --help)
-    sed -n '2,6s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
+    sed -n '2,7s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
     exit 0
     ;;
 esac
@@ -20,7 +21,8 @@ esac
 is_false() { case "${1,,}" in 0 | false) return 0 ;; *) return 1 ;; esac; }
 namespace=telex
 expected=()
-arguments=()
+# A later argument of the same name counts.
+arguments=(world:=training_hall)
 for argument in "$@"; do
   case "$argument" in
     world:=*/* | world:=*.yaml | variant:=*/* | variant:=*.yaml | robot:=*/*)

@@ -8,7 +8,7 @@ import pytest
 from bridge_bench import JOG, TWIST, Bench, Client
 from std_msgs.msg import Bool
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
-from web_fakes import on_loop
+from web_fakes import becomes, on_loop
 
 from telex_teleop.web.bridge.command_age import CommandAge
 from telex_teleop.web.bridge.control import Control, ControlError, Member
@@ -222,6 +222,29 @@ async def test_a_command_ages_while_it_waits_for_its_publisher():
     assert client.member.dropped == 1
 
 
+@on_loop
+async def test_a_key_that_is_held_while_its_publisher_connects_drives_once_it_has():
+    bench = Bench(max_command_age=0.08, connect_timeout=5.0)
+    bench.ros.expected = 1
+    clock = asyncio.get_running_loop().time
+    client = Client(bench)
+    client.say("set_level", level="warning")
+    client.say("advertise", topic=DRIVE, type=TWIST)
+    for number in range(1, 10):
+        msg = {"linear": {"x": float(number)}}
+        client.say("publish", topic=DRIVE, msg=msg, sent=1e3 * clock())
+        await asyncio.sleep(0.02)
+    bench.ros.connected = 1
+    await bench.settle()
+    client.say("publish", topic=DRIVE, msg={"linear": {"x": 10.0}}, sent=1e3 * clock())
+    drove = driven(bench)
+    # What waited too long is dropped, and counts for nothing: the key is the one that was pressed.
+    assert drove == [float(number) for number in range(11 - len(drove), 11)]
+    assert 1 <= len(drove) <= 6
+    assert client.member.dropped == 10 - len(drove)
+    assert len(client.outbox) == 0
+
+
 def test_age_is_told_by_the_quickest_message():
     age = CommandAge()
     assert age.of(100.0, 7.0) == 0.0
@@ -247,17 +270,19 @@ def test_clocks_that_drift_apart_do_not_make_commands_old():
 
 # What stops
 
+GOAL = "/telex/flipper_teleop/preset/goal"
+GOAL_TYPE = "telex_msgs/FlipperPresetActionGoal"
+HIGH = {"goal_id": {"id": "g1"}, "goal": {"preset": "high"}}
+
 
 @on_loop
 async def test_goals_are_cancelled_with_their_client():
     bench = Bench()
     client = Client(bench)
-    goal = "/telex/flipper_teleop/preset/goal"
-    kind = "telex_msgs/FlipperPresetActionGoal"
-    client.say("advertise", topic=goal, type=kind)
-    client.say("publish", topic=goal, msg={"goal_id": {"id": "g1"}, "goal": {"preset": "high"}})
-    client.say("publish", topic=goal, msg={"goal": {"preset": "low"}})
-    await bench.settle()
+    client.say("advertise", topic=GOAL, type=GOAL_TYPE)
+    client.say("publish", topic=GOAL, msg=HIGH)
+    client.say("publish", topic=GOAL, msg={"goal": {"preset": "low"}})
+    await becomes(lambda: len(bench.ros.published) == 2)
     (_, first), (_, second) = bench.ros.published
     assert first.goal_id.id == "g1"
     assert second.goal_id.id  # made up, so that it can be cancelled
@@ -271,6 +296,50 @@ async def test_goals_are_cancelled_with_their_client():
     await asyncio.sleep(0.1)
     await bench.settle()
     assert len(bench.publishers) == 0
+
+
+@on_loop
+async def test_a_goal_waits_until_its_answers_can_come_back():
+    bench = Bench(action_timeout=5.0, max_command_age=0.01)
+    bench.ros.action_ready = False
+    client = Client(bench)
+    now = 1e3 * asyncio.get_running_loop().time()
+    client.say("advertise", topic=GOAL, type=GOAL_TYPE, sent=now)
+    client.say("publish", topic=GOAL, msg=HIGH, sent=now)
+    await bench.settle()
+    client.say("publish", topic=GOAL, msg={"goal": {"preset": "low"}})
+    await bench.settle()
+    assert bench.ros.published == []
+    assert ("ask", "/telex/flipper_teleop/preset") in bench.ros.events
+    bench.ros.action_ready = True
+    await becomes(lambda: len(bench.ros.published) == 2)
+    assert [message.goal.preset for _, message in bench.ros.published] == ["high", "low"]
+
+
+@on_loop
+async def test_a_goal_waits_only_so_long():
+    bench = Bench(action_timeout=0.05)
+    bench.ros.action_ready = False
+    client = Client(bench)
+    client.say("set_level", level="warning")
+    client.say("publish", topic=GOAL, type=GOAL_TYPE, msg=HIGH)
+    said = (await client.hear())["msg"]
+    sentence = f"servers of {GOAL} are not connected within 0.05 s; answers may be lost"
+    assert said == f"publish: {sentence}"
+    assert [message.goal.preset for _, message in bench.ros.published] == ["high"]
+
+
+@on_loop
+async def test_a_goal_that_waits_is_forgotten_with_its_client():
+    bench = Bench(action_timeout=5.0)
+    bench.ros.action_ready = False
+    client = Client(bench)
+    client.say("publish", topic=GOAL, type=GOAL_TYPE, msg=HIGH)
+    await bench.settle()
+    client.session.close()
+    bench.ros.action_ready = True
+    await becomes(lambda: len(bench.publishers) == 0)
+    assert bench.ros.published == []
 
 
 def test_a_trajectory_is_stopped_by_an_empty_one():

@@ -163,6 +163,21 @@ async def test_ten_thousand_subscriptions_and_a_flood_leave_the_operator_alone()
 
 
 @on_loop
+async def test_ten_thousand_wishes_for_one_topic_are_not_all_kept():
+    bench = Bench(max_subscriptions=200)
+    client = Client(bench)
+    for number in range(10000):
+        client.say("subscribe", topic="/known", id=f"s{number}")
+        client.say("advertise", topic="/x", type="std_msgs/String", id=f"a{number}")
+        while len(client.outbox):
+            assert "a topic 200 times at most" in (await client.hear())["msg"]
+    client.say("subscribe", topic="/known", id="s7", throttle_rate=5)  # one of those that it has
+    assert len(client.outbox) == 0
+    await bench.settle()
+    assert len(bench.feeds) == len(bench.publishers) == 1
+
+
+@on_loop
 async def test_who_takes_no_answers_is_not_heard_until_he_does():
     ros = FakeRos()
     config = RosbridgeConfig(send_buffer=4096, max_in_flight=16384, ping_interval=600.0)

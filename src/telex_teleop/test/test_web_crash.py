@@ -6,9 +6,9 @@ import pytest
 from web_fakes import FakeRos, becomes, on_loop, served
 
 from telex_teleop.web.bridge.app import Rosbridge
-from telex_teleop.web.tokens import kept, tokens_of
 from telex_teleop.web.config import RosbridgeConfig
 from telex_teleop.web.serving import bind, bind_again, url_of
+from telex_teleop.web.tokens import kept, tokens_of
 
 PUBLIC = RosbridgeConfig(address="0.0.0.0")
 

@@ -88,6 +88,7 @@ class FakeRos:
         self.crashed = set()
         self.expected = 0
         self.connected = 0
+        self.action_ready = True
         self.release_service = threading.Event()
         self.release_service.set()
 
@@ -124,6 +125,10 @@ class FakeRos:
 
     def subscribers(self, topic):
         return [f"/listener_{number}" for number in range(self.expected)]
+
+    def action_connected(self, action):
+        self.events.append(("ask", action))
+        return self.action_ready
 
     def advertise(self, topic, message_class, *, latch, queue_size):
         if topic not in OWN_TOPICS:

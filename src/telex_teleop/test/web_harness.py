@@ -126,6 +126,7 @@ class Probe:
         self._answers = queue.Queue()
         self.heard = {}
         self.requests = []
+        self._requests_of = {}
         threading.Thread(target=self._read, args=(self._process.stdout,), daemon=True).start()
         assert self._answer(20.0) == "ready"
 
@@ -137,6 +138,7 @@ class Probe:
                     self.heard[news["topic"]].append((news["time"], news["message"]))
                 elif "service" in news:
                     self.requests.append(news["request"])
+                    self._requests_of.setdefault(news["service"], []).append(news["request"])
                 else:
                     self._answers.put(news)
 
@@ -156,6 +158,10 @@ class Probe:
 
     def publish(self, topic, type_name, message=None, **options):
         self.do("publish", topic=topic, type=type_name, message=message, **options)
+
+    def requests_of(self, service):
+        """Return what was asked of a service so far, None for an empty request."""
+        return list(self._requests_of.get(service, []))
 
     def messages(self, topic):
         return [message for _, message in tuple(self.heard[topic])]

@@ -92,14 +92,16 @@ class Probe:
             genpy.message.fill_message_args(filled, [response])
             return filled
 
+        # Served anew, it answers something else from now on.
+        if service in self.services:
+            self.services.pop(service).shutdown()
         self.services[service] = rospy.Service(service, cls, answer)
 
     def do_act(self, server):
         def execute(goal):
-            # A client that has just come misses the first ones, as with any action server.
-            for remaining in (0.5, 0.4, 0.3, 0.2, 0.1):
-                offered.publish_feedback(FlipperPresetFeedback(["a"], [remaining]))
-                rospy.sleep(0.1)
+            # At once: who has sent a goal must not miss it. The result takes a way of its own.
+            offered.publish_feedback(FlipperPresetFeedback(["a"], [0.5]))
+            rospy.sleep(0.2)
             offered.set_succeeded(FlipperPresetResult(message=f"did {goal.preset}"))
 
         offered = actionlib.SimpleActionServer(server, FlipperPresetAction, execute, False)

@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 from telex_control.controller_manager import ControllerManager
 from telex_control.node_handle import NodeHandle
 from telex_control.params import ConfigError
-from telex_control.urdf_joints import UrdfJoint, joints, parse_urdf
+from telex_control.urdf_joints import joints, parse_urdf
 
 from .config import RobotConfig
 from .drives import Mode
@@ -94,9 +94,9 @@ class Robot:
         self.hw.init(node, node)
         self.controllers = ControllerManager(self.hw, node)
         self._check_belts(root)
-        described = joints(root)
-        self._positions = self._start_positions(described, asked_pose)
-        config.proximity.check_joints(list(described), config.hardware.optional_joints)
+        self._joints = joints(root)
+        self._positions = self.start_positions(asked_pose)
+        config.proximity.check_joints(list(self._joints), config.hardware.optional_joints)
         config.self_collision.check_links([link.get("name", "") for link in root.iter("link")])
         # What was asked for last, and how often a stop was: each one is obeyed for a cycle at
         # least, even if its release follows at once.
@@ -128,9 +128,25 @@ class Robot:
                     "has no <collision>; a belt needs one to touch the ground"
                 )
 
-    def _start_positions(self, described: Dict[str, UrdfJoint], asked: str) -> Dict[str, float]:
-        """Where the joints start, without those of the pose that only variants have."""
-        start = self.config.start
+    def start_positions(self, asked: str) -> Dict[str, float]:
+        """Where the joints start, without those of the pose that only variants have.
+
+        Parameters
+        ----------
+        asked : str
+            Named pose that the scene asks for; empty for none.
+
+        Returns
+        -------
+        dict of str to float
+            By joint (rad, m).
+
+        Raises
+        ------
+        ConfigError
+            A joint of the pose is unknown, or beyond its limits.
+        """
+        start, described = self.config.start, self._joints
         positions = {}
         for joint, position in start.joint_positions(asked).items():
             where = f"start/poses/{start.pose_name(asked)}/{joint}"
@@ -167,24 +183,40 @@ class Robot:
         WorldError
             PyBullet refuses the URDF.
         """
-        config, start = self.config, self.config.start
-        ground = scene_start.ground + start.height
-        x, y, z, yaw = start.place or (scene_start.x, scene_start.y, ground, scene_start.yaw)
-        self.body = world.load_robot(
-            self.urdf,
-            self._resolve,
-            (x, y, z),
-            yaw,
-            self._positions,
-            config.fixed_base,
-            config.self_collision.enabled,
-            config.tracks.belts,
-        )
-        disable_pairs(self.body, config.self_collision)
+        config = self.config
+        self.body = self.load_body(world, scene_start, self._positions)
         self.proximity = ProximityGuard(self.body, config.proximity, config.self_collision)
         self.hw.attach(self.body)
         drives = {joint: self.hw.drive(joint) for joint in config.tracks.belts}
         self._tracks = Tracks(self.body, config.tracks, drives, self._step_size, material_of)
+
+    def load_body(self, world: World, scene_start: Start, positions: Dict[str, float]) -> Body:
+        """Put no more than its body into `world`, with the joints at `positions`.
+
+        Raises
+        ------
+        WorldError
+            PyBullet refuses the URDF.
+        """
+        config, start = self.config, self.config.start
+        ground = scene_start.ground + start.height
+        x, y, z, yaw = start.place or (scene_start.x, scene_start.y, ground, scene_start.yaw)
+        body = world.load_robot(
+            self.urdf,
+            self._resolve,
+            (x, y, z),
+            yaw,
+            positions,
+            config.fixed_base,
+            config.self_collision.enabled,
+            config.tracks.belts,
+        )
+        disable_pairs(body, config.self_collision)
+        return body
+
+    def start_from(self, positions: Dict[str, float]) -> None:
+        """Have the joints start from other positions the next time that it is placed."""
+        self._positions = positions
 
     def apply_traction(self) -> None:
         """Apply the forces of its tracks for the next step."""

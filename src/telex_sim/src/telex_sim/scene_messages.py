@@ -54,7 +54,7 @@ class SceneMessages:
     model, links, urdf
         The first robot's, as in `add_robot`.
     scene : Scene
-        Its floor and light; objects come by `show`.
+        Its floor and light; objects come by `show`. `change_scene` puts another in its place.
 
     Attributes
     ----------
@@ -103,6 +103,13 @@ class SceneMessages:
         self._objects = tuple(objects)
         self._describe()
         return True
+
+    def change_scene(self, scene: Scene, objects: Sequence[SceneObject]) -> None:
+        """Describe another scene from now on, with its objects."""
+        self._lights = scene.lights
+        self._floor = _floor(scene.floor)
+        self._objects = tuple(objects)
+        self._describe()
 
     def _describe(self) -> None:
         self._frames = [WORLD_FRAME]

@@ -1,13 +1,14 @@
 """The simulation of robots in a scene: the loop's order, reset and emergency stop, without ROS.
 
-One thread owns a `Simulation`; only `request_e_stop`, `plan` and `plan_robot` may be called from
-others.
+One thread owns a `Simulation`; only `request_e_stop`, `plan`, `plan_scene` and `plan_robot` may be
+called from others.
 """
 
 from __future__ import annotations
 
 import logging
 import time
+from pathlib import Path
 from typing import Callable, Dict, List, Sequence, Tuple
 
 from telex_control.controller_manager import ControllerManager
@@ -22,9 +23,9 @@ from .robot import Robot
 from .robot_hw_sim import RobotHWSim
 from .scene.assembly import Assembly
 from .scene.assets import Assets
-from .scene.bodies import SceneBodies
+from .scene.bodies import MeshLists, SceneBodies
 from .scene.catalog import find_scene
-from .scene.model import WORLD_FRAME
+from .scene.model import WORLD_FRAME, Scene
 from .scene.planning import PlannedScene, Progress, plan_entry, plan_scene
 from .scene.scene_file import SceneError
 from .start_check import check_start
@@ -59,7 +60,10 @@ class Simulation:
     Attributes
     ----------
     scene : Scene
-        As its file says; what is spawned and deleted changes `objects` only.
+        As its file says; what is spawned and deleted changes `objects` only. Another one comes by
+        `change_scene`.
+    scene_path : Path
+        Of its file.
     objects : SceneBodies
     robots : tuple of Robot
         The one that it began with, then those that were added. Replaced as a whole.
@@ -87,15 +91,28 @@ class Simulation:
         self._assets = Assets()
         self.robots: Tuple[Robot, ...] = ()
         self._names: Dict[int, str] = {}
-        self._planned = self._plan_scene()
-        self.scene = self._planned.scene
-        self._check_pose()
+        self._meshes = MeshLists()
+        self._planned = self.plan_scene(config.world)
         step, pose = self._step_size, self.scene.start.pose
         self.robots = (Robot(config, urdf, node, resolve, step, pose),)
         self.world = World(self._step_size, config.solver_iterations, config.gui)
-        self.objects = SceneBodies(self.world.client, self._step_size)
+        self.objects = SceneBodies(self.world.client, self._step_size, self._meshes)
         self._fill_world()
-        self._check_start()
+        try:
+            self._check_start(self._planned, self.body, self._owners())
+        except SceneError as error:
+            self.close()
+            raise WorldError(str(error)) from error
+
+    @property
+    def scene(self) -> Scene:
+        """What is loaded, as its file says."""
+        return self._planned.scene
+
+    @property
+    def scene_path(self) -> Path:
+        """Path of its file."""
+        return self._planned.path
 
     @property
     def hw(self) -> RobotHWSim:
@@ -112,17 +129,29 @@ class Simulation:
         """Body of the first robot."""
         return self.robots[0].body
 
-    def _check_pose(self) -> None:
-        start, asked = self.config.start, self.scene.start.pose
+    def _check_pose(self, planned: PlannedScene) -> None:
+        start, asked = self.config.start, planned.scene.start.pose
         if start.pose_name(asked) not in ("", *start.poses):
             raise SceneError(
-                f"{self._planned.path}: start/pose is '{asked}'; "
+                f"{planned.path}: start/pose is '{asked}'; "
                 f"there are: {', '.join(sorted(start.poses)) or 'none'}"
             )
 
-    def _plan_scene(self) -> PlannedScene:
+    def plan_scene(self, world: str) -> PlannedScene:
+        """Prepare a scene for `change_scene`; may be called from any thread.
+
+        Parameters
+        ----------
+        world : str
+            Its name, or the path of its file.
+
+        Raises
+        ------
+        SceneError
+        """
         began = time.monotonic()
-        planned = plan_scene(find_scene(self.config.world), self._assets, self._step_size)
+        planned = plan_scene(find_scene(world), self._assets, self._step_size)
+        self._check_pose(planned)
         try:
             self._check_names(planned.assemblies)
         except ConfigError as error:
@@ -145,17 +174,15 @@ class Simulation:
             robot.place(self.world, self.scene.start, self.objects.material)
         self._name_bodies()
 
-    def _check_start(self) -> None:
+    def _check_start(self, planned: PlannedScene, body: Body, owners: Dict[int, str]) -> None:
         """Refuse a start that would throw the robot; a reset leads back to the same one."""
         if self.config.fixed_base:
             return
-        owners = self._owners()
-        pose = self.config.start.pose_name(self.scene.start.pose)
+        pose = self.config.start.pose_name(planned.scene.start.pose)
         try:
-            check_start(self.body, pose, lambda uid: owners.get(uid, "the floor"))
+            check_start(body, pose, lambda uid: owners.get(uid, "the floor"))
         except WorldError as error:
-            self.close()
-            raise WorldError(f"{self._planned.path}: {error}") from error
+            raise SceneError(f"{planned.path}: {error}") from error
 
     def _load_scene(self) -> None:
         name, began = self.scene.name, time.monotonic()
@@ -165,6 +192,51 @@ class Simulation:
         except ConfigError as error:
             raise WorldError(f"{self._planned.path}: {error}") from error
         _log.info("scene %s: %d objects in %.1f s", name, len(plans), time.monotonic() - began)
+
+    def change_scene(self, planned: PlannedScene) -> None:
+        """Put another scene in the place of this one; for the robots it is a reset.
+
+        Raises
+        ------
+        SceneError
+            There is no room for a robot in it, or PyBullet refuses it; nothing has changed.
+        """
+        try:
+            positions = self.robots[0].start_positions(planned.scene.start.pose)
+            self._check_names(planned.assemblies)
+            self._rehearse(planned, positions)
+        except (ConfigError, WorldError) as error:
+            raise SceneError(f"{planned.path}: {error}") from error
+        self._planned = planned
+        self.robots[0].start_from(positions)
+        self.reset()
+
+    def _rehearse(self, planned: PlannedScene, positions: Dict[str, float]) -> None:
+        """Fill a world of its own, to find there what would go wrong in the running one.
+
+        Raises
+        ------
+        ConfigError, SceneError, WorldError
+        """
+        first, *others = self.robots
+        start = planned.scene.start
+        world = World(self._step_size, self.config.solver_iterations)
+        try:
+            objects = SceneBodies(world.client, self._step_size, self._meshes)
+            objects.load(
+                planned.scene.floor,
+                planned.assemblies,
+                Progress(planned.scene.name, "rehearsed"),
+            )
+            body = first.load_body(world, start, positions)
+            owners = {body.uid: f"robot '{first.model}'", **_owners(objects)}
+            self._check_start(planned, body, owners)
+            for robot in others:
+                body = robot.load_body(world, start, robot.start_positions(""))
+                _check_place(world, body, owners, f"robot '{robot.model}'")
+                owners[body.uid] = f"robot '{robot.model}'"
+        finally:
+            world.close()
 
     @property
     def time(self) -> float:
@@ -249,7 +321,7 @@ class Simulation:
         before = self.world.bodies()
         try:
             robot.place(self.world, self.scene.start, self.objects.material)
-            self._check_place(robot)
+            _check_place(self.world, robot.body, self._owners(), "it")
         except (ConfigError, UrdfError, WorldError) as error:
             self.world.remove_others(before)
             raise ConfigError(str(error)) from error
@@ -279,21 +351,10 @@ class Simulation:
         there = ", ".join(robot.namespace for robot in self.robots[1:])
         raise ConfigError(f"name is '{name}'; robots that were added: {there or 'none'}")
 
-    def _check_place(self, robot: Robot) -> None:
-        touched = self.world.overlap(robot.body, _OVERLAP)
-        if touched is None:
-            return
-        owner = self._owners().get(touched, "the ground")
-        raise ConfigError(
-            f"it would stand in {owner}; start/place (x, y, z, heading) says where it starts"
-        )
-
     def _owners(self) -> Dict[int, str]:
         """What each body is of, in the words of messages, by PyBullet's number; not the floor."""
-        owners = {each.body.uid: f"robot '{each.model}'" for each in self.robots}
-        for item in self.objects.objects():
-            owners.update(dict.fromkeys(self.objects.bodies_of(item.name), f"'{item.name}'"))
-        return owners
+        robots = {each.body.uid: f"robot '{each.model}'" for each in self.robots}
+        return {**robots, **_owners(self.objects)}
 
     def _bodies_changed(self) -> None:
         for robot in self.robots:
@@ -372,6 +433,30 @@ class Simulation:
         for robot in self.robots:
             robot.close()
         self.world.close()
+
+
+def _owners(objects: SceneBodies) -> Dict[int, str]:
+    """Of which object each body is, by PyBullet's number."""
+    owners: Dict[int, str] = {}
+    for item in objects.objects():
+        owners.update(dict.fromkeys(objects.bodies_of(item.name), f"'{item.name}'"))
+    return owners
+
+
+def _check_place(world: World, body: Body, owners: Dict[int, str], name: str) -> None:
+    """Refuse a robot, of this name, that would stand in something.
+
+    Raises
+    ------
+    ConfigError
+    """
+    touched = world.overlap(body, _OVERLAP)
+    if touched is None:
+        return
+    owner = owners.get(touched, "the ground")
+    raise ConfigError(
+        f"{name} would stand in {owner}; start/place (x, y, z, heading) says where it starts"
+    )
 
 
 def _warn_of_long_period(period: float) -> None:

@@ -15,12 +15,16 @@ import rospkg
 import rospy
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Empty, EmptyResponse
-from telex_msgs.msg import SceneDescription, ScenePoses, SimStatus
+from telex_msgs.msg import SceneDescription, SceneFile, ScenePoses, SimStatus
 from telex_msgs.srv import (
     AddRobot,
     AddRobotResponse,
     Delete,
     DeleteResponse,
+    ListScenes,
+    ListScenesResponse,
+    LoadScene,
+    LoadSceneResponse,
     RemoveRobot,
     RemoveRobotResponse,
     Spawn,
@@ -44,7 +48,9 @@ from .rendering.addresses import resolve_address
 from .rendering.urdf_visuals import UrdfVisual, UrdfVisualError, urdf_visuals
 from .robot import Robot
 from .robot_presence import RobotPresence
-from .scene.scene_file import SceneError
+from .scene.catalog import scenes
+from .scene.planning import PlannedScene
+from .scene.scene_file import SceneError, read_description
 from .scene_messages import SceneMessages
 from .simulation import Simulation
 from .world import WorldError
@@ -123,6 +129,8 @@ class SimulatorNode:
             rospy.Service("sim/unpause", Empty, lambda _: self._empty(self._unpause)),
             rospy.Service("sim/reset", Empty, lambda _: self._empty(self._reset)),
             rospy.Service("sim/step", Step, self._on_step),
+            rospy.Service("sim/list_scenes", ListScenes, self._on_list_scenes),
+            rospy.Service("sim/load_scene", LoadScene, self._on_load_scene),
             rospy.Service("sim/spawn", Spawn, self._on_spawn),
             rospy.Service("sim/delete", Delete, self._on_delete),
             rospy.Service("sim/add_robot", AddRobot, self._on_add_robot),
@@ -169,6 +177,41 @@ class SimulatorNode:
         if stepping.remaining and not problem:
             problem.append(f"{stepping.remaining} steps were left when sim/unpause was called")
         return StepResponse(success=not problem, message=" ".join(problem), sim_time=self._now())
+
+    def _on_list_scenes(self, _request: Any) -> ListScenesResponse:
+        listed = []
+        for name, path in scenes().items():
+            scene = SceneFile(name=name, path=str(path))
+            try:
+                scene.description = read_description(path)
+            except SceneError as error:
+                scene.problem = str(error)
+            listed.append(scene)
+        return ListScenesResponse(scenes=listed, current=str(self._simulation.scene_path))
+
+    def _on_load_scene(self, request: Any) -> LoadSceneResponse:
+        simulation = self._simulation
+        done: List[str] = []
+        try:
+            # Reading and checking happen here, beside the loop.
+            with self._spawning:
+                planned = simulation.plan_scene(request.world)
+                self._change(lambda: done.append(self._load_scene(planned)))
+        except (ConfigError, SceneError) as error:
+            rospy.logwarn("sim/load_scene: %s", error)
+            return LoadSceneResponse(success=False, message=str(error))
+        rospy.loginfo("%s", done[0])
+        return LoadSceneResponse(success=True, message=done[0])
+
+    def _load_scene(self, planned: PlannedScene) -> str:
+        """Change the scene; returns what was done, in words."""
+        began = wall.monotonic()
+        self._simulation.change_scene(planned)
+        self._scene.change_scene(planned.scene, self._simulation.objects.objects())
+        self._publish_scene()
+        self._after_reset()
+        name, count = planned.scene.name, len(planned.assemblies)
+        return f"scene {name}: {count} objects in {wall.monotonic() - began:.2f} s"
 
     def _on_spawn(self, request: Any) -> SpawnResponse:
         simulation = self._simulation
@@ -257,17 +300,17 @@ class SimulatorNode:
 
         Raises
         ------
-        ConfigError
+        ConfigError, SceneError
             What the change was refused for.
         rospy.ServiceException
             The node shuts down.
         """
-        refused: List[ConfigError] = []
+        refused: List[Exception] = []
 
         def change() -> None:
             try:
                 action()
-            except ConfigError as error:
+            except (ConfigError, SceneError) as error:
                 refused.append(error)
             else:
                 self._show_scene()
@@ -367,9 +410,12 @@ class SimulatorNode:
 
     def _reset(self) -> None:
         self._simulation.reset()
+        self._show_scene()
+        self._after_reset()
+
+    def _after_reset(self) -> None:
         self._resets += 1
         self._restart_pace()
-        self._show_scene()
         self._publish_all()
         self._status_soon()
 

@@ -83,7 +83,6 @@ class StabilityMonitor:
         self._robot = robot
         self._belts = list(robot.config.tracks.belts.items())
         self._begin(robot.body)
-        self._reference = self._reference_measure()
 
     def _begin(self, body: Body) -> None:
         """Watch `body`, which stands for the robot in a new world."""
@@ -92,6 +91,8 @@ class StabilityMonitor:
         self._tip_over = TipOverDetector(config)
         self._stuck = StuckDetector(config, 0.5 * float(np.ptp(self._footprint_in_base()[:, 1])))
         self.attitude = _attitude(_rotation(body.base_pose()[1]))
+        # Another scene may have the robot start in another pose.
+        self._reference = self._reference_measure()
 
     @property
     def tipped(self) -> bool:

@@ -19,8 +19,42 @@ const STATES = [
 /** Counter-clockwise from the nose, an eighth of a turn each. */
 const WAYS = ["front", "front left", "left", "rear left", "rear", "rear right", "right", "front right"];
 
+const PANEL = `
+  <div class="attitude-views" id="attitude-views" role="img" aria-label="Attitude">
+    <div>
+      <svg viewBox="-50 -30 100 60" aria-hidden="true">
+        <path class="ground" d="M-50 14H50"/>
+        <g id="attitude-side">
+          <rect class="belt" x="-38" y="-3" width="76" height="17" rx="8.5"/>
+          <path class="robot" d="M-30 -4v-8h60l4 8z M8 -12v-4h-24v-5h34v9z"/>
+        </g>
+      </svg>
+      <span class="num" id="attitude-pitch"></span>
+    </div>
+    <div>
+      <svg viewBox="-50 -30 100 60" aria-hidden="true">
+        <path class="ground" d="M-50 14H50"/>
+        <g id="attitude-rear">
+          <rect class="belt" x="-28" y="-5" width="9" height="19" rx="3"/>
+          <rect class="belt" x="19" y="-5" width="9" height="19" rx="3"/>
+          <path class="robot" d="M-18 -11h36v19h-36z M-7 -11v-9h14v9z"/>
+        </g>
+      </svg>
+      <span class="num" id="attitude-roll"></span>
+    </div>
+  </div>
+  <div class="attitude-line">
+    <b id="attitude-word" role="status"></b>
+    <span><span id="attitude-way"></span> <span class="num" id="attitude-margin"></span></span>
+  </div>
+  <div class="attitude-meter" id="attitude-meter" role="meter" aria-label="Margin before it tips over" aria-valuemin="0" aria-valuemax="100">
+    <i id="attitude-fill"></i>
+  </div>
+`;
+
 export class AttitudeView {
   constructor() {
+    byId("attitude").innerHTML = PANEL;
     this._heard = -Infinity;
     this._show("silent");
   }

@@ -3,10 +3,12 @@
 
 import { LAMPS } from "./camera_actions.js";
 import { byId, element, setText } from "./panels.js";
+import { getParameter } from "./parameters.js";
 
 const ZOOM_TOPIC = "cameras/turret/zoom";
 const ZOOM_RATE = 0.8; // 1/s, of the factor's logarithm: twice as near in 0.9 s
-const MAX_ZOOM = 6;
+const MOST_ZOOM = 6; // until the robot has said how far its camera zooms
+const MOST_ZOOM_PARAMETER = "cameras/cameras/turret/zoom_max";
 const LONGEST_STEP = 100; // ms; a longer time between two commands is a pause, over which nothing was held
 
 const ECHO_WITHIN = 1000; // ms in which what this page has commanded comes back to it
@@ -24,6 +26,7 @@ export class CameraCommander {
     this._topic = topic;
     this._congested = congested;
     this._zoom = 1;
+    this._mostZoom = MOST_ZOOM;
     this._last = -Infinity;
     /** @type {Set<string>} */
     this._lit = new Set();
@@ -59,6 +62,16 @@ export class CameraCommander {
     }
   }
 
+  /** Ask, after every new connection, how far the camera zooms. */
+  async connected() {
+    try {
+      const most = await getParameter(this._bridge, this._topic(MOST_ZOOM_PARAMETER));
+      if (Number.isFinite(most)) this._mostZoom = Math.max(1, most);
+    } catch {
+      // What was known before still holds.
+    }
+  }
+
   /** @param {import("./robot.js").Action[]} held */
   update(held) {
     let direction = 0;
@@ -85,7 +98,7 @@ export class CameraCommander {
 
   /** @param {number | null} factor */
   _take(factor) {
-    if (factor !== null && Number.isFinite(factor)) this._zoom = Math.min(MAX_ZOOM, Math.max(1, factor));
+    if (factor !== null && Number.isFinite(factor)) this._zoom = Math.min(this._mostZoom, Math.max(1, factor));
     setText(byId("zoom-value"), `${this._zoom.toFixed(1)}×`);
   }
 

@@ -1,8 +1,48 @@
 // @ts-check
 /** Notices that the operator may no longer be in control of the page. */
 
-/** A tick (ms) that comes later than this says that the page hung or slept. */
+/** A tick (ms) that comes later than this says that the page hung or slept; a press that old was meant for another moment. */
 const MAX_GAP = 200;
+
+/** When the page's clock last ticked (ms). */
+let ticked = Infinity;
+
+/** Whether the page has been standing still until just now: what was held before may have been let go unseen. */
+export const stoodStill = () => performance.now() - ticked > MAX_GAP;
+
+/**
+ * Whether an event waited for the page so long that nobody may act upon it any more.
+ * @param {Event} event
+ */
+export const isStale = (event) => performance.now() - event.timeStamp > MAX_GAP;
+
+/** A message to oneself, which only the browser's main process can deliver. */
+const askBrowser = (() => {
+  const name = `telex.deadman.${performance.timeOrigin}.${Math.random()}`;
+  const question = new BroadcastChannel(name);
+  const answer = new BroadcastChannel(name);
+  /** @param {() => void} answered */
+  return (answered) => {
+    answer.onmessage = answered;
+    question.postMessage(null);
+  };
+})();
+
+/** When the question was asked that has not been answered (ms). @type {number | null} */
+let asked = null;
+
+/**
+ * Whether the browser's main process does not answer, through which the page hears that a key is let go. Call at a steady pace while
+ * something is held.
+ */
+export function browserHangs() {
+  if (asked !== null) return performance.now() - asked > MAX_GAP;
+  asked = performance.now();
+  askBrowser(() => {
+    asked = null;
+  });
+  return false;
+}
 
 /**
  * Watch for everything after which held keys must not count any more.
@@ -24,11 +64,10 @@ export function watchOperator(letGo) {
  * @param {(reason: string) => void} letGo
  */
 export function keepPace(period, tick, letGo) {
-  let last = performance.now();
+  ticked = performance.now();
   setInterval(() => {
-    const now = performance.now();
-    if (now - last > MAX_GAP) letGo(`the page stood still for ${((now - last) / 1000).toFixed(1)} s`);
-    last = now;
+    if (stoodStill()) letGo(`the page stood still for ${((performance.now() - ticked) / 1000).toFixed(1)} s`);
+    ticked = performance.now();
     tick();
   }, period);
 }

@@ -1,74 +1,49 @@
 // @ts-check
 /** A gamepad of the browser's standard layout, or a joystick that is like one: sticks and buttons that hold actions. */
 
+import { demand, nameOf } from "./pad_map.js";
 import { byId, setText } from "./panels.js";
 
 /** @typedef {import("./keymap.js").Mode} Mode */
-/** @typedef {import("./robot.js").Command} Command */
+/** @typedef {import("./pad_map.js").PadMap} PadMap */
 
-const DEAD_ZONE = 0.15; // share of a stick's way
-const PRESSED = 0.15; // share of a trigger's way
+const PRESSED = 0.5; // share of a button's way
 
-/** Indices of the standard layout (W3C Gamepad, "remapping"). */
-const BUTTON = {
-  a: 0, b: 1, x: 2, y: 3, lb: 4, rb: 5, lt: 6, rt: 7, back: 8, start: 9, l3: 10, up: 12, down: 13, left: 14, right: 15,
-};
+/** Needs the enable button, though it moves nothing. */
+const RELEASE = "release";
+
+/** Names of the controls in the order of the standard layout (W3C Gamepad, "remapping"). */
+const AXES = ["left_stick_x", "left_stick_y", "right_stick_x", "right_stick_y"];
+const BUTTONS = [
+  "south", "east", "west", "north", "left_bumper", "right_bumper", "left_trigger", "right_trigger", "back", "start", "left_stick", "right_stick",
+  "dpad_up", "dpad_down", "dpad_left", "dpad_right", "guide",
+];
 
 /**
- * What an input does: names of actions for a stick's negative (left, up) and positive end, or for a button.
- * @typedef {{axes: ([string, string] | null)[], buttons: Partial<Record<keyof typeof BUTTON, string>>}} Layout
+ * Values of a pad's controls, by their names.
+ * @param {Gamepad} pad
  */
-
-/** @type {[string, string]} */
-const PAN = ["look:left", "look:right"];
-/** @type {[string, string]} */
-const TILT = ["look:up", "look:down"];
-/** In every mode; one press, one deed. No motion and no double press stands between the operator and the e-stop. */
-const ALWAYS = { back: "drive_mode", start: "mode", l3: "estop" };
-
-/** @type {Record<Mode, Layout>} */
-export const PAD = {
-  DRIVE: {
-    axes: [["drive:left", "drive:right"], ["drive:forward", "drive:back"], PAN, TILT],
-    buttons: {
-      a: "slower", y: "faster", x: "side:left", b: "side:right", lb: "rear:up", rb: "front:up", lt: "rear:down", rt: "front:down",
-      up: "preset:5", down: "preset:0", left: "preset:1", right: "preset:6",
-    },
-  },
-  JOINT: {
-    axes: [["turret:left", "turret:right"], ["shoulder:up", "shoulder:down"], ["forearm_roll:left", "forearm_roll:right"], ["elbow:up", "elbow:down"]],
-    buttons: {
-      x: "gripper:close", y: "gripper:open", lb: "gripper_roll:left", rb: "gripper_roll:right", lt: "telescope:in", rt: "telescope:out",
-      up: "wrist_pitch:up", down: "wrist_pitch:down", left: "pose:stow", right: "pose:ready",
-    },
-  },
-  CARTESIAN: {
-    axes: [["tool_y:left", "tool_y:right"], ["tool_z:up", "tool_z:down"], ["tool_yaw:left", "tool_yaw:right"], ["tool_pitch:up", "tool_pitch:down"]],
-    buttons: {
-      x: "gripper:close", y: "gripper:open", b: "hold", lb: "tool_roll:left", rb: "tool_roll:right", lt: "tool_x:back", rt: "tool_x:ahead",
-      up: "pose:look_front", down: "pose:stow", left: "pose:drive", right: "pose:ready",
-    },
-  },
-  CAMERA: {
-    axes: [null, ["look:near", "look:far"], PAN, TILT],
-    buttons: { a: "lamps:front", b: "lamps:rear", x: "lamps:gripper", y: "lamps:turret", rb: "view" },
-  },
-};
+function valuesOf(pad) {
+  const axes = AXES.map((name, index) => /** @type {[string, number]} */ ([name, pad.axes[index] ?? 0]));
+  const buttons = BUTTONS.map((name, index) => /** @type {[string, number]} */ ([name, pad.buttons[index]?.value ?? 0]));
+  return new Map([...axes, ...buttons]);
+}
 
 export class GamepadInput {
   /**
-   * @param {import("./held.js").Held} held
-   * @param {() => boolean} mayPress
-   * @param {() => Mode} mode
-   * @param {Record<Command, () => void>} commands
-   * @param {(reason: string) => void} letGo
+   * @param {object} page
+   * @param {import("./held.js").Held} page.held
+   * @param {() => boolean} page.mayPress
+   * @param {() => Mode} page.mode
+   * @param {() => string[]} page.presets  Of the flippers, as the robot announces them.
+   * @param {Record<string, () => void>} page.commands  Besides those of the keys: `release`, `next_mode`.
+   * @param {(reason: string) => void} page.letGo
    */
-  constructor(held, mayPress, mode, commands, letGo) {
-    this._held = held;
-    this._mayPress = mayPress;
-    this._mode = mode;
-    this._commands = commands;
-    /** What is deflected now, by source: what it does, or null if it must come back to rest first. @type {Map<string, string | null>} */
+  constructor(page) {
+    this._page = page;
+    /** What controls do; null: not known yet, and nothing moves. @type {PadMap | null} */
+    this.map = null;
+    /** What is off its rest now, by source: what it does, or null if it must come back to rest first. @type {Map<string, string | null>} */
     this._active = new Map();
     /** Asking the browser costs a thread of it that polls. */
     this._isConnected = false;
@@ -77,55 +52,74 @@ export class GamepadInput {
       this._show(event.gamepad?.id ?? "");
     });
     window.addEventListener("gamepaddisconnected", () => {
-      letGo("a gamepad is gone");
+      page.letGo("a gamepad is gone");
       this._isConnected = navigator.getGamepads().some((pad) => pad !== null);
       this._active.clear();
       this._show("");
     });
   }
 
-  /** After this everything that is deflected has to come back to rest before it counts again. */
+  /** After this everything that is off its rest has to come back to it before it counts again. */
   block() {
     for (const source of this._active.keys()) this._active.set(source, null);
   }
 
   /** Read the gamepads; call it every COMMAND_PERIOD. */
   poll() {
-    if (!this._isConnected) return;
-    const { axes, buttons } = PAD[this._mode()];
+    if (!this._isConnected || this.map === null) return;
     for (const pad of navigator.getGamepads()) {
-      if (pad === null || pad.mapping !== "standard") continue;
-      axes.forEach((ends, index) => {
-        if (ends === null) return;
-        const value = pad.axes[index] ?? 0;
-        const amount = Math.max(0, (Math.abs(value) - DEAD_ZONE) / (1 - DEAD_ZONE));
-        this._read(`pad:${pad.index}:-${index}`, ends[0], value < 0 ? amount : 0);
-        this._read(`pad:${pad.index}:+${index}`, ends[1], value > 0 ? amount : 0);
-      });
-      for (const [button, index] of Object.entries(BUTTON)) {
-        const name = ALWAYS[/** @type {keyof typeof ALWAYS} */ (button)] ?? buttons[/** @type {keyof typeof BUTTON} */ (button)];
-        const value = pad.buttons[index]?.value ?? 0;
-        if (name !== undefined) this._read(`pad:${pad.index}:${button}`, name, value > PRESSED ? value : 0);
-      }
+      if (pad !== null && pad.mapping === "standard") this._readPad(pad, this.map);
+    }
+  }
+
+  /**
+   * @param {Gamepad} pad
+   * @param {PadMap} map
+   */
+  _readPad(pad, map) {
+    const mode = map.modes.find(({ name }) => name === this._page.mode());
+    if (mode === undefined) return;
+    const values = valuesOf(pad);
+    const isEnabled = (values.get(map.enable) ?? 0) > PRESSED;
+    const layer = (values.get(map.shift) ?? 0) > PRESSED ? mode.shifted : mode.plain;
+    for (const [control, value] of values) {
+      if (control === map.enable || control === map.shift) continue;
+      const source = `pad:${pad.index}:${control}`;
+      const binding = layer[control];
+      const { action, amount } = binding === undefined ? { action: null, amount: 0 } : demand(binding, value);
+      const name = amount > 0 ? nameOf(action, this._page.presets()) : "";
+      this._read(source, name, amount, isEnabled);
     }
   }
 
   /**
    * @param {string} source
-   * @param {string} name
+   * @param {string} name  What it does; empty: it is at rest, or does nothing.
    * @param {number} amount  0 to 1
+   * @param {boolean} isEnabled
    */
-  _read(source, name, amount) {
-    if (amount === 0) {
-      if (this._active.delete(source)) this._held.release(source);
+  _read(source, name, amount, isEnabled) {
+    const { held } = this._page;
+    if (name === "") {
+      if (this._active.delete(source)) held.release(source);
+      return;
+    }
+    const command = this._page.commands[name];
+    if (command !== undefined) {
+      // Once for each press that goes far enough, even for a trigger.
+      if (amount <= PRESSED || this._active.has(source)) return;
+      this._active.set(source, null);
+      if (name !== RELEASE || isEnabled) command();
     } else if (!this._active.has(source)) {
-      const command = this._commands[/** @type {Command} */ (name)];
-      const isHeld = command === undefined && this._mayPress();
+      const isHeld = isEnabled && this._page.mayPress();
       this._active.set(source, isHeld ? name : null);
-      if (isHeld) this._held.press(source, name, amount);
-      command?.();
-    } else if (this._active.get(source) === name) {
-      this._held.press(source, name, amount);
+      if (isHeld) held.press(source, name, amount);
+    } else if (this._active.get(source) === name && isEnabled) {
+      held.press(source, name, amount);
+    } else if (this._active.get(source) !== null) {
+      // Enable was let go, or the control has got another meaning: it has to come back to rest.
+      this._active.set(source, null);
+      held.release(source);
     }
   }
 

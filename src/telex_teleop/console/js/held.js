@@ -1,6 +1,8 @@
 // @ts-check
 /** Which actions are being held, by whatever: a key, a pointer on a button, a stick. */
 
+import { stoodStill } from "./deadman.js";
+
 export class Held {
   /** @param {() => void} changed  Called after every change. */
   constructor(changed) {
@@ -35,6 +37,11 @@ export class Held {
    * @param {number} [amount]  0 to 1
    */
   press(source, name, amount = 1) {
+    // What comes first after a standstill must not move what was held before it.
+    if (stoodStill()) {
+      this.releaseAll();
+      return;
+    }
     const before = this._holds.get(source);
     this._holds.set(source, { name, amount });
     // A stick that moves on is told with the next command; only what begins is told at once.
@@ -43,7 +50,8 @@ export class Held {
 
   /** @param {string} source */
   release(source) {
-    if (this._holds.delete(source)) this._changed();
+    if (stoodStill()) this.releaseAll();
+    else if (this._holds.delete(source)) this._changed();
   }
 
   /** Let go of everything; whatever is still pressed has to be pressed anew. */

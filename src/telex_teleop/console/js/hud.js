@@ -2,7 +2,7 @@
 /** What stands over the picture besides the camera's own state: heading, gripper, what moves, and how good the link is. */
 
 import { byId, fixed, setText } from "./panels.js";
-import { FINGER_BASES, GRIPPER_JOINT } from "./robot.js";
+import { GRIPPER_JOINT } from "./robot.js";
 
 export const IMU = { topic: "imu", type: "sensor_msgs/Imu" };
 
@@ -29,17 +29,14 @@ export class Hud {
 
   /**
    * @param {import("./joints.js").JointPositions} joints
-   * @param {import("./urdf.js").RobotModel | null} model
+   * @param {import("./gripper.js").Gripper} gripper
    */
-  showGripper(joints, model) {
+  showGripper(joints, gripper) {
+    const opening = gripper.opening(joints), force = gripper.force(joints);
     const angle = joints.position(GRIPPER_JOINT);
-    const limits = model?.limits(FINGER_BASES[0]) ?? null;
-    const opening = angle === undefined ? "–" : limits === null
-      ? `${fixed((angle * 180) / Math.PI, 0)}°`
-      : `${Math.round(100 * Math.min(1, Math.max(0, (angle - limits.lower) / (limits.upper - limits.lower))))} %`;
-    const torques = FINGER_BASES.map((base) => joints.effort(base)).filter(Number.isFinite);
-    const torque = torques.length === 0 ? "" : ` ${Math.max(.../** @type {number[]} */ (torques).map(Math.abs)).toFixed(1)} Nm`;
-    setText(byId("grip"), `${opening}${torque}`);
+    // A gripper of another make tells no more than its angle.
+    const open = opening !== null ? `${Math.round(1000 * opening)} mm` : angle === undefined ? "–" : `${fixed((angle * 180) / Math.PI, 0)}°`;
+    setText(byId("grip"), force === null ? open : `${open} ${fixed(force, 0)} N`);
   }
 
   /**

@@ -1,6 +1,7 @@
 // @ts-check
 /** From keys and pointers to held actions. */
 
+import { isStale } from "./deadman.js";
 import { capOf } from "./keymap.js";
 import { setText } from "./panels.js";
 import { COMMANDS } from "./robot.js";
@@ -26,7 +27,7 @@ export function listenToKeys(held, mayPress, find, commands, takes) {
     // A key that repeats was pressed before, perhaps before everything was released: that is no new press.
     if (event.repeat) return;
     if (isCommand(name)) commands[name]();
-    else if (mayPress()) held.press(`key:${event.code}`, name);
+    else if (!isStale(event) && mayPress()) held.press(`key:${event.code}`, name);
   }, { capture: true });
   window.addEventListener("keyup", (event) => {
     // Space on a focused button would click it.
@@ -50,7 +51,7 @@ export function listenToPointers(root, held, mayPress) {
     const button = /** @type {Element} */ (event.target).closest("[data-action]");
     if (!(button instanceof HTMLElement) || event.button !== 0) return;
     event.preventDefault();
-    if (!mayPress()) return;
+    if (isStale(event) || !mayPress()) return;
     button.setPointerCapture(event.pointerId);
     held.press(`pointer:${event.pointerId}`, /** @type {string} */ (button.dataset.action));
   });

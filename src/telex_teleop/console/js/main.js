@@ -4,13 +4,16 @@
 import { AttitudeView, STABILITY } from "./attitude.js";
 import { Avatar } from "./avatar.js";
 import { Bridge } from "./bridge.js";
+import { onClick } from "./buttons.js";
 import { CameraCommander } from "./camera_panel.js";
 import { Cameras } from "./cameras.js";
 import { MissionClock } from "./clock.js";
 import { COMMAND_PERIOD, Commander } from "./commander.js";
+import { locateBridge, waitForConfig } from "./config.js";
 import { ControlView } from "./control.js";
-import { keepPace, watchOperator } from "./deadman.js";
+import { browserHangs, keepPace, watchOperator } from "./deadman.js";
 import { GamepadInput } from "./gamepad.js";
+import { Gripper } from "./gripper.js";
 import { Health, MISSING_NODES } from "./health.js";
 import { Held } from "./held.js";
 import { Hud, IMU } from "./hud.js";
@@ -19,6 +22,8 @@ import { JointPositions } from "./joints.js";
 import { KeyDialog } from "./key_dialog.js";
 import { KeyMap } from "./keymap.js";
 import { ModeSwitch } from "./modes.js";
+import { fetchPadMap } from "./pad_map.js";
+import { getParameter } from "./parameters.js";
 import { Panels, byId, setText } from "./panels.js";
 import { ACTIONS, FLIPPER_NODE, JOINT_NODES, TRACK_NODE, TYPES } from "./robot.js";
 import { SILENT_AFTER, StatusView } from "./status.js";
@@ -28,42 +33,12 @@ import { RobotModel } from "./urdf.js";
 
 const JOINTS_PERIOD = 100; // ms between two updates of the joint table
 const DISPLAY_PERIOD = 200; // ms between two updates of header and picture state
-const RETRY_AFTER = 1000; // ms
 const MODEL_RETRY_AFTER = 2000; // ms between two attempts to get the robot's description
 
-/** @typedef {import("./cameras.js").VideoConfig & {rosbridge: string | null}} Config  What the video server tells. */
+/** What the operator was given with the page's address. */
+const GIVEN = new URLSearchParams(location.search);
 
-/** @returns {Promise<Config>} */
-async function fetchConfig() {
-  const reply = await fetch("/config.json", { cache: "no-store" });
-  if (!reply.ok) throw new Error(`the video server says ${reply.status}`);
-  return reply.json();
-}
-
-/** @returns {Promise<Config>} */
-async function waitForConfig() {
-  for (;;) {
-    try {
-      return await fetchConfig();
-    } catch {
-      await new Promise((resolve) => setTimeout(resolve, RETRY_AFTER));
-    }
-  }
-}
-
-async function locateBridge() {
-  const { rosbridge } = await fetchConfig();
-  if (rosbridge === null) throw new Error("the bridge is not running");
-  const url = new URL(rosbridge);
-  // What the operator was given with the page's address is meant for the bridge.
-  const given = new URLSearchParams(location.search);
-  for (const name of ["token", "role", "name"]) if (given.has(name)) url.searchParams.set(name, given.get(name) ?? "");
-  // The bridge is to say which commands it does not obey, and why.
-  url.searchParams.set("status", "1");
-  return url.href;
-}
-
-/** @param {Config} config */
+/** @param {import("./config.js").Config} config */
 function startCameras(config) {
   const canvas = /** @type {HTMLCanvasElement} */ (byId("picture"));
   const cameras = new Cameras(config, canvas, byId("thumbnails"), (name) => {
@@ -83,8 +58,7 @@ async function fetchModel(bridge, parameter) {
   for (;;) {
     if (bridge.connected) {
       try {
-        const { value } = await bridge.call("/rosapi/get_param", { name: parameter, default: "null" });
-        const text = JSON.parse(value);
+        const text = await getParameter(bridge, parameter);
         if (typeof text === "string") return new RobotModel(text);
       } catch (error) {
         console.info(`${parameter}: ${/** @type {Error} */ (error).message}`);
@@ -99,17 +73,16 @@ async function start() {
   const joints = new JointPositions();
   const panels = new Panels(joints);
   const hud = new Hud();
+  const gripper = new Gripper();
   const clock = new MissionClock();
   const avatar = new Avatar(
     /** @type {HTMLCanvasElement} */ (byId("avatar-side")), /** @type {HTMLCanvasElement} */ (byId("avatar-top")),
   );
   const keymap = new KeyMap(localStorage);
   const relabel = () => labelKeys(document, keymap);
-  /** @type {RobotModel | null} */
-  let model = null;
   let pitch = 0; // rad, positive with the nose down
   const attitude = new AttitudeView();
-  const config = await waitForConfig();
+  const config = await waitForConfig(GIVEN);
   const topic = (/** @type {string} */ name) => `${config.namespace}/${name}`;
   const cameras = startCameras(config);
 
@@ -135,10 +108,12 @@ async function start() {
     held.releaseAll();
   };
 
-  const bridge = new Bridge(locateBridge, {
+  const bridge = new Bridge(() => locateBridge(GIVEN), {
     opened: () => {
       status.log("connected");
       control.connected();
+      cameraCommander.connected();
+      gripper.ask(bridge, topic);
     },
     lost: (reason) => {
       letGo(reason);
@@ -210,7 +185,18 @@ async function start() {
   };
 
   listenToKeys(held, mayPress, (code) => keymap.find(code, modes.mode), commands, (code) => keyDialog.take(code));
-  const gamepad = new GamepadInput(held, mayPress, () => modes.mode, commands, letGo);
+  const gamepad = new GamepadInput({
+    held,
+    mayPress,
+    mode: () => modes.mode,
+    presets: () => commander.presets,
+    commands: { ...commands, release: () => setEstop(false), next_mode: () => modes.next() },
+    letGo,
+  });
+  fetchPadMap().then(
+    (map) => { gamepad.map = map; },
+    (error) => status.warn(`no gamepad can be used: ${error.message}`),
+  );
   listenToPointers(document.body, held, mayPress);
   watchOperator(letGo);
   onClick(byId("slower"), commands.slower);
@@ -285,6 +271,7 @@ async function start() {
   keepPace(COMMAND_PERIOD, () => {
     gamepad.poll();
     if (!held.empty && bridge.silence > SILENT_AFTER) letGo("the robot does not answer");
+    if (!held.empty && browserHangs()) letGo("the browser does not answer");
     if (!held.empty || commander.busy || toolCommander.busy) update();
   }, letGo);
   setInterval(() => {
@@ -294,27 +281,16 @@ async function start() {
     status.showVideo(cameras.main);
     cameras.refresh();
     hud.showLink(bridge, cameras.main);
-    hud.showGripper(joints, model);
+    hud.showGripper(joints, gripper);
     avatar.draw((joint) => joints.position(joint) ?? 0, pitch);
     clock.show();
     status.fade();
     attitude.fade();
   }, DISPLAY_PERIOD);
   bridge.start();
-  model = await fetchModel(bridge, topic("robot_description"));
+  const model = await fetchModel(bridge, topic("robot_description"));
   panels.setModel(model);
   avatar.setModel(model);
-}
-
-/**
- * @param {HTMLElement} button
- * @param {() => void} act
- */
-function onClick(button, act) {
-  // The focus stays where it is: Space must never click a button that was clicked before.
-  button.addEventListener("pointerdown", (event) => event.preventDefault());
-  button.addEventListener("mousedown", (event) => event.preventDefault());
-  button.addEventListener("click", act);
 }
 
 start();

@@ -49,6 +49,11 @@ export class ModeSwitch {
     this.set(this._own === null ? other : this._tool.mode);
   }
 
+  /** To the mode after the present one. */
+  next() {
+    this.set(MODES[(MODES.indexOf(this.mode) + 1) % MODES.length]);
+  }
+
   show() {
     const { mode } = this;
     document.body.dataset.keysMode = mode;

@@ -10,11 +10,13 @@ export const SILENT_AFTER = 1000;
 const SIM_SILENT_AFTER = 2500;
 
 const WARNING_SHOWN_FOR = 3000; // ms
-const LOG_LINES = 12;
+const LOG_LINES = 12; // as many as the console has room for
 const REPEATED_WITHIN = 30_000; // ms
 
 export class StatusView {
-  constructor() {
+  /** @param {number} [logLines]  Messages that are kept. */
+  constructor(logLines = LOG_LINES) {
+    this._logLines = logLines;
     /** @type {any} */
     this._sim = null;
     this._simHeard = -Infinity;
@@ -141,6 +143,6 @@ export class StatusView {
     line.title = sentence;
     const log = byId("log");
     log.prepend(line);
-    while (log.childElementCount > LOG_LINES) log.lastElementChild?.remove();
+    while (log.childElementCount > this._logLines) log.lastElementChild?.remove();
   }
 }

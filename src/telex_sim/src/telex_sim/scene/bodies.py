@@ -6,7 +6,7 @@ Only the thread that owns the PyBullet client may use what is here.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Callable, Dict, Hashable, List, Sequence, Tuple
+from typing import Callable, Dict, Hashable, List, Optional, Sequence, Tuple
 
 import pybullet
 
@@ -49,6 +49,25 @@ class _Placed:
     movable: Tuple[int, ...]
 
 
+class MeshLists:
+    """Vertices and indices of meshes as PyBullet wants them, each mesh once.
+
+    PyBullet keeps the lists that it is given for ever, over a reset of its world and the end of a
+    client: new ones for every load would grow without end.
+    """
+
+    def __init__(self) -> None:
+        self._lists: Dict[Hashable, Tuple[List[List[float]], List[int]]] = {}
+
+    def of(self, shape: Shape, key: Hashable) -> Tuple[List[List[float]], List[int]]:
+        """Return vertices and indices, the same objects whenever they are asked for."""
+        if key not in self._lists:
+            assert shape.vertices is not None
+            indices = [] if shape.triangles is None else shape.triangles.reshape(-1).tolist()
+            self._lists[key] = (shape.vertices.tolist(), indices)
+        return self._lists[key]
+
+
 class SceneBodies:
     """Whatever stands around the robots.
 
@@ -58,9 +77,11 @@ class SceneBodies:
         PyBullet's.
     step_size : float
         Time between calls of `apply` (s).
+    meshes : MeshLists, optional
+        Those of other worlds of this program.
     """
 
-    def __init__(self, client: int, step_size: float) -> None:
+    def __init__(self, client: int, step_size: float, meshes: Optional[MeshLists] = None) -> None:
         self._client = client
         self._step_size = step_size
         self._placed: Dict[str, _Placed] = {}
@@ -70,8 +91,7 @@ class SceneBodies:
         # By what they are made of: PyBullet never lets go of a shape that a body has had, so a
         # scene where the same things come and go would grow without end.
         self._shapes: Dict[Hashable, int] = {}
-        # It keeps the lists that it is given as well, even over a reset of its world.
-        self._lists: Dict[Hashable, Tuple[List[List[float]], List[int]]] = {}
+        self._meshes = meshes or MeshLists()
 
     def objects(self) -> List[SceneObject]:
         """All objects, in the order in which they came; may be called from any thread."""
@@ -330,19 +350,11 @@ class SceneBodies:
             self._shapes[key] = self._create_shape(shapes, key)
         return self._shapes[key]
 
-    def _mesh_lists(self, shape: Shape, key: Hashable) -> Tuple[List[List[float]], List[int]]:
-        """Vertices and indices of a mesh, the same objects whenever it is asked for."""
-        if key not in self._lists:
-            assert shape.vertices is not None
-            indices = [] if shape.triangles is None else shape.triangles.reshape(-1).tolist()
-            self._lists[key] = (shape.vertices.tolist(), indices)
-        return self._lists[key]
-
     def _create_shape(self, shapes: Sequence[Shape], key: Hashable) -> int:
         client = self._client
         first = shapes[0]
         if first.vertices is not None:
-            vertices, indices = self._mesh_lists(first, key)
+            vertices, indices = self._meshes.of(first, key)
             exact: Dict[str, object] = {}
             if first.triangles is not None:
                 exact["indices"] = indices

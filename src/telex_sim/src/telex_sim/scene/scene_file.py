@@ -97,16 +97,49 @@ def load_scene(path: Path, check: Optional[Check] = None) -> Scene:
     SceneError
         ``FILE: where: what``.
     """
+    return parse_scene(_read(path), path, check)
+
+
+def read_description(path: Path) -> str:
+    """Read what a scene file says of itself, without a look at its objects.
+
+    Raises
+    ------
+    SceneError
+        ``FILE: where: what``.
+    """
+    try:
+        return " ".join(_header(_without_objects(_content(_read(path)))).description.split())
+    except ConfigError as error:
+        raise SceneError(f"{path}: {error}") from error
+
+
+def _read(path: Path) -> str:
+    """Read a file's text, if it is not too long.
+
+    Raises
+    ------
+    SceneError
+    """
     try:
         # The size first: nobody waits for 10 MB to be read, only to hear that it is too much.
         size = path.stat().st_size
         if size > MOST_BYTES:
             raise SceneError(f"{path}: it has {size} bytes; at most {MOST_BYTES} are read")
-        text = path.read_text(encoding="utf-8")
+        return path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "it is no UTF-8 text"
         raise SceneError(f"{path}: {reason}") from error
-    return parse_scene(text, path, check)
+
+
+def _content(text: str) -> Mapping[str, Any]:
+    content = read_yaml(text)
+    require(isinstance(content, Mapping), "a struct with the key 'objects' is needed")
+    return content
+
+
+def _without_objects(content: Mapping[str, Any]) -> Dict[str, Any]:
+    return {key: value for key, value in content.items() if key != "objects"}
 
 
 def parse_scene(text: str, path: Path, check: Optional[Check] = None) -> Scene:
@@ -126,12 +159,10 @@ def parse_scene(text: str, path: Path, check: Optional[Check] = None) -> Scene:
     SceneError
     """
     try:
-        content = read_yaml(text)
-        require(isinstance(content, Mapping), "a struct with the key 'objects' is needed")
+        content = _content(text)
         entries = content.get("objects") or []
         require(isinstance(entries, list), "objects: a list is needed")
-        known = {key: value for key, value in content.items() if key != "objects"}
-        header = _header(known)
+        header = _header(_without_objects(content))
         name = header.name or path.stem
         require_name(name, "name")
         folder = Path(os.path.abspath(path)).parent

@@ -72,6 +72,7 @@ class VideoServerConfig:
     thumbnail_width: int = 320
     preview_rate: float = 10.0
     rosbridge: str = "rosbridge"
+    joy_map: str = ""
 
     def __post_init__(self) -> None:
         require_text(self, "address")
@@ -164,6 +165,7 @@ class CommandNames:
         "!controller_manager/list_*",
         "!controller_manager/query_*",
         "!*/get_loggers",
+        "!sim/list_*",
     )
     set: Tuple[str, ...] = ("*",)
 
@@ -203,6 +205,7 @@ class RosbridgeConfig:
     max_services: int = 50
     service_timeout: float = 30.0
     connect_timeout: float = 0.5
+    action_timeout: float = 5.0
     ping_interval: float = 5.0
     send_buffer: int = 65536
     max_in_flight: int = 32768
@@ -225,6 +228,7 @@ class RosbridgeConfig:
         require_range(self, "max_service_calls", 1, 1000)
         require_range(self, "service_timeout", 0.1, 3600.0)
         require_range(self, "connect_timeout", 0.0, 10.0)
+        require_range(self, "action_timeout", 0.0, 60.0)
         require_range(self, "ping_interval", 0.2, 600.0)
         require_range(self, "send_buffer", 4096, 16777216)
         require_range(self, "max_in_flight", 0, 16777216)

@@ -19,6 +19,10 @@ class CommandRefusedError(OperationError):
     """A command is not obeyed; the text says why."""
 
 
+class CommandOverdueError(OperationError):
+    """A command came in time, but has waited in the bridge for too long; the text says so."""
+
+
 class CommandGate:
     """Lets the commands of one client through, or says why not.
 
@@ -54,7 +58,9 @@ class CommandGate:
         self._clock = clock
         self._refused: Dict[str, Tuple[float, int]] = {}  # topic to time of the last one, number
 
-    def admit_message(self, topic: str, message: genpy.Message, age: Optional[float]) -> bool:
+    def admit_message(
+        self, topic: str, message: genpy.Message, age: Optional[float], waited: float = 0.0
+    ) -> bool:
         """Decide on a message to a topic.
 
         Parameters
@@ -64,7 +70,9 @@ class CommandGate:
         message
             What the client wants to publish.
         age
-            Its age (s), None if the client does not tell.
+            Its age on arrival (s), None if the client does not tell.
+        waited
+            Time (s) that it has waited since for the bridge's own connections.
 
         Returns
         -------
@@ -75,9 +83,12 @@ class CommandGate:
         ------
         CommandRefusedError
             It is a command, and not obeyed.
+        CommandOverdueError
+            It is one that would have been obeyed at once. The stream may go on: what the bridge
+            was late with is not the client's gap, and its next command is a fresh one.
         """
         if topic == self._access.e_stop_topic:
-            return self._admit_e_stop(message, age)
+            return self._admit_e_stop(message, None if age is None else age + waited)
         if not self._access.is_command("publish", topic):
             return True
         kind = kind_of(message)
@@ -95,6 +106,9 @@ class CommandGate:
             self._note_refused(topic)
             raise
         self._refused.pop(topic, None)
+        if age is not None and age + waited > self._max_age:
+            self._control.count_dropped(self._member)
+            raise CommandOverdueError(f"the command waited {waited:.2f} s for a subscriber")
         return True
 
     def admit_call(self, service: str) -> None:

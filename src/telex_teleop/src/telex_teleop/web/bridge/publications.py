@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
+import asyncio
 import collections
 import dataclasses
+import functools
 from typing import Any, Callable, Deque, Optional, Set
 
 import genpy
 
-from .command_gate import CommandGate, CommandRefusedError
+from .command_gate import CommandGate, CommandOverdueError, CommandRefusedError
+from .goals import Goals
 from .message_json import FieldError
 from .operations import Id, OperationError
 from .publishers import PublisherPool, SharedPublisher
 from .ros import Ros
-from .stop import cancel_for, is_goal_type, stop_for
+from .stop import is_goal_type, stop_for
 
 MAX_HELD = 20
 """Messages that wait while a new publisher finds its subscribers; the newest win."""
-
-MAX_GOALS = 10
-"""Goals of an action that are cancelled when their client goes; the newest ones."""
-
-_GOAL, _CANCEL, _CANCEL_TYPE = "/goal", "/cancel", "actionlib_msgs/GoalID"
 
 _NAMES_CLIENT = ("telex_msgs/FlipperPresetHold",)
 """Types with a field `client`: operators who share the bridge must not pass for one."""
@@ -40,12 +38,15 @@ class Outgoing:
         As JSON gave it.
     id
         Of the operation.
+    received
+        When it came, on this machine's monotonic clock (s).
     sent
-        When it was sent, on this machine's monotonic clock (s); None if the client does not tell.
+        When it was sent, on the same clock; None if the client does not tell.
     """
 
     value: Any
     id: Id
+    received: float
     sent: Optional[float] = None
 
 
@@ -53,7 +54,7 @@ class Publication:
     """A topic that one client publishes.
 
     Until the subscribers of a new publisher are connected its messages wait; without that the
-    first ones would be lost.
+    first ones would be lost. Goals of an action wait until its answers can come back as well.
 
     Parameters
     ----------
@@ -101,16 +102,28 @@ class Publication:
         self._clock = clock
         self._report = report
         self._publisher: Optional[SharedPublisher] = None
-        self._canceller: Optional[SharedPublisher] = None
         self._ready = False
         self._last: Optional[SharedPublisher] = None
         self._held: Deque[Outgoing] = collections.deque(maxlen=MAX_HELD)
+        self._holds = asyncio.Event()
         self._stop: Optional[genpy.Message] = None
-        self._cancels: Deque[genpy.Message] = collections.deque(maxlen=MAX_GOALS)
-        self._goals = 0
+        self._goals: Optional[Goals] = None
 
-    async def open(self, type_name: Optional[str], connect_timeout: float) -> None:
+    async def open(
+        self, type_name: Optional[str], connect_timeout: float, action_timeout: float
+    ) -> None:
         """Get the publisher, wait for its subscribers, send what has waited.
+
+        For goals of an action this goes on until it is cancelled: each goal may have to wait.
+
+        Parameters
+        ----------
+        type_name
+            What the client says the topic's type is; None if it does not.
+        connect_timeout
+            Longest time (s) that messages wait for subscribers.
+        action_timeout
+            Longest time (s) that a goal waits for its action's servers.
 
         Raises
         ------
@@ -120,25 +133,31 @@ class Publication:
         self._publisher = await self._pool.acquire(
             self.topic, type_name, latch=self._latch, queue_size=self._queue_size
         )
-        if self.topic.endswith(_GOAL) and is_goal_type(self._publisher.codec.type_name):
-            cancel_topic = self.topic[: -len(_GOAL)] + _CANCEL
-            self._canceller = await self._pool.acquire(
-                cancel_topic, _CANCEL_TYPE, latch=False, queue_size=MAX_GOALS
-            )
-            await self._canceller.settle(connect_timeout)
+        if Goals.go_to(self.topic) and is_goal_type(self._publisher.codec.type_name):
+            self._goals = Goals(self.topic, self._client, self._pool, self._ros)
+            await self._goals.open()
+            await self._send_goals(self._publisher, self._goals, action_timeout)
         await self._publisher.settle(connect_timeout)
-        if self._canceller is not None:
-            # The result is said once; who sends a goal has just subscribed to it.
-            await self._pool.catch_up()
         self._ready = True
         while self._held:
             self._send(self._publisher, self._held.popleft())
+
+    async def _send_goals(self, publisher: SharedPublisher, goals: Goals, timeout: float) -> None:
+        while True:
+            await self._holds.wait()
+            self._holds.clear()
+            if not await goals.connect(timeout):
+                sentence = f"servers of {self.topic} are not connected within {timeout:g} s"
+                self._report(f"publish: {sentence}; answers may be lost", None, "warning")
+            while self._held:
+                self._send(publisher, self._held.popleft())
 
     def publish(self, outgoing: Outgoing) -> None:
         """Publish a message, now or as soon as that is possible."""
         publisher = self._publisher if self._ready else self._settled_by_others()
         if publisher is None:
             self._held.append(outgoing)
+            self._holds.set()
         else:
             self._send(publisher, outgoing)
 
@@ -155,13 +174,17 @@ class Publication:
             message = publisher.codec.from_json(value, self._ros.now)
             if message._type in _NAMES_CLIENT:
                 message.client = self._client
-            age = None if outgoing.sent is None else self._clock() - outgoing.sent
-            if not self._gate.admit_message(self.topic, message, age):
+            age = None if outgoing.sent is None else outgoing.received - outgoing.sent
+            # A goal is no less wanted for having waited for its server.
+            waited = 0.0 if self._goals is not None else self._clock() - outgoing.received
+            if not self._gate.admit_message(self.topic, message, age, waited):
                 return
-            if self._canceller is not None:
-                self._remember_goal(message)
+            if self._goals is not None:
+                self._goals.note(message)
             self._last = publisher
             publisher.publish(message)
+        except CommandOverdueError as error:
+            self._report(f"publish to {self.topic}: {error}", outgoing.id, "info")
         except CommandRefusedError as error:
             self._report(f"publish to {self.topic}: {error}", outgoing.id, "warning")
         except (FieldError, OperationError) as error:
@@ -169,33 +192,26 @@ class Publication:
         else:
             self._stop = stop_for(message)
 
-    def _remember_goal(self, goal: Any) -> None:
-        if not goal.goal_id.id:
-            self._goals += 1
-            now = self._ros.now().to_sec()
-            goal.goal_id.id = f"bridge client {self._client}, {self._goals}, {now:.6f}"
-        self._cancels.append(cancel_for(goal))
-
     def stop(self) -> None:
         """End the motion that the client commands on this topic, and forget what waits."""
         self._held.clear()
-        if self._stop is not None and self._last is not None:
-            self._publish_last(self._last, self._stop)
-        self._stop = None
-        while self._cancels and self._canceller is not None:
-            self._publish_last(self._canceller, self._cancels.popleft())
+        stop, self._stop = self._stop, None
+        if stop is not None and self._last is not None:
+            self._finish(functools.partial(self._last.publish, stop))
+        if self._goals is not None:
+            self._finish(self._goals.cancel)
 
-    def _publish_last(self, publisher: SharedPublisher, message: genpy.Message) -> None:
+    def _finish(self, publish: Callable[[], None]) -> None:
         try:
-            publisher.publish(message)
+            publish()
         except OperationError as error:
             self._report(f"stop on {self.topic}: {error}", None, "error")
 
     def close(self) -> None:
         """End: stop what the client drove, and give the publishers back."""
         self.stop()
-        if self._canceller is not None:
-            self._pool.release(self.topic[: -len(_GOAL)] + _CANCEL, latch=False)
+        if self._goals is not None:
+            self._goals.close()
         if self._publisher is not None:
             self._pool.release(self.topic, latch=self._latch)
-        self._publisher = self._canceller = self._last = None
+        self._publisher = self._goals = self._last = None

@@ -88,6 +88,9 @@ class Publishing:
         held = self._publications.get(topic)
         if held is None:
             held = self._begin(topic, type_name, operation)
+        limit = self._config.max_subscriptions
+        if operation.id not in held.thing.ids and len(held.thing.ids) >= limit:
+            raise OperationError(f"a client may advertise a topic {limit} times at most")
         held.thing.ids.add(operation.id)
 
     def publish(self, operation: Operation, sent: Optional[float]) -> None:
@@ -96,7 +99,8 @@ class Publishing:
         held = self._publications.get(topic)
         if held is None:
             held = self._begin(topic, operation.optional_text("type"), operation)
-        held.thing.publish(Outgoing(operation.get("msg"), operation.id, sent))
+        outgoing = Outgoing(operation.get("msg"), operation.id, self._clock(), sent)
+        held.thing.publish(outgoing)
 
     def unadvertise(self, operation: Operation) -> None:
         """Publish a topic no more; what the client drove by it stops."""
@@ -141,7 +145,9 @@ class Publishing:
             self._publications.pop(topic, None)
             publication.close()
 
-        opening = functools.partial(publication.open, type_name, self._config.connect_timeout)
+        opening = functools.partial(
+            publication.open, type_name, self._config.connect_timeout, self._config.action_timeout
+        )
         task = self._link.start(self._link.open(opening, operation, forget))
         held = self._publications[topic] = Held(publication, task)
         return held

@@ -63,6 +63,14 @@ class Ros(Protocol):
     def subscribers(self, topic: str) -> List[str]:
         """Return the nodes that have subscribed to a topic."""
 
+    def action_connected(self, action: str) -> bool:
+        """Return whether the servers of an action and this node are connected both ways.
+
+        That is: ``goal`` and ``cancel`` of this node go to each of them, and each sends its
+        ``status``, ``feedback`` and ``result`` to this node, as far as it listens to them. Servers
+        that do not answer are not counted.
+        """
+
     def advertise(
         self, topic: str, message_class: Type[genpy.Message], *, latch: bool, queue_size: int
     ) -> Publisher:

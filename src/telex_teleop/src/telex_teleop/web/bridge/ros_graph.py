@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import collections
+import http.client
 import socket
-import time
+import threading
 import urllib.parse
-from typing import Any, Callable, Dict, List, Optional, Type
+import xmlrpc.client
+from typing import Any, Callable, Counter, Dict, List, Optional, Set, Tuple, Type
 
 import genpy
 import rosgraph
@@ -21,11 +24,10 @@ _ONLY_NEWEST_COUNTS = (
     "sensor_msgs/CompressedImage",
     "sensor_msgs/PointCloud2",
 )
-_SAID_ONCE = ("ActionFeedback", "ActionResult")
-"""Endings of types whose messages follow at once on what the same client sends next: its goal."""
-_ANSWER_TIMEOUT = 1.0
-_CONNECT_TIMEOUT = 1.0
-_CONNECT_POLL = 0.005
+_ORDERS = ("goal", "cancel")
+_ANSWERS = ("status", "feedback", "result")
+_NODE_TIMEOUT = 1.0
+_OUTBOUND = "o"
 _BUFFER_SIZE = 2**24
 _QUEUE_SIZE = 100
 
@@ -55,10 +57,24 @@ def _reachable(address: Optional[str]) -> bool:
         return False
     parts = urllib.parse.urlsplit(address)
     try:
-        socket.create_connection((parts.hostname or "", parts.port or 0), _ANSWER_TIMEOUT).close()
+        socket.create_connection((parts.hostname or "", parts.port or 0), _NODE_TIMEOUT).close()
     except OSError:
         return False
     return True
+
+
+class _Transport(xmlrpc.client.Transport):
+    """Asks a node, which may hang."""
+
+    def make_connection(self, host: Any) -> http.client.HTTPConnection:
+        connection = super().make_connection(host)
+        connection.timeout = _NODE_TIMEOUT
+        return connection
+
+
+def _outbound(connections: List[Any]) -> Set[Tuple[str, str]]:
+    """Return who gets which topics, from a node's list of connections (getBusInfo)."""
+    return {(row[1], row[4]) for row in connections if row[2] == _OUTBOUND and row[5]}
 
 
 class RosGraph:
@@ -66,6 +82,8 @@ class RosGraph:
 
     def __init__(self) -> None:
         self._addresses: Dict[str, str] = {}
+        self._listening: Counter[str] = collections.Counter()
+        self._lock = threading.Lock()
 
     def now(self) -> genpy.Time:
         """Return the present ROS time."""
@@ -156,16 +174,49 @@ class RosGraph:
             )
         except (rospy.ROSException, ValueError) as error:
             raise OperationError(str(error)) from None
-        if message_class._type.endswith(_SAID_ONCE):
-            self._await_publishers(topic, subscriber)
-        return subscriber.unregister
+        with self._lock:
+            self._listening[topic] += 1
 
-    def _await_publishers(self, topic: str, subscriber: rospy.Subscriber) -> None:
-        """Wait until a subscriber is connected to the publishers that the master knows."""
-        expected = len(self.publishers(topic))
-        deadline = time.monotonic() + _CONNECT_TIMEOUT
-        while subscriber.get_num_connections() < expected and time.monotonic() < deadline:
-            time.sleep(_CONNECT_POLL)
+        def end() -> None:
+            with self._lock:
+                self._listening[topic] -= 1
+            subscriber.unregister()
+
+        return end
+
+    def action_connected(self, action: str) -> bool:
+        """Return whether the servers of an action and this node are connected both ways."""
+        publishers, subscribers, _ = map(dict, self._master().getSystemState())
+        own = _outbound(rospy.topics.get_topic_manager().get_pub_sub_info())
+        with self._lock:
+            answers = {f"{action}/{name}" for name in _ANSWERS}
+            answers = {topic for topic in answers if self._listening[topic] > 0}
+        for server in subscribers.get(f"{action}/goal", []):
+            # Of what a server says to this node only the server knows: its connection is made a
+            # moment later than this end of it, and what is published in between is lost.
+            sent = self._sent_by(server)
+            if sent is None:
+                continue
+            orders = {f"{action}/{name}" for name in _ORDERS}
+            heard = {(server, topic) for topic in orders if server in subscribers.get(topic, [])}
+            said = {
+                (rospy.get_name(), topic)
+                for topic in answers
+                if server in publishers.get(topic, [])
+            }
+            if not (heard <= own and said <= sent):
+                return False
+        return True
+
+    def _sent_by(self, node: str) -> Optional[Set[Tuple[str, str]]]:
+        """Return to whom a node sends which topics; None if it does not answer."""
+        try:
+            uri = self._master().lookupNode(node)
+            proxy = xmlrpc.client.ServerProxy(uri, transport=_Transport())
+            code, _, connections = proxy.getBusInfo(rospy.get_name())  # type: ignore[misc]
+        except (OSError, rosgraph.MasterError, http.client.HTTPException, xmlrpc.client.Error):
+            return None
+        return _outbound(connections) if code == 1 else None  # type: ignore[arg-type]
 
     def service_type(self, service: str) -> Optional[str]:
         """Return the type of a service, None if there is no such service."""

@@ -63,7 +63,9 @@ class Subscribing:
         held = self._subscriptions.get(spelled)
         if held is None:
             held = self._begin(topic, spelled, type_name, operation)
-        held.thing.add(operation.id, wish)
+        if not held.thing.add(operation.id, wish, self._config.max_subscriptions):
+            limit = self._config.max_subscriptions
+            raise OperationError(f"a client may subscribe to a topic {limit} times at most")
 
     def unsubscribe(self, operation: Operation) -> None:
         """Withdraw the wish of an id, or all wishes."""

@@ -56,9 +56,18 @@ class Subscription:
         """Tell whether any id still asks for the topic."""
         return bool(self._wishes)
 
-    def add(self, subscription_id: Id, wish: Wish) -> None:
-        """Add a wish, or change the one of the same id; the most demanding ones hold."""
+    def add(self, subscription_id: Id, wish: Wish, limit: int) -> bool:
+        """Add a wish, or change the one of the same id; the most demanding ones hold.
+
+        Returns
+        -------
+        bool
+            False if there are as many as there may be already.
+        """
+        if subscription_id not in self._wishes and len(self._wishes) >= limit:
+            return False
         self._wishes[subscription_id] = wish
+        return True
 
     def remove(self, subscription_id: Id) -> None:
         """Withdraw the wish of one id."""

@@ -11,6 +11,7 @@ from urllib.parse import urlsplit, urlunsplit
 from aiohttp import web
 
 from ..config import VideoServerConfig
+from ..maps import add_joy_map
 from ..tokens import INSTRUCTOR, ForbiddenError
 from ..workers import NewestWorker, OrderedWorker
 from . import mjpeg, pages, query
@@ -38,6 +39,8 @@ _PAGE_HEADERS = {
     "Referrer-Policy": "no-referrer",
     "X-Content-Type-Options": "nosniff",
 }
+
+_PAGES = {"": "index.html", "instructor": "instructor.html"}
 
 Result = TypeVar("Result")
 
@@ -114,6 +117,7 @@ class VideoServer:
         app.router.add_get("/stream_viewer", self.stream_viewer)
         app.router.add_get("/streams", self.streams)
         app.router.add_get("/config.json", self.console_config)
+        add_joy_map(app, self._config.joy_map)
         app.router.add_get("/{path:.*}", self.console_file)
         app.on_response_prepare.append(_add_page_headers)
         app.on_shutdown.append(self._dismiss)
@@ -220,7 +224,8 @@ class VideoServer:
     async def console_file(self, request: web.Request) -> web.StreamResponse:
         """Send a file of the console."""
         try:
-            path = (self._console / (request.match_info["path"] or "index.html")).resolve()
+            name = request.match_info["path"]
+            path = (self._console / _PAGES.get(name, name)).resolve()
             found = self._console in path.parents and path.is_file()
         except (OSError, ValueError):  # the name is too long, or holds a null byte
             found = False

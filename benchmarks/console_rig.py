@@ -1,0 +1,231 @@
+"""The whole simulator with a console before it, and everything that is said on the way between."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import subprocess
+import time
+from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence
+
+import rosgraph
+import rospy
+from chromium import Chromium
+from control_msgs.msg import JointJog
+from geometry_msgs.msg import Twist
+from private_simulator import PrivateSimulator
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64
+from std_srvs.srv import Empty
+from telex_msgs.msg import TrackTeleopStatus
+
+from telex_control.private_master import DIES_WITH_US, end_tree
+
+WORLD = "training_hall"
+TOKEN = "benchmark"
+SPEED = 1.0
+"""Speed (m/s) at which the robot drives."""
+
+BELT, BELT_RADIUS = "front_left_track_joint", 0.110
+PATIENCE = 120.0
+"""Longest wait (s) for anything to begin, on a machine that is busy with something else."""
+
+REPEAT_PERIOD = 0.033
+"""Period (s) at which a keyboard repeats a key that is held."""
+
+LIVE = """
+document.getElementById("link").dataset.state === "up"
+  && document.getElementById("view").dataset.state === "live"
+  && document.querySelectorAll(".thumbnail[data-state=live]").length === 5
+  && document.getElementById("speed").textContent.includes("%")
+"""
+
+DRIVE, TRACKS = "track_teleop/cmd_vel", "track_controller/cmd_vel"
+JOG, TURRET = "arm_teleop/delta_joint_cmds", "turret_position_controller/command"
+
+
+class MeasurementError(RuntimeError):
+    """Nothing can be measured; the message says why."""
+
+
+class Heard(NamedTuple):
+    """A message: its arrival (monotonic time, s), and the one number that matters of it."""
+
+    at: float
+    value: float
+
+
+class Wire:
+    """What arrives on some topics, each with a subscriber as the robot's own nodes have them."""
+
+    def __init__(self) -> None:
+        self._heard: Dict[str, List[Heard]] = {}
+        self.belt_speed = 0.0
+        self.speed_scale: Optional[float] = None
+        self.max_linear = 0.0
+        self._subscribers = [
+            self._note(DRIVE, Twist, lambda message: message.linear.x),
+            self._note(TRACKS, Twist, lambda message: message.linear.x),
+            self._note(JOG, JointJog, lambda message: sum(message.velocities)),
+            self._note(TURRET, Float64, lambda message: message.data),
+            self._subscribe("joint_states", JointState, self._on_joint_states),
+            self._subscribe("track_teleop/status", TrackTeleopStatus, self._on_status),
+        ]
+        self._scale = rospy.Publisher("/telex/track_teleop/speed_scale", Float64, queue_size=1)
+
+    def _subscribe(self, topic: str, kind: type, receive: Callable[..., None]) -> rospy.Subscriber:
+        return rospy.Subscriber(f"/telex/{topic}", kind, receive, queue_size=100, tcp_nodelay=True)
+
+    def _note(self, topic: str, kind: type, number: Callable[..., float]) -> rospy.Subscriber:
+        heard = self._heard[topic] = []
+
+        def receive(message: object) -> None:
+            heard.append(Heard(time.monotonic(), number(message)))
+
+        return self._subscribe(topic, kind, receive)
+
+    def _on_joint_states(self, message: JointState) -> None:
+        if BELT in message.name:
+            index = message.name.index(BELT)
+            self.belt_speed = message.velocity[index] * BELT_RADIUS
+
+    def _on_status(self, message: TrackTeleopStatus) -> None:
+        self.speed_scale, self.max_linear = message.speed_scale, message.max_linear
+
+    def heard(self, topic: str, since: float = 0.0) -> List[Heard]:
+        """All that came on a topic since a time."""
+        return [each for each in tuple(self._heard[topic]) if each.at >= since]
+
+    def last(self, topic: str) -> float:
+        """The newest number on a topic, zero if there was none."""
+        heard = self._heard[topic]
+        return heard[-1].value if heard else 0.0
+
+    def forget(self) -> None:
+        """Forget what was heard, but the last of each topic."""
+        for heard in self._heard.values():
+            del heard[:-1]
+
+    def set_speed(self) -> None:
+        """Let a key that is held mean SPEED."""
+        wait_until("the track node's status", lambda: self.max_linear > 0.0)
+        scale = SPEED / self.max_linear
+
+        def taken() -> bool:
+            self._scale.publish(scale)
+            time.sleep(0.1)
+            return self.speed_scale is not None and abs(self.speed_scale - scale) < 1e-6
+
+        wait_until("the track node to take the speed", taken)
+
+
+class Rig:
+    """A simulator of one's own, in the training hall, with its console.
+
+    Parameters
+    ----------
+    everywhere
+        Whether bridge and video server listen on all networks, with a token, or on 127.0.0.1 alone.
+
+    Use it as a context manager; `rospy` is connected to it.
+    """
+
+    def __init__(self, everywhere: bool) -> None:
+        listen = ["address:=0.0.0.0", f"token:={TOKEN}"] if everywhere else []
+        self._query = f"?token={TOKEN}" if everywhere else ""
+        self.simulator = PrivateSimulator(f"world:={WORLD}", *listen)
+        self._bridge: Optional[subprocess.Popen] = None
+
+    def __enter__(self) -> Rig:
+        try:
+            self._connect()
+        except BaseException:
+            self.__exit__()
+            raise
+        return self
+
+    def _connect(self) -> None:
+        simulator = self.simulator
+        simulator.wait_for_master()
+        video = simulator.wait_for_param("/telex/video_server/url")
+        self.video_port = int(str(video).rpartition(":")[2])
+        simulator.wait_for_param("/telex/rosbridge/url")
+        os.environ.update(ROS_MASTER_URI=simulator.master_uri, ROS_IP="127.0.0.1")
+        rospy.init_node("benchmark_console", disable_signals=True)
+        self.master = rosgraph.Master("/benchmark_console", simulator.master_uri)
+        self.wire = Wire()
+        self.wire.set_speed()
+
+    def __exit__(self, *exception: object) -> None:
+        rospy.signal_shutdown("the benchmark ends")
+        if self._bridge is not None:
+            end_tree(self._bridge)
+        self.simulator.__exit__()
+
+    def page(self, host: str = "127.0.0.1") -> str:
+        """Address of the console."""
+        return f"http://{host}:{self.video_port}/{self._query}"
+
+    @property
+    def bridge_url(self) -> str:
+        """Address of the bridge for a plain client."""
+        return f"{self.master.getParam('/telex/rosbridge/url')}/{self._query}"
+
+    @property
+    def bridge_pid(self) -> int:
+        """Process of the bridge."""
+        return (
+            self._bridge.pid
+            if self._bridge is not None
+            else self.simulator.processes()["rosbridge"]
+        )
+
+    @property
+    def video_pid(self) -> int:
+        """Process of the video server."""
+        return self.simulator.processes()["video_server"]
+
+    def restart_bridge(self) -> None:
+        """Start the bridge again, as it was."""
+        before = self.master.getParam("/telex/rosbridge/url")
+        if self._bridge is not None:
+            self._bridge.wait()
+        self._bridge = subprocess.Popen(
+            [*DIES_WITH_US, "rosrun", "telex_teleop", "rosbridge", "__name:=rosbridge"],
+            env={**self.simulator.environment(), "ROS_NAMESPACE": "/telex"},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+        wait_until(
+            "the bridge's address", lambda: self.master.getParam("/telex/rosbridge/url") != before
+        )
+
+    def reset(self) -> None:
+        """Put the robot back to where it started."""
+        rospy.ServiceProxy("/telex/sim/reset", Empty)()
+        time.sleep(0.8)
+
+    @contextlib.contextmanager
+    def browser(self, before: Sequence[str] = (), host: str = "127.0.0.1") -> Iterator[Chromium]:
+        """The console in a browser, once six views are live."""
+        with Chromium(self.page(host), before) as browser:
+            settle(browser)
+            yield browser
+
+
+def settle(browser: Chromium) -> None:
+    """Wait until an operator would begin: six live views, no tour, a page that runs evenly."""
+    browser.wait_for("six live views on the console", LIVE, PATIENCE)
+    browser.evaluate("document.getElementById('tour-skip').click()")
+    browser.call("Page.bringToFront")
+
+
+def wait_until(what: str, condition: Callable[[], object], timeout: float = PATIENCE) -> None:
+    """Wait until a condition holds."""
+    end = time.monotonic() + timeout
+    while not condition():
+        if time.monotonic() > end:
+            raise MeasurementError(f"not within {timeout:g} s: {what}")
+        time.sleep(0.01)

@@ -1,0 +1,50 @@
+// @ts-check
+/** What the pages are told of where everything is, and how they reach the bridge. */
+
+const RETRY_AFTER = 1000; // ms
+
+/** @typedef {import("./video_source.js").VideoConfig & {rosbridge: string | null}} Config  What the video server tells. */
+
+/** What this page's address says of who looks at it; meant for the bridge and the video server. */
+const GIVEN = ["token", "role", "name"];
+
+/**
+ * @param {URLSearchParams} asked
+ * @returns {Promise<Config>}
+ */
+async function fetchConfig(asked) {
+  const role = asked.get("role");
+  const reply = await fetch(`/config.json${role === null ? "" : `?role=${encodeURIComponent(role)}`}`, { cache: "no-store" });
+  if (!reply.ok) throw new Error(`the video server says ${reply.status}`);
+  return reply.json();
+}
+
+/**
+ * Ask until there is an answer.
+ * @param {URLSearchParams} asked  Of this page: `role` counts.
+ * @returns {Promise<Config>}
+ */
+export async function waitForConfig(asked) {
+  for (;;) {
+    try {
+      return await fetchConfig(asked);
+    } catch {
+      await new Promise((resolve) => setTimeout(resolve, RETRY_AFTER));
+    }
+  }
+}
+
+/**
+ * Find the bridge, which may have another address than a moment ago.
+ * @param {URLSearchParams} asked  Token, role and name to connect with.
+ * @returns {Promise<string>}
+ */
+export async function locateBridge(asked) {
+  const { rosbridge } = await fetchConfig(asked);
+  if (rosbridge === null) throw new Error("the bridge is not running");
+  const url = new URL(rosbridge);
+  for (const name of GIVEN) if (asked.has(name)) url.searchParams.set(name, asked.get(name) ?? "");
+  // The bridge is to say which commands it does not obey, and why.
+  url.searchParams.set("status", "1");
+  return url.href;
+}

@@ -1,0 +1,160 @@
+// @ts-check
+/** Puts the instructor's page together: it watches everything, and commands the simulation rather than the robot. */
+
+import { ask } from "./ask.js";
+import { AttitudeView, STABILITY } from "./attitude.js";
+import { Bridge } from "./bridge.js";
+import { onClick } from "./buttons.js";
+import { Cameras } from "./cameras.js";
+import { locateBridge, waitForConfig } from "./config.js";
+import { OVERVIEW, OverviewControl } from "./overview.js";
+import { byId, fixed, setText } from "./panels.js";
+import { JOINT_NODES, TRACK_NODE, TYPES } from "./robot.js";
+import { Roster } from "./roster.js";
+import { SceneChooser } from "./scenes.js";
+import { StatusView } from "./status.js";
+
+const DISPLAY_PERIOD = 200; // ms
+const STEP = 0.1; // s of sim time that a step takes
+const LOG_LINES = 60;
+const WARN = 4; // rosgraph_msgs/Log: level of a warning; what is worse has more
+
+/** Role, token and name that this page connects with. */
+const given = new URLSearchParams(location.search);
+given.set("role", "instructor");
+if (!given.get("name")) given.set("name", "instructor");
+
+/** @param {import("./config.js").Config} config */
+function startCameras(config) {
+  const topic = `${config.namespace}/cameras/${OVERVIEW}/image_raw`;
+  const others = config.cameras.filter(({ name }) => name !== OVERVIEW);
+  // The overview is large from the first picture on, even if nothing has offered it yet.
+  const all = { ...config, cameras: [{ name: OVERVIEW, topic }, ...others], hidden_cameras: [], main_camera: OVERVIEW };
+  const canvas = /** @type {HTMLCanvasElement} */ (byId("picture"));
+  const named = (/** @type {string} */ name) => setText(byId("camera-name"), name);
+  const cameras = new Cameras(all, canvas, byId("thumbnails"), named, given);
+  cameras.start();
+  return cameras;
+}
+
+/** @param {number | null} angle  rad */
+const degrees = (angle) => (angle === null ? "–" : `${fixed((angle * 180) / Math.PI, 0)}°`);
+
+async function start() {
+  const status = new StatusView(LOG_LINES);
+  const attitude = new AttitudeView();
+  const config = await waitForConfig(given);
+  const topic = (/** @type {string} */ name) => `${config.namespace}/${name}`;
+  const cameras = startCameras(config);
+  const warn = (/** @type {string} */ sentence) => status.warn(sentence);
+  const log = (/** @type {string} */ sentence, alarm = false) => status.log(sentence, alarm);
+
+  const bridge = new Bridge(() => locateBridge(given), {
+    opened: () => {
+      status.log("connected");
+      roster.connected();
+      scenes.list();
+      overview.connected();
+    },
+    lost: (reason) => {
+      status.forgetSim();
+      roster.disconnected();
+      status.setLinkBand("Connection lost. Reconnecting …");
+      status.log(`connection lost: ${reason}`, true);
+    },
+    refused: (sentence) => status.warn(`bridge: ${sentence}`),
+  });
+  const roster = new Roster(bridge, topic, log, warn);
+  const scenes = new SceneChooser(bridge, topic, log, warn);
+  const overview = new OverviewControl(bridge, topic, () => cameras.main.camera);
+
+  /** @type {any} */
+  let sim = null;
+
+  /**
+   * @param {string} service
+   * @param {object} [args]
+   */
+  const call = async (service, args = {}) => {
+    try {
+      const answer = await bridge.call(topic(service), args);
+      if (answer.success === false) status.warn(answer.message);
+    } catch (error) {
+      status.warn(`${service}: ${/** @type {Error} */ (error).message}`);
+    }
+  };
+  const setEstop = (/** @type {boolean} */ data) => {
+    if (!bridge.publish(topic("e_stop"), { data })) status.warn("not connected: e-stop was NOT sent");
+  };
+
+  onClick(byId("pause"), () => call(sim?.paused ? "sim/unpause" : "sim/pause"));
+  onClick(byId("step"), () => call("sim/step", { steps: Math.round(STEP / (sim?.step_size || 0.002)) }));
+  onClick(byId("reset"), async () => {
+    if (await ask("Reset the scene? The robot and everything else go back to where they began.", "reset")) call("sim/reset");
+  });
+  onClick(byId("estop"), () => setEstop(true));
+  onClick(byId("release"), async () => {
+    if (await ask("Release the e-stop? The robot obeys again, with the next new press.", "release")) setEstop(false);
+  });
+  window.addEventListener("keydown", (event) => {
+    if (event.key === "Escape" && !event.repeat) setEstop(true);
+  });
+  const link = /** @type {HTMLAnchorElement} */ (byId("console-link"));
+  link.href = `/?${given}`;
+
+  bridge.advertise(topic("e_stop"), TYPES.bool, { latch: true });
+  const listen = (
+    /** @type {string} */ name,
+    /** @type {string} */ type,
+    /** @type {(message: any) => void} */ heard,
+    throttle = 0,
+  ) => bridge.subscribe({ topic: topic(name), type, throttle, heard });
+  listen("sim/status", TYPES.simStatus, (message) => {
+    sim = message;
+    status.setSim(message);
+    scenes.setStatus(message);
+    setText(byId("pause"), message.paused ? "▶ continue" : "❚❚ pause");
+    /** @type {HTMLButtonElement} */ (byId("step")).disabled = !message.paused;
+    const late = message.late_cycles > 0 ? ` · ${message.late_cycles} late cycles` : "";
+    setText(byId("sim-note"), `${message.resets} resets${late}`);
+  });
+  listen(STABILITY.topic, STABILITY.type, (stability) => {
+    attitude.set(stability);
+    setText(byId("robot-roll"), degrees(stability.roll));
+    setText(byId("robot-pitch"), degrees(stability.pitch));
+    setText(byId("robot-margin"), `${Math.round(100 * Math.max(0, stability.margin ?? 0))} %`);
+  }, DISPLAY_PERIOD);
+  listen("sim/base_pose", "geometry_msgs/PoseStamped", (message) => {
+    overview.setRobot(message);
+    const { position, orientation: { x, y, z, w } } = message.pose;
+    setText(byId("robot-place"), `${fixed(position.x, 1)} ${fixed(position.y, 1)} m`);
+    setText(byId("robot-heading"), degrees(Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))));
+  }, DISPLAY_PERIOD);
+  listen("track_controller/odom", "nav_msgs/Odometry", ({ twist }) => {
+    setText(byId("robot-speed"), `${fixed(twist.twist.linear.x, 2)} m/s`);
+  }, DISPLAY_PERIOD);
+  for (const node of JOINT_NODES) {
+    listen(`${node}/status`, TYPES.jointStatus, (report) => status.logComplaint(node, report.message), DISPLAY_PERIOD);
+  }
+  listen(`${TRACK_NODE}/status`, TYPES.trackStatus, (report) => status.logComplaint(TRACK_NODE, report.message), DISPLAY_PERIOD);
+  bridge.subscribe({
+    topic: "/rosout_agg", type: "rosgraph_msgs/Log", throttle: 0, heard: ({ level, name, msg }) => {
+      if (level >= WARN) status.log(`${name.replace(`${config.namespace}/`, "")}: ${msg}`, true);
+    },
+  });
+  roster.subscribe();
+  overview.subscribe();
+
+  setInterval(() => {
+    status.showLink(bridge);
+    status.showSim();
+    status.showVideo(cameras.main);
+    status.fade();
+    attitude.fade();
+    cameras.refresh();
+    overview.refresh();
+  }, DISPLAY_PERIOD);
+  bridge.start();
+}
+
+start();

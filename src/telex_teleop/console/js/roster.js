@@ -1,0 +1,167 @@
+// @ts-check
+/** Who is connected to the bridge and who has control, with what an instructor may do about it. */
+
+import { ask } from "./ask.js";
+import { onClick } from "./buttons.js";
+import { byId, element, setText } from "./panels.js";
+
+const TYPE = "telex_msgs/BridgeClients";
+const NOBODY = "";
+
+/** @param {number} seconds */
+function age(seconds) {
+  if (seconds < 60) return `${Math.max(0, Math.floor(seconds))} s`;
+  if (seconds < 3600) return `${Math.floor(seconds / 60)} min`;
+  return `${Math.floor(seconds / 3600)} h ${Math.floor((seconds % 3600) / 60)}`;
+}
+
+/** @param {{secs: number, nsecs: number}} time */
+const seconds = ({ secs, nsecs }) => secs + 1e-9 * nsecs;
+
+/** A client's line; it stays the same element, so that a click on it is not lost. */
+class Line {
+  /** @param {() => void} give */
+  constructor(give) {
+    this.row = document.createElement("tr");
+    this._cells = Array.from({ length: 5 }, () => this.row.appendChild(document.createElement("td")));
+    this._button = /** @type {HTMLButtonElement} */ (element("button", "small", "hand over"));
+    this._button.type = "button";
+    this._button.tabIndex = -1;
+    onClick(this._button, give);
+    this._holds = element("span", "holds", "● has it");
+    this._cells[4].append(this._button, this._holds);
+  }
+
+  /**
+   * @param {any} client   telex_msgs/BridgeClient
+   * @param {boolean} isThis
+   * @param {number} now   s
+   */
+  show(client, isThis, now) {
+    const [name, role, from, since] = this._cells;
+    const dropped = client.dropped_commands > 0 ? ` · ${client.dropped_commands} dropped` : "";
+    setText(name, `${client.name || `client ${client.id}`}${isThis ? " (you)" : ""}${dropped}`);
+    name.title = `client ${client.id}${dropped}`;
+    setText(role, client.role);
+    setText(from, client.address);
+    setText(since, age(now - seconds(client.connected_since)));
+    this.row.dataset.client = client.id;
+    this.row.dataset.holds = String(client.in_control);
+    this._button.hidden = client.in_control || isThis;
+    this._holds.hidden = !client.in_control;
+  }
+}
+
+export class Roster {
+  /**
+   * @param {import("./bridge.js").Bridge} bridge
+   * @param {(name: string) => string} topic
+   * @param {(sentence: string, alarm?: boolean) => void} log
+   * @param {(sentence: string) => void} warn
+   */
+  constructor(bridge, topic, log, warn) {
+    this._bridge = bridge;
+    this._topic = topic;
+    this._log = log;
+    this._warn = warn;
+    /** This page's id; null: not known. @type {string | null} */
+    this._id = null;
+    this._holder = NOBODY;
+    /** @type {any[]} */
+    this._clients = [];
+    /** @type {Map<string, Line>} */
+    this._lines = new Map();
+    onClick(byId("take"), () => this._take());
+    onClick(byId("give-up"), () => this._do("release_control", {}, "control is released"));
+    this._show();
+  }
+
+  subscribe() {
+    this._bridge.subscribe({
+      topic: this._topic("bridge/clients"), type: TYPE, throttle: 0, heard: (message) => this._hear(message),
+    });
+  }
+
+  /** Ask, after every new connection, who this page is. */
+  async connected() {
+    try {
+      this._id = (await this._bridge.call(this._topic("bridge/who_am_i"), {})).message;
+    } catch (error) {
+      this._warn(/** @type {Error} */ (error).message);
+    }
+    this._show();
+  }
+
+  disconnected() {
+    this._id = null;
+    this._holder = NOBODY;
+    this._clients = [];
+    this._show();
+  }
+
+  /** @param {string} id */
+  _nameOf(id) {
+    return this._clients.find((client) => client.id === id)?.name || `client ${id}`;
+  }
+
+  /** @param {any} message  telex_msgs/BridgeClients */
+  _hear({ header, holder, clients }) {
+    const before = this._holder;
+    this._holder = holder;
+    this._clients = clients;
+    if (holder !== before) this._log(holder === NOBODY ? "nobody has control" : `${this._nameOf(holder)} has control`);
+    this._show(seconds(header.stamp));
+  }
+
+  async _take() {
+    const other = this._holder !== NOBODY && this._holder !== this._id;
+    if (other && !(await ask(`Take control from ${this._nameOf(this._holder)}? What moves stops.`, "take over"))) return;
+    await this._do("take_control", {}, "you have control");
+  }
+
+  /** @param {string} id */
+  async _give(id) {
+    const from = this._holder !== NOBODY && this._holder !== this._id ? ` It is taken from ${this._nameOf(this._holder)}.` : "";
+    if (!(await ask(`Give control to ${this._nameOf(id)}?${from} What moves stops.`, "hand over"))) return;
+    await this._do("hand_over", { client: id }, `control is given to ${this._nameOf(id)}`);
+  }
+
+  /**
+   * @param {string} service
+   * @param {object} args
+   * @param {string} done  What to log when it is.
+   */
+  async _do(service, args, done) {
+    try {
+      const answer = await this._bridge.call(this._topic(`bridge/${service}`), args);
+      if (answer.success) this._log(done);
+      else this._warn(answer.message);
+    } catch (error) {
+      this._warn(/** @type {Error} */ (error).message);
+    }
+  }
+
+  /** @param {number} [now]  Of the bridge's clock (s). */
+  _show(now = 0) {
+    const gone = new Set(this._lines.keys());
+    for (const client of this._clients) {
+      gone.delete(client.id);
+      let line = this._lines.get(client.id);
+      if (line === undefined) {
+        line = new Line(() => this._give(client.id));
+        this._lines.set(client.id, line);
+        byId("roster").append(line.row);
+      }
+      line.show(client, client.id === this._id, now);
+    }
+    for (const id of gone) {
+      this._lines.get(id)?.row.remove();
+      this._lines.delete(id);
+    }
+    const isMine = this._holder !== NOBODY && this._holder === this._id;
+    byId("control").dataset.state = this._holder === NOBODY ? "free" : isMine ? "mine" : "other";
+    setText(byId("control-holder"), this._holder === NOBODY ? "free" : isMine ? "you" : this._nameOf(this._holder));
+    /** @type {HTMLButtonElement} */ (byId("take")).disabled = this._id === null || isMine;
+    /** @type {HTMLButtonElement} */ (byId("give-up")).disabled = !isMine;
+  }
+}

@@ -1,0 +1,106 @@
+// @ts-check
+/** The scenes that the simulator has, and another one in place of the present one. */
+
+import { ask } from "./ask.js";
+import { onClick } from "./buttons.js";
+import { byId, element, setText } from "./panels.js";
+
+const WITHIN = 60_000; // ms in which a scene must be loaded
+const PROGRESS_PERIOD = 100; // ms
+
+export class SceneChooser {
+  /**
+   * @param {import("./bridge.js").Bridge} bridge
+   * @param {(name: string) => string} topic
+   * @param {(sentence: string, alarm?: boolean) => void} log
+   * @param {(sentence: string) => void} warn
+   */
+  constructor(bridge, topic, log, warn) {
+    this._bridge = bridge;
+    this._topic = topic;
+    this._log = log;
+    this._warn = warn;
+    this._isLoading = false;
+    /** What the simulator said last. */
+    this._world = "";
+    this._listed = "";
+  }
+
+  /** Ask which scenes there are. */
+  async list() {
+    try {
+      const answer = await this._bridge.call(this._topic("sim/list_scenes"), {});
+      this._fill(answer.scenes, answer.current);
+    } catch (error) {
+      this._warn(`the scenes cannot be listed: ${/** @type {Error} */ (error).message}`);
+    }
+  }
+
+  /** @param {any} status  telex_msgs/SimStatus */
+  setStatus({ world }) {
+    setText(byId("scene-name"), world);
+    // Somebody else may have loaded it.
+    if (this._world !== "" && world !== this._world) this.list();
+    this._world = world;
+  }
+
+  /**
+   * @param {any[]} scenes    telex_msgs/SceneFile
+   * @param {string} current  Path of the one that is loaded.
+   */
+  _fill(scenes, current) {
+    const listed = JSON.stringify([scenes, current]);
+    if (listed === this._listed) return;
+    this._listed = listed;
+    // What is loaded comes first, where it is seen without scrolling.
+    const sorted = [...scenes].sort((a, b) => Number(b.path === current) - Number(a.path === current));
+    byId("scenes").replaceChildren(...sorted.map((scene) => {
+      const line = element("li");
+      line.dataset.scene = scene.name;
+      line.dataset.loaded = String(scene.path === current);
+      const button = /** @type {HTMLButtonElement} */ (element("button", "small", scene.path === current ? "load anew" : "load"));
+      button.type = "button";
+      button.tabIndex = -1;
+      button.disabled = scene.problem !== "";
+      onClick(button, () => this._load(scene.name));
+      line.append(element("b", "", scene.name), button, element("p", scene.problem ? "problem" : "", scene.problem || scene.description));
+      line.title = `${scene.description}\n${scene.path}`;
+      return line;
+    }));
+  }
+
+  /** @param {string} name */
+  async _load(name) {
+    if (this._isLoading) return;
+    if (!(await ask(`Load ${name}? The robot starts anew there, and what was done in ${this._world || "this scene"} is lost.`, "load"))) return;
+    this._isLoading = true;
+    const begun = performance.now();
+    const showProgress = () => this._note(`loading ${name} … ${((performance.now() - begun) / 1000).toFixed(1)} s`, true);
+    showProgress();
+    const timer = setInterval(showProgress, PROGRESS_PERIOD);
+    try {
+      const answer = await this._bridge.call(this._topic("sim/load_scene"), { world: name }, WITHIN);
+      if (answer.success) this._log(answer.message);
+      else this._warn(answer.message);
+      this._note(answer.success ? answer.message : "refused");
+    } catch (error) {
+      const reason = /** @type {Error} */ (error).message;
+      this._warn(`${name} is not loaded: ${reason}`);
+      this._note("not loaded");
+    } finally {
+      clearInterval(timer);
+      this._isLoading = false;
+      await this.list();
+    }
+  }
+
+  /**
+   * @param {string} text
+   * @param {boolean} [isBusy]
+   */
+  _note(text, isBusy = false) {
+    setText(byId("scene-note"), text);
+    byId("scene-note").classList.toggle("busy", isBusy);
+    byId("scene-progress").hidden = !isBusy;
+  }
+}

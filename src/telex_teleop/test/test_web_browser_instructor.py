@@ -1,0 +1,275 @@
+"""The instructor's page in headless Chromium."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.actions.wheel_input import ScrollOrigin
+from selenium.webdriver.common.keys import Keys
+from test_web_browser import ESTOP, OTHER, THUMBNAILS, Page, robot, ros
+from web_harness import wait_until
+
+# the fixtures of the console's tests, started anew for this file
+__all__ = ["robot", "ros"]
+
+pytestmark = [pytest.mark.ros, pytest.mark.browser]
+
+VIEW = "/telex/cameras/overview/view"
+HALL = {"name": "hall", "description": "A large hall.", "path": "/scenes/hall.yaml"}
+YARD = {"name": "yard", "description": "A step and a crate.", "path": "/scenes/yard.yaml"}
+BROKEN = {"name": "broken", "path": "/scenes/broken.yaml", "problem": "no YAML"}
+LOADED = {"success": True, "message": "scene yard: 2 objects in 0.10 s"}
+REFUSED = {"success": False, "message": "yard.yaml: objects[0]: type is 'unicorn'"}
+
+
+class Simulator:
+    """Plays the simulator's services."""
+
+    def __init__(self, robot):
+        self.robot = robot
+        self.probe = robot.probe
+        for name in ("pause", "unpause", "reset"):
+            self.serve(name, "std_srvs/Empty")
+        self.serve("step", "telex_msgs/Step", success=True)
+        scenes = [HALL, YARD, BROKEN]
+        self.serve("list_scenes", "telex_msgs/ListScenes", scenes=scenes, current=HALL["path"])
+        self.probe.subscribe(VIEW, "telex_msgs/OverviewView")
+        self.tell()
+
+    def serve(self, name, kind, delay=0.0, **response):
+        service = f"/telex/sim/{name}"
+        self.probe.do("serve", service=service, type=kind, response=response, delay=delay)
+
+    def tell(self, **changes):
+        self.robot.publish_sim(world="hall", step_size=0.002, resets=3, **changes)
+
+    def asked(self, name):
+        """Requests of a service so far."""
+        return self.probe.requests_of(f"/telex/sim/{name}")
+
+
+@pytest.fixture(scope="module")
+def simulator(robot):
+    return Simulator(robot)
+
+
+@pytest.fixture(scope="module")
+def page(ros, simulator, tmp_path_factory):
+    start = {"mode": "orbit", "azimuth": 1.0, "elevation": 0.5, "distance": 4.0}
+    ros.master.setParam("/telex/cameras/overview/start", {**start, "center": [0.0, 0.0, 0.2]})
+    _, url = ros.serve("video_server")
+    ros.serve("rosbridge")
+    page = Page(f"{url}/instructor", tmp_path_factory.mktemp("profile"))
+    try:
+        page.resize(1280, 720)
+        page.load()
+        yield page
+    finally:
+        page.driver.quit()
+
+
+def answer(page, button):
+    """Press a button of the question that is open."""
+    wait_until(lambda: page.element("#ask").is_displayed())
+    sentence = page.text("ask-sentence")
+    page.element(f"#ask-{button}").click()
+    wait_until(lambda: not page.element("#ask").is_displayed())
+    return sentence
+
+
+def test_overview_and_all_cameras_are_live(page):
+    wait_until(lambda: page.attribute("view", "data-state") == "live", 20.0)
+    assert page.text("camera-name") == "overview"
+    wait_until(
+        lambda: sorted(page.thumbnails())
+        == [[camera, "live"] for camera in sorted([*THUMBNAILS, "front"])],
+        20.0,
+    )
+    wait_until(lambda: page.text("sim-state") == "running")
+    assert page.text("scene-name") == "hall"
+    page.thumbnail("front").click()
+    assert page.text("camera-name") == "front"
+    assert not page.element("#view-modes").is_displayed()
+    page.thumbnail("overview").click()
+    wait_until(lambda: page.element("#view-modes").is_displayed())
+    assert page.errors() == []
+    assert page.hosts() == {"127.0.0.1"}
+
+
+def test_dragging_and_the_wheel_send_the_camera_about(simulator, page):
+    heard = simulator.probe.heard[VIEW]
+    wait_until(lambda: page.text("view-hint") == "orbit · 4.0 m")
+    picture = page.element("#picture")
+    actions = ActionChains(page.driver)
+    actions.click_and_hold(picture).move_by_offset(100, 50).release().perform()
+    wait_until(lambda: heard and heard[-1][1]["azimuth"] == pytest.approx(1.0 - 0.6))
+    view = heard[-1][1]
+    assert view["elevation"] == pytest.approx(0.5 + 0.3)
+    assert (view["mode"], view["distance"], view["center"]["z"]) == ("orbit", 4.0, 0.2)
+    ActionChains(page.driver).scroll_from_origin(
+        ScrollOrigin.from_element(picture), 0, 200
+    ).perform()
+    wait_until(lambda: heard[-1][1]["distance"] == pytest.approx(4.0 * math.exp(0.24)))
+    before = heard[-1][1]
+    actions = ActionChains(page.driver)
+    actions.key_down(Keys.SHIFT).click_and_hold(picture).move_by_offset(100, 0).release()
+    actions.key_up(Keys.SHIFT).perform()
+    wait_until(lambda: heard[-1][1]["center"] != before["center"])
+    moved = heard[-1][1]
+    assert moved["azimuth"] == before["azimuth"]
+    # As if the ground were dragged to the right: the point goes to the camera's left.
+    way = 0.16 * before["distance"]
+    assert moved["center"]["x"] == pytest.approx(way * math.sin(0.4))
+    assert moved["center"]["y"] == pytest.approx(-way * math.cos(0.4))
+
+
+def test_another_mode_keeps_the_place_of_the_camera(simulator, page):
+    heard = simulator.probe.heard[VIEW]
+    half = math.sqrt(0.5)
+    pose = {"position": {"x": 2.0, "y": 1.0}, "orientation": {"z": half, "w": half}}
+    base_pose = {"pose": pose}
+    simulator.probe.publish("/telex/sim/base_pose", "geometry_msgs/PoseStamped", base_pose, rate=10)
+    wait_until(lambda: page.text("robot-place") == "2.0 1.0 m")
+    assert page.text("robot-heading") == "90°"
+    before = heard[-1][1]
+    page.element('[data-view="fixed"]').click()
+    wait_until(lambda: heard[-1][1]["mode"] == "fixed")
+    fixed = heard[-1][1]
+    assert fixed["azimuth"] == before["azimuth"]
+    assert fixed["center"]["x"] == pytest.approx(before["center"]["x"] + 2.0)
+    assert fixed["center"]["y"] == pytest.approx(before["center"]["y"] + 1.0)
+    page.element('[data-view="follow"]').click()
+    wait_until(lambda: heard[-1][1]["mode"] == "follow")
+    follow = heard[-1][1]
+    assert follow["azimuth"] == pytest.approx(before["azimuth"] - math.pi / 2)
+    assert follow["center"] == pytest.approx({"x": 0.0, "y": 0.0, "z": 0.3})
+
+
+def test_pause_step_and_reset(simulator, page):
+    assert not page.element("#step").is_enabled()
+    page.element("#pause").click()
+    wait_until(lambda: simulator.asked("pause"))
+    simulator.tell(paused=True)
+    wait_until(lambda: page.text("sim-state") == "PAUSED")
+    page.element("#step").click()
+    wait_until(lambda: simulator.asked("step") == [{"steps": 50}])
+    page.element("#pause").click()
+    wait_until(lambda: simulator.asked("unpause"))
+    simulator.tell()
+    page.element("#reset").click()
+    assert "Reset the scene?" in answer(page, "no")
+    page.element("#reset").click()
+    answer(page, "yes")
+    wait_until(lambda: simulator.asked("reset"))
+    assert len(simulator.asked("reset")) == 1
+
+
+def test_a_scene_is_loaded_once_that_is_confirmed(simulator, page):
+    def scenes():
+        return page.script(
+            "return [...document.querySelectorAll('#scenes li')]"
+            ".map(({dataset}) => [dataset.scene, dataset.loaded])"
+        )
+
+    wait_until(lambda: scenes() == [["hall", "true"], ["yard", "false"], ["broken", "false"]])
+    assert "A step and a crate." in page.element('[data-scene="yard"]').text
+    assert not page.element('[data-scene="broken"] button').is_enabled()
+    simulator.serve("load_scene", "telex_msgs/LoadScene", delay=0.5, **LOADED)
+    page.element('[data-scene="yard"] button').click()
+    assert answer(page, "no").startswith("Load yard? The robot starts anew")
+    page.element('[data-scene="yard"] button').click()
+    answer(page, "yes")
+    wait_until(lambda: page.element("#scene-progress").is_displayed())
+    assert page.text("scene-note").startswith("loading yard … ")
+    simulator.serve(
+        "list_scenes", "telex_msgs/ListScenes", scenes=[HALL, YARD], current="/scenes/yard.yaml"
+    )
+    wait_until(lambda: page.text("scene-note") == LOADED["message"])
+    assert simulator.asked("load_scene") == [{"world": "yard"}]
+    assert not page.element("#scene-progress").is_displayed()
+    wait_until(lambda: scenes() == [["yard", "true"], ["hall", "false"]])
+
+
+def test_a_scene_that_is_refused_says_why(simulator, page):
+    simulator.serve("load_scene", "telex_msgs/LoadScene", **REFUSED)
+    page.element('[data-scene="yard"] button').click()
+    answer(page, "yes")
+    wait_until(lambda: REFUSED["message"] in page.text("log"))
+    assert page.text("scene-note") == "refused"
+
+
+def test_the_e_stop_is_set_at_once_and_released_once_that_is_confirmed(simulator, robot, page):
+    page.press(Keys.ESCAPE)
+    assert robot.wait_for(ESTOP)[-1] == {"data": True}
+    simulator.tell(e_stop=True)
+    wait_until(lambda: page.element("#estop-band").is_displayed())
+    page.element("#release").click()
+    answer(page, "yes")
+    assert robot.wait_for(ESTOP, 2)[-1] == {"data": False}
+    simulator.tell()
+    wait_until(lambda: not page.element("#estop-band").is_displayed())
+
+
+def row(page, name):
+    """Texts of the line of a client; raises LookupError while there is none."""
+    rows = page.script(
+        "return [...document.querySelectorAll('#roster tr')]"
+        ".map((row) => [...row.cells].map((cell) => cell.innerText.trim()))"
+    )
+    return {cells[0]: cells[1:] for cells in rows}[name]
+
+
+def test_who_is_connected_and_who_gets_control(ros, page):
+    wait_until(lambda: row(page, "instructor (you)")[0] == "instructor")
+    assert page.text("control-holder") == "free"
+    url = f"{ros.param('/telex/rosbridge/url')}?name=Ann"
+    assert page.driver.execute_async_script(OTHER, url)
+    wait_until(lambda: row(page, "Ann")[:2] == ["watcher", "127.0.0.1"])
+    ask = "const [name, done] = arguments; other.ask(name).then(done)"
+    assert page.driver.execute_async_script(ask, "take_control")
+    wait_until(lambda: page.text("control-holder") == "Ann")
+    assert row(page, "Ann")[0] == "operator"
+    page.element("#take").click()
+    assert answer(page, "yes") == "Take control from Ann? What moves stops."
+    wait_until(lambda: page.text("control-holder") == "you")
+    button = '#roster tr[data-holds="false"] button'
+    page.element(button).click()
+    assert answer(page, "yes").startswith("Give control to Ann?")
+    wait_until(lambda: row(page, "Ann")[3] == "● has it")
+    page.element("#take").click()
+    answer(page, "yes")
+    wait_until(lambda: page.element("#give-up").is_enabled())
+    page.element("#give-up").click()
+    wait_until(lambda: page.text("control-holder") == "free")
+    page.script("other.close()")
+    wait_until(lambda: len(page.driver.find_elements("css selector", "#roster tr")) == 1)
+
+
+def test_warnings_of_nodes_are_logged(simulator, page):
+    message = {"level": 4, "name": "/telex/arm_teleop", "msg": "the arm is held"}
+    simulator.probe.publish("/rosout_agg", "rosgraph_msgs/Log", message, rate=5)
+    wait_until(lambda: "/arm_teleop: the arm is held" in page.text("log"))
+
+
+@pytest.mark.parametrize("size", [(1280, 720), (1920, 1080)])
+def test_nothing_is_cut_off(page, size):
+    page.resize(*size)
+    outside = page.script("""
+        const inside = ({left, top, right, bottom}) =>
+          left >= -1 && top >= -1 && right <= innerWidth + 1 && bottom <= innerHeight + 1;
+        const parts = "main .card, .view, .thumbnail, header > *, footer > *";
+        return [...document.querySelectorAll(parts)]
+          .filter((each) => each.offsetParent !== null && !inside(each.getBoundingClientRect()))
+          .map(({id, className}) => `${id} ${className}`);
+    """)
+    assert outside == []
+    page.resize(1280, 720)
+
+
+def test_a_lost_bridge_is_said(ros, page):
+    ros.stop(ros.processes[-1])
+    wait_until(lambda: "Connection lost" in page.text("link-band"))
+    assert page.element("#link-band").is_displayed()
+    assert page.text("sim-state") == "NO STATUS"

@@ -1,0 +1,195 @@
+"""When operator, browser, bridge or network fail while a key is held: the tracks stop, and stay so.
+
+From the key in a real browser to the command for the track controller, with the real bridge and
+the real track node between.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import time
+
+import pytest
+from test_web_browser import ARM_JOINTS, DRIVE, POSITIONS, page, robot, ros
+from web_harness import wait_until
+
+from telex_control.private_master import descendants
+
+# the fixtures of the console's other tests, started anew for this file
+__all__ = ["page", "robot", "ros"]
+
+pytestmark = [pytest.mark.ros, pytest.mark.browser]
+
+TRACKS = "/telex/track_controller/cmd_vel"
+PULSE = "front_left_track_joint"
+
+
+class Tracks:
+    """The commands that reach the track controller."""
+
+    def __init__(self, ros, robot):
+        self.probe = robot.probe
+        self.probe.subscribe(TRACKS, "geometry_msgs/Twist")
+        names = [*ARM_JOINTS, PULSE]
+        states = {"name": names, "position": [*POSITIONS[: len(ARM_JOINTS)], 0.0]}
+        self.probe.publish("/telex/joint_states", "sensor_msgs/JointState", states, rate=100)
+        ros.start_node("track_teleop", "__name:=track_teleop")
+
+    def speeds(self):
+        return [command["linear"]["x"] for command in self.probe.messages(TRACKS)]
+
+    def run(self):
+        return self.speeds()[-1:] == [1.2]
+
+    def stand(self):
+        return self.speeds()[-1:] == [0.0]
+
+    def stay(self, period=0.4):
+        """Tell whether they are told to stand for a while (s), or told nothing."""
+        told = len(self.speeds())
+        time.sleep(period)
+        return self.stand() and set(self.speeds()[told:]) <= {0.0}
+
+
+@pytest.fixture(scope="module")
+def tracks(ros, robot, page):
+    tracks = Tracks(ros, robot)
+    # The page has to know how fast the tracks may run, and the node who sends commands.
+    wait_until(lambda: drives(page, tracks), 20.0, 0.3)
+    return tracks
+
+
+def drives(page, tracks):
+    with page.hold("w"), contextlib.suppress(AssertionError):
+        wait_until(tracks.run, 0.5)
+    with contextlib.suppress(AssertionError):
+        wait_until(tracks.stand, 0.5)
+        return 1.2 in tracks.speeds()
+    return False
+
+
+@pytest.fixture(autouse=True)
+def clean(tracks):
+    tracks.probe.heard[TRACKS].clear()
+
+
+def processes(page, *, kind=None):
+    """Process ids of the browser: all, the pages', or its main one."""
+    commands = {}
+    for pid in descendants(page.driver.service.process.pid):
+        with contextlib.suppress(OSError), open(f"/proc/{pid}/cmdline") as file:
+            commands[pid] = file.read()
+    if kind == "page":
+        return [pid for pid, command in commands.items() if "--type=renderer" in command]
+    if kind == "main":
+        commands = {pid: each for pid, each in commands.items() if "--type=" not in each}
+        return [pid for pid, command in commands.items() if "--user-data-dir=" in command]
+    return list(commands)
+
+
+@contextlib.contextmanager
+def stopped(pids):
+    """Let processes stand still."""
+    for pid in pids:
+        os.kill(pid, signal.SIGSTOP)
+    try:
+        yield
+    finally:
+        for pid in pids:
+            os.kill(pid, signal.SIGCONT)
+
+
+def say_again(page):
+    """A keyboard repeats a key that is held."""
+    event = "new KeyboardEvent('keydown', {code: 'KeyW', repeat: true})"
+    page.script(f"window.dispatchEvent({event})")
+
+
+def test_a_page_that_was_stopped_moves_nothing_until_a_new_press(page, tracks):
+    with page.hold("w"):
+        wait_until(tracks.run)
+        # A press of now, which reaches the page when it is awake again.
+        page.script("window.late = new KeyboardEvent('keydown', {code: 'KeyW'})")
+        with stopped(processes(page, kind="page")):
+            wait_until(tracks.stand)
+            time.sleep(0.4)
+        page.script("window.dispatchEvent(late)")
+        say_again(page)
+        assert tracks.stay()
+    assert drives(page, tracks)
+
+
+def test_a_browser_that_no_longer_hears_the_keyboard_stops(page, tracks):
+    """The page runs on while the main process hangs, and would never learn that a key is let go."""
+    (main,) = processes(page, kind="main")
+    with page.hold("w"):
+        wait_until(tracks.run)
+        with stopped([main]):
+            wait_until(tracks.stand)
+            assert tracks.stay()
+        say_again(page)
+        assert tracks.stay()
+    assert "released: the browser does not answer" in page.element("#log").text
+    assert drives(page, tracks)
+
+
+def test_a_key_let_go_after_a_standstill_does_not_bring_back_the_other(robot, page, tracks):
+    with page.hold("w", "a"):
+        wait_until(tracks.run)
+        robot.probe.heard[DRIVE].clear()
+        page.script("""
+            const end = performance.now() + 600;
+            while (performance.now() < end);
+            window.dispatchEvent(new KeyboardEvent("keyup", {code: "KeyA"}));
+        """)
+        wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0)
+        assert tracks.stay()
+        told = {(each["linear"]["x"], each["angular"]["z"]) for each in robot.heard(DRIVE)}
+        assert told <= {(1.2, 1.0), (0.0, 0.0)}
+
+
+def test_commands_that_were_held_up_on_their_way_are_dropped(robot, page, tracks):
+    page.script("""
+        const send = WebSocket.prototype.send;
+        WebSocket.prototype.send = function (text) {
+          if (JSON.parse(text).op === "publish") setTimeout(() => send.call(this, text), 300);
+          else send.call(this, text);
+        };
+    """)
+    try:
+        robot.probe.heard[DRIVE].clear()
+        with page.hold("w"):
+            wait_until(lambda: "s late" in page.element("#log").text)
+            assert "released:" in page.element("#log").text
+        wait_until(lambda: robot.heard(DRIVE))
+        assert {command["linear"]["x"] for command in robot.heard(DRIVE)} == {0.0}
+        assert tracks.speeds() == []
+    finally:
+        page.load()
+    wait_until(lambda: drives(page, tracks), 10.0)
+
+
+def test_a_bridge_that_is_killed_stops_and_needs_a_new_press_when_it_is_back(ros, page, tracks):
+    with page.hold("w"):
+        wait_until(tracks.run)
+        ros.stop(ros.bridge, signal.SIGKILL)
+        wait_until(tracks.stand)
+        before = ros.param("/telex/rosbridge/url")
+        ros.bridge = ros.start_node("rosbridge", "_port:=0", "__name:=rosbridge")
+        wait_until(lambda: ros.param("/telex/rosbridge/url") != before, 20.0)
+        wait_until(lambda: page.attribute("link", "data-state") == "up", 15.0)
+        say_again(page)
+        assert tracks.stay()
+    wait_until(lambda: drives(page, tracks), 10.0)
+
+
+def test_a_browser_that_is_killed_stops(page, tracks):
+    page.down("w")
+    wait_until(tracks.run)
+    for pid in processes(page):
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(pid, signal.SIGKILL)
+    wait_until(tracks.stand)
+    assert tracks.stay()

@@ -1,0 +1,49 @@
+"""The gamepad's map as the browser gets it."""
+
+from __future__ import annotations
+
+import aiohttp
+import pytest
+from aiohttp import web
+from web_fakes import on_loop, served
+
+from telex_control.params import ConfigError
+from telex_teleop.web.maps import add_joy_map
+
+
+async def fetch(path=""):
+    app = web.Application()
+    add_joy_map(app, path)
+    async with served(app) as url, aiohttp.request("GET", f"{url}/joy_map.json") as reply:
+        assert reply.status == 200
+        return await reply.json()
+
+
+@on_loop
+async def test_the_shipped_map_is_served_as_the_robot_obeys_it():
+    served_map = await fetch()
+    assert (served_map["enable"], served_map["shift"]) == ("left_bumper", "right_bumper")
+    modes = {mode["name"]: mode for mode in served_map["modes"]}
+    assert list(modes) == ["DRIVE", "JOINT", "CARTESIAN", "CAMERA"]
+    # A scale below 0 is gone: up is the negative end of a stick, and ahead.
+    assert modes["DRIVE"]["plain"]["left_stick_y"] == {
+        "positive": {"kind": "drive", "linear": -1, "angular": 0},
+        "negative": {"kind": "drive", "linear": 1, "angular": 0},
+        "deadzone": 0.12,
+        "expo": 0.4,
+        "scale": 1.0,
+    }
+    approach = {"kind": "preset", "name": "approach"}
+    assert modes["DRIVE"]["shifted"]["dpad_up"]["action"] == approach
+    up = modes["CARTESIAN"]["plain"]["right_stick_y"]["negative"]
+    assert up == {"kind": "tool", "axis": "z", "sign": 1}
+    for mode in modes.values():
+        for layer in (mode["plain"], mode["shifted"]):
+            assert layer["left_stick"]["action"] == {"kind": "command", "name": "e-stop"}
+
+
+def test_a_wrong_map_is_refused_with_its_name(tmp_path):
+    path = tmp_path / "mine.yaml"
+    path.write_text("{description: x, enable: left_bumper, modes: [{name: DRIVE}]}")
+    with pytest.raises(ConfigError, match="mine.yaml: common/buttons: no button has .*'e-stop'"):
+        add_joy_map(web.Application(), str(path))
