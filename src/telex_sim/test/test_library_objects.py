@@ -45,7 +45,7 @@ def pull(stage, uid, link, force, at, seconds):
 
 
 FREE = ["crate", "pallet", "bin", "barrel", "briefcase", "cube", "cylinder", "bottle", "cone",
-        "source_capsule"]  # fmt: skip
+        "source_capsule", "sphere", "plate"]  # fmt: skip
 
 
 class TestRest:
@@ -160,6 +160,49 @@ class TestValve:
         made = stage(*build("valve", facing="up", height=0.7, friction=2.0))
         twist(made, "it", 0, (0.0, 0.0, 2.5), 1.0)
         assert made.objects.joint_position("it", "wheel_hinge") > 0.3
+
+    def test_a_lever_points_up_and_turns_as_a_wheel_does(self, stage):
+        made = stage(*build("valve", handle="lever", radius=0.2, friction=8.0))
+        ((uid, link, _, _, _),) = pybullet.rayTest(
+            (-0.5, 0.0, 0.98), (0.0, 0.0, 0.98), physicsClientId=made.client
+        )
+        assert (uid, link) == (made.uid("it"), 0)
+        twist(made, "it", 0, (-7.6, 0.0, 0.0), 0.5)
+        assert made.objects.joint_position("it", "wheel_hinge") == pytest.approx(0.0, abs=1e-3)
+        twist(made, "it", 0, (-8.6, 0.0, 0.0), 0.5)
+        assert made.objects.joint_position("it", "wheel_hinge") > 0.5
+
+
+class TestWedge:
+    def test_it_weighs_and_balances_as_the_wood_that_is_seen(self, stage):
+        made = stage(*build("wedge", length=0.12, width=0.06, height=0.06))
+        mass, _, moments, center, *_ = pybullet.getDynamicsInfo(
+            made.uid("it"), -1, physicsClientId=made.client
+        )
+        assert mass == pytest.approx(700.0 * 0.5 * 0.12 * 0.06 * 0.06)
+        middle, _ = pybullet.getBasePositionAndOrientation(
+            made.uid("it"), physicsClientId=made.client
+        )
+        assert middle == pytest.approx((0.02, 0.0, 0.02), abs=1e-3)
+        # Of a triangle with legs a and b about its own middle: (a^2 + b^2) / 18.
+        about_y = mass * (0.12**2 + 0.06**2) / 18.0
+        assert min(abs(moment / about_y - 1.0) for moment in moments) < 0.02
+
+    def test_its_slope_can_be_touched_where_it_is_seen(self, stage):
+        made = stage(*build("wedge"))
+        ((uid, _, _, point, _),) = pybullet.rayTest(
+            (0.03, 0.0, 0.2), (0.03, 0.0, 0.0), physicsClientId=made.client
+        )
+        assert uid == made.uid("it")
+        # PyBullet lets convex meshes be felt 1 mm before their faces.
+        assert point[2] == pytest.approx(0.045 + 1e-3 * math.sqrt(1.25), abs=1e-4)
+
+    def test_it_stays_where_it_stands(self, stage):
+        made = stage(*build("wedge"))
+        made.run(1.0)
+        (x, y, z), _ = made.pose("it/wedge")
+        assert math.hypot(x, y) < 5e-4
+        assert z == pytest.approx(1e-3, abs=1e-4)
 
 
 class TestLever:

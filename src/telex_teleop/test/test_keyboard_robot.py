@@ -8,10 +8,12 @@ from std_msgs.msg import Float64
 from telex_msgs.msg import (
     CartesianTeleopStatus,
     FlipperPresets,
+    GripperContact,
     JointTeleopStatus,
     TrackTeleopStatus,
 )
 
+from telex_teleop.keyboard.robot import ShownRobot
 from telex_teleop.operating.commander import Commands, PresetCommand
 from telex_teleop.operating.robot import Robot
 from telex_teleop.track_drive import Velocity
@@ -148,3 +150,15 @@ def test_full_rates_are_what_the_nodes_say(graph):
     assert [robot.joint("arm", name) for name in "abc"] == [0.5, None, None]
     assert robot.drive() == Velocity(1.2, 0.9)
     assert robot.tool_speed() == (0.15, 0.6)
+
+
+def test_what_slips_in_the_gripper_is_told_while_it_slips(graph):
+    robot = ShownRobot("/r")
+    tell, arm = graph.receivers["/r/sim/gripper_contact"], "/r/arm_teleop/status"
+    assert robot.arm_notice == ""
+    tell(GripperContact(object="cube_5", slipping=True, slip_speed=0.0123))
+    assert robot.arm_notice == "cube_5 slips in the gripper, 12 mm/s"
+    graph.receivers[arm](JointTeleopStatus(notice="stopped: 5 mm from floor"))
+    assert robot.arm_notice == "cube_5 slips in the gripper, 12 mm/s; stopped: 5 mm from floor"
+    tell(GripperContact(object="cube_5", slip_speed=0.0004))
+    assert robot.arm_notice == "stopped: 5 mm from floor"

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import rosgraph
 
-from telex_control.private_master import PrivateMaster
+from telex_control.private_master import DIES_WITH_US, PrivateMaster
 
 PACKAGE = Path(__file__).resolve().parents[1]
 SOURCE = PACKAGE / "src"
@@ -77,7 +77,9 @@ class Ros:
         self._master.__exit__()
 
     def start(self, command, **options):
-        process = subprocess.Popen(command, env=self.environment, start_new_session=True, **options)
+        process = subprocess.Popen(
+            [*DIES_WITH_US, *command], env=self.environment, start_new_session=True, **options
+        )
         self.processes.append(process)
         return process
 

@@ -7,6 +7,7 @@ from typing import Dict, Optional, Tuple
 
 from telex_control.params import require, require_range, require_text
 
+from .gripper_contact_config import GripperContactConfig
 from .imu_noise import ImuNoise
 from .proximity_config import ProximityConfig
 from .self_collision import SelfCollisionConfig
@@ -240,6 +241,7 @@ class RobotConfig:
     self_collision: SelfCollisionConfig = field(default_factory=SelfCollisionConfig)
     stability: StabilityConfig = field(default_factory=StabilityConfig)
     proximity: ProximityConfig = field(default_factory=ProximityConfig)
+    gripper_contact: GripperContactConfig = field(default_factory=GripperContactConfig)
 
     def __post_init__(self) -> None:
         require("/" not in self.model, f"model is '{self.model}'; it must not contain '/'")

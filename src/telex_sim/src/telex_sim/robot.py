@@ -6,7 +6,7 @@ One thread, the simulation's, owns a `Robot`; only `request_e_stop` may be calle
 from __future__ import annotations
 
 import logging
-from typing import Callable, Dict
+from typing import Callable, Dict, Optional
 from xml.etree import ElementTree
 
 from telex_control.controller_manager import ControllerManager
@@ -16,6 +16,7 @@ from telex_control.urdf_joints import joints, parse_urdf
 
 from .config import RobotConfig
 from .drives import Mode
+from .gripper_contact import GripperContacts
 from .proximity import ProximityGuard
 from .robot_hw_sim import RobotHWSim
 from .scene.model import Start
@@ -56,6 +57,8 @@ class Robot:
         Once it is placed.
     proximity : ProximityGuard
         Once it is placed.
+    gripper_contacts : GripperContacts, optional
+        Once it is placed; None without gripper.
 
     Raises
     ------
@@ -65,6 +68,7 @@ class Robot:
 
     body: Body
     proximity: ProximityGuard
+    gripper_contacts: Optional[GripperContacts]
 
     def __init__(
         self,
@@ -97,7 +101,9 @@ class Robot:
         self._joints = joints(root)
         self._positions = self.start_positions(asked_pose)
         config.proximity.check_joints(list(self._joints), config.hardware.optional_joints)
-        config.self_collision.check_links([link.get("name", "") for link in root.iter("link")])
+        links = [link.get("name", "") for link in root.iter("link")]
+        config.self_collision.check_links(links)
+        self._has_pads = config.gripper_contact.present(links, config.hardware.optional_links)
         # What was asked for last, and how often a stop was: each one is obeyed for a cycle at
         # least, even if its release follows at once.
         self._e_stop_wanted = False
@@ -186,6 +192,9 @@ class Robot:
         config = self.config
         self.body = self.load_body(world, scene_start, self._positions)
         self.proximity = ProximityGuard(self.body, config.proximity, config.self_collision)
+        self.gripper_contacts = (
+            GripperContacts(self.body, config.gripper_contact) if self._has_pads else None
+        )
         self.hw.attach(self.body)
         drives = {joint: self.hw.drive(joint) for joint in config.tracks.belts}
         self._tracks = Tracks(self.body, config.tracks, drives, self._step_size, material_of)

@@ -8,12 +8,20 @@ from typing import Callable, Optional, Tuple
 import rospy
 from geometry_msgs.msg import Point, PoseStamped, Quaternion, Vector3
 from std_msgs.msg import Bool, Header
-from telex_msgs.msg import Proximity, ProximityPair, SimStatus, Stability
+from telex_msgs.msg import (
+    GripperContact,
+    PadContact,
+    Proximity,
+    ProximityPair,
+    SimStatus,
+    Stability,
+)
 
 from telex_control.controller import ControllerState
 from telex_control.controller_manager import Strictness
 from telex_control.controller_manager_services import ControllerManagerServices
 
+from .gripper_contact import GripperContact as Contact
 from .proximity import NearPair
 from .proximity import Proximity as Near
 from .robot import Robot
@@ -52,6 +60,9 @@ class RobotPresence:
         )
         self._proximity = rospy.Publisher(
             f"{namespace}/sim/proximity", Proximity, queue_size=1, tcp_nodelay=True
+        )
+        self._gripper_contact = rospy.Publisher(
+            f"{namespace}/sim/gripper_contact", GripperContact, queue_size=1, tcp_nodelay=True
         )
         self._manager = ControllerManagerServices(robot.controllers, namespace)
         self._e_stop = rospy.Subscriber(
@@ -156,6 +167,27 @@ class RobotPresence:
             )
         )
 
+    def publish_gripper_contact(
+        self, stamp: rospy.Time, measure: Callable[[Robot], Optional[Contact]]
+    ) -> None:
+        """Publish what the gripper holds, when it has one and anybody listens."""
+        if not self._gripper_contact.get_num_connections():
+            return
+        contact = measure(self.robot)
+        if contact is None:
+            return
+        self._gripper_contact.publish(
+            GripperContact(
+                header=Header(stamp=stamp, frame_id=self.robot.body.base_link),
+                opening=contact.opening,
+                force=contact.force,
+                object=contact.object,
+                slipping=contact.slipping,
+                slip_speed=contact.slip_speed,
+                pads=[PadContact(**pad._asdict()) for pad in contact.pads],
+            )
+        )
+
     def unload_controllers(self) -> None:
         """Stop and unload all controllers, while the robot is still in the loop."""
         manager = self.robot.controllers
@@ -174,6 +206,7 @@ class RobotPresence:
         self._stability.unregister()
         self._status.unregister()
         self._proximity.unregister()
+        self._gripper_contact.unregister()
         self.robot.close()
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import logging
 import time
 from pathlib import Path
-from typing import Callable, Dict, List, Sequence, Tuple
+from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 from telex_control.controller_manager import ControllerManager
 from telex_control.node_handle import NodeHandle
@@ -17,6 +17,7 @@ from telex_control.params import ConfigError
 from telex_control.urdf_joints import UrdfError
 
 from .config import TUNED_PERIOD, RobotConfig, SimulatorConfig
+from .gripper_contact import GripperContact
 from .phase_timer import PhaseTimer
 from .proximity import Proximity
 from .robot import Robot
@@ -370,6 +371,12 @@ class Simulation:
     def proximity(self, robot: Robot) -> Proximity:
         """Return what a robot's arm is near to; what is no robot and no object is the floor."""
         return robot.proximity.measure(lambda uid: self._names.get(uid, FLOOR))
+
+    def gripper_contact(self, robot: Robot) -> Optional[GripperContact]:
+        """Return what a robot's gripper holds, with names as in `proximity`; None without one."""
+        if robot.gripper_contacts is None:
+            return None
+        return robot.gripper_contacts.measure(lambda uid: self._names.get(uid, FLOOR))
 
     def plan(self, text: str, name: str = "", folder: str = "") -> List[Assembly]:
         """Prepare an entry for `spawn`; may be called from any thread.

@@ -456,6 +456,8 @@ class SimulatorNode:
         simulation.timer.end("publish")
         self._publish_proximity()
         simulation.timer.end("proximity")
+        self._publish_gripper_contact()
+        simulation.timer.end("publish")
 
     def _publish_all(self) -> None:
         self._publish_clock()
@@ -485,6 +487,13 @@ class SimulatorNode:
             rate = presence.robot.config.proximity.rate
             if rate and presence.robot.proximity.joints and steps % self._steps_between(rate) == 0:
                 presence.publish_proximity(self._now(), self._simulation.proximity)
+
+    def _publish_gripper_contact(self) -> None:
+        steps = self._simulation.steps
+        for presence in self._presences:
+            rate = presence.robot.config.gripper_contact.rate
+            if rate and steps % self._steps_between(rate) == 0:
+                presence.publish_gripper_contact(self._now(), self._simulation.gripper_contact)
 
     def _publish_status(self) -> None:
         self._next_status = wall.monotonic() + _STATUS_PERIOD

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import List, Tuple
+from typing import List, Optional, Tuple
 
 from ..controller import ControllerInitError
+from ..gravity import GravityError, JointGravity, gravity_of
 from ..hardware_interface import EffortJointInterface, JointHandle, RobotHW
 from ..joint_limits import clamp
 from ..node_handle import NodeHandle
@@ -128,10 +129,17 @@ class GripperConfig:
 class _Joint:
     """One finger joint, and how far its reference still is from where the coupling wants it."""
 
-    __slots__ = ("gains", "handle", "offset", "ratio")
+    __slots__ = ("gains", "gravity", "handle", "offset", "ratio")
 
-    def __init__(self, handle: JointHandle, gains: JointGains, ratio: float) -> None:
+    def __init__(
+        self,
+        handle: JointHandle,
+        gains: JointGains,
+        ratio: float,
+        gravity: Optional[JointGravity],
+    ) -> None:
         self.handle = handle
+        self.gravity = gravity
         self.gains = gains
         self.ratio = ratio
         self.offset = 0.0
@@ -144,7 +152,8 @@ class ParallelGripperController(GripperCommandController):
     each pad (N). Parameters: those of `GripperCommandController`, with ``allow_stalling`` true
     (a goal that ends on an object is a grasp), ``goal_tolerance`` 0.002 m; ``max_effort`` (N) is
     required; ``left_joints`` and ``right_joints`` (base, middle, tip), ``geometry`` (see
-    `FingerGeometry`) and ``drive`` (see `GripperConfig`).
+    `FingerGeometry`) and ``drive`` (see `GripperConfig`); ``gravity_compensation`` (false) keeps
+    the fingers' own weight from the pads' force.
 
     All six joints are coupled through one angle, the mean of both base joints, which the
     reference leads; the distance between them makes the force of the pads. It is turned into
@@ -155,6 +164,7 @@ class ParallelGripperController(GripperCommandController):
     parameters = GripperCommandController.parameters | {
         "drive",
         "geometry",
+        "gravity_compensation",
         "left_joints",
         "right_joints",
     }
@@ -178,6 +188,7 @@ class ParallelGripperController(GripperCommandController):
             raise ControllerInitError(str(error)) from error
         interface = hw.get(EffortJointInterface)
         config = self._config
+        compensated = node.param("gravity_compensation", bool, False)
         self._joints: List[_Joint] = []
         for side in ("left_joints", "right_joints"):
             names = node.names_param(side)
@@ -188,7 +199,11 @@ class ParallelGripperController(GripperCommandController):
                 )
             for name, gains, ratio in zip(names, (config.base, config.middle, config.tip), RATIOS):
                 joint_description(root, name)
-                self._joints.append(_Joint(interface.get_handle(name), gains, ratio))
+                try:
+                    gravity = gravity_of(hw, root).joint(name) if compensated else None
+                except GravityError as error:
+                    raise ControllerInitError(str(error)) from error
+                self._joints.append(_Joint(interface.get_handle(name), gains, ratio, gravity))
         self._bases = (self._joints[0].handle.state, self._joints[3].handle.state)
         self._largest = self._geometry.opening(self._geometry.max_angle)
         self._reference = 0.0
@@ -237,9 +252,10 @@ class ParallelGripperController(GripperCommandController):
             joint.offset -= clamp(joint.offset, -align, align)
             place = joint.ratio * measured + joint.offset
             # The damping acts on the velocity itself: the measured angle is in the place.
-            joint.handle.command = (
-                gains.p * (place - state.position) - gains.d * state.velocity + force * lever
-            )
+            effort = gains.p * (place - state.position) - gains.d * state.velocity + force * lever
+            if joint.gravity is not None:
+                effort += joint.gravity.effort(time)
+            joint.handle.command = effort
 
     def _release(self) -> None:
         self._force = 0.0

@@ -5,6 +5,8 @@ from __future__ import annotations
 import time
 from typing import Any, Dict, Optional
 
+from telex_msgs.msg import GripperContact
+
 from telex_teleop.keyboard.screen import JointView, NodeView, ToolView, roll_pitch_yaw
 from telex_teleop.operating.robot import Robot
 from telex_teleop.track_drive import STANDSTILL, Velocity
@@ -14,6 +16,18 @@ __all__ = ["ShownRobot"]
 
 class ShownRobot(Robot):
     """A `Robot` that also says what a screen shows."""
+
+    def __init__(self, *args: Any, **options: Any) -> None:
+        super().__init__(*args, **options)
+        self._slipping = ""
+        self._listen("sim/gripper_contact", GripperContact, self._on_gripper_contact)
+
+    def _on_gripper_contact(self, message: Any) -> None:
+        self._slipping = (
+            f"{message.object} slips in the gripper, {1e3 * message.slip_speed:.0f} mm/s"
+            if message.slipping
+            else ""
+        )
 
     @property
     def tool(self) -> Optional[ToolView]:
@@ -29,9 +43,10 @@ class ShownRobot(Robot):
 
     @property
     def arm_notice(self) -> str:
-        """What there is to know of the arm's motion, empty where nothing."""
+        """What there is to know of the arm's motion and of its grip, empty where nothing."""
         status: Any = self._statuses.get("arm")
-        return "" if status is None else str(status[1].notice)
+        moving = "" if status is None else str(status[1].notice)
+        return "; ".join(filter(None, (self._slipping, moving)))
 
     @property
     def driven(self) -> Velocity:

@@ -150,7 +150,7 @@ class ScreenState:
     tool
         The tool, None before the arm's first status.
     arm_notice
-        What there is to know of the arm's motion.
+        What there is to know of the arm's motion and of its grip.
     zoom
         Zoom factor of the camera.
     lit

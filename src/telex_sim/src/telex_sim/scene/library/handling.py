@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Optional, Tuple
 
@@ -13,7 +13,19 @@ from ..model import Link, ObjectModel, SceneObject, Surface, Vector3
 from . import materials as look
 from .checks import require_color, require_each, require_elements
 from .object_type import ObjectType, single
-from .shapes import LYING_X, Parts, box, cone, cylinder, opaque, placed, seen_only, tube
+from .shapes import (
+    LYING_X,
+    Parts,
+    box,
+    cone,
+    cylinder,
+    mesh,
+    opaque,
+    placed,
+    seen_only,
+    sphere,
+    tube,
+)
 
 _ROLLING = 0.0005
 """Rolling friction of round things to be handled (m)."""
@@ -260,6 +272,119 @@ class Bottle(ObjectType):
         return single(ObjectModel((Link("bottle", self.mass, parts, 0.8, _ROLLING),)))
 
 
+@dataclass(frozen=True)
+class Sphere(ObjectType):
+    """Ball to pick.
+
+    Attributes
+    ----------
+    radius : float
+        m.
+    mass : float
+        kg.
+    color : tuple of 3 floats
+        Red, green, blue, 0 to 1.
+    friction : float
+        Of its surface.
+    """
+
+    radius: float = 0.04
+    mass: float = 0.5
+    color: Vector3 = (0.90, 0.42, 0.08)
+    friction: float = 1.0
+
+    def __post_init__(self) -> None:
+        require_range(self, "radius", 0.005, 0.5)
+        require_range(self, "mass", above=0.0)
+        require_color(self, "color")
+        require_range(self, "friction", 0.0, 2.0)
+
+    def build(self, folder: Path) -> Tuple[SceneObject, ...]:
+        """Make it; see `ObjectType.build`."""
+        r, at = self.radius, (0.0, 0.0, self.radius)
+        parts = (
+            sphere(r, at, Surface(opaque(self.color))),
+            # Shows how it turns.
+            cylinder(1.004 * r, 0.25 * r, at, look.WHITE, solid=False),
+        )
+        return single(ObjectModel((Link("sphere", self.mass, parts, self.friction, _ROLLING),)))
+
+
+@dataclass(frozen=True)
+class Wedge(ObjectType):
+    """Wedge to pick; it rises along x.
+
+    Attributes
+    ----------
+    length, width, height : float
+        Along x, y and z (m).
+    mass : float, optional
+        kg; left out, that of hardwood (700 kg/m3).
+    color : tuple of 3 floats
+        Red, green, blue, 0 to 1.
+    friction : float
+        Of its surface.
+    """
+
+    length: float = 0.12
+    width: float = 0.06
+    height: float = 0.06
+    mass: Optional[float] = None
+    color: Vector3 = (0.88, 0.74, 0.15)
+    friction: float = 1.0
+
+    def __post_init__(self) -> None:
+        require_each(self, "length width height", 0.01, 1.0)
+        require_range(self, "mass", above=0.0)
+        require_color(self, "color")
+        require_range(self, "friction", 0.0, 2.0)
+
+    def build(self, folder: Path) -> Tuple[SceneObject, ...]:
+        """Make it; see `ObjectType.build`."""
+        size = (self.length, self.width, self.height)
+        volume = 0.5 * self.length * self.width * self.height
+        mass = 700.0 * volume if self.mass is None else self.mass
+        surface = Surface(opaque(self.color), "generated:wood", 0.4)
+        # It is convex, so that what is seen can be touched as well.
+        part = replace(mesh("wedge", size, (0.0, 0.0, 0.0), surface), solid=True)
+        return single(ObjectModel((Link("wedge", mass, (part,), self.friction),)))
+
+
+@dataclass(frozen=True)
+class Plate(ObjectType):
+    """Flat plate of steel, standing on its edge or lying.
+
+    Attributes
+    ----------
+    size : tuple of 3 floats
+        Length, thickness and height as it stands: along x, y and z (m).
+    mass : float, optional
+        kg; left out, that of steel.
+    lying : bool
+        Lies on its side instead of standing.
+    friction : float
+        Of its surface.
+    """
+
+    size: Vector3 = (0.15, 0.01, 0.10)
+    mass: Optional[float] = None
+    lying: bool = False
+    friction: float = 1.0
+
+    def __post_init__(self) -> None:
+        require_elements(self, "size", 0.002, 1.5)
+        require_range(self, "mass", above=0.0)
+        require_range(self, "friction", 0.0, 2.0)
+
+    def build(self, folder: Path) -> Tuple[SceneObject, ...]:
+        """Make it; see `ObjectType.build`."""
+        x, y, z = self.size
+        mass = 7850.0 * x * y * z if self.mass is None else self.mass
+        size = (x, z, y) if self.lying else self.size
+        part = box(size, (0.0, 0.0, 0.5 * size[2]), look.STAINLESS)
+        return single(ObjectModel((Link("plate", mass, (part,), self.friction),)))
+
+
 def _laid(standing: Parts, length: float, radius: float) -> Parts:
     """Lay what stands upright along x, about the middle of its footprint."""
     return placed(standing, (-0.5 * length, 0.0, radius), LYING_X)
@@ -271,4 +396,7 @@ TYPES = {
     "cylinder": Cylinder,
     "pipe": Pipe,
     "bottle": Bottle,
+    "sphere": Sphere,
+    "wedge": Wedge,
+    "plate": Plate,
 }

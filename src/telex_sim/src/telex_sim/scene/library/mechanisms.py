@@ -39,16 +39,18 @@ from .shapes import (
 
 @dataclass(frozen=True)
 class Valve(ObjectType):
-    """Valve with a hand wheel on a pipe, which turns against friction.
+    """Valve with a hand wheel or a lever on a pipe, which turns against friction.
 
     Attributes
     ----------
     radius : float
-        Of the wheel's ring (m).
+        Of the wheel's ring, or from the axis to the end of the lever (m).
     height : float
         Of the wheel's middle over the floor (m).
     facing : str
         front: the wheel looks towards -x; up: it lies level.
+    handle : str
+        wheel or lever.
     friction : float
         Torque below which it does not turn (N m).
     turns : float
@@ -63,8 +65,10 @@ class Valve(ObjectType):
     friction: float = 5.0
     turns: float = 4.0
     start: float = 0.0
+    handle: str = "wheel"
 
     def __post_init__(self) -> None:
+        require_choice(self, "handle", ("wheel", "lever"))
         require_range(self, "radius", 0.05, 0.5)
         require_range(self, "height", 0.15, 2.5)
         require(
@@ -95,8 +99,18 @@ class Valve(ObjectType):
             damping=0.05,
         )
         body = self._body_in_front() if front else self._body_below()
-        links = (Link("body", 0.0, body), Link("wheel", 2.0, self._wheel()))
+        handle = self._wheel() if self.handle == "wheel" else self._lever()
+        links = (Link("body", 0.0, body), Link("wheel", 2.0, handle))
         return single(ObjectModel(links, (wheel,), static=True))
+
+    def _lever(self) -> Parts:
+        """Flat bar from the axis along x, in the plane z = 0."""
+        hub, bar = 0.02, (self.radius, 0.025, 0.025)
+        return (
+            cylinder(hub, 0.05, (0.0, 0.0, -0.01), look.RED_PAINT),
+            box(bar, (0.5 * self.radius, 0.0, 0.0), look.RED_PAINT),
+            cylinder(0.012, 0.012, (0.0, 0.0, 0.02), look.STEEL, solid=False),
+        )
 
     def _wheel(self) -> Parts:
         """Wheel about z, the ring in the plane z = 0."""

@@ -1,0 +1,1 @@
+"""Objects in the shipped robot's gripper: a rig that grips, lifts, shakes and carries them."""
