@@ -7,6 +7,7 @@ from typing import List, Sequence, Tuple
 
 import cv2
 import numpy as np
+from contact_sheet import captioned, sheet
 from genpy import Time
 from mobility.obstacles import Obstacle, attempt
 from mobility.offline import Trial
@@ -18,8 +19,6 @@ from telex_sim.scene.preview import Subject, photograph
 from telex_sim.scene_messages import SceneMessages
 
 SIZE = (420, 300)
-GAP, CAPTION = 6, 26
-PAPER, INK = (255, 255, 255), (40, 40, 40)
 _NEAR, _FAR, _FOV = 0.05, 100.0, 0.62
 
 
@@ -85,7 +84,7 @@ def filmstrip(
         chosen = [film.shots[round(share * last)] for share in times]
         cells = [_cell(film, *shot, side) for shot in chosen]
     path.parent.mkdir(parents=True, exist_ok=True)
-    cv2.imwrite(str(path), _sheet(cells, columns), [cv2.IMWRITE_PNG_COMPRESSION, 9])
+    cv2.imwrite(str(path), sheet(cells, columns), [cv2.IMWRITE_PNG_COMPRESSION, 9])
 
 
 def _cell(
@@ -94,21 +93,4 @@ def _cell(
     target = np.add(place, (0.0, 0.0, 0.15))
     camera = PinholeCamera(*SIZE, _FOV, _NEAR, _FAR)
     picture = photograph(film.subject(frames), camera, looking(target + side, target))
-    cell = np.full((SIZE[1] + CAPTION, SIZE[0], 3), PAPER, dtype=np.uint8)
-    cell[: SIZE[1]] = picture[..., ::-1]
-    at = (4, SIZE[1] + CAPTION - 8)
-    font = cv2.FONT_HERSHEY_SIMPLEX
-    cv2.putText(cell, f"{time:.1f} s", at, font, 0.55, INK, 1, cv2.LINE_AA)
-    return cell
-
-
-def _sheet(cells: Sequence[np.ndarray], columns: int) -> np.ndarray:
-    rows = -(-len(cells) // columns)
-    height, width = cells[0].shape[:2]
-    size = (rows * (height + GAP) + GAP, columns * (width + GAP) + GAP, 3)
-    paper = np.full(size, PAPER, dtype=np.uint8)
-    for number, cell in enumerate(cells):
-        row, column = divmod(number, columns)
-        top, left = GAP + row * (height + GAP), GAP + column * (width + GAP)
-        paper[top : top + height, left : left + width] = cell
-    return paper
+    return captioned(np.ascontiguousarray(picture[..., ::-1]), f"{time:.1f} s")

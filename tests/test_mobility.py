@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 
 import pybullet
 import pytest
-from mobility import flat, footing, hold, novice, random_commands, rough, stairs
+from mobility import by_presets, flat, footing, hold, novice, random_commands, rough, stairs
 from mobility.obstacles import Obstacle, all_obstacles, attempt
 from mobility.offline import Trial
 from mobility.scripted_operator import (
@@ -40,7 +40,7 @@ def test_a_step_is_climbed_by_presets_alone() -> None:
     block = Step(friction=0.8)
     with OBSTACLES["step 50 cm, mu 0.8"].trial() as trial:
         user = novice.Novice(trial)
-        novice.climb_step(user, block)
+        by_presets.climb_step(user, block)
         assert trial.position()[0] - 0.39 > block.edge
         assert user.operator.time < 20.0
 

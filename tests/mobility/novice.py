@@ -18,17 +18,12 @@ from telex_teleop.flipper_settings import FlipperTeleopSettings
 from telex_teleop.flipper_teleop import FlipperTeleop
 from telex_teleop.limits import limits_from_urdf
 
+from .by_presets import PresetKeys
 from .offline import Trial
-from .scripted_operator import NotManagedError, Operator
-from .stairs import SLOW, SPEED, Stairs, stand_on_landing
-from .step import Step, beyond, stand_on_top
-
-STEADY = 0.25  # m/s
-_PATIENCE = 1.5
-"""How long a novice looks at a robot that does not come on (s)."""
+from .scripted_operator import NotManagedError
 
 
-class Novice:
+class Novice(PresetKeys):
     """Holds one preset key at a time.
 
     Parameters
@@ -38,7 +33,7 @@ class Novice:
     """
 
     def __init__(self, trial: Trial) -> None:
-        self.operator: Operator = trial.operator
+        super().__init__(trial.operator)
         settings = _settings()
         axes = settings.axes(limits_from_urdf(trial.urdf, settings.joints))
         self._core = FlipperTeleop(
@@ -75,110 +70,12 @@ class Novice:
         if self._key:
             self._core.hold_preset(self._key, (), self._now)
 
-    def until(self, reached: Any, timeout: float, what: str) -> None:
-        """Go on until something is reached; see `Operator.until`."""
-        self.operator.until(reached, timeout, what, self.look)
-
-    def wait(self, seconds: float) -> None:
-        """Go on for so much sim time (s)."""
-        end = self.operator.time + seconds
-        self.until(lambda: self.operator.time >= end, 2.0 * seconds, "the time")
-
-    def work_on(self, reached: Any, timeout: float, what: str, *presets: str) -> None:
-        """Go on with the first of some presets, and with the next where the robot hangs."""
-        operator, turn = self.operator, 0
-        best, since = operator.pose.x, operator.time
-
-        def try_next() -> None:
-            nonlocal best, since, turn
-            if operator.pose.x > best + 0.02:
-                best, since = operator.pose.x, operator.time
-            elif operator.time - since > _PATIENCE:
-                turn, since = turn + 1, operator.time
-                self.hold(presets[turn % len(presets)])
-            self.look()
-
-        self.hold(presets[0])
-        operator.until(reached, timeout, what, try_next)
-
 
 def _settings() -> FlipperTeleopSettings:
     values: Dict[str, Any] = {}
     for name in ("flipper_teleop.yaml", "flipper_presets.yaml"):
         values.update(yaml.safe_load(package_file("telex_teleop", "config", name).read_text()))
     return read_config(FlipperTeleopSettings, values, "flipper_teleop")
-
-
-def climb_step(novice: Novice, step: Step) -> None:
-    """Climb a step of 50 cm by presets.
-
-    Raises
-    ------
-    NotManagedError
-    """
-    operator = novice.operator
-    novice.hold("approach")
-    operator.keep_lane(STEADY)
-    novice.until(lambda: operator.pose.rise > 0.35, 20.0, "the nose up by 20 deg")
-    novice.hold("flat")
-    novice.until(lambda: beyond(operator, step) > -0.15, 15.0, "the front over the edge")
-    novice.work_on(
-        lambda: beyond(operator, step) > 0.35 and abs(operator.pose.rise) < 0.3,
-        20.0,
-        "the rear up",
-        "climb",
-        "flat",
-    )
-    novice.hold("drive")
-    stand_on_top(operator, step, novice.look)
-
-
-def climb_stairs(novice: Novice, stairs: Stairs) -> None:
-    """Climb stairs onto the landing by presets.
-
-    Raises
-    ------
-    NotManagedError
-    """
-    operator = novice.operator
-    novice.hold("approach")
-    operator.keep_lane(STEADY)
-    novice.until(lambda: operator.pose.rise > 0.25, 20.0, "the front on the first step")
-    novice.hold("flat")
-    novice.until(lambda: operator.pose.x > stairs.crest - 0.32, 40.0, "the crest")
-    novice.work_on(
-        lambda: operator.pose.x > stairs.crest + 0.3 and abs(operator.pose.rise) < 0.2,
-        25.0,
-        "over the crest",
-        "climb",
-        "flat",
-    )
-    novice.hold("drive")
-    stand_on_landing(operator, stairs, novice.look)
-
-
-def descend_stairs(novice: Novice, stairs: Stairs) -> None:
-    """Go on from the landing down to the floor by presets.
-
-    Raises
-    ------
-    NotManagedError
-    """
-    operator = novice.operator
-    novice.hold("descend")
-    operator.keep_lane(SLOW)
-    novice.until(lambda: operator.pose.rise < -0.30, 25.0, "the front over the edge")
-    novice.hold("flat")
-    novice.until(lambda: operator.pose.x > stairs.end - 0.55, 40.0, "the last steps")
-    novice.hold("approach")
-    operator.keep_lane(SPEED)
-    novice.until(
-        lambda: operator.pose.x > stairs.end + 0.7 and abs(operator.pose.rise) < 0.15,
-        15.0,
-        "on the floor",
-    )
-    operator.stop()
-    novice.wait(0.4)
 
 
 @dataclass(frozen=True)

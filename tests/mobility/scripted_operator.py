@@ -84,6 +84,8 @@ class Operator:
         The robot's namespace.
     advance : callable
         Lets so much sim time (s) pass, and returns once its messages are there.
+    drive_topic : str
+        Where speeds go (geometry_msgs/Twist).
 
     Attributes
     ----------
@@ -95,7 +97,12 @@ class Operator:
 
     pose: Pose
 
-    def __init__(self, node: NodeHandle, advance: Callable[[float], None]) -> None:
+    def __init__(
+        self,
+        node: NodeHandle,
+        advance: Callable[[float], None],
+        drive_topic: str = "track_controller/cmd_vel",
+    ) -> None:
         self.time = 0.0
         self._node = node
         self._advance = advance
@@ -103,7 +110,7 @@ class Operator:
         self._velocity = (0.0, 0.0)
         self._lane: Optional[Tuple[float, float, float]] = None
         self._positions: Dict[str, Tuple[Publisher, float]] = {}
-        self._tracks = node.advertise("track_controller/cmd_vel", Twist)
+        self._tracks = node.advertise(drive_topic, Twist)
         node.subscribe("sim/base_pose", PoseStamped, self._on_base_pose)
         node.subscribe("joint_states", JointState, self._on_joint_states)
 
@@ -158,16 +165,20 @@ class Operator:
         NotManagedError
             The robot lies on its side or back.
         """
-        message = Twist()
-        message.linear.x, message.angular.z = self._velocity
-        if self._lane is not None:
-            message.angular.z = self._steering(*self._lane)
-        self._tracks.publish(message)
+        self._tracks.publish(self._speed())
         self._advance(TICK)
         self.time += TICK
         pose = self.pose
         if abs(pose.rise) > TIPPED or abs(pose.roll) > ROLLED:
             raise NotManagedError(f"tipped over {self.where()}")
+
+    def _speed(self) -> Twist:
+        """Return what the tracks are told now."""
+        message = Twist()
+        message.linear.x, message.angular.z = self._velocity
+        if self._lane is not None:
+            message.angular.z = self._steering(*self._lane)
+        return message
 
     def _steering(self, x: float, y: float, yaw: float) -> float:
         """Turning (rad/s) that leads back to the lane."""

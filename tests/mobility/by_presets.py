@@ -1,0 +1,133 @@
+"""Driving by preset keys alone: one is held at a time, and no flipper is moved by hand."""
+
+from __future__ import annotations
+
+import abc
+from typing import Any
+
+from .scripted_operator import Operator
+from .stairs import SLOW, SPEED, Stairs, stand_on_landing
+from .step import Step, beyond, stand_on_top
+
+STEADY = 0.25  # m/s
+_PATIENCE = 1.5
+"""How long somebody looks at a robot that does not come on (s)."""
+
+
+class PresetKeys(abc.ABC):
+    """Holds one preset key at a time.
+
+    Parameters
+    ----------
+    operator : Operator
+        Drives; the key is held at each of its looks.
+    """
+
+    def __init__(self, operator: Operator) -> None:
+        self.operator = operator
+
+    @abc.abstractmethod
+    def hold(self, preset: str) -> None:
+        """Hold a preset's key from now on; empty: let go of it."""
+
+    @abc.abstractmethod
+    def look(self) -> None:
+        """Repeat the key that is held."""
+
+    def until(self, reached: Any, timeout: float, what: str) -> None:
+        """Go on until something is reached; see `Operator.until`."""
+        self.operator.until(reached, timeout, what, self.look)
+
+    def wait(self, seconds: float) -> None:
+        """Go on for so much sim time (s)."""
+        end = self.operator.time + seconds
+        self.until(lambda: self.operator.time >= end, 2.0 * seconds, "the time")
+
+    def work_on(self, reached: Any, timeout: float, what: str, *presets: str) -> None:
+        """Go on with the first of some presets, and with the next where the robot hangs."""
+        operator, turn = self.operator, 0
+        best, since = operator.pose.x, operator.time
+
+        def try_next() -> None:
+            nonlocal best, since, turn
+            if operator.pose.x > best + 0.02:
+                best, since = operator.pose.x, operator.time
+            elif operator.time - since > _PATIENCE:
+                turn, since = turn + 1, operator.time
+                self.hold(presets[turn % len(presets)])
+            self.look()
+
+        self.hold(presets[0])
+        operator.until(reached, timeout, what, try_next)
+
+
+def climb_step(keys: PresetKeys, step: Step) -> None:
+    """Climb a step of 50 cm by presets.
+
+    Raises
+    ------
+    NotManagedError
+    """
+    operator = keys.operator
+    keys.hold("approach")
+    operator.keep_lane(STEADY)
+    keys.until(lambda: operator.pose.rise > 0.35, 20.0, "the nose up by 20 deg")
+    keys.hold("flat")
+    keys.until(lambda: beyond(operator, step) > -0.15, 15.0, "the front over the edge")
+    keys.work_on(
+        lambda: beyond(operator, step) > 0.35 and abs(operator.pose.rise) < 0.3,
+        20.0,
+        "the rear up",
+        "climb",
+        "flat",
+    )
+    keys.hold("drive")
+    stand_on_top(operator, step, keys.look)
+
+
+def climb_stairs(keys: PresetKeys, stairs: Stairs) -> None:
+    """Climb stairs onto the landing by presets.
+
+    Raises
+    ------
+    NotManagedError
+    """
+    operator = keys.operator
+    keys.hold("approach")
+    operator.keep_lane(STEADY)
+    keys.until(lambda: operator.pose.rise > 0.25, 20.0, "the front on the first step")
+    keys.hold("flat")
+    keys.until(lambda: operator.pose.x > stairs.crest - 0.32, 40.0, "the crest")
+    keys.work_on(
+        lambda: operator.pose.x > stairs.crest + 0.3 and abs(operator.pose.rise) < 0.2,
+        25.0,
+        "over the crest",
+        "climb",
+        "flat",
+    )
+    keys.hold("drive")
+    stand_on_landing(operator, stairs, keys.look)
+
+
+def descend_stairs(keys: PresetKeys, stairs: Stairs) -> None:
+    """Go on from the landing down to the floor by presets.
+
+    Raises
+    ------
+    NotManagedError
+    """
+    operator = keys.operator
+    keys.hold("descend")
+    operator.keep_lane(SLOW)
+    keys.until(lambda: operator.pose.rise < -0.30, 25.0, "the front over the edge")
+    keys.hold("flat")
+    keys.until(lambda: operator.pose.x > stairs.end - 0.55, 40.0, "the last steps")
+    keys.hold("approach")
+    operator.keep_lane(SPEED)
+    keys.until(
+        lambda: operator.pose.x > stairs.end + 0.7 and abs(operator.pose.rise) < 0.15,
+        15.0,
+        "on the floor",
+    )
+    operator.stop()
+    keys.wait(0.4)

@@ -1,0 +1,101 @@
+"""The operator's console in a headless browser."""
+
+from __future__ import annotations
+
+import contextlib
+import tempfile
+import time
+from typing import Callable, Iterator, List, Tuple
+
+from selenium import webdriver
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.by import By
+
+from .chromium import CHROMIUM, DRIVER, FLAGS
+
+_TIMEOUT = 60.0  # s
+_STEADY = 1.0
+"""How long all small pictures have to be live (s)."""
+
+
+class ConsoleError(RuntimeError):
+    """The console does not come up; the message says what is missing."""
+
+
+class Console:
+    """The page as an operator has it before him.
+
+    Parameters
+    ----------
+    driver : WebDriver
+    """
+
+    def __init__(self, driver: webdriver.Chrome) -> None:
+        self._driver = driver
+
+    def wait_until_live(self) -> None:
+        """Wait until robot and all cameras are there, and end the tour for new operators.
+
+        Raises
+        ------
+        ConsoleError
+        """
+        self._await("the link to the robot", self.is_linked)
+        with contextlib.suppress(Exception):
+            self._driver.find_element(By.ID, "tour-skip").click()
+        self._await("pictures of all cameras", lambda: all(live for _, live in self.thumbnails()))
+        time.sleep(_STEADY)
+
+    def is_linked(self) -> bool:
+        """Tell whether the page says that it is connected."""
+        return self._driver.find_element(By.ID, "link").get_attribute("data-state") == "up"
+
+    def thumbnails(self) -> List[Tuple[str, bool]]:
+        """Return the cameras of the small views, and whether they are live."""
+        found = self._driver.execute_script(
+            "return [...document.querySelectorAll('.thumbnail')]"
+            ".map(({dataset}) => [dataset.camera, dataset.state === 'live'])"
+        )
+        return [(camera, live) for camera, live in found] or [("none", False)]
+
+    @contextlib.contextmanager
+    def hold(self, key: str) -> Iterator[None]:
+        """Hold a key down."""
+        ActionChains(self._driver).key_down(key).perform()
+        try:
+            yield
+        finally:
+            ActionChains(self._driver).key_up(key).perform()
+
+    def screenshot(self) -> bytes:
+        """Return the page as PNG."""
+        return self._driver.get_screenshot_as_png()
+
+    @staticmethod
+    def _await(what: str, condition: Callable[[], bool]) -> None:
+        end = time.monotonic() + _TIMEOUT
+        while not condition():
+            if time.monotonic() > end:
+                raise ConsoleError(f"the console shows no sign of {what} within {_TIMEOUT:g} s")
+            time.sleep(0.1)
+
+
+@contextlib.contextmanager
+def opened(url: str, size: Tuple[int, int]) -> Iterator[Console]:
+    """Open the console at an address, with width and height (px)."""
+    options = webdriver.ChromeOptions()
+    options.binary_location = CHROMIUM
+    with tempfile.TemporaryDirectory(prefix="telex-chromium-") as profile:
+        for flag in (*FLAGS, f"--window-size={size[0]},{size[1]}", f"--user-data-dir={profile}"):
+            options.add_argument(flag)
+        driver = webdriver.Chrome(options=options, service=Service(DRIVER))
+        try:
+            driver.execute_cdp_cmd(
+                "Emulation.setDeviceMetricsOverride",
+                {"width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": False},
+            )
+            driver.get(url)
+            yield Console(driver)
+        finally:
+            driver.quit()

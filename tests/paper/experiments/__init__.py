@@ -1,0 +1,1 @@
+"""The experiments that need no scripted operator."""
