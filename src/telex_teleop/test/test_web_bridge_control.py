@@ -245,6 +245,21 @@ async def test_a_key_that_is_held_while_its_publisher_connects_drives_once_it_ha
     assert len(client.outbox) == 0
 
 
+@on_loop
+async def test_what_is_said_once_is_not_lost_while_its_publisher_connects():
+    bench = Bench(max_command_age=0.02, connect_timeout=5.0)
+    bench.ros.expected = 1
+    client = Client(bench)
+    lamp = "/telex/lamps/front/command"
+    client.say("advertise", topic=lamp, type="std_msgs/Float64")
+    sent = 1e3 * asyncio.get_running_loop().time()
+    client.say("publish", topic=lamp, msg={"data": 1.0}, sent=sent)
+    await asyncio.sleep(0.1)
+    bench.ros.connected = 1
+    await bench.settle()
+    assert [message.data for topic, message in bench.ros.published if topic == lamp] == [1.0]
+
+
 def test_age_is_told_by_the_quickest_message():
     age = CommandAge()
     assert age.of(100.0, 7.0) == 0.0

@@ -84,7 +84,7 @@ class CommandGate:
         CommandRefusedError
             It is a command, and not obeyed.
         CommandOverdueError
-            It is one that would have been obeyed at once. The stream may go on: what the bridge
+            It is one that moves the robot, and would have been obeyed at once. The stream may go on: what the bridge
             was late with is not the client's gap, and its next command is a fresh one.
         """
         if topic == self._access.e_stop_topic:
@@ -106,7 +106,8 @@ class CommandGate:
             self._note_refused(topic)
             raise
         self._refused.pop(topic, None)
-        if age is not None and age + waited > self._max_age:
+        # What moves nothing by itself, such as a lamp's brightness, is sent once and still wanted.
+        if kind is not None and age is not None and age + waited > self._max_age:
             self._control.count_dropped(self._member)
             raise CommandOverdueError(f"the command waited {waited:.2f} s for a subscriber")
         return True
