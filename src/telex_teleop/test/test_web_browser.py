@@ -29,6 +29,7 @@ ARM = "/telex/arm_teleop/delta_joint_cmds"
 GRIPPER = "/telex/gripper_teleop/delta_joint_cmds"
 FLIPPERS = "/telex/flipper_teleop/delta_joint_cmds"
 PRESETS = "/telex/flipper_teleop/preset_cmds"
+CONTACT = "/telex/sim/gripper_contact"
 ESTOP = "/telex/e_stop"
 NODES = ("arm_teleop", "gripper_teleop", "flipper_teleop", "track_teleop")
 ARM_JOINTS = [
@@ -409,6 +410,16 @@ def test_heading_gripper_and_link_stand_over_the_picture(page):
     wait_until(lambda: page.text("link-quality") == "link good", 20.0)
     # 0.3 rad open; 2 Nm at a lever of 0.143 m
     assert page.text("grip") == "114 mm 14 N"
+    pads = [{"link": "left_finger_tip_link", "friction_use": 0.9}, {"friction_use": 0.2}]
+    contact = {"object": "cube", "slipping": False, "pads": pads}
+    robot.probe.publish(CONTACT, "telex_msgs/GripperContact", contact, rate=10)
+    wait_until(lambda: page.text("grip") == "114 mm 14 N WEAK")
+    contact["slipping"] = True
+    robot.probe.publish(CONTACT, "telex_msgs/GripperContact", contact, rate=10)
+    wait_until(lambda: page.text("grip") == "114 mm 14 N SLIPPING")
+    contact.update(object="", slipping=False)
+    robot.probe.publish(CONTACT, "telex_msgs/GripperContact", contact, rate=10)
+    wait_until(lambda: page.text("grip") == "114 mm 14 N")
     assert page.text("drive-hud") == "+0.25 m/s 0 °/s"
 
 

@@ -6,6 +6,12 @@ import { FINGER_BASES, GRIPPER_JOINT } from "./robot.js";
 
 const PARAMETER = "gripper_controller/geometry";
 
+export const CONTACT = { topic: "sim/gripper_contact", type: "telex_msgs/GripperContact" };
+
+/** Share of the friction that there is from which on a grip is nearly too weak. */
+const WEAK = 0.8;
+const FELT_FOR = 1000; // ms that what the pads felt counts
+
 /**
  * @typedef {object} Geometry  Of a finger, as the robot's gripper controller has it.
  * @property {number} base    Length of its first link (m).
@@ -18,6 +24,20 @@ export class Gripper {
   constructor() {
     /** Null: not known. @type {Geometry | null} */
     this._geometry = null;
+    this._felt = { at: -Infinity, slipping: false, weak: false };
+  }
+
+  /** @param {any} message  telex_msgs/GripperContact */
+  feel({ object, slipping, pads }) {
+    const weak = object !== "" && pads.some((/** @type {{friction_use: number | null}} */ pad) => (pad.friction_use ?? 0) > WEAK);
+    this._felt = { at: performance.now(), slipping, weak };
+  }
+
+  /** What is wrong with the grip: "slipping", "weak", or nothing. */
+  get trouble() {
+    const { at, slipping, weak } = this._felt;
+    if (performance.now() - at > FELT_FOR) return "";
+    return slipping ? "slipping" : weak ? "weak" : "";
   }
 
   /**

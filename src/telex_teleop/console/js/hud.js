@@ -36,7 +36,10 @@ export class Hud {
     const angle = joints.position(GRIPPER_JOINT);
     // A gripper of another make tells no more than its angle.
     const open = opening !== null ? `${Math.round(1000 * opening)} mm` : angle === undefined ? "–" : `${fixed((angle * 180) / Math.PI, 0)}°`;
-    setText(byId("grip"), force === null ? open : `${open} ${fixed(force, 0)} N`);
+    const { trouble } = gripper;
+    const grip = byId("grip");
+    if (grip.dataset.trouble !== trouble) grip.dataset.trouble = trouble;
+    setText(grip, [open, force === null ? "" : `${fixed(force, 0)} N`, trouble.toUpperCase()].filter(Boolean).join(" "));
   }
 
   /**

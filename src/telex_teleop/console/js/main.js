@@ -13,7 +13,7 @@ import { locateBridge, waitForConfig } from "./config.js";
 import { ControlView } from "./control.js";
 import { browserHangs, keepPace, watchOperator } from "./deadman.js";
 import { GamepadInput } from "./gamepad.js";
-import { Gripper } from "./gripper.js";
+import { CONTACT, Gripper } from "./gripper.js";
 import { Health, MISSING_NODES } from "./health.js";
 import { Held } from "./held.js";
 import { Hud, IMU } from "./hud.js";
@@ -239,6 +239,7 @@ async function start() {
     panels.showJoints();
   }, JOINTS_PERIOD);
   listen(MISSING_NODES.topic, MISSING_NODES.type, (message) => health.hear(message));
+  listen(CONTACT.topic, CONTACT.type, (message) => gripper.feel(message), DISPLAY_PERIOD);
   listen(IMU.topic, IMU.type, (imu) => hud.setHeading(imu), DISPLAY_PERIOD);
   listen(STABILITY.topic, STABILITY.type, (stability) => {
     attitude.set(stability);

@@ -84,8 +84,9 @@ class CommandGate:
         CommandRefusedError
             It is a command, and not obeyed.
         CommandOverdueError
-            It is one that moves the robot, and would have been obeyed at once. The stream may go on: what the bridge
-            was late with is not the client's gap, and its next command is a fresh one.
+            It is one that moves the robot, and would have been obeyed at once. The stream may go
+            on: what the bridge was late with is not the client's gap, and its next command is a
+            fresh one.
         """
         if topic == self._access.e_stop_topic:
             return self._admit_e_stop(message, None if age is None else age + waited)
