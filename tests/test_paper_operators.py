@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import sys
 from pathlib import Path
@@ -16,17 +17,21 @@ from mobility.scripted_operator import NotManagedError
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "benchmarks"))
 
-from paper.operators import EXPERIMENTS, course, driving, vision
+import rospy
+from paper.operators import EXPERIMENTS, course, cube, driving, vision
 from paper.operators.briefcase import Briefcase
 from paper.operators.cube import BLUE, EDGE, GREEN, RED, CubeToBox
+from paper.operators.film import WIDTH, Film
 from paper.operators.handling import aimed
 from paper.operators.pallet import PalletSide
 from paper.operators.runs import SCENES
 from paper.operators.station import FLIPPERS, Keys, Link, Station
-from sensor_msgs.msg import JointState
+from sensor_msgs.msg import CompressedImage, JointState
 from telex_msgs.msg import FlipperPresetHold, TrackTeleopStatus
 
+from telex_control.kinematics import Chain
 from telex_control.local_node_handle import LocalNodeHandle
+from telex_sim.offline import robot_description
 from telex_sim.scene.library.maze import perfect_maze
 from telex_sim.scene.scene_file import load_scene
 
@@ -255,6 +260,45 @@ class TestCourse:
         assert load_scene(SCENES / name).objects
 
 
+class TestFilm:
+    @staticmethod
+    def film(station: Station, link: FlatFloor, pictures: int) -> Film:
+        film = Film(station)
+        camera = link.node.advertise("cameras/overview/image_raw/compressed", CompressedImage)
+        data = cv2.imencode(".jpg", np.full((36, 64, 3), 128, np.uint8))[1].tobytes()
+        for number in range(pictures):
+            message = CompressedImage(data=data)
+            message.header.stamp = rospy.Time.from_sec(1.0 + number)
+            camera.publish(message)
+        return film
+
+    @pytest.mark.parametrize(("pictures", "rows"), [(30, 2), (5, 2), (4, 1)])
+    def test_a_strip_has_as_many_pictures_as_there_are(
+        self, station: Station, link: FlatFloor, tmp_path: Path, pictures: int, rows: int
+    ) -> None:
+        with contextlib.closing(self.film(station, link, pictures)) as film:
+            film.wait()
+            film.strip(tmp_path / "strip.jpg", 8, 4)
+        strip = cv2.imread(str(tmp_path / "strip.jpg"))
+        assert strip.shape[1] > 4 * WIDTH
+        height = 36 * WIDTH // 64
+        assert rows * height < strip.shape[0] < (rows + 1) * height
+
+    def test_a_strip_of_less_than_half_is_none(
+        self, station: Station, link: FlatFloor, tmp_path: Path
+    ) -> None:
+        with contextlib.closing(self.film(station, link, 3)) as film, pytest.raises(
+            NotManagedError, match="gave 3 pictures"
+        ):
+            film.strip(tmp_path / "strip.jpg", 8, 4)
+
+    def test_it_says_that_no_picture_comes(self, station: Station) -> None:
+        with contextlib.closing(Film(station)) as film, pytest.raises(
+            NotManagedError, match="a picture of camera overview"
+        ):
+            film.wait()
+
+
 class TestRuns:
     @pytest.mark.parametrize("make", [PalletSide, Briefcase, CubeToBox])
     def test_starts_differ_and_can_be_repeated(self, make: Any) -> None:
@@ -271,6 +315,16 @@ class TestRuns:
             along, across = c * off[0] + s * off[1], c * off[1] - s * off[0]
             assert abs(along) < 0.5 * box["size"][0] - EDGE
             assert abs(across) < 0.5 * box["size"][1] - EDGE
+
+    def test_the_fingertips_stay_off_the_floor_of_the_box(self) -> None:
+        urdf = robot_description()
+        chain = Chain.from_urdf(urdf, "gripper_link", "left_finger_tip_link")
+        tool = Chain.from_urdf(urdf, "gripper_link", "tool_link").forward([])
+        pads_end = 0.066  # m, from the joint of the fingertip to its end
+        for opening in np.linspace(0.0, cube.OPENING, 9):
+            tip = chain.forward([opening, opening, -2.0 * opening])
+            reach = tip[0, 3] + pads_end - tool[0, 3]
+            assert reach + 0.005 < 0.5 * EDGE + cube.GRASP_ABOVE < reach + EDGE
 
     def test_the_experiments_of_figures_9_and_10_are_there(self) -> None:
         assert [each.name for each in EXPERIMENTS] == [

@@ -209,6 +209,23 @@ def test_a_long_table_is_folded_and_a_missed_figure_is_not(tmp_path):
     assert text.count("<details>") == 1
 
 
+def test_numbers_stand_below_their_heads_and_words_do_not(tmp_path):
+    table = Table("T", "t.csv", ("mass kg", "fits"), [[1.5, True], [None, False]])
+    result = Result(tables=[table])
+    text = report(tmp_path, Outcome(experiment(), result, 1.0))
+    assert "<th class=number>mass kg</th>" in text
+    assert "<td class=number>1.5</td><td>yes</td>" in text
+    assert "<th>fits</th>" in text
+
+
+def test_a_wide_picture_has_the_width_of_the_page(tmp_path):
+    outcome = full(tmp_path)
+    outcome.result.pictures.append(Picture("Wide.", "pixel.png", wide=True))
+    text = report(tmp_path, outcome)
+    assert text.count("<figure class=wide>") == 1
+    assert text.count("<figure>") == 3
+
+
 @pytest.mark.parametrize(
     ("value", "text"),
     [
@@ -320,6 +337,9 @@ def well(session):
     table = Table("T", "t.csv", ("a",), [[1]])
     return Result(figures=[Figure("x", 1.0, "", at_most=2.0)], tables=[table])
 
+def computing(session):
+    return Result(figures=[Figure("niceness", os.nice(0), "", at_least=10)])
+
 def badly(session):
     return Result(figures=[Figure("x", 3.0, "", at_most=2.0)])
 
@@ -336,7 +356,10 @@ def endless(session):
     session.say("sleeping")
     time.sleep(600)
 
-EXPERIMENTS = tuple(experiment(run.__name__, run) for run in (well, badly, broken, dead, endless))
+EXPERIMENTS = (
+    *(experiment(run.__name__, run) for run in (well, badly, broken, dead, endless)),
+    experiment("computing", computing, in_wall_time=False),
+)
 """
 
 NO_ROS = """
@@ -392,6 +415,11 @@ def test_a_missed_bar_gives_a_status_and_the_others_go_on(fakes, capsys):
     found = Page((fakes / "report.html").read_text())
     assert "1 of 4 results reproduced" in found.text
     assert "ended with status 7: last words" in found.text
+
+
+def test_what_only_computes_leaves_the_processors_to_the_simulators(fakes):
+    (outcome,) = Schedule(fakes, False, 1, lambda line: None).run(registry.select(["computing"]))
+    assert outcome.result.ok, outcome.result
 
 
 def test_one_that_takes_too_long_is_ended_with_all_that_it_started(fakes, monkeypatch):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import tempfile
 import time
-from typing import Callable, Iterator, List, Tuple
+from typing import Callable, Iterator, List, Set, Tuple
 
 from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
@@ -14,9 +14,9 @@ from selenium.webdriver.common.by import By
 
 from .chromium import CHROMIUM, DRIVER, FLAGS
 
-_TIMEOUT = 60.0  # s
+_TIMEOUT = 120.0  # s, for a machine that has other things to do
 _STEADY = 1.0
-"""How long all small pictures have to be live (s)."""
+"""Time for the page to settle once all has been seen (s)."""
 
 
 class ConsoleError(RuntimeError):
@@ -37,6 +37,9 @@ class Console:
     def wait_until_live(self) -> None:
         """Wait until robot and all cameras are there, and end the tour for new operators.
 
+        Each camera has to show itself once: on a busy machine they may stall in turn, and how many
+        are live together is for the caller to count.
+
         Raises
         ------
         ConsoleError
@@ -44,7 +47,14 @@ class Console:
         self._await("the link to the robot", self.is_linked)
         with contextlib.suppress(Exception):
             self._driver.find_element(By.ID, "tour-skip").click()
-        self._await("pictures of all cameras", lambda: all(live for _, live in self.thumbnails()))
+        seen: Set[str] = set()
+
+        def all_seen() -> bool:
+            cameras = self.thumbnails()
+            seen.update(camera for camera, live in cameras if live)
+            return all(camera in seen for camera, _ in cameras)
+
+        self._await("pictures of all cameras", all_seen)
         time.sleep(_STEADY)
 
     def is_linked(self) -> bool:

@@ -37,11 +37,14 @@ class Picture:
         SVG, name the SVG: the report embeds it, and links the other.
     caption : str
         What is to be seen, in a sentence.
+    wide : bool
+        Whether it needs the page's whole width to be read.
     """
 
     title: str
     file: str
     caption: str = ""
+    wide: bool = False
 
     def __post_init__(self) -> None:
         if Path(self.file).suffix not in PICTURES:

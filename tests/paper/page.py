@@ -183,7 +183,8 @@ def _picture(picture: Picture, folder: Path) -> str:
     data = base64.b64encode(file.read_bytes()).decode("ascii")
     caption = f"<b>{escape(picture.title)}</b> {escape(picture.caption)}".strip()
     return (
-        f"<figure><img alt='{escape(picture.title, quote=True)}' "
+        f"<figure{' class=wide' if picture.wide else ''}>"
+        f"<img alt='{escape(picture.title, quote=True)}' "
         f"src='data:{_TYPES[file.suffix]};base64,{data}'>"
         f"<figcaption>{caption}</figcaption></figure>"
     )
@@ -200,17 +201,22 @@ def _figures(figures: Sequence[Figure]) -> str:
             f"</td><td>{escape(figure.unit)}</td><td class='number'>{escape(required)}</td>"
             f"<td>{verdict}</td></tr>"
         )
-    head = "<th>Figure</th><th>Measured</th><th></th><th>Required</th><th></th>"
+    head = (
+        "<th>Figure</th><th class=number>Measured</th><th></th><th class=number>Required</th>"
+        "<th></th>"
+    )
     return _folded("Measured figures", _rows(head, rows), len(rows), any(not f.ok for f in figures))
 
 
 def _table(table: Table, name: str) -> str:
     numeric = [
-        bool(table.rows)
-        and all(row[i] is None or isinstance(row[i], (int, float)) for row in table.rows)
+        bool(table.rows) and all(_is_number(row[i]) for row in table.rows)
         for i in range(len(table.head))
     ]
-    head = "".join(f"<th>{escape(cell)}</th>" for cell in table.head)
+    head = "".join(
+        f"<th{' class=number' if is_number else ''}>{escape(cell)}</th>"
+        for cell, is_number in zip(table.head, numeric)
+    )
     rows = []
     for row in table.rows:
         cells = [
@@ -221,6 +227,11 @@ def _table(table: Table, name: str) -> str:
     note = f"<p class='facts'>{escape(table.note)}</p>" if table.note else ""
     link = _link(name, table.file)
     return _folded(table.title, _rows(head, rows) + note, len(rows), False, link)
+
+
+def _is_number(cell: Cell) -> bool:
+    """Whether it may stand in a column of numbers: yes and no are words."""
+    return cell is None or (isinstance(cell, (int, float)) and not isinstance(cell, bool))
 
 
 def _rows(head: str, rows: Sequence[str]) -> str:

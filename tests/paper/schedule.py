@@ -22,9 +22,6 @@ PATIENCE = 4.0
 GRACE = 300.0  # s, for a machine that has other things to do
 STOP_TIMEOUT = 20.0
 """Time (s) that an experiment gets to end what it has started."""
-NICENESS = "15"
-"""Of experiments that compute only: what drives a simulator comes first."""
-
 Say = Callable[[str], None]
 
 
@@ -136,10 +133,7 @@ class Schedule:
         return Outcome(experiment, result, seconds)
 
     def _carry_out(self, experiment: Experiment, folder: Path, timeout: float) -> Result:
-        command = [*DIES_WITH_US]
-        if not experiment.in_wall_time:
-            command += ["nice", "-n", NICENESS]
-        command += [sys.executable, "-m", "paper.one", experiment.name, str(folder)]
+        command = [*DIES_WITH_US, sys.executable, "-m", "paper.one", experiment.name, str(folder)]
         command += [str(self._seed), *(["--quick"] if self._quick else [])]
         with open(folder / "log.txt", "w") as log, self._lock:
             if self._stopped.is_set():

@@ -211,7 +211,7 @@ EXPERIMENTS = (
         "each camera's CameraInfo; compared with the documented figures.",
         bar="complete: all joints with limits and transmissions, all masses, six cameras",
         run=run,
-        seconds=25.0,
-        quick_seconds=25.0,
+        seconds=45.0,
+        quick_seconds=45.0,
     ),
 )

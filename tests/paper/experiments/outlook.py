@@ -233,7 +233,7 @@ EXPERIMENTS = (
         "with Coulomb's law; then held still, with and without anchored friction.",
         bar="9 of 10 as Coulomb's law says; slip \u2264 0.1 mm",
         run=grasping,
-        seconds=240.0,
+        seconds=200.0,
         quick_seconds=60.0,
         in_wall_time=False,
         groups=("outlook",),

@@ -98,8 +98,8 @@ EXPERIMENTS = (
         "and the places of the obstacles are known.",
         bar="every section done, each with its filmstrip",
         run=drive_course,
-        seconds=190.0,
-        quick_seconds=190.0,
+        seconds=170.0,
+        quick_seconds=170.0,
         groups=("fig10",),
     ),
 )

@@ -31,7 +31,7 @@ _RUN_UP = 1.15  # m, of base_link before an obstacle
 _STANDING = 0.03  # m, that base_link may be lower than on level ground
 
 _BESIDE: View = ("follow", -1.2, 0.30, 3.0, (0.2, 0.0, 0.15))
-_ABOVE: View = ("fixed", -1.9, 0.85, 6.2, (2.3, -1.25, 0.1))
+_ABOVE: View = ("fixed", -1.9, 0.85, 6.9, (1.8, -1.35, 0.1))
 
 
 def way_through(maze: Maze, at: Tuple[float, float]) -> List[driving.Point]:

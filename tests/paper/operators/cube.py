@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from typing import Any, Dict, Tuple
 
@@ -33,9 +34,9 @@ _BOX_SCATTER = (0.02, 0.01, 0.15)
 _CUBE_SCATTER = (0.06, 0.03)  # m, in its box
 _REACH = 0.92  # m, from base_link to the boxes
 _DOWN = 0.5 * math.pi
-_OPENING = 0.30  # rad
+OPENING = 0.24  # rad; 9 cm, and the hand clears the walls
 _SECOND_LOOK = (-0.07, 0.24, 1.40)  # m behind the cube, m above it, rad down
-_GRASP_ABOVE = 0.010  # m, so that the fingertips stay off the box's floor
+GRASP_ABOVE = 0.034  # m, for the fingertips reach 5 cm beyond the tool, and stay off the floor
 _OVER, _RELEASE = 0.20, 0.05  # m, over the middle of the boxes
 _SURE = 0.7
 """Overlap of the outlines of what is seen and of a cube, at least."""
@@ -104,21 +105,18 @@ class CubeToBox(Task):
     def act(self, hand: Hand, truth: GroundTruth) -> None:
         """Bring it over; see `Task.act`. The ground truth is not looked at."""
         station = hand.station
-        turret, gripper = Eye(station, "turret"), Eye(station, "gripper")
-        try:
+        with contextlib.closing(Eye(station, "turret")) as turret:
             self._go_there(hand, turret)
+        with contextlib.closing(Eye(station, "gripper")) as gripper:
             hand.to_named_pose("ready")
-            hand.open(_OPENING)
+            hand.open(OPENING)
             for turn in range(_TRIES):
                 if self._take(hand, gripper):
                     break
                 if turn == _TRIES - 1:
                     raise NotManagedError(f"the cube is not in the gripper; {station.where()}")
-                hand.open(_OPENING)
+                hand.open(OPENING)
             self._put(hand, gripper)
-        finally:
-            turret.close()
-            gripper.close()
 
     def _go_there(self, hand: Hand, turret: Eye) -> None:
         """Drive before the boxes, square to them, as the turret camera shows them."""
@@ -168,19 +166,20 @@ class CubeToBox(Task):
             raise NotManagedError(
                 f"what is green has no cube's outline (overlap {overlap:.2f}); {station.where()}"
             )
-        x, y, z = center[0], center[1], center[2] + _GRASP_ABOVE
+        x, y, z = center[0], center[1], center[2] + GRASP_ABOVE
         hand.to(aimed(x, y, z + 0.12, yaw, _DOWN), tolerance=0.008)
-        # A finger may rest on the box before the last millimetres.
         hand.to(aimed(x, y, z, yaw, _DOWN), tolerance=0.008)
-        hand.close_on_something()
+        felt = hand.close_on_something()
         hand.to(aimed(x, y, z + _OVER, yaw, _DOWN), tolerance=0.01)
+        if not felt:
+            return False
         station.wait(0.3)
         # As the paper's operators: lift, and look whether it comes along.
         lifted = gripper.look()
         blob = find(lifted.image, GREEN)
         if blob is None:
             return False
-        expected = project(lifted, hand.tool()[None, :3, 3])[0]
+        expected = project(lifted, (hand.tool() @ (GRASP_ABOVE, 0.0, 0.0, 1.0))[None, :3])[0]
         return bool(np.linalg.norm(expected - blob.center) < _IN_GRIP)
 
     def _put(self, hand: Hand, gripper: Eye) -> None:
@@ -189,7 +188,7 @@ class CubeToBox(Task):
         x, y, z = self._blue
         hand.to(aimed(x, y, z + _OVER, 0.0, _DOWN), tolerance=0.01)
         hand.to(aimed(x, y, z + _RELEASE, 0.0, _DOWN), tolerance=0.008)
-        hand.open(_OPENING)
+        hand.open(OPENING)
         hand.to(aimed(x - 0.1, y, z + 0.3, 0.0, 1.35), tolerance=0.02)
         station.wait(0.4)
         view = gripper.look()

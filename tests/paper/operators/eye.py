@@ -9,10 +9,9 @@ import numpy as np
 from mobility.scripted_operator import NotManagedError
 from sensor_msgs.msg import CameraInfo, CompressedImage
 
+from .film import PATIENCE
 from .station import Station
 from .vision import View
-
-_PATIENCE = 12.0  # s of sim time, for a renderer that has yet to start drawing
 
 
 class Eye:
@@ -58,7 +57,7 @@ class Eye:
                 return -1.0
             return float(self._picture.header.stamp.to_sec())
 
-        station.until(lambda: stamp() >= since, _PATIENCE, f"a picture of camera {self.camera}")
+        station.until(lambda: stamp() >= since, PATIENCE, f"a picture of camera {self.camera}")
         picture: Any = self._picture
         info: Any = self._info
         image = cv2.imdecode(np.frombuffer(picture.data, np.uint8), cv2.IMREAD_COLOR)

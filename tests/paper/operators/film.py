@@ -19,6 +19,7 @@ View = Tuple[str, float, float, float, Tuple[float, float, float]]
 
 WIDTH = 420  # pixels, of a picture in the strip
 QUALITY = 82  # of the JPEG
+PATIENCE = 60.0  # s of sim time, for a renderer that has yet to start, and shares the processor
 
 
 class Film:
@@ -65,20 +66,33 @@ class Film:
         """Begin anew."""
         self._shots = []
 
-    def strip(self, path: Path, pictures: int, columns: int) -> None:
-        """Write so many pictures, at equal intervals from the first to the last, as a JPEG.
+    def wait(self) -> None:
+        """Wait for the first picture: a renderer that has yet to start misses the beginning.
 
         Raises
         ------
         NotManagedError
-            There are fewer.
+            None comes.
+        """
+        self._station.until(lambda: bool(self._shots), PATIENCE, "a picture of camera overview")
+
+    def strip(self, path: Path, pictures: int, columns: int) -> None:
+        """Write so many pictures, evenly chosen among those that came, as a JPEG.
+
+        Where the renderer had time for fewer, down to half of them, they are all there is.
+
+        Raises
+        ------
+        NotManagedError
+            There are fewer than half.
         """
         shots = list(self._shots)
-        if len(shots) < pictures:
+        if 2 * len(shots) < pictures:
             raise NotManagedError(
-                f"cameras/overview gave {len(shots)} pictures; {pictures} are needed"
+                f"cameras/overview gave {len(shots)} pictures; {pictures} are wanted, half needed"
             )
-        chosen = [shots[round(index)] for index in np.linspace(0, len(shots) - 1, pictures)]
+        count = min(pictures, len(shots))
+        chosen = [shots[round(index)] for index in np.linspace(0, len(shots) - 1, count)]
         cells = [_cell(data, stamp - shots[0][0]) for stamp, data in chosen]
         cv2.imwrite(str(path), sheet(cells, columns), [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
 

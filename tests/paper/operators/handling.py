@@ -234,13 +234,18 @@ class Hand:
         if self.force() < force:
             raise NotManagedError(f"the gripper closed on nothing; {station.where()}")
 
-    def close_on_something(self) -> None:
+    def close_on_something(self) -> bool:
         """Close the gripper until its fingers stand, and press: told by the joints alone.
+
+        Returns
+        -------
+        bool
+            Whether something is between the fingers.
 
         Raises
         ------
         NotManagedError
-            The fingers meet without anything between them.
+            The fingers do not come to rest.
         """
         station = self.station
         # Fingers that have yet to begin stand, too.
@@ -257,8 +262,7 @@ class Hand:
             station.until(stands, 8.0, "the fingers at rest")
         finally:
             station.release("gripper_teleop/delta_joint_cmds")
-        if self.opening() < _EMPTY:
-            raise NotManagedError(f"the gripper closed on nothing; {station.where()}")
+        return self.opening() >= _EMPTY
 
     def holds(self) -> str:
         """Name of what is between the pads, empty where nothing is."""

@@ -12,6 +12,7 @@ from std_srvs.srv import Empty
 from telex_msgs.srv import ConfigureCamera, Delete, Spawn
 
 from ..experiment import Cell, Figure, Picture, Result, Table
+from ..recorder import PICTURES
 from .course import SECTIONS, WORLD, Section
 from .film import Film
 from .ground_truth import GroundTruth
@@ -30,8 +31,10 @@ ENOUGH = 9
 
 _SETTLING = 1.0
 """How long (s) all keys are let go of after a reset, so that the nodes obey again."""
-_FILM_RATE = 4.0
-"""Pictures per second of sim time that the film's camera draws."""
+_FILM: Dict[str, Any] = {"rate": 4.0, "priority": 2, "width": 640, "height": 360}
+"""How the film's camera draws: little, and before the others where there is time for some only."""
+_RECORDED: Dict[str, Any] = {"rate": PICTURES, "priority": 0}
+"""How those draw that are recorded or looked through: as often as the recorder keeps a picture."""
 _STRIP, _COLUMNS = 8, 4
 
 
@@ -74,7 +77,7 @@ class TaskRuns:
             console=False,
         ), _station(session.namespace) as station:
             truth, hand = GroundTruth(station.link.node), Hand(station)
-            _slow_camera(station, "overview", _FILM_RATE)
+            _slow_cameras(station, self._cameras)
             for number in range(1, runs + 1):
                 self._run(number, runs, station, hand, truth)
         return self._result(runs)
@@ -88,7 +91,7 @@ class TaskRuns:
         bag = f"run_{number:02d}"
         with contextlib.ExitStack() as stack:
             try:
-                self._prepare(station, truth, things)
+                self._prepare(station, truth, things, task.subject)
             except NotManagedError as error:
                 self._note(number, things, task, Verdict(False, 0.0, "not begun"), 0.0, str(error))
                 return
@@ -98,6 +101,8 @@ class TaskRuns:
             stack.enter_context(session.record(bag, cameras=self._cameras if first else ()))
             if film is not None:
                 film.look_from(*task.view)
+                with contextlib.suppress(NotManagedError):
+                    film.wait()
             task.begin(truth)
             began, said = station.time, "done"
             try:
@@ -119,7 +124,11 @@ class TaskRuns:
         )
 
     def _prepare(
-        self, station: Station, truth: GroundTruth, things: Dict[str, Dict[str, Any]]
+        self,
+        station: Station,
+        truth: GroundTruth,
+        things: Dict[str, Dict[str, Any]],
+        subject: str,
     ) -> None:
         """Clear away what the last run left, put the robot back, and lay out the new things."""
         station.release()
@@ -132,7 +141,8 @@ class TaskRuns:
         for name, entry in things.items():
             _ask(station, "sim/spawn", Spawn, name=name, object=yaml.safe_dump(entry), folder="")
             self._names.append(name)
-        station.until(lambda: all(map(truth.knows, things)), 5.0, "poses of all objects")
+        # What cannot move, as a table, has no pose of its own.
+        station.until(lambda: truth.knows(subject), 10.0, f"the pose of {subject}")
 
     def _note(
         self,
@@ -174,7 +184,7 @@ def drive_course(session: Session) -> Result:
     with session.simulator(
         world=str(SCENES / WORLD), pose="drive", real_time_factor=1.5, console=False
     ), _station(session.namespace) as station, contextlib.closing(Film(station)) as film:
-        _slow_camera(station, "overview", _FILM_RATE)
+        _slow_cameras(station, ("front",))
         with session.record("course", cameras=("front",)):
             failed = ""
             for section in SECTIONS:
@@ -186,6 +196,8 @@ def drive_course(session: Session) -> Result:
                 session.say(f"{section.title}: {said}, {taken:.0f} s of sim time")
                 rows.append([section.title, done, taken, said])
                 result.figures.append(Figure(section.title, float(done), "done", at_least=1.0))
+    strips = len(result.pictures)
+    result.figures.append(Figure("filmstrips", strips, "", at_least=len(SECTIONS)))
     head = ["section", "done", "sim time (s)", "operator"]
     result.tables.append(Table("The sections", "sections.csv", head, rows))
     result.bags.append("course.bag")
@@ -199,20 +211,21 @@ def _drive(
     film.look_from(*section.view)
     station.wait(1.0)
     film.cut()
+    with contextlib.suppress(NotManagedError):
+        film.wait()
     began, done, said = station.time, True, "done"
     try:
         section.drive(station)
     except NotManagedError as error:
         done, said = False, f"given up: {error}"
     taken = station.time - began
-    station.release()
-    station.stop()
+    station.rest()
     name = f"{section.name}.jpg"
     try:
         film.strip(session.folder / name, section.pictures, _COLUMNS)
         result.pictures.append(Picture(section.title, name, "The instructor's camera; sim time."))
     except NotManagedError as error:
-        done, said = False, f"{said}; but there is no filmstrip: {error}"
+        said = f"{said}; but there is no filmstrip: {error}"
     return done, taken, said
 
 
@@ -225,11 +238,11 @@ def _station(namespace: str) -> Iterator[Station]:
         link.close()
 
 
-def _slow_camera(station: Station, camera: str, rate: float) -> None:
-    """Let a camera draw less, so that more of the processor is left to the physics."""
-    _ask(
-        station, "cameras/configure", ConfigureCamera, camera=camera, parameters=f"{{rate: {rate}}}"
-    )
+def _slow_cameras(station: Station, recorded: Sequence[str]) -> None:
+    """Let cameras draw less, so that more of the processor is left to the physics."""
+    for camera, settings in {"overview": _FILM, **dict.fromkeys(recorded, _RECORDED)}.items():
+        parameters = yaml.safe_dump(settings, default_flow_style=True)
+        _ask(station, "cameras/configure", ConfigureCamera, camera=camera, parameters=parameters)
 
 
 def _ask(station: Station, service: str, kind: Any, **request: Any) -> None:
