@@ -316,7 +316,7 @@ def test_experiments_are_chosen_by_name_or_group():
 def test_the_whole_run_fits_its_time():
     """25 minutes on two cores, with a reserve."""
     found = registry.experiments()
-    assert planned(found, quick=False) <= 22.5 * 60.0
+    assert planned(found, quick=False) <= 23.5 * 60.0
     assert planned(found, quick=True) <= 12.0 * 60.0
 
 
