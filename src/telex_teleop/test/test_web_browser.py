@@ -405,7 +405,7 @@ def test_six_views_are_live_and_a_click_makes_one_large(page):
     assert page.errors() == []
 
 
-def test_heading_gripper_and_link_stand_over_the_picture(page):
+def test_heading_gripper_and_link_stand_over_the_picture(robot, page):
     wait_until(lambda: page.text("heading") == "090°")  # clockwise
     wait_until(lambda: page.text("link-quality") == "link good", 20.0)
     # 0.3 rad open; 2 Nm at a lever of 0.143 m

@@ -132,7 +132,7 @@ def test_throttle_lets_the_newest_through_when_it_is_due():
     async def check():
         sent = Sent()
         subscription = Subscription("/x", "/x", feeds=None, send=sent)
-        subscription.add("one", Wish(throttle=0.05, depth=4))
+        subscription.add("one", Wish(throttle=0.05, depth=4), limit=10)
         for value in range(5):
             subscription.deliver(number(value))
         assert sent == [("0", 4)]
@@ -150,8 +150,8 @@ def test_the_most_demanding_wish_holds_until_it_is_withdrawn():
     async def check():
         sent = Sent()
         subscription = Subscription("/x", "/x", feeds=None, send=sent)
-        subscription.add("slow", Wish(throttle=60.0, depth=9))
-        subscription.add("fast", Wish(throttle=0.0, depth=3))
+        subscription.add("slow", Wish(throttle=60.0, depth=9), limit=10)
+        subscription.add("fast", Wish(throttle=0.0, depth=3), limit=10)
         for value in range(3):
             subscription.deliver(number(value))
         assert sent == [("0", 3), ("1", 3), ("2", 3)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import json
 import re
 import signal
@@ -317,8 +318,11 @@ def test_nonsense_moves_nothing_and_the_bridge_lives_on(probe, bridge):
             await client.socket.send_str(text)
             assert (await client.hear())["level"] == "error"
         huge = json.dumps({"op": "publish", "topic": topic, "msg": "x" * 2000000})
-        await client.socket.send_str(huge)
-        assert (await client.socket.receive(timeout=10)).type == aiohttp.WSMsgType.CLOSE
+        # It is refused by its length, so that the connection may end before all of it is sent.
+        with contextlib.suppress(ConnectionError):
+            await client.socket.send_str(huge)
+        kinds = (aiohttp.WSMsgType.CLOSE, aiohttp.WSMsgType.CLOSED, aiohttp.WSMsgType.ERROR)
+        assert (await client.socket.receive(timeout=10)).type in kinds
 
     on_bridge(bridge, check)
 
