@@ -238,12 +238,12 @@ def cut_network(operator: Operator) -> Iterator[None]:
 
 
 def kill_bridge(operator: Operator) -> Iterator[None]:
-    """The bridge is killed, and started again."""
+    """The bridge is killed; roslaunch starts it again."""
     bridge = operator.rig.bridge_pid
     yield
     os.kill(bridge, signal.SIGKILL)
     yield
-    operator.rig.restart_bridge()
+    operator.rig.wait_for_another_bridge(bridge)
     operator.browser.wait_for("the console's connection", CONNECTED)
 
 

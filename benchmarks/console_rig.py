@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import subprocess
 import time
 from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence
 
@@ -18,8 +17,6 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 from std_srvs.srv import Empty
 from telex_msgs.msg import TrackTeleopStatus
-
-from telex_control.private_master import DIES_WITH_US, end_tree
 
 WORLD = "training_hall"
 TOKEN = "benchmark"
@@ -134,7 +131,6 @@ class Rig:
         listen = ["address:=0.0.0.0", f"token:={TOKEN}"] if everywhere else []
         self._query = f"?token={TOKEN}" if everywhere else ""
         self.simulator = PrivateSimulator(f"world:={WORLD}", *listen)
-        self._bridge: Optional[subprocess.Popen] = None
 
     def __enter__(self) -> Rig:
         try:
@@ -158,8 +154,6 @@ class Rig:
 
     def __exit__(self, *exception: object) -> None:
         rospy.signal_shutdown("the benchmark ends")
-        if self._bridge is not None:
-            end_tree(self._bridge)
         self.simulator.__exit__()
 
     def page(self, host: str = "127.0.0.1") -> str:
@@ -174,33 +168,20 @@ class Rig:
     @property
     def bridge_pid(self) -> int:
         """Process of the bridge."""
-        return (
-            self._bridge.pid
-            if self._bridge is not None
-            else self.simulator.processes()["rosbridge"]
-        )
+        return self.simulator.processes()["rosbridge"]
 
     @property
     def video_pid(self) -> int:
         """Process of the video server."""
         return self.simulator.processes()["video_server"]
 
-    def restart_bridge(self) -> None:
-        """Start the bridge again, as it was."""
-        before = self.master.getParam("/telex/rosbridge/url")
-        if self._bridge is not None:
-            self._bridge.wait()
-        self._bridge = subprocess.Popen(
-            [*DIES_WITH_US, "rosrun", "telex_teleop", "rosbridge", "__name:=rosbridge"],
-            env={**self.simulator.environment(), "ROS_NAMESPACE": "/telex"},
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            start_new_session=True,
-        )
-        wait_until(
-            "the bridge's address", lambda: self.master.getParam("/telex/rosbridge/url") != before
-        )
+    def wait_for_another_bridge(self, before: int) -> None:
+        """Wait until roslaunch has started the bridge again, which was the process `before`."""
+
+        def is_back() -> bool:
+            return self.simulator.processes().get("rosbridge", before) != before
+
+        wait_until("the bridge to be back", is_back)
 
     def reset(self) -> None:
         """Put the robot back to where it started."""
