@@ -21,6 +21,7 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple
 from private_simulator import cpu_seconds
 
 from telex_control.private_master import DIES_WITH_US, descendants
+from telex_teleop import headless_chromium
 
 ANSWER_WITHIN = 60.0
 """Longest wait (s) for an answer of the browser, on a machine that is busy with something else."""
@@ -28,17 +29,7 @@ ANSWER_WITHIN = 60.0
 CLOCK_SAMPLES = 50
 """Questions for the page's clock, of which the quickest counts."""
 
-_FLAGS = (
-    "--headless=new",
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--no-first-run",
-    "--window-size=1280,720",
-    "--remote-debugging-pipe",
-)
+_FLAGS = (*headless_chromium.FLAGS, "--window-size=1280,720", "--remote-debugging-pipe")
 
 _KEYS = {"KeyW": "w", "KeyS": "s", "KeyJ": "j", "KeyL": "l"}
 """Keys by their position, with the sign that a US keyboard has there."""
@@ -62,7 +53,7 @@ class Chromium:
     """
 
     def __init__(self, url: str, before: Sequence[str] = ()) -> None:
-        program = shutil.which("chromium") or shutil.which("chromium-browser")
+        program = headless_chromium.chromium()
         if program is None:
             raise BrowserError("there is no Chromium: apt-get install chromium")
         self._profile = tempfile.mkdtemp(prefix="telex-chromium-")

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import contextlib
-import shutil
 import tempfile
 from pathlib import Path
 from typing import Any, Iterator, List
 
 from telex_control.private_master import descendants
+from telex_teleop import headless_chromium
 
 
 @contextlib.contextmanager
@@ -21,25 +21,8 @@ def browser(url: str, before: str = "") -> Iterator[Any]:
     before : str
         Script that runs in every document before the page's own.
     """
-    from selenium import webdriver  # only what opens a page needs it
-
-    options = webdriver.ChromeOptions()
-    options.binary_location = shutil.which("chromium") or shutil.which("chromium-browser") or ""
     with tempfile.TemporaryDirectory(prefix="telex-chromium-") as profile:
-        for flag in (
-            "--headless=new",
-            "--no-sandbox",
-            "--disable-gpu",
-            "--disable-background-networking",
-            "--no-first-run",
-            "--disable-component-update",
-            "--disable-sync",
-            "--window-size=1280,720",
-            f"--user-data-dir={profile}",
-        ):
-            options.add_argument(flag)
-        service = webdriver.chrome.service.Service(shutil.which("chromedriver"))
-        driver = webdriver.Chrome(options=options, service=service)
+        driver = headless_chromium.start(profile)
         try:
             # What the page allows itself to load does not allow for what a benchmark adds to it.
             driver.execute_cdp_cmd("Page.enable", {})

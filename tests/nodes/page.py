@@ -7,33 +7,12 @@ import tempfile
 from typing import Any, Callable, List
 
 from robot import eventually
-from selenium import webdriver
-from selenium.webdriver.chrome.options import Options
-from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.action_chains import ActionChains
+
+from telex_teleop import headless_chromium
 
 STOOD_STILL = "released: the page stood still"
 """What the page logs when it lets go because it was not served in time, as on a loaded machine."""
-
-
-def browser(profile: str) -> webdriver.Chrome:
-    """Start Chromium without a window."""
-    options = Options()
-    options.binary_location = shutil.which("chromium") or shutil.which("chromium-browser") or ""
-    for argument in (
-        "--headless=new",
-        "--no-sandbox",
-        "--disable-gpu",
-        "--disable-background-networking",
-        "--disable-component-update",
-        "--disable-sync",
-        "--no-first-run",
-        "--window-size=1280,720",
-        f"--user-data-dir={profile}",
-    ):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    return webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
 
 
 class Page:
@@ -41,7 +20,7 @@ class Page:
 
     def __init__(self, url: str) -> None:
         self._profile = tempfile.mkdtemp(prefix="telex-chromium-")
-        self.driver = browser(self._profile)
+        self.driver = headless_chromium.start(self._profile, logs={"browser": "ALL"})
         self._stood_still = 0
         self.driver.get(f"{url}/")
         eventually(self.settled, 30.0, "the console to be connected and to show a picture")

@@ -8,11 +8,10 @@ import time
 from typing import Callable, Iterator, List, Set, Tuple
 
 from selenium import webdriver
-from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 
-from .chromium import CHROMIUM, DRIVER, FLAGS
+from telex_teleop import headless_chromium
 
 _TIMEOUT = 120.0  # s, for a machine that has other things to do
 _STEADY = 1.0
@@ -94,12 +93,10 @@ class Console:
 @contextlib.contextmanager
 def opened(url: str, size: Tuple[int, int]) -> Iterator[Console]:
     """Open the console at an address, with width and height (px)."""
-    options = webdriver.ChromeOptions()
-    options.binary_location = CHROMIUM
     with tempfile.TemporaryDirectory(prefix="telex-chromium-") as profile:
-        for flag in (*FLAGS, f"--window-size={size[0]},{size[1]}", f"--user-data-dir={profile}"):
-            options.add_argument(flag)
-        driver = webdriver.Chrome(options=options, service=Service(DRIVER))
+        driver = headless_chromium.start(
+            profile, "--hide-scrollbars", f"--window-size={size[0]},{size[1]}"
+        )
         try:
             driver.execute_cdp_cmd(
                 "Emulation.setDeviceMetricsOverride",

@@ -6,7 +6,6 @@ import contextlib
 import itertools
 import json
 import math
-import shutil
 import statistics
 import time
 from urllib.parse import urlsplit
@@ -15,12 +14,12 @@ import cv2
 import numpy as np
 import pytest
 import simplejpeg
-from selenium import webdriver
-from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from web_harness import Ros, wait_until
+
+from telex_teleop import headless_chromium
 
 pytestmark = [pytest.mark.ros, pytest.mark.browser]
 
@@ -175,23 +174,9 @@ class Page:
     """The console in a browser."""
 
     def __init__(self, url, profile):
-        options = webdriver.ChromeOptions()
-        options.binary_location = "/usr/bin/chromium"
-        for flag in (
-            "--headless=new",
-            "--no-sandbox",
-            "--disable-gpu",
-            "--disable-background-networking",
-            "--no-first-run",
-            "--disable-component-update",
-            "--disable-sync",
-            "--window-size=1280,720",
-            f"--user-data-dir={profile}",
-        ):
-            options.add_argument(flag)
-        options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
         self.url = url
-        self.driver = webdriver.Chrome(options=options, service=Service("/usr/bin/chromedriver"))
+        logs = {"browser": "ALL", "performance": "ALL"}
+        self.driver = headless_chromium.start(str(profile), logs=logs)
 
     def resize(self, width, height):
         metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
@@ -294,9 +279,8 @@ class Page:
 
 @pytest.fixture(scope="module")
 def ros():
-    for program in ("/usr/bin/chromium", "/usr/bin/chromedriver"):
-        if shutil.which(program) is None:
-            pytest.skip(f"{program} is not installed")
+    if headless_chromium.lacking():
+        pytest.skip(headless_chromium.lacking())
     with Ros() as ros:
         yield ros
 

@@ -18,7 +18,8 @@ from sensor_msgs.msg import CameraInfo
 from telex_msgs.msg import ScenePoses
 from telex_msgs.srv import Delete, Spawn
 
-from ..chromium import lacking
+from telex_teleop.headless_chromium import lacking
+
 from ..console import opened
 from ..experiment import Cell, Experiment, Figure, Picture, Result, Table
 from ..session import Session
