@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+import urllib.request
 from typing import Any, Callable, Dict, List, Optional
 
 import rospy
@@ -30,6 +31,12 @@ def eventually(condition: Callable[[], object], timeout: float, what: str) -> ob
             return value
         time.sleep(0.02)
     raise AssertionError(f"not within {timeout} s: {what}")
+
+
+def is_streamed(server: str, topic: str) -> bool:
+    """Whether the video server at an address offers a topic (its global name)."""
+    with urllib.request.urlopen(f"{server}/streams", timeout=20.0) as answer:
+        return topic in answer.read().decode()
 
 
 class Robot:

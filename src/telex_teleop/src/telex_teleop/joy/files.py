@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import os
 from typing import Type, TypeVar
 
+import rospkg
 import yaml
 
 from telex_control.params import ConfigError, read_struct
 
-__all__ = ["read_file"]
+__all__ = ["read_file", "shipped_file"]
 
 Config = TypeVar("Config")
 
@@ -30,3 +32,8 @@ def read_file(kind: Type[Config], path: str) -> Config:
         return read_struct(kind, content)
     except ConfigError as error:
         raise ConfigError(f"{path}: {error}") from None
+
+
+def shipped_file(name: str) -> str:
+    """Return the path of a file that comes with the package."""
+    return os.path.join(rospkg.RosPack().get_path("telex_teleop"), "config", "joy", name)

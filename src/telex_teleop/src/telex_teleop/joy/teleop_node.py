@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import os
 import threading
 import time
 from dataclasses import dataclass
 from typing import Any, Dict, FrozenSet, Optional
 
-import rospkg
 import rospy
 from rospy.core import is_shutdown_requested
 from sensor_msgs.msg import Joy
@@ -17,6 +15,7 @@ from std_msgs.msg import String
 from telex_control.node_start import init_node, until_shutdown
 from telex_control.params import ConfigError, require_range, require_text
 from telex_teleop.joy.core import JoyTeleop
+from telex_teleop.joy.files import shipped_file
 from telex_teleop.joy.maps import JoyMap
 from telex_teleop.joy.pads import InvalidJoy, Pad, Pads
 from telex_teleop.joy.source_node import DEVICE_TOPIC
@@ -288,8 +287,8 @@ def joy_teleop_main() -> int:
         settings = private_settings(JoyTeleopSettings)
         node = JoyTeleopNode(
             settings,
-            JoyMap.read(settings.map or _shipped("twin_stick.yaml")),
-            Pads.read(settings.pads or _shipped("pads.yaml")),
+            JoyMap.read(settings.map or shipped_file("twin_stick.yaml")),
+            Pads.read(settings.pads or shipped_file("pads.yaml")),
             _robot_namespace(settings.robot or rospy.get_namespace()),
         )
     except ConfigError as error:
@@ -297,10 +296,6 @@ def joy_teleop_main() -> int:
         return 1
     node.run()
     return 0
-
-
-def _shipped(name: str) -> str:
-    return os.path.join(rospkg.RosPack().get_path("telex_teleop"), "config", "joy", name)
 
 
 def _robot_namespace(name: str) -> str:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any, Dict, List, Mapping
 
 from aiohttp import web
 
+from ..joy.files import shipped_file
 from ..joy.maps import Binding, JoyMap, StickBinding
 from ..operating.actions import (
     TOOL_AXES,
@@ -26,7 +26,6 @@ from ..operating.actions import (
 ADDRESS = "/joy_map.json"
 """Where the map is served."""
 
-_SHIPPED = Path(__file__).resolve().parents[3] / "config" / "joy" / "twin_stick.yaml"
 _KINDS = {
     Jog: "jog",
     Drive: "drive",
@@ -53,7 +52,7 @@ def add_joy_map(app: web.Application, path: str) -> None:
     telex_control.params.ConfigError
         When it cannot be read or is wrong.
     """
-    described = describe(JoyMap.read(path or str(_SHIPPED)))
+    described = describe(JoyMap.read(path or shipped_file("twin_stick.yaml")))
 
     async def answer(_request: web.Request) -> web.Response:
         return web.json_response(described)

@@ -29,6 +29,8 @@ from .shapes import (
 
 _ROLLING = 0.0005
 """Rolling friction of round things to be handled (m)."""
+_HARDWOOD, _STEEL = 700.0, 7850.0
+"""Densities (kg/m3)."""
 
 
 @dataclass(frozen=True)
@@ -131,7 +133,7 @@ class Cube(ObjectType):
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
-        mass = 700.0 * self.edge**3 if self.mass is None else self.mass
+        mass = _HARDWOOD * self.edge**3 if self.mass is None else self.mass
         surface = Surface(opaque(self.color), "generated:wood", 0.4)
         part = box((self.edge,) * 3, (0.0, 0.0, 0.5 * self.edge), surface)
         return single(ObjectModel((Link("cube", mass, (part,), self.friction),)))
@@ -214,7 +216,7 @@ class Pipe(ObjectType):
         """Make it; see `ObjectType.build`."""
         r, length = self.radius, self.length
         wall = math.pi * (r**2 - (0.8 * r) ** 2) * length
-        mass = 7850.0 * wall if self.mass is None else self.mass
+        mass = _STEEL * wall if self.mass is None else self.mass
         middle = (0.0, 0.0, 0.5 * length)
         standing = (
             # One solid: it rolls round, where staves would rattle.
@@ -343,7 +345,7 @@ class Wedge(ObjectType):
         """Make it; see `ObjectType.build`."""
         size = (self.length, self.width, self.height)
         volume = 0.5 * self.length * self.width * self.height
-        mass = 700.0 * volume if self.mass is None else self.mass
+        mass = _HARDWOOD * volume if self.mass is None else self.mass
         surface = Surface(opaque(self.color), "generated:wood", 0.4)
         # It is convex, so that what is seen can be touched as well.
         part = replace(mesh("wedge", size, (0.0, 0.0, 0.0), surface), solid=True)
@@ -379,7 +381,7 @@ class Plate(ObjectType):
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
         x, y, z = self.size
-        mass = 7850.0 * x * y * z if self.mass is None else self.mass
+        mass = _STEEL * x * y * z if self.mass is None else self.mass
         size = (x, z, y) if self.lying else self.size
         part = box(size, (0.0, 0.0, 0.5 * size[2]), look.STAINLESS)
         return single(ObjectModel((Link("plate", mass, (part,), self.friction),)))
