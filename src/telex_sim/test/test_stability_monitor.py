@@ -60,6 +60,16 @@ def block_under_the_belly(tested):
     return pybullet.createMultiBody(0.0, shape, -1, (x, y, 0.5 * height), physicsClientId=client)
 
 
+def wall_before(tested, distance):
+    """Put a wall of 0.5 m across the robot's way, so far before it (m)."""
+    client = tested.simulation.world.client
+    x, y, _ = tested.simulation.body.base_pose()[0]
+    shape = pybullet.createCollisionShape(
+        pybullet.GEOM_BOX, halfExtents=(0.3, 1.0, 0.25), physicsClientId=client
+    )
+    pybullet.createMultiBody(0.0, shape, -1, (x + distance + 0.3, y, 0.25), physicsClientId=client)
+
+
 @pytest.fixture
 def watched(robot):
     def make(**changes):
@@ -101,6 +111,27 @@ def test_the_margin_does_not_flicker_while_it_drives(watched):
     margins = [each.margin for each in drive(monitor, tested, 0.5, 0.3, 1.5)]
     assert min(margins) > 0.85
     assert max(margins) < 1.1
+
+
+def test_leaning_against_a_wall_is_not_tipping_until_it_rears(watched):
+    tested, monitor = watched(start__pose="stow")
+    wall_before(tested, distance=0.9)
+    for side in ("left", "right"):
+        topic = f"front_{side}_flipper_position_controller/command"
+        tested.node.advertise(topic, Float64).publish(Float64(0.5))
+    look(monitor, tested, 2.0)
+    # Its belts push it up the wall: the ground carries its rear end only, and the wall the rest.
+    margins = {}
+    while monitor.attitude.pitch > -0.75:
+        margin = drive(monitor, tested, 0.3, 0.0, 0.1)[-1]
+        margins[math.degrees(-monitor.attitude.pitch)] = margin
+    leaning = [margin.margin for pitch, margin in margins.items() if pitch < 25.0]
+    assert len(leaning) > 5
+    assert min(leaning) > 0.5
+    # The steeper it stands, the nearer it is to falling over backwards.
+    steepest = margins[max(margins)]
+    assert steepest.margin < 0.6
+    assert math.cos(steepest.direction) == pytest.approx(-1.0, abs=0.01)
 
 
 def test_a_stretched_arm_tips_it_forwards_sooner(watched):

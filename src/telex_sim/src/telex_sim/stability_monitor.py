@@ -22,7 +22,9 @@ _RESTS = 0.004
 _OUTSIDE = 0.002
 """How far beside a belt (m) is looked for what its corners lie on."""
 _CARRIES = 0.2
-"""Least upward part of a contact's normal that holds the robot up."""
+"""Least upward part of a contact's normal that holds the robot up, and downward part of one that
+holds it down.
+"""
 _RECENT = 2.5
 """Age, in periods of `StabilityMonitor.observe`, up to which the last momentum counts: two periods,
 and not a matter of rounding.
@@ -247,10 +249,13 @@ class StabilityMonitor:
         Returns
         -------
         supports : list of Vector
-            Contact points under the tracks and the hull, and corners of belts that lie on
-            something: PyBullet gives no more than a few points of a face.
+            Contact points under the tracks and the hull; where tracks lean against what stands
+            fast, such as a step that they are about to climb, and which the robot cannot tip
+            through; and corners of belts that lie on something: PyBullet gives no more than a few
+            points of a face.
         pushes : list of (point, force)
-            On the arm, which may hold a load, and from the side or from above (m, N).
+            On the arm, which may hold a load, from the side by what can move, and from above
+            (m, N).
         """
         uid, client = self._body.uid, self._body.client
         supports: List[Vector] = []
@@ -262,15 +267,24 @@ class StabilityMonitor:
             x, y, z = contact[7]
             if contact[1] == uid:
                 link, point, normal, sign = contact[3], contact[5], (x, y, z), 1.0
+                other = contact[2], contact[4]
             else:
                 link, point, normal, sign = contact[4], contact[6], (-x, -y, -z), -1.0
+                other = contact[1], contact[3]
             if normal[2] >= _CARRIES and (link in self._corners or link == -1):
                 supports.append(point)
                 if link in self._corners:
                     _add_plane(planes.setdefault(link, []), point, normal)
+            elif normal[2] > -_CARRIES and link in self._corners and self._stands_fast(*other):
+                supports.append(point)
             else:
                 pushes.append((np.array(point), sign * _force(contact)))
         return self._resting_corners(planes, centers, rotations) + supports, pushes
+
+    def _stands_fast(self, body: int, link: int) -> bool:
+        """Whether a link (PyBullet's numbers) is part of the surroundings that nothing moves."""
+        mass: float = pybullet.getDynamicsInfo(body, link, physicsClientId=self._body.client)[0]
+        return mass == 0.0
 
     def _resting_corners(
         self,
