@@ -356,9 +356,25 @@ def endless(session):
     session.say("sleeping")
     time.sleep(600)
 
+def ticking(session):
+    times = []
+    while not (session.folder.parent / "alone" / "span").exists() or len(times) < 100:
+        times.append(time.monotonic())
+        time.sleep(0.02)
+    (session.folder / "times").write_text(" ".join(map(repr, times)))
+    return Result(figures=[Figure("x", 1.0, "", at_most=2.0)])
+
+def alone(session):
+    began = time.monotonic()
+    time.sleep(1.5)
+    (session.folder / "span").write_text(f"{began!r} {time.monotonic()!r}")
+    return Result(figures=[Figure("x", 1.0, "", at_most=2.0)])
+
 EXPERIMENTS = (
     *(experiment(run.__name__, run) for run in (well, badly, broken, dead, endless)),
     experiment("computing", computing, in_wall_time=False),
+    experiment("ticking", ticking, in_wall_time=False),
+    experiment("alone", alone, alone=True),
 )
 """
 
@@ -420,6 +436,16 @@ def test_a_missed_bar_gives_a_status_and_the_others_go_on(fakes, capsys):
 def test_what_only_computes_leaves_the_processors_to_the_simulators(fakes):
     (outcome,) = Schedule(fakes, False, 1, lambda line: None).run(registry.select(["computing"]))
     assert outcome.result.ok, outcome.result
+
+
+def test_what_computes_stands_still_while_one_has_to_be_alone(fakes):
+    chosen = registry.select(["ticking", "alone"])
+    outcomes = Schedule(fakes, False, 1, lambda line: None).run(chosen)
+    assert all(outcome.result.ok for outcome in outcomes), outcomes
+    times = [float(word) for word in (fakes / "ticking" / "times").read_text().split()]
+    began, ended = (float(word) for word in (fakes / "alone" / "span").read_text().split())
+    assert not [time for time in times if began < time < ended]
+    assert times[-1] > ended
 
 
 def test_one_that_takes_too_long_is_ended_with_all_that_it_started(fakes, monkeypatch):

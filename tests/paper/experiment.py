@@ -183,6 +183,8 @@ class Experiment:
     in_wall_time : bool
         Whether it drives a simulator. Such experiments run one after the other; one that computes
         only, without ROS, runs beside them at low priority.
+    alone : bool
+        Whether what only computes stands still while it runs.
     groups : tuple of str
         Further names by which ``--only`` finds it, such as "fig9".
     """
@@ -197,6 +199,7 @@ class Experiment:
     seconds: float
     quick_seconds: float
     in_wall_time: bool = True
+    alone: bool = False
     groups: Tuple[str, ...] = ()
 
     def __post_init__(self) -> None:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import queue
+import signal
 import subprocess
 import sys
 import threading
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Callable, Dict, List, Optional, Sequence, TextIO
+from typing import Callable, Dict, Iterator, List, Optional, Sequence, Set, TextIO
 
 from telex_control.private_master import DIES_WITH_US, end_tree
 
@@ -70,6 +72,9 @@ class Schedule:
         self._say = say
         self._stopped = threading.Event()
         self._running: Dict[str, subprocess.Popen] = {}
+        # What only computes, while it runs; and whether it has to stand still.
+        self._computing: Set[subprocess.Popen] = set()
+        self._held = False
         self._lock = threading.Lock()
 
     def run(self, experiments: Sequence[Experiment]) -> List[Outcome]:
@@ -124,7 +129,8 @@ class Schedule:
         expected = experiment.expected(self._quick)
         self._say(f"{experiment.name}: {experiment.title} (about {_minutes(expected)})")
         began = time.monotonic()
-        result = self._carry_out(experiment, folder, PATIENCE * expected + GRACE)
+        with self._quiet() if experiment.alone else contextlib.nullcontext():
+            result = self._carry_out(experiment, folder, PATIENCE * expected + GRACE)
         for table in result.tables:
             (folder / table.file).write_text(table.as_csv(), encoding="utf-8")
         seconds = time.monotonic() - began
@@ -147,6 +153,10 @@ class Schedule:
                 start_new_session=True,
             )
             self._running[experiment.name] = process
+            if not experiment.in_wall_time:
+                self._computing.add(process)
+                if self._held:
+                    os.killpg(process.pid, signal.SIGSTOP)
         if process.stdout is None:
             raise RuntimeError("no pipe from the experiment")
         teller = threading.Thread(target=self._tell, args=(experiment.name, process.stdout))
@@ -163,6 +173,7 @@ class Schedule:
             teller.join()
             with self._lock:
                 del self._running[experiment.name]
+                self._computing.discard(process)
         if late:
             return missing(
                 f"ended after {_minutes(timeout)}: it should have taken a quarter of that, or less"
@@ -172,6 +183,22 @@ class Schedule:
             end = "".join((folder / "log.txt").read_text(errors="replace").splitlines(True)[-5:])
             return missing(f"its process ended with status {process.returncode}: {end.strip()}")
         return Result.from_json(file.read_text(encoding="utf-8"))
+
+    @contextlib.contextmanager
+    def _quiet(self) -> Iterator[None]:
+        """Let what only computes stand still meanwhile."""
+        self._hold(True)
+        try:
+            yield
+        finally:
+            self._hold(False)
+
+    def _hold(self, held: bool) -> None:
+        with self._lock:
+            self._held = held
+            for process in self._computing:
+                with contextlib.suppress(ProcessLookupError):
+                    os.killpg(process.pid, signal.SIGSTOP if held else signal.SIGCONT)
 
     def _tell(self, name: str, lines: TextIO) -> None:
         with contextlib.suppress(ValueError):

@@ -315,6 +315,8 @@ EXPERIMENTS = (
         run=sit_at_the_console,
         seconds=55.0,
         quick_seconds=55.0,
+        # A browser, six cameras and the physics are all that two cores can do at once.
+        alone=True,
         groups=("fig6",),
     ),
     Experiment(
