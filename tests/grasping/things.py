@@ -73,7 +73,7 @@ THINGS: Dict[str, Thing] = {
     "briefcase": Thing("briefcase", 5.0, 0.025, 0.3925),
     "cylinder": Thing("cylinder", 1.0, 0.06, 0.09),
     "bottle": Thing("bottle", 0.8, 0.08, 0.10, friction=0.8),
-    "pipe": Thing("pipe", 0.7, 0.05, 0.025, parameters={"length": 0.3}),
+    "pipe": Thing("pipe", 0.7, 0.05, 0.025, parameters={"length": 0.24}),
     "sphere": Thing("sphere", 0.5, 0.08, 0.04),
     "wedge": Thing("wedge", 0.4, 0.06, 0.025, aside=0.02),
     "flat plate": Thing("plate", 1.2, 0.01, 0.055),

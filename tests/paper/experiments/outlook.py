@@ -28,6 +28,7 @@ OBSTACLES = (
     "stepfield hill, seed 1",
 )
 QUICK_OBSTACLES = ("step 50 cm, mu 1.0", "hurdle 30 cm")
+_NOT_PASSED = "not passed"
 SPEEDS = (0.3, 1.0)  # m/s
 TURN = 0.5  # rad/s
 SLOPE = math.radians(30.0)
@@ -87,8 +88,9 @@ def tracks(session: Session) -> Result:
     for name in wanted:
         ours, theirs = (_trial(by_name[name], way) for way in (False, True))
         passed += ours.passed
-        climbed.append([name, *(o.time if o.passed else "not passed" for o in (ours, theirs))])
-        session.say(f"{name}: tracks {climbed[-1][1]}, the paper's way {climbed[-1][2]}")
+        climbed.append([name, *(o.time if o.passed else _NOT_PASSED for o in (ours, theirs))])
+        told = [f"{o.time:.1f} s" if o.passed else _NOT_PASSED for o in (ours, theirs)]
+        session.say(f"{name}: tracks {told[0]}, the paper's way {told[1]}")
     driven: Dict[str, Tuple[str, float, Pair]] = {}
     for speed in SPEEDS[-1:] if session.quick else SPEEDS:
         pair = (_speed_error(speed, False), _speed_error(speed, True))
