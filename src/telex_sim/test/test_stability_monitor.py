@@ -134,6 +134,16 @@ def test_leaning_against_a_wall_is_not_tipping_until_it_rears(watched):
     assert math.cos(steepest.direction) == pytest.approx(-1.0, abs=0.01)
 
 
+def test_a_hand_that_presses_against_a_wall_pushes_the_robot_as_it_must(watched):
+    tested, monitor = watched(world="training_hall")  # 1.5 m before a wall
+    # The hand meets the wall first, and its push lifts the front of the belts a little: the robot
+    # stands in balance on their rear ends, and falls neither forwards nor backwards.
+    margins = [each.margin for each in drive(monitor, tested, 1.2, 0.0, 4.0)[-20:]]
+    assert abs(monitor.attitude.pitch) < 0.1
+    assert sorted(margins)[1] > -0.5
+    assert min(margins) < 0.5
+
+
 def test_a_stretched_arm_tips_it_forwards_sooner(watched):
     tested, monitor = watched(start__pose="stow")
     before = look(monitor, tested, 0.5)

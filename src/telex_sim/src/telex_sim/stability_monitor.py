@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import product
-from typing import Dict, List, Optional, Sequence, Tuple
+from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 import pybullet
@@ -63,6 +63,29 @@ class Margin:
     direction: float
     support: List[Vector]
     center_of_mass: Vector
+
+
+class _Contact(NamedTuple):
+    """A contact under load, as the robot has it.
+
+    Attributes
+    ----------
+    link : int
+        The robot's (PyBullet's number).
+    point, normal : Vector
+        In the world (m); the normal points towards the robot.
+    body, body_link : int
+        What it touches (PyBullet's numbers).
+    force : array
+        On the robot (N), shape (3,).
+    """
+
+    link: int
+    point: Vector
+    normal: Vector
+    body: int
+    body_link: int
+    force: np.ndarray
 
 
 class StabilityMonitor:
@@ -257,29 +280,48 @@ class StabilityMonitor:
             On the arm, which may hold a load, from the side by what can move, and from above
             (m, N).
         """
-        uid, client = self._body.uid, self._body.client
         supports: List[Vector] = []
-        pushes: List[Tuple[np.ndarray, np.ndarray]] = []
         planes: Dict[int, List[Tuple[Vector, Vector]]] = {}
-        for contact in pybullet.getContactPoints(uid, physicsClientId=client):
-            if contact[9] <= 0.0 or contact[1] == contact[2]:
+        pushed = False
+        for contact in self._touching(self._body.uid):
+            if not self._supports(contact):
+                pushed = True
+                continue
+            supports.append(contact.point)
+            if contact.link in self._corners and contact.normal[2] >= _CARRIES:
+                _add_plane(planes.setdefault(contact.link, []), contact.point, contact.normal)
+        # PyBullet turns the normal of a contact that is asked for by its second body, and forgets
+        # to turn the friction: of all contacts of the world alone, the direction is known.
+        pushes = [
+            (np.array(contact.point), contact.force)
+            for contact in (self._touching(None) if pushed else ())
+            if not self._supports(contact)
+        ]
+        return self._resting_corners(planes, centers, rotations) + supports, pushes
+
+    def _touching(self, asked: Optional[int]) -> Iterator[_Contact]:
+        """Contacts of the robot with others, asked for by a body (PyBullet's number) or by none."""
+        uid = self._body.uid
+        filters = {} if asked is None else {"bodyA": asked}
+        for contact in pybullet.getContactPoints(**filters, physicsClientId=self._body.client):
+            if contact[9] <= 0.0 or contact[1] == contact[2] or uid not in (contact[1], contact[2]):
                 continue
             x, y, z = contact[7]
             if contact[1] == uid:
-                link, point, normal, sign = contact[3], contact[5], (x, y, z), 1.0
-                other = contact[2], contact[4]
+                place, other = (contact[3], contact[5], (x, y, z)), (contact[2], contact[4])
+                yield _Contact(*place, *other, _force(contact))
             else:
-                link, point, normal, sign = contact[4], contact[6], (-x, -y, -z), -1.0
-                other = contact[1], contact[3]
-            if normal[2] >= _CARRIES and (link in self._corners or link == -1):
-                supports.append(point)
-                if link in self._corners:
-                    _add_plane(planes.setdefault(link, []), point, normal)
-            elif normal[2] > -_CARRIES and link in self._corners and self._stands_fast(*other):
-                supports.append(point)
-            else:
-                pushes.append((np.array(point), sign * _force(contact)))
-        return self._resting_corners(planes, centers, rotations) + supports, pushes
+                place, other = (contact[4], contact[6], (-x, -y, -z)), (contact[1], contact[3])
+                yield _Contact(*place, *other, -_force(contact))
+
+    def _supports(self, contact: _Contact) -> bool:
+        """Whether a contact holds the robot up or stops its fall, and does not push it about."""
+        upward = contact.normal[2]
+        if contact.link in self._corners:
+            return upward >= _CARRIES or (
+                upward > -_CARRIES and self._stands_fast(contact.body, contact.body_link)
+            )
+        return upward >= _CARRIES and contact.link == -1
 
     def _stands_fast(self, body: int, link: int) -> bool:
         """Whether a link (PyBullet's numbers) is part of the surroundings that nothing moves."""
