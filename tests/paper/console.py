@@ -10,6 +10,7 @@ from typing import Callable, Iterator, List, Set, Tuple
 from selenium import webdriver
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
 
 from telex_teleop import headless_chromium
 
@@ -76,6 +77,16 @@ class Console:
             yield
         finally:
             ActionChains(self._driver).key_up(key).perform()
+
+    def press(self, key: str) -> None:
+        """Press a key of the keyboard and let go: a letter, or a name such as ``escape``."""
+        character = getattr(Keys, key.upper(), key)
+        ActionChains(self._driver).send_keys(character).perform()
+
+    def show(self, camera: str) -> None:
+        """Have a camera in the large view."""
+        selector = f".thumbnail[data-camera={camera}]"
+        self._driver.find_element(By.CSS_SELECTOR, selector).click()
 
     def screenshot(self) -> bytes:
         """Return the page as PNG."""
