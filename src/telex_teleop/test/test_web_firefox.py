@@ -1,0 +1,101 @@
+"""The console in headless Firefox: that it shows, drives, stops and stays within the window."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+from firefox import Firefox, firefox
+from web_harness import Ros, wait_until
+from web_robot import ARM, DRIVE, ESTOP, FINGER, THUMBNAILS, URDF, Robot
+
+pytestmark = [pytest.mark.ros, pytest.mark.browser]
+
+LIVE = "[...document.querySelectorAll('.thumbnail[data-state=live]')].map((e) => e.dataset.camera)"
+
+
+@pytest.fixture(scope="module")
+def ros():
+    if firefox() is None:
+        pytest.skip("Firefox is not installed (apt-get install firefox-esr)")
+    with Ros() as ros:
+        yield ros
+
+
+@pytest.fixture(scope="module")
+def robot(ros):
+    robot = Robot(ros)
+    robot.publish_states()
+    robot.publish_node_status()
+    return robot
+
+
+@pytest.fixture(scope="module")
+def page(ros, robot, tmp_path_factory):
+    ros.master.setParam("/telex/robot_description", URDF)
+    ros.master.setParam("/telex/gripper_controller/geometry", FINGER)
+    _, url = ros.serve("video_server")
+    ros.serve("rosbridge")
+    page = Firefox(tmp_path_factory.mktemp("profile"))
+    try:
+        page.resize(1280, 720)
+        page.get(url)
+        wait_until(lambda: state(page, "link") == "up", 30.0)
+        wait_until(lambda: state(page, "view") == "live", 30.0)
+        page.click("#tour-skip")
+        yield page
+    finally:
+        page.quit()
+
+
+def state(page, element):
+    return page.evaluate(f"document.getElementById('{element}').dataset.state")
+
+
+def text(page, element):
+    return page.evaluate(f"document.getElementById('{element}').textContent")
+
+
+def test_six_views_are_live_and_the_page_fits_the_window(robot, page, tmp_path):
+    wait_until(lambda: page.evaluate(LIVE) == THUMBNAILS, 30.0)
+    size = "[document.documentElement.scrollWidth, document.documentElement.scrollHeight]"
+    assert page.evaluate(size) == [1280, 720]
+    png = page.screenshot()
+    (tmp_path / "firefox.png").write_bytes(png)
+    picture = cv2.imdecode(np.frombuffer(png, np.uint8), cv2.IMREAD_COLOR)
+    assert picture.shape == (720, 1280, 3)
+    # The box that the fake camera shows, in the large view: blue, green, red.
+    box = page.evaluate(
+        "(({x, y, width, height}) => [x + 0.72 * width, y + 0.5 * height])"
+        "(document.querySelector('#view canvas').getBoundingClientRect())"
+    )
+    blue, green, red = picture[round(box[1]), round(box[0])]
+    assert red > 150 > green > blue
+
+
+def test_a_key_drives_until_it_is_let_go(robot, page):
+    robot.forget()
+    page.keys("keyDown", "w")
+    messages = robot.wait_for(DRIVE, 20)
+    page.keys("keyUp", "w")
+    assert messages[-1]["linear"]["x"] == pytest.approx(1.2)
+    wait_until(lambda: robot.is_quiet(DRIVE))
+    assert robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0
+
+
+def test_modes_and_joints_follow_their_keys(robot, page):
+    page.keys("keyDown", "\ue004")  # Tab
+    page.keys("keyUp", "\ue004")
+    robot.forget()
+    page.keys("keyDown", "j")
+    messages = robot.wait_for(ARM, 5)
+    page.keys("keyUp", "j")
+    assert messages[-1]["joint_names"] == ["turret_joint"]
+    wait_until(lambda: robot.is_quiet(ARM))
+
+
+def test_escape_is_the_emergency_stop_and_nothing_was_complained_of(robot, page):
+    page.keys("keyDown", "\ue00c")  # Escape
+    page.keys("keyUp", "\ue00c")
+    assert robot.wait_for(ESTOP)[-1]["data"] is True
+    assert page.complaints == []

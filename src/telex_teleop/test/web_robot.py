@@ -1,0 +1,157 @@
+"""Plays the robot for the console's tests: its states, its cameras, an ear for commands."""
+
+from __future__ import annotations
+
+import math
+import time
+
+import cv2
+import numpy as np
+import simplejpeg
+from web_harness import wait_until
+
+DRIVE = "/telex/track_teleop/cmd_vel"
+ARM = "/telex/arm_teleop/delta_joint_cmds"
+GRIPPER = "/telex/gripper_teleop/delta_joint_cmds"
+FLIPPERS = "/telex/flipper_teleop/delta_joint_cmds"
+PRESETS = "/telex/flipper_teleop/preset_cmds"
+CONTACT = "/telex/sim/gripper_contact"
+ESTOP = "/telex/e_stop"
+NODES = ("arm_teleop", "gripper_teleop", "flipper_teleop", "track_teleop")
+ARM_JOINTS = [
+    "turret_joint",
+    "shoulder_joint",
+    "telescope_joint",
+    "elbow_joint",
+    "forearm_roll_joint",
+    "wrist_pitch_joint",
+    "gripper_roll_joint",
+]
+PRESET_NAMES = ["flat", "drive", "approach", "climb", "descend", "high", "folded"]
+FINGERS = [f"{s}_finger_{p}_joint" for s in ("left", "right") for p in ("base", "middle", "tip")]
+FLIPPER_JOINTS = [f"{e}_{s}_flipper_joint" for e in ("front", "rear") for s in ("left", "right")]
+THUMBNAILS = ["arm", "gripper", "mast", "rear", "turret"]
+IMU = {"orientation": {"z": -math.sin(math.pi / 4), "w": math.cos(math.pi / 4)}}
+SHOULDER = """
+  <joint name="shoulder_joint" type="revolute">
+    <parent link="base_link"/><child link="upper_arm_link"/>
+    <origin xyz="0 0 0.2"/><axis xyz="0 1 0"/>
+    <limit lower="-1.1" upper="0.9" effort="1" velocity="1"/>
+    <safety_controller soft_lower_limit="-1.05" soft_upper_limit="0.85" k_velocity="1"/>
+  </joint>
+"""
+URDF = f"""
+<robot name="telex">
+  <link name="base_link">
+    <collision><geometry><box size="0.6 0.3 0.1"/></geometry></collision>
+  </link>
+  {SHOULDER}
+  <link name="upper_arm_link">
+    <collision><origin xyz="0.3 0 0"/><geometry><box size="0.6 0.05 0.05"/></geometry></collision>
+  </link>
+</robot>
+"""
+POSITIONS = [0.5, -1.0, 0.12, 2.0, 0.1, -0.5, -1e-6]
+POSITIONS += [0.3, 0.3, -0.6, 0.3, 0.3, -0.6, 0.6, 0.61, -1.2, -1.2]
+
+
+EFFORTS = [0.0] * 7 + [-2.0, 0.0, 0.0, 1.5] + [0.0] * 6
+FINGER = {"base": 0.045, "middle": 0.075, "lean": 0.4363323, "pad": 0.024, "max_angle": 0.55}
+
+
+def camera_picture(width=640, height=480, number=0):
+    """Draw a floor, a horizon and two boxes: something that an operator could drive by."""
+    picture = np.zeros((480, 640, 3), np.uint8)
+    picture[:240], picture[240:] = (70, 80, 90), (75, 70, 60)
+    for x in range(-20, 30):
+        cv2.line(picture, (320, 240), (320 + x * 80, 480), (105, 100, 90), 1, cv2.LINE_AA)
+    cv2.rectangle(picture, (100, 140), (220, 260), (90, 140, 130), -1)
+    cv2.rectangle(picture, (420, 180), (500, 330), (200, 110, 40), -1)
+    for each in range(number):
+        cv2.circle(picture, (120 + 100 * each, 400), 40, (220, 60, 40), -1)
+    return simplejpeg.encode_jpeg(cv2.resize(picture, (width, height)), quality=90)
+
+
+class Robot:
+    """Plays the robot's side: publishes states, hears commands."""
+
+    def __init__(self, ros):
+        self.probe = ros.probe()
+        self.scale = 0.4
+        for topic, kind in (
+            (DRIVE, "geometry_msgs/Twist"),
+            (ARM, "control_msgs/JointJog"),
+            (GRIPPER, "control_msgs/JointJog"),
+            (FLIPPERS, "control_msgs/JointJog"),
+            (PRESETS, "telex_msgs/FlipperPresetHold"),
+            (ESTOP, "std_msgs/Bool"),
+        ):
+            self.probe.subscribe(topic, kind)
+        for node in NODES:
+            self.probe.subscribe(f"/telex/{node}/speed_scale", "std_msgs/Float64")
+
+    def publish_states(self):
+        names = ARM_JOINTS + FINGERS + FLIPPER_JOINTS
+        states = {"name": names, "position": POSITIONS, "effort": EFFORTS}
+        self.probe.publish("/telex/joint_states", "sensor_msgs/JointState", states, rate=50)
+        self.probe.publish("/telex/imu", "sensor_msgs/Imu", IMU, rate=10)
+        self.publish_sim()
+        self.publish_camera("front", rate=15)
+        for number, camera in enumerate(THUMBNAILS, start=1):
+            self.publish_camera(camera, camera_picture(320, 240, number), rate=2)
+        self.publish_camera("overview", rate=1)
+
+    def publish_joint(self, name, position):
+        """Publish another position of one joint."""
+        names = ARM_JOINTS + FINGERS + FLIPPER_JOINTS
+        positions = [position if each == name else at for each, at in zip(names, POSITIONS)]
+        states = {"name": names, "position": positions}
+        self.probe.publish("/telex/joint_states", "sensor_msgs/JointState", states, rate=50)
+
+    def publish_camera(self, name, picture=None, rate=0):
+        """Publish pictures at a rate, or one and then no more."""
+        data = {"data": (picture or camera_picture()).hex()}
+        topic = f"/telex/cameras/{name}/image_raw/compressed"
+        self.probe.publish(topic, "sensor_msgs/CompressedImage", hex=data, rate=rate)
+
+    def publish_sim(self, **changes):
+        status = {"real_time_factor": 0.998, "e_stop": False, "paused": False, **changes}
+        self.probe.publish("/telex/sim/status", "telex_msgs/SimStatus", status, rate=5)
+
+    def publish_node_status(self, scale=0.4):
+        speed = {"speed_scale": scale, "min_speed_scale": 0.05, "max_speed_scale": 1.0}
+        for node, joints, limit, limited in (
+            ("arm_teleop", ARM_JOINTS, 0.6, ["elbow_joint"]),
+            ("gripper_teleop", [*FINGERS, "gripper"], 0.16, []),
+            ("flipper_teleop", FLIPPER_JOINTS, 0.7, []),
+        ):
+            status = {"joint_names": joints, "max_velocity": [limit] * len(joints)}
+            status.update(limited=limited, **speed)
+            topic = f"/telex/{node}/status"
+            self.probe.publish(topic, "telex_msgs/JointTeleopStatus", status, rate=10)
+        presets = {"names": PRESET_NAMES, "descriptions": ["for " + name for name in PRESET_NAMES]}
+        topic = "/telex/flipper_teleop/presets"
+        self.probe.publish(topic, "telex_msgs/FlipperPresets", presets, latch=True)
+        drive = {"max_linear": 1.2, "max_angular": 1.0, "command": {"linear": {"x": 0.25}}}
+        topic = "/telex/track_teleop/status"
+        self.probe.publish(topic, "telex_msgs/TrackTeleopStatus", {**drive, **speed}, rate=10)
+
+    def heard(self, topic):
+        return self.probe.messages(topic)
+
+    def forget(self):
+        """Forget what was heard, once all that was sent has arrived."""
+        commands = (DRIVE, ARM, GRIPPER, FLIPPERS, PRESETS)
+        wait_until(lambda: all(self.is_quiet(topic, 0.03) for topic in commands))
+        for messages in self.probe.heard.values():
+            messages.clear()
+
+    def wait_for(self, topic, count=1, timeout=5.0):
+        wait_until(lambda: len(self.probe.heard[topic]) >= count, timeout)
+        return self.heard(topic)
+
+    def is_quiet(self, topic, period=0.3):
+        """Tell whether nothing comes on a topic for a while (s)."""
+        count = len(self.probe.heard[topic])
+        time.sleep(period)
+        return len(self.probe.heard[topic]) == count
