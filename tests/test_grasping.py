@@ -74,6 +74,14 @@ def test_friction_holds_what_coulomb_says(share: float) -> None:
         assert found.slip.distance < 0.1e-3
 
 
+def test_a_thin_plate_gets_the_whole_force() -> None:
+    """The command closes the pads all the way, and the plate stops them 1 cm before."""
+    thing = THINGS["flat plate"]
+    with rig_for(thing) as rig:
+        rig.present(thing.entry(), 20.0)
+        assert force_error(rig, 250.0) < 0.05 * 250.0
+
+
 def test_slipping_is_felt() -> None:
     force = 50.0
     thing = block(1.15 * 2.0 * PAD_FRICTION * force / 9.81)

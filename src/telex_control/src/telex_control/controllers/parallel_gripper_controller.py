@@ -18,6 +18,9 @@ from .joint_description import joint_description
 RATIOS = (1.0, 1.0, -2.0)
 """Angles of base, middle and tip joint by the finger's angle; they keep the pads parallel."""
 
+_THIN = 0.004
+"""Opening (m) from which on something counts as between pads that close all the way."""
+
 
 @dataclass(frozen=True)
 class FingerGeometry:
@@ -239,7 +242,8 @@ class ParallelGripperController(GripperCommandController):
             self._target = (position, geometry.angle(position))
         measured = self._angle()
         step = config.velocity / geometry.opening_rate(measured) * period
-        reference = self._reference + clamp(self._target[1] - self._reference, -step, step)
+        target = self._target[1] - self._beyond_closed(position, measured, max_effort)
+        reference = self._reference + clamp(target - self._reference, -step, step)
         self._force = force = clamp(
             (reference - measured) * config.stiffness, -max_effort, max_effort
         )
@@ -256,6 +260,16 @@ class ParallelGripperController(GripperCommandController):
             if joint.gravity is not None:
                 effort += joint.gravity.effort(time)
             joint.handle.command = effort
+
+    def _beyond_closed(self, position: float, measured: float, max_effort: float) -> float:
+        """How far beyond closed the reference goes (rad), for the whole force on a thin thing.
+
+        The stiffness alone would press the less on what is between the pads the thinner it is.
+        """
+        if position > 0.0:
+            return 0.0
+        between = clamp(self._geometry.opening(measured) / _THIN, 0.0, 1.0)
+        return between * max_effort / self._config.stiffness
 
     def _release(self) -> None:
         self._force = 0.0
