@@ -197,32 +197,26 @@ def freeze_page(operator: Operator) -> Iterator[None]:
 
 def stop_browser(operator: Operator) -> Iterator[None]:
     """All processes of the browser stand still, as in a machine that hangs, and go on."""
-    browser = operator.browser
-    pids = list(browser.processes())
-    yield
-    browser.signal(signal.SIGSTOP, pids)
-    yield
-    browser.signal(signal.SIGCONT, pids)
+    yield from _stop_and_wake(operator.browser, list(operator.browser.processes()))
 
 
 def stop_page(operator: Operator) -> Iterator[None]:
     """The page's process stands still, the browser does not."""
-    browser = operator.browser
-    pages = [pid for pid, kind in browser.processes().items() if kind == "renderer"]
-    yield
-    browser.signal(signal.SIGSTOP, pages)
-    yield
-    browser.signal(signal.SIGCONT, pages)
+    processes = operator.browser.processes()
+    pages = [pid for pid, kind in processes.items() if kind == "renderer"]
+    yield from _stop_and_wake(operator.browser, pages)
 
 
 def stop_main_process(operator: Operator) -> Iterator[None]:
     """The browser's main process stands still, through which the keyboard is heard."""
-    browser = operator.browser
-    main = [browser.pid]
+    yield from _stop_and_wake(operator.browser, [operator.browser.pid])
+
+
+def _stop_and_wake(browser: Chromium, pids: List[int]) -> Iterator[None]:
     yield
-    browser.signal(signal.SIGSTOP, main)
+    browser.signal(signal.SIGSTOP, pids)
     yield
-    browser.signal(signal.SIGCONT, main)
+    browser.signal(signal.SIGCONT, pids)
 
 
 def cut_network(operator: Operator) -> Iterator[None]:

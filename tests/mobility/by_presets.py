@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import abc
-from typing import Any
+from typing import Any, Callable, NamedTuple
 
 from .scripted_operator import Operator
 from .stairs import SLOW, SPEED, Stairs, stand_on_landing
@@ -12,6 +12,14 @@ from .step import Step, beyond, stand_on_top
 STEADY = 0.25  # m/s
 _PATIENCE = 1.5
 """How long somebody looks at a robot that does not come on (s)."""
+
+
+class Stage(NamedTuple):
+    """What is to be reached, within which time (s), and what it is called."""
+
+    reached: Callable[[], bool]
+    timeout: float
+    what: str
 
 
 class PresetKeys(abc.ABC):
@@ -69,19 +77,16 @@ def climb_step(keys: PresetKeys, step: Step) -> None:
     NotManagedError
     """
     operator = keys.operator
-    keys.hold("approach")
-    operator.keep_lane(STEADY)
-    keys.until(lambda: operator.pose.rise > 0.35, 20.0, "the nose up by 20 deg")
-    keys.hold("flat")
-    keys.until(lambda: beyond(operator, step) > -0.15, 15.0, "the front over the edge")
-    keys.work_on(
-        lambda: beyond(operator, step) > 0.35 and abs(operator.pose.rise) < 0.3,
-        20.0,
-        "the rear up",
-        "climb",
-        "flat",
+    _climb(
+        keys,
+        Stage(lambda: operator.pose.rise > 0.35, 20.0, "the nose up by 20 deg"),
+        Stage(lambda: beyond(operator, step) > -0.15, 15.0, "the front over the edge"),
+        Stage(
+            lambda: beyond(operator, step) > 0.35 and abs(operator.pose.rise) < 0.3,
+            20.0,
+            "the rear up",
+        ),
     )
-    keys.hold("drive")
     stand_on_top(operator, step, keys.look)
 
 
@@ -93,20 +98,28 @@ def climb_stairs(keys: PresetKeys, stairs: Stairs) -> None:
     NotManagedError
     """
     operator = keys.operator
-    keys.hold("approach")
-    operator.keep_lane(STEADY)
-    keys.until(lambda: operator.pose.rise > 0.25, 20.0, "the front on the first step")
-    keys.hold("flat")
-    keys.until(lambda: operator.pose.x > stairs.crest - 0.32, 40.0, "the crest")
-    keys.work_on(
-        lambda: operator.pose.x > stairs.crest + 0.3 and abs(operator.pose.rise) < 0.2,
-        25.0,
-        "over the crest",
-        "climb",
-        "flat",
+    _climb(
+        keys,
+        Stage(lambda: operator.pose.rise > 0.25, 20.0, "the front on the first step"),
+        Stage(lambda: operator.pose.x > stairs.crest - 0.32, 40.0, "the crest"),
+        Stage(
+            lambda: operator.pose.x > stairs.crest + 0.3 and abs(operator.pose.rise) < 0.2,
+            25.0,
+            "over the crest",
+        ),
     )
-    keys.hold("drive")
     stand_on_landing(operator, stairs, keys.look)
+
+
+def _climb(keys: PresetKeys, front_up: Stage, at_the_edge: Stage, over: Stage) -> None:
+    """Put the front up, drive flat to the edge, lift the rear after it, and drive on."""
+    keys.hold("approach")
+    keys.operator.keep_lane(STEADY)
+    keys.until(*front_up)
+    keys.hold("flat")
+    keys.until(*at_the_edge)
+    keys.work_on(*over, "climb", "flat")
+    keys.hold("drive")
 
 
 def descend_stairs(keys: PresetKeys, stairs: Stairs) -> None:

@@ -1,6 +1,8 @@
 from __future__ import annotations
 
+import sys
 import threading
+from pathlib import Path
 from typing import Any, Dict, List
 
 import pytest
@@ -16,6 +18,9 @@ from telex_control.hardware_interface import (
     VelocityJointInterface,
 )
 from telex_control.local_node_handle import LocalNodeHandle
+
+# The tests of this package import the modules that they share from this directory.
+sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 URDF = """
 <robot name="bench">

@@ -9,7 +9,7 @@ from controller_manager_msgs.msg import ControllerState, HardwareInterfaceResour
 
 from telex_control.command_lines import controller_group, controller_manager, spawner, unspawner
 from telex_control.controller_manager_client import STRICT
-from telex_control.node_handle import ParameterError
+from telex_control.params import ConfigError
 
 
 class FakeManager:
@@ -145,7 +145,7 @@ def test_groups_are_listed_in_alphabetical_order(capsys):
     ],
 )
 def test_wrong_groups_are_named(value, named):
-    with pytest.raises(ParameterError, match=named):
+    with pytest.raises(ConfigError, match=named):
         controller_group.groups_of(value, "/controller_groups")
 
 

@@ -10,7 +10,7 @@ from telex_control.hardware_interface import EffortJointInterface, VelocityJoint
 from telex_control.joint_limits import JointLimits
 from telex_control.joint_limits_interface import EffortJointSaturationHandle
 from telex_control.local_node_handle import LocalNodeHandle
-from telex_control.node_handle import ParameterError
+from telex_control.params import ConfigError
 from telex_control.pid import PidGains
 from telex_control.pid_reconfigure import PARAMETERS, PidSet
 
@@ -79,7 +79,7 @@ def test_an_unloaded_controller_offers_no_gains(bench):
 
 
 def test_wrong_gains_are_refused_by_name():
-    with pytest.raises(ParameterError, match="/c/pid/p is missing"):
+    with pytest.raises(ConfigError, match="/c/pid/p is missing"):
         PidSet(LocalNodeHandle({"c": {"pid": {"i": 1.0}}}, "/c")).open("pid")
 
 

@@ -5,11 +5,11 @@ import sys
 
 import pytest
 from control_msgs.msg import JointTrajectoryControllerState
+from drive_rig import DriveRig
 from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
 from tf2_msgs.msg import TFMessage
 
-from telex_control.controller_manager import ControllerManager
 from telex_control.hardware_interface import (
     JointHandle,
     JointStateHandle,
@@ -54,7 +54,7 @@ class CartHW(RobotHW):
         for interface in (states, velocities):
             self.register_interface(interface)
 
-    def turn(self, period):
+    def advance(self, period):
         for wheel in self.wheels.values():
             wheel.state.velocity = wheel.command
             wheel.state.position += wheel.command * period
@@ -72,40 +72,9 @@ PARAMS = {
 }
 
 
-class Cart:
+class Cart(DriveRig):
     def __init__(self, bench, description, params):
-        own = {key: value for key, value in {**PARAMS, **params}.items() if value is not None}
-        self.bench = bench({"robot_description": description, "d": own})
-        self.node = self.bench.node
-        self.bench.hw = self.hw = CartHW()
-        self.bench.manager = ControllerManager(self.hw, self.node)
-        self.loaded = self.bench.manager.load_controller("d")
-        self.command = self.node.advertise("d/cmd_vel", Twist)
-
-    @property
-    def controller(self):
-        return self.bench.manager._controllers[0].controller
-
-    def start(self):
-        assert self.loaded
-        assert self.bench.switch(start=["d"])
-        return self
-
-    def send(self, linear, angular):
-        message = Twist()
-        message.linear.x, message.angular.z = linear, angular
-        self.command.publish(message)
-
-    def run(self, seconds):
-        for _ in range(round(seconds / self.bench.period)):
-            self.bench.cycle()
-            self.hw.turn(self.bench.period)
-
-    def drive(self, linear, angular, seconds):
-        """Send commands at 20 Hz."""
-        for _ in range(round(seconds * 20)):
-            self.send(linear, angular)
-            self.run(0.05)
+        super().__init__(bench, CartHW(), description, {**PARAMS, **params})
 
     def speeds(self):
         """Speed of the left and of the right wheels (rad/s)."""
@@ -117,11 +86,6 @@ class Cart:
     def pose(self):
         odometry = self.controller._odometry
         return odometry.x, odometry.y, odometry.heading
-
-    def listen(self, topic, kind):
-        received = []
-        self.node.subscribe(topic, kind, received.append)
-        return received
 
 
 @pytest.fixture
@@ -444,14 +408,14 @@ def test_without_a_transform(cart):
 
 def test_open_loop_odometry_believes_the_commands(cart):
     tested = cart(open_loop=True)
-    tested.hw.turn = lambda period: None  # the wheels are stuck
+    tested.hw.advance = lambda period: None  # the wheels are stuck
     tested.drive(0.3, 0.0, 1.0)
     assert tested.pose()[0] == pytest.approx(0.3, abs=0.002)
 
 
 def test_odometry_measures_what_the_wheels_do(cart):
     tested = cart()
-    tested.hw.turn = lambda period: None
+    tested.hw.advance = lambda period: None
     tested.drive(0.3, 0.0, 1.0)
     assert tested.pose() == (0.0, 0.0, 0.0)
 

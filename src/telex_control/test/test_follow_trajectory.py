@@ -367,9 +367,9 @@ def test_the_program_ends_with_a_status_and_a_reason(monkeypatch, capsys, error,
 
     monkeypatch.setattr(command_line, "measure", measure)
     monkeypatch.setattr(command_line.program, "arguments", lambda: ["--circle"])
-    monkeypatch.setattr(command_line.rosgraph, "is_master_online", lambda: True)
+    monkeypatch.setattr(command_line.program.rosgraph, "is_master_online", lambda: True)
     for name in ("init_node", "signal_shutdown"):
-        monkeypatch.setattr(command_line.rospy, name, lambda *_, **__: None)
+        monkeypatch.setattr(command_line.program.rospy, name, lambda *_, **__: None)
     with pytest.raises(SystemExit) as ended:
         command_line.main()
     assert ended.value.code == status
@@ -378,8 +378,8 @@ def test_the_program_ends_with_a_status_and_a_reason(monkeypatch, capsys, error,
 
 def test_without_a_master_the_program_says_what_to_start(monkeypatch, capsys):
     monkeypatch.setattr(command_line.program, "arguments", lambda: ["--circle"])
-    monkeypatch.setattr(command_line.rosgraph, "is_master_online", lambda: False)
-    monkeypatch.setattr(command_line.rospy, "signal_shutdown", lambda _: None)
+    monkeypatch.setattr(command_line.program.rosgraph, "is_master_online", lambda: False)
+    monkeypatch.setattr(command_line.program.rospy, "signal_shutdown", lambda _: None)
     with pytest.raises(SystemExit) as ended:
         command_line.main()
     assert ended.value.code == 1

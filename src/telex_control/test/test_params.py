@@ -6,7 +6,6 @@ from typing import Dict, Optional, Tuple
 import pytest
 
 from telex_control.local_node_handle import LocalNodeHandle
-from telex_control.node_handle import ParameterError
 from telex_control.params import (
     ConfigError,
     read_config,
@@ -157,9 +156,9 @@ def test_node_handle_parameters():
     assert child.param("rate", float) == 5.0
     assert child.param("name", str) == "x"
     assert child.param("missing", str, "default") == "default"
-    with pytest.raises(ParameterError, match="/robot/c/missing is missing"):
+    with pytest.raises(ConfigError, match="/robot/c/missing is missing"):
         child.param("missing", str)
-    with pytest.raises(ParameterError, match="/robot/c/on is True; a float is needed"):
+    with pytest.raises(ConfigError, match="/robot/c/on is True; a number is needed"):
         child.param("on", float)
 
 

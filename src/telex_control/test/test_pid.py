@@ -84,7 +84,7 @@ def test_gains_from_parameters():
         ({"p": 1.0, "k": 2.0}, "/x/pid/k is unknown"),
         ({"p": 1.0, "i_clamp_min": 2.0, "i_clamp_max": 1.0}, "above"),
         ([1.0], "a struct"),
-        ({"p": 1.0, "antiwindup": "false"}, "antiwindup is 'false'; a bool is needed"),
+        ({"p": 1.0, "antiwindup": "false"}, "antiwindup is 'false'; true or false is needed"),
     ],
 )
 def test_wrong_gains_are_refused_by_name(params, named):

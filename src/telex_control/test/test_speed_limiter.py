@@ -43,7 +43,7 @@ def test_parameters():
         ({"has_velocity_limits": True, "max_velocity": float("nan")}, "/x/max_velocity"),
         ({"has_velocity_limits": True, "max_velocity": 1, "min_velocity": 2}, "min_velocity"),
         ({"has_velocity_limits": True, "max_velocity": 2, "min_velocity": 1}, "0 between them"),
-        ({"has_velocity_limits": "false", "max_velocity": 2}, "a bool is needed"),
+        ({"has_velocity_limits": "false", "max_velocity": 2}, "true or false is needed"),
     ],
 )
 def test_wrong_parameters_are_named(params, named):

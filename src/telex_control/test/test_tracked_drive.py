@@ -7,11 +7,11 @@ import random
 
 import numpy as np
 import pytest
-from geometry_msgs.msg import Twist, TwistStamped
+from drive_rig import DriveRig
+from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
 from tf2_msgs.msg import TFMessage
 
-from telex_control.controller_manager import ControllerManager
 from telex_control.hardware_interface import (
     ImuSensorHandle,
     ImuSensorInterface,
@@ -72,7 +72,7 @@ class TrackedHW(RobotHW):
             self.imu.angular_velocity = tuple(float(each) for each in turning)
             self.imu.orientation = (0.0, 0.0, 0.0, 1.0)
 
-    def move(self, period):
+    def advance(self, period):
         for belt in self.belts.values():
             belt.state.velocity = 0.0 if self.braked else belt.command
             belt.state.position += belt.state.velocity * period
@@ -99,34 +99,13 @@ PARAMS = {
 }
 
 
-class Rig:
+class Rig(DriveRig):
     def __init__(self, bench, description, with_imu, params):
-        own = {key: value for key, value in {**PARAMS, **params}.items() if value is not None}
-        self.bench = bench({"robot_description": description, "d": own})
-        self.node = self.bench.node
-        self.bench.hw = self.hw = TrackedHW(with_imu)
-        self.bench.manager = ControllerManager(self.hw, self.node)
-        self.loaded = self.bench.manager.load_controller("d")
-        self.command = self.node.advertise("d/cmd_vel", Twist)
+        super().__init__(bench, TrackedHW(with_imu), description, {**PARAMS, **params})
 
     @property
     def loop(self):
-        return self.bench.manager._controllers[0].controller._loop
-
-    def start(self):
-        assert self.loaded
-        assert self.bench.switch(start=["d"])
-        return self
-
-    def send(self, linear, angular):
-        message = Twist()
-        message.linear.x, message.angular.z = linear, angular
-        self.command.publish(message)
-
-    def run(self, seconds):
-        for _ in range(round(seconds / self.bench.period)):
-            self.bench.cycle()
-            self.hw.move(self.bench.period)
+        return self.controller._loop
 
     def drive(self, linear, angular, seconds):
         """Send commands at 20 Hz, and return the fastest belt (m/s)."""
@@ -147,11 +126,6 @@ class Rig:
     def speeds(self):
         """Commanded speed of the left and the right belts (m/s)."""
         return tuple(self.hw.belts[name].command * RADIUS for name in BELTS)
-
-    def listen(self, topic, kind):
-        received = []
-        self.node.subscribe(topic, kind, received.append)
-        return received
 
 
 @pytest.fixture

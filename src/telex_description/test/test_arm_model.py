@@ -4,21 +4,16 @@ from __future__ import annotations
 
 import math
 import subprocess
-import sys
-from pathlib import Path
 from typing import Dict, List
 
 import numpy as np
 import pytest
+from shipped_robot import PACKAGE, expanded
+from telex_cad import arm, gripper, tools, turret
+from telex_cad.assembly import Assembly, rotation_rpy
+from telex_cad.figures import Figures
+from telex_cad.link_model import LinkModel
 from urdf_parser_py.urdf import URDF, Box, Collision, Cylinder
-
-PACKAGE = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(PACKAGE / "cad"))
-
-from telex_cad import arm, gripper, tools, turret  # noqa: E402
-from telex_cad.assembly import Assembly, rotation_rpy  # noqa: E402
-from telex_cad.figures import Figures, read_figures  # noqa: E402
-from telex_cad.link_model import LinkModel  # noqa: E402
 
 SIDES = ("left", "right")
 PARTS = {"base": 1, "middle": 1, "tip": -2}
@@ -44,21 +39,6 @@ OPENINGS = np.linspace(0.0, 0.555, 19)
 PROTRUSION = 0.015
 # Hoses and cables may stand out further from the collision shapes.
 TURRET_PROTRUSION = 0.020
-
-
-def expanded(*arguments: str) -> URDF:
-    model = PACKAGE / "urdf" / "telex.urdf.xacro"
-    return URDF.from_xml_string(subprocess.check_output(["xacro", str(model), *arguments]))
-
-
-@pytest.fixture(scope="module")
-def figures() -> Figures:
-    return read_figures(PACKAGE / "config" / "robot.xacro")
-
-
-@pytest.fixture(scope="module")
-def robot() -> URDF:
-    return expanded()
 
 
 @pytest.fixture(scope="module")

@@ -12,19 +12,18 @@ from typing import Dict, List, Tuple
 
 import numpy as np
 import pytest
+from shipped_robot import PACKAGE, expanded
 from urdf_parser_py.urdf import URDF, Mesh
 
-PACKAGE = Path(__file__).resolve().parents[1]
 SCRIPT = PACKAGE / "scripts" / "generate_model"
 MESH_ADDRESS = "package://telex_description"
-sys.path.insert(0, str(PACKAGE / "cad"))
 
 pytest.importorskip("manifold3d", reason="the generator needs requirements-test.txt")
 
 from manifold3d import Manifold  # noqa: E402
 from telex_cad import hull, running_gear  # noqa: E402
 from telex_cad.assembly import Assembly  # noqa: E402
-from telex_cad.figures import Figures, read_figures  # noqa: E402
+from telex_cad.figures import Figures  # noqa: E402
 from telex_cad.link_model import LinkModel, volume_moments  # noqa: E402
 from telex_cad.materials import MATERIALS  # noqa: E402
 from telex_cad.mesh_files import visual_obj  # noqa: E402
@@ -39,11 +38,6 @@ def generate(*arguments: str) -> subprocess.CompletedProcess:
     return subprocess.run(
         [sys.executable, str(SCRIPT), *arguments], capture_output=True, text=True, check=False
     )
-
-
-def expanded(*arguments: str) -> URDF:
-    model = PACKAGE / "urdf" / "telex.urdf.xacro"
-    return URDF.from_xml_string(subprocess.check_output(["xacro", str(model), *arguments]))
 
 
 def mesh_file(address: str) -> Path:
@@ -67,16 +61,6 @@ def visual_meshes(robot: URDF) -> List[Tuple[str, Path]]:
         for visual in link.visuals
         if isinstance(visual.geometry, Mesh)
     ]
-
-
-@pytest.fixture(scope="module")
-def figures() -> Figures:
-    return read_figures(PACKAGE / "config" / "robot.xacro")
-
-
-@pytest.fixture(scope="module")
-def robot() -> URDF:
-    return expanded()
 
 
 # ---- the files in the repository

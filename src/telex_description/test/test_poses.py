@@ -3,21 +3,15 @@
 from __future__ import annotations
 
 import math
-import subprocess
-import sys
-from pathlib import Path
 from typing import Dict, List
 
 import numpy as np
 import pytest
 import yaml
+from shipped_robot import PACKAGE
+from telex_cad.assembly import Assembly, Gap, models_by_link
+from telex_cad.figures import Figures
 from urdf_parser_py.urdf import URDF
-
-PACKAGE = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(PACKAGE / "cad"))
-
-from telex_cad.assembly import Assembly, Gap, models_by_link  # noqa: E402
-from telex_cad.figures import read_figures  # noqa: E402
 
 FLOOR = -0.110
 SIDES = ("left", "right")
@@ -47,14 +41,8 @@ POSES: Dict[str, Dict[str, float]] = yaml.safe_load(
 
 
 @pytest.fixture(scope="module")
-def robot() -> URDF:
-    model = PACKAGE / "urdf" / "telex.urdf.xacro"
-    return URDF.from_xml_string(subprocess.check_output(["xacro", str(model)]))
-
-
-@pytest.fixture(scope="module")
-def assembly(robot: URDF) -> Assembly:
-    return Assembly(robot, models_by_link(read_figures(PACKAGE / "config" / "robot.xacro")))
+def assembly(robot: URDF, figures: Figures) -> Assembly:
+    return Assembly(robot, models_by_link(figures))
 
 
 def with_turret(pose: str, degrees: float) -> Dict[str, float]:

@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+import sys
+from pathlib import Path
+
 import pytest
 
 from telex_sim.offline import OfflineSimulation, robot_description
@@ -9,10 +12,30 @@ from telex_sim.scene.bodies import SceneBodies
 from telex_sim.scene.model import Floor
 from telex_sim.world import World
 
+# The tests of this package import the modules that they share from this directory.
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
 
 @pytest.fixture(scope="session")
 def urdf():
     return robot_description()
+
+
+@pytest.fixture
+def closing():
+    """Turns a class into a function that makes one, and closes the worlds of all in the end."""
+    made = []
+
+    def maker(kind):
+        def make(*args, **kwargs):
+            made.append(kind(*args, **kwargs))
+            return made[-1]
+
+        return make
+
+    yield maker
+    for each in made:
+        each.world.close()
 
 
 @pytest.fixture
@@ -65,14 +88,6 @@ class Stage:
 
 
 @pytest.fixture
-def stage():
+def stage(closing):
     """Makes worlds without a robot, and closes them."""
-    made = []
-
-    def make(*items, **options):
-        made.append(Stage(*items, **options))
-        return made[-1]
-
-    yield make
-    for one in made:
-        one.world.close()
+    return closing(Stage)

@@ -6,17 +6,13 @@ import math
 
 import pybullet
 import pytest
+from drive_on_bench import STEP, DriveOnBench
 from std_msgs.msg import Float64
 
-from telex_control.hardware_interface import ControllerInfo, InterfaceResources
-from telex_control.local_node_handle import LocalNodeHandle
+from telex_control.hardware_interface import ControllerInfo
 from telex_control.urdf_joints import joints, parse_urdf
-from telex_sim.config import HardwareConfig
 from telex_sim.offline import OfflineSimulation
-from telex_sim.robot_hw_sim import RobotHWSim
-from telex_sim.world import World
 
-STEP = 0.002
 INERTIA = 0.5  # kg m2; kg of the sliding joint
 EFFORT = 10.0
 RIG = """
@@ -37,8 +33,11 @@ RIG = """
 """
 
 
-class Rig:
-    """One drive on a base that is too heavy to move; it falls freely, so gravity is not felt."""
+class Rig(DriveOnBench):
+    """On a base that is too heavy to move; it falls freely, so gravity is not felt."""
+
+    position = (0.0, 0.0, 1000.0)
+    fixed_base = False
 
     def __init__(self, friction, damping, kind="continuous", interface="Effort"):
         urdf = RIG.format(
@@ -50,42 +49,19 @@ class Rig:
             damping=damping,
             interface=interface,
         )
-        self.world = World(STEP, 50)
-        self.hw = RobotHWSim(parse_urdf(urdf), HardwareConfig())
-        self.hw.init(LocalNodeHandle(), LocalNodeHandle())
-        self.body = self.world.load_robot(urdf, str, (0.0, 0.0, 1000.0), 0.0, {})
-        self.hw.attach(self.body)
-        claim = InterfaceResources(f"hardware_interface::{interface}JointInterface", ("drive",))
-        self.hw.do_switch([ControllerInfo("test", "test", (claim,))], [])
-        self.handle = self.hw._joints["drive"].handle
+        super().__init__(urdf, interface)
 
     @property
     def velocity(self):
-        return self.handle.state.velocity
+        return self.state.velocity
 
     def spin(self, velocity):
         pybullet.resetJointState(self.body.uid, 0, 0.0, velocity, physicsClientId=self.world.client)
 
-    def run(self, command, seconds):
-        for _ in range(round(seconds / STEP)):
-            self.hw.read(0.0, STEP)
-            self.handle.command = command
-            self.hw.write(0.0, STEP)
-            self.world.step()
-        self.hw.read(0.0, STEP)
-
 
 @pytest.fixture
-def rig():
-    made = []
-
-    def make(*args, **kwargs):
-        made.append(Rig(*args, **kwargs))
-        return made[-1]
-
-    yield make
-    for each in made:
-        each.world.close()
+def rig(closing):
+    return closing(Rig)
 
 
 @pytest.mark.parametrize("kind", ["continuous", "revolute", "prismatic"])

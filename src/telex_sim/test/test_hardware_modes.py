@@ -6,16 +6,12 @@ import math
 
 import pybullet
 import pytest
+from drive_on_bench import STEP, DriveOnBench
 
-from telex_control.hardware_interface import ControllerInfo, InterfaceResources
-from telex_control.local_node_handle import LocalNodeHandle
 from telex_control.params import ConfigError
-from telex_control.urdf_joints import UrdfError, parse_urdf
+from telex_control.urdf_joints import UrdfError
 from telex_sim.config import HardwareConfig, JointHardware
-from telex_sim.robot_hw_sim import RobotHWSim
-from telex_sim.world import World
 
-STEP = 0.002
 INERTIA = 0.5  # kg m2
 EFFORT = 10.0
 RIG = """
@@ -42,8 +38,8 @@ SAFETY = (
 )
 
 
-class Rig:
-    """One drive with a vertical axis on a base that is fixed to the world."""
+class Rig(DriveOnBench):
+    """With a vertical axis, on a base that is fixed to the world."""
 
     def __init__(
         self,
@@ -55,7 +51,7 @@ class Rig:
         effort=EFFORT,
         hardware=None,
     ):
-        self.urdf = RIG.format(
+        urdf = RIG.format(
             inertia=INERTIA,
             kind=kind,
             velocity=velocity,
@@ -63,44 +59,12 @@ class Rig:
             interface=interface,
             safety=safety,
         )
-        self.world = World(STEP, 50)
-        self.node = LocalNodeHandle(params or {})
-        self.hw = RobotHWSim(parse_urdf(self.urdf), hardware or HardwareConfig())
-        try:
-            self.hw.init(self.node, self.node)
-            self.place()
-        except Exception:
-            self.world.close()
-            raise
-        claim = InterfaceResources(f"hardware_interface::{interface}JointInterface", ("drive",))
-        self.hw.do_switch([ControllerInfo("test", "test", (claim,))], [])
-        self.handle = self.hw._joints["drive"].handle
-        self.state = self.handle.state
-
-    def place(self):
-        self.body = self.world.load_robot(self.urdf, str, (0, 0, 1), 0.0, {}, fixed_base=True)
-        self.hw.attach(self.body)
-
-    def run(self, command, seconds):
-        for _ in range(round(seconds / STEP)):
-            self.hw.read(0.0, STEP)
-            self.handle.command = command
-            self.hw.write(0.0, STEP)
-            self.world.step()
-        self.hw.read(0.0, STEP)
+        super().__init__(urdf, interface, params, hardware)
 
 
 @pytest.fixture
-def rig():
-    made = []
-
-    def make(*args, **kwargs):
-        made.append(Rig(*args, **kwargs))
-        return made[-1]
-
-    yield make
-    for each in made:
-        each.world.close()
+def rig(closing):
+    return closing(Rig)
 
 
 def gains(**values):

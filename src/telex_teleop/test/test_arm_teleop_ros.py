@@ -16,7 +16,7 @@ import time
 import numpy as np
 import pytest
 import yaml
-from test_teleop_ros import PACKAGE, FakeRobot, Held, Node, repeat, wait_for
+from teleop_drill import PACKAGE, FakeRobot, Held, Node, repeat, wait_for
 
 from telex_control.kinematics import Chain, quaternion_of
 from telex_control.private_master import PrivateMaster

@@ -15,6 +15,7 @@ import time
 from pathlib import Path
 
 import pytest
+from teleop_drill import wait_for
 
 from telex_control.private_master import PrivateMaster
 
@@ -91,14 +92,6 @@ class TestJoyTeleop:
 
 
 # ---------------------------------------------------------------- the drill
-
-
-def wait_for(condition, what, timeout=60.0):
-    deadline = time.monotonic() + timeout
-    while not condition():
-        if time.monotonic() > deadline:
-            raise TimeoutError(what)
-        time.sleep(0.01)
 
 
 def _numbers(command):

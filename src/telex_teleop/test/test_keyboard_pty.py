@@ -21,6 +21,7 @@ import time
 from pathlib import Path
 
 import pytest
+from teleop_drill import wait_for
 
 from telex_control.private_master import PrivateMaster, free_port
 
@@ -223,14 +224,6 @@ class Keyboard:
         self.hang_up()
         os.close(self.slave)
         return status, restored
-
-
-def wait_for(condition, what, timeout=20.0):
-    deadline = time.monotonic() + timeout
-    while not condition():
-        if time.monotonic() > deadline:
-            raise TimeoutError(what)
-        time.sleep(0.01)
 
 
 class Drill:

@@ -54,7 +54,7 @@ class Controller:
 
         Raises
         ------
-        ControllerInitError, ParameterError, HardwareInterfaceError
+        ControllerInitError, ConfigError, HardwareInterfaceError
             With a message that names what is wrong.
         """
         raise NotImplementedError

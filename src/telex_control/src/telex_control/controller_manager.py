@@ -21,7 +21,8 @@ from .controller import ControllerInitError, ControllerState, LoadedController
 from .controllers import controller_class
 from .controllers import type_names as builtin_types
 from .hardware_interface import ControllerInfo, HardwareInterfaceError, RobotHW, SwitchState
-from .node_handle import NodeHandle, ParameterError
+from .node_handle import NodeHandle
+from .params import ConfigError
 
 BASE_CLASS = "controller_interface::ControllerBase"
 
@@ -290,7 +291,7 @@ class ControllerManager:
         self._warn_of_unknown_params(loaded)
         try:
             loaded.init(self._hw, self._root)
-        except (ParameterError, HardwareInterfaceError, ControllerInitError) as error:
+        except (ConfigError, HardwareInterfaceError, ControllerInitError) as error:
             self._log.error("Initializing controller '%s' failed: %s", loaded.name, error)
             return False
         except Exception:  # as above

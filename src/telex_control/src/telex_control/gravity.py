@@ -283,7 +283,7 @@ def gravity_of(hw: RobotHW, root: NodeHandle) -> GravityModel:
 
     Raises
     ------
-    GravityError, ParameterError
+    GravityError, ConfigError
     """
     urdf = root.param("robot_description", str)
     known = _models.get(hw)

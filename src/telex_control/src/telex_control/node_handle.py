@@ -13,13 +13,11 @@ import time
 from dataclasses import dataclass
 from typing import Any, Callable, Dict, Sequence, Union
 
+from .params import ConfigError, read_value
+
 _REQUIRED = object()
 
 Number = Union[bool, int, float]
-
-
-class ParameterError(ValueError):
-    """A parameter is missing or wrong; the message names it, its value and what would be right."""
 
 
 class ServiceError(Exception):
@@ -196,43 +194,35 @@ class NodeHandle(abc.ABC):
 
         Parameters
         ----------
-        kind : type or tuple of types
-            What the value must be. For ``float``, integers are taken too, and the value must be
-            finite.
+        kind : type
+            What the value must be; see `telex_control.params.read_value`.
 
         Raises
         ------
-        ParameterError
+        ConfigError
             Missing without a default, or of another kind.
         """
         value = self.find_param(name, None)
         full_name = self.resolve(name)
         if value is None:
             if default is _REQUIRED:
-                raise ParameterError(
+                raise ConfigError(
                     f"parameter {full_name} is missing; was the controller configuration loaded "
                     "on the parameter server in this namespace?"
                 )
             return default
-        if kind is float and isinstance(value, int) and not isinstance(value, bool):
-            value = float(value)
-        if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
-            wanted = getattr(kind, "__name__", str(kind))
-            raise ParameterError(f"parameter {full_name} is {value!r}; a {wanted} is needed")
-        if kind is float and not abs(value) < float("inf"):
-            raise ParameterError(f"parameter {full_name} is {value}; it must be finite")
-        return value
+        return read_value(kind, value, f"parameter {full_name}")
 
     def positive_param(self, name: str, default: Any = _REQUIRED, *, zero: bool = False) -> float:
         """Return the number `name`, checked to be above 0 (or, with `zero`, at least 0).
 
         Raises
         ------
-        ParameterError
+        ConfigError
         """
         value = self.param(name, float, default)
         if value < 0.0 or (value == 0.0 and not zero):
-            raise ParameterError(
+            raise ConfigError(
                 f"parameter {self.resolve(name)} is {value}; it must be "
                 f"{'0 or more' if zero else 'above 0'}"
             )
@@ -243,12 +233,12 @@ class NodeHandle(abc.ABC):
 
         Raises
         ------
-        ParameterError
+        ConfigError
         """
         names = self.param(name, list)
         usable = names and all(isinstance(each, str) and each for each in names)
         if not usable or len(set(names)) != len(names):
-            raise ParameterError(
+            raise ConfigError(
                 f"parameter {self.resolve(name)} is {names!r}; a list of distinct names is needed"
             )
         return names

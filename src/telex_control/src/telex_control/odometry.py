@@ -1,4 +1,4 @@
-"""Dead reckoning of a differential drive."""
+"""Dead reckoning by wheels, and that of a differential drive."""
 
 from __future__ import annotations
 
@@ -38,7 +38,59 @@ class RollingVelocity:
         return self._linear / len(window), self._angular / len(window)
 
 
-class DifferentialOdometry:
+class WheelOdometry:
+    """What the wheels of two sides tell: way, turn, and the mean velocity of the last cycles.
+
+    Parameters
+    ----------
+    window : int
+        Number of cycles over which the reported velocity is averaged.
+
+    Attributes
+    ----------
+    linear, angular : float
+        Velocity along the base's x axis, and about its z axis (m/s, rad/s).
+    """
+
+    def __init__(self, window: int) -> None:
+        self._mean = RollingVelocity(window)
+        self._last: Optional[Tuple[float, float]] = None
+        self.linear = 0.0
+        self.angular = 0.0
+
+    def set_geometry(
+        self, wheel_separation: float, left_radius: float, right_radius: float
+    ) -> None:
+        """Change the effective geometry (m) from the next cycle on."""
+        self._separation = wheel_separation
+        self._left_radius = left_radius
+        self._right_radius = right_radius
+
+    def restart(self) -> None:
+        """Forget the last wheel positions but keep the pose."""
+        self.linear = self.angular = 0.0
+        self._last = None
+        self._mean.clear()
+
+    def _covered(self, left: float, right: float, period: float) -> Optional[Tuple[float, float]]:
+        """Return way (m) and turn (rad) of a cycle; None when it has no cycle before it.
+
+        Parameters
+        ----------
+        left, right : float
+            Wheel positions (rad).
+        period : float
+            Time since the last cycle (s).
+        """
+        last, self._last = self._last, (left, right)
+        if last is None or period <= 0.0:
+            return None
+        left_way = (left - last[0]) * self._left_radius
+        right_way = (right - last[1]) * self._right_radius
+        return 0.5 * (left_way + right_way), (right_way - left_way) / self._separation
+
+
+class DifferentialOdometry(WheelOdometry):
     """Integrates wheel positions, or commanded velocities, to a pose in the plane.
 
     Parameters
@@ -52,14 +104,11 @@ class DifferentialOdometry:
     def __init__(
         self, wheel_separation: float, left_radius: float, right_radius: float, window: int
     ) -> None:
+        super().__init__(window)
         self.set_geometry(wheel_separation, left_radius, right_radius)
-        self._mean = RollingVelocity(window)
-        self._last: Optional[Tuple[float, float]] = None
         self.x = 0.0
         self.y = 0.0
         self.heading = 0.0
-        self.linear = 0.0
-        self.angular = 0.0
 
     @property
     def position(self) -> Tuple[float, float, float]:
@@ -71,24 +120,10 @@ class DifferentialOdometry:
         """Quaternion (x, y, z, w)."""
         return 0.0, 0.0, math.sin(0.5 * self.heading), math.cos(0.5 * self.heading)
 
-    def set_geometry(
-        self, wheel_separation: float, left_radius: float, right_radius: float
-    ) -> None:
-        """Change the effective geometry (m) from the next cycle on."""
-        self._separation = wheel_separation
-        self._left_radius = left_radius
-        self._right_radius = right_radius
-
     def reset(self) -> None:
         """Start again at the origin."""
         self.x = self.y = self.heading = 0.0
         self.restart()
-
-    def restart(self) -> None:
-        """Forget the last wheel positions but keep the pose."""
-        self.linear = self.angular = 0.0
-        self._last = None
-        self._mean.clear()
 
     def update(self, left: float, right: float, period: float) -> None:
         """Advance by one cycle.
@@ -100,13 +135,10 @@ class DifferentialOdometry:
         period : float
             Time since the last cycle (s).
         """
-        last, self._last = self._last, (left, right)
-        if last is None or period <= 0.0:
+        covered = self._covered(left, right, period)
+        if covered is None:
             return
-        left_way = (left - last[0]) * self._left_radius
-        right_way = (right - last[1]) * self._right_radius
-        way = 0.5 * (left_way + right_way)
-        turn = (right_way - left_way) / self._separation
+        way, turn = covered
         self._integrate(way, turn)
         self.linear, self.angular = self._mean.add(way / period, turn / period)
 

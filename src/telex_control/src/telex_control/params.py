@@ -14,7 +14,13 @@ from typing import Any, Iterable, Mapping, Type, TypeVar, Union, get_type_hints
 
 Config = TypeVar("Config")
 
-_WANTED = {int: "an integer", str: "a string", bool: "true or false"}
+_WANTED = {
+    int: "an integer",
+    str: "a string",
+    bool: "true or false",
+    dict: "a struct",
+    list: "a list",
+}
 
 
 class ConfigError(ValueError):
@@ -66,7 +72,7 @@ def read_struct(kind: Type[Config], params: Any, name: str = "") -> Config:
     values = {}
     for key, field in fields.items():
         if key in params:
-            values[key] = _value(hints[key], params[key], f"{inside}{key}")
+            values[key] = read_value(hints[key], params[key], f"{inside}{key}")
         elif _is_required(field):
             raise ConfigError(f"{inside}{key} is missing")
     try:
@@ -104,20 +110,34 @@ def _shown(value: Any) -> str:
     return text if len(text) <= 80 else text[:77] + "..."
 
 
-def _value(kind: Any, value: Any, name: str) -> Any:
+def read_value(kind: Any, value: Any, name: str) -> Any:
+    """Return one value, checked as a field of the type `kind` would be.
+
+    Parameters
+    ----------
+    kind : type
+        For ``float``, integers are taken too, and the value must be finite.
+    value
+    name : str
+        For messages.
+
+    Raises
+    ------
+    ConfigError
+    """
     if dataclasses.is_dataclass(kind):
         return read_struct(kind, value, name)  # type: ignore[arg-type]
     if kind is float:
         return _number(value, name)
     origin = getattr(kind, "__origin__", None)
     if origin is Union:
-        return None if value is None else _value(kind.__args__[0], value, name)
+        return None if value is None else read_value(kind.__args__[0], value, name)
     if origin is dict:
         if not isinstance(value, Mapping):
             raise ConfigError(f"{name} is {_shown(value)}; a struct is needed")
         element = kind.__args__[1]
         # YAML reads a bare 1 as a number, also where it is a key.
-        return {str(key): _value(element, item, f"{name}/{key}") for key, item in value.items()}
+        return {str(key): read_value(element, item, f"{name}/{key}") for key, item in value.items()}
     if origin in (tuple, list):
         return _elements(kind, value, name)
     if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
@@ -144,7 +164,7 @@ def _elements(kind: Any, value: Any, name: str) -> Any:
     fixed = kind.__origin__ is tuple and Ellipsis not in kind.__args__
     if fixed and len(value) != len(kind.__args__):
         raise ConfigError(f"{name} has {len(value)} elements; {len(kind.__args__)} are needed")
-    return tuple(_value(element, item, f"{name}[{i}]") for i, item in enumerate(value))
+    return tuple(read_value(element, item, f"{name}[{i}]") for i, item in enumerate(value))
 
 
 def require(condition: bool, message: str) -> None:

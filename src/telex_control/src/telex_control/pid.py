@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import Any, Mapping, Optional
 
+from .params import ConfigError, read_value
+
 _KEYS = {"p", "i", "d", "i_clamp", "i_clamp_min", "i_clamp_max", "antiwindup", "publish_state"}
 
 
@@ -43,30 +45,24 @@ class PidGains:
 
         Raises
         ------
-        ValueError
+        ConfigError
             A key is missing or unknown, or a value is no finite number; the message names it.
         """
         if not isinstance(params, Mapping):
-            raise ValueError(f"parameter {name} is {params!r}; a struct with p, i, d is needed")
+            raise ConfigError(f"parameter {name} is {params!r}; a struct with p, i, d is needed")
         unknown = sorted(set(params) - _KEYS)
         if unknown:
-            raise ValueError(
+            raise ConfigError(
                 f"parameter {name}/{unknown[0]} is unknown; known are {', '.join(sorted(_KEYS))}"
             )
         if "p" not in params:
-            raise ValueError(f"parameter {name}/p is missing; it is the proportional gain")
+            raise ConfigError(f"parameter {name}/p is missing; it is the proportional gain")
 
         def number(key: str, default: float) -> float:
-            value = params.get(key, default)
-            if isinstance(value, bool) or not isinstance(value, (int, float)):
-                raise ValueError(f"parameter {name}/{key} is {value!r}; a number is needed")
-            if not math.isfinite(value):
-                raise ValueError(f"parameter {name}/{key} is {value}; it must be finite")
-            return float(value)
+            return read_value(float, params.get(key, default), f"parameter {name}/{key}")
 
         for key in ("antiwindup", "publish_state"):
-            if not isinstance(params.get(key, False), bool):
-                raise ValueError(f"parameter {name}/{key} is {params[key]!r}; a bool is needed")
+            read_value(bool, params.get(key, False), f"parameter {name}/{key}")
         clamp = abs(number("i_clamp", 0.0))
         gains = cls(
             p=number("p", 0.0),
@@ -77,7 +73,7 @@ class PidGains:
             antiwindup=params.get("antiwindup", False),
         )
         if gains.i_min > gains.i_max:
-            raise ValueError(
+            raise ConfigError(
                 f"parameter {name}: i_clamp_min {gains.i_min} is above i_clamp_max {gains.i_max}"
             )
         return gains

@@ -7,7 +7,7 @@ from typing import Any, Dict, List
 import genpy
 from control_msgs.msg import PidState
 
-from .node_handle import NodeHandle, ParameterError, Publisher, ReconfigurableParameter
+from .node_handle import NodeHandle, Publisher, ReconfigurableParameter
 from .pid import Pid, PidGains
 from .ros_time import stamp
 
@@ -67,15 +67,12 @@ class PidSet:
 
         Raises
         ------
-        ParameterError
+        ConfigError
             A gain is missing or wrong.
         """
         node = self._node
         params = node.param(name, dict)
-        try:
-            pid = Pid(PidGains.from_params(params, node.resolve(name)))
-        except ValueError as error:
-            raise ParameterError(str(error)) from error
+        pid = Pid(PidGains.from_params(params, node.resolve(name)))
         if params.get("publish_state", False):
             publisher = node.advertise(f"{name}/state", PidState, queue_size=1)
             self._publishers.append(PidStatePublisher(pid, publisher))

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any, Mapping, Optional
 
 from .joint_limits import clamp
+from .params import ConfigError, read_value
 
 _QUANTITIES = ("velocity", "acceleration", "jerk")
 
@@ -43,7 +43,7 @@ class SpeedLimiter:
 
         Raises
         ------
-        ValueError
+        ConfigError
             A key is unknown or missing, or no finite number; the message names it in `name`.
         """
         known = {
@@ -53,23 +53,21 @@ class SpeedLimiter:
         }
         unknown = sorted(set(params) - known)
         if unknown:
-            raise ValueError(
+            raise ConfigError(
                 f"parameter {name}/{unknown[0]} is unknown; known are {', '.join(sorted(known))}"
             )
 
         def limits(quantity: str) -> Optional[Range]:
-            limited = params.get(f"has_{quantity}_limits", False)
-            if not isinstance(limited, bool):
-                raise ValueError(
-                    f"parameter {name}/has_{quantity}_limits is {limited!r}; a bool is needed"
-                )
-            if not limited:
+            def read(kind: Any, key: str, default: Any) -> Any:
+                return read_value(kind, params.get(key, default), f"parameter {name}/{key}")
+
+            if not read(bool, f"has_{quantity}_limits", False):
                 return None
-            high = _finite(params.get(f"max_{quantity}"), f"{name}/max_{quantity}")
-            low = _finite(params.get(f"min_{quantity}", -high), f"{name}/min_{quantity}")
+            high = read(float, f"max_{quantity}", None)
+            low = read(float, f"min_{quantity}", -high)
             # A range without 0 would drive a robot that is told to stand.
             if not low <= 0.0 <= high:
-                raise ValueError(
+                raise ConfigError(
                     f"parameter {name}: min_{quantity} {low} and max_{quantity} {high} must have "
                     "0 between them"
                 )
@@ -107,9 +105,3 @@ class SpeedLimiter:
         if self.velocity is not None:
             speed = self.velocity(speed)
         return speed
-
-
-def _finite(value: Any, name: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-        raise ValueError(f"parameter {name} is {value!r}; a finite number is needed")
-    return float(value)

@@ -14,7 +14,7 @@ from typing import List, Optional, Tuple
 import numpy as np
 
 from .base_imu import BaseImu, Vector
-from .odometry import RollingVelocity
+from .odometry import WheelOdometry
 from .params import require_range
 
 Quaternion = Tuple[float, float, float, float]
@@ -57,7 +57,7 @@ class OdometryErrors:
             require_range(self, name, 0.0)
 
 
-class TrackedOdometry:
+class TrackedOdometry(WheelOdometry):
     """Pose of the base since the start, with its covariance.
 
     Heading and place start at 0, roll and pitch where gravity says. The covariance is that of a
@@ -80,7 +80,7 @@ class TrackedOdometry:
     orientation : tuple of 4 floats
         Quaternion (x, y, z, w).
     linear, angular : float
-        Velocity along the base's x axis, and about its z axis (m/s, rad/s).
+        See `WheelOdometry`.
     """
 
     def __init__(
@@ -90,20 +90,12 @@ class TrackedOdometry:
         imu: Optional[BaseImu],
         rate_noise: float = 0.0,
     ) -> None:
+        super().__init__(window)
         self._errors = errors
         self._imu = imu
         self._rate_noise = rate_noise
-        self._mean = RollingVelocity(window)
         self.set_geometry(1.0, 1.0, 1.0)
         self.reset()
-
-    def set_geometry(
-        self, wheel_separation: float, left_radius: float, right_radius: float
-    ) -> None:
-        """Change the effective geometry (m) from the next cycle on."""
-        self._separation = wheel_separation
-        self._left_radius = left_radius
-        self._right_radius = right_radius
 
     def reset(self) -> None:
         """Start again at the origin, as certain as at the first time."""
@@ -118,10 +110,8 @@ class TrackedOdometry:
 
     def restart(self) -> None:
         """Forget the last belt positions but keep the pose."""
-        self.linear = self.angular = 0.0
-        self._last: Optional[Tuple[float, float]] = None
+        super().restart()
         self._since_level = 0.0
-        self._mean.clear()
 
     def _forget_increments(self) -> None:
         self._moved = [0.0, 0.0]
@@ -143,16 +133,13 @@ class TrackedOdometry:
         period : float
             Time since the last cycle (s).
         """
-        last, self._last = self._last, (left, right)
-        if last is None or period <= 0.0:
+        covered = self._covered(left, right, period)
+        if covered is None:
             self._correct_tilt(1.0)
             return
-        left_way = (left - last[0]) * self._left_radius
-        right_way = (right - last[1]) * self._right_radius
-        way = 0.5 * (left_way + right_way)
+        way, turn = covered
         rates = None if self._imu is None else self._imu.rates
         if rates is None:
-            turn = (right_way - left_way) / self._separation
             self._advance(way, (0.0, 0.0, turn), period)
             self._blind_turn += abs(turn)
         else:

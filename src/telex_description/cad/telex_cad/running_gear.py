@@ -157,7 +157,7 @@ def _flipper_parts(figures: Figures, length: float) -> Dict[str, List[Manifold]]
         ],
         "dark": [],
     }
-    _add_window(parts, window, outline, face)
+    _add_window(parts, window, face)
     _add_idler(parts, outline.tip_axle, face)
     _add_rollers(parts, outline, face)
     return parts
@@ -217,9 +217,7 @@ def _body(outline: BeltOutline, window: _Window, face: float) -> Manifold:
     return slab(plates, 2 * face) + slab(beam, 2 * face - 0.018)
 
 
-def _add_window(
-    parts: Dict[str, List[Manifold]], window: _Window, outline: BeltOutline, face: float
-) -> None:
+def _add_window(parts: Dict[str, List[Manifold]], window: _Window, face: float) -> None:
     """Close the window with sunk covers that carry warning stripes."""
     sunk = 2 * (face - 0.0050)
     parts["panel"] = [slab(window.section(0.0006), sunk)]

@@ -65,12 +65,7 @@ def cylinder(
     segments: int = 32,
 ) -> Manifold:
     """Return a cylinder with bevelled rims; a bevel of 0 leaves them sharp."""
-    cut = min(bevel, 0.45 * length, 0.45 * radius)
-    end = length / 2
-    rim = [(radius, -end), (radius, end)]
-    if cut > 0:
-        rim = [(radius - cut, -end), (radius, cut - end), (radius, end - cut), (radius - cut, end)]
-    return turned([(0, -end), *rim, (0, end)], axis, at, segments)
+    return ring(radius, 0, length, axis, at, bevel, segments)
 
 
 def ring(

@@ -25,7 +25,7 @@ from telex_control.hardware_interface import (
     RobotHW,
 )
 from telex_control.joint_limits import JointLimitsError, joint_limits
-from telex_control.node_handle import NodeHandle, ParameterError
+from telex_control.node_handle import NodeHandle
 from telex_control.params import ConfigError
 from telex_control.pid import Pid
 from telex_control.pid_reconfigure import PidSet
@@ -154,10 +154,7 @@ class RobotHWSim(RobotHW):
         for place in PID_GAINS:
             name = f"{place}/{joint}"
             if root.find_param(name, None) is not None:
-                try:
-                    return self._pids.open(name)
-                except ParameterError as error:
-                    raise ConfigError(str(error)) from error
+                return self._pids.open(name)
         return None
 
     def _check_names(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 import math
 import os
-import queue
 import sys
 import threading
 import time as wall
@@ -43,6 +42,7 @@ from telex_control.urdf_joints import UrdfError
 
 from .config import RobotConfig, SimulatorConfig
 from .crash_recovery import CrashRecovery
+from .loop_requests import LoopRequests
 from .pacing import RealTimeFactor, RealTimePacer
 from .rendering.addresses import resolve_address
 from .rendering.urdf_visuals import UrdfVisual, UrdfVisualError, urdf_visuals
@@ -68,15 +68,6 @@ _SLOW = 0.95
 """Share of the wanted real-time factor below which the status warns."""
 
 
-class _Request:
-    """Work for the loop's thread, asked for by another."""
-
-    def __init__(self, action: Callable[[], None]) -> None:
-        self.action = action
-        self.done = threading.Event()
-        self.error: Optional[Exception] = None
-
-
 class _Stepping:
     """Steps of a paused simulation that are still to be made."""
 
@@ -98,7 +89,7 @@ class SimulatorNode:
         self._paused = paused
         config = simulation.config
         self._step_ns = round(config.timing.step_size * 1e9)
-        self._requests: queue.Queue[_Request] = queue.Queue()
+        self._requests = LoopRequests()
         self._stepping: Optional[_Stepping] = None
         self._pacer = RealTimePacer(config.timing.real_time_factor)
         self._factor = RealTimeFactor()
@@ -148,7 +139,7 @@ class SimulatorNode:
     # --- callbacks: other threads ------------------------------------------------------------
 
     def _empty(self, action: Callable[[], None]) -> EmptyResponse:
-        self._in_loop(action)
+        self._requests.carry_out(action)
         return EmptyResponse()
 
     def _on_step(self, request: Any) -> StepResponse:
@@ -170,7 +161,7 @@ class SimulatorNode:
             else:
                 self._stepping = stepping
 
-        self._in_loop(begin)
+        self._requests.carry_out(begin)
         while not problem and not stepping.done.wait(0.1):
             if rospy.is_shutdown():
                 raise rospy.ServiceException("the simulator shuts down")
@@ -315,25 +306,9 @@ class SimulatorNode:
             else:
                 self._show_scene()
 
-        self._in_loop(change)
+        self._requests.carry_out(change)
         if refused:
             raise refused[0]
-
-    def _in_loop(self, action: Callable[[], None]) -> None:
-        """Have the loop's thread carry out `action`, and wait for it.
-
-        Raises
-        ------
-        rospy.ServiceException
-            The action failed, or the node shuts down.
-        """
-        request = _Request(action)
-        self._requests.put(request)
-        while not request.done.wait(0.1):
-            if rospy.is_shutdown():
-                raise rospy.ServiceException("the simulator shuts down")
-        if request.error is not None:
-            raise rospy.ServiceException(str(request.error))
 
     # --- the loop's thread -------------------------------------------------------------------
 
@@ -343,7 +318,7 @@ class SimulatorNode:
         self._publish_all()
         repeat_at = 0.0
         while not rospy.is_shutdown():
-            self._serve_requests()
+            self._requests.serve()
             if wall.monotonic() >= self._next_status or self._robots_changed():
                 self._publish_status()
             if not self._paused:
@@ -383,20 +358,6 @@ class SimulatorNode:
         for presence in self._presences:
             presence.close()
         self._simulation.close()
-
-    def _serve_requests(self) -> None:
-        while not self._requests.empty():
-            request = self._requests.get_nowait()
-            try:
-                request.action()
-            except WorldError as error:
-                request.error = error
-                rospy.logerr("%s", error)
-            except Exception as error:  # whatever it is, the simulation goes on
-                request.error = error
-                rospy.logerr("a request failed: %s: %s", type(error).__name__, error)
-            finally:
-                request.done.set()
 
     def _pause(self) -> None:
         self._paused = True

@@ -14,11 +14,12 @@ import numpy as np
 from telex_teleop.axis import AxisSettings
 from telex_teleop.base_pose import BasePose
 from telex_teleop.joint_jog import InvalidCommand, JogCommand
-from telex_teleop.joint_teleop import JOINT_MODE, NEEDS_NEW_PRESS, JointTeleop
+from telex_teleop.joint_teleop import JOINT_MODE, JointTeleop
 from telex_teleop.path_motion import PathMotion
 from telex_teleop.proximity import Clearance, Nearness, ProximityGuard
 from telex_teleop.speed import SpeedScale
 from telex_teleop.stream import Clocks, CommandStream
+from telex_teleop.teleop_core import NEEDS_NEW_PRESS
 from telex_teleop.tool_command import Frame, ToolCommand, TwistCommand
 from telex_teleop.tool_motion import ToolMotion
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Collection, Dict, List, Mapping, Optional, Sequence, Tuple
 
-from telex_teleop.joint_jog import InvalidCommand
+from telex_teleop.joint_jog import InvalidCommand, require_known
 from telex_teleop.stream import Clocks, CommandStream
 
 __all__ = ["EndedGoal", "GoalEnd", "GoalRules", "Preset", "PresetGoals", "PresetRequests", "choose"]
@@ -62,16 +62,7 @@ def choose(
     if preset is None:
         there = ", ".join(presets) or "no presets"
         raise InvalidCommand(f"preset is {name!r}; this robot has {there}")
-    if len(joint_names) > len(known):
-        raise InvalidCommand(
-            f"joint_names has {len(joint_names)} entries; this node moves {len(known)} joints"
-        )
-    unknown = [joint for joint in joint_names if joint not in known]
-    if unknown:
-        raise InvalidCommand(
-            f"joint_names: unknown {', '.join(map(repr, unknown))}; "
-            f"this node moves {', '.join(known)}"
-        )
+    require_known(joint_names, known)
     wanted = {
         joint: angle
         for joint, angle in preset.positions.items()

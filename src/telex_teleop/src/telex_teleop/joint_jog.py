@@ -7,7 +7,7 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import Collection, Dict, Optional, Sequence
 
-__all__ = ["InvalidCommand", "JogCommand", "parse_joint_jog"]
+__all__ = ["InvalidCommand", "JogCommand", "parse_joint_jog", "require_known"]
 
 
 class InvalidCommand(ValueError):  # noqa: N818  it names a message, as rospy's exceptions do
@@ -68,9 +68,8 @@ def parse_joint_jog(
     )
 
 
-def _check_names(joint_names: Sequence[str], known: Collection[str]) -> None:
-    if len(joint_names) == 0:
-        raise InvalidCommand("joint_names is empty; name the joints to move")
+def require_known(joint_names: Sequence[str], known: Collection[str]) -> None:
+    """Raise an `InvalidCommand` unless all of some joints are among those that a node moves."""
     if len(joint_names) > len(known):
         raise InvalidCommand(
             f"joint_names has {len(joint_names)} entries; this node moves {len(known)} joints"
@@ -81,6 +80,12 @@ def _check_names(joint_names: Sequence[str], known: Collection[str]) -> None:
             f"joint_names: unknown {', '.join(map(repr, unknown))}; "
             f"this node moves {', '.join(known)}"
         )
+
+
+def _check_names(joint_names: Sequence[str], known: Collection[str]) -> None:
+    if len(joint_names) == 0:
+        raise InvalidCommand("joint_names is empty; name the joints to move")
+    require_known(joint_names, known)
     twice = sorted(name for name, count in Counter(joint_names).items() if count > 1)
     if twice:
         raise InvalidCommand(f"joint_names: {', '.join(twice)} stands there twice; give it once")

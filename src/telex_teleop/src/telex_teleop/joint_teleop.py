@@ -12,12 +12,12 @@ from typing import Dict, FrozenSet, List, Mapping, Optional, Set, Tuple
 from telex_teleop.axis import Axis, AxisSettings
 from telex_teleop.joint_jog import InvalidCommand, JogCommand
 from telex_teleop.speed import SpeedScale
-from telex_teleop.stream import Clocks, SimTicks, StartingTime
+from telex_teleop.stream import Clocks
+from telex_teleop.teleop_core import NEEDS_NEW_PRESS, TeleopCore
 
-__all__ = ["JOINT_MODE", "NEEDS_NEW_PRESS", "AxisState", "JointTeleop", "TeleopState"]
+__all__ = ["JOINT_MODE", "AxisState", "JointTeleop", "TeleopState"]
 
 JOINT_MODE = "JOINT"
-NEEDS_NEW_PRESS = "a command from before the stop goes on: release the key and press it again"
 
 
 @dataclass(frozen=True)
@@ -53,22 +53,15 @@ class TeleopState:
     notice: str = ""
 
 
-class JointTeleop:
+class JointTeleop(TeleopCore):
     """Jogs a set of independent joints.
-
-    It begins deaf, for a stream of commands may be running that was meant for its predecessor.
 
     Parameters
     ----------
     axes
         Joint name to the bounds of its motion.
-    command_timeout
-        Age (s) at which a command that is not repeated ends.
-    longest_step
-        Joint states further apart than this (s of sim time), or running backwards, start everything
-        anew.
-    speed
-        The operator's speed, shared with whoever sets it.
+    command_timeout, longest_step, speed
+        See `TeleopCore`.
     """
 
     def __init__(
@@ -78,15 +71,10 @@ class JointTeleop:
         longest_step: float,
         speed: SpeedScale,
     ) -> None:
-        self.speed = speed
+        super().__init__(command_timeout, longest_step, speed)
         self.axes: Dict[str, Axis] = {
             name: Axis(settings, command_timeout) for name, settings in axes.items()
         }
-        self._command_timeout = command_timeout
-        self._ticks = SimTicks(longest_step)
-        self._last_wall: Optional[float] = None
-        self._starting = StartingTime(command_timeout)
-        self._e_stop = False
         self._commanded: Set[str] = set()  # got references with the last joint state
         self._to_hold: Set[str] = set()
         self._restarted = -math.inf
@@ -146,12 +134,6 @@ class JointTeleop:
         for name, increment in jog.displacements.items():
             obeying[name] = self.axes[name].displace(increment, now, caller)
         return frozenset(name for name, obeys in obeying.items() if obeys)
-
-    def set_e_stop(self, active: bool) -> None:
-        """Begin or end an emergency stop."""
-        if active != self._e_stop:
-            self._e_stop = active
-            self._inhibit()
 
     def restart(self, stamp: float) -> None:
         """Forget all motion, because the robot was put somewhere else at `stamp` (s of sim time).
@@ -225,10 +207,6 @@ class JointTeleop:
                     axis.generator.stop()
         return tick.dt
 
-    @property
-    def _inhibited(self) -> bool:
-        return self._e_stop or self._starting.lasts
-
     def _inhibit(self) -> None:
         for axis in self.axes.values():
             axis.inhibit(self._inhibited)
@@ -248,20 +226,9 @@ class JointTeleop:
         return TeleopState(active, self._axis_states(), message, self._notice(now))
 
     def _deaf(self, wall: float) -> str:
-        """Return why no command at all is obeyed at `wall` (monotonic, s); empty when some are."""
         if not self.axes:
             return "this robot has none of the joints of this node"
-        if self._ticks.now is None or self._last_wall is None:
-            return "no joint_states yet: is the simulator running?"
-        if self._e_stop:
-            return "the e-stop is active"
-        if self._paused(wall):
-            return "no joint_states: the simulation is paused or has ended"
-        return "just started" if self._starting.lasts else ""
-
-    def _paused(self, wall: float) -> bool:
-        """Tell whether no joint state has come for a while before `wall` (monotonic, s)."""
-        return self._last_wall is not None and wall - self._last_wall > 2.0 * self._command_timeout
+        return super()._deaf(wall)
 
     def _refusal(self, wall: float) -> str:
         """Return why a command that is being sent at `wall` (monotonic, s) is not obeyed."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import Any, Callable, Dict, Optional, Protocol, Type, TypeVar
+from typing import Any, Callable, Dict, Optional, Type, TypeVar
 
 import rospy
 from std_msgs.msg import Bool, Float64
@@ -14,7 +14,7 @@ from telex_control.node_start import init_node
 from telex_control.params import ConfigError, read_config
 from telex_control.urdf_joints import UrdfError
 from telex_teleop.e_stop_state import EStopState
-from telex_teleop.speed import SpeedScale
+from telex_teleop.teleop_core import TeleopCore
 
 __all__ = [
     "OperatorInputs",
@@ -76,20 +76,6 @@ class StatusTimer:
                 return
 
 
-class TeleopCore(Protocol):
-    """What all cores have in common."""
-
-    @property
-    def speed(self) -> SpeedScale:
-        """The operator's speed."""
-
-    def set_e_stop(self, active: bool) -> None:
-        """Begin or end an emergency stop."""
-
-    def restart(self, stamp: float) -> None:
-        """Forget all motion, because the robot was put somewhere else at `stamp` (s)."""
-
-
 class OperatorInputs:
     """What every teleoperation node hears: ``~speed_scale``, ``e_stop`` and ``sim/status``.
 
@@ -119,7 +105,7 @@ class OperatorInputs:
             with self._lock:
                 self._core.speed.set(message.data)
         except ValueError as error:
-            rospy.logwarn_throttle(WARNING_PERIOD, f"dropped: {error}")
+            warn_dropped("~speed_scale", str(error))
 
     def _on_e_stop(self, message: Any) -> None:
         with self._lock:

@@ -19,7 +19,7 @@ from telex_msgs.msg import (
 from telex_teleop.flipper_presets import EndedGoal, GoalEnd
 from telex_teleop.flipper_teleop import FlipperTeleop
 from telex_teleop.joint_jog import InvalidCommand
-from telex_teleop.ros_common import WARNING_PERIOD, caller_of
+from telex_teleop.ros_common import caller_of, warn_dropped
 from telex_teleop.ros_joint_teleop import JointTeleopNode
 
 __all__ = ["FlipperTeleopNode"]
@@ -90,8 +90,7 @@ class FlipperTeleopNode(JointTeleopNode):
                     f"{caller_of(message)} {message.client}",
                 )
         except InvalidCommand as error:
-            topic = rospy.resolve_name("~preset_cmds")
-            rospy.logwarn_throttle(WARNING_PERIOD, f"message on {topic} dropped: {error}")
+            warn_dropped("~preset_cmds", str(error))
 
     def _on_goal(self, goal: Any) -> None:
         wanted = goal.get_goal()

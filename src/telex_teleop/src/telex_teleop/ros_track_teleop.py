@@ -13,12 +13,12 @@ from telex_msgs.msg import TrackTeleopStatus
 
 from telex_teleop.joint_jog import InvalidCommand
 from telex_teleop.ros_common import (
-    WARNING_PERIOD,
     OperatorInputs,
     StatusTimer,
     caller_of,
     private_settings,
     run_node,
+    warn_dropped,
 )
 from telex_teleop.track_drive import (
     STANDSTILL,
@@ -82,15 +82,15 @@ class TrackTeleopNode:
             for part in ("linear", "angular")
             for axis in "xyz"
         }
-        topic = rospy.resolve_name("~cmd_vel")
         try:
             velocity, ignored = parse_twist(components)
         except InvalidCommand as error:
-            rospy.logwarn_throttle(WARNING_PERIOD, f"message on {topic} dropped: {error}")
+            warn_dropped("~cmd_vel", str(error))
             return
         if ignored:
             rospy.logwarn_once(
-                f"{topic}: {', '.join(ignored)} ignored; tracks follow linear.x and angular.z only"
+                f"{rospy.resolve_name('~cmd_vel')}: {', '.join(ignored)} ignored; "
+                "tracks follow linear.x and angular.z only"
             )
         with self._lock:
             self._core.receive(velocity, arrival, caller_of(message))

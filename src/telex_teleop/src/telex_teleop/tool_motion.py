@@ -7,7 +7,6 @@ increments move the desired pose, inverse kinematics gives the references. Free 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Optional, Protocol, Sequence, Tuple
 
 import numpy as np
@@ -16,12 +15,14 @@ from telex_teleop.held_place import HeldPlace
 from telex_teleop.joint_follower import JointFollower
 from telex_teleop.proximity import Clearance, Nearness
 from telex_teleop.reference import MotionLimits
-from telex_teleop.rigid_motion import advanced, inverse, pose_error, shortened
+from telex_teleop.rigid_motion import advanced, pose_error, shortened
 from telex_teleop.tool_clearance import scaled_clear, slid_clear, tool_effects
-from telex_teleop.tool_command import Frame, PoseCommand, ToolCommand, TwistCommand
+from telex_teleop.tool_command import ToolCommand
 from telex_teleop.tool_settings import ToolSettings
+from telex_teleop.tool_slowdown import ON_BOUND, Slowdown, SlowdownReasons
+from telex_teleop.wanted_motion import WantedMotion
 
-__all__ = ["Slowdown", "ToolKinematics", "ToolMotion"]
+__all__ = ["ToolKinematics", "ToolMotion"]
 
 # A share of the speed above this is not worth a word.
 FREE = 0.95
@@ -29,8 +30,6 @@ FREE = 0.95
 # largest.
 STILL_STEP = 1e-7
 STILL_SHARE = 1e-6
-# A joint this near (rad or m) a bound stands on it.
-ON_BOUND = 1e-4
 # What is left of the way is given up when a step leaves more of it than this share.
 SETTLING = 0.9
 # A joint slower than this (per second) does not come near its limits.
@@ -66,18 +65,6 @@ class ToolKinematics(Protocol):
         """Return the joint positions nearest to a pose that are reached from `q` in time `dt`."""
 
 
-@dataclass(frozen=True)
-class Slowdown:
-    """Why the tool is slower than commanded; `share` of the speed is left."""
-
-    share: float
-    reason: str
-    joints: Tuple[str, ...] = ()
-
-    def __str__(self) -> str:
-        return f"slowed to {100.0 * self.share:.0f} %: {self.reason}"
-
-
 class ToolMotion:
     """References for the joints that carry the tool.
 
@@ -103,8 +90,6 @@ class ToolMotion:
         kinematics: ToolKinematics,
         settings: ToolSettings,
     ) -> None:
-        self._joints = tuple(joints)
-        self._prismatic = tuple(prismatic)
         self._kinematics = kinematics
         self._settings = settings
         self._lower = np.array([each.lower for each in limits])
@@ -112,18 +97,18 @@ class ToolMotion:
         self._leads = np.array([each.max_lead for each in limits])
         self._velocity_limits = np.array([each.max_velocity for each in limits])
         self._accelerations = np.array([each.max_acceleration for each in limits])
+        self._reasons = SlowdownReasons(joints, prismatic, limits, settings.look_ahead)
+        self._wanted = WantedMotion(settings)
         self.slowdown: Optional[Slowdown] = None
         self.nearness: Optional[Nearness] = None
         self._weights = np.repeat([1.0 / settings.max_linear, 1.0 / settings.max_angular], 3)
         self._follower = JointFollower(limits)
         self._goal: Optional[np.ndarray] = None
-        self._solution = np.zeros(len(self._joints))
+        self._solution = np.zeros(len(limits))
         self._measured = self._solution
         self._reached = np.eye(4)
         self._stand()
         self._moving = False
-        self._started: Optional[ToolCommand] = None
-        self._target: Optional[np.ndarray] = None
         self._place = HeldPlace(settings)
 
     @property
@@ -169,7 +154,7 @@ class ToolMotion:
         self.hold(False)
         self._moving = False
         self._goal = None
-        self._started = None
+        self._wanted.forget()
         self._stand()
 
     def _stand(self) -> None:
@@ -221,11 +206,11 @@ class ToolMotion:
         if not self._moving:
             self.slowdown = None
             if command is None and not (self.holding and base is not None):
-                self._started = None
+                self._wanted.forget()
                 return None
             self._begin(start)
         assert self._goal is not None
-        wanted = self._wanted_twist(command, base, speed_scale, dt)
+        wanted = self._wanted.twist(command, self._goal, base, speed_scale, dt)
         self._twist = self._ramped(wanted, dt)
         lower, upper = self._bounds(positions)
         twist = self._twist + self._place.twist(base, self._goal, dt)
@@ -280,7 +265,9 @@ class ToolMotion:
             solution = kinematics.track(goal, last, dt, lower, upper)
             if braking < FREE and (self.slowdown is None or braking < self.slowdown.share):
                 towards = float(solution[nearest])
-                self.slowdown = self._near_bound(braking, nearest, towards, lower, upper)
+                self.slowdown = self._reasons.near_bound(
+                    braking, nearest, last, towards, lower, upper
+                )
         change = np.abs((solution - last) / dt - self._follower.velocities)
         excess = float(np.max(change / (self._accelerations * dt)))
         # A base that brakes harder than the slowest joint would take all of them off the place.
@@ -302,7 +289,7 @@ class ToolMotion:
         if not over.any():
             return twist
         # to a pose the tool goes straight, or not at all
-        clear = slid_clear if self._started is None else scaled_clear
+        clear = scaled_clear if self._wanted.to_a_pose else slid_clear
         left = clear(twist, effects, clearance.allowed)
         wanted = twist * self._weights
         share = float(wanted @ (left * self._weights)) / float(wanted @ wanted)
@@ -335,65 +322,6 @@ class ToolMotion:
         slow = float(np.max(np.abs(self._done * self._weights))) <= STILL_SHARE
         settled = bool(np.all(np.abs(self._solution - last) <= STILL_STEP))
         return slow and settled and self._follower.resting
-
-    # ------------------------------------------------------------ what is wanted
-
-    def _wanted_twist(
-        self,
-        command: Optional[ToolCommand],
-        base: Optional[np.ndarray],
-        speed_scale: float,
-        dt: float,
-    ) -> np.ndarray:
-        """Return the wanted twist in the base's axes."""
-        if command is None:
-            self._started = None
-            return np.zeros(6)
-        if isinstance(command, TwistCommand):
-            self._started = None
-            return self._turned(self._limited(command.velocity) * speed_scale, command.frame, base)
-        if self._started is None or not _same_pose(self._started, command):
-            self._started, self._target = command, None
-        return self._towards(command, base, speed_scale, dt)
-
-    def _limited(self, velocity: np.ndarray) -> np.ndarray:
-        limited = velocity.copy()
-        for part, limit in (
-            (slice(0, 3), self._settings.max_linear),
-            (slice(3, 6), self._settings.max_angular),
-        ):
-            speed = float(np.linalg.norm(velocity[part]))
-            if speed > limit:
-                limited[part] *= limit / speed
-        return limited
-
-    def _turned(self, velocity: np.ndarray, frame: Frame, base: Optional[np.ndarray]) -> np.ndarray:
-        if frame is Frame.BASE:
-            return velocity
-        if frame is Frame.TOOL:
-            assert self._goal is not None
-            rotation = self._goal[:3, :3]
-        elif base is None:
-            return np.zeros(6)
-        else:
-            rotation = base[:3, :3].T
-        return np.concatenate([rotation @ velocity[:3], rotation @ velocity[3:]])
-
-    def _towards(
-        self, command: PoseCommand, base: Optional[np.ndarray], speed_scale: float, dt: float
-    ) -> np.ndarray:
-        """Return the twist along the straight line to a pose; turning ends with moving."""
-        assert self._goal is not None
-        if command.frame is Frame.WORLD:
-            if base is None:
-                return np.zeros(6)
-            target = inverse(base) @ command.pose
-        else:
-            if self._target is None:
-                from_tool = command.frame is Frame.TOOL
-                self._target = self._goal @ command.pose if from_tool else command.pose
-            target = self._target
-        return self._settings.approach(pose_error(target, self._goal), speed_scale, dt)
 
     def _ramped(self, wanted: np.ndarray, dt: float) -> np.ndarray:
         """Return the twist on its way to the wanted one, translation and rotation in step."""
@@ -452,7 +380,7 @@ class ToolMotion:
         share = max(0.0, min(1.0, float(got @ wanted) / size))
         self._free_share = share
         if share < FREE:
-            self.slowdown = self._explain(share, ahead, lower, upper)
+            self.slowdown = self._reasons.explain(share, solution, ahead, lower, upper)
 
     def _share_at_speed(self, rates: np.ndarray, solution: np.ndarray, goal: np.ndarray) -> float:
         """Return how much of a step is done whose joints run at these rates.
@@ -479,41 +407,6 @@ class ToolMotion:
         nearest = int(np.argmin(shares))
         return float(shares[nearest]) if abs(rates[nearest]) > MOVING_RATE else 1.0, nearest
 
-    def _explain(
-        self, share: float, ahead: np.ndarray, lower: np.ndarray, upper: np.ndarray
-    ) -> Slowdown:
-        solution, horizon = self._solution, self._settings.look_ahead
-        moved = ahead - solution
-        fastest = int(np.argmax(np.abs(moved) / self._velocity_limits))
-        on_lower, on_upper = ahead - lower <= ON_BOUND, upper - ahead <= ON_BOUND
-        bounded = on_lower | on_upper
-        if bounded.any():
-            rooms = np.where(on_lower, solution - lower, upper - solution)
-            rooms = np.where(bounded, rooms, np.inf)
-            nearest = int(np.argmin(rooms / self._velocity_limits))
-            return self._near_bound(share, nearest, float(ahead[nearest]), lower, upper)
-        joint = self._joints[fastest]
-        if abs(moved[fastest]) >= 0.99 * self._velocity_limits[fastest] * horizon:
-            return Slowdown(share, f"{joint} is as fast as it can be", (joint,))
-        return Slowdown(share, f"{joint} is near a singularity", (joint,))
-
-    def _near_bound(
-        self, share: float, index: int, towards: float, lower: np.ndarray, upper: np.ndarray
-    ) -> Slowdown:
-        """Say that a joint is near one of its bounds: that nearer to the position `towards`."""
-        joint, present = self._joints[index], float(self._solution[index])
-        below = abs(towards - lower[index]) < abs(upper[index] - towards)
-        bound, limit = (lower, self._lower) if below else (upper, self._upper)
-        if abs(bound[index] - limit[index]) > ON_BOUND:
-            return Slowdown(share, f"something holds {joint} back", (joint,))
-        room = self._shown(index, abs(float(limit[index]) - present))
-        return Slowdown(share, f"{joint} is {room} from its limit", (joint,))
-
-    def _shown(self, index: int, room: float) -> str:
-        if self._prismatic[index]:
-            return f"{1000.0 * max(room, 0.0):.0f} mm"
-        return f"{math.degrees(max(room, 0.0)):.1f} deg"
-
     def _within_lead(self, goal: np.ndarray, reached: np.ndarray) -> np.ndarray:
         """Return the desired pose, taken back where it is too far ahead of the reached one."""
         if float(np.abs(goal - reached).max()) <= NEAR:
@@ -522,11 +415,3 @@ class ToolMotion:
         settings = self._settings
         lead = shortened(error, settings.lead, settings.angular_lead)
         return goal if lead is error else advanced(reached, lead)
-
-
-def _same_pose(first: ToolCommand, second: PoseCommand) -> bool:
-    return (
-        isinstance(first, PoseCommand)
-        and first.frame is second.frame
-        and bool(np.array_equal(first.pose, second.pose))
-    )

@@ -1,4 +1,4 @@
-"""Core of the track teleoperation: a driver's velocity in, a velocity within limits out.
+"""Core of the track teleoperation: an operator's velocity in, a velocity within limits out.
 
 Free of ROS, not thread-safe: whoever owns it serialises the calls.
 """
@@ -12,7 +12,8 @@ from typing import Mapping, Optional, Tuple
 from telex_control.params import require_range
 from telex_teleop.joint_jog import InvalidCommand
 from telex_teleop.speed import SpeedScale
-from telex_teleop.stream import Clocks, CommandStream, SimTicks, StartingTime
+from telex_teleop.stream import Clocks, CommandStream
+from telex_teleop.teleop_core import NEEDS_NEW_PRESS, TeleopCore
 from telex_teleop.teleop_settings import TeleopSettings
 
 __all__ = ["TrackDrive", "TrackSettings", "TrackState", "Velocity", "parse_twist"]
@@ -99,7 +100,7 @@ def parse_twist(components: Mapping[str, float]) -> Tuple[Velocity, Tuple[str, .
     return Velocity(components["linear.x"], components["angular.z"]), ignored
 
 
-class TrackDrive:
+class TrackDrive(TeleopCore):
     """Drives the base while a command stream is alive, and ends with a stop.
 
     Parameters
@@ -111,13 +112,9 @@ class TrackDrive:
     """
 
     def __init__(self, settings: TrackSettings, speed: SpeedScale) -> None:
+        super().__init__(settings.command_timeout, settings.longest_step, speed)
         self.settings = settings
-        self.speed = speed
         self._stream: CommandStream[Velocity] = CommandStream(settings.command_timeout)
-        self._ticks = SimTicks(settings.longest_step)
-        self._last_wall: Optional[float] = None
-        self._starting = StartingTime(settings.command_timeout)
-        self._e_stop = False
         self._sent = STANDSTILL
         self._sent_at: Optional[float] = None
         self._stopping_until: Optional[float] = None
@@ -132,14 +129,9 @@ class TrackDrive:
         else:
             self._stream.receive(velocity, Clocks(wall, self._ticks.now), caller)
 
-    def set_e_stop(self, active: bool) -> None:
-        """Begin or end an emergency stop."""
-        if active != self._e_stop:
-            self._e_stop = active
-            self._inhibit()
-
-    def restart(self, _stamp: float) -> None:
+    def restart(self, stamp: float) -> None:
         """Forget the drive, because the robot was put somewhere else; the belts are stopped."""
+        del stamp
         self._restart()
 
     def update(self, stamp: float, wall: float) -> Optional[Velocity]:
@@ -173,23 +165,16 @@ class TrackDrive:
 
     def state(self, wall: float) -> TrackState:
         """Return what a display shows at `wall` (monotonic time, s)."""
-        if self._ticks.now is None or self._last_wall is None:
-            return TrackState(False, STANDSTILL, "no joint_states yet: is the simulator running?")
+        message = self._deaf(wall)
+        if self._ticks.now is None:
+            return TrackState(False, STANDSTILL, message)
         alive = self._stream.command(Clocks(wall, self._ticks.now)) is not None
-        if self._e_stop:
-            message = "the e-stop is active"
-        elif wall - self._last_wall > 2.0 * self.settings.command_timeout:
-            message = "no joint_states: the simulation is paused or has ended"
-        elif self._starting.lasts:
-            message = "just started"
-        elif self._stream.waiting(wall):
-            message = "a command from before the stop goes on: release the key and press it again"
-        else:
-            message = ""
+        if not message and self._stream.waiting(wall):
+            message = NEEDS_NEW_PRESS
         return TrackState(alive and not message, self._sent, message)
 
     def _inhibit(self) -> None:
-        self._stream.inhibit(self._e_stop or self._starting.lasts)
+        self._stream.inhibit(self._inhibited)
 
     def _restart(self) -> None:
         """Forget everything, but stop what was driving."""

@@ -12,7 +12,7 @@ from typing import Any, Dict, List
 import rospy
 
 from ..controller_manager_client import ControllerManagerClient
-from ..node_handle import ParameterError
+from ..params import ConfigError
 from . import program
 from .controller_manager import load, switch
 
@@ -29,16 +29,14 @@ def groups_of(value: Any, name: str) -> Dict[str, List[str]]:
 
     Raises
     ------
-    ParameterError
+    ConfigError
         It is no mapping of names to lists of names.
     """
     if not isinstance(value, dict):
-        raise ParameterError(
-            f"parameter {name} is {value!r}; groups with lists of names are needed"
-        )
+        raise ConfigError(f"parameter {name} is {value!r}; groups with lists of names are needed")
     for group, names in value.items():
         if not isinstance(names, list) or not all(isinstance(each, str) for each in names):
-            raise ParameterError(
+            raise ConfigError(
                 f"parameter {name}/{group} is {names!r}; a list of controller names is needed"
             )
     return value
@@ -99,7 +97,7 @@ def main() -> None:
         name = rospy.resolve_name("controller_groups")
         try:
             groups = groups_of(rospy.get_param(name, {}), name)
-        except ParameterError as error:
+        except ConfigError as error:
             rospy.logerr("%s", error)
             return 1
         if options.command == "list":

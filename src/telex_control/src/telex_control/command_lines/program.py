@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import sys
-from typing import Callable, List
+from typing import Callable, List, Type
 
+import rosgraph
 import rospy
 
 from ..node_start import init_node
@@ -31,6 +33,45 @@ def run(name: str, work: Callable[[], int]) -> None:
     except KeyboardInterrupt:
         status = SIGINT_STATUS
     sys.exit(status)
+
+
+def run_measurement(name: str, work: Callable[[], object], *errors: Type[Exception]) -> None:
+    """Run `work`, which moves the robot, and end the process: with status 1 if it breaks off.
+
+    Parameters
+    ----------
+    name : str
+        Of the program, for messages.
+    work : callable
+        Calls `begin_measurement` before it asks ROS for anything.
+    *errors
+        What it may raise besides errors of ROS and of files; each is one line, not a traceback.
+    """
+    status = 0
+    try:
+        work()
+    except (OSError, rospy.ROSException, rospy.ServiceException, *errors) as error:
+        print(f"{name}: {error}", file=sys.stderr)
+        status = 1
+    except KeyboardInterrupt:
+        status = SIGINT_STATUS
+    rospy.signal_shutdown("done")
+    sys.exit(status)
+
+
+def begin_measurement(name: str) -> None:
+    """Become a node called `name`, made unique, that an interrupt leaves time to tidy up.
+
+    Raises
+    ------
+    ConnectionError
+        There is no ROS master.
+    """
+    if not rosgraph.is_master_online():
+        uri = os.environ.get("ROS_MASTER_URI", "")
+        raise ConnectionError(f"no ROS master at {uri}; start the simulator first")
+    # Interrupted, the program still has a robot to put back: the node must live on.
+    rospy.init_node(name, anonymous=True, disable_signals=True)
 
 
 def arguments() -> List[str]:

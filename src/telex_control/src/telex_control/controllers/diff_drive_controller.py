@@ -121,15 +121,10 @@ class DiffDriveController(Controller):
         self._wheels = [*self._left, *self._right]
         self._nominal_radius, self._nominal_separation = self._geometry(root, node)
         self._timeout = node.positive_param("cmd_vel_timeout", 0.5)
-        try:
-            self._linear_limiter = SpeedLimiter.from_params(
-                node.param("linear/x", dict, {}), node.resolve("linear/x")
-            )
-            self._angular_limiter = SpeedLimiter.from_params(
-                node.param("angular/z", dict, {}), node.resolve("angular/z")
-            )
-        except ValueError as error:
-            raise ControllerInitError(str(error)) from error
+        self._linear_limiter, self._angular_limiter = (
+            SpeedLimiter.from_params(node.param(key, dict, {}), node.resolve(key))
+            for key in ("linear/x", "angular/z")
+        )
         window = node.param("velocity_rolling_window_size", int, 10)
         if window < 1:
             raise ControllerInitError(
@@ -395,8 +390,8 @@ def mean_position(wheels: List[JointHandle]) -> float:
 
 
 def _names(node: NodeHandle, key: str) -> List[str]:
-    value: Any = node.param(key, (str, list))
-    names = [value] if isinstance(value, str) else value
+    value: Any = node.find_param(key, None)
+    names = [value] if isinstance(value, str) else node.param(key, list)
     if not names or not all(isinstance(name, str) for name in names):
         raise ControllerInitError(
             f"parameter {node.resolve(key)} is {value!r}; a joint name or a list of them is needed"

@@ -7,8 +7,8 @@ from typing import List, NamedTuple, Optional, Tuple
 
 from std_msgs.msg import Float64MultiArray
 
-from ..controller import Controller, ControllerInitError
-from ..gravity import GravityError, JointGravity, gravity_of
+from ..controller import Controller
+from ..gravity import JointGravity
 from ..hardware_interface import EffortJointInterface, JointHandle, RobotHW
 from ..joint_limits import clamp
 from ..node_handle import NodeHandle
@@ -16,6 +16,7 @@ from ..pid import Pid
 from ..pid_reconfigure import PidSet
 from ..urdf_joints import CONTINUOUS
 from .joint_description import joint_description
+from .joint_gravity import joint_gravity
 
 
 class _Joint(NamedTuple):
@@ -47,10 +48,7 @@ class JointGroupPositionController(Controller):
         for name in names:
             handle = interface.get_handle(name)
             limits = joint_description(root, name)
-            try:
-                gravity = gravity_of(hw, root).joint(name) if compensated else None
-            except GravityError as error:
-                raise ControllerInitError(str(error)) from error
+            gravity = joint_gravity(hw, root, name) if compensated else None
             self._joints.append(
                 _Joint(
                     handle,

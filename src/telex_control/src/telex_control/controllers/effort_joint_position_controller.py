@@ -7,17 +7,18 @@ from typing import Optional, Type
 
 from std_msgs.msg import Float64
 
-from ..controller import Controller, ControllerInitError
-from ..gravity import GravityError, JointGravity, gravity_of
+from ..controller import Controller
+from ..gravity import JointGravity
 from ..hardware_interface import EffortJointInterface, JointCommandInterface, RobotHW
 from ..joint_limits import clamp
 from ..node_handle import NodeHandle
-from ..params import ConfigError, read_config
+from ..params import read_config
 from ..pid_reconfigure import PidSet
 from ..reference_filter import ReferenceFilter, ReferenceLimiter, ReferenceLimits
 from ..urdf_joints import CONTINUOUS
 from .joint_controller_state import JointControllerStatePublisher
 from .joint_description import joint_description
+from .joint_gravity import joint_gravity
 
 
 class JointPositionController(Controller):
@@ -65,15 +66,12 @@ class JointPositionController(Controller):
         self._limiter: Optional[ReferenceLimiter] = None
         command_limits = node.param("command_limits", dict, {})
         self._gravity: Optional[JointGravity] = None
-        try:
-            if command_limits:
-                self._limiter = ReferenceLimiter(
-                    read_config(ReferenceLimits, command_limits, node.resolve("command_limits"))
-                )
-            if self._compensates_gravity(node):
-                self._gravity = gravity_of(hw, root).joint(name)
-        except (ConfigError, GravityError) as error:
-            raise ControllerInitError(str(error)) from error
+        if command_limits:
+            self._limiter = ReferenceLimiter(
+                read_config(ReferenceLimits, command_limits, node.resolve("command_limits"))
+            )
+        if self._compensates_gravity(node):
+            self._gravity = joint_gravity(hw, root, name)
         self._pids = PidSet(node)
         self._pid = self._pids.open("pid")
         # Replaced by assignment in the subscriber's thread, read in the loop.

@@ -7,10 +7,10 @@ from typing import List
 
 from sensor_msgs.msg import JointState
 
-from ..controller import Controller, ControllerInitError
+from ..controller import Controller
 from ..hardware_interface import JointStateHandle, JointStateInterface, RobotHW
 from ..node_handle import NodeHandle
-from ..params import ConfigError, read_config, require_text
+from ..params import read_config, require_text
 from ..periodic import Periodic
 from ..ros_time import stamp
 
@@ -47,10 +47,7 @@ class JointStateController(Controller):
         self._extra: List[ExtraJoint] = []
         for index, params in enumerate(node.param("extra_joints", list, [])):
             full_name = f"{node.resolve('extra_joints')}[{index}]"
-            try:
-                extra = read_config(ExtraJoint, params, full_name)
-            except ConfigError as error:
-                raise ControllerInitError(str(error)) from error
+            extra = read_config(ExtraJoint, params, full_name)
             if extra.name in [*names, *(each.name for each in self._extra)]:
                 node.logger.warning(
                     "parameter %s: joint '%s' has a state already; it is left out",

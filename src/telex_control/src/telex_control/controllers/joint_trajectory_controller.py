@@ -16,8 +16,8 @@ from control_msgs.msg import FollowJointTrajectoryResult as Result
 from control_msgs.srv import QueryTrajectoryState, QueryTrajectoryStateResponse
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from ..controller import Controller, ControllerInitError
-from ..gravity import GravityError, JointGravity, gravity_of
+from ..controller import Controller
+from ..gravity import JointGravity
 from ..hardware_interface import (
     EffortJointInterface,
     JointCommandInterface,
@@ -37,6 +37,7 @@ from ..trajectory.tolerances import Tolerances, read_tolerances, with_goal
 from ..trajectory.waypoints import TrajectoryError, read_tracks
 from ..urdf_joints import CONTINUOUS
 from .joint_description import joint_description
+from .joint_gravity import joint_gravity
 from .pending import drain
 
 
@@ -131,12 +132,9 @@ class JointTrajectoryController(Controller):
         self._feedback_timer = Periodic(node.positive_param("action_monitor_rate", 20.0))
         self._stop_duration = node.positive_param("stop_trajectory_duration", 0.0, zero=True)
         self._allow_partial = node.param("allow_partial_joints_goal", bool, False)
-        try:
-            self._tolerances = read_tolerances(
-                node.param("constraints", dict, {}), node.resolve("constraints"), self._names
-            )
-        except ValueError as error:
-            raise ControllerInitError(str(error)) from error
+        self._tolerances = read_tolerances(
+            node.param("constraints", dict, {}), node.resolve("constraints"), self._names
+        )
         self._init_commands(hw, root, node)
         self._running = False
         self._time = 0.0
@@ -439,8 +437,4 @@ class EffortJointTrajectoryController(_ClosedLoopTrajectoryController):
     ) -> Sequence[Optional[JointGravity]]:
         if not node.param("gravity_compensation", bool, False):
             return super()._gravities(hw, root, node)
-        try:
-            model = gravity_of(hw, root)
-            return [model.joint(name) for name in self._names]
-        except GravityError as error:
-            raise ControllerInitError(str(error)) from error
+        return [joint_gravity(hw, root, name) for name in self._names]

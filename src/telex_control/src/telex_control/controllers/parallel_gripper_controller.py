@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from typing import List, Optional, Tuple
 
 from ..controller import ControllerInitError
-from ..gravity import GravityError, JointGravity, gravity_of
+from ..gravity import JointGravity
 from ..hardware_interface import EffortJointInterface, JointHandle, RobotHW
 from ..joint_limits import clamp
 from ..node_handle import NodeHandle
-from ..params import ConfigError, read_config, require, require_range
+from ..params import read_config, require, require_range
 from .gripper_action_controller import GripperCommandController, GripperState
 from .joint_description import joint_description
+from .joint_gravity import joint_gravity
 
 RATIOS = (1.0, 1.0, -2.0)
 """Angles of base, middle and tip joint by the finger's angle; they keep the pads parallel."""
@@ -180,15 +181,10 @@ class ParallelGripperController(GripperCommandController):
                 f"parameter {node.resolve('max_effort')} is missing or 0; "
                 "the largest force of a pad is needed (N)"
             )
-        try:
-            self._geometry = read_config(
-                FingerGeometry, node.param("geometry", dict), node.resolve("geometry")
-            )
-            self._config = read_config(
-                GripperConfig, node.param("drive", dict), node.resolve("drive")
-            )
-        except ConfigError as error:
-            raise ControllerInitError(str(error)) from error
+        self._geometry = read_config(
+            FingerGeometry, node.param("geometry", dict), node.resolve("geometry")
+        )
+        self._config = read_config(GripperConfig, node.param("drive", dict), node.resolve("drive"))
         interface = hw.get(EffortJointInterface)
         config = self._config
         compensated = node.param("gravity_compensation", bool, False)
@@ -202,10 +198,7 @@ class ParallelGripperController(GripperCommandController):
                 )
             for name, gains, ratio in zip(names, (config.base, config.middle, config.tip), RATIOS):
                 joint_description(root, name)
-                try:
-                    gravity = gravity_of(hw, root).joint(name) if compensated else None
-                except GravityError as error:
-                    raise ControllerInitError(str(error)) from error
+                gravity = joint_gravity(hw, root, name) if compensated else None
                 self._joints.append(_Joint(interface.get_handle(name), gains, ratio, gravity))
         self._bases = (self._joints[0].handle.state, self._joints[3].handle.state)
         self._largest = self._geometry.opening(self._geometry.max_angle)

@@ -15,7 +15,7 @@ from ..hardware_interface import (
 )
 from ..kinematics.urdf_tree import KinematicsError
 from ..node_handle import NodeHandle
-from ..params import ConfigError, read_config
+from ..params import read_config
 from ..tracked_odometry import OdometryErrors, TrackedOdometry
 from ..urdf_joints import UrdfError, parse_urdf
 from ..yaw_rate_loop import YawRateLoop, YawRateLoopConfig
@@ -171,10 +171,7 @@ class TrackedDriveController(DiffDriveController):
 
 
 def _config(kind: Any, node: NodeHandle, key: str) -> Any:
-    try:
-        return read_config(kind, node.find_param(key, {}), node.resolve(key))
-    except ConfigError as error:
-        raise ControllerInitError(str(error)) from error
+    return read_config(kind, node.find_param(key, {}), node.resolve(key))
 
 
 def _mean_velocity(belts: List[JointHandle]) -> float:

@@ -10,13 +10,10 @@ from __future__ import annotations
 
 import argparse
 import math
-import os
-import sys
 from pathlib import Path
 from typing import Optional, Sequence
 
 import numpy as np
-import rosgraph
 import rospy
 
 from ..command_lines import program
@@ -181,27 +178,10 @@ def measure(options: argparse.Namespace) -> Result:
 def main() -> None:
     """Run the program."""
     options = parse(program.arguments())
-    status = 0
-    try:
-        if not rosgraph.is_master_online():
-            raise TrajectoryError(
-                f"no ROS master at {os.environ.get('ROS_MASTER_URI', '')}; "
-                "start the simulator first"
-            )
-        rospy.init_node("follow_trajectory", anonymous=True, disable_signals=True)
+
+    def work() -> None:
+        program.begin_measurement("follow_trajectory")
         measure(options)
-    except (
-        KinematicsError,
-        OSError,
-        StepError,
-        TrajectoryError,
-        UrdfError,
-        rospy.ROSException,
-        rospy.ServiceException,
-    ) as error:
-        print(f"follow_trajectory: {error}", file=sys.stderr)
-        status = 1
-    except KeyboardInterrupt:
-        status = program.SIGINT_STATUS
-    rospy.signal_shutdown("done")
-    sys.exit(status)
+
+    errors = (KinematicsError, StepError, TrajectoryError, UrdfError)
+    program.run_measurement("follow_trajectory", work, *errors)

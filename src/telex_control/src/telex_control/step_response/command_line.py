@@ -7,14 +7,10 @@ and back. Writes figures (PNG, SVG) and a table (Markdown, CSV, JSON; SI units).
 from __future__ import annotations
 
 import argparse
-import os
-import sys
 from pathlib import Path
 from typing import Any, List, Optional, Sequence
 
-import rosgraph
 import rospkg
-import rospy
 import yaml
 
 from ..command_lines import program
@@ -133,21 +129,10 @@ def measure(options: argparse.Namespace, plan: Plan) -> List[StepResult]:
 def main() -> None:
     """Run the program."""
     options = parse(program.arguments())
-    status = 0
-    try:
+
+    def work() -> None:
         plan = read_plan(options.plan or default_plan())
-        if not rosgraph.is_master_online():
-            raise StepError(
-                f"no ROS master at {os.environ.get('ROS_MASTER_URI', '')}; "
-                "start the simulator first"
-            )
-        # Interrupted, the program still has a controller to restore: the node must live on.
-        rospy.init_node("step_response", anonymous=True, disable_signals=True)
+        program.begin_measurement("step_response")
         measure(options, plan)
-    except (ConfigError, StepError, OSError, rospy.ROSException, rospy.ServiceException) as error:
-        print(f"step_response: {error}", file=sys.stderr)
-        status = 1
-    except KeyboardInterrupt:
-        status = program.SIGINT_STATUS
-    rospy.signal_shutdown("done")
-    sys.exit(status)
+
+    program.run_measurement("step_response", work, ConfigError, StepError)

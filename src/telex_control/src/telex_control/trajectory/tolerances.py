@@ -8,6 +8,7 @@ from typing import Any, Dict, Iterable, Sequence
 
 from control_msgs.msg import FollowJointTrajectoryResult as Result
 
+from ..params import ConfigError
 from .waypoints import TrajectoryError
 
 
@@ -55,13 +56,13 @@ def read_tolerances(constraints: Any, name: str, joints: Sequence[str]) -> Toler
 
     Raises
     ------
-    ValueError
+    ConfigError
         A value is no number of 0 or more, or a key is unknown.
     """
     known = {*joints, "goal_time", "stopped_velocity_tolerance"}
     for key in constraints:
         if key not in known:
-            raise ValueError(
+            raise ConfigError(
                 f"parameter {name}/{key} is unknown; known are {', '.join(sorted(known))}"
             )
     stopped = _number(constraints, "stopped_velocity_tolerance", 0.01, name)
@@ -70,7 +71,7 @@ def read_tolerances(constraints: Any, name: str, joints: Sequence[str]) -> Toler
         own = constraints.get(joint, {})
         unknown = sorted(set(own) - {"trajectory", "goal"}) if isinstance(own, dict) else ["?"]
         if unknown:
-            raise ValueError(
+            raise ConfigError(
                 f"parameter {name}/{joint} is {own!r}; a struct of trajectory and goal is needed"
             )
         path[joint] = StateTolerance(_number(own, "trajectory", 0.0, f"{name}/{joint}"))
@@ -82,7 +83,7 @@ def _number(params: Any, key: str, default: float, name: str) -> float:
     value = params.get(key, default)
     usable = isinstance(value, (int, float)) and not isinstance(value, bool)
     if not usable or not 0.0 <= value < math.inf:
-        raise ValueError(f"parameter {name}/{key} is {value!r}; a number of 0 or more is needed")
+        raise ConfigError(f"parameter {name}/{key} is {value!r}; a number of 0 or more is needed")
     return float(value)
 
 

@@ -146,7 +146,6 @@ class Tracks:
     ) -> None:
         self._client = body.client
         self._uid = body.uid
-        self._config = config
         self._step_size = step_size
         self._law = TractionLaw(config.stiffness, config.damping, step_size)
         self._edge_gain = config.edge_grip - 1.0

@@ -7,7 +7,7 @@ import hmac
 import ipaddress
 import secrets
 import socket
-from typing import Any, Dict, Mapping, Optional, Protocol
+from typing import Any, Mapping, Optional, Protocol
 
 from aiohttp import web
 
@@ -16,6 +16,7 @@ TOKEN_BYTES = 12
 
 INSTRUCTOR = "instructor"
 _ROLES = ("operator", INSTRUCTOR)
+_PARAMETERS = _CLIENT, _INSTRUCTOR = "token", "instructor_token"
 
 
 class ForbiddenError(Exception):
@@ -37,12 +38,13 @@ class Tokens:
     instructor
         Of those that connect as an instructor; it is good for every other client, too.
     made_up
-        Whether they were made up, so that somebody has to be told.
+        Those of them that nobody gave, by the parameter that would: somebody has to be told, and a
+        successor has to know them.
     """
 
     client: str
     instructor: str
-    made_up: bool = False
+    made_up: Mapping[str, str] = dataclasses.field(default_factory=dict)
 
 
 class TokenConfig(Protocol):
@@ -69,28 +71,24 @@ def tokens_of(config: TokenConfig, earlier: Optional[Mapping[str, Any]] = None) 
     config
         The bridge's parameters.
     earlier
-        What `kept` returned for a bridge that has crashed: those whom it told its tokens know no
-        others.
+        `Tokens.made_up` of a bridge that has crashed: those whom it told its tokens know no others.
     """
-    if not config.token and is_loopback(config.address):
-        return Tokens("", config.instructor_token)
-    return Tokens(
-        config.token or _made_up("client", earlier),
-        config.instructor_token or _made_up("instructor", earlier),
-        made_up=not (config.token and config.instructor_token),
-    )
+    left = earlier or {}
+    given = {name: _given(getattr(config, name), left.get(name)) for name in _PARAMETERS}
+    if not given[_CLIENT] and is_loopback(config.address):
+        return Tokens("", given[_INSTRUCTOR])
+    made_up = {name: _made_up(left.get(name)) for name in _PARAMETERS if not given[name]}
+    both = {**given, **made_up}
+    return Tokens(both[_CLIENT], both[_INSTRUCTOR], made_up)
 
 
-def kept(tokens: Tokens) -> Dict[str, str]:
-    """Return what a successor has to know of some tokens; nothing if it makes up none."""
-    if not tokens.made_up:
-        return {}
-    return {"client": tokens.client, "instructor": tokens.instructor}
+def _given(token: str, left: Any) -> str:
+    # What a bridge made up that has crashed still stands among its parameters.
+    return "" if token == left else token
 
 
-def _made_up(which: str, earlier: Optional[Mapping[str, Any]]) -> str:
-    token = (earlier or {}).get(which)
-    return token if isinstance(token, str) and token else secrets.token_urlsafe(TOKEN_BYTES)
+def _made_up(left: Any) -> str:
+    return left if isinstance(left, str) and left else secrets.token_urlsafe(TOKEN_BYTES)
 
 
 def is_loopback(address: str) -> bool:

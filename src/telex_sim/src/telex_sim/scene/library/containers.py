@@ -12,7 +12,7 @@ from ..model import Link, ObjectModel, SceneObject, Surface, Vector3
 from . import materials as look
 from .checks import require_color, require_each, require_elements
 from .object_type import ObjectType, single
-from .shapes import SHEET, Parts, beam, box, cylinder, opaque, open_box, seen_only
+from .shapes import SHEET, Parts, beam, box, cylinder, opaque, open_box, rigid, seen_only
 
 
 @dataclass(frozen=True)
@@ -49,8 +49,7 @@ class Crate(ObjectType):
         """Make it; see `ObjectType.build`."""
         solid = box(self.size, (0.0, 0.0, 0.5 * self.size[2]))
         parts = (solid, *seen_only(_CRATES[self.material](self.size)))
-        link = Link("crate", self.mass, parts, self.friction)
-        return single(ObjectModel((link,), static=self.static))
+        return rigid("crate", self.mass, parts, self.friction, static=self.static)
 
 
 def _wooden(size: Vector3) -> Parts:
@@ -274,8 +273,7 @@ class Bin(ObjectType):
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
-        link = Link("bin", self.mass, self._parts())
-        return single(ObjectModel((link,), static=self.static))
+        return rigid("bin", self.mass, self._parts(), static=self.static)
 
     def _parts(self) -> Parts:
         x, y, z = self.size
@@ -351,8 +349,7 @@ class Barrel(ObjectType):
                 )
             ),
         )
-        link = Link("barrel", self.mass, parts, self.friction, rolling_friction=0.002)
-        return single(ObjectModel((link,), static=self.static))
+        return rigid("barrel", self.mass, parts, self.friction, 0.002, static=self.static)
 
 
 TYPES = {

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Optional, Tuple
 
@@ -176,24 +176,12 @@ class CustomJoint:
 
     def joint(self) -> Joint:
         """Make the joint for the model."""
+        same = {each.name for each in fields(Joint)} - {"motion", "orientation"}
         try:
             return Joint(
-                self.name,
-                Motion(self.motion),
-                self.parent,
-                self.child,
-                self.position,
-                quaternion_from_rpy(self.rpy),
-                self.axis,
-                self.lower,
-                self.upper,
-                self.start,
-                self.friction,
-                self.damping,
-                self.closer,
-                self.detents,
-                self.hold,
-                self.capture,
+                motion=Motion(self.motion),
+                orientation=quaternion_from_rpy(self.rpy),
+                **{name: getattr(self, name) for name in same},
             )
         except ConfigError as error:
             raise ConfigError(f"joint '{self.name}': {error}") from None

@@ -7,13 +7,25 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Tuple
 
-from telex_control.params import require, require_choice, require_range
+from telex_control.params import require_choice, require_range
 
-from ..model import Link, ObjectModel, SceneObject, Vector3
+from ..model import SceneObject, Vector3
 from . import materials as look
-from .checks import require_color, require_each
-from .object_type import ObjectType, single
-from .shapes import LYING_X, Parts, band, box, cone, cylinder, rod, sphere, standing, steel_post
+from .checks import require_color, require_each, require_elements
+from .object_type import ObjectType
+from .shapes import (
+    LYING_X,
+    Parts,
+    band,
+    box,
+    cone,
+    cylinder,
+    rigid,
+    rod,
+    sphere,
+    standing,
+    steel_post,
+)
 
 
 @dataclass(frozen=True)
@@ -65,7 +77,7 @@ class Cone(ObjectType):
             cone(radius, rise, (0.0, 0.0, foot), look.ORANGE),
             *bands,
         )
-        return single(ObjectModel((Link("cone", self.mass, parts),)))
+        return rigid("cone", self.mass, parts)
 
 
 @dataclass(frozen=True)
@@ -252,11 +264,7 @@ class Rails(ObjectType):
         require_range(self, "width", 0.03, 1.0)
         require_range(self, "gauge", self.width, 3.0)
         require_range(self, "length", 0.3, 20.0)
-        for index, height in enumerate(self.heights):
-            require(
-                0.02 <= height <= 1.0,
-                f"heights[{index}] is {height!r}; it must be at least 0.02 and at most 1",
-            )
+        require_elements(self, "heights", 0.02, 1.0)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""

@@ -12,7 +12,7 @@ from ..model import Joint, Link, Motion, ObjectModel, SceneObject
 from . import materials as look
 from .checks import require_each
 from .object_type import ObjectType, single
-from .shapes import Parts, box, open_box, rod, steel_post
+from .shapes import Parts, box, open_box, rod, standing, steel_post
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class Table(ObjectType):
             parts.append(
                 box((0.03, 2.0 * dy - leg, apron), (side * dx, 0.0, level), look.GRAY_PAINT)
             )
-        return single(ObjectModel((Link("table", 0.0, tuple(parts)),), static=True))
+        return standing("table", tuple(parts))
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ class Shelf(ObjectType):
                 start = (-dx, side * dy, low * self.height)
                 end = (dx, side * dy, high * self.height)
                 parts.append(rod(start, end, 0.008, look.BLUE_PAINT, solid=False))
-        return single(ObjectModel((Link("shelf", 0.0, tuple(parts)),), static=True))
+        return standing("shelf", tuple(parts))
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,10 @@ from typing import Optional, Tuple
 
 from telex_control.params import require, require_range
 
-from ..model import Link, ObjectModel, SceneObject, Surface, Vector3
+from ..model import SceneObject, Surface, Vector3
 from . import materials as look
 from .checks import require_color, require_each, require_elements
-from .object_type import ObjectType, single
+from .object_type import ObjectType
 from .shapes import (
     LYING_X,
     Parts,
@@ -22,6 +22,7 @@ from .shapes import (
     mesh,
     opaque,
     placed,
+    rigid,
     seen_only,
     sphere,
     tube,
@@ -83,7 +84,7 @@ class Briefcase(ObjectType):
             ),
         )
         parts = (box(self.size, (0.0, 0.0, 0.5 * z)), *grip, *seen_only(self._shell(shell)))
-        return single(ObjectModel((Link("case", self.mass, parts),)))
+        return rigid("case", self.mass, parts)
 
     def _shell(self, shell: Surface) -> Parts:
         x, y, z = self.size
@@ -136,7 +137,7 @@ class Cube(ObjectType):
         mass = _HARDWOOD * self.edge**3 if self.mass is None else self.mass
         surface = Surface(opaque(self.color), "generated:wood", 0.4)
         part = box((self.edge,) * 3, (0.0, 0.0, 0.5 * self.edge), surface)
-        return single(ObjectModel((Link("cube", mass, (part,), self.friction),)))
+        return rigid("cube", mass, (part,), self.friction)
 
 
 @dataclass(frozen=True)
@@ -182,8 +183,7 @@ class Cylinder(ObjectType):
             ),
         )
         parts = _laid(standing, self.length, self.radius) if self.lying else standing
-        link = Link("cylinder", self.mass, parts, self.friction, _ROLLING)
-        return single(ObjectModel((link,)))
+        return rigid("cylinder", self.mass, parts, self.friction, _ROLLING)
 
 
 @dataclass(frozen=True)
@@ -224,7 +224,7 @@ class Pipe(ObjectType):
             tube(r, length, middle, look.STEEL),
         )
         parts = _laid(standing, length, r) if self.lying else standing
-        return single(ObjectModel((Link("pipe", mass, parts, 1.0, _ROLLING),)))
+        return rigid("pipe", mass, parts, 1.0, _ROLLING)
 
 
 @dataclass(frozen=True)
@@ -271,7 +271,7 @@ class Bottle(ObjectType):
                 )
             ),
         )
-        return single(ObjectModel((Link("bottle", self.mass, parts, 0.8, _ROLLING),)))
+        return rigid("bottle", self.mass, parts, 0.8, _ROLLING)
 
 
 @dataclass(frozen=True)
@@ -309,7 +309,7 @@ class Sphere(ObjectType):
             # Shows how it turns.
             cylinder(1.004 * r, 0.25 * r, at, look.WHITE, solid=False),
         )
-        return single(ObjectModel((Link("sphere", self.mass, parts, self.friction, _ROLLING),)))
+        return rigid("sphere", self.mass, parts, self.friction, _ROLLING)
 
 
 @dataclass(frozen=True)
@@ -349,7 +349,7 @@ class Wedge(ObjectType):
         surface = Surface(opaque(self.color), "generated:wood", 0.4)
         # It is convex, so that what is seen can be touched as well.
         part = replace(mesh("wedge", size, (0.0, 0.0, 0.0), surface), solid=True)
-        return single(ObjectModel((Link("wedge", mass, (part,), self.friction),)))
+        return rigid("wedge", mass, (part,), self.friction)
 
 
 @dataclass(frozen=True)
@@ -384,7 +384,7 @@ class Plate(ObjectType):
         mass = _STEEL * x * y * z if self.mass is None else self.mass
         size = (x, z, y) if self.lying else self.size
         part = box(size, (0.0, 0.0, 0.5 * size[2]), look.STAINLESS)
-        return single(ObjectModel((Link("plate", mass, (part,), self.friction),)))
+        return rigid("plate", mass, (part,), self.friction)
 
 
 def _laid(standing: Parts, length: float, radius: float) -> Parts:

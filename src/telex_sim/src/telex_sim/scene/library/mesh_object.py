@@ -14,14 +14,13 @@ from ..model import (
     Color,
     Form,
     Geometry,
-    Link,
-    ObjectModel,
     Part,
     SceneObject,
     Surface,
     Vector3,
 )
-from .object_type import ObjectType, single
+from .object_type import ObjectType
+from .shapes import rigid
 
 
 @dataclass(frozen=True)
@@ -74,8 +73,14 @@ class MeshObject(ObjectType):
         surface = Surface(self.color, absolute(self.texture, folder), self.texture_scale)
         geometry = Geometry(Form.MESH, self.scale, absolute(self.mesh, folder))
         part = Part(geometry, surface=surface, solid=self.solid)
-        link = Link("body", self.mass, (part,), self.friction, self.rolling_friction)
-        return single(ObjectModel((link,), static=self.static))
+        return rigid(
+            "body",
+            self.mass,
+            (part,),
+            self.friction,
+            self.rolling_friction,
+            static=self.static,
+        )
 
 
 TYPES = {"mesh": MeshObject}

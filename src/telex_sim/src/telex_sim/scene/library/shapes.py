@@ -335,6 +335,20 @@ def opaque(color: Sequence[float]) -> Color:
     return (red, green, blue, alpha[0] if alpha else 1.0)
 
 
+def rigid(
+    name: str,
+    mass: float,
+    parts: Parts,
+    friction: float = 1.0,
+    rolling_friction: float = 0.0,
+    *,
+    static: bool = False,
+) -> Tuple[SceneObject, ...]:
+    """Make one object of a single body; see `Link`."""
+    link = Link(name, mass, parts, friction, rolling_friction)
+    return single(ObjectModel((link,), static=static))
+
+
 def standing(name: str, parts: Parts, friction: float = 1.0) -> Tuple[SceneObject, ...]:
     """Make one static object of parts, all of the same friction."""
-    return single(ObjectModel((Link(name, 0.0, parts, friction),), static=True))
+    return rigid(name, 0.0, parts, friction, static=True)

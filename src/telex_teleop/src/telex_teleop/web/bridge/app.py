@@ -13,6 +13,7 @@ from aiohttp import WSCloseCode, WSMsgType, web
 from ..config import RosbridgeConfig
 from ..freshness import Backlog
 from ..tokens import ForbiddenError, Tokens, is_instructor, tokens_of
+from ..websockets import new_websocket, take_leave, upgrade_required
 from ..workers import OrderedWorker
 from .access import Access
 from .control import MAX_NAME, Control, Member
@@ -33,9 +34,6 @@ BACKLOG_POLL = 0.005
 
 LAST_WORDS = 0.1
 """Time (s) between the last stop command and the node's end, for it to get out."""
-
-CLOSE_TIMEOUT = 0.2
-"""Time (s) that a client gets to answer the closing handshake."""
 
 
 class Rosbridge:
@@ -61,7 +59,6 @@ class Rosbridge:
         tokens: Optional[Tokens] = None,
     ) -> None:
         self._config = config
-        self._ros = ros
         self._warn = warn
         self.tokens = tokens_of(config) if tokens is None else tokens
         worker = OrderedWorker("bridge to ROS")
@@ -128,18 +125,9 @@ class Rosbridge:
         if len(self._sockets) >= self._config.max_clients:
             self._warn(f"refused {request.remote}: {len(self._sockets)} clients are connected")
             return web.Response(status=503, text="The bridge has as many clients as it may.\n")
-        websocket = web.WebSocketResponse(
-            heartbeat=self._config.ping_interval,
-            max_msg_size=self._config.max_message_size,
-            compress=False,
-            timeout=CLOSE_TIMEOUT,
-        )
+        websocket = new_websocket(self._config.ping_interval, self._config.max_message_size)
         if not websocket.can_prepare(request):
-            return web.Response(
-                status=426,
-                text="This is a rosbridge v2 server; connect to it by WebSocket.\n",
-                headers={"Upgrade": "websocket"},
-            )
+            return upgrade_required("This is a rosbridge v2 server; connect to it by WebSocket.\n")
         await websocket.prepare(request)
         transport = request.transport
         if transport is None:
@@ -204,11 +192,8 @@ class Rosbridge:
         """Close all connections; with each its session ends and stops what it drove."""
         if not self._sockets:
             return
-        farewells = [
-            asyncio.ensure_future(
-                websocket.close(code=WSCloseCode.GOING_AWAY, message=b"the bridge ends")
-            )
+        await take_leave(
+            websocket.close(code=WSCloseCode.GOING_AWAY, message=b"the bridge ends")
             for websocket in tuple(self._sockets)
-        ]
-        await asyncio.wait(farewells, timeout=2 * CLOSE_TIMEOUT)
+        )
         await asyncio.sleep(LAST_WORDS)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+from typing import Mapping
 
 import rospy
 from aiohttp import web
@@ -11,7 +12,7 @@ from telex_control.run_memory import RunMemory
 
 from ..config import RosbridgeConfig
 from ..serving import run_node
-from ..tokens import Tokens, kept, tokens_of
+from ..tokens import tokens_of
 from .app import Rosbridge
 from .ros_graph import RosGraph
 
@@ -25,32 +26,31 @@ def _make_app(config: RosbridgeConfig) -> web.Application:
 
     memory = RunMemory.of_this_node()
     bridge = Rosbridge(config, RosGraph(), warn, tokens_of(config, memory.recall()))
-    memory.keep(**kept(bridge.tokens))
+    tokens = bridge.tokens
+    memory.keep(**tokens.made_up)
     rospy.on_shutdown(memory.forget)
-    if bridge.tokens.made_up:
+    if tokens.made_up:
         # Not by rospy's log: that is a topic, and every client may read it.
         print(
-            f"{rospy.get_name()}: clients connect with ?token={bridge.tokens.client} , instructors "
-            f"with ?role=instructor&token={bridge.tokens.instructor}",
+            f"{rospy.get_name()}: clients connect with ?token={tokens.client} , instructors "
+            f"with ?role=instructor&token={tokens.instructor}",
             flush=True,
         )
-        return _sharing_tokens(bridge.tokens, bridge.make_app())
-    return bridge.make_app()
+    return _sharing(tokens.made_up, bridge.make_app())
 
 
-def _sharing_tokens(tokens: Tokens, app: web.Application) -> web.Application:
+def _sharing(made_up: Mapping[str, str], app: web.Application) -> web.Application:
     """Let the video server know what was made up, by the node's own parameters while it runs.
 
     No client of the bridge can read them.
     """
-    made_up = {"~token": tokens.client, "~instructor_token": tokens.instructor}
     for name, token in made_up.items():
-        rospy.set_param(name, token)
+        rospy.set_param(f"~{name}", token)
 
     async def forget(_app: web.Application) -> None:
         with contextlib.suppress(OSError, KeyError):  # the master may have ended before
             for name in made_up:
-                rospy.delete_param(name)
+                rospy.delete_param(f"~{name}")
 
     app.on_cleanup.append(forget)
     return app

@@ -114,28 +114,27 @@ def _integer(query: Mapping[str, str], name: str, expected: str) -> Optional[int
     return int(text)
 
 
-def _size(query: Mapping[str, str], name: str, maximum: int) -> Optional[int]:
-    """Read a width or height; -1 and 0 mean the picture's own, as web_video_server has it."""
-    expected = f"an integer from 1 to {maximum} (pixels), or -1 for the picture's own size"
+def _bounded(
+    query: Mapping[str, str], name: str, minimum: int, maximum: int, expected: str
+) -> Optional[int]:
     value = _integer(query, name, expected)
-    if value is None or value in (-1, 0):
-        return None
-    if not 1 <= value <= maximum:
+    if value is not None and not minimum <= value <= maximum:
         raise QueryError(f"The parameter '{name}' is {value}; it must be {expected}.")
     return value
 
 
+def _size(query: Mapping[str, str], name: str, maximum: int) -> Optional[int]:
+    """Read a width or height; -1 and 0 mean the picture's own, as web_video_server has it."""
+    expected = f"an integer from 1 to {maximum} (pixels), or -1 for the picture's own size"
+    if _integer(query, name, expected) in (-1, 0):
+        return None
+    return _bounded(query, name, 1, maximum, expected)
+
+
 def _quality(query: Mapping[str, str]) -> Optional[int]:
-    expected = "an integer from 1 (smallest) to 100 (best)"
-    value = _integer(query, "quality", expected)
-    if value is not None and not 1 <= value <= 100:
-        raise QueryError(f"The parameter 'quality' is {value}; it must be {expected}.")
-    return value
+    return _bounded(query, "quality", 1, 100, "an integer from 1 (smallest) to 100 (best)")
 
 
 def _compression(query: Mapping[str, str]) -> Optional[int]:
     expected = "an integer from 0 (fast) to 9 (small), the compression level of PNG"
-    value = _integer(query, "quality", expected)
-    if value is not None and not 0 <= value <= 9:
-        raise QueryError(f"The parameter 'quality' is {value}; it must be {expected}.")
-    return value
+    return _bounded(query, "quality", 0, 9, expected)

@@ -9,6 +9,7 @@ from typing import Awaitable, Callable, Dict, Set
 from aiohttp import web
 
 from ..config import VideoServerConfig
+from ..websockets import new_websocket, take_leave, upgrade_required
 from .cameras import CameraList
 from .hub import PictureHubs
 from .multiplex import VideoClient
@@ -19,9 +20,6 @@ CAMERAS_PERIOD = 2.0
 
 MAX_MESSAGE_SIZE = 16384
 """Bytes of the longest message taken from a client."""
-
-CLOSE_TIMEOUT = 0.2
-"""Time (s) that a client gets to answer the closing handshake."""
 
 
 class VideoSockets:
@@ -57,18 +55,9 @@ class VideoSockets:
 
     async def accept(self, request: web.Request, *, instructor: bool) -> web.StreamResponse:
         """Serve one client, an instructor with the hidden cameras."""
-        websocket = web.WebSocketResponse(
-            heartbeat=self._config.ping_interval,
-            max_msg_size=MAX_MESSAGE_SIZE,
-            compress=False,
-            timeout=CLOSE_TIMEOUT,
-        )
+        websocket = new_websocket(self._config.ping_interval, MAX_MESSAGE_SIZE)
         if not websocket.can_prepare(request):
-            return web.Response(
-                status=426,
-                text="This address is a WebSocket; docs/video.md describes it.\n",
-                headers={"Upgrade": "websocket"},
-            )
+            return upgrade_required("This address is a WebSocket; docs/video.md describes it.\n")
         await self._look()
         await websocket.prepare(request)
         transport = request.transport
@@ -102,9 +91,7 @@ class VideoSockets:
 
     async def dismiss(self) -> None:
         """Close all connections."""
-        if self._clients:
-            farewells = [asyncio.ensure_future(client.dismiss()) for client in self._clients]
-            await asyncio.wait(farewells, timeout=2 * CLOSE_TIMEOUT)
+        await take_leave(client.dismiss() for client in self._clients)
 
     async def _look(self) -> None:
         # Without a master the cameras stay those that are known.
