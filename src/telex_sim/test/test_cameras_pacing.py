@@ -3,6 +3,7 @@ import threading
 import pytest
 from telex_msgs.msg import SceneDescription, ScenePoses
 
+from telex_sim.rendering.camera_stream import PREVIEW_WEIGHT
 from telex_sim.rendering.frame_pacer import FramePacer, next_due
 from telex_sim.rendering.scene_inbox import SceneInbox
 
@@ -79,14 +80,18 @@ class TestFramePacer:
 
 
 class Paced:
-    def __init__(self, rate, weight=1.0):
+    def __init__(self, rate, weight=1.0, work=None):
         self.pacer = FramePacer(rate, 5.0)
         self.weight = weight
+        self.work = work
         self.taken = 0
 
 
-def serve(cameras, seconds, work):
-    """Take pictures as the node does, each of which takes ``work`` (s); their rates (1/s)."""
+def serve(cameras, seconds, work=0.0):
+    """Take pictures as the node does; their rates (1/s).
+
+    Each takes ``work`` (s), unless the camera says otherwise.
+    """
     now = 0.0005
     while now < seconds:
         stamp = int(now * 60.0) * 16 * MILLISECOND
@@ -96,7 +101,7 @@ def serve(cameras, seconds, work):
             continue
         camera.pacer.sent(now, stamp)
         camera.taken += 1
-        now += work
+        now += work if camera.work is None else camera.work
     return [camera.taken / seconds for camera in cameras]
 
 
@@ -123,11 +128,20 @@ class TestNextDue:
         assert 4.5 < rates[0] / rates[1] < 6.5
         assert rates[1] == pytest.approx(rates[2], rel=0.05)
 
-    def test_previews_leave_a_full_picture_its_rate_and_do_not_starve(self):
-        rates = serve([Paced(25.0, 2.0), *(Paced(10.0, 0.4) for _ in range(5))], 20.0, 0.024)
-        assert rates[0] > 3.0 * max(rates[1:])
-        assert rates[0] > 23.0
-        assert min(rates[1:]) > 2.5
+    @pytest.mark.parametrize(
+        ("full", "preview", "works"),
+        [
+            # Times of pictures (s) with which a core is asked for 1.14 and 1.13 s in each second.
+            pytest.param((30.0, 25.0), (12.0, 10.0), (0.019, 0.0095), id="day"),
+            pytest.param((25.0, 20.0), (10.0, 8.0), (0.024, 0.0105), id="night"),
+        ],
+    )
+    def test_the_front_camera_and_previews_fall_behind_alike(self, full, preview, works):
+        (asked, needed), (asked_small, needed_small), (work, work_small) = full, preview, works
+        small = [Paced(asked_small, PREVIEW_WEIGHT, work_small) for _ in range(5)]
+        rates = serve([Paced(asked, 2.0, work), *small], 20.0)
+        assert rates[0] >= needed
+        assert min(rates[1:]) >= needed_small
 
     def test_who_comes_late_is_served_at_once(self):
         busy, late = Paced(60.0, 2.0), Paced(10.0)

@@ -1,17 +1,19 @@
 """Lamps, darkness, fog and zoom, judged by pixels."""
 
 import math
+import re
 
 import numpy as np
 import pytest
 
+from telex_sim.rendering import shaders
 from telex_sim.rendering.camera import PinholeCamera
 from telex_sim.rendering.cameras_config import CameraConfig
 from telex_sim.rendering.lamps import LampRig
 from telex_sim.rendering.lighting import Lighting
 from telex_sim.rendering.quality import TIERS
 from telex_sim.rendering.scene import Daylight, Lamp, Scene, Shape, Visual
-from telex_sim.rendering.shaders import EXPOSURE
+from telex_sim.rendering.shaders import EXPOSURE, LitVariant, lit_source
 from telex_sim.rendering.still import Still, looking
 
 CAMERA = PinholeCamera(320, 240, 1.2, 0.05, 200.0)
@@ -59,6 +61,15 @@ def head_lamp(**changes):
     return Lamp("world", **{"position": EYE, "direction": AHEAD, "reach": 20.0, **changes})
 
 
+def test_pixels_fetch_nothing_but_textures_and_lamps():
+    # llvmpipe takes a fifth of a picture's time to fetch some thirty numbers for each few pixels.
+    for sun in (True, False):
+        variant = LitVariant(textured=True, sun=sun, cover=False, fog=True, lamps=2)
+        fragment = lit_source(variant, 2, 1, {"haze": (1.0,)}).fragment
+        fetched = re.findall(r"^uniform (?!sampler)\w+ (\w+)", fragment, re.MULTILINE)
+        assert {name for name in fetched if not name.startswith("lamp_")} == {"cover_place"}
+
+
 class TestDark:
     def test_without_any_light_all_is_black(self, studio):
         assert studio.shoot(WALL).max() == 0
@@ -87,6 +98,23 @@ class TestDark:
 
 
 class TestLamps:
+    def test_what_vertices_work_out_for_few_lamps_pixels_do_for_many(self, monkeypatch):
+        floor = Visual("world", Shape.PLANE, (50.0, 50.0, 0.0), (0.0, 0.0, -1.0), color=WHITE)
+        ball = Visual("world", Shape.SPHERE, (0.4, 0.0, 0.0), (2.5, 0.3, -0.3), color=WHITE)
+        lamps = [
+            head_lamp(position=(0.0, 0.6 * side, 0.3), angle=1.2, intensity=3.0) for side in (-1, 1)
+        ]
+        pictures = []
+        for most in (4, 0):
+            monkeypatch.setattr(shaders, "MOST_LAMPS_BY_VERTEX", most)
+            studio = Studio()
+            pictures.append(studio.shoot(WALL, floor, ball, lamps=lamps))
+            studio.still.release()
+        # There are shadows to compare.
+        assert np.ptp(pictures[0][..., 1]) > 150
+        off = np.abs(pictures[0] - pictures[1]).max(axis=2)
+        assert np.mean(off > 2) < 0.003
+
     def test_a_cone_and_nothing_outside_it(self, studio):
         picture = studio.shoot(WALL, lamps=[head_lamp(angle=0.6, intensity=10.0)])[..., 1]
         angle = off_axis(CAMERA)

@@ -29,8 +29,9 @@ Locate = Callable[[np.ndarray, float], np.ndarray]
 camera depends, and of the monotonic time (s)."""
 
 
-# What previews count for when there is too little time, beside pictures of full size.
-_PREVIEW_WEIGHT = 0.4
+PREVIEW_WEIGHT = 2.0
+"""What previews count for when there is too little time: as much as the camera for driving, so that
+both fall behind alike. Counting less, they starved: it is always due again before they are."""
 
 Setting = Tuple[OpticsConfig, float]
 """How a camera is set, and its zoom."""
@@ -209,7 +210,7 @@ class CameraStream:
 
     def weight_of(self, size: PictureSize) -> float:
         """How much a size's rate counts, when there is too little time for all."""
-        return 1.0 + self.config.priority if size is self._full else _PREVIEW_WEIGHT
+        return 1.0 + self.config.priority if size is self._full else PREVIEW_WEIGHT
 
     @property
     def wanted(self) -> List[PictureSize]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Dict, List, Optional
+from typing import Any, Dict, List, Optional, Tuple
 
 import moderngl
 import numpy as np
@@ -206,7 +206,7 @@ class LampShadows:
 
         A lamp without a map gets values with which every look-up finds light.
         """
-        right, down, depth = (np.zeros((room, 4), dtype=np.float32) for _ in range(3))
+        right, down, shadow = (np.zeros((room, 4), dtype=np.float32) for _ in range(3))
         places = {tile.lamp: place for place, tile in enumerate(self._tiles)}
         half = 0.5 * self._size / self._extent
         for row, lamp in enumerate(numbers.tolist()):
@@ -215,20 +215,19 @@ class LampShadows:
                 continue
             focal = _focal(rig.angles[lamp])
             middle = self._corner(place) / self._extent + half
-            right[row] = (*(half[0] * focal * rig.axes[lamp][0]), middle[0])
-            down[row] = (*(half[1] * focal * rig.axes[lamp][1]), middle[1])
             near, far = _NEAREST_CASTER, float(rig.reaches[lamp])
             texel = 2.0 / (focal * self._size)
             # No look-up of the ring, nor the pixel that it falls into, may dip into the surface.
             lift = (1.5 + self._softness) * texel
-            depth[row] = (far / (far - near), far * near / (far - near), lift, 1.0)
-        return {"lamp_right": right, "lamp_down": down, "lamp_depth": depth}
+            right[row] = (*(half[0] * focal * rig.axes[lamp][0]), lift)
+            down[row] = (*(half[1] * focal * rig.axes[lamp][1]), far * near / (far - near))
+            shadow[row] = (*middle, far / (far - near), 0.0)
+        return {"lamp_right": right, "lamp_down": down, "lamp_shadow": shadow}
 
-    def fixed_uniforms(self) -> Dict[str, np.ndarray]:
-        """Values that never change: half a tile, and half the width of soft edges."""
+    def tile(self) -> Tuple[float, ...]:
+        """Half the extent of a tile, and half the width of soft edges, x and y each."""
         half = 0.5 * (self._size - 2.0) / self._extent
-        softness = self._softness / self._extent
-        return {"lamp_tile": np.concatenate([half, softness]).astype(np.float32)}
+        return (*half.tolist(), *(self._softness / self._extent).tolist())
 
     def use(self, unit: int) -> None:
         """Bind the maps to a texture unit."""

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, Mapping
+from typing import Any, Dict, Mapping, Tuple
 
 import moderngl
 import numpy as np
 
-from .lamps import NEAREST
-from .shaders import LitVariant, ShaderSource, depth_source, lit_source, sky_source
+from .shaders import Constants, LitVariant, ShaderSource, depth_source, lit_source, sky_source
 
 PICTURE_UNIT, SHADOW_MAP_UNIT, COVER_MAP_UNIT, LAMP_MAP_UNIT = range(4)
 
@@ -29,8 +28,9 @@ class LitProgram:
         variant: LitVariant,
         shadow_lookups: int,
         lamp_lookups: int,
+        constants: Constants,
     ) -> None:
-        source = lit_source(variant, shadow_lookups, lamp_lookups, NEAREST)
+        source = lit_source(variant, shadow_lookups, lamp_lookups, constants)
         self.program: Any = _compile(context, source)
         self.world_from_model: Any = self.program["world_from_model"]
         self.opacity: Any = self.program["opacity"]
@@ -49,17 +49,25 @@ class LitProgram:
 
 
 class LitPrograms:
-    """All variants, each compiled when it is first needed."""
+    """All variants in all lights so far, each compiled when it is first needed."""
 
     def __init__(self, context: moderngl.Context, shadow_lookups: int, lamp_lookups: int) -> None:
         self._context = context
         self._lookups = (shadow_lookups, lamp_lookups)
-        self._programs: Dict[LitVariant, LitProgram] = {}
+        self._lights: Dict[Tuple, Dict[LitVariant, LitProgram]] = {}
+        self.take_light({})
+
+    def take_light(self, constants: Constants) -> None:
+        """Have the programs show things in another light from now on."""
+        self._constants = constants
+        self._programs = self._lights.setdefault(tuple(sorted(constants.items())), {})
 
     def get(self, variant: LitVariant) -> LitProgram:
         """Return the program of a variant."""
         if variant not in self._programs:
-            self._programs[variant] = LitProgram(self._context, variant, *self._lookups)
+            self._programs[variant] = LitProgram(
+                self._context, variant, *self._lookups, self._constants
+            )
         return self._programs[variant]
 
 

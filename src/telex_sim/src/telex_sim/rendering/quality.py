@@ -55,17 +55,17 @@ class Quality:
 
 
 TIERS: Dict[str, Quality] = {
-    # Of the 12 ms that llvmpipe takes for 640x480, each shadow look-up is one and smoothing half of
-    # one; four samples would double the whole, and so would an anisotropy of 4. Each lamp that
-    # lights all of a picture takes two more, and its shadow another two.
+    # Of the 14 ms that llvmpipe takes for 640x480, each shadow look-up is one and smoothing half of
+    # one; four samples would double the whole, and so would an anisotropy of 4. Look-ups of single
+    # pixels of the map take as long: four of them are needed for one that is the mean of four.
     "software": Quality(
         samples=0,
         edge_smoothing=True,
         shadow_map_size=1024,
         # A pixel of the map is as large.
         shadow_detail=0.008,
-        shadow_lookups=3,
-        shadow_softness=0.8,
+        shadow_lookups=2,
+        shadow_softness=0.55,
         anisotropy=1.0,
         lamps=4,
         lamp_shadows=6,

@@ -15,7 +15,7 @@ from .culling import spheres_in_view, spheres_in_world
 from .frame_target import FrameTarget
 from .gpu_scene import GpuScene
 from .lamp_shadows import LampShadows
-from .lamps import LampRig
+from .lamps import NEAREST, LampRig
 from .lighting import Lighting, light_uniforms
 from .programs import (
     COVER_MAP_UNIT,
@@ -82,7 +82,7 @@ class Renderer:
         )
         self._cover = SkyCover(context, depth)
         self._targets: OrderedDict[Tuple[int, int], FrameTarget] = OrderedDict()
-        self._warm: Set[LitVariant] = set()
+        self._warm: Set[LitProgram] = set()
         self._model = np.zeros((0, 4, 4))
         self._centers = np.zeros((0, 3))
         self._focus = np.zeros(3)
@@ -120,10 +120,10 @@ class Renderer:
         samples = {drawable.texture is not None: drawable for drawable in self._scene.drawables}
         for textured, drawable in samples.items():
             for room in rooms:
-                variant = replace(self._base, textured=textured, lamps=room)
-                if variant not in self._warm:
-                    self._warm.add(variant)
-                    drawable.draw(self._programs.get(variant))
+                program = self._programs.get(replace(self._base, textured=textured, lamps=room))
+                if program not in self._warm:
+                    self._warm.add(program)
+                    drawable.draw(program)
 
     def _take_light(self, scene: Scene) -> None:
         daylight: Daylight = scene.daylight
@@ -144,12 +144,19 @@ class Renderer:
         )
         self._sky = self._skies[self._base.fog]
         self._lamps = LampRig(scene.lamps, scene.frames, self._lighting.sun)
-        self._uniforms = light_uniforms(self._lighting, daylight)
+        light = light_uniforms(self._lighting, daylight)
+        self._sky.set(light)
+        self._uniforms = {name: light.pop(name) for name in ("sky_ambient", "ground_ambient")}
         # Half the width of soft edges, as a share of the shadow map's side.
         softness = self._quality.shadow_softness / self._quality.shadow_map_size
-        self._uniforms["shadow_softness"] = np.array(softness, dtype=np.float32)
-        self._uniforms.update(self._lamp_shadows.fixed_uniforms())
-        self._sky.set(self._uniforms)
+        self._programs.take_light(
+            {
+                **{name: tuple(np.atleast_1d(value).tolist()) for name, value in light.items()},
+                "lamp_nearest2": (NEAREST**2,),
+                "lamp_tile": self._lamp_shadows.tile(),
+                "shadow_softness": (softness,),
+            }
+        )
 
     def set_lamp_levels(self, levels: Mapping[str, float]) -> None:
         """Dim the lamps that have names: 0 is off, 1 full."""

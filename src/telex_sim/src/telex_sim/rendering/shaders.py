@@ -2,13 +2,20 @@
 
 Colours are handled linearly, with a gamma of 2 in place of sRGB's curve: close to it, exact for
 what only passes through, and one multiplication and one square root, which a CPU does in no time.
+
+llvmpipe fetches each number of a uniform anew for every few pixels, which takes as long as some ten
+additions. What changes with the scene only is therefore compiled in, and what changes with the
+picture comes from the vertices.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Mapping, NamedTuple, Sequence, Tuple
+
+Constants = Mapping[str, Tuple[float, ...]]
+"""Values by name, of one to four numbers, that are compiled into a shader."""
 
 
 class ShaderSource(NamedTuple):
@@ -32,6 +39,10 @@ _GLOW = 1.5
 # Share of the sharp shadow map's side, along its edges, in which the wide one is taken already.
 _SHARP_BORDER = 0.006
 
+# Lamps for which vertices work out what changes evenly between them. How much they can hand on is
+# limited; with more lamps, pixels do all.
+MOST_LAMPS_BY_VERTEX = 4
+
 EXPOSURE = 2.3
 """Halvings of what a pixel lacks to white, per unit of light."""
 
@@ -40,20 +51,69 @@ _TO_DISPLAY = """
 vec3 to_display(vec3 light) { return sqrt(1.0 - exp2(-EXPOSURE * light)); }
 """
 
+_LAMPS = """
+#if LAMPS
+// Position and 1/reach^2; direction and factor of the cone; light and offset of the cone.
+uniform vec4 lamp_place[LAMPS];
+uniform vec4 lamp_aim[LAMPS];
+uniform vec4 lamp_light[LAMPS];
+// Axes of the lamp's tile, as long as its focal length; with them, how far off a surface to look
+// per distance, and the factor of depth. Then the middle of the tile, and the offset of depth.
+uniform vec4 lamp_right[LAMPS];
+uniform vec4 lamp_down[LAMPS];
+uniform vec4 lamp_shadow[LAMPS];
+
+// Where a point of a surface is for a lamp: right and down in the tile (to be divided by the
+// distance ahead), ahead (m), and what to take from the offset of depth (to be divided by it as
+// well). Between the corners of a flat surface, all change evenly.
+vec4 seen_by_lamp(int number, vec3 point, vec3 n, out vec3 to_lamp) {
+  vec4 right = lamp_right[number];
+  vec4 down = lamp_down[number];
+  vec3 aim = lamp_aim[number].xyz;
+  to_lamp = lamp_place[number].xyz - point;
+  float ahead = -dot(to_lamp, aim);
+  // Looking the shadow up a little above the surface keeps it from shading itself. To first order,
+  // that adds to the distance ahead as well.
+  vec3 seen = n * (right.w * ahead) - to_lamp;
+  float nearer = down.w * (1.0 - right.w * dot(n, aim));
+  return vec4(dot(seen, right.xyz), dot(seen, down.xyz), ahead, nearer);
+}
+#endif
+"""
+
 _LIT_VERTEX = """
 in vec3 in_position;
 in vec3 in_normal;
 in vec4 in_color;
 uniform mat4 world_from_model;
 uniform mat4 clip_from_world;
-out vec3 world;
+uniform vec3 eye;
+uniform vec3 sky_ambient;
+uniform vec3 ground_ambient;
+uniform float exposure;
+uniform float opacity;
+out vec3 towards_eye;
 out vec3 normal;
+// The same all over a picture or a surface.
+flat out vec4 sky_and_exposure;
+flat out vec4 ground_and_opacity;
+#if WORLD
+out vec3 world;
+#endif
+#if LAMPS_BY_VERTEX
+out vec3 to_lamps[LAMPS];
+out vec4 in_lamps[LAMPS];
+#endif
 // Linear colour, and in place of alpha what glows by itself; the same all over a visual.
 flat out vec4 paint;
 #if SUN
 uniform mat4 map_from_world;
 uniform float normal_offset;
+// From the sharp map's coordinates to those of the wide one beside it.
+uniform vec3 wide_scale;
+uniform vec3 wide_shift;
 out vec3 in_map;
+out vec3 in_wide;
 #endif
 #if TEXTURED
 in vec2 in_uv;
@@ -61,13 +121,24 @@ out vec2 uv;
 #endif
 void main() {
   vec4 position = world_from_model * vec4(in_position, 1.0);
+  towards_eye = eye - position.xyz;
+  sky_and_exposure = vec4(sky_ambient, exposure);
+  ground_and_opacity = vec4(ground_ambient, opacity);
+#if WORLD
   world = position.xyz;
+#endif
   normal = mat3(world_from_model) * in_normal;
   paint = vec4(in_color.rgb * in_color.rgb, in_color.a);
   gl_Position = clip_from_world * position;
+#if LAMPS_BY_VERTEX
+  for (int number = 0; number < LAMPS; ++number) {
+    in_lamps[number] = seen_by_lamp(number, position.xyz, normal, to_lamps[number]);
+  }
+#endif
 #if SUN
   // Looking the shadow up a little above the surface keeps it from shading itself.
   in_map = (map_from_world * (position + vec4(normal * normal_offset, 0.0))).xyz;
+  in_wide = in_map * wide_scale + wide_shift;
 #endif
 #if TEXTURED
   uv = in_uv;
@@ -76,28 +147,18 @@ void main() {
 """
 
 _LIT_FRAGMENT = """
-in vec3 world;
+in vec3 towards_eye;
 in vec3 normal;
 flat in vec4 paint;
-uniform float opacity;
-uniform vec3 eye;
-uniform vec3 to_fill;
-uniform vec3 fill;
-uniform vec3 sky_ambient;
-uniform vec3 ground_ambient;
-uniform vec3 haze_light;
-uniform float specular;
-uniform float haze;
-uniform float exposure;
+flat in vec4 sky_and_exposure;
+flat in vec4 ground_and_opacity;
+#if WORLD
+in vec3 world;
+#endif
 #if SUN
 in vec3 in_map;
-uniform vec3 to_sun;
-uniform vec3 sun;
+in vec3 in_wide;
 uniform sampler2DShadow shadow_map;
-uniform float shadow_softness;
-// From the sharp map's coordinates to those of the wide one beside it.
-uniform vec3 wide_scale;
-uniform vec3 wide_shift;
 #endif
 #if COVER
 // Blurred heights (m), and how the world leads to the map: offset along x and y, scale.
@@ -105,19 +166,12 @@ uniform sampler2D cover_map;
 uniform vec3 cover_place;
 #endif
 #if LAMPS
-// Position and 1/reach^2; direction and factor of the cone; light and offset of the cone.
-uniform vec4 lamp_place[LAMPS];
-uniform vec4 lamp_aim[LAMPS];
-uniform vec4 lamp_light[LAMPS];
+#if LAMPS_BY_VERTEX
+in vec3 to_lamps[LAMPS];
+in vec4 in_lamps[LAMPS];
+#endif
 #if LAMP_LOOKUPS
 uniform sampler2DShadow lamp_map;
-// Axes of the lamp's tile, as long as its focal length, and its middle; then what leads from the
-// distance ahead to depth, how far off a surface to look per distance, and whether it has a tile.
-uniform vec4 lamp_right[LAMPS];
-uniform vec4 lamp_down[LAMPS];
-uniform vec4 lamp_depth[LAMPS];
-// Half the extent of a tile, and half the width of soft edges.
-uniform vec4 lamp_tile;
 #endif
 #endif
 #if TEXTURED
@@ -141,9 +195,9 @@ float sunlight() {
   const mat2 turn = mat2(TURN_COS, TURN_SIN, -TURN_SIN, TURN_COS);
   vec2 off = abs(in_map.xy - 0.5);
   bool sharp = max(off.x, off.y) < 0.5 - SHARP_BORDER;
-  vec3 wide = clamp(in_map * wide_scale + wide_shift, 0.0, 1.0);
+  vec3 wide = clamp(in_wide, 0.0, 1.0);
   vec3 place = sharp ? in_map : vec3(wide.x + 1.0, wide.yz);
-  vec2 offset = vec2(0.0, shadow_softness);
+  vec2 offset = shadow_softness * vec2(0.6, 0.8);
   float lit = 0.0;
   for (int number = 0; number < SHADOW_LOOKUPS; ++number) {
     vec2 at = place.xy + offset;
@@ -157,17 +211,12 @@ float sunlight() {
 
 #if LAMPS
 #if LAMP_LOOKUPS
-// Share of a lamp's light that nothing stops, 0..1; ahead is how far the point is along the lamp's
-// axis, and inverse its reciprocal.
-float lamplight(int number, vec3 to_lamp, vec3 n, float ahead, float inverse) {
-  vec4 depth = lamp_depth[number];
-  // Looking the shadow up a little above the surface keeps it from shading itself.
-  vec3 seen = n * (depth.z * ahead) - to_lamp;
-  vec2 off = vec2(dot(seen, lamp_right[number].xyz), dot(seen, lamp_down[number].xyz)) * inverse;
-  // To first order, what the offset adds to the distance ahead.
-  float nearer = inverse * (1.0 - depth.z * dot(n, lamp_aim[number].xyz));
-  vec3 place = vec3(off, depth.x - depth.y * nearer);
-  place.xy += vec2(lamp_right[number].w, lamp_down[number].w);
+// Share of a lamp's light that nothing stops, 0..1; in_lamp is what seen_by_lamp gives, and inverse
+// the reciprocal of the distance ahead.
+float lamplight(int number, vec4 in_lamp, float inverse) {
+  vec4 tile = lamp_shadow[number];
+  vec2 off = in_lamp.xy * inverse;
+  vec3 place = vec3(off + tile.xy, tile.z - in_lamp.w * inverse);
 #if LAMP_LOOKUPS == 1
   float lit = textureLod(lamp_map, place, 0.0);
 #else
@@ -182,17 +231,16 @@ float lamplight(int number, vec3 to_lamp, vec3 n, float ahead, float inverse) {
 #endif
   vec2 inside = lamp_tile.xy - abs(off);
   // Beside its tile a lamp shines all around, and one without a tile everywhere.
-  return min(min(inside.x, inside.y), ahead) < 0.0 ? 1.0 : max(lit, 1.0 - depth.w);
+  return min(min(inside.x, inside.y), in_lamp.z) < 0.0 ? 1.0 : lit;
 }
 #endif
 #endif
 
 void main() {
   vec3 n = normalize(normal);
-  vec3 to_eye = eye - world;
-  float square = dot(to_eye, to_eye);
+  float square = dot(towards_eye, towards_eye);
   float nearness = inversesqrt(square);
-  to_eye *= nearness;
+  vec3 to_eye = towards_eye * nearness;
   float frontal = dot(n, to_eye);
   vec3 mirrored = 2.0 * frontal * n - to_eye;
   vec3 albedo = paint.rgb;
@@ -201,14 +249,15 @@ void main() {
   vec3 texel = texture(picture, uv, -0.5).rgb;
   albedo *= texel * texel;
 #endif
-  vec3 above = sky_ambient;
+  vec3 above = sky_and_exposure.rgb;
+  vec3 below = ground_and_opacity.rgb;
 #if COVER
   vec2 in_cover = world.xy * cover_place.z + cover_place.xy;
   float covered = (textureLod(cover_map, in_cover, 0.0).r - world.z) * (1.0 / FULL_COVER);
   covered = clamp(covered, 0.0, 1.0);
   above *= 1.0 - SKY_SHADE * covered;
 #endif
-  vec3 light = mix(ground_ambient, above, 0.5 + 0.5 * n.z) + fill * max(dot(n, to_fill), 0.0);
+  vec3 light = mix(below, above, 0.5 + 0.5 * n.z) + fill * max(dot(n, to_fill), 0.0);
   vec3 shine = vec3(0.0);
 #if SUN
   float facing = dot(n, to_sun);
@@ -220,22 +269,26 @@ void main() {
 #endif
 #if LAMPS
   for (int number = 0; number < LAMPS; ++number) {
-    vec4 place = lamp_place[number];
-    vec4 aim = lamp_aim[number];
+#if LAMPS_BY_VERTEX
+    vec3 to_lamp = to_lamps[number];
+    vec4 in_lamp = in_lamps[number];
+#else
+    vec3 to_lamp;
+    vec4 in_lamp = seen_by_lamp(number, world, n, to_lamp);
+#endif
+    float ahead = in_lamp.z;
     vec4 source = lamp_light[number];
-    vec3 to_lamp = place.xyz - world;
     float distance2 = dot(to_lamp, to_lamp);
     float distance = sqrt(distance2);
-    float ahead = -dot(to_lamp, aim.xyz);
     // One division for all three.
-    float denominator = distance2 + NEAREST2;
+    float denominator = distance2 + lamp_nearest2;
     float forward = max(ahead, 1e-3);
     float all = 1.0 / (distance * denominator * forward);
     float inverse = all * denominator * forward;
     to_lamp *= inverse;
-    float cone = clamp(source.w + aim.w * ahead * inverse, 0.0, 1.0);
+    float cone = clamp(source.w + lamp_aim[number].w * ahead * inverse, 0.0, 1.0);
     // Falls with the square of the distance, and smoothly to nothing at the reach.
-    float far = distance2 * place.w;
+    float far = distance2 * lamp_place[number].w;
     float fade = max(1.0 - far * far, 0.0) * cone;
 #if COVER
     // The higher a lamp stands, the more of what hides the sky hides it, too.
@@ -245,7 +298,7 @@ void main() {
     float falloff = all * distance * forward;
     float arriving = max(dot(n, to_lamp), 0.0) * fade * fade * falloff;
 #if LAMP_LOOKUPS
-    arriving *= lamplight(number, to_lamp * distance, n, ahead, all * distance * denominator);
+    arriving *= lamplight(number, in_lamp, all * distance * denominator);
 #endif
     light += source.rgb * arriving;
     shine += source.rgb * (arriving * highlight(mirrored, to_lamp));
@@ -256,7 +309,7 @@ void main() {
   // (C. Schlick, "An inexpensive BRDF model for physically-based rendering", 1994; fourth power).
   float away = clamp(1.0 - frontal, 0.0, 1.0);
   away *= away; away *= away;
-  shine += mix(ground_ambient, above, 0.5 + 0.5 * mirrored.z) * (MIRRORED + GRAZING * away);
+  shine += mix(below, above, 0.5 + 0.5 * mirrored.z) * (MIRRORED + GRAZING * away);
 #endif
   light += GLOW * paint.a;
 #if FOG
@@ -265,7 +318,8 @@ void main() {
   float veil = haze * square;
   float clear = 1.0 / (1.0 + veil * veil);
 #endif
-  fragment = vec4(to_display(exposure * mix(haze_light, albedo * light + shine, clear)), opacity);
+  vec3 seen = mix(haze_light, albedo * light + shine, clear);
+  fragment = vec4(to_display(sky_and_exposure.a * seen), ground_and_opacity.a);
 }
 """
 
@@ -333,7 +387,7 @@ class LitVariant:
 
 
 def lit_source(
-    variant: LitVariant, shadow_lookups: int, lamp_lookups: int, nearest: float
+    variant: LitVariant, shadow_lookups: int, lamp_lookups: int, constants: Constants
 ) -> ShaderSource:
     """Show surfaces in the light of the sun, the sky and lamps.
 
@@ -345,10 +399,11 @@ def lit_source(
         In the sun's shadow maps for each pixel.
     lamp_lookups
         In the shadow map of each lamp for each pixel; 0: lamps throw no shadows.
-    nearest
-        Distance below which the light of a lamp grows no more (m).
+    constants
+        The scene's light, and what never changes.
     """
     turn = 2.0 * math.pi / shadow_lookups
+    by_vertex = 0 < variant.lamps <= MOST_LAMPS_BY_VERTEX
     lamp_turn = 2.0 * math.pi / max(lamp_lookups, 1)
     head = _head(
         TEXTURED=int(variant.textured),
@@ -362,7 +417,8 @@ def lit_source(
         LAMP_SHADE=_LAMP_SHADE,
         FOG=int(variant.fog),
         LAMPS=variant.lamps,
-        NEAREST2=nearest**2,
+        LAMPS_BY_VERTEX=int(by_vertex),
+        WORLD=int(variant.cover or (variant.lamps > 0 and not by_vertex)),
         SHADOW_LOOKUPS=shadow_lookups,
         TURN_COS=math.cos(turn),
         TURN_SIN=math.sin(turn),
@@ -371,7 +427,17 @@ def lit_source(
         LAMP_COS=math.cos(lamp_turn),
         LAMP_SIN=math.sin(lamp_turn),
     )
+    head += "".join(f"const {_glsl_type(v)} {n} = {_glsl(v)};\n" for n, v in constants.items())
+    head += _LAMPS
     return ShaderSource(head + _LIT_VERTEX, head + _TO_DISPLAY + _LIT_FRAGMENT)
+
+
+def _glsl_type(value: Sequence[float]) -> str:
+    return f"vec{len(value)}" if len(value) > 1 else "float"
+
+
+def _glsl(value: Sequence[float]) -> str:
+    return f"{_glsl_type(value)}({', '.join(repr(float(number)) for number in value)})"
 
 
 def depth_source() -> ShaderSource:
