@@ -198,9 +198,10 @@ class Rig:
 
 def settle(browser: Chromium) -> None:
     """Wait until an operator would begin: six live views, no tour, a page that runs evenly."""
+    # A page behind another tab asks for no pictures.
+    browser.call("Page.bringToFront")
     browser.wait_for("six live views on the console", LIVE, PATIENCE)
     browser.evaluate("document.getElementById('tour-skip').click()")
-    browser.call("Page.bringToFront")
 
 
 def wait_until(what: str, condition: Callable[[], object], timeout: float = PATIENCE) -> None:
