@@ -14,6 +14,29 @@ case "${1:-}" in
     exit 0
     ;;
 esac
+
+# roslaunch passes over what no launch file asks for: a misspelt name would go unnoticed.
+known="$(sed -n 's/^  <arg name="\([a-z_]*\)".*/\1/p' "$root/src/telex_teleop/launch/bringup.launch")"
+takes_value=
+for argument in "$@"; do
+  if [ -n "$takes_value" ]; then
+    takes_value=
+    continue
+  fi
+  case "$argument" in
+    -[cptuw] | --args | --child | --find-node | --master-logger-level | --numworkers | --pid | --port | --run_id | \
+      --server_uri | --sigint-timeout | --sigterm-timeout | --timeout) takes_value=1 ;;
+    -*) ;;
+    *)
+      name="${argument%%:=*}"
+      [ "$name" != "$argument" ] && grep -qxF -- "$name" <<<"$known" && continue
+      # shellcheck disable=SC2086
+      printf "run.sh: unknown argument '%s'; there are: %s\n" "$argument" "$(printf '%s:= ' $known)" >&2
+      exit 2
+      ;;
+  esac
+done
+
 "$root/launch_scripts/setup.sh" || exit 1
 # shellcheck disable=SC1091
 . "$root/env.sh" || exit 1

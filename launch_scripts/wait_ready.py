@@ -11,6 +11,7 @@ import time
 import urllib.error
 import urllib.parse
 import urllib.request
+from http.client import HTTPException
 from typing import Callable, Optional, Tuple
 from xmlrpc.client import Error as XmlRpcError
 
@@ -20,6 +21,9 @@ from controller_manager_msgs.srv import ListControllers
 
 _NODE_START = 20.0
 """Time (s) in which a node must have registered."""
+
+_NO_PAGE = (401, 403, 426, 503)
+"""Statuses of the bridge's answers to a request that is no WebSocket's."""
 
 KEYS = """
   Console   {url}
@@ -119,6 +123,21 @@ def fetch(namespace: str, path: str, begins: bytes) -> Optional[str]:
         return None
 
 
+def bridge_answers(namespace: str) -> Optional[str]:
+    """Address of the bridge, if one answers there; it is read anew each time, as in `fetch`."""
+    try:
+        url = rospy.get_param(f"{namespace}/rosbridge/url", None)
+        if url is None:
+            return None
+        urllib.request.urlopen(str(url).replace("ws", "http", 1), timeout=5.0).close()
+    except urllib.error.HTTPError as answer:
+        # Whoever asks for a page hears that this is no web server, or that a token is needed.
+        return str(url) if answer.code in _NO_PAGE else None
+    except (OSError, HTTPException):
+        return None
+    return None
+
+
 def main() -> None:
     """Wait, then print."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -143,6 +162,8 @@ def main() -> None:
     if not options.no_console:
         waiter.need(f"{namespace}/video_server", "is its port in use? try video_port:=8081")
         url = str(waiter.wait("console", lambda: fetch(namespace, "/", b"<!doctype html>")))
+        waiter.need(f"{namespace}/rosbridge", "is its port in use? try bridge_port:=9091")
+        waiter.wait("bridge", lambda: bridge_answers(namespace))
         if not options.no_picture:
             waiter.need(f"{namespace}/cameras", "its last message says why")
             picture = f"/snapshot?topic={namespace}/cameras/front/image_raw"

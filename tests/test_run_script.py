@@ -8,9 +8,11 @@ import re
 import select
 import signal
 import socket
+import subprocess
 import time
 import urllib.request
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
@@ -121,19 +123,24 @@ def test_ctrl_c_while_it_starts_leaves_nothing_either(private, delay):
 
 
 @pytest.mark.ros
-def test_a_port_in_use_is_said_and_ends_the_start(private):
+@pytest.mark.parametrize(
+    ("taken_by", "advice"),
+    [("video_port", "try video_port:=8081"), ("bridge_port", "try bridge_port:=9091")],
+)
+def test_a_port_in_use_is_said_and_ends_the_start(private, taken_by, advice):
     marker, environment = private
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         port = taken.getsockname()[1]
-        terminal = Terminal(
-            ["./launch_scripts/run.sh", f"video_port:={port}", "bridge_port:=0"], environment
-        )
+        ports = {"video_port": 0, "bridge_port": 0, taken_by: port}
+        arguments = [f"{name}:={value}" for name, value in ports.items()]
+        terminal = Terminal(["./launch_scripts/run.sh", *arguments], environment)
         assert not terminal.read_until(None, 60.0)
     _, status = os.waitpid(terminal.pid, 0)
     assert os.WEXITSTATUS(status) == 1
-    assert "try video_port:=8081" in terminal.text
+    assert advice in terminal.text
+    assert "Console " not in terminal.text
     assert str(port) in terminal.text
     assert processes_of(marker.encode()) == []
 
@@ -150,3 +157,56 @@ def test_a_start_that_fails_says_why_and_leaves_nothing(private):
     assert os.WEXITSTATUS(status) == 1
     assert "pose is 'handstand'; there are: drive" in terminal.text
     assert processes_of(marker.encode()) == []
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["wrold:=stairs"],
+        ["world:=stairs", "stairs"],
+        ["--screen", "--port", "11399", "gui"],
+        ["worl[d]:=stairs"],
+        [":=stairs"],
+        ["restarter:=none"],
+        [""],
+    ],
+)
+def test_an_argument_that_nobody_asks_for_is_refused_at_once(arguments):
+    done = subprocess.run(
+        ["./launch_scripts/run.sh", *arguments],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=30.0,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert f"unknown argument '{arguments[-1]}'; there are: ns:= gui:= " in done.stderr
+    assert " world:= " in done.stderr
+    assert " options:= " in done.stderr
+    assert done.stdout == ""
+
+
+def test_every_argument_of_the_launch_file_is_known(tmp_path):
+    """With a set-up that fails, run.sh ends right after it has looked at its arguments."""
+    launch = ROOT / "src" / "telex_teleop" / "launch" / "bringup.launch"
+    for path in (launch, ROOT / "launch_scripts" / "run.sh"):
+        copy = tmp_path / path.relative_to(ROOT)
+        copy.parent.mkdir(parents=True)
+        copy.write_bytes(path.read_bytes())
+    set_up = tmp_path / "launch_scripts" / "setup.sh"
+    set_up.write_text("#!/bin/sh\necho begins\nexit 1\n")
+    set_up.chmod(0o755)
+    names = [each.get("name") for each in ElementTree.parse(launch).getroot().findall("arg")]
+    done = subprocess.run(
+        [
+            *("bash", str(tmp_path / "launch_scripts" / "run.sh"), "--screen", "-p", "11399"),
+            *(f"{name}:=" for name in names),
+        ],
+        capture_output=True,
+        text=True,
+        timeout=30.0,
+        check=False,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (1, "begins\n", "")
+    assert len(names) > 20

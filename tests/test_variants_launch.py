@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import re
+import signal
 import subprocess
 import time
 
@@ -22,6 +25,19 @@ def ask(environment, *command):
         command, env=environment, capture_output=True, text=True, timeout=20.0, check=False
     )
     return done.stdout if done.returncode == 0 else ""
+
+
+def pid_of(environment, node):
+    """Process id of a node that answers, else None."""
+    said = re.search(r"^Pid: (\d+)$", ask(environment, "rosnode", "info", node), re.MULTILINE)
+    return int(said.group(1)) if said else None
+
+
+def becomes(condition, what):
+    end = time.monotonic() + START
+    while not condition():
+        assert time.monotonic() < end, what
+        time.sleep(0.2)
 
 
 def running(environment):
@@ -67,3 +83,52 @@ def test_a_variant_comes_up_with_what_it_has(variant, lacking, gripper, tmp_path
     assert ("none of the joints of this node" in status) is not gripper
     assert "Traceback" not in said
     assert "ERROR" not in said
+
+
+@pytest.mark.ros
+def test_groups_are_switched_without_a_gripper_and_a_killed_spawner_comes_back(tmp_path):
+    output = tmp_path / "output.txt"
+    with PrivateMaster() as master, open(output, "w") as file:
+        # For restart_after_crash: what has just started may crash here, too.
+        environment = {**master.environment(), "RESTART_LEAST_RUN": "1"}
+        launch = subprocess.Popen(
+            [
+                *("roslaunch", "--screen", "telex_teleop", "bringup.launch"),
+                *("options:=tool=none", "cameras:=false", "console:=false"),
+                "global_description:=false",
+            ],
+            env=environment,
+            stdin=subprocess.DEVNULL,
+            stdout=file,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
+        expected = CONTROLLERS - len(FINGERS)
+        spawner, simulator = "/telex/controller_spawner", "/telex/simulator"
+        try:
+            becomes(lambda: len(running(environment)) == expected, "no controllers")
+            manual = running(environment)
+            assert ask(environment, "rosparam", "get", "/robot_description") == ""
+            group = ["rosrun", "telex_control", "controller_group", "switch"]
+            namespace = "__ns:=/telex"
+            said = ask(environment, *group, "actions", namespace)
+            assert "Left out: 'gripper_controller'" in said
+            assert "arm_trajectory_controller" in running(environment)
+            assert "turret_position_controller" not in running(environment)
+            assert "Started" in ask(environment, *group, "manual", namespace)
+            assert running(environment) == manual
+
+            was = pid_of(environment, spawner)
+            os.kill(was, signal.SIGKILL)
+            becomes(lambda: pid_of(environment, spawner) not in (None, was), "no spawner")
+            becomes(lambda: "Loaded already" in output.read_text(), "not taken over")
+            assert running(environment) == manual
+            was = pid_of(environment, simulator)
+            os.kill(was, signal.SIGKILL)
+            becomes(lambda: pid_of(environment, simulator) not in (None, was), "no simulator")
+            becomes(lambda: running(environment) == manual, "the controllers did not come back")
+        finally:
+            end_tree(launch)
+    said = output.read_text(encoding="utf-8", errors="replace")
+    assert "Traceback" not in said
+    assert "Failed to" not in said

@@ -11,6 +11,7 @@ setup(
             "telex_sim.rendering",
             "telex_sim.scene",
             "telex_sim.scene.library",
+            "telex_sim.tracks",
         ],
         package_dir={"": "src"},
     )

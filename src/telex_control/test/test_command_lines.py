@@ -131,6 +131,38 @@ def test_a_group_that_cannot_be_loaded_changes_nothing(capsys):
     assert capsys.readouterr().out == "Error when loading 'x'\nCancel group switching\n"
 
 
+def test_what_a_variant_lacks_is_left_out_of_its_groups(capsys):
+    client = FakeManager(a="running", c="running")
+    groups = {"one": ["a", "x"], "two": ["b", "y"], "three": ["x"]}
+    controller_group.switch_group(client, groups, "two", gone=["y"])
+    controller_group.switch_group(client, groups, "one", gone=["x"])
+    assert client.calls == ["load b", f"switch +b -a {STRICT}", f"switch +a -b {STRICT}"]
+    assert "Left out: 'y', for this robot has none of its joints\n" in capsys.readouterr().out
+    controller_group.switch_group(client, groups, "three", gone=["x"])
+    assert client.states == {"a": "running", "b": "stopped", "c": "running"}
+    assert capsys.readouterr().out.endswith("Cancel group switching\n")
+
+
+def test_a_controller_is_absent_when_the_robot_has_none_of_its_joints(monkeypatch):
+    description = (
+        '<robot name="r"><joint name="elbow" type="continuous"/><transmission name="t">'
+        '<type>transmission_interface/SimpleTransmission</type><joint name="elbow">'
+        "<hardwareInterface>hardware_interface/EffortJointInterface</hardwareInterface></joint>"
+        '<actuator name="m"><mechanicalReduction>1</mechanicalReduction></actuator>'
+        "</transmission></robot>"
+    )
+    params = {
+        "robot_description": description,
+        "arm": {"joints": ["elbow", "slide"]},
+        "gripper": {"left_joints": ["finger"], "right_joints": ["thumb"]},
+        "states": {"type": "x/X"},
+    }
+    monkeypatch.setattr(controller_group.rospy, "get_param", params.get)
+    assert controller_group.absent(["arm", "gripper", "states", "ghost"]) == ["gripper"]
+    del params["robot_description"]
+    assert controller_group.absent(["gripper"]) == []
+
+
 def test_groups_are_listed_in_alphabetical_order(capsys):
     controller_group.list_groups({"z": ["b"], "a": []})
     assert capsys.readouterr().out == "Number of groups: 2\n  a\n  z\n      b\n"
@@ -231,6 +263,28 @@ def test_the_spawner_unloads_also_what_others_have_stopped(spawned):
     client.states["b"] = "stopped"
     tested.stop()
     assert client.states == {}
+
+
+def test_a_spawner_that_comes_anew_takes_over_what_the_former_one_has_left(spawned):
+    # Killed before it had loaded c and started b; a has been stopped by somebody since.
+    client = FakeManager(a="stopped", b="initialized")
+    tested = spawned(client)
+    settled = tested.adopt(["a", "b", "c"])
+    assert settled == ["a"]
+    assert tested.load(["a", "b", "c"]) == ["a", "b", "c"]
+    tested.start(settled)
+    assert client.calls == ["load c", f"switch +bc - {STRICT}"]
+    tested.stop()
+    assert client.states == {}
+
+
+def test_a_spawner_that_comes_anew_disturbs_nothing_that_runs(spawned):
+    client = FakeManager(a="running", b="running")
+    tested = spawned(client)
+    settled = tested.adopt(["a", "b"])
+    tested.load(["a", "b"])
+    tested.start(settled)
+    assert client.calls == []
 
 
 def test_the_spawner_does_not_wait_for_a_manager_that_is_gone(spawned, monkeypatch):

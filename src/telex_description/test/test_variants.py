@@ -148,6 +148,29 @@ def test_a_file_makes_a_variant_and_arguments_override_it(tmp_path: Path) -> Non
     assert "rear_camera_link" not in robot.link_map
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["stroke=0.2", "tool=probe", "cameras=[front,mast]"],
+        ["stroke=0.2,tool=probe,cameras=[front,mast]"],
+        ["stroke=0.2,", "tool:=probe", ",", "cameras=front mast"],
+        ["stroke=0.2 tool=probe, cameras:=front mast"],
+    ],
+)
+def test_arguments_for_a_roslaunch_command_line_say_the_same(words: List[str]) -> None:
+    same = described(
+        "six_axis", "telescope:=true", "stroke:=0.2", "tool:=probe", "cameras:=[front, mast]"
+    )
+    assert described("six_axis", "telescope=true", *words) == same
+
+
+def test_a_path_may_hold_an_equals_sign(tmp_path: Path) -> None:
+    folder = tmp_path / "a=b"
+    folder.mkdir()
+    (folder / "mine.yaml").write_text("tool: probe\n")
+    assert described(str(folder / "mine.yaml")) == described("tool=probe")
+
+
 def test_a_file_names_its_figures_from_where_it_stands(tmp_path: Path) -> None:
     (tmp_path / "mine.yaml").write_text("robot: figures.xacro\n")
     (tmp_path / "figures.xacro").write_text((PACKAGE / "config" / "robot.xacro").read_text())
@@ -212,6 +235,8 @@ def test_bad_file_is_refused_with_file_key_and_value(
         (["/no/such.yaml"], "/no/such.yaml: cannot be read"),
         (["stroke:=1"], "argument: stroke is 1; a number from 0.01 to 0.3 (m) is needed"),
         (["colour:=blue"], "argument: unknown key 'colour'"),
+        (["tool=probe,colour=blue"], "argument: unknown key 'colour'"),
+        (["stroke=1"], "argument: stroke is 1; a number from 0.01 to 0.3 (m) is needed"),
         (["six_axis", "inspection"], "one variant at a time, not six_axis and inspection"),
     ],
 )

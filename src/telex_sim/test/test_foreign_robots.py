@@ -413,6 +413,16 @@ def test_relative_meshes_are_found_from_the_robots_file(tmp_path):
         robot_model(tmp_path / "none.urdf")
 
 
+def test_options_may_do_without_the_colon_that_roslaunch_would_read(tmp_path):
+    path = tmp_path / "r.xacro"
+    path.write_text(
+        '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+        '<xacro:arg name="arm" default="short"/><link name="$(arg arm)"/></robot>'
+    )
+    for option in ("arm=long", "arm:=long"):
+        assert parse_urdf(robot_model(path, [option])).find("link").get("name") == "long"
+
+
 def test_a_root_link_named_world_is_the_world(alone, kuka):
     urdf, params = kuka
     urdf = urdf.replace(

@@ -5,6 +5,7 @@ import pytest
 from telex_control.local_node_handle import LocalNodeHandle
 from telex_control.params import ConfigError
 from telex_control.urdf_joints import UrdfError, parse_urdf
+from telex_sim import simulator_node
 from telex_sim.config import HardwareConfig, JointHardware
 from telex_sim.offline import shipped_config
 from telex_sim.robot_hw_sim import RobotHWSim
@@ -46,6 +47,13 @@ def test_mistakes_are_named(change, named):
     with pytest.raises(ConfigError) as caught:
         shipped_config(**change)
     assert named in str(caught.value)
+
+
+def test_the_node_names_its_parameters_as_they_are_called(monkeypatch):
+    monkeypatch.setattr(simulator_node.rospy, "get_name", lambda: "/telex/simulator")
+    monkeypatch.setattr(simulator_node.rospy, "get_param", lambda *_: {"world": ""})
+    with pytest.raises(ConfigError, match="^parameter /telex/simulator: world is ''"):
+        simulator_node._simulator_config()
 
 
 def robot(interface="hardware_interface/EffortJointInterface", limit='velocity="1" effort="1"'):

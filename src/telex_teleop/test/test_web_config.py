@@ -9,6 +9,7 @@ import pytest
 import yaml
 
 from telex_control.params import ConfigError
+from telex_teleop.web import serving
 from telex_teleop.web.config import RosbridgeConfig, VideoServerConfig, read_server_config
 from telex_teleop.web.serving import BindError, bind, url_of
 from telex_teleop.web.tokens import is_loopback
@@ -123,3 +124,28 @@ def test_a_port_in_use_is_named_with_its_remedy():
 def test_an_address_of_another_machine_is_refused(address):
     with pytest.raises(BindError, match="/v/address: "):
         bind(address, 0, "/v")
+
+
+@pytest.mark.parametrize("interrupted", ["get_param", "logfatal", "signal_shutdown"])
+def test_an_interrupt_while_a_port_is_taken_is_no_traceback(monkeypatch, interrupted):
+    with bind("127.0.0.1", 0, "/v") as taken:
+        values = {"port": taken.getsockname()[1]}
+        fakes = {
+            "init_node": lambda *_args, **_kwargs: None,
+            "get_name": lambda: "/v",
+            "get_param": lambda name, default: values if name == "~" else default,
+            "logfatal": lambda *_: None,
+            "signal_shutdown": lambda _: None,
+        }
+        meant = fakes[interrupted]
+        left = [KeyboardInterrupt()]
+
+        def interrupt(*arguments):
+            if left:
+                raise left.pop()
+            return meant(*arguments)
+
+        fakes[interrupted] = interrupt
+        for name, fake in fakes.items():
+            monkeypatch.setattr(serving.rospy, name, fake)
+        assert serving.run_node("v", "http", VideoServerConfig, lambda _: None) == 130

@@ -6,6 +6,7 @@ who get a robot_description do not know that file, so they are printed in full.
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -15,7 +16,7 @@ from xml.etree import ElementTree
 
 from telex_control.urdf_joints import UrdfError, parse_urdf
 
-_USAGE = "usage: robot_model FILE.urdf|FILE.xacro [xacro arguments, e.g. arm:=long]"
+_USAGE = "usage: robot_model FILE.urdf|FILE.xacro [xacro arguments, e.g. arm:=long or arm=long]"
 
 
 def robot_model(path: Path, options: Sequence[str] = ()) -> str:
@@ -25,7 +26,8 @@ def robot_model(path: Path, options: Sequence[str] = ()) -> str:
     ----------
     path : Path
     options : sequence of str
-        Arguments for xacro.
+        Arguments for xacro; NAME=VALUE is taken as well, since a roslaunch command line has no room
+        for another ``:=`` in ``options:=``.
 
     Raises
     ------
@@ -49,7 +51,7 @@ def _text(path: Path, options: Sequence[str]) -> str:
     if path.suffix == ".urdf" and not options:
         return text
     done = subprocess.run(
-        ["xacro", str(path), *options],
+        ["xacro", str(path), *(re.sub(r"^(\w+)=", r"\1:=", each) for each in options)],
         capture_output=True,
         text=True,
         check=False,

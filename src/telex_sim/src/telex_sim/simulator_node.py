@@ -497,7 +497,7 @@ def _simulator_config() -> SimulatorConfig:
     params = dict(rospy.get_param("~", {}))
     for own in ("paused", "global_description"):
         params.pop(own, None)
-    return read_config(SimulatorConfig, params, rospy.resolve_name("~"))
+    return read_config(SimulatorConfig, params, rospy.get_name())
 
 
 def main() -> None:

@@ -1,18 +1,22 @@
 """Starts groups of controllers, and switches between them.
 
 Groups stand in the parameter ``controller_groups`` of this node's namespace, as names to lists of
-controllers. Output and exit status are upstream's, except that an unknown group has status 1.
+controllers. Output and exit status are upstream's, except that an unknown group has status 1, and
+that controllers for joints which a variant of the robot lacks are left out.
 """
 
 from __future__ import annotations
 
 import argparse
-from typing import Any, Dict, List
+from typing import Any, Collection, Dict, List
 
 import rospy
 
+from ..controller_joints import controller_joints
 from ..controller_manager_client import ControllerManagerClient
 from ..params import ConfigError
+from ..transmission_parser import driven_joints
+from ..urdf_joints import UrdfError, parse_urdf
 from . import program
 from .controller_manager import load, switch
 
@@ -42,6 +46,31 @@ def groups_of(value: Any, name: str) -> Dict[str, List[str]]:
     return value
 
 
+def absent(names: List[str]) -> List[str]:
+    """Those controllers of which the robot has no joint, by their parameters and its description.
+
+    Raises
+    ------
+    UrdfError
+        There is a description, but it cannot be read.
+    """
+    description = rospy.get_param("robot_description", None)
+    if description is None:
+        return []
+    driven = {each.joint for each in driven_joints(parse_urdf(str(description)))}
+    joints = {name: controller_joints(rospy.get_param(name, {})) for name in names}
+    return [name for name in names if joints[name] and driven.isdisjoint(joints[name])]
+
+
+def present(names: List[str], gone: Collection[str]) -> List[str]:
+    """Return `names`, each once, without those that are `gone`, and say which."""
+    unique = list(dict.fromkeys(names))
+    for name in unique:
+        if name in gone:
+            print(f"Left out: '{name}', for this robot has none of its joints")
+    return [name for name in unique if name not in gone]
+
+
 def list_groups(groups: Dict[str, List[str]]) -> None:
     """Print all groups, sorted, and their controllers."""
     print(f"Number of groups: {len(groups)}")
@@ -59,9 +88,20 @@ def spawn_group(client: ControllerManagerClient, names: List[str]) -> None:
         switch(client, start=[name])
 
 
-def switch_group(client: ControllerManagerClient, groups: Dict[str, List[str]], group: str) -> None:
-    """Stop what only other groups have and start what this group has, in one switch."""
-    wanted = list(dict.fromkeys(groups[group]))
+def switch_group(
+    client: ControllerManagerClient,
+    groups: Dict[str, List[str]],
+    group: str,
+    gone: Collection[str] = (),
+) -> None:
+    """Stop what only other groups have and start what this group has, in one switch.
+
+    Controllers that are `gone` are left out; a group of such alone is not switched to.
+    """
+    wanted = present(groups[group], gone)
+    if not wanted:
+        print("Cancel group switching")
+        return
     others = {name for names in groups.values() for name in names} - set(wanted)
     states = {each.name: each.state for each in client.list_controllers()}
     for name in wanted:
@@ -97,7 +137,8 @@ def main() -> None:
         name = rospy.resolve_name("controller_groups")
         try:
             groups = groups_of(rospy.get_param(name, {}), name)
-        except ConfigError as error:
+            gone = absent(groups.get(options.group, []) if options.command != "list" else [])
+        except (ConfigError, UrdfError) as error:
             rospy.logerr("%s", error)
             return 1
         if options.command == "list":
@@ -106,9 +147,9 @@ def main() -> None:
             rospy.logerr("There is no controller defined in group %s", options.group)
             return 1
         elif options.command == "spawn":
-            spawn_group(ControllerManagerClient(), list(dict.fromkeys(groups[options.group])))
+            spawn_group(ControllerManagerClient(), present(groups[options.group], gone))
         else:
-            switch_group(ControllerManagerClient(), groups, options.group)
+            switch_group(ControllerManagerClient(), groups, options.group, gone)
         return 0
 
     program.run("controller_group", work)

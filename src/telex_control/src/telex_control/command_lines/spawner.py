@@ -66,7 +66,8 @@ def parse(arguments: List[str]) -> argparse.Namespace:
     parser.add_argument(
         "--watch",
         action="store_true",
-        help="load and start them again whenever the manager has been started again",
+        help="load and start them again whenever the manager has been started again, and take over "
+        "what is loaded already",
     )
     parser.add_argument("--stopped", action="store_true", help="load only, do not start")
     parser.add_argument(
@@ -269,9 +270,25 @@ class Spawner:
             self._client.unload(name)
         self._loaded = []
 
+    def adopt(self, names: Collection[str]) -> List[str]:
+        """Take over what a spawner has left that was killed.
+
+        Returns
+        -------
+        list of str
+            Those that have been started before; who stopped some of them meant to.
+        """
+        states = {each.name: each.state for each in self._client.list_controllers()}
+        self._loaded = [name for name in names if name in states]
+        if self._loaded:
+            rospy.loginfo("Controller Spawner: Loaded already: %s", ", ".join(self._loaded))
+        return [name for name in self._loaded if states[name] != "initialized"]
+
     def load(self, names: List[str]) -> List[str]:
         """Load controllers; those that cannot be loaded are reported and left out."""
         for name in names:
+            if name in self._loaded:
+                continue
             rospy.loginfo("Loading controller: %s", name)
             with self._asking:
                 if self._ending:
@@ -287,6 +304,8 @@ class Spawner:
     def start(self, but: Collection[str] = ()) -> None:
         """Start everything that was loaded, in one switch; what is in `but` stays stopped."""
         started = [name for name in self._loaded if name not in but]
+        if not started:
+            return
         names = ", ".join(started)
         with self._asking:
             if self._ending:
@@ -379,10 +398,11 @@ def main() -> None:
             rospy.logerr("%s", error)
             return 1
         address = spawner.manager_address()
+        settled = spawner.adopt(names) if options.watch else []
         if not spawner.load(names):
             return 1
         if not options.stopped:
-            spawner.start(options.optional_stopped)
+            spawner.start([*options.optional_stopped, *settled])
         if not options.watch:
             rospy.spin()
             return 0

@@ -197,10 +197,18 @@ def run_node(
         Makes the application from the configuration, on the loop's thread.
     """
     try:
+        return _run_node(name, scheme, config_class, make_app)
+    except KeyboardInterrupt:  # before the loop handles it: there are no clients yet
+        rospy.signal_shutdown("interrupted")
+        return 130
+
+
+def _run_node(
+    name: str, scheme: str, config_class: Type[Config], make_app: Callable[[Any], web.Application]
+) -> int:
+    try:
         # The loop handles the signals: it has clients to take leave of first.
         rospy.init_node(name, disable_signals=True)
-    except KeyboardInterrupt:
-        return 130
     except rospy.ROSException as error:
         print(f"{name}: {error}", file=sys.stderr)
         return 1
