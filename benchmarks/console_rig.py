@@ -166,6 +166,11 @@ class Rig:
         return f"{self.master.getParam('/telex/rosbridge/url')}/{self._query}"
 
     @property
+    def video_socket_url(self) -> str:
+        """Address of the WebSocket that sends pictures."""
+        return f"ws://127.0.0.1:{self.video_port}/video{self._query}"
+
+    @property
     def bridge_pid(self) -> int:
         """Process of the bridge."""
         return self.simulator.processes()["rosbridge"]

@@ -16,7 +16,7 @@ from typing import Any, Dict, Iterator, List, NamedTuple
 import rospy
 from chromium import Chromium
 from console_keys import Presses, listen_to_keys
-from console_rig import MeasurementError, Rig
+from console_rig import PATIENCE, MeasurementError, Rig
 from report import Figure
 from std_msgs.msg import Float64
 
@@ -54,9 +54,9 @@ class Watching:
 
     def __init__(self, rig: Rig) -> None:
         program = str(Path(__file__).with_name("console_watchers.py"))
-        video = f"ws://127.0.0.1:{rig.video_port}/video"
+        urls = (rig.bridge_url, rig.video_socket_url)
         self._process = subprocess.Popen(
-            [*DIES_WITH_US, sys.executable, program, rig.bridge_url, video, str(WATCHERS)],
+            [*DIES_WITH_US, sys.executable, program, *urls, str(WATCHERS)],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
@@ -142,6 +142,9 @@ def samples(rig: Rig, browser: Chromium, watching: Watching, seconds: float) -> 
             if now - told > 30.0:
                 told = now
                 print(f"  {now - begun:.0f} of {seconds:.0f} s", flush=True)
+        elif time.monotonic() - told > PATIENCE:
+            lacking = ", ".join(name for name, values in collected.items() if not values)
+            raise MeasurementError(f"the watchers and the operator told nothing of: {lacking}")
 
 
 def soak(rig: Rig, seconds: float) -> List[Figure]:
