@@ -8,8 +8,9 @@ import pytest
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.actions.wheel_input import ScrollOrigin
 from selenium.webdriver.common.keys import Keys
-from test_web_browser import ESTOP, OTHER, THUMBNAILS, Page, robot, ros
+from test_web_browser import OTHER, Page, robot, ros
 from web_harness import wait_until
+from web_robot import ESTOP, THUMBNAILS
 
 # the fixtures of the console's tests, started anew for this file
 __all__ = ["robot", "ros"]

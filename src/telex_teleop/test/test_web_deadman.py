@@ -12,8 +12,9 @@ import signal
 import time
 
 import pytest
-from test_web_browser import ARM_JOINTS, DRIVE, POSITIONS, page, robot, ros
+from test_web_browser import page, robot, ros
 from web_harness import wait_until
+from web_robot import ARM_JOINTS, DRIVE, POSITIONS
 
 from telex_control.private_master import descendants
 
