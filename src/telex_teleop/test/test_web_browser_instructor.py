@@ -126,6 +126,20 @@ def test_dragging_and_the_wheel_send_the_camera_about(simulator, page):
     assert moved["center"]["y"] == pytest.approx(-way * math.cos(0.4))
 
 
+def test_the_camera_can_be_sent_about_while_no_picture_comes(simulator, page):
+    heard = simulator.probe.heard[VIEW]
+    simulator.robot.publish_camera("overview")
+    wait_until(lambda: page.element("#no-picture").is_displayed())
+    before = heard[-1][1]
+    actions = ActionChains(page.driver)
+    actions.click_and_hold(page.element("#picture")).move_by_offset(50, 0).release().perform()
+    wait_until(lambda: heard[-1][1]["azimuth"] == pytest.approx(before["azimuth"] - 0.3))
+    simulator.robot.publish_camera("overview", rate=1)
+    actions = ActionChains(page.driver)
+    actions.click_and_hold(page.element("#picture")).move_by_offset(-50, 0).release().perform()
+    wait_until(lambda: heard[-1][1]["azimuth"] == pytest.approx(before["azimuth"]))
+
+
 def test_another_mode_keeps_the_place_of_the_camera(simulator, page):
     heard = simulator.probe.heard[VIEW]
     half = math.sqrt(0.5)
