@@ -76,8 +76,10 @@ class _Contact(NamedTuple):
         In the world (m); the normal points towards the robot.
     body, body_link : int
         What it touches (PyBullet's numbers).
-    force : array
-        On the robot (N), shape (3,).
+    told : tuple
+        What PyBullet tells of it.
+    sign : float
+        Of what that tells of forces: 1 where the robot is the body that they act on.
     """
 
     link: int
@@ -85,7 +87,8 @@ class _Contact(NamedTuple):
     normal: Vector
     body: int
     body_link: int
-    force: np.ndarray
+    told: Tuple
+    sign: float
 
 
 class StabilityMonitor:
@@ -293,7 +296,7 @@ class StabilityMonitor:
         # PyBullet turns the normal of a contact that is asked for by its second body, and forgets
         # to turn the friction: of all contacts of the world alone, the direction is known.
         pushes = [
-            (np.array(contact.point), contact.force)
+            (np.array(contact.point), contact.sign * _force(contact.told))
             for contact in (self._touching(None) if pushed else ())
             if not self._supports(contact)
         ]
@@ -309,10 +312,10 @@ class StabilityMonitor:
             x, y, z = contact[7]
             if contact[1] == uid:
                 place, other = (contact[3], contact[5], (x, y, z)), (contact[2], contact[4])
-                yield _Contact(*place, *other, _force(contact))
+                yield _Contact(*place, *other, contact, 1.0)
             else:
                 place, other = (contact[4], contact[6], (-x, -y, -z)), (contact[1], contact[3])
-                yield _Contact(*place, *other, -_force(contact))
+                yield _Contact(*place, *other, contact, -1.0)
 
     def _supports(self, contact: _Contact) -> bool:
         """Whether a contact holds the robot up or stops its fall, and does not push it about."""
