@@ -21,16 +21,15 @@ from web_robot import (
     CONTACT,
     DRIVE,
     ESTOP,
-    FINGER,
     FLIPPERS,
     GRIPPER,
     NODES,
     PRESET_NAMES,
     PRESETS,
     THUMBNAILS,
-    URDF,
     Robot,
     camera_picture,
+    describe,
 )
 
 from telex_teleop import headless_chromium
@@ -162,8 +161,7 @@ def robot(ros):
 
 @pytest.fixture(scope="module")
 def page(ros, robot, tmp_path_factory):
-    ros.master.setParam("/telex/robot_description", URDF)
-    ros.master.setParam("/telex/gripper_controller/geometry", FINGER)
+    describe(ros)
     ros.master.setParam("/telex/cameras/cameras/turret/zoom_max", 2.0)
     _, url = ros.serve("video_server")
     ros.bridge, _ = ros.serve("rosbridge")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from firefox import Firefox, firefox
 from web_harness import Ros, wait_until
-from web_robot import ARM, DRIVE, ESTOP, FINGER, THUMBNAILS, URDF, Robot
+from web_robot import ARM, DRIVE, ESTOP, THUMBNAILS, Robot, describe
 
 pytestmark = [pytest.mark.ros, pytest.mark.browser]
 
@@ -32,8 +32,7 @@ def robot(ros):
 
 @pytest.fixture(scope="module")
 def page(ros, robot, tmp_path_factory):
-    ros.master.setParam("/telex/robot_description", URDF)
-    ros.master.setParam("/telex/gripper_controller/geometry", FINGER)
+    describe(ros)
     _, url = ros.serve("video_server")
     ros.serve("rosbridge")
     page = Firefox(tmp_path_factory.mktemp("profile"))
@@ -50,10 +49,6 @@ def page(ros, robot, tmp_path_factory):
 
 def state(page, element):
     return page.evaluate(f"document.getElementById('{element}').dataset.state")
-
-
-def text(page, element):
-    return page.evaluate(f"document.getElementById('{element}').textContent")
 
 
 def test_six_views_are_live_and_the_page_fits_the_window(robot, page, tmp_path):

@@ -72,6 +72,12 @@ def camera_picture(width=640, height=480, number=0):
     return simplejpeg.encode_jpeg(cv2.resize(picture, (width, height)), quality=90)
 
 
+def describe(ros):
+    """Set the parameters by which the console knows the robot's shape."""
+    ros.master.setParam("/telex/robot_description", URDF)
+    ros.master.setParam("/telex/gripper_controller/geometry", FINGER)
+
+
 class Robot:
     """Plays the robot's side: publishes states, hears commands."""
 
