@@ -7,7 +7,6 @@ does not have.
 from __future__ import annotations
 
 import asyncio
-import base64
 import json
 import os
 import re
@@ -22,9 +21,12 @@ from telex_control.private_master import DIES_WITH_US
 
 _TIMEOUT = 60.0  # s, for a machine that has other things to do
 _LISTENING = re.compile(r"WebDriver BiDi listening on (ws://\S+)")
-# It asks no other host for anything, and nobody for a choice.
+# It asks no other host for anything, and nobody for a choice; and it waits for no disk, for what it
+# keeps is thrown away.
 _PREFERENCES = {
     "app.update.enabled": False,
+    "browser.cache.disk.enable": False,
+    "browser.sessionstore.resume_from_crash": False,
     "browser.shell.checkDefaultBrowser": False,
     "browser.startup.homepage_override.mstone": "ignore",
     "datareporting.policy.dataSubmissionEnabled": False,
@@ -32,6 +34,7 @@ _PREFERENCES = {
     "network.captive-portal-service.enabled": False,
     "network.connectivity-service.enabled": False,
     "services.settings.server": "data:,",
+    "toolkit.storage.synchronous": 0,
     "toolkit.telemetry.enabled": False,
 }
 
@@ -43,6 +46,9 @@ def firefox():
 
 class Firefox:
     """A browser with one page; `quit` ends it.
+
+    It takes no screenshots: of canvases that are being drawn on, browsingContext.captureScreenshot
+    can hold their page up for a minute (Firefox 153, on a machine whose disk is busy).
 
     Parameters
     ----------
@@ -168,8 +174,3 @@ class Firefox:
 
     def _perform(self, source):
         self.command("input.performActions", context=self._page, actions=[source])
-
-    def screenshot(self):
-        """Return the page as PNG."""
-        shot = self.command("browsingContext.captureScreenshot", context=self._page)
-        return base64.b64decode(shot["data"])
