@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
+import pybullet
 import pytest
 from std_msgs.msg import Float64
 
 from telex_control.controllers.parallel_gripper_controller import FingerGeometry
 from telex_control.params import ConfigError, read_config
+from telex_sim.gripper_contact import GripperContacts
 from telex_sim.gripper_contact_config import GripperContactConfig
 
 PADS = ["left_tip", "right_tip"]
@@ -44,6 +48,44 @@ def test_pads_that_rest_on_the_floor_hold_nothing(robot):
     assert [pad.objects for pad in felt.pads] == [("floor",), ("floor",)]
     assert all(pad.normal_force > 1.0 for pad in felt.pads)
     assert (felt.object, felt.force, felt.slipping) == ("", 0.0, False)
+
+
+@pytest.fixture
+def sled():
+    """A body of one link, "pad", that slides over two others: made before it and after it."""
+    client = pybullet.connect(pybullet.DIRECT)
+    pybullet.setGravity(0.0, 0.0, -9.81, physicsClientId=client)
+
+    def make(mass, half_extents, position):
+        shape = pybullet.createCollisionShape(
+            pybullet.GEOM_BOX, halfExtents=half_extents, physicsClientId=client
+        )
+        uid = pybullet.createMultiBody(mass, shape, -1, position, physicsClientId=client)
+        pybullet.changeDynamics(uid, -1, lateralFriction=1.0, physicsClientId=client)
+        return uid
+
+    make(0.0, (2.0, 0.5, 0.1), (0.0, -0.5, -0.1))
+    sled = make(2.0, (0.3, 0.3, 0.05), (0.0, 0.0, 0.05))
+    pybullet.changeDynamics(sled, -1, lateralFriction=0.4, physicsClientId=client)
+    make(0.0, (2.0, 0.5, 0.1), (0.0, 0.5, -0.1))
+    yield SimpleNamespace(client=client, uid=sled, links={"pad": -1, "none": 7})
+    pybullet.disconnect(client)
+
+
+def test_friction_adds_up_over_all_that_a_pad_rubs_on(sled):
+    config = GripperContactConfig(pads=("pad", "none"))
+    contacts = GripperContacts(sled, config)
+    client = sled.client
+    for _ in range(30):
+        pybullet.stepSimulation(client)
+    pybullet.resetBaseVelocity(sled.uid, (1.0, 0.0, 0.0), physicsClientId=client)
+    for _ in range(5):
+        pybullet.stepSimulation(client)
+    pad, _ = contacts.measure("plate {}".format).pads
+    assert pad.objects == ("plate 0", "plate 2")
+    assert pad.normal_force == pytest.approx(2.0 * 9.81, rel=0.02)
+    assert pad.friction_force == pytest.approx(0.4 * 2.0 * 9.81, rel=0.02)
+    assert pad.friction_use == pytest.approx(1.0, rel=0.02)
 
 
 def test_a_robot_without_pads_has_no_gripper():

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import abc
 import math
-from typing import Any, Callable, Dict, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Optional, Tuple
 
 import numpy as np
 from control_msgs.msg import JointJog
-from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
+from geometry_msgs.msg import PoseStamped, Twist
 from mobility.by_presets import PresetKeys
 from mobility.scripted_operator import NotManagedError, Operator, Pose
 from std_msgs.msg import String
@@ -219,14 +219,6 @@ class Station(Operator):
         at.x, at.y, at.z = target[:3, 3].tolist()
         turned.x, turned.y, turned.z, turned.w = quaternion_of(target).tolist()
         self._lead_arm("arm_teleop/pose_cmds", message)
-
-    def hold_tool_twist(self, twist: Sequence[float], frame: str = "base_link") -> None:
-        """Move the tool with a velocity (m/s, rad/s; 6 numbers) from now on."""
-        message = TwistStamped()
-        message.header.frame_id = frame
-        linear, angular = message.twist.linear, message.twist.angular
-        linear.x, linear.y, linear.z, angular.x, angular.y, angular.z = map(float, twist)
-        self._lead_arm("arm_teleop/delta_twist_cmds", message)
 
     def hold_named_pose(self, name: str) -> None:
         """Move the arm's joints to a named pose from now on."""

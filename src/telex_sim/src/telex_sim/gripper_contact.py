@@ -6,7 +6,7 @@ It is what tactile pads would tell that err in nothing. Nothing of it changes th
 from __future__ import annotations
 
 import math
-from typing import Callable, Dict, List, NamedTuple, Sequence, Tuple
+from typing import Any, Callable, Dict, List, NamedTuple, Sequence, Tuple
 
 import pybullet
 
@@ -142,9 +142,7 @@ class GripperContacts:
     ) -> PadContact:
         force = sum(touch.force for touch in touches.values())
         bound = sum(touch.bound for touch in touches.values())
-        friction = math.sqrt(
-            sum(sum(touch.friction[axis] for touch in touches.values()) ** 2 for axis in range(3))
-        )
+        friction = self._friction_on(self._body.links[name], touches)
         return PadContact(
             name,
             tuple(sorted({name_of(uid) for uid in touches})),
@@ -163,6 +161,25 @@ class GripperContacts:
         )
         return max(0.0, min((point[8] for point in points), default=_FURTHEST))
 
+    def _friction_on(self, link: int, touches: Dict[int, _Touch]) -> float:
+        """Friction on a pad, the magnitude of its sum (N)."""
+        if len(touches) == 1:
+            (touch,) = touches.values()
+            return math.hypot(*touch.friction)
+        # PyBullet turns the normal of a contact that is asked for by its second body, and forgets
+        # to turn the friction: of all contacts of the world alone, the direction is known.
+        own, client = self._body.uid, self._body.client
+        friction = [0.0, 0.0, 0.0]
+        for contact in pybullet.getContactPoints(physicsClientId=client) if touches else ():
+            _, first, second, first_link, second_link = contact[:5]
+            if contact[9] <= 0.0 or first == second:
+                continue
+            if (first, first_link) == (own, link):
+                friction = [a + b for a, b in zip(friction, _friction_of(contact))]
+            elif (second, second_link) == (own, link):
+                friction = [a - b for a, b in zip(friction, _friction_of(contact))]
+        return math.hypot(*friction)
+
     def _touches(self, link: int, motions: Dict[Tuple[int, int], _Motion]) -> Dict[int, _Touch]:
         """The contacts under load of a pad, by the other body; not those with the robot itself."""
         own, client = self._body.uid, self._body.client
@@ -172,18 +189,14 @@ class GripperContacts:
             force = contact[9]
             if force <= 0.0 or contact[1] == contact[2]:
                 continue
-            if contact[1] == own:
-                other, normal, sign = (contact[2], contact[4]), contact[7], 1.0
-            else:
-                other, normal, sign = (contact[1], contact[3]), contact[7], -1.0
+            # PyBullet puts the body first that it is asked for.
+            other, normal = (contact[2], contact[4]), contact[7]
             touch = found.setdefault(other[0], _Touch())
             touch.force += force
             touch.bound += force * self._friction(link, other)
             for axis in range(3):
-                touch.pressing[axis] += sign * force * normal[axis]
-                touch.friction[axis] += sign * (
-                    contact[10] * contact[11][axis] + contact[12] * contact[13][axis]
-                )
+                touch.pressing[axis] += force * normal[axis]
+                touch.friction[axis] += _friction_of(contact)[axis]
             touch.slipped += force * _slip(
                 self._motion((own, link), motions), self._motion(other, motions), contact[5], normal
             )
@@ -207,6 +220,11 @@ def _motion_of(uid: int, link: int, client: int) -> _Motion:
         return (position, *pybullet.getBaseVelocity(uid, physicsClientId=client))
     state = pybullet.getLinkState(uid, link, computeLinkVelocity=1, physicsClientId=client)
     return state[0], state[6], state[7]
+
+
+def _friction_of(contact: Sequence[Any]) -> List[float]:
+    """Friction of a contact that PyBullet tells of (N)."""
+    return [contact[10] * a + contact[12] * b for a, b in zip(contact[11], contact[13])]
 
 
 def _slip(first: _Motion, second: _Motion, point: Vector, normal: Vector) -> float:
