@@ -72,7 +72,8 @@ THINGS: Dict[str, Thing] = {
     "block 10 kg": Thing("cube", 10.0, 0.10, 0.06, parameters={"edge": 0.10}),
     "briefcase": Thing("briefcase", 5.0, 0.025, 0.3925),
     "cylinder": Thing("cylinder", 1.0, 0.06, 0.09),
-    "bottle": Thing("bottle", 0.8, 0.08, 0.10, friction=0.8),
+    # Its top has to stay clear of the palm of a hand from above, 11 cm behind the tool.
+    "bottle": Thing("bottle", 0.8, 0.08, 0.095, friction=0.8, parameters={"height": 0.2}),
     "pipe": Thing("pipe", 0.7, 0.05, 0.025, parameters={"length": 0.24}),
     "sphere": Thing("sphere", 0.5, 0.08, 0.04),
     "wedge": Thing("wedge", 0.4, 0.06, 0.025, aside=0.02),
