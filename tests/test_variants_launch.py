@@ -33,10 +33,11 @@ def pid_of(environment, node):
     return int(said.group(1)) if said else None
 
 
-def becomes(condition, what):
+def becomes(condition, what, output):
+    """Wait for a condition; where it does not come, tell what roslaunch said meanwhile."""
     end = time.monotonic() + START
     while not condition():
-        assert time.monotonic() < end, what
+        assert time.monotonic() < end, f"{what}:\n{output.read_text(errors='replace')}"
         time.sleep(0.2)
 
 
@@ -106,7 +107,7 @@ def test_groups_are_switched_without_a_gripper_and_a_killed_spawner_comes_back(t
         expected = CONTROLLERS - len(FINGERS)
         spawner, simulator = "/telex/controller_spawner", "/telex/simulator"
         try:
-            becomes(lambda: len(running(environment)) == expected, "no controllers")
+            becomes(lambda: len(running(environment)) == expected, "no controllers", output)
             manual = running(environment)
             assert ask(environment, "rosparam", "get", "/robot_description") == ""
             group = ["rosrun", "telex_control", "controller_group", "switch"]
@@ -120,13 +121,17 @@ def test_groups_are_switched_without_a_gripper_and_a_killed_spawner_comes_back(t
 
             was = pid_of(environment, spawner)
             os.kill(was, signal.SIGKILL)
-            becomes(lambda: pid_of(environment, spawner) not in (None, was), "no spawner")
-            becomes(lambda: "Loaded already" in output.read_text(), "not taken over")
+            becomes(lambda: pid_of(environment, spawner) not in (None, was), "no spawner", output)
+            becomes(lambda: "Loaded already" in output.read_text(), "not taken over", output)
             assert running(environment) == manual
             was = pid_of(environment, simulator)
             os.kill(was, signal.SIGKILL)
-            becomes(lambda: pid_of(environment, simulator) not in (None, was), "no simulator")
-            becomes(lambda: running(environment) == manual, "the controllers did not come back")
+            becomes(
+                lambda: pid_of(environment, simulator) not in (None, was), "no simulator", output
+            )
+            becomes(
+                lambda: running(environment) == manual, "the controllers did not come back", output
+            )
         finally:
             end_tree(launch)
     said = output.read_text(encoding="utf-8", errors="replace")
