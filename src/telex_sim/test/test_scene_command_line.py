@@ -20,14 +20,17 @@ from telex_sim.scene.type_texts import parameters, summary
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    monkeypatch.setenv("TELEX_SCENE_PATH", str(tmp_path))
-    (tmp_path / "good.yaml").write_text(
+    # Longer than a line.
+    path = tmp_path / f"scenes{10 * '-of-mine'}"
+    path.mkdir()
+    monkeypatch.setenv("TELEX_SCENE_PATH", str(path))
+    (path / "good.yaml").write_text(
         "description: Two things to look at.\n"
         "lights: {lamps: [{position: [0, 0, 2]}]}\n"
         "objects:\n  - {type: crate, position: [2, 0, 0]}\n  - {type: valve, position: [3, 0, 0]}\n"
     )
-    (tmp_path / "bad.yaml").write_text("objects: [{type: crate, mass: -1}]\n")
-    return tmp_path
+    (path / "bad.yaml").write_text("objects: [{type: crate, mass: -1}]\n")
+    return path
 
 
 def test_check_says_ok_and_how_much_there_is(folder, capsys):
@@ -79,10 +82,9 @@ def test_list_shows_scenes_and_what_is_broken(folder, capsys):
     assert main(["list"]) == 1
     said = capsys.readouterr().out
     assert "good\n    Two things to look at.\n    1 static and 1 movable objects" in said
+    # However long a path is, it stays in one piece.
     assert f"    {folder}/good.yaml\n" in said
-    assert f"bad\n    broken: {folder}/bad.yaml: objects[0]" in said.replace(
-        "\n    objects", " objects"
-    )
+    assert f"bad broken: {folder}/bad.yaml: objects[0]" in " ".join(said.split())
     assert "floor\n" in said
 
 

@@ -152,4 +152,12 @@ def _types(options: argparse.Namespace) -> int:
 
 def _indented(text: str, indent: int = 4) -> str:
     margin = " " * indent
-    return textwrap.fill(text, _WIDTH, initial_indent=margin, subsequent_indent=margin)
+    return textwrap.fill(
+        text,
+        _WIDTH,
+        initial_indent=margin,
+        subsequent_indent=margin,
+        # A path in two parts could not be copied.
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
