@@ -91,6 +91,8 @@ install_system_packages() {
   local lists=("$root/launch_scripts/packages/$platform.txt") wanted missing
   [ -n "$with_tests" ] && lists+=("$root/launch_scripts/packages/$platform-test.txt")
   wanted="$(packages_of "${lists[@]}")"
+  # A Node.js from elsewhere brings an npm of its own, and does not go together with Debian's.
+  [ -z "$with_tests" ] || command -v npm >/dev/null || wanted="$(printf '%s\nnpm\n' "$wanted" | sort)"
   missing="$(missing_packages "$wanted")"
   [ -z "$missing" ] && return 0
   local remedy="check the network and the package sources (apt-get update), or install by hand: apt-get install --no-install-recommends $(echo $missing)"
@@ -167,7 +169,7 @@ compile_kinematics() {
   printf '%s' "$wanted" >"$stamp"
 }
 
-# The bridge is tried with npm's roslib, too; where there is no npm, or no network, those tests are skipped.
+# The bridge is tried with npm's roslib, too; where it cannot be had, those tests are skipped.
 install_roslib() {
   local folder="$root/src/telex_teleop/test/bridge_clients" stamp="$state/roslib" wanted
   command -v npm >/dev/null || return 0
