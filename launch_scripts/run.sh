@@ -40,6 +40,8 @@ done
 "$root/launch_scripts/setup.sh" || exit 1
 # shellcheck disable=SC1091
 . "$root/env.sh" || exit 1
+# Into a file, too, nodes say at once what they have to say.
+export PYTHONUNBUFFERED=1
 
 is_false() { case "${1,,}" in 0 | false) return 0 ;; *) return 1 ;; esac; }
 namespace=telex

@@ -25,7 +25,8 @@ done
 # Whatever master the user has running is not to be disturbed: each test starts its own.
 export ROS_MASTER_URI=http://127.0.0.1:9
 export ROS_IP=127.0.0.1
-unset ROS_HOSTNAME
+# And what this shell has set for Python is not to hide what a plain one lacks.
+unset ROS_HOSTNAME PYTHONUNBUFFERED
 
 # make_folder: prints a new folder for what the tests write and nobody keeps. It lies in memory where
 # there is room: on a busy disk the browsers are at half their speed.

@@ -90,8 +90,8 @@ def test_a_variant_comes_up_with_what_it_has(variant, lacking, gripper, tmp_path
 def test_groups_are_switched_without_a_gripper_and_a_killed_spawner_comes_back(tmp_path):
     output = tmp_path / "output.txt"
     with PrivateMaster() as master, open(output, "w") as file:
-        # For restart_after_crash: what has just started may crash here, too.
-        environment = {**master.environment(), "RESTART_LEAST_RUN": "1"}
+        # What has just started may crash here, too; and what it said is looked for while it runs.
+        environment = master.environment(RESTART_LEAST_RUN="1", PYTHONUNBUFFERED="1")
         launch = subprocess.Popen(
             [
                 *("roslaunch", "--screen", "telex_teleop", "bringup.launch"),
