@@ -61,7 +61,7 @@ EXPERIMENTS = (
         method=f"{_HANDS} Base, case and joints are seen by ground truth and joint states; the "
         "grip's force is that which the console displays. The case (5 kg) is gripped by the bar "
         f"of its handle, lifted, and carried 3 m at 0.5 m/s. {_RUN}",
-        bar=f"2.9 m or more away, upright, 5 cm or more off the floor; {_BAR_9}",
+        bar=f"3 m or more away, upright, 5 cm or more off the floor; {_BAR_9}",
         run=_briefcase,
         seconds=170.0,
         quick_seconds=60.0,
