@@ -29,7 +29,7 @@ export ROS_IP=127.0.0.1
 unset ROS_HOSTNAME PYTHONUNBUFFERED
 
 # make_folder: prints a new folder for what the tests write and nobody keeps. It lies in memory where
-# there is room: on a busy disk the browsers are at half their speed.
+# there is room: on a busy disk the browsers' tests take a third longer.
 make_folder() {
   local memory=/dev/shm free folder
   free="$(df --output=avail "$memory" 2>/dev/null | tail -n 1)"

@@ -13,7 +13,7 @@ import yaml
 
 from telex_control.private_master import PrivateMaster, end_tree
 
-START = 180.0  # s, for a machine that has other things to do
+START = 60.0  # s
 FINGERS = {
     f"{side}_finger_{part}" for side in ("left", "right") for part in ("base", "middle", "tip")
 }

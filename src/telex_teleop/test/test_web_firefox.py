@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-
 import pytest
 from firefox import Firefox, firefox
 from web_harness import Ros, wait_until
@@ -12,20 +10,20 @@ from web_robot import ARM, DRIVE, ESTOP, THUMBNAILS, Robot, describe
 pytestmark = [pytest.mark.ros, pytest.mark.browser]
 
 LIVE = "[...document.querySelectorAll('.thumbnail[data-state=live]')].map((e) => e.dataset.camera)"
-# The colour of the large view (red, green, blue, opacity) at a place given as a part of its size.
-LARGE_VIEW_AT = """(() => {{
+# Gives the colour of the large view (red, green, blue, opacity) at a place, in parts of its size.
+LARGE_VIEW_AT = """(x, y) => {
   const view = document.querySelector("#view canvas");
   const box = view.getBoundingClientRect();
-  const place = [box.x + {x} * box.width, box.y + {y} * box.height];
-  if (document.elementFromPoint(...place).closest("#view") === null) {{
+  const over = document.elementFromPoint(box.x + x * box.width, box.y + y * box.height);
+  if (over.closest("#view") === null) {
     throw new Error("the large view is covered");
-  }}
+  }
   const copy = document.createElement("canvas");
   [copy.width, copy.height] = [view.width, view.height];
   const context = copy.getContext("2d");
   context.drawImage(view, 0, 0);
-  return [...context.getImageData({x} * view.width, {y} * view.height, 1, 1).data];
-}})()"""
+  return [...context.getImageData(x * view.width, y * view.height, 1, 1).data];
+}"""
 
 
 @pytest.fixture(scope="module")
@@ -70,26 +68,14 @@ def test_six_views_are_live_and_the_page_fits_the_window(robot, page):
     size = "[document.documentElement.scrollWidth, document.documentElement.scrollHeight]"
     assert page.evaluate(size) == [1280, 720]
     # The box that the fake camera shows, in the large view, with nothing over it.
-    red, green, blue, _ = page.evaluate(LARGE_VIEW_AT.format(x=0.72, y=0.5))
+    red, green, blue, _ = page.evaluate(f"({LARGE_VIEW_AT})(0.72, 0.5)")
     assert red > 150 > green > blue
 
 
-def drive(robot, page, count):
-    """Hold "w" until so many commands have come; return them.
-
-    A page that stood still has let go of its keys, as it must, and waits for a new press.
-    """
-    for _ in range(5):
-        robot.forget()
-        page.keys("keyDown", "w")
-        with contextlib.suppress(AssertionError):
-            return robot.wait_for(DRIVE, count)
-        page.keys("keyUp", "w")
-    raise AssertionError(f"no {count} commands without a pause in five attempts")
-
-
 def test_a_key_drives_until_it_is_let_go(robot, page):
-    messages = drive(robot, page, 20)
+    robot.forget()
+    page.keys("keyDown", "w")
+    messages = robot.wait_for(DRIVE, 20)
     page.keys("keyUp", "w")
     assert messages[-1]["linear"]["x"] == pytest.approx(1.2)
     wait_until(lambda: robot.is_quiet(DRIVE))

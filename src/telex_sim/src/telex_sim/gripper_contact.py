@@ -163,14 +163,14 @@ class GripperContacts:
 
     def _friction_on(self, link: int, touches: Dict[int, _Touch]) -> float:
         """Friction on a pad, the magnitude of its sum (N)."""
-        if len(touches) == 1:
-            (touch,) = touches.values()
-            return math.hypot(*touch.friction)
+        if len(touches) <= 1:
+            return sum(math.hypot(*touch.friction) for touch in touches.values())
         # PyBullet turns the normal of a contact that is asked for by its second body, and forgets
-        # to turn the friction: of all contacts of the world alone, the direction is known.
+        # to turn the friction, alike in all contacts with one body: of all contacts of the world
+        # alone, which take longer, the direction is known.
         own, client = self._body.uid, self._body.client
         friction = [0.0, 0.0, 0.0]
-        for contact in pybullet.getContactPoints(physicsClientId=client) if touches else ():
+        for contact in pybullet.getContactPoints(physicsClientId=client):
             _, first, second, first_link, second_link = contact[:5]
             if contact[9] <= 0.0 or first == second:
                 continue
@@ -194,9 +194,8 @@ class GripperContacts:
             touch = found.setdefault(other[0], _Touch())
             touch.force += force
             touch.bound += force * self._friction(link, other)
-            for axis in range(3):
-                touch.pressing[axis] += force * normal[axis]
-                touch.friction[axis] += _friction_of(contact)[axis]
+            touch.pressing = [a + force * b for a, b in zip(touch.pressing, normal)]
+            touch.friction = [a + b for a, b in zip(touch.friction, _friction_of(contact))]
             touch.slipped += force * _slip(
                 self._motion((own, link), motions), self._motion(other, motions), contact[5], normal
             )
