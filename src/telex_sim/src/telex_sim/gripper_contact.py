@@ -6,10 +6,11 @@ It is what tactile pads would tell that err in nothing. Nothing of it changes th
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, Dict, List, NamedTuple, Sequence, Tuple
+from typing import Callable, Dict, List, NamedTuple, Sequence, Tuple
 
 import pybullet
 
+from .contacts import contacts, directed_contacts
 from .gripper_contact_config import GripperContactConfig
 from .world import Body, Vector
 
@@ -165,39 +166,27 @@ class GripperContacts:
         """Friction on a pad, the magnitude of its sum (N)."""
         if len(touches) <= 1:
             return sum(math.hypot(*touch.friction) for touch in touches.values())
-        # PyBullet turns the normal of a contact that is asked for by its second body, and forgets
-        # to turn the friction, alike in all contacts with one body: of all contacts of the world
-        # alone, which take longer, the direction is known.
-        own, client = self._body.uid, self._body.client
         friction = [0.0, 0.0, 0.0]
-        for contact in pybullet.getContactPoints(physicsClientId=client):
-            _, first, second, first_link, second_link = contact[:5]
-            if contact[9] <= 0.0 or first == second:
-                continue
-            if (first, first_link) == (own, link):
-                friction = [a + b for a, b in zip(friction, _friction_of(contact))]
-            elif (second, second_link) == (own, link):
-                friction = [a - b for a, b in zip(friction, _friction_of(contact))]
+        for contact in directed_contacts(self._body):
+            if contact.link == link:
+                friction = [a + b for a, b in zip(friction, contact.friction)]
         return math.hypot(*friction)
 
     def _touches(self, link: int, motions: Dict[Tuple[int, int], _Motion]) -> Dict[int, _Touch]:
         """The contacts under load of a pad, by the other body; not those with the robot itself."""
-        own, client = self._body.uid, self._body.client
         found: Dict[int, _Touch] = {}
-        contacts = pybullet.getContactPoints(bodyA=own, linkIndexA=link, physicsClientId=client)
-        for contact in contacts or ():
-            force = contact[9]
-            if force <= 0.0 or contact[1] == contact[2]:
-                continue
-            # PyBullet puts the body first that it is asked for.
-            other, normal = (contact[2], contact[4]), contact[7]
-            touch = found.setdefault(other[0], _Touch())
+        for contact in contacts(self._body, link):
+            touch = found.setdefault(contact.other[0], _Touch())
+            force, normal = contact.force, contact.normal
             touch.force += force
-            touch.bound += force * self._friction(link, other)
+            touch.bound += force * self._friction(link, contact.other)
             touch.pressing = [a + force * b for a, b in zip(touch.pressing, normal)]
-            touch.friction = [a + b for a, b in zip(touch.friction, _friction_of(contact))]
+            touch.friction = [a + b for a, b in zip(touch.friction, contact.friction)]
             touch.slipped += force * _slip(
-                self._motion((own, link), motions), self._motion(other, motions), contact[5], normal
+                self._motion((self._body.uid, link), motions),
+                self._motion(contact.other, motions),
+                contact.point,
+                normal,
             )
         return found
 
@@ -219,11 +208,6 @@ def _motion_of(uid: int, link: int, client: int) -> _Motion:
         return (position, *pybullet.getBaseVelocity(uid, physicsClientId=client))
     state = pybullet.getLinkState(uid, link, computeLinkVelocity=1, physicsClientId=client)
     return state[0], state[6], state[7]
-
-
-def _friction_of(contact: Sequence[Any]) -> List[float]:
-    """Friction of a contact that PyBullet tells of (N)."""
-    return [contact[10] * a + contact[12] * b for a, b in zip(contact[11], contact[13])]
 
 
 def _slip(first: _Motion, second: _Motion, point: Vector, normal: Vector) -> float:

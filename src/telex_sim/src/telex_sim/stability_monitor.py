@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import product
-from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 import pybullet
 
 from telex_control.hardware_interface import VelocityJointInterface
 
+from .contacts import Contact, contacts, directed_contacts
 from .mobility_watch import StuckDetector, TipOverDetector
 from .robot import Robot
 from .stability import ForceAngle, Vector, force_angle, support_polygon
@@ -63,32 +64,6 @@ class Margin:
     direction: float
     support: List[Vector]
     center_of_mass: Vector
-
-
-class _Contact(NamedTuple):
-    """A contact under load, as the robot has it.
-
-    Attributes
-    ----------
-    link : int
-        The robot's (PyBullet's number).
-    point, normal : Vector
-        In the world (m); the normal points towards the robot.
-    body, body_link : int
-        What it touches (PyBullet's numbers).
-    told : tuple
-        What PyBullet tells of it.
-    sign : float
-        Of what that tells of forces: 1 where the robot is the body that they act on.
-    """
-
-    link: int
-    point: Vector
-    normal: Vector
-    body: int
-    body_link: int
-    told: Tuple
-    sign: float
 
 
 class StabilityMonitor:
@@ -286,44 +261,25 @@ class StabilityMonitor:
         supports: List[Vector] = []
         planes: Dict[int, List[Tuple[Vector, Vector]]] = {}
         pushed = False
-        for contact in self._touching(self._body.uid):
+        for contact in contacts(self._body):
             if not self._supports(contact):
                 pushed = True
                 continue
             supports.append(contact.point)
             if contact.link in self._corners and contact.normal[2] >= _CARRIES:
                 _add_plane(planes.setdefault(contact.link, []), contact.point, contact.normal)
-        # PyBullet turns the normal of a contact that is asked for by its second body, and forgets
-        # to turn the friction: of all contacts of the world alone, the direction is known.
         pushes = [
-            (np.array(contact.point), contact.sign * _force(contact.told))
-            for contact in (self._touching(None) if pushed else ())
+            (np.array(contact.point), _force(contact))
+            for contact in (directed_contacts(self._body) if pushed else ())
             if not self._supports(contact)
         ]
         return self._resting_corners(planes, centers, rotations) + supports, pushes
 
-    def _touching(self, asked: Optional[int]) -> Iterator[_Contact]:
-        """Contacts of the robot with others, asked for by a body (PyBullet's number) or by none."""
-        uid = self._body.uid
-        filters = {} if asked is None else {"bodyA": asked}
-        for contact in pybullet.getContactPoints(**filters, physicsClientId=self._body.client):
-            if contact[9] <= 0.0 or contact[1] == contact[2] or uid not in (contact[1], contact[2]):
-                continue
-            x, y, z = contact[7]
-            if contact[1] == uid:
-                place, other = (contact[3], contact[5], (x, y, z)), (contact[2], contact[4])
-                yield _Contact(*place, *other, contact, 1.0)
-            else:
-                place, other = (contact[4], contact[6], (-x, -y, -z)), (contact[1], contact[3])
-                yield _Contact(*place, *other, contact, -1.0)
-
-    def _supports(self, contact: _Contact) -> bool:
+    def _supports(self, contact: Contact) -> bool:
         """Whether a contact holds the robot up or stops its fall, and does not push it about."""
         upward = contact.normal[2]
         if contact.link in self._corners:
-            return upward >= _CARRIES or (
-                upward > -_CARRIES and self._stands_fast(contact.body, contact.body_link)
-            )
+            return upward >= _CARRIES or (upward > -_CARRIES and self._stands_fast(*contact.other))
         return upward >= _CARRIES and contact.link == -1
 
     def _stands_fast(self, body: int, link: int) -> bool:
@@ -341,12 +297,12 @@ class StabilityMonitor:
         found: List[Vector] = []
         above: List[List[float]] = []
         below: List[List[float]] = []
-        for link, contacts in planes.items():
+        for link, faces in planes.items():
             row = self._rows[link]
             corners = self._corners[link] @ rotations[row].T + centers[row]
             outside = corners + self._outwards[link] @ rotations[row].T
             kept = np.zeros(len(corners), bool)
-            for point, normal in contacts:
+            for point, normal in faces:
                 reach = 2.0 * _RESTS * np.array(normal)
                 fresh = (np.abs((corners - point) @ normal) < _RESTS) & ~kept
                 kept |= fresh
@@ -397,10 +353,9 @@ def _add_plane(planes: List[Tuple[Vector, Vector]], point: Vector, normal: Vecto
     planes.append((point, normal))
 
 
-def _force(contact: Sequence) -> np.ndarray:
-    """Force of a contact of PyBullet on its body A (N)."""
-    normal, first, second = (np.array(contact[index]) for index in (7, 11, 13))
-    return contact[9] * normal + contact[10] * first + contact[12] * second
+def _force(contact: Contact) -> np.ndarray:
+    """What acts on the robot in a contact (N)."""
+    return contact.force * np.array(contact.normal) + contact.friction
 
 
 def _attitude(rotation: np.ndarray) -> Attitude:
