@@ -258,8 +258,12 @@ def test_six_views_are_live_and_a_click_makes_one_large(page):
 def test_heading_gripper_and_link_stand_over_the_picture(robot, page):
     wait_until(lambda: page.text("heading") == "090°")  # clockwise
     wait_until(lambda: page.text("link-quality") == "link good", 20.0)
-    # 0.3 rad open; 2 Nm at a lever of 0.143 m
+    # 0.3 rad open; 2 Nm on either finger at a lever of 0.143 m
     assert page.text("grip") == "114 mm 14 N"
+    robot.publish_effort("right_finger_base_joint", 2.0)
+    wait_until(lambda: page.text("grip") == "114 mm 0 N")  # a shock: nothing is held
+    robot.publish_effort("right_finger_base_joint", -2.4)
+    wait_until(lambda: page.text("grip") == "114 mm 14 N")
     pads = [{"link": "left_finger_tip_link", "friction_use": 0.9}, {"friction_use": 0.2}]
     contact = {"object": "cube", "slipping": False, "pads": pads}
     robot.probe.publish(CONTACT, "telex_msgs/GripperContact", contact, rate=10)

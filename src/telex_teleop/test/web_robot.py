@@ -55,7 +55,7 @@ POSITIONS = [0.5, -1.0, 0.12, 2.0, 0.1, -0.5, -1e-6]
 POSITIONS += [0.3, 0.3, -0.6, 0.3, 0.3, -0.6, 0.6, 0.61, -1.2, -1.2]
 
 
-EFFORTS = [0.0] * 7 + [-2.0, 0.0, 0.0, 1.5] + [0.0] * 6
+EFFORTS = [0.0] * 7 + [-2.0, 0.0, 0.0, -2.0] + [0.0] * 6
 FINGER = {"base": 0.045, "middle": 0.075, "lean": 0.4363323, "pad": 0.024, "max_angle": 0.55}
 
 
@@ -112,6 +112,13 @@ class Robot:
         names = ARM_JOINTS + FINGERS + FLIPPER_JOINTS
         positions = [position if each == name else at for each, at in zip(names, POSITIONS)]
         states = {"name": names, "position": positions}
+        self.probe.publish("/telex/joint_states", "sensor_msgs/JointState", states, rate=50)
+
+    def publish_effort(self, name, effort):
+        """Publish another effort of one joint."""
+        names = ARM_JOINTS + FINGERS + FLIPPER_JOINTS
+        efforts = [effort if each == name else at for each, at in zip(names, EFFORTS)]
+        states = {"name": names, "position": POSITIONS, "effort": efforts}
         self.probe.publish("/telex/joint_states", "sensor_msgs/JointState", states, rate=50)
 
     def publish_camera(self, name, picture=None, rate=0):

@@ -66,13 +66,18 @@ export class Gripper {
     return Math.max(0, 2 * half);
   }
 
-  /** Force of a pad (N) by the torque that its finger's base holds, of the finger that has more; null while it is not known. @param {import("./joints.js").JointPositions} joints */
+  /**
+   * Force that clamps (N) by the torques that the fingers' bases hold, of the finger that holds less; null while it is not known.
+   * What is held pushes both fingers the same way, weight and shocks push one of an empty hand open and the other one closed.
+   * @param {import("./joints.js").JointPositions} joints
+   */
   force(joints) {
     const angle = joints.position(GRIPPER_JOINT);
     const torques = /** @type {number[]} */ (FINGER_BASES.map((base) => joints.effort(base)).filter(Number.isFinite));
     if (this._geometry === null || angle === undefined || torques.length === 0) return null;
     const { base, middle, lean, pad } = this._geometry;
     const lever = base * Math.cos(lean - angle) + middle * Math.cos(lean - 2 * angle) + pad;
-    return Math.max(...torques.map(Math.abs)) / lever;
+    const alike = torques.every((torque) => Math.sign(torque) === Math.sign(torques[0]));
+    return alike ? Math.min(...torques.map(Math.abs)) / lever : 0;
   }
 }
