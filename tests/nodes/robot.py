@@ -6,7 +6,9 @@ import threading
 import time
 import urllib.request
 from typing import Any, Callable, Dict, List, Optional
+from xmlrpc.client import ServerProxy
 
+import rosgraph
 import rospy
 from control_msgs.msg import JointJog
 from controller_manager_msgs.srv import ListControllers
@@ -31,6 +33,16 @@ def eventually(condition: Callable[[], object], timeout: float, what: str) -> ob
             return value
         time.sleep(0.02)
     raise AssertionError(f"not within {timeout} s: {what}")
+
+
+def pid_of(name: str) -> Optional[int]:
+    """Process id of a node that answers, else None."""
+    caller = rospy.get_name()
+    try:
+        address = rosgraph.Master(caller).lookupNode(rospy.resolve_name(name))
+        return int(ServerProxy(address).getPid(caller)[2])
+    except (OSError, rosgraph.MasterError):
+        return None
 
 
 def is_streamed(server: str, topic: str) -> bool:

@@ -7,13 +7,14 @@ a time; what it yields to ``result.json`` in the folder.
 from __future__ import annotations
 
 import argparse
-import contextlib
 import os
 import signal
 import sys
 import traceback
 from pathlib import Path
 from typing import Any, TextIO
+
+from telex_control.scheduling import step_back
 
 from .experiment import Experiment, Result, missing
 from .registry import by_name
@@ -22,17 +23,6 @@ from .session import Session
 RESULT = "result.json"
 NICENESS = 15
 """Of experiments that compute only: what drives a simulator comes first."""
-
-
-def step_back() -> None:
-    """Leave the processors to whatever else wants them.
-
-    Linux shares them among sessions first (sched_autogroup), and this process has a session of its
-    own: a process's niceness alone would change nothing there.
-    """
-    os.nice(NICENESS)
-    with contextlib.suppress(OSError):
-        Path("/proc/self/autogroup").write_text(str(NICENESS))
 
 
 def carry_out(experiment: Experiment, session: Session) -> Result:
@@ -79,7 +69,7 @@ def _work(options: argparse.Namespace, progress: TextIO) -> int:
         lambda line: print(line, file=progress, flush=True),
     )
     if not experiment.in_wall_time:
-        step_back()
+        step_back(NICENESS)
     try:
         result = carry_out(experiment, session)
     except KeyboardInterrupt:

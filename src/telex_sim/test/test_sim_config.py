@@ -27,6 +27,7 @@ def test_the_shipped_configuration_is_valid():
         ({"timing__step_size": 0.0}, "step_size is 0.0"),
         ({"timing__step_size": float("nan")}, "timing/step_size is nan"),
         ({"timing__real_time_factor": -1.0}, "real_time_factor is -1.0"),
+        ({"timing__realtime_priority": 100}, "realtime_priority is 100; it must be at least 0"),
         ({"start__pose": "handstand"}, "pose is 'handstand'; there are: drive"),
         ({"start__default_pose": "handstand"}, "default_pose is 'handstand'; there are: drive"),
         ({"start__height": -0.1}, "height is -0.1"),

@@ -30,11 +30,15 @@ class TimingConfig:
         Sim time between control cycles (s); a whole multiple of the step.
     real_time_factor : float
         Sim time per wall time; 0 runs as fast as possible.
+    realtime_priority : int
+        Of the simulator among the machine's real-time processes (`telex_control.scheduling`), where
+        its user may have one and `real_time_factor` is not 0; 0 leaves it an ordinary process.
     """
 
     step_size: float = 0.002
     control_period: float = 0.002
     real_time_factor: float = 1.0
+    realtime_priority: int = 1
 
     def __post_init__(self) -> None:
         require(
@@ -56,6 +60,7 @@ class TimingConfig:
             f"real_time_factor is {self.real_time_factor}; 0 (as fast as possible) or more is "
             "needed",
         )
+        require_range(self, "realtime_priority", 0, 99)
 
     @property
     def steps_per_cycle(self) -> int:

@@ -38,9 +38,10 @@ from telex_control.params import ConfigError, read_config
 from telex_control.robot_description import offer_globally, wait_for_robot_description
 from telex_control.ros_node_handle import RosNodeHandle
 from telex_control.run_memory import RunMemory
+from telex_control.scheduling import keep_time
 from telex_control.urdf_joints import UrdfError
 
-from .config import RobotConfig, SimulatorConfig
+from .config import RobotConfig, SimulatorConfig, TimingConfig
 from .crash_recovery import CrashRecovery
 from .loop_requests import LoopRequests
 from .pacing import RealTimeFactor, RealTimePacer
@@ -500,6 +501,19 @@ def _simulator_config() -> SimulatorConfig:
     return read_config(SimulatorConfig, params, rospy.get_name())
 
 
+def _keep_time(timing: TimingConfig) -> None:
+    """Put the loop before what else the machine does; one that never rests is left where it is."""
+    if not timing.real_time_factor:
+        return
+    if keep_time(timing.realtime_priority):
+        rospy.loginfo("simulator: real-time priority %d", timing.realtime_priority)
+    elif timing.realtime_priority:
+        rospy.loginfo(
+            "simulator: no real-time priority: this user may not have one, or the machine has a "
+            "single processor; beside what fills all processors the simulation may fall behind"
+        )
+
+
 def main() -> None:
     """Run the node; a mistake in the configuration ends it with one line that says what to do."""
     init_node("simulator")
@@ -524,6 +538,7 @@ def main() -> None:
         rospy.logfatal("%s", error)
         sys.exit(os.EX_CONFIG)
     prepare_for_loop()
+    _keep_time(simulation.config.timing)
     if recovery.happened:
         rospy.logwarn(
             "simulator: the one before has crashed; the scene begins anew, the clock goes on at "

@@ -400,7 +400,7 @@ class CamerasConfig:
     max_pose_age: float = 0.004
     shadow_period: float = 0.035
     seed: int = 0
-    niceness: int = 5
+    niceness: int = 10
     software_threads: int = 0
     egl_device: int = 0
 

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
 import os
 import sys
 import time
 from dataclasses import replace
-from pathlib import Path
 from typing import Callable, Iterator, List, Optional, Sequence
 
 import cv2
@@ -19,6 +17,7 @@ from telex_msgs.msg import SceneDescription, ScenePoses
 
 from telex_control.node_start import init_node, until_shutdown
 from telex_control.params import ConfigError, read_config
+from telex_control.scheduling import step_back
 
 from .camera_service import CameraService
 from .camera_stream import CameraStream, PictureSize
@@ -218,24 +217,12 @@ def _itself(frame_in_world: np.ndarray, now: float) -> np.ndarray:
     return frame_in_world
 
 
-def _step_back(niceness: int) -> None:
-    """Lower the priority of this process against all others.
-
-    Linux shares the processors among sessions first (sched_autogroup), and roslaunch gives every
-    node a session of its own: niceness alone would change nothing there.
-    """
-    os.nice(niceness)
-    if os.getsid(0) == os.getpid():
-        with contextlib.suppress(OSError):
-            Path("/proc/self/autogroup").write_text(str(niceness))
-
-
 def main() -> None:
     """Run the node; a mistake in the configuration ends it with one line that says what to do."""
     init_node("cameras")
     try:
         config = read_config(CamerasConfig, rospy.get_param("~", {}), rospy.get_name())
-        _step_back(config.niceness)
+        step_back(config.niceness)
         # OpenCV and Mesa would otherwise start a thread for each core, which the physics needs.
         cv2.setNumThreads(1)
         os.environ.setdefault("LP_NUM_THREADS", str(config.software_threads))
