@@ -6,17 +6,9 @@ import sys
 
 import pytest
 
-KEEP_TIME = """
-import ctypes, os, struct, sys, threading
+START = """
+import ctypes, os, struct, sys, threading, time
 from telex_control import scheduling
-
-CASE = sys.argv[1]
-if CASE == "forbidden":
-    def forbidden(*arguments):
-        raise PermissionError("not this user")
-    os.sched_setscheduler = forbidden
-if CASE == "one processor":
-    os.sched_getaffinity = lambda process: {0}
 
 ended = threading.Event()
 def thread():
@@ -24,30 +16,80 @@ def thread():
     it.start()
     return it.native_id
 
+def policies():
+    return {os.sched_getscheduler(int(each)) for each in os.listdir("/proc/self/task")}
+"""
+
+TAKE = """
+CASE = sys.argv[1]
+if CASE in ("forbidden", "unknown"):
+    def refuse(*arguments):
+        raise PermissionError(1, "forbidden") if CASE == "forbidden" else OSError(22, "unknown")
+    os.sched_setscheduler = refuse
+if CASE == "one processor":
+    os.sched_getaffinity = lambda process: {0}
+
 def slice_of(thread):
-    # sched_getattr(2) is the next system call.
-    number = {"x86_64": 315, "aarch64": 275}[os.uname().machine]
+    number = {"x86_64": 315, "aarch64": 275}[os.uname().machine]  # sched_getattr(2)
     told = ctypes.create_string_buffer(48)
     assert ctypes.CDLL(None).syscall(number, thread, told, 48, 0) == 0
     return struct.unpack("=IIQiIQQQ", told.raw)[5]
 
+nice = min(os.nice(0) + 3, 19)
 os.nice(3)
 threads = [os.getpid(), thread()]
-realtime = scheduling.keep_time(0 if CASE == "not wanted" else 2)
+why_not = scheduling.LoopPriority(0 if CASE == "not wanted" else 2).take()
 threads.append(thread())
-policies = {os.sched_getscheduler(each) for each in threads}
-nices = {os.getpriority(os.PRIO_PROCESS, each) for each in threads}
-slices = {slice_of(each) for each in threads}
-ended.set()
-assert nices == {3}, nices
-if realtime:
-    assert policies == {os.SCHED_RR}, policies
-    assert {os.sched_getparam(each).sched_priority for each in threads[:1]} == {2}
-else:
-    assert policies == {os.SCHED_OTHER}, policies
+assert {os.getpriority(os.PRIO_PROCESS, each) for each in threads} == {nice}
+if why_not:
+    assert policies() == {os.SCHED_OTHER}
     linux = tuple(int(part) for part in os.uname().release.split("-")[0].split(".")[:2])
-    assert linux < (6, 12) or slices == {scheduling.WAKE_SLICE}, slices
-print(realtime)
+    if linux >= (6, 12) and os.uname().machine in ("x86_64", "aarch64"):
+        assert {slice_of(each) for each in threads} == {scheduling.WAKE_SLICE}
+else:
+    assert policies() == {os.SCHED_RR}
+    assert {os.sched_getparam(each).sched_priority for each in threads} == {2}
+ended.set()
+print(why_not)
+"""
+
+NEVER_REST = """
+scheduling.ORDINARY_FOR = 1.0
+priority = scheduling.LoopPriority(1)
+assert not priority.take()
+thread()
+
+def rest_for(seconds):
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        time.sleep(0.001)
+        priority.rest()
+        yield
+
+def compute_for(seconds):
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        yield
+
+def becomes(policy, steps):
+    for _ in steps:
+        if policies() == {policy}:
+            return
+    raise AssertionError(f"still {policies()}")
+
+for _ in range(2):
+    assert all(policies() == {os.SCHED_RR} for _ in rest_for(1.0))
+    becomes(os.SCHED_OTHER, compute_for(30.0))
+    assert all(policies() == {os.SCHED_OTHER} for _ in compute_for(2.0))  # does not come back
+    becomes(os.SCHED_RR, rest_for(30.0))
+ended.set()
+"""
+
+FOREIGN = """
+os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
+why_not = scheduling.LoopPriority(1).take()
+assert policies() == {os.SCHED_BATCH}
+print(why_not)
 """
 
 STEP_BACK = """
@@ -55,8 +97,9 @@ import os
 from pathlib import Path
 from telex_control.scheduling import step_back
 
+expected = min(os.nice(0) + 7, 19)
 step_back(7)
-assert os.nice(0) == 7
+assert os.nice(0) == expected
 group = Path("/proc/self/autogroup")
 try:
     told = group.read_text().strip()
@@ -72,7 +115,7 @@ def run(script, *arguments):
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
-        timeout=30.0,
+        timeout=90.0,
         check=False,
         start_new_session=True,
     )
@@ -83,17 +126,35 @@ def run(script, *arguments):
 def may_be_realtime():
     """Whether this user may have real-time processes, as the system itself says it."""
     command = ["chrt", "--rr", "2", "true"]
-    return subprocess.run(command, stderr=subprocess.DEVNULL, check=False).returncode == 0
+    tried = subprocess.run(command, stderr=subprocess.DEVNULL, check=False)
+    return tried.returncode == 0 and len(os.sched_getaffinity(0)) > 1
 
 
 def test_all_threads_come_first_where_the_user_may_have_that():
-    expected = may_be_realtime() and len(os.sched_getaffinity(0)) > 1
-    assert run(KEEP_TIME, "as it is") == str(expected)
+    assert (run(START + TAKE, "as it is") == "") == may_be_realtime()
 
 
-@pytest.mark.parametrize("case", ["forbidden", "one processor", "not wanted"])
-def test_else_they_ask_for_short_slices(case):
-    assert run(KEEP_TIME, case) == "False"
+@pytest.mark.parametrize(
+    ("case", "why"),
+    [
+        ("forbidden", "forbidden" if len(os.sched_getaffinity(0)) > 1 else "one processor only"),
+        ("unknown", "unknown" if len(os.sched_getaffinity(0)) > 1 else "one processor only"),
+        ("one processor", "one processor only"),
+        ("not wanted", "none is wanted"),
+    ],
+)
+def test_else_they_ask_for_short_slices(case, why):
+    assert why in run(START + TAKE, case)
+
+
+def test_a_loop_that_never_rests_gives_way_for_a_while():
+    if not may_be_realtime():
+        pytest.skip("this user may not have real-time processes, or there is one processor only")
+    run(START + NEVER_REST)
+
+
+def test_a_scheduler_that_was_given_is_kept():
+    assert "which is kept" in run(START + FOREIGN)
 
 
 def test_stepping_back_holds_against_other_sessions():

@@ -94,3 +94,5 @@ def test_contacts_of_one_link_only(client):
     pushed = load(client)
     push(pushed)
     assert list(contacts(pushed, -1)) == list(contacts(pushed))
+    assert list(directed_contacts(pushed, -1)) == list(directed_contacts(pushed))
+    assert list(directed_contacts(pushed, 0)) == []

@@ -7,63 +7,128 @@ import ctypes
 import os
 import platform
 import struct
+import threading
+import time
 from pathlib import Path
+from typing import Callable, Optional
 
-__all__ = ["keep_time", "step_back"]
+__all__ = ["LoopPriority", "step_back"]
+
+LONGEST_RUN = 0.2
+"""Time (s) without a rest after which the process of a loop becomes an ordinary one."""
+
+ORDINARY_FOR = 5.0
+"""Time (s) for which it remains one, at least."""
 
 WAKE_SLICE = 100_000
-"""Time (ns) that a thread of the loop asks for at once; the scheduler serves short ones first."""
+"""Time (ns) that an ordinary thread of the loop asks for at once; Linux serves short ones first."""
 
 # Number of the system call, by machine: Python and the C library of Debian 12 have no function.
 _SCHED_SETATTR = {"x86_64": 314, "aarch64": 274}
 
 
-def keep_time(priority: int) -> bool:
-    """Have all threads of this process run as soon as they have something to do.
+class LoopPriority:
+    """Puts a process with a loop before all ordinary ones, as long as the loop rests now and then.
 
-    For a loop that has to run every few milliseconds beside processes that use all there is: as an
-    ordinary process it waits in line for a processor as long as it computes. Threads that are
-    started later inherit it.
+    As an ordinary process, a loop that runs every few milliseconds beside processes that use all
+    there is waits for a processor as long as it computes. As a real-time one it does not, but one
+    that computed without a rest would leave too little to what is to stop it: it gives way then.
+    Child processes inherit what this one is.
 
     Parameters
     ----------
     priority : int
         Among the machine's real-time processes (SCHED_RR), 1 to 99; 0 leaves it an ordinary one.
-
-    Returns
-    -------
-    bool
-        Whether these are real-time threads now. Where that is not permitted, not wanted, or there
-        is one processor only, which the loop could take from all that is to stop it, they are
-        ordinary threads that ask for short slices of time (Linux 6.12; no effect before).
     """
-    realtime = priority > 0 and len(os.sched_getaffinity(0)) > 1
+
+    def __init__(self, priority: int) -> None:
+        self._priority = priority
+        self._rested_at = 0.0
+
+    def take(self) -> str:
+        """Make all threads real-time ones, also those that are started later.
+
+        Where that cannot be, they are ordinary threads that ask for short slices of time (from
+        Linux 6.12 on). Call it once, and `rest` from then on.
+
+        Returns
+        -------
+        str
+            Why they are ordinary threads; empty where they are not.
+        """
+        if os.sched_getscheduler(0) != os.SCHED_OTHER:
+            return "it was started with a scheduler of its own, which is kept"
+        refused = self._refused()
+        if not refused:
+            try:
+                _each_thread(self._run_first)
+            except OSError as error:
+                refused = error.strerror or str(error)
+        if refused:
+            _each_thread(_make_ordinary)
+            return refused
+        self.rest()
+        threading.Thread(target=self._watch, name="loop_priority", daemon=True).start()
+        return ""
+
+    def rest(self) -> None:
+        """Tell that the loop has just rested."""
+        self._rested_at = time.monotonic()
+
+    def _refused(self) -> str:
+        if self._priority == 0:
+            return "none is wanted"
+        if len(os.sched_getaffinity(0)) < 2:
+            return "it has one processor only, which it would take from all others"
+        return ""
+
+    def _run_first(self, thread: int) -> None:
+        os.sched_setscheduler(thread, os.SCHED_RR, os.sched_param(self._priority))
+
+    def _watch(self) -> None:
+        """Give way when the loop no longer rests, and come back some time after it does again.
+
+        The kernel has a limit for that (RLIMIT_RTTIME), but for it a thread rests that hands the
+        interpreter over to another one.
+        """
+        gave_way_at: Optional[float] = None
+        while True:
+            time.sleep(0.5 * LONGEST_RUN)
+            now = time.monotonic()
+            rests = now < self._rested_at + LONGEST_RUN
+            if gave_way_at is None and not rests:
+                gave_way_at = now
+                _each_thread(_make_ordinary)
+            elif gave_way_at is not None and rests and now >= gave_way_at + ORDINARY_FOR:
+                gave_way_at = None
+                _each_thread(self._run_first)
+
+
+def _each_thread(action: Callable[[int], None]) -> None:
+    """Do something to all threads of this process, those included that begin meanwhile.
+
+    Raises
+    ------
+    OSError
+        Of `action`, but for threads that have ended.
+    """
     done = set()
     while True:
         new = [int(name) for name in os.listdir("/proc/self/task") if int(name) not in done]
         if not new:
-            return realtime
+            return
         for thread in new:
             done.add(thread)
             with contextlib.suppress(ProcessLookupError):
-                realtime = realtime and _run_first(thread, priority)
-                if not realtime:
-                    _ask_for_short_slices(thread)
+                action(thread)
 
 
-def _run_first(thread: int, priority: int) -> bool:
-    """Make a thread a real-time one; returns whether this user may."""
-    try:
-        os.sched_setscheduler(thread, os.SCHED_RR, os.sched_param(priority))
-    except PermissionError:
-        return False
-    return True
-
-
-def _ask_for_short_slices(thread: int) -> None:
-    """Let an ordinary thread be served sooner, for less at a time; its share remains the same."""
+def _make_ordinary(thread: int) -> None:
+    """Let a thread have its share, served sooner for less at a time."""
+    if os.sched_getscheduler(thread) != os.SCHED_OTHER:
+        os.sched_setscheduler(thread, os.SCHED_OTHER, os.sched_param(0))
     number = _SCHED_SETATTR.get(platform.machine())
-    if number is None:
+    if number is None or struct.calcsize("P") != 8:
         return
     # struct sched_attr of sched_setattr(2): size, policy, flags, nice, priority, runtime, ...
     nice = os.getpriority(os.PRIO_PROCESS, thread)
@@ -73,10 +138,15 @@ def _ask_for_short_slices(thread: int) -> None:
 
 
 def step_back(niceness: int) -> None:
-    """Lower the priority of this process against all others, by 0 to 19.
+    """Lower the priority of this process against all others.
 
     Linux shares the processors among sessions first (sched_autogroup), and roslaunch gives every
     node a session of its own: niceness alone would change nothing there.
+
+    Parameters
+    ----------
+    niceness : int
+        0 to 19; added to what the process has, and that of its session.
     """
     os.nice(niceness)
     if os.getsid(0) == os.getpid():

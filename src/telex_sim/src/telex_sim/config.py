@@ -31,8 +31,9 @@ class TimingConfig:
     real_time_factor : float
         Sim time per wall time; 0 runs as fast as possible.
     realtime_priority : int
-        Of the simulator among the machine's real-time processes (`telex_control.scheduling`), where
-        its user may have one and `real_time_factor` is not 0; 0 leaves it an ordinary process.
+        Of the simulator among the machine's real-time processes, where its user may have one; 0
+        leaves it an ordinary process (`telex_control.scheduling`). With PyBullet's window, or where
+        `real_time_factor` is 0, it never rests, and always is one.
     """
 
     step_size: float = 0.002

@@ -54,30 +54,33 @@ def contacts(body: Body, link: Optional[int] = None) -> Iterator[Contact]:
     return _read(body, filters)
 
 
-def directed_contacts(body: Body) -> Iterator[Contact]:
+def directed_contacts(body: Body, link: Optional[int] = None) -> Iterator[Contact]:
     """The same with all frictions as they act, for more time: it looks at the whole world's."""
-    return _read(body, {})
+    return _read(body, {}, link)
 
 
-def _read(body: Body, filters: Dict[str, int]) -> Iterator[Contact]:
+def _read(body: Body, filters: Dict[str, int], only: Optional[int] = None) -> Iterator[Contact]:
     uid = body.uid
     for contact in pybullet.getContactPoints(**filters, physicsClientId=body.client) or ():
-        _, first, second, first_link, second_link, on_first, on_second, normal, _, force = contact[
-            :10
-        ]
-        if force <= 0.0 or first == second or uid not in (first, second):
+        _, first, second, first_link, second_link = contact[:5]
+        if contact[9] <= 0.0 or first == second or uid not in (first, second):
             continue
-        one, along, other, across = contact[10:14]
+        is_first = first == uid
+        if only is not None and only != (first_link if is_first else second_link):
+            continue
+        on_first, on_second, normal, _, force, one, along, other, across = contact[5:14]
         friction = (
             one * along[0] + other * across[0],
             one * along[1] + other * across[1],
             one * along[2] + other * across[2],
         )
-        if first == uid:
+        if is_first:
             yield Contact(first_link, (second, second_link), on_first, normal, force, friction)
         else:
-            x, y, z = normal
-            friction = (-friction[0], -friction[1], -friction[2])
-            yield Contact(
-                second_link, (first, first_link), on_second, (-x, -y, -z), force, friction
-            )
+            place = second_link, (first, first_link), on_second
+            yield Contact(*place, _opposite(normal), force, _opposite(friction))
+
+
+def _opposite(vector: Vector) -> Vector:
+    x, y, z = vector
+    return -x, -y, -z

@@ -167,9 +167,8 @@ class GripperContacts:
         if len(touches) <= 1:
             return sum(math.hypot(*touch.friction) for touch in touches.values())
         friction = [0.0, 0.0, 0.0]
-        for contact in directed_contacts(self._body):
-            if contact.link == link:
-                friction = [a + b for a, b in zip(friction, contact.friction)]
+        for contact in directed_contacts(self._body, link):
+            friction = [a + b for a, b in zip(friction, contact.friction)]
         return math.hypot(*friction)
 
     def _touches(self, link: int, motions: Dict[Tuple[int, int], _Motion]) -> Dict[int, _Touch]:

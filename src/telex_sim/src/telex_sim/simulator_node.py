@@ -38,10 +38,10 @@ from telex_control.params import ConfigError, read_config
 from telex_control.robot_description import offer_globally, wait_for_robot_description
 from telex_control.ros_node_handle import RosNodeHandle
 from telex_control.run_memory import RunMemory
-from telex_control.scheduling import keep_time
+from telex_control.scheduling import LoopPriority
 from telex_control.urdf_joints import UrdfError
 
-from .config import RobotConfig, SimulatorConfig, TimingConfig
+from .config import RobotConfig, SimulatorConfig
 from .crash_recovery import CrashRecovery
 from .loop_requests import LoopRequests
 from .pacing import RealTimeFactor, RealTimePacer
@@ -315,6 +315,7 @@ class SimulatorNode:
 
     def run(self) -> None:
         """Run until ROS shuts down."""
+        priority = _come_first(self._simulation.config)
         self._restart_pace()
         self._publish_all()
         repeat_at = 0.0
@@ -326,6 +327,8 @@ class SimulatorNode:
                 begins_cycle = self._simulation.at_cycle_start
                 self._step()
                 late = self._pacer.wait(self._simulation.time)
+                if not late:
+                    priority.rest()
                 if begins_cycle and late > self._simulation.config.timing.control_period:
                     self._late_cycles += 1
                 continue
@@ -337,6 +340,7 @@ class SimulatorNode:
                 repeat_at = wall.monotonic() + _PAUSED_REPEAT
                 self._publish_all()
             wall.sleep(_PAUSED_PERIOD)
+            priority.rest()
 
     def _step_while_paused(self, stepping: _Stepping) -> None:
         """Make some of the steps, so that requests are served in between."""
@@ -501,17 +505,25 @@ def _simulator_config() -> SimulatorConfig:
     return read_config(SimulatorConfig, params, rospy.get_name())
 
 
-def _keep_time(timing: TimingConfig) -> None:
-    """Put the loop before what else the machine does; one that never rests is left where it is."""
-    if not timing.real_time_factor:
-        return
-    if keep_time(timing.realtime_priority):
-        rospy.loginfo("simulator: real-time priority %d", timing.realtime_priority)
-    elif timing.realtime_priority:
+def _come_first(config: SimulatorConfig) -> LoopPriority:
+    """Put this process before ordinary ones, and say so; one that is not to rest remains one."""
+    wanted = config.timing.realtime_priority
+    # PyBullet's window computes without a rest, in threads of this process.
+    rests = config.timing.real_time_factor > 0.0 and not config.gui
+    priority = LoopPriority(wanted if rests else 0)
+    why_not = priority.take()
+    if not why_not:
+        rospy.loginfo("simulator: real-time priority %d", wanted)
+    elif rests and wanted:
         rospy.loginfo(
-            "simulator: no real-time priority: this user may not have one, or the machine has a "
-            "single processor; beside what fills all processors the simulation may fall behind"
+            "simulator: no real-time priority %d (%s): beside what fills all processors it may "
+            "fall behind; README, Troubleshooting",
+            wanted,
+            why_not,
         )
+    else:
+        rospy.loginfo("simulator: no real-time priority")
+    return priority
 
 
 def main() -> None:
@@ -538,7 +550,6 @@ def main() -> None:
         rospy.logfatal("%s", error)
         sys.exit(os.EX_CONFIG)
     prepare_for_loop()
-    _keep_time(simulation.config.timing)
     if recovery.happened:
         rospy.logwarn(
             "simulator: the one before has crashed; the scene begins anew, the clock goes on at "

@@ -67,17 +67,16 @@ export class Gripper {
   }
 
   /**
-   * Force that clamps (N) by the torques that the fingers' bases hold, of the finger that holds less; null while it is not known.
-   * What is held pushes both fingers the same way, weight and shocks push one of an empty hand open and the other one closed.
+   * Force that clamps (N) by the torques with which the fingers' bases close, of the finger that closes less; null while it is not known.
+   * Of an empty hand, shocks and its weight push one finger open and the other one closed, but in a hand that points up.
    * @param {import("./joints.js").JointPositions} joints
    */
   force(joints) {
     const angle = joints.position(GRIPPER_JOINT);
     const torques = /** @type {number[]} */ (FINGER_BASES.map((base) => joints.effort(base)).filter(Number.isFinite));
-    if (this._geometry === null || angle === undefined || torques.length === 0) return null;
+    if (this._geometry === null || angle === undefined || torques.length < FINGER_BASES.length) return null;
     const { base, middle, lean, pad } = this._geometry;
     const lever = base * Math.cos(lean - angle) + middle * Math.cos(lean - 2 * angle) + pad;
-    const alike = torques.every((torque) => Math.sign(torque) === Math.sign(torques[0]));
-    return alike ? Math.min(...torques.map(Math.abs)) / lever : 0;
+    return Math.max(0, Math.min(...torques.map((torque) => -torque))) / lever;
   }
 }
