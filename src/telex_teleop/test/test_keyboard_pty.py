@@ -201,8 +201,10 @@ class Keyboard:
                     os.write(self.master, b"\x1b[?15u")
 
     def type(self, data):
+        # Before the write: what it causes may be there before this process goes on.
+        now = time.monotonic()
         os.write(self.master, data)
-        return time.monotonic()
+        return now
 
     def wait_for(self, shown, timeout=20.0):
         wait_for(lambda: shown in self.shown, f"{shown!r} on the screen", timeout)
