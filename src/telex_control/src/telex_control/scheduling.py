@@ -12,7 +12,7 @@ import time
 from pathlib import Path
 from typing import Callable, Optional
 
-__all__ = ["LoopPriority", "step_back"]
+__all__ = ["LoopPriority", "may_come_first", "step_back"]
 
 LONGEST_RUN = 0.2
 """Time (s) without a rest after which the process of a loop becomes an ordinary one."""
@@ -22,6 +22,8 @@ ORDINARY_FOR = 5.0
 
 WAKE_SLICE = 100_000
 """Time (ns) that an ordinary thread of the loop asks for at once; Linux serves short ones first."""
+
+_ONE_PROCESSOR = "it has one processor only, which it would take from all others"
 
 # Number of the system call, by machine: Python and the C library of Debian 12 have no function.
 _SCHED_SETATTR = {"x86_64": 314, "aarch64": 274}
@@ -78,9 +80,7 @@ class LoopPriority:
     def _refused(self) -> str:
         if self._priority == 0:
             return "none is wanted"
-        if len(os.sched_getaffinity(0)) < 2:
-            return "it has one processor only, which it would take from all others"
-        return ""
+        return _ONE_PROCESSOR if len(os.sched_getaffinity(0)) < 2 else ""
 
     def _run_first(self, thread: int) -> None:
         os.sched_setscheduler(thread, os.SCHED_RR, os.sched_param(self._priority))
@@ -135,6 +135,21 @@ def _make_ordinary(thread: int) -> None:
     size = struct.calcsize("=IIQiIQQQ")
     wanted = struct.pack("=IIQiIQQQ", size, os.SCHED_OTHER, 0, nice, 0, WAKE_SLICE, 0, 0)
     ctypes.CDLL(None).syscall(number, thread, wanted, 0)
+
+
+def may_come_first() -> bool:
+    """Tell whether a `LoopPriority` of this user would come before ordinary processes here.
+
+    It tries it for a moment with the calling thread, which has to be an ordinary one.
+    """
+    if len(os.sched_getaffinity(0)) < 2:
+        return False
+    try:
+        os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(1))
+    except OSError:
+        return False
+    os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+    return True
 
 
 def step_back(niceness: int) -> None:

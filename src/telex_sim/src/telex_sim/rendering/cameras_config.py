@@ -376,7 +376,8 @@ class CamerasConfig:
     seed
         Of all noise.
     niceness
-        By how much the process steps back for others, above all for the physics, 0 to 19.
+        By how much the process steps back for others, above all for the physics, 0 to 19. Left out,
+        it is 5, or 10 where the simulator cannot come before ordinary processes by itself.
     software_threads
         Further threads for rendering without a graphics card. More give each picture sooner and
         take the cores from the physics; with 0 the node never uses more than one.
@@ -400,7 +401,7 @@ class CamerasConfig:
     max_pose_age: float = 0.004
     shadow_period: float = 0.035
     seed: int = 0
-    niceness: int = 10
+    niceness: Optional[int] = None
     software_threads: int = 0
     egl_device: int = 0
 
@@ -425,6 +426,7 @@ class CamerasConfig:
         require_range(self, "max_pose_age", 0.0, 1.0)
         require_range(self, "shadow_period", 0.0, 1.0)
         require_range(self, "seed", 0)
-        require_range(self, "niceness", 0, 19)
+        if self.niceness is not None:
+            require_range(self, "niceness", 0, 19)
         require_range(self, "software_threads", 0, 16)
         require_range(self, "egl_device", 0)

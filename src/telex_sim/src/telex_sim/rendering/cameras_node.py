@@ -17,7 +17,7 @@ from telex_msgs.msg import SceneDescription, ScenePoses
 
 from telex_control.node_start import init_node, until_shutdown
 from telex_control.params import ConfigError, read_config
-from telex_control.scheduling import step_back
+from telex_control.scheduling import may_come_first, step_back
 
 from .camera_service import CameraService
 from .camera_stream import CameraStream, PictureSize
@@ -35,6 +35,8 @@ from .scene_renderer import SceneRenderer
 from .tiny_renderer import TinyRenderer
 
 # Longest wait for the simulator before looking at who listens again (s).
+_NICENESS, _NICENESS_BESIDE_ORDINARY = 5, 10
+"""Of this process beside a simulator that comes first, and beside one that cannot."""
 _PATIENCE = 0.1
 
 # How long poses are still followed when nobody looks any more (s): whoever takes a snapshot now and
@@ -217,12 +219,18 @@ def _itself(frame_in_world: np.ndarray, now: float) -> np.ndarray:
     return frame_in_world
 
 
+def _niceness(config: CamerasConfig) -> int:
+    if config.niceness is not None:
+        return config.niceness
+    return _NICENESS if may_come_first() else _NICENESS_BESIDE_ORDINARY
+
+
 def main() -> None:
     """Run the node; a mistake in the configuration ends it with one line that says what to do."""
     init_node("cameras")
     try:
         config = read_config(CamerasConfig, rospy.get_param("~", {}), rospy.get_name())
-        step_back(config.niceness)
+        step_back(_niceness(config))
         # OpenCV and Mesa would otherwise start a thread for each core, which the physics needs.
         cv2.setNumThreads(1)
         os.environ.setdefault("LP_NUM_THREADS", str(config.software_threads))
