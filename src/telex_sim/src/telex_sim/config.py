@@ -33,7 +33,7 @@ class TimingConfig:
     realtime_priority : int
         Of the simulator among the machine's real-time processes, where its user may have one; 0
         leaves it an ordinary process (`telex_control.scheduling`). With PyBullet's window, or where
-        `real_time_factor` is 0, it never rests, and always is one.
+        `real_time_factor` is 0 or above 1, it always is one.
     """
 
     step_size: float = 0.002

@@ -508,8 +508,9 @@ def _simulator_config() -> SimulatorConfig:
 def _come_first(config: SimulatorConfig) -> LoopPriority:
     """Put this process before ordinary ones, and say so; one that is not to rest remains one."""
     wanted = config.timing.realtime_priority
-    # PyBullet's window computes without a rest, in threads of this process.
-    rests = config.timing.real_time_factor > 0.0 and not config.gui
+    # PyBullet's window computes without a rest, in threads of this process. And one that is to be
+    # quicker than the wall would outrun the nodes that command the robot.
+    rests = 0.0 < config.timing.real_time_factor <= 1.0 and not config.gui
     priority = LoopPriority(wanted if rests else 0)
     why_not = priority.take()
     if not why_not:
