@@ -49,6 +49,16 @@ def push(body):
         pybullet.stepSimulation(physicsClientId=body.client)
 
 
+def pushed_box(client, floor_first):
+    """Floor and box, made in this order or the other one; the box is pushed."""
+    if floor_first:
+        ground, pushed = floor(client), load(client)
+    else:
+        pushed, ground = load(client), floor(client)
+    push(pushed)
+    return ground, pushed
+
+
 def force_on(found):
     """Sum of all forces (N)."""
     return [
@@ -59,11 +69,7 @@ def force_on(found):
 
 @pytest.mark.parametrize("floor_first", [True, False])
 def test_directed_contacts_hold_a_pushed_box_where_it_is(client, floor_first):
-    if floor_first:
-        ground, pushed = floor(client), load(client)
-    else:
-        pushed, ground = load(client), floor(client)
-    push(pushed)
+    ground, pushed = pushed_box(client, floor_first)
     on_load, on_floor = list(directed_contacts(pushed)), list(directed_contacts(ground))
     assert force_on(on_load) == pytest.approx([-PUSH, 0.0, WEIGHT], abs=0.1)
     assert force_on(on_floor) == pytest.approx([PUSH, 0.0, -WEIGHT], abs=0.1)
@@ -73,11 +79,7 @@ def test_directed_contacts_hold_a_pushed_box_where_it_is(client, floor_first):
 
 @pytest.mark.parametrize("floor_first", [True, False])
 def test_quick_contacts_differ_in_the_sign_of_friction_at_most(client, floor_first):
-    if floor_first:
-        ground, pushed = floor(client), load(client)
-    else:
-        pushed, ground = load(client), floor(client)
-    push(pushed)
+    ground, pushed = pushed_box(client, floor_first)
     for body in (pushed, ground):
         quick, directed = list(contacts(body)), list(directed_contacts(body))
         assert len(quick) == len(directed) > 0

@@ -274,7 +274,8 @@ def test_heading_gripper_and_link_stand_over_the_picture(robot, page):
     contact.update(object="", slipping=False)
     robot.probe.publish(CONTACT, "telex_msgs/GripperContact", contact, rate=10)
     wait_until(lambda: page.text("grip") == "114 mm 14 N")
-    assert page.text("drive-hud") == "+0.25 m/s 0 °/s"
+    robot.publish_node_status()
+    wait_until(lambda: page.text("drive-hud") == "+0.25 m/s 0 °/s")
 
 
 def bar(page, joint):

@@ -51,12 +51,16 @@ URDF = f"""
   </link>
 </robot>
 """
+JOINTS = ARM_JOINTS + FINGERS + FLIPPER_JOINTS
 POSITIONS = [0.5, -1.0, 0.12, 2.0, 0.1, -0.5, -1e-6]
 POSITIONS += [0.3, 0.3, -0.6, 0.3, 0.3, -0.6, 0.6, 0.61, -1.2, -1.2]
-
-
 EFFORTS = [0.0] * 7 + [-2.0, 0.0, 0.0, -2.0] + [0.0] * 6
 FINGER = {"base": 0.045, "middle": 0.075, "lean": 0.4363323, "pad": 0.024, "max_angle": 0.55}
+
+
+def _replaced(values, name, value):
+    """Values of all joints, with another one for a joint."""
+    return [value if joint == name else at for joint, at in zip(JOINTS, values)]
 
 
 def camera_picture(width=640, height=480, number=0):
@@ -97,9 +101,7 @@ class Robot:
             self.probe.subscribe(f"/telex/{node}/speed_scale", "std_msgs/Float64")
 
     def publish_states(self):
-        names = ARM_JOINTS + FINGERS + FLIPPER_JOINTS
-        states = {"name": names, "position": POSITIONS, "effort": EFFORTS}
-        self.probe.publish("/telex/joint_states", "sensor_msgs/JointState", states, rate=50)
+        self._publish_joints(position=POSITIONS, effort=EFFORTS)
         self.probe.publish("/telex/imu", "sensor_msgs/Imu", IMU, rate=10)
         self.publish_sim()
         self.publish_camera("front", rate=15)
@@ -109,16 +111,14 @@ class Robot:
 
     def publish_joint(self, name, position):
         """Publish another position of one joint."""
-        names = ARM_JOINTS + FINGERS + FLIPPER_JOINTS
-        positions = [position if each == name else at for each, at in zip(names, POSITIONS)]
-        states = {"name": names, "position": positions}
-        self.probe.publish("/telex/joint_states", "sensor_msgs/JointState", states, rate=50)
+        self._publish_joints(position=_replaced(POSITIONS, name, position))
 
     def publish_effort(self, name, effort):
         """Publish another effort of one joint."""
-        names = ARM_JOINTS + FINGERS + FLIPPER_JOINTS
-        efforts = [effort if each == name else at for each, at in zip(names, EFFORTS)]
-        states = {"name": names, "position": POSITIONS, "effort": efforts}
+        self._publish_joints(position=POSITIONS, effort=_replaced(EFFORTS, name, effort))
+
+    def _publish_joints(self, **states):
+        states["name"] = JOINTS
         self.probe.publish("/telex/joint_states", "sensor_msgs/JointState", states, rate=50)
 
     def publish_camera(self, name, picture=None, rate=0):
