@@ -1,6 +1,7 @@
 """A process that steps forward or back among all others, each in a process of its own."""
 
 import os
+import signal
 import subprocess
 import sys
 
@@ -38,11 +39,12 @@ def slice_of(thread):
 nice = min(os.nice(0) + 3, 19)
 os.nice(3)
 threads = [os.getpid(), thread()]
-may = scheduling.may_come_first()
-why_not = scheduling.LoopPriority(0 if CASE == "not wanted" else 2).take()
+priority = 0 if CASE == "not wanted" else 2
+may = scheduling.may_come_first(priority)
+why_not = scheduling.LoopPriority(priority).take()
 threads.append(thread())
 assert {os.getpriority(os.PRIO_PROCESS, each) for each in threads} == {nice}
-assert CASE == "not wanted" or may == (not why_not)
+assert may == (not why_not)
 if why_not:
     assert policies() == {os.SCHED_OTHER}
     linux = tuple(int(part) for part in os.uname().release.split("-")[0].split(".")[:2])
@@ -87,8 +89,25 @@ for _ in range(2):
 ended.set()
 """
 
+FAILS_ONCE = """
+each_thread, failing = scheduling._each_thread, [False, True]
+def fails_at_first(action):
+    if failing and failing.pop(0):
+        raise OSError(24, "no file descriptor is left")
+    each_thread(action)
+scheduling._each_thread = fails_at_first
+"""
+
+HANG = """
+scheduling.LONGEST_CALL = 1
+assert not scheduling.LoopPriority(1).take()
+print("hangs", flush=True)
+sum(range(10**15))  # never lets another thread have Python's lock
+"""
+
 FOREIGN = """
 os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
+assert not scheduling.may_come_first(1)
 why_not = scheduling.LoopPriority(1).take()
 assert policies() == {os.SCHED_BATCH}
 print(why_not)
@@ -111,7 +130,7 @@ print(told)
 """
 
 
-def run(script, *arguments):
+def run(script, *arguments, ends=0):
     result = subprocess.run(
         [sys.executable, "-c", script, *arguments],
         stdout=subprocess.PIPE,
@@ -121,7 +140,7 @@ def run(script, *arguments):
         check=False,
         start_new_session=True,
     )
-    assert result.returncode == 0, result.stdout
+    assert result.returncode == ends, result.stdout
     return result.stdout.strip()
 
 
@@ -149,10 +168,22 @@ def test_else_they_ask_for_short_slices(case, why):
     assert why in run(START + TAKE, case)
 
 
-def test_a_loop_that_never_rests_gives_way_for_a_while():
+@pytest.fixture
+def realtime():
     if not may_be_realtime():
         pytest.skip("this user may not have real-time processes, or there is one processor only")
+
+
+def test_a_loop_that_never_rests_gives_way_for_a_while(realtime):
     run(START + NEVER_REST)
+
+
+def test_a_watch_that_fails_once_goes_on(realtime):
+    run(START + FAILS_ONCE + NEVER_REST)
+
+
+def test_a_native_call_that_hangs_is_ended(realtime):
+    assert run(START + HANG, ends=-signal.SIGXCPU) == "hangs"
 
 
 def test_a_scheduler_that_was_given_is_kept():

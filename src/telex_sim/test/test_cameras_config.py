@@ -6,6 +6,7 @@ import pytest
 import yaml
 
 from telex_control.params import ConfigError, read_config
+from telex_sim.rendering import cameras_node
 from telex_sim.rendering.camera_parameters import as_yaml, changed
 from telex_sim.rendering.cameras_config import CamerasConfig
 
@@ -242,3 +243,25 @@ class TestChanged:
 def test_bad_name_of_a_lamp():
     with pytest.raises(ConfigError, match="lamps has the key 'a/b'"):
         read(lamps={"a/b": LAMP})
+
+
+@pytest.mark.parametrize(
+    ("simulator", "granted", "niceness"),
+    [
+        ({}, True, 5),
+        ({"paused": True, "timing": {"realtime_priority": 3}}, True, 5),
+        ({}, False, 10),
+        ({"timing": {"realtime_priority": 0}}, True, 10),
+        ({"timing": {"real_time_factor": 2.0}}, True, 10),
+        ({"gui": True}, True, 10),
+        ({"gui": "perhaps"}, True, 10),
+    ],
+)
+def test_cameras_step_back_more_where_the_simulator_does_not_come_first(
+    monkeypatch, simulator, granted, niceness
+):
+    monkeypatch.setattr(cameras_node.rospy, "resolve_name", lambda name: f"/telex/{name}")
+    monkeypatch.setattr(cameras_node.rospy, "get_param", {"/telex/simulator": simulator}.get)
+    monkeypatch.setattr(cameras_node, "may_come_first", lambda priority: granted and priority > 0)
+    assert cameras_node._niceness(read()) == niceness
+    assert cameras_node._niceness(read(niceness=2)) == 2

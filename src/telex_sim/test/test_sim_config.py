@@ -5,8 +5,7 @@ import pytest
 from telex_control.local_node_handle import LocalNodeHandle
 from telex_control.params import ConfigError
 from telex_control.urdf_joints import UrdfError, parse_urdf
-from telex_sim import simulator_node
-from telex_sim.config import HardwareConfig, JointHardware
+from telex_sim.config import HardwareConfig, JointHardware, read_simulator_config
 from telex_sim.offline import shipped_config
 from telex_sim.robot_hw_sim import RobotHWSim
 from telex_sim.world import World, WorldError
@@ -50,11 +49,24 @@ def test_mistakes_are_named(change, named):
     assert named in str(caught.value)
 
 
-def test_the_node_names_its_parameters_as_they_are_called(monkeypatch):
-    monkeypatch.setattr(simulator_node.rospy, "get_name", lambda: "/telex/simulator")
-    monkeypatch.setattr(simulator_node.rospy, "get_param", lambda *_: {"world": ""})
+def test_the_node_names_its_parameters_as_they_are_called():
     with pytest.raises(ConfigError, match="^parameter /telex/simulator: world is ''"):
-        simulator_node._simulator_config()
+        read_simulator_config({"world": "", "paused": True}, "/telex/simulator")
+
+
+@pytest.mark.parametrize(
+    ("change", "priority"),
+    [
+        ({}, 1),
+        ({"timing__realtime_priority": 7, "timing__real_time_factor": 0.5}, 7),
+        ({"timing__realtime_priority": 0}, 0),
+        ({"timing__real_time_factor": 0.0}, 0),
+        ({"timing__real_time_factor": 1.5}, 0),
+        ({"gui": True}, 0),
+    ],
+)
+def test_only_a_loop_that_rests_comes_first(change, priority):
+    assert shipped_config(**change).realtime_priority == priority
 
 
 def robot(interface="hardware_interface/EffortJointInterface", limit='velocity="1" effort="1"'):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import os
-import platform
+import resource
 import struct
 import threading
 import time
@@ -19,6 +19,9 @@ LONGEST_RUN = 0.2
 
 ORDINARY_FOR = 5.0
 """Time (s) for which it remains one, at least."""
+
+LONGEST_CALL = 30
+"""Computing time (s) in one native call after which the kernel ends the process (SIGXCPU)."""
 
 WAKE_SLICE = 100_000
 """Time (ns) that an ordinary thread of the loop asks for at once; Linux serves short ones first."""
@@ -35,7 +38,8 @@ class LoopPriority:
     As an ordinary process, a loop that runs every few milliseconds beside processes that use all
     there is waits for a processor as long as it computes. As a real-time one it does not, but one
     that computed without a rest would leave too little to what is to stop it: it gives way then.
-    Child processes inherit what this one is.
+    One that hangs in a native call, which keeps Python's lock and with it this watch from running,
+    is ended by the kernel. Child processes inherit what this one is.
 
     Parameters
     ----------
@@ -69,6 +73,7 @@ class LoopPriority:
         if refused:
             _each_thread(_make_ordinary)
             return refused
+        _limit_native_calls()
         self.rest()
         threading.Thread(target=self._watch, name="loop_priority", daemon=True).start()
         return ""
@@ -96,12 +101,24 @@ class LoopPriority:
             time.sleep(0.5 * LONGEST_RUN)
             now = time.monotonic()
             rests = now < self._rested_at + LONGEST_RUN
-            if gave_way_at is None and not rests:
-                gave_way_at = now
-                _each_thread(_make_ordinary)
-            elif gave_way_at is not None and rests and now >= gave_way_at + ORDINARY_FOR:
-                gave_way_at = None
-                _each_thread(self._run_first)
+            try:
+                if gave_way_at is None and not rests:
+                    _each_thread(_make_ordinary)
+                    gave_way_at = now
+                elif gave_way_at is not None and rests and now >= gave_way_at + ORDINARY_FOR:
+                    gave_way_at = None  # first: even half of it may have to give way again
+                    _each_thread(self._run_first)
+            except OSError:
+                # No file descriptor is left, or priority no longer granted: the watch goes on.
+                continue
+
+
+def _limit_native_calls() -> None:
+    """Have the kernel end this process where a real-time thread computes on and on."""
+    _, hard = resource.getrlimit(resource.RLIMIT_RTTIME)
+    wanted = LONGEST_CALL * 1_000_000
+    if hard == resource.RLIM_INFINITY or wanted < hard:
+        resource.setrlimit(resource.RLIMIT_RTTIME, (wanted, hard))
 
 
 def _each_thread(action: Callable[[int], None]) -> None:
@@ -127,7 +144,7 @@ def _make_ordinary(thread: int) -> None:
     """Let a thread have its share, served sooner for less at a time."""
     if os.sched_getscheduler(thread) != os.SCHED_OTHER:
         os.sched_setscheduler(thread, os.SCHED_OTHER, os.sched_param(0))
-    number = _SCHED_SETATTR.get(platform.machine())
+    number = _SCHED_SETATTR.get(os.uname().machine)
     if number is None or struct.calcsize("P") != 8:
         return
     # struct sched_attr of sched_setattr(2): size, policy, flags, nice, priority, runtime, ...
@@ -137,15 +154,17 @@ def _make_ordinary(thread: int) -> None:
     ctypes.CDLL(None).syscall(number, thread, wanted, 0)
 
 
-def may_come_first() -> bool:
+def may_come_first(priority: int) -> bool:
     """Tell whether a `LoopPriority` of this user would come before ordinary processes here.
 
-    It tries it for a moment with the calling thread, which has to be an ordinary one.
+    It tries it for a moment with the calling thread; where that is no ordinary one, it is False.
     """
-    if len(os.sched_getaffinity(0)) < 2:
+    if not priority or len(os.sched_getaffinity(0)) < 2:
+        return False
+    if os.sched_getscheduler(0) != os.SCHED_OTHER:
         return False
     try:
-        os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(1))
+        os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(priority))
     except OSError:
         return False
     os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
@@ -153,7 +172,7 @@ def may_come_first() -> bool:
 
 
 def step_back(niceness: int) -> None:
-    """Lower the priority of this process against all others.
+    """Lower the priority of the calling thread, and of those it starts, against all others.
 
     Linux shares the processors among sessions first (sched_autogroup), and roslaunch gives every
     node a session of its own: niceness alone would change nothing there.

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Dict, Optional, Tuple
+from typing import Any, Dict, Mapping, Optional, Tuple
 
-from telex_control.params import require, require_range, require_text
+from telex_control.params import read_config, require, require_range, require_text
 
 from .gripper_contact_config import GripperContactConfig
 from .imu_noise import ImuNoise
@@ -282,3 +282,30 @@ class SimulatorConfig(RobotConfig):
         )
         require_text(self, "model")
         require_text(self, "world")
+
+    @property
+    def realtime_priority(self) -> int:
+        """Of the process, 0 where it has to be an ordinary one."""
+        # PyBullet's window computes without a rest, in threads of the process. And one that is to
+        # be quicker than the wall would outrun the nodes that command the robot.
+        rests = 0.0 < self.timing.real_time_factor <= 1.0 and not self.gui
+        return self.timing.realtime_priority if rests else 0
+
+
+def read_simulator_config(params: Mapping[str, Any], name: str) -> SimulatorConfig:
+    """Make the configuration of a ``simulator`` node's private parameters.
+
+    Parameters
+    ----------
+    params : mapping
+    name : str
+        Of the node, for messages.
+
+    Raises
+    ------
+    ConfigError
+    """
+    own = ("paused", "global_description")
+    return read_config(
+        SimulatorConfig, {key: value for key, value in params.items() if key not in own}, name
+    )

@@ -41,7 +41,7 @@ from telex_control.run_memory import RunMemory
 from telex_control.scheduling import LoopPriority
 from telex_control.urdf_joints import UrdfError
 
-from .config import RobotConfig, SimulatorConfig
+from .config import RobotConfig, SimulatorConfig, read_simulator_config
 from .crash_recovery import CrashRecovery
 from .loop_requests import LoopRequests
 from .pacing import RealTimeFactor, RealTimePacer
@@ -492,30 +492,14 @@ class SimulatorNode:
         return [f"this computer is too slow: real-time factor {factor:.2f} of {wanted:g}"]
 
 
-def _simulator_config() -> SimulatorConfig:
-    """Read the node's private parameters.
-
-    Raises
-    ------
-    ConfigError
-    """
-    params = dict(rospy.get_param("~", {}))
-    for own in ("paused", "global_description"):
-        params.pop(own, None)
-    return read_config(SimulatorConfig, params, rospy.get_name())
-
-
 def _come_first(config: SimulatorConfig) -> LoopPriority:
     """Put this process before ordinary ones, and say so; one that is not to rest remains one."""
-    wanted = config.timing.realtime_priority
-    # PyBullet's window computes without a rest, in threads of this process. And one that is to be
-    # quicker than the wall would outrun the nodes that command the robot.
-    rests = 0.0 < config.timing.real_time_factor <= 1.0 and not config.gui
-    priority = LoopPriority(wanted if rests else 0)
+    wanted = config.realtime_priority
+    priority = LoopPriority(wanted)
     why_not = priority.take()
     if not why_not:
         rospy.loginfo("simulator: real-time priority %d", wanted)
-    elif rests and wanted:
+    elif wanted:
         rospy.loginfo(
             "simulator: no real-time priority %d (%s): beside what fills all processors it may "
             "fall behind; README, Troubleshooting",
@@ -537,7 +521,7 @@ def main() -> None:
         if rospy.get_param("~global_description", True):
             offer_globally(description)
         simulation = Simulation(
-            _simulator_config(),
+            read_simulator_config(rospy.get_param("~", {}), rospy.get_name()),
             description,
             RosNodeHandle(),
             lambda address: resolve_address(address, packages.get_path),

@@ -19,6 +19,7 @@ from telex_control.node_start import init_node, until_shutdown
 from telex_control.params import ConfigError, read_config
 from telex_control.scheduling import may_come_first, step_back
 
+from ..config import read_simulator_config
 from .camera_service import CameraService
 from .camera_stream import CameraStream, PictureSize
 from .cameras_config import OPENGL, TINY, CamerasConfig
@@ -34,9 +35,10 @@ from .scene_mirror import SceneMirror
 from .scene_renderer import SceneRenderer
 from .tiny_renderer import TinyRenderer
 
-# Longest wait for the simulator before looking at who listens again (s).
 _NICENESS, _NICENESS_BESIDE_ORDINARY = 5, 10
-"""Of this process beside a simulator that comes first, and beside one that cannot."""
+"""Of this process beside a simulator that comes first, and beside one that does not."""
+
+# Longest wait for the simulator before looking at who listens again (s).
 _PATIENCE = 0.1
 
 # How long poses are still followed when nobody looks any more (s): whoever takes a snapshot now and
@@ -222,7 +224,12 @@ def _itself(frame_in_world: np.ndarray, now: float) -> np.ndarray:
 def _niceness(config: CamerasConfig) -> int:
     if config.niceness is not None:
         return config.niceness
-    return _NICENESS if may_come_first() else _NICENESS_BESIDE_ORDINARY
+    name = rospy.resolve_name("simulator")
+    try:
+        priority = read_simulator_config(rospy.get_param(name, {}), name).realtime_priority
+    except ConfigError:  # about which that node says more
+        priority = 0
+    return _NICENESS if may_come_first(priority) else _NICENESS_BESIDE_ORDINARY
 
 
 def main() -> None:
