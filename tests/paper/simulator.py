@@ -9,9 +9,8 @@ from pathlib import Path
 from typing import Dict, List, Optional, Union
 
 import rospy
-from private_simulator import cpu_seconds
 
-from telex_control.private_master import DIES_WITH_US, PrivateMaster, descendants, end_tree
+from telex_control.private_master import DIES_WITH_US, PrivateMaster, end_tree
 
 Argument = Union[str, float, bool]
 
@@ -107,22 +106,6 @@ class Simulator:
             raise SimulatorStartError(f"{waiting.stdout.strip()}\n{end}")
         if "--no-console" not in leave_out:
             self.video_url = str(rospy.get_param(f"{self.namespace}/video_server/url"))
-
-    def processes(self) -> Dict[str, int]:
-        """Process ids of the nodes by node name, as their command lines tell."""
-        found = {}
-        if self._process is not None:
-            for pid in descendants(self._process.pid):
-                with contextlib.suppress(FileNotFoundError, ProcessLookupError):
-                    words = Path(f"/proc/{pid}/cmdline").read_bytes().decode(errors="replace")
-                    for word in words.split("\0"):
-                        if word.startswith("__name:="):
-                            found[word[len("__name:=") :]] = pid
-        return found
-
-    def cpu(self) -> Dict[str, float]:
-        """CPU time that each node has used so far (s)."""
-        return {name: cpu_seconds(pid) for name, pid in self.processes().items()}
 
 
 def _word(value: Argument) -> str:
