@@ -50,6 +50,15 @@ TOPICS: Tuple[str, ...] = (
 )
 """In the robot's namespace: states, ground truth, and every command of an operator."""
 
+ARM_COMMANDS: Tuple[str, ...] = tuple(
+    f"{joint}_position_controller/command"
+    for joint in (
+        *("turret", "shoulder", "telescope", "elbow"),
+        *("forearm_roll", "wrist_pitch", "gripper_roll"),
+    )
+)
+"""What tools command that lead the arm's joints by themselves."""
+
 FRAMES: Tuple[str, ...] = ("/tf", "/tf_static")
 
 RATES: Dict[str, float] = {
@@ -64,6 +73,9 @@ RATES: Dict[str, float] = {
 
 PICTURES = 5.0
 """Of each camera a second of sim time."""
+
+FEW_PICTURES = 2.0
+"""Where what is recorded needs the processor, or has been seen in another run."""
 
 READY = "recording"
 """What the process says once it listens."""

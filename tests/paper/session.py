@@ -10,8 +10,10 @@ from typing import Any, Callable, Sequence, Union
 import numpy as np
 import rospy
 import simplejpeg
+import yaml
 from sensor_msgs.msg import CompressedImage
 from telex_msgs.msg import SceneDescription
+from telex_msgs.srv import ConfigureCamera
 
 from telex_control.private_master import PrivateMaster
 
@@ -93,6 +95,23 @@ class Session:
         return Recorder(
             self.folder / f"{name}.bag", self.namespace, self.log, topics, cameras, rate
         )
+
+    def configure_camera(self, camera: str, **settings: Any) -> None:
+        """Have a camera drawn otherwise, by its settings in ``cameras.yaml``.
+
+        Raises
+        ------
+        rospy.ROSException
+            The service does not come up.
+        RuntimeError
+            It refuses them.
+        """
+        name = f"{self.namespace}/cameras/configure"
+        rospy.wait_for_service(name, _LOOK_TIMEOUT)
+        parameters = yaml.safe_dump(settings, default_flow_style=True)
+        answer = rospy.ServiceProxy(name, ConfigureCamera)(camera=camera, parameters=parameters)
+        if not answer.success:
+            raise RuntimeError(f"{name}: {answer.message}")
 
     def look(self, camera: str) -> np.ndarray:
         """Return the next picture of a camera: RGB, uint8, shape (height, width, 3).

@@ -11,6 +11,7 @@ import yaml
 from telex_sim.offline import package_file
 
 from ..experiment import Cell, Experiment, Figure, Picture, Result, Table
+from ..recorder import ARM_COMMANDS, FEW_PICTURES
 from ..session import Session
 from ..tool import rosrun
 
@@ -100,10 +101,10 @@ def run(session: Session) -> Result:
     plan = session.folder / "plan.yaml"
     plan.write_text(hurried(), encoding="utf-8")
     arguments = ["arm", "--pose", *postures, "--plan", str(plan), "--out", str(session.folder)]
-    with session.simulator(
-        cameras=False, console=False, pose="ready", real_time_factor=SPEED
-    ), session.record("steps"):
-        rosrun("telex_control", "step_response", *arguments, say=session.say)
+    with session.simulator(console=False, pose="ready", real_time_factor=SPEED):
+        session.configure_camera("front", rate=FEW_PICTURES)
+        with session.record("steps", ("front",), ARM_COMMANDS, FEW_PICTURES):
+            rosrun("telex_control", "step_response", *arguments, say=session.say)
     rows = json.loads((session.folder / "steps.json").read_text(encoding="utf-8"))
     figures = [figure for row in rows if row["reference"] == "shaped" for figure in bars(row)]
     head = (

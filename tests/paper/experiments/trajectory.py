@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import List, Sequence, Tuple
 
 from ..experiment import Cell, Experiment, Figure, Picture, Result, Table
+from ..recorder import ARM_COMMANDS, FEW_PICTURES
 from ..session import Session
 from ..tool import rosrun
 
@@ -69,9 +70,10 @@ def run(session: Session) -> Result:
     figures: List[Figure] = []
     rows: List[List[Cell]] = []
     # Not faster than real time: a reference that a busy machine delays would be late by more.
-    with session.simulator(cameras=False, console=False, pose="look_front"):
+    with session.simulator(console=False, pose="look_front"):
+        session.configure_camera("front", rate=FEW_PICTURES)
         for way in ways:
-            with session.record(way.name):
+            with session.record(way.name, ("front",), ARM_COMMANDS, FEW_PICTURES):
                 found, row = follow(session, way)
             figures += found
             rows.append(row)

@@ -35,7 +35,7 @@ def _briefcase(session: Session) -> Result:
 
 
 def _cube(session: Session) -> Result:
-    return TaskRuns(session, CubeToBox, ("gripper", "turret"), 1.5).carry_out()
+    return TaskRuns(session, CubeToBox, ("gripper", "turret"), 1.5, looks=True).carry_out()
 
 
 EXPERIMENTS = (

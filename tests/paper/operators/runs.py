@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, Optional,
 import yaml
 from mobility.scripted_operator import NotManagedError
 from std_srvs.srv import Empty
-from telex_msgs.srv import ConfigureCamera, Delete, Spawn
+from telex_msgs.srv import Delete, Spawn
 
 from ..experiment import Cell, Figure, Picture, Result, Table
-from ..recorder import PICTURES
+from ..recorder import FEW_PICTURES, PICTURES
 from .course import SECTIONS, WORLD, Section
 from .film import Film
 from .ground_truth import GroundTruth
@@ -33,8 +33,6 @@ _SETTLING = 1.0
 """How long (s) all keys are let go of after a reset, so that the nodes obey again."""
 _FILM: Dict[str, Any] = {"rate": 4.0, "priority": 2, "width": 640, "height": 360}
 """How the film's camera draws: little, and before the others where there is time for some only."""
-_RECORDED: Dict[str, Any] = {"rate": PICTURES, "priority": 0}
-"""How those draw that are recorded or looked through: as often as the recorder keeps a picture."""
 _STRIP, _COLUMNS = 8, 4
 
 
@@ -47,9 +45,12 @@ class TaskRuns:
     make : callable
         Makes the task.
     cameras : sequence of str
-        Those whose pictures are recorded in the first run.
+        Those whose pictures are recorded; fewer of them after the first run, but where an operator
+        looks through them.
     real_time_factor : float
         Sim time per wall time, at most; where the machine cannot, it is slower.
+    looks : bool
+        Whether the operator looks through the cameras.
     """
 
     def __init__(
@@ -58,11 +59,13 @@ class TaskRuns:
         make: Callable[[], Task],
         cameras: Sequence[str],
         real_time_factor: float,
+        looks: bool = False,
     ) -> None:
         self._session = session
         self._make = make
         self._cameras = tuple(cameras)
         self._factor = real_time_factor
+        self._later = PICTURES if looks else FEW_PICTURES
         self._rows: List[List[Cell]] = []
         self._names: List[str] = []
 
@@ -77,7 +80,7 @@ class TaskRuns:
             console=False,
         ), _station(session.namespace) as station:
             truth, hand = GroundTruth(station.link.node), Hand(station)
-            _slow_cameras(station, self._cameras)
+            session.configure_camera("overview", **_FILM)
             for number in range(1, runs + 1):
                 self._run(number, runs, station, hand, truth)
         return self._result(runs)
@@ -88,7 +91,8 @@ class TaskRuns:
         session, task = self._session, self._make()
         things = task.lay_out(session.rng("run", number))
         first = number == 1
-        bag = f"run_{number:02d}"
+        bag, rate = f"run_{number:02d}", PICTURES if first else self._later
+        _draw(session, self._cameras, rate)
         with contextlib.ExitStack() as stack:
             try:
                 self._prepare(station, truth, things, task.subject)
@@ -98,7 +102,7 @@ class TaskRuns:
             film: Optional[Film] = None
             if first:
                 film = stack.enter_context(contextlib.closing(Film(station)))
-            stack.enter_context(session.record(bag, cameras=self._cameras if first else ()))
+            stack.enter_context(session.record(bag, cameras=self._cameras, rate=rate))
             if film is not None:
                 film.look_from(*task.view)
                 with contextlib.suppress(NotManagedError):
@@ -184,7 +188,8 @@ def drive_course(session: Session) -> Result:
     with session.simulator(
         world=str(SCENES / WORLD), pose="drive", real_time_factor=1.5, console=False
     ), _station(session.namespace) as station, contextlib.closing(Film(station)) as film:
-        _slow_cameras(station, ("front",))
+        session.configure_camera("overview", **_FILM)
+        _draw(session, ("front",), PICTURES)
         with session.record("course", cameras=("front",)):
             failed = ""
             for section in SECTIONS:
@@ -238,11 +243,10 @@ def _station(namespace: str) -> Iterator[Station]:
         link.close()
 
 
-def _slow_cameras(station: Station, recorded: Sequence[str]) -> None:
-    """Let cameras draw less, so that more of the processor is left to the physics."""
-    for camera, settings in {"overview": _FILM, **dict.fromkeys(recorded, _RECORDED)}.items():
-        parameters = yaml.safe_dump(settings, default_flow_style=True)
-        _ask(station, "cameras/configure", ConfigureCamera, camera=camera, parameters=parameters)
+def _draw(session: Session, cameras: Sequence[str], rate: float) -> None:
+    """Have cameras drawn as often as they are recorded (Hz): more is left to the physics."""
+    for camera in cameras:
+        session.configure_camera(camera, rate=rate, priority=0)
 
 
 def _ask(station: Station, service: str, kind: Any, **request: Any) -> None:
