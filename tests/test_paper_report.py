@@ -28,6 +28,8 @@ from paper.page import Run, number, page  # noqa: E402
 from paper.recorder import Throttle, rates  # noqa: E402
 from paper.schedule import Outcome, Schedule, planned  # noqa: E402
 
+from telex_control.private_master import PrivateMaster, end_tree  # noqa: E402
+
 RUN = Run("2026-01-01 12:00", "a processor", "commit abc", False, 1, 90.0)
 VOID = {"meta", "link", "img", "br"}
 PIXEL = base64.b64decode(
@@ -548,3 +550,52 @@ def test_a_recording_holds_commands_states_frames_and_the_asked_cameras():
         assert topic in found
     assert found["/telex/cameras/front/image_raw/compressed"] == 2.0
     assert not any("rear" in topic for topic in found)
+
+
+LATE_CLOCK = """
+import time
+import rospy
+from rosgraph_msgs.msg import Clock
+from std_msgs.msg import Bool
+
+rospy.init_node("robot", disable_signals=True)
+clock = rospy.Publisher("/clock", Clock, queue_size=10)
+stop = rospy.Publisher("/telex/e_stop", Bool, queue_size=10)
+while clock.get_num_connections() < 2:  # its own, and the recorder's
+    time.sleep(0.01)
+for step in range(1000):
+    stop.publish(step % 2 == 0)
+    if step > 100:
+        clock.publish(rospy.Time(100, 10_000_000 * (step % 100)))
+    time.sleep(0.01)
+"""
+
+
+@pytest.mark.ros
+def test_a_bag_begins_with_the_sim_time(tmp_path):
+    import rosbag
+
+    with PrivateMaster() as master:
+        paths = [*sys.path, str(ROOT / "tests")]
+        environment = master.environment(PYTHONPATH=os.pathsep.join(filter(None, paths)))
+        subprocess.run(["rosparam", "set", "/use_sim_time", "true"], env=environment, check=True)
+        path = tmp_path / "run.bag"
+        recorder = [sys.executable, "-m", "paper.recorder", str(path), "/telex"]
+        started = []
+        try:
+            for command in ([sys.executable, "-c", LATE_CLOCK], recorder):
+                started.append(
+                    subprocess.Popen(
+                        command, env=environment, stdout=subprocess.PIPE, start_new_session=True
+                    )
+                )
+            assert started[-1].stdout.readline().strip() == b"recording"
+            time.sleep(1.0)
+        finally:
+            for process in reversed(started):
+                end_tree(process)
+                process.stdout.close()
+    with rosbag.Bag(str(path)) as bag:
+        times = [stamp.to_sec() for _, _, stamp in bag.read_messages("/telex/e_stop")]
+    assert len(times) > 10
+    assert 100.0 <= min(times) <= max(times) < 101.0

@@ -11,6 +11,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from pathlib import Path
 from typing import Any, Dict, Optional, Sequence, Tuple
 
@@ -80,6 +81,9 @@ FEW_PICTURES = 2.0
 READY = "recording"
 """What the process says once it listens."""
 
+_CLOCK_TIMEOUT = 10.0
+"""How long (s) it waits for the first clock; without one, it records all the same."""
+
 _PERIOD_SHARE = 0.9
 """A message that comes this share of a period after the last one is kept: stamps jitter."""
 
@@ -97,13 +101,13 @@ class Throttle:
         self._period = 0.0 if rate is None else _PERIOD_SHARE / rate
         self._last: Dict[str, float] = {}
 
-    def keeps(self, time: float, key: str = "") -> bool:
-        """Tell whether a message is kept, that comes at a time (s) in one of several streams."""
+    def keeps(self, now: float, key: str = "") -> bool:
+        """Tell whether a message is kept, that comes at `now` (s) in one of several streams."""
         last = self._last.get(key)
         # A clock that was set back begins anew.
-        if last is not None and 0.0 <= time - last < self._period:
+        if last is not None and 0.0 <= now - last < self._period:
             return False
-        self._last[key] = time
+        self._last[key] = now
         return True
 
 
@@ -231,6 +235,14 @@ def rates(
     return found
 
 
+def _await_clock(ended: threading.Event) -> None:
+    """Wait for the sim time: what came before it would begin the bag minutes before the rest."""
+    until = time.monotonic() + _CLOCK_TIMEOUT
+    while not rospy.get_rostime() and time.monotonic() < until:
+        if ended.wait(0.01):
+            return
+
+
 def main() -> None:
     """Record until SIGINT or SIGTERM."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -244,6 +256,7 @@ def main() -> None:
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, lambda *_: ended.set())
     rospy.init_node("recorder", anonymous=True, disable_signals=True)
+    _await_clock(ended)
     writer = Writer(
         options.path, rates(options.namespace, options.topics, options.cameras, options.rate)
     )
