@@ -90,7 +90,7 @@ ended.set()
 """
 
 FAILS_ONCE = """
-each_thread, failing = scheduling._each_thread, [False, True]
+each_thread, failing = scheduling._each_thread, [False, True, False, True]
 def fails_at_first(action):
     if failing and failing.pop(0):
         raise OSError(24, "no file descriptor is left")

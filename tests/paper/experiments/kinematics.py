@@ -26,6 +26,7 @@ from telex_control.urdf_joints import parse_urdf
 from ..chromium import screenshot
 from ..driving import Jogger
 from ..experiment import Experiment, Figure, Picture, Result, Table
+from ..recorder import FEW_PICTURES
 from ..session import Session
 
 BASE, TOOL = "base_link", "tool_link"
@@ -215,7 +216,8 @@ def _agreement(name: str, apart: Apart, bar: float) -> List[Figure]:
 def run(session: Session) -> Result:
     """Draw the arm, list its parameters, compare the accounts of where its tool is."""
     count = 200 if session.quick else 1000
-    with session.simulator(cameras=False, console=False, pose="ready"):
+    with session.simulator(console=False, pose="ready"):
+        session.configure_camera("front", rate=FEW_PICTURES)
         urdf = rospy.get_param(f"{session.namespace}/robot_description")
         chain = Chain(parse_urdf(urdf), BASE, TOOL)
         parameters = dh_chain(chain)
@@ -226,7 +228,8 @@ def run(session: Session) -> Result:
         session.say(f"asking compute_fk for {count} configurations")
         kdl = farthest(product, by_service(session, chain, positions))
         session.say("moving the arm, and comparing /tf and the physics with the joint states")
-        (frames, moments), (truth, instants) = while_moving(session, chain, parameters)
+        with session.record("moving", cameras=("front",), rate=FEW_PICTURES):
+            (frames, moments), (truth, instants) = while_moving(session, chain, parameters)
     bullet = farthest(product, by_pybullet(urdf, chain, positions))
     drawing = session.folder / "kinematics.svg"
     drawing.write_text(_drawing_tool().draw(chain, parameters), encoding="utf-8")

@@ -10,7 +10,7 @@ import struct
 import threading
 import time
 from pathlib import Path
-from typing import Callable, Optional
+from typing import Callable
 
 __all__ = ["LoopPriority", "may_come_first", "step_back"]
 
@@ -65,13 +65,11 @@ class LoopPriority:
         if os.sched_getscheduler(0) != os.SCHED_OTHER:
             return "it was started with a scheduler of its own, which is kept"
         refused = self._refused()
-        if not refused:
-            try:
-                _each_thread(self._run_first)
-            except OSError as error:
-                refused = error.strerror or str(error)
         if refused:
             _each_thread(_make_ordinary)
+        else:
+            refused = self._come_first()
+        if refused:
             return refused
         _limit_native_calls()
         self.rest()
@@ -87,6 +85,15 @@ class LoopPriority:
             return "none is wanted"
         return _ONE_PROCESSOR if len(os.sched_getaffinity(0)) < 2 else ""
 
+    def _come_first(self) -> str:
+        """Make all threads real-time ones, or else all ordinary ones, and return why."""
+        try:
+            _each_thread(self._run_first)
+        except OSError as error:
+            _each_thread(_make_ordinary)
+            return error.strerror or str(error)
+        return ""
+
     def _run_first(self, thread: int) -> None:
         os.sched_setscheduler(thread, os.SCHED_RR, os.sched_param(self._priority))
 
@@ -96,28 +103,27 @@ class LoopPriority:
         The kernel has a limit for that (RLIMIT_RTTIME), but for it a thread rests that hands the
         interpreter over to another one.
         """
-        gave_way_at: Optional[float] = None
+        comes_first, gave_way_at = True, 0.0
         while True:
             time.sleep(0.5 * LONGEST_RUN)
             now = time.monotonic()
             rests = now < self._rested_at + LONGEST_RUN
             try:
-                if gave_way_at is None and not rests:
+                if comes_first and not rests:
                     _each_thread(_make_ordinary)
-                    gave_way_at = now
-                elif gave_way_at is not None and rests and now >= gave_way_at + ORDINARY_FOR:
-                    gave_way_at = None  # first: even half of it may have to give way again
-                    _each_thread(self._run_first)
+                    comes_first, gave_way_at = False, now
+                elif not comes_first and rests and now >= gave_way_at + ORDINARY_FOR:
+                    comes_first = True  # some threads at least, where this raises
+                    comes_first, gave_way_at = not self._come_first(), now
             except OSError:
-                # No file descriptor is left, or priority no longer granted: the watch goes on.
-                continue
+                continue  # no file descriptor is left, say; tried again
 
 
 def _limit_native_calls() -> None:
     """Have the kernel end this process where a real-time thread computes on and on."""
-    _, hard = resource.getrlimit(resource.RLIMIT_RTTIME)
+    soft, hard = resource.getrlimit(resource.RLIMIT_RTTIME)
     wanted = LONGEST_CALL * 1_000_000
-    if hard == resource.RLIM_INFINITY or wanted < hard:
+    if soft == resource.RLIM_INFINITY or wanted < soft:
         resource.setrlimit(resource.RLIMIT_RTTIME, (wanted, hard))
 
 

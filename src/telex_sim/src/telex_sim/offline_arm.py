@@ -28,7 +28,7 @@ class OfflineArm:
     Parameters
     ----------
     simulation : Simulation
-        Whose position controllers run.
+        Whose position controllers run; they say what they hold once it has made a step (`wait`).
     node : LocalNodeHandle
         Of the robot.
     joints : sequence of str
@@ -58,13 +58,14 @@ class OfflineArm:
         self._every = round(1.0 / (rate * self._step)) if rate else self._cycle
         self._states: Dict[str, JointControllerState] = {}
         self._commands = {}
-        frequencies = []
+        delays = []
         for joint in self._joints:
             name = joint.replace("_joint", "_position_controller")
-            frequencies.append(node.find_param(f"{name}/command_filter_frequency", None))
+            frequency = node.find_param(f"{name}/command_filter_frequency", 0.0)
+            delays.append(_FILTER_STAGES / frequency if frequency else 0.0)
             self._commands[joint] = node.advertise(f"/{name}/command", Float64)
             node.subscribe(f"/{name}/state", JointControllerState, self._keeper(joint))
-        self._filter_lag = _FILTER_STAGES / min(frequencies)
+        self._filter_lag = max(delays)
         self.each_step: List[Callable[[int], None]] = []
 
     def _keeper(self, joint: str) -> Callable[[JointControllerState], None]:

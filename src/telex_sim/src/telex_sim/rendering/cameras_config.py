@@ -377,7 +377,7 @@ class CamerasConfig:
         Of all noise.
     niceness
         By how much the process steps back for others, above all for the physics, 0 to 19. Left out,
-        it is 5, or 10 where the simulator cannot come before ordinary processes by itself.
+        it is 5, or 10 where the simulator does not come before ordinary processes.
     software_threads
         Further threads for rendering without a graphics card. More give each picture sooner and
         take the cores from the physics; with 0 the node never uses more than one.
