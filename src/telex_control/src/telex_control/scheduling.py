@@ -20,7 +20,7 @@ LONGEST_RUN = 0.2
 ORDINARY_FOR = 5.0
 """Time (s) for which it remains one, at least."""
 
-LONGEST_CALL = 30
+LONGEST_CALL = 30.0
 """Computing time (s) in one native call after which the kernel ends the process (SIGXCPU)."""
 
 WAKE_SLICE = 100_000
@@ -122,7 +122,7 @@ class LoopPriority:
 def _limit_native_calls() -> None:
     """Have the kernel end this process where a real-time thread computes on and on."""
     soft, hard = resource.getrlimit(resource.RLIMIT_RTTIME)
-    wanted = LONGEST_CALL * 1_000_000
+    wanted = round(1e6 * LONGEST_CALL)
     if soft == resource.RLIM_INFINITY or wanted < soft:
         resource.setrlimit(resource.RLIMIT_RTTIME, (wanted, hard))
 
