@@ -20,6 +20,7 @@ import rospy
 from rosbag import Bag, Compression
 
 from telex_control.private_master import DIES_WITH_US, end_tree
+from telex_control.scheduling import step_back
 
 TOPICS: Tuple[str, ...] = (
     "joint_states",
@@ -80,6 +81,8 @@ FEW_PICTURES = 2.0
 
 READY = "recording"
 """What the process says once it listens."""
+
+_NICENESS = 10
 
 _CLOCK_TIMEOUT = 10.0
 """How long (s) it waits for the first clock; without one, it records all the same."""
@@ -255,6 +258,8 @@ def main() -> None:
     ended = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, lambda *_: ended.set())
+    # Where the processor is short, what is recorded may come late; what drives the robot may not.
+    step_back(_NICENESS)
     rospy.init_node("recorder", anonymous=True, disable_signals=True)
     _await_clock(ended)
     writer = Writer(

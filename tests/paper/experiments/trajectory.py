@@ -2,17 +2,28 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 from dataclasses import dataclass
 from typing import List, Sequence, Tuple
 
+import rospy
+from telex_msgs.msg import SimStatus
+
 from ..experiment import Cell, Experiment, Figure, Picture, Result, Table
-from ..recorder import ARM_COMMANDS, FEW_PICTURES
+from ..recorder import ARM_COMMANDS
 from ..session import Session
 from ..tool import rosrun
 
 RMS, LARGEST = 1.0, 3.0
 """Errors with an empty gripper (mm)."""
+ATTEMPTS = 3
+"""Of a path, at most."""
+DISTURBED = 15
+"""Late control cycles in a second that tell of a machine with other things to do; 1 to 5 are usual.
+"""
+PICTURES = 1.0
+"""A second, as few as tell what the robot did: the tool needs the processor."""
 AXES = ("x", "y", "z")
 
 
@@ -45,16 +56,63 @@ QUICK = (
 )
 
 
-def follow(session: Session, way: Way) -> Tuple[List[Figure], List[Cell]]:
-    """Have the tool follow a path; returns the bars, and a row of the table."""
+class LateCycles:
+    """Hears how many control cycles the simulator begins late; close it when done."""
+
+    def __init__(self, session: Session) -> None:
+        self._counts: List[int] = []
+        self._subscriber = rospy.Subscriber(
+            f"{session.namespace}/sim/status",
+            SimStatus,
+            lambda message: self._counts.append(message.late_cycles),
+        )
+
+    def begin(self) -> None:
+        """Forget what was heard."""
+        self._counts = self._counts[-1:]
+
+    @property
+    def most(self) -> int:
+        """Of those since the begin, the most between two messages: in a second."""
+        return max((later - sooner for sooner, later in pairwise(self._counts)), default=0)
+
+    def close(self) -> None:
+        """Listen no more."""
+        self._subscriber.unregister()
+
+
+def pairwise(values: Sequence[int]) -> List[Tuple[int, int]]:
+    """Return each value with the next one."""
+    return list(zip(values, values[1:]))
+
+
+def follow(
+    session: Session, way: Way, late: LateCycles, notes: List[str]
+) -> Tuple[List[Figure], List[Cell]]:
+    """Have the tool follow a path; returns the bars, and a row of the table.
+
+    A path that misses its bar while the machine held even the physics up is followed again; the
+    notes then say so.
+    """
     session.say(way.title)
-    rosrun(
-        *("telex_control", "follow_trajectory", *way.arguments),
-        *("--out", str(session.folder)),
-        say=session.say,
-    )
-    (found,) = json.loads((session.folder / f"{way.name}.json").read_text(encoding="utf-8"))
-    rms, most = 1e3 * found["rms"], 1e3 * found["largest"]
+    for left in reversed(range(ATTEMPTS)):
+        late.begin()
+        with session.record(way.name, ("front",), ARM_COMMANDS, PICTURES):
+            rosrun(
+                *("telex_control", "follow_trajectory", *way.arguments),
+                *("--out", str(session.folder)),
+                say=session.say,
+            )
+        (found,) = json.loads((session.folder / f"{way.name}.json").read_text(encoding="utf-8"))
+        rms, most = 1e3 * found["rms"], 1e3 * found["largest"]
+        if (rms <= RMS and most <= LARGEST) or late.most < DISTURBED or not left:
+            break
+        notes.append(
+            f"{way.title}: followed again. The errors were {rms:.2f} mm rms and {most:.2f} mm at "
+            f"most, but the machine was held up by something else: in one second the simulator "
+            f"began {late.most} control cycles late."
+        )
+        session.say(notes[-1])
     figures = [
         Figure(f"{way.title}: rms error", rms, "mm", at_most=RMS),
         Figure(f"{way.title}: largest error", most, "mm", at_most=LARGEST),
@@ -69,14 +127,15 @@ def run(session: Session) -> Result:
     ways: Sequence[Way] = QUICK if session.quick else WAYS
     figures: List[Figure] = []
     rows: List[List[Cell]] = []
+    again: List[str] = []
     # Not faster than real time: a reference that a busy machine delays would be late by more.
     with session.simulator(console=False, pose="look_front"):
-        session.configure_camera("front", rate=FEW_PICTURES)
-        for way in ways:
-            with session.record(way.name, ("front",), ARM_COMMANDS, FEW_PICTURES):
-                found, row = follow(session, way)
-            figures += found
-            rows.append(row)
+        session.configure_camera("front", rate=PICTURES)
+        with contextlib.closing(LateCycles(session)) as late:
+            for way in ways:
+                found, row = follow(session, way, late, again)
+                figures += found
+                rows.append(row)
     head = ["path", "length m", "time s", "rms mm", "largest mm"]
     head += [f"{kind} {axis} mm" for kind in ("rms", "largest") for axis in AXES]
     return Result(
@@ -101,6 +160,7 @@ def run(session: Session) -> Result:
         ],
         bags=[f"{way.name}.bag" for way in ways],
         notes=[
+            *again,
             "References go out at 100 Hz over ROS, and the base stands on its tracks, not fixed. "
             "At 50 mm/s a reference that is 20 ms late is an error of 1 mm: spikes in the plots "
             "are those of a machine that has other things to do. "
