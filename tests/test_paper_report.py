@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import base64
-import contextlib
 import csv
 import io
-import json
 import math
 import os
 import re
@@ -25,7 +23,6 @@ sys.path.insert(0, str(ROOT / "benchmarks"))
 from paper import __main__ as program  # noqa: E402
 from paper import registry, schedule  # noqa: E402
 from paper.experiment import Experiment, Figure, Picture, Result, Table, missing  # noqa: E402
-from paper.experiments import trajectory  # noqa: E402
 from paper.one import carry_out  # noqa: E402
 from paper.page import Run, number, page  # noqa: E402
 from paper.recorder import Throttle, rates  # noqa: E402
@@ -553,51 +550,6 @@ def test_a_recording_holds_commands_states_frames_and_the_asked_cameras():
         assert topic in found
     assert found["/telex/cameras/front/image_raw/compressed"] == 2.0
     assert not any("rear" in topic for topic in found)
-
-
-class Late:
-    """Stands for what hears of late control cycles."""
-
-    def __init__(self, most):
-        self.most = most
-
-    def begin(self):
-        pass
-
-
-@pytest.mark.parametrize(
-    ("late", "errors", "followed", "met"),
-    [
-        (0, [1.2], 1, True),
-        (100, [1.2], 1, True),
-        (3, [5.6, 1.2], 1, False),
-        (100, [5.6, 1.2], 2, True),
-        (100, [5.6, 5.5, 5.4, 1.2], 3, False),
-    ],
-)
-def test_a_path_is_followed_again_where_the_machine_was_held_up(
-    tmp_path, monkeypatch, late, errors, followed, met
-):
-    class Workplace:
-        folder = tmp_path
-        say = staticmethod(lambda text: None)
-        record = staticmethod(lambda *arguments: contextlib.nullcontext())
-
-    left = list(errors)
-
-    def rosrun(*arguments, say):
-        found = {"rms": 2e-4, "largest": 1e-3 * left.pop(0), "length": 1.0, "duration": 20.0}
-        found.update(rms_by_axis=[1e-4] * 3, largest_by_axis=[1e-3] * 3)
-        (tmp_path / "circle.json").write_text(json.dumps([found]))
-
-    monkeypatch.setattr(trajectory, "rosrun", rosrun)
-    notes = []
-    figures, row = trajectory.follow(Workplace(), trajectory.WAYS[0], Late(late), notes)
-    assert len(errors) - len(left) == followed
-    assert len(notes) == followed - 1
-    assert all("the errors were 0.20 mm rms and 5." in note.lower() for note in notes)
-    assert row[4] == pytest.approx(errors[followed - 1])
-    assert Result(figures=figures).ok == met
 
 
 LATE_CLOCK = """
