@@ -96,7 +96,7 @@ def test_check_names_what_differs_and_generating_mends_it(tmp_path: Path) -> Non
     # Flippers of a further length are kept from then on.
     made = tmp_path / "urdf" / "generated" / "flipper_405.xacro"
     assert "flipper_front_405_body" in made.read_text()
-    vertices, _ = read_obj(tmp_path / "meshes" / "collision" / "flipper_front_405_1.obj")
+    vertices, _ = read_obj(tmp_path / "meshes" / "collision" / "flipper_front_405_2.obj")
     assert vertices[:, 0].max() == pytest.approx(math.sqrt(0.405**2 - 0.04**2) + 0.07, abs=1e-3)
     assert generate("--check", "--package", str(tmp_path)).returncode == 0
 
@@ -283,18 +283,28 @@ def test_warning_stripes_cover_the_plate_from_end_to_end() -> None:
 
 
 @pytest.mark.parametrize("length", [360, 440, 520])
-def test_flipper_hull_is_the_belt_at_the_tips_of_its_cleats(figures: Figures, length: int) -> None:
-    vertices, faces = read_obj(PACKAGE / "meshes" / "collision" / f"flipper_front_{length}_1.obj")
-    segments = int(figures.flipper["arc_segments"])
-    assert len(vertices) == 2 * 2 * (segments + 1)
-    assert len(faces) == 2 * len(vertices) - 4
+def test_flipper_hulls_are_the_belt_at_the_tips_of_its_cleats(
+    figures: Figures, length: int
+) -> None:
+    meshes = PACKAGE / "meshes" / "collision"
     hub, tip = figures.flipper["hub_radius"], figures.flipper["tip_radius"]
     axle = np.array([math.sqrt((length / 1000) ** 2 - (hub - tip) ** 2), tip - hub])
-    to_hub = np.hypot(vertices[:, 0], vertices[:, 2])
-    to_tip = np.hypot(*(vertices[:, [0, 2]] - axle).T)
-    assert np.minimum(abs(to_hub - hub), abs(to_tip - tip)) == pytest.approx(0, abs=2e-5)
-    rear, _ = read_obj(PACKAGE / "meshes" / "collision" / f"flipper_rear_{length}_1.obj")
-    assert {tuple(v) for v in rear} == {(-x + 0.0, y, z) for x, y, z in vertices}
+    wheels = ((np.zeros(2), hub), (axle, tip))
+    for number, (centre, radius) in enumerate(wheels, 1):
+        vertices, _ = read_obj(meshes / f"flipper_front_{length}_{number}.obj")
+        middle = vertices[abs(vertices[:, 1]) < 1e-5]
+        assert len(middle) == figures.flipper["wheel_segments"]
+        to_axle = np.hypot(*(middle[:, [0, 2]] - centre).T)
+        assert to_axle == pytest.approx(radius, abs=2e-5)
+        lowest = vertices[vertices[:, 2] < vertices[:, 2].min() + 2e-5]
+        # One point that bears, below the wheel's axle and in the middle of the belt.
+        assert lowest == pytest.approx(np.array([[centre[0], 0.0, -hub]]), abs=2e-5)
+        assert np.ptp(vertices[:, 1]) == pytest.approx(figures.flipper["width"], abs=2e-5)
+        rear, _ = read_obj(meshes / f"flipper_rear_{length}_{number}.obj")
+        assert {tuple(v) for v in rear} == {(-x + 0.0, y, z) for x, y, z in vertices}
+    runs, _ = read_obj(meshes / f"flipper_front_{length}_3.obj")
+    lowest = runs[runs[:, 2] < runs[:, 2].min() + 2e-5]
+    assert lowest == pytest.approx(np.array([[axle[0] / 2, 0.0, -hub]]), abs=2e-5)
 
 
 def test_cleats_end_at_the_collision_hull(figures: Figures) -> None:

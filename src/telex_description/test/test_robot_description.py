@@ -305,9 +305,13 @@ def test_pybullet_has_the_principal_moments_of_every_link(robot: URDF, loaded: L
 
 @pytest.mark.parametrize("corner", CORNERS)
 def test_flipper_at_zero_lies_flat_on_the_floor(robot: URDF, corner: str) -> None:
-    (collision,) = robot.link_map[f"{corner}_flipper_link"].collisions
-    file = Path(collision.geometry.filename.replace(MESH_ADDRESS, str(PACKAGE)))
-    lines = [line.split() for line in file.read_text().splitlines()]
+    lines = [
+        line.split()
+        for collision in robot.link_map[f"{corner}_flipper_link"].collisions
+        for line in Path(collision.geometry.filename.replace(MESH_ADDRESS, str(PACKAGE)))
+        .read_text()
+        .splitlines()
+    ]
     vertices = np.array([line[1:] for line in lines if line[0] == "v"], dtype=float)
     vertices += joint_named(robot, f"{corner}_flipper_joint").origin.xyz
     lowest = vertices[:, 2].min()

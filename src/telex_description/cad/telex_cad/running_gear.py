@@ -17,6 +17,7 @@ from .link_model import LinkModel
 from .solids import PROUD, box, cylinder, outline_of, prism, ring, slab, union, warning_stripes
 
 Point = Tuple[float, float]
+Corner = Tuple[float, float, float]
 
 CLEAT_HEIGHT = 0.008
 BELT_THICKNESS = 0.006
@@ -28,6 +29,10 @@ PLATE_SINK = 0.0030
 PLATE_MARGIN = 0.0185
 HUB_HOLE = 0.0815
 TIP_HOLE = 0.0330
+# Of the collision shape: by how much a belt is lower at its edges, and the runs beside the wheels.
+# The latter is more than a belt sinks in under a quarter of the robot, or two shapes would bear.
+CROWN = 0.0002
+RUN_SAG = 0.0025
 
 
 def millimetres(length: float) -> int:
@@ -68,6 +73,40 @@ class BeltOutline:
             (0.0, 0.0), self.hub - inwards, self._upper, self._lower + 2 * math.pi, segments
         )
 
+    def bearing_hulls(self, half: float, segments: int) -> List[List[Corner]]:
+        """Return the corners of three convex bodies that bear where a belt does.
+
+        They are the hub, the tip and the runs between; each has one point that is lowest, in the
+        middle of the belt, so that it touches a plane in one contact. PyBullet finds but one
+        contact of a body with a plane in a step: of a single hull that lies flat on its whole
+        length it would find now this corner and now that.
+
+        Parameters
+        ----------
+        half
+            Of the belt's width.
+        segments
+            Of the whole circle of the hub, and of the tip.
+        """
+        tip, lower, upper = self.tip_axle, self._lower, self._upper
+        around = [lower + 2 * math.pi * k / segments for k in range(segments)]
+        wheels = [((0.0, 0.0), self.hub), (tip, self.tip)]
+        hulls = [
+            [corner for a in around for corner in _crowned(centre, radius, a, half)]
+            for centre, radius in wheels
+        ]
+        between = ((tip[0] / 2, tip[1] / 2), (self.hub + self.tip) / 2)
+        runs = [*((centre, radius - RUN_SAG) for centre, radius in wheels), between]
+        hulls.append(
+            [
+                corner
+                for centre, radius in runs
+                for a in (lower, upper)
+                for corner in _crowned(centre, radius, a, half)
+            ]
+        )
+        return hulls
+
     def section(self, inwards: float, segments: int = 20) -> CrossSection:
         """Return the section."""
         return outline_of(self.points(inwards, segments))
@@ -98,6 +137,15 @@ class BeltOutline:
         return math.pi / 2 - self._upper
 
 
+def _crowned(centre: Point, radius: float, angle: float, half: float) -> List[Corner]:
+    """Corners of a cross-section of the belt: in its middle, and lower at its edges."""
+    x, z = math.cos(angle), math.sin(angle)
+    return [
+        (centre[0] + (radius - sink) * x, y, centre[1] + (radius - sink) * z)
+        for y, sink in ((0.0, 0.0), (half, CROWN), (-half, CROWN))
+    ]
+
+
 def _arc(centre: Point, radius: float, start: float, end: float, segments: int) -> List[Point]:
     angles = [start + (end - start) * k / segments for k in range(segments + 1)]
     return [(centre[0] + radius * math.cos(a), centre[1] + radius * math.sin(a)) for a in angles]
@@ -123,8 +171,9 @@ def flipper(figures: Figures, end: str, length: int) -> LinkModel:
         merged = union(solids)
         link.add(material, merged if sign > 0 else merged.mirror((1, 0, 0)))
     half = figures.flipper["width"] / 2
-    outline = _outline(figures, length / 1000).points(0.0, int(figures.flipper["arc_segments"]))
-    link.collide_hull([(sign * x, y, z) for x, z in outline for y in (-half, half)])
+    segments = int(figures.flipper["wheel_segments"])
+    for corners in _outline(figures, length / 1000).bearing_hulls(half, segments):
+        link.collide_hull([(sign * x, y, z) for x, y, z in corners])
     return link
 
 
@@ -191,6 +240,40 @@ class _Window:
             top = outline.upper_run(x, PLATE_MARGIN + 0.024) - radius
             self._rounds += [(x, top, radius), (x, low + radius, radius)]
         self.slope = outline.upper_slope() / 2
+
+    def bearing_hulls(self, half: float, segments: int) -> List[List[Corner]]:
+        """Return the corners of three convex bodies that bear where a belt does.
+
+        They are the hub, the tip and the runs between; each has one point that is lowest, in the
+        middle of the belt, so that it touches a plane in one contact. PyBullet finds but one
+        contact of a body with a plane in a step: of a single hull that lies flat on its whole
+        length it would find now this corner and now that.
+
+        Parameters
+        ----------
+        half
+            Of the belt's width.
+        segments
+            Of the whole circle of the hub, and of the tip.
+        """
+        tip, lower, upper = self.tip_axle, self._lower, self._upper
+        around = [lower + 2 * math.pi * k / segments for k in range(segments)]
+        wheels = [((0.0, 0.0), self.hub), (tip, self.tip)]
+        hulls = [
+            [corner for a in around for corner in _crowned(centre, radius, a, half)]
+            for centre, radius in wheels
+        ]
+        between = ((tip[0] / 2, tip[1] / 2), (self.hub + self.tip) / 2)
+        runs = [*((centre, radius - RUN_SAG) for centre, radius in wheels), between]
+        hulls.append(
+            [
+                corner
+                for centre, radius in runs
+                for a in (lower, upper)
+                for corner in _crowned(centre, radius, a, half)
+            ]
+        )
+        return hulls
 
     def section(self, inwards: float) -> CrossSection:
         """Return the section."""

@@ -70,8 +70,8 @@ class TrackConfig:
     edge_grip: float = 1.2
     stiffness: float = 1.0e5
     damping: float = 1500.0
-    contact_stiffness: float = 1.0e6
-    contact_damping: float = 6.0e4
+    contact_stiffness: float = 1.0e5
+    contact_damping: float = 6.0e3
 
     def __post_init__(self) -> None:
         for name, radius in self.belts.items():
