@@ -49,6 +49,8 @@ def world():
 
 FIRM = BeltDriveConfig(force=1e4, power=1e5, acceleration=1e3, inertia=1.0, brake_force=1e4)
 """A drive that makes of the belt what is commanded."""
+RIGID = {"contact_stiffness": 1.0e6, "contact_damping": 6.0e4}
+"""A box has no single lowest point: if it gave way, it would nod from corner to corner."""
 RADIUS = 0.1
 
 
@@ -61,7 +63,7 @@ class Sledge:
         self.drive = Drive(description, VelocityJointInterface, limits, None, 1.0)
         self.drive.index = self.body.joints["belt"]
         self.drive.braked = False
-        config = {"friction": MU, "lateral_friction": LATERAL, "drive": FIRM, **config}
+        config = {"friction": MU, "lateral_friction": LATERAL, "drive": FIRM, **RIGID, **config}
         config = TrackConfig(belts={"belt": RADIUS}, **config)
         self.tracks = Tracks(self.body, config, {"belt": self.drive}, STEP)
 

@@ -134,19 +134,16 @@ def test_on_a_cross_slope_the_heading_is_held_when_asked_for(robot, holding, hol
     assert abs(there[1] - y) < 0.15
 
 
-@pytest.mark.parametrize(("hold", "least", "most"), [(False, 0.3, 2.9), (True, 0.0, 0.15)])
-def test_with_the_arm_out_on_a_cross_slope_only_held_headings_last(
-    robot, holding, hold, least, most
-):
-    """The load before the hull pulls the nose down, slower than the rate's tolerance."""
+@pytest.mark.parametrize("hold", [False, True])
+def test_with_the_arm_out_on_a_cross_slope_the_heading_lasts(robot, holding, hold):
+    """What the belts bear does not change from step to step, so the nose does not creep down."""
     driver = Driver(robot(controllers=holding(hold), start__pose="floor_pick"))
     driver.tested.run(1.0)
     tilt(driver.tested, 25.0)
     driver.tested.run(1.0)
     before = driver.heading()
     driver.drive(0.3, 0.0, 5.0)
-    lost = math.degrees(math.remainder(before - driver.heading(), math.tau))
-    assert least <= abs(lost) < most
+    assert abs(math.degrees(math.remainder(before - driver.heading(), math.tau))) < 0.15
 
 
 def flipper_commands(tested):
