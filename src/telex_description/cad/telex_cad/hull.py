@@ -17,6 +17,8 @@ from .link_model import LinkModel
 from .solids import box, cylinder, outline_of, prism, slab, turned
 
 WALL = 0.005
+# To the left, where batteries and electronics stand
+BALANCE = 0.048
 # Round seat of the turret in the deck
 SEAT_RADIUS = 0.113
 
@@ -57,14 +59,18 @@ def _casting(plan: HullPlan) -> None:
 
 
 def _inner_parts(plan: HullPlan) -> None:
-    """Add what weighs but is not seen: batteries, flipper and track drives, electronics."""
+    """Add what weighs but is not seen: batteries, flipper and track drives, electronics.
+
+    What can stand aside makes up for the arm, whose upper part hangs to the right of the turret:
+    belts that bear alike on both sides turn the robot in place; others drive it off.
+    """
     for x in HATCHES:
-        plan.link.add_inside("battery", box((0.125, 0.190, 0.085), (x - 0.010, 0, 0.055), 0.0))
+        plan.link.add_inside("battery", box((0.125, 0.150, 0.108), (x - 0.010, BALANCE, 0.055), 0.0))
     pivot = plan.figures.flipper["pivot_x"]
     for x in (-1, 1):
         for y in (-1, 1):
             plan.link.add_inside(
                 "drive", cylinder(0.036, 0.085, "y", (x * (pivot - 0.02), y * 0.080, 0.0))
             )
-    plan.link.add_inside("electronics", box((0.150, 0.180, 0.080), (0.150, 0, 0.040), 0.0))
+    plan.link.add_inside("electronics", box((0.150, 0.150, 0.096), (0.150, BALANCE, 0.040), 0.0))
     plan.link.add_inside("drive", cylinder(0.060, 0.050, "z", (plan.figures.turret_x, 0, 0.125)))
