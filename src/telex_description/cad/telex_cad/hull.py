@@ -65,7 +65,8 @@ def _inner_parts(plan: HullPlan) -> None:
     belts that bear alike on both sides turn the robot in place; others drive it off.
     """
     for x in HATCHES:
-        plan.link.add_inside("battery", box((0.125, 0.150, 0.108), (x - 0.010, BALANCE, 0.055), 0.0))
+        at = (x - 0.010, BALANCE, 0.055)
+        plan.link.add_inside("battery", box((0.125, 0.150, 0.108), at, 0.0))
     pivot = plan.figures.flipper["pivot_x"]
     for x in (-1, 1):
         for y in (-1, 1):

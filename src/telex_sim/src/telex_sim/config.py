@@ -97,8 +97,12 @@ class ContactConfig:
 
     Attributes
     ----------
-    friction : float
-        Friction coefficient on a surface of friction 1.
+    friction : float, optional
+        Friction coefficient on a surface of friction 1; without, that of the URDF (``<gazebo>``'s
+        mu1 and mu2), else PyBullet's 0.5.
+    stiffness, damping : float, optional
+        Of each contact along its normal (N/m, N s/m), both or neither. Without, wheels have those
+        of `HardwareConfig.wheel_contact`, other links are rigid.
     spinning_friction : float
         Against turning about the contact's normal, on a surface of friction 1: friction torque for
         each newton of force (m).
@@ -107,13 +111,43 @@ class ContactConfig:
         held creeps, faster the lighter it is and the harder it is pressed.
     """
 
-    friction: float = 0.5
+    friction: Optional[float] = None
+    stiffness: Optional[float] = None
+    damping: Optional[float] = None
     spinning_friction: float = 0.0
     friction_anchor: bool = False
 
     def __post_init__(self) -> None:
-        require_range(self, "friction", 0.0, 10.0)
+        if self.friction is not None:
+            require_range(self, "friction", 0.0, 10.0)
+        require(
+            (self.stiffness is None) is (self.damping is None),
+            f"stiffness is {self.stiffness} and damping {self.damping}; both or neither are needed",
+        )
+        if self.stiffness is not None:
+            require_range(self, "stiffness", 1.0, 1.0e9)
+            require_range(self, "damping", 1.0, 1.0e9)
         require_range(self, "spinning_friction", 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class WheelContactConfig:
+    """How a wheel gives way where it touches something: a tyre that sinks in by some millimetres.
+
+    A stiffer one would bear now all and now nothing on ground that four wheels do not touch alike.
+
+    Attributes
+    ----------
+    stiffness, damping : float
+        Of each contact along its normal (N/m, N s/m).
+    """
+
+    stiffness: float = 3.0e4
+    damping: float = 1.0e3
+
+    def __post_init__(self) -> None:
+        require_range(self, "stiffness", 1.0, 1.0e9)
+        require_range(self, "damping", 1.0, 1.0e9)
 
 
 @dataclass(frozen=True)
@@ -129,7 +163,9 @@ class HardwareConfig:
         Share of a position joint's error that its motor takes away in one step.
     joints : dict of str to JointHardware
     contacts : dict of str to ContactConfig
-        By link; the rest have PyBullet's values, which are the defaults.
+        By link; what they leave out is the URDF's, else PyBullet's.
+    wheel_contact : WheelContactConfig
+        Of wheels, see `link_surfaces.wheels`.
     imus : dict of str to str
         Inertial sensors: name, which is that of its topic, and the link whose motion it measures.
     imu_noise : dict of str to ImuNoise
@@ -145,6 +181,7 @@ class HardwareConfig:
     position_gain: float = 0.2
     joints: Dict[str, JointHardware] = field(default_factory=dict)
     contacts: Dict[str, ContactConfig] = field(default_factory=dict)
+    wheel_contact: WheelContactConfig = field(default_factory=WheelContactConfig)
     imus: Dict[str, str] = field(default_factory=dict)
     imu_noise: Dict[str, ImuNoise] = field(default_factory=dict)
     optional_joints: Tuple[str, ...] = ()

@@ -35,6 +35,7 @@ from telex_control.urdf_joints import CONTINUOUS, PRISMATIC, UrdfError, UrdfJoin
 from .config import HardwareConfig, JointHardware
 from .drives import INTERFACES, Drive, Mode
 from .imu import Imu
+from .link_surfaces import LinkSurfaces
 from .world import Body
 
 PID_GAINS = ("pid_gains", "gazebo_ros_control/pid_gains")
@@ -109,6 +110,7 @@ class RobotHWSim(RobotHW):
         for driven in driven_joints(self._robot):
             self._joints[driven.joint] = self._drive(driven, described, limits, root)
         self._passive = [joint for name, joint in described.items() if name not in self._joints]
+        self._surfaces = LinkSurfaces(self._robot, self._config)
         self._imus = [
             Imu(name, link, self._config.imu_noise.get(name), root.namespace)
             for name, link in self._config.imus.items()
@@ -245,7 +247,7 @@ class RobotHWSim(RobotHW):
             drive.index = body.joints[name]
             self._add_armature(drive)
             self._place_stops(drive)
-        self._make_surfaces(body)
+        self._surfaces.apply(body)
         self._indices = [drive.index for drive in self._moved]
         for imu in self._imus:
             imu.attach(body)
@@ -290,19 +292,6 @@ class RobotHWSim(RobotHW):
                 jointUpperLimit=description.upper + overtravel,
                 physicsClientId=self._body.client,
             )
-
-    def _make_surfaces(self, body: Body) -> None:
-        """Give links the friction that they are to have."""
-        for link, contact in self._config.contacts.items():
-            if link in body.links:
-                pybullet.changeDynamics(
-                    body.uid,
-                    body.links[link],
-                    lateralFriction=contact.friction,
-                    spinningFriction=contact.spinning_friction,
-                    frictionAnchor=contact.friction_anchor,
-                    physicsClientId=body.client,
-                )
 
     def _loosen(self, body: Body) -> None:
         """Let joints without a drive move: PyBullet gives each a motor that brakes it."""

@@ -1,0 +1,124 @@
+"""The surfaces of a robot's links: friction, and how wheels give way."""
+
+from __future__ import annotations
+
+import math
+from typing import Dict, FrozenSet, Optional, Set
+from xml.etree import ElementTree
+
+import pybullet
+
+from telex_control.urdf_joints import CONTINUOUS, MOVABLE, UrdfError
+
+from .config import HardwareConfig
+from .world import Body
+
+_ROUND = ("cylinder", "sphere", "mesh")
+"""Collision shapes that can roll."""
+
+
+class LinkSurfaces:
+    """What PyBullet has to be told of a robot's links.
+
+    Parameters
+    ----------
+    root : Element
+        The robot.
+    config : HardwareConfig
+
+    Raises
+    ------
+    UrdfError
+        See `frictions`.
+    """
+
+    def __init__(self, root: ElementTree.Element, config: HardwareConfig) -> None:
+        wheel = config.wheel_contact
+        soft = {"contactStiffness": wheel.stiffness, "contactDamping": wheel.damping}
+        self._dynamics: Dict[str, Dict[str, float]] = {link: dict(soft) for link in wheels(root)}
+        for link, friction in frictions(root).items():
+            self._dynamics.setdefault(link, {})["lateralFriction"] = friction
+        for link, contact in config.contacts.items():
+            values = self._dynamics.setdefault(link, {})
+            values["spinningFriction"] = contact.spinning_friction
+            values["frictionAnchor"] = contact.friction_anchor
+            if contact.friction is not None:
+                values["lateralFriction"] = contact.friction
+            if contact.stiffness is not None and contact.damping is not None:
+                values["contactStiffness"] = contact.stiffness
+                values["contactDamping"] = contact.damping
+
+    def apply(self, body: Body) -> None:
+        """Tell it PyBullet, of a body in a new world."""
+        for link, values in self._dynamics.items():
+            if link in body.links:
+                pybullet.changeDynamics(
+                    body.uid, body.links[link], physicsClientId=body.client, **values
+                )
+
+
+def wheels(root: ElementTree.Element) -> FrozenSet[str]:
+    """Links that can roll: of a continuous joint, round, and carrying no further joint.
+
+    Those of drive wheels and of casters alike, whoever drives them. Left out are wheels whose URDF
+    has a stiffness of its own (``<contact>``, which PyBullet reads).
+    """
+    links = {link.get("name", ""): link for link in root.findall("link")}
+    carriers: Set[str] = set()
+    turned: Set[str] = set()
+    for joint in root.findall("joint"):
+        parent, child = joint.find("parent"), joint.find("child")
+        if parent is None or child is None:
+            continue
+        if joint.get("type") in MOVABLE:
+            carriers.add(parent.get("link", ""))
+        if joint.get("type") == CONTINUOUS:
+            turned.add(child.get("link", ""))
+    return frozenset(
+        name
+        for name in turned - carriers
+        if name in links
+        and links[name].find("contact/stiffness") is None
+        and any(links[name].find(f"collision/geometry/{shape}") is not None for shape in _ROUND)
+    )
+
+
+def frictions(root: ElementTree.Element) -> Dict[str, float]:
+    """Friction coefficients that ``<gazebo reference="…">`` gives links: the mean of mu1 and mu2.
+
+    A link whose ``<contact>`` has one for PyBullet keeps that.
+
+    Raises
+    ------
+    UrdfError
+        One is not a number, or below 0.
+    """
+    own = {
+        link.get("name")
+        for link in root.findall("link")
+        if link.find("contact/lateral_friction") is not None
+    }
+    found: Dict[str, float] = {}
+    for gazebo in root.findall("gazebo"):
+        link = gazebo.get("reference", "")
+        values = [_coefficient(gazebo, link, name) for name in ("mu1", "mu2")]
+        given = [value for value in values if value is not None]
+        if given and link not in own:
+            found[link] = sum(given) / len(given)
+    return found
+
+
+def _coefficient(gazebo: ElementTree.Element, link: str, name: str) -> Optional[float]:
+    element = gazebo.find(name)
+    if element is None:
+        return None
+    text = element.get("value") or (element.text or "").strip()
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0.0 <= value < math.inf:
+        raise UrdfError(
+            f"<gazebo reference=\"{link}\">: <{name}> is '{text}'; a number from 0 on is needed"
+        )
+    return value
