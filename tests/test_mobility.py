@@ -8,7 +8,17 @@ from xml.etree import ElementTree
 
 import pybullet
 import pytest
-from mobility import by_presets, flat, footing, hold, novice, random_commands, rough, stairs
+from mobility import (
+    bearing,
+    by_presets,
+    flat,
+    footing,
+    hold,
+    novice,
+    random_commands,
+    rough,
+    stairs,
+)
 from mobility.obstacles import Obstacle, all_obstacles, attempt
 from mobility.offline import Trial
 from mobility.scripted_operator import (
@@ -43,6 +53,18 @@ def test_a_step_is_climbed_by_presets_alone() -> None:
         by_presets.climb_step(user, block)
         assert trial.position()[0] - 0.39 > block.edge
         assert user.operator.time < 20.0
+
+
+@pytest.mark.parametrize("step_size", [0.002, 0.001])
+def test_a_turn_in_place_with_a_load_ahead_is_what_statics_say(step_size: float) -> None:
+    with bearing.stand("ahead", 2.0, bearing.FLAT, step_size=step_size) as trial:
+        rest = bearing.at_rest(trial, flat=True)
+        turn = bearing.quarter_turn(trial, 0.5, flat=True)
+    for found in (rest, turn.bearing):
+        assert found.error < 0.05
+        assert found.total_error < 0.01
+    assert turn.turned > 1.5
+    assert turn.error < 0.08
 
 
 def test_flippers_lie_flat_on_level_ground() -> None:

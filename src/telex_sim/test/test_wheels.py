@@ -110,13 +110,6 @@ def test_four_wheels_share_the_load_and_turn_in_place(drive, rate, step):
         heading = pybullet.getEulerFromQuaternion(body.base_pose()[1])[2]
         turned, last = turned + math.remainder(heading - last, math.tau), heading
         assert math.dist(body.base_pose()[0], start) < 0.05
-    print(
-        "TURNED",
-        turned,
-        turned / (4 * rate),
-        loads(rover_on_floor),
-        math.dist(body.base_pose()[0], start),
-    )
     assert 0.4 < turned / (4.0 * rate) < 1.8
 
 

@@ -63,7 +63,9 @@ class Patch:
         """Sum of the normal forces (N)."""
         return sum(touch[0] for touch in self.touches)
 
-    def prepare(self, law: TractionLaw, track_load: float, softness: float, ratio: float) -> None:
+    def prepare(
+        self, law: TractionLaw, track_load: float, softness: Tuple[float, float], ratio: float
+    ) -> None:
         """Take this step's touches in, once all of them are there.
 
         Parameters
@@ -71,8 +73,8 @@ class Patch:
         law : TractionLaw
         track_load : float
             Sum of the normal forces on the track (N): the track's stiffness is shared by load.
-        softness : float
-            Share of stiffness and damping that the touched body bears, see
+        softness : tuple of 2 floats
+            Shares of stiffness and of damping that the touched body bears, see
             `TractionLaw.softness`.
         ratio : float
             Lateral stiffness over that along the belt.
@@ -84,14 +86,15 @@ class Patch:
             slip_across += share * across
             most_along = grip_along if grip_along > most_along else most_along
             most_across = grip_across if grip_across > most_across else most_across
-        if softness != self._softness:
+        soft, step_size = softness[0], law.step_size
+        if soft != self._softness:
             # The bristles keep their force, not their length, when they become softer.
-            kept = self._softness / softness
+            kept = self._softness / soft
             self.along *= kept
             self.across *= kept
-            self._softness = softness
-        scale, step_size = softness / track_load, law.step_size
-        stiffness, damping = law.stiffness * scale, law.damping * scale
+            self._softness = soft
+        stiffness = law.stiffness * soft / track_load
+        damping = law.damping * softness[1] / track_load
         lateral = ratio * stiffness
         across = self.across + slip_across / load * step_size
         self._figures = (
@@ -163,11 +166,15 @@ class TractionLaw:
         self.step_size = step_size
         self._bearable = _BEARABLE / (damping * step_size)
 
-    def softness(self, mass: float, weight: float, load: float, track_load: float) -> float:
-        """Share that a loose body bears of the stiffness and damping it has a load for, at most 1.
+    def softness(
+        self, mass: float, weight: float, load: float, track_load: float
+    ) -> Tuple[float, float]:
+        """Shares that a loose body bears of the stiffness and damping it has a load for, at most 1.
 
         The forces are those of the step's beginning, so a stiff bristle would shake a light body.
-        One that is pressed harder than it weighs is held from behind, and bears more.
+        One that is pressed harder than it weighs is held from behind, and bears more stiffness; not
+        more damping, for a pipe that is pressed on rolls nevertheless, and a damper that turns its
+        slip round in a step only makes it faster.
 
         Parameters
         ----------
@@ -178,7 +185,8 @@ class TractionLaw:
         track_load : float
             On the whole track (N).
         """
-        return min(1.0, self._bearable * mass * max(1.0, load / weight) * track_load / load)
+        bearable = self._bearable * mass * track_load / load
+        return min(1.0, bearable * max(1.0, load / weight)), min(1.0, bearable)
 
 
 _BEARABLE = 0.1

@@ -24,6 +24,8 @@ Below 2 / (1 + mu tan(angle)) no flipper shakes that slides on its tip at an ang
 """
 _LOAD_EXCESS = 2.0
 """Of a track's mean load over that of the step, at most."""
+_FIRM = (1.0, 1.0)
+"""Softness of what stands fast."""
 _WHEEL_TORQUE = 1.0e3
 """Bound of the motors that turn drive wheels with a collision shape (N m); they carry nothing."""
 
@@ -316,7 +318,7 @@ class Tracks:
                 gone.append(place)
                 continue
             face, body = place
-            softness = 1.0
+            softness = _FIRM
             if body is not None:
                 surface = self._surfaces.of(body)
                 softness = law.softness(surface.mass, surface.weight, patch.load, load)
