@@ -57,6 +57,7 @@ SLOW = (
     "src/telex_teleop/test/test_arm_tool_motion.py",
     "src/telex_teleop/test/test_teleop_reference.py",
     "tests/test_mobility.py",
+    "tests/test_stopping.py",
 )
 """Files of more than 3 s of CPU time, which ``test.sh --fast`` leaves out; its closing table of
 durations names those that belong here.

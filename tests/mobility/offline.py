@@ -78,6 +78,8 @@ class Trial:
     operator : Operator
     each_step : list of callable
         Called after every step: for measurements.
+    load : int or None
+        PyBullet's number of the load.
     """
 
     def __init__(
@@ -112,6 +114,7 @@ class Trial:
         self.simulation = self._offline.simulation
         self.step_size = step_size
         self.each_step: List[Callable[[], None]] = []
+        self.load: Optional[int] = None
         if load:
             self._hold(load)
         self._base_pose = self._offline.node.advertise("sim/base_pose", PoseStamped)
@@ -151,7 +154,7 @@ class Trial:
         client = body.client
         link, position, orientation = body.place("tool_link")
         pose = body.pose("tool_link")
-        load = pybullet.createMultiBody(mass, -1, -1, *pose, physicsClientId=client)
+        self.load = load = pybullet.createMultiBody(mass, -1, -1, *pose, physicsClientId=client)
         inertia = mass * LOAD_EDGE**2 / 6.0
         pybullet.changeDynamics(
             load,
@@ -181,6 +184,10 @@ class Trial:
         pose = pybullet.multiplyTransforms(position, orientation, *inertial)
         pybullet.resetBasePositionAndOrientation(body.uid, *pose, physicsClientId=body.client)
         pybullet.resetBaseVelocity(body.uid, (0, 0, 0), (0, 0, 0), physicsClientId=body.client)
+        if self.load is not None:
+            pybullet.resetBasePositionAndOrientation(
+                self.load, *body.pose("tool_link"), physicsClientId=body.client
+            )
         self._publish_base_pose()
 
     def center(self) -> np.ndarray:

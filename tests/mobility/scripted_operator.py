@@ -172,6 +172,11 @@ class Operator:
         if abs(pose.rise) > TIPPED or abs(pose.roll) > ROLLED:
             raise NotManagedError(f"tipped over {self.where()}")
 
+    def say_nothing(self, seconds: float) -> None:
+        """Let time pass (s) as an operator who is lost: not even a stop is sent."""
+        self._advance(seconds)
+        self.time += seconds
+
     def _speed(self) -> Twist:
         """Return what the tracks are told now."""
         message = Twist()

@@ -148,15 +148,7 @@ def descend(operator: Operator, stairs: Stairs) -> None:
     ------
     NotManagedError
     """
-    operator.keep_lane(SPEED)
-    operator.flippers(0.0, 0.0)
-    operator.until(lambda: operator.pose.x > stairs.edge - 0.80, 15.0, "the edge")
-    operator.keep_lane(SLOW)
-    operator.work_on(lambda: operator.pose.rise < -0.30, OVER_EDGE, 25.0, "the front over the edge")
-    operator.flippers(*TIPPING)
-    operator.until(lambda: operator.pose.rise < -0.8 * stairs.slope, 8.0, "down on the steps")
-    operator.flippers(*DOWN)
-    operator.keep_lane(SPEED)
+    start_descent(operator, stairs)
     operator.until(lambda: operator.pose.x > stairs.end - 0.55, 25.0, "the last steps")
     operator.flippers(*FOOT)
     operator.until(
@@ -166,3 +158,16 @@ def descend(operator: Operator, stairs: Stairs) -> None:
     )
     operator.stop()
     operator.wait(0.4)
+
+
+def start_descent(operator: Operator, stairs: Stairs) -> None:
+    """Go on from the landing over its edge, until all of the robot is on the steps."""
+    operator.keep_lane(SPEED)
+    operator.flippers(0.0, 0.0)
+    operator.until(lambda: operator.pose.x > stairs.edge - 0.80, 15.0, "the edge")
+    operator.keep_lane(SLOW)
+    operator.work_on(lambda: operator.pose.rise < -0.30, OVER_EDGE, 25.0, "the front over the edge")
+    operator.flippers(*TIPPING)
+    operator.until(lambda: operator.pose.rise < -0.8 * stairs.slope, 8.0, "down on the steps")
+    operator.flippers(*DOWN)
+    operator.keep_lane(SPEED)

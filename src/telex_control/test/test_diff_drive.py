@@ -199,6 +199,27 @@ def test_linear_acceleration_and_velocity_are_limited(cart):
     assert tested.speeds()[0] == pytest.approx(-5.0)
 
 
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_braking_has_a_limit_of_its_own(cart, way):
+    tested = cart(linear={"x": {**LINEAR["x"], "min_velocity": -1.0, "max_deceleration": 4.0}})
+    tested.drive(way, 0.0, 2.5)
+    assert tested.speeds()[0] == pytest.approx(10.0 * way)
+    tested.drive(0.0, 0.0, 0.15)
+    assert tested.speeds()[0] == pytest.approx(4.0 * way, rel=0.03)
+    tested.drive(0.0, 0.0, 0.15)
+    assert tested.speeds()[0] == 0.0
+
+
+def test_a_publisher_that_is_gone_stops_it(cart):
+    tested = cart(cmd_vel_timeout=0.3)
+    tested.send(0.2, 0.0)
+    tested.run(0.1)
+    assert tested.speeds() == pytest.approx((2.0, 2.0))
+    tested.command.close()
+    tested.run(0.002)
+    assert tested.speeds() == (0.0, 0.0)
+
+
 def test_angular_acceleration_and_velocity_are_limited(cart):
     tested = cart(angular=ANGULAR)
     tested.drive(0.0, 10.0, 0.5)

@@ -289,17 +289,24 @@ def gravity_of(hw: RobotHW, root: NodeHandle) -> GravityModel:
     known = _models.get(hw)
     if known is not None and known[0] == urdf:
         return known[1]
-    states: Dict[str, JointStateHandle] = {}
     imus: List[ImuSensorHandle] = []
-    # Looked through without RobotHW.get, which would count them among what the controller uses.
     for interface in hw.interfaces():
-        if isinstance(interface, JointStateInterface):
-            states = {handle.name: handle for handle in _handles(interface)}
-        elif isinstance(interface, ImuSensorInterface):
+        if isinstance(interface, ImuSensorInterface):
             imus = _handles(interface)
-    model = GravityModel(urdf, states, imus)
+    model = GravityModel(urdf, joint_states(hw), imus)
     _models[hw] = (urdf, model)
     return model
+
+
+def joint_states(hw: RobotHW) -> Dict[str, JointStateHandle]:
+    """Return the measured joints of a robot by name.
+
+    Looked through without `RobotHW.get`, which would count them among what the controller uses.
+    """
+    for interface in hw.interfaces():
+        if isinstance(interface, JointStateInterface):
+            return {handle.name: handle for handle in _handles(interface)}
+    return {}
 
 
 def _handles(interface: HardwareInterface[Handle]) -> List[Handle]:

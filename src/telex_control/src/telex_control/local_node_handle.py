@@ -25,6 +25,9 @@ class _Topic(Subscription):
     def publisher_count(self) -> int:
         return self.publishers
 
+    def is_connected(self, message: Any) -> bool:
+        return self.publishers > 0
+
 
 class LocalPublisher(Publisher):
     """Hands messages straight to the subscribers, in the publishing thread."""

@@ -43,6 +43,10 @@ class Subscription(abc.ABC):
     def publisher_count(self) -> int:
         """How many publishers there are."""
 
+    @abc.abstractmethod
+    def is_connected(self, message: Any) -> bool:
+        """Whether the publisher that sent `message` is still there."""
+
 
 class ActionGoal(abc.ABC):
     """One goal that an action server has received.

@@ -20,6 +20,7 @@ from .node_handle import (
     ServiceError,
     Subscription,
 )
+from .ros_connections import open_publishers
 from .ros_publisher import RosPublisher
 
 
@@ -32,6 +33,10 @@ class RosSubscription(Subscription):
     def publisher_count(self) -> int:
         """How many publishers are connected."""
         return self._subscriber.get_num_connections()
+
+    def is_connected(self, message: Any) -> bool:
+        """Whether the node that sent `message` is still connected."""
+        return message._connection_header["callerid"] in open_publishers(self._subscriber)
 
     def close(self) -> None:
         """End the subscription."""

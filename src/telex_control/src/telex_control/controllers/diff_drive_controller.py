@@ -45,6 +45,7 @@ class _Command(NamedTuple):
     angular: float
     serial: int
     received: float  # wall time (s, monotonic)
+    message: Optional[Twist]  # None before the first
     brake: bool = False  # at once
 
 
@@ -61,8 +62,9 @@ class _Tuning(NamedTuple):
 class DiffDriveController(Controller):
     """Follows ``cmd_vel`` (geometry_msgs/Twist: linear.x in m/s, angular.z in rad/s).
 
-    A command that is older than ``cmd_vel_timeout`` counts as zero, and the limits apply to
-    that too: the robot brakes, it does not jump. Publishes ``odom`` and its transform.
+    A command that is older than ``cmd_vel_timeout``, or whose publisher is gone, counts as zero,
+    and the limits apply to that too: the robot brakes, it does not jump. Publishes ``odom`` and its
+    transform.
 
     Parameters: ``left_wheel``, ``right_wheel`` (a joint or a list of joints), ``wheel_radius``,
     ``wheel_separation`` (m; from ``robot_description`` when they are not given),
@@ -147,7 +149,7 @@ class DiffDriveController(Controller):
         self._wheel_state: Optional[_WheelStatePublisher] = None
         if node.param("publish_wheel_joint_controller_state", bool, False):
             self._wheel_state = _WheelStatePublisher(node, self._wheels)
-        self._command = _Command(0.0, 0.0, 0, 0.0)
+        self._command = _Command(0.0, 0.0, 0, 0.0, None)
         # Limited commands of the last two cycles.
         self._linear: Tuple[float, float] = (0.0, 0.0)
         self._angular: Tuple[float, float] = (0.0, 0.0)
@@ -197,9 +199,9 @@ class DiffDriveController(Controller):
                     f"{self._node.resolve('cmd_vel')} has {count} publishers, and "
                     "allow_multiple_cmd_vel_publishers is false; going to brake"
                 )
-                self._command = _Command(0.0, 0.0, serial, wall.monotonic(), brake=True)
+                self._command = _Command(0.0, 0.0, serial, wall.monotonic(), message, brake=True)
                 return
-        self._command = _Command(linear, angular, serial, wall.monotonic())
+        self._command = _Command(linear, angular, serial, wall.monotonic(), message)
 
     def _on_tuning(self, values: Dict[str, Any]) -> None:
         if values["publish_rate"] <= 0.0:
@@ -232,7 +234,9 @@ class DiffDriveController(Controller):
         if self._publish_timer.is_due(time):
             self._publish(time)
         self._obey(self._command, time)
-        linear = self._linear_limiter.limit(self._active[0], *self._linear, period)
+        linear = self._linear_limiter.limit(
+            self._active[0], *self._linear, period, self._braking(time, period)
+        )
         angular = self._angular_limiter.limit(self._active[1], *self._angular, period)
         self._linear = (linear, self._linear[0])
         self._angular = (angular, self._angular[0])
@@ -257,6 +261,10 @@ class DiffDriveController(Controller):
         else:
             self._odometry.update(mean_position(self._left), mean_position(self._right), period)
 
+    def _braking(self, time: float, period: float) -> float:
+        """Deceleration (m/s2) that must not be exceeded at `time` (s), whatever is configured."""
+        return math.inf
+
     def _side_speeds(self, linear: float, angular: float, period: float) -> Tuple[float, float]:
         """Speed (m/s) at which the left and right wheels run for a limited command (m/s, rad/s)."""
         difference = 0.5 * angular * self._separation
@@ -269,7 +277,7 @@ class DiffDriveController(Controller):
     def _obey(self, command: _Command, time: float) -> None:
         """Take a new command over, or give up an old one."""
         if command.serial == self._obeyed:
-            if time - self._received > self._timeout:
+            if time - self._received > self._timeout or self._is_orphaned(command):
                 self._active = (0.0, 0.0)
             return
         self._obeyed = command.serial
@@ -280,6 +288,12 @@ class DiffDriveController(Controller):
             self._active = (command.linear, command.angular)
         if command.brake:
             self._brake()
+
+    def _is_orphaned(self, command: _Command) -> bool:
+        """Whether a command still moves the robot, and nobody is there to end it."""
+        if self._active == (0.0, 0.0) or self._subscription is None:
+            return False
+        return not self._subscription.is_connected(command.message)
 
     def stopping(self, time: float) -> None:
         """Brake at once."""

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, List, Optional, Sequence, Tuple
 
 from ..base_imu import BaseImu, BaseImuConfig, sensor_mount
+from ..braking import BrakingConfig, BrakingLimit
 from ..controller import ControllerInitError
+from ..gravity import GravityError, gravity_of, joint_states
 from ..hardware_interface import (
     HardwareInterfaceError,
     ImuSensorHandle,
@@ -35,10 +38,12 @@ class TrackedDriveController(DiffDriveController):
     parameters are added to it.
 
     Parameters beside those: ``max_belt_speed`` (m/s, required), ``imu`` (see `BaseImuConfig`),
-    ``yaw_rate_loop`` (see `YawRateLoopConfig`), ``odometry_errors`` (see `OdometryErrors`).
+    ``yaw_rate_loop`` (see `YawRateLoopConfig`), ``odometry_errors`` (see `OdometryErrors`),
+    ``braking`` (see `BrakingConfig`; without it, the limits of ``linear/x`` hold everywhere).
     """
 
     parameters = DiffDriveController.parameters | {
+        "braking",
         "imu",
         "max_belt_speed",
         "odometry_errors",
@@ -60,6 +65,28 @@ class TrackedDriveController(DiffDriveController):
         self._imu = self._find_sensor(hw, root, node)
         self._sensor_lost = False
         super().init(hw, root, node)
+        self._braking_limit = self._make_braking_limit(hw, root, node)
+
+    def _make_braking_limit(
+        self, hw: RobotHW, root: NodeHandle, node: NodeHandle
+    ) -> Optional[BrakingLimit]:
+        if node.find_param("braking", None) is None:
+            return None
+        config: BrakingConfig = _config(BrakingConfig, node, "braking")
+        try:
+            gravity = gravity_of(hw, root)
+            return BrakingLimit(
+                config,
+                parse_urdf(root.param("robot_description", str)),
+                node.param("base_frame_id", str, "base_link"),
+                self._nominal_radius,
+                joint_states(hw),
+                lambda joint: gravity.joint(joint).effort,
+            )
+        except (GravityError, KinematicsError, UrdfError) as error:
+            raise ControllerInitError(
+                f"{error}; {node.resolve('braking')} cannot be reckoned, and may be left out"
+            ) from error
 
     def _find_sensor(self, hw: RobotHW, root: NodeHandle, node: NodeHandle) -> Optional[BaseImu]:
         config = self._sensor_config
@@ -95,6 +122,8 @@ class TrackedDriveController(DiffDriveController):
         self._loop.reset()
         if self._imu is not None:
             self._imu.restart()
+        if self._braking_limit is not None:
+            self._braking_limit.restart()
         super().starting(time)
 
     def reset(self, time: float) -> None:
@@ -140,6 +169,17 @@ class TrackedDriveController(DiffDriveController):
                 self._node.namespace,
                 self._sensor_config.name,
             )
+
+    def _braking(self, time: float, period: float) -> float:
+        if self._braking_limit is None:
+            return math.inf
+        now, before = self._linear
+        return self._braking_limit.limit(
+            time,
+            now,
+            (now - before) / period if period > 0.0 else 0.0,
+            None if self._imu is None else self._imu.up(),
+        )
 
     def _side_speeds(self, linear: float, angular: float, period: float) -> Tuple[float, float]:
         if linear == 0.0 and angular == 0.0:
