@@ -49,6 +49,16 @@ def test_newest_command_wins(stream):
     assert stream.command(at(1.1)) == "right"
 
 
+def test_a_command_ends_with_its_client(stream):
+    stream.receive("left", at(1.0), "a")
+    stream.receive("right", at(1.1), "b")
+    stream.keep({"b"})
+    assert stream.command(at(1.1)) == "right"
+    stream.keep({"a"})
+    assert stream.command(at(1.1)) is None
+    assert stream.receive("right", at(1.2), "b")
+
+
 def test_end_stops_at_once(stream):
     stream.receive("go", at(1.0))
     stream.end()

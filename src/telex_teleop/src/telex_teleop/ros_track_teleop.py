@@ -11,6 +11,7 @@ from geometry_msgs.msg import Twist
 from sensor_msgs.msg import JointState
 from telex_msgs.msg import TrackTeleopStatus
 
+from telex_control.ros_connections import open_publishers
 from telex_teleop.joint_jog import InvalidCommand
 from telex_teleop.ros_common import (
     OperatorInputs,
@@ -48,7 +49,9 @@ class TrackTeleopNode:
         )
         self._status = rospy.Publisher("~status", TrackTeleopStatus, queue_size=1)
         self._inputs = OperatorInputs(core, self._lock)
-        rospy.Subscriber("~cmd_vel", Twist, self._on_twist, queue_size=10, tcp_nodelay=True)
+        self._commands = rospy.Subscriber(
+            "~cmd_vel", Twist, self._on_twist, queue_size=10, tcp_nodelay=True
+        )
         # Joint states are the pulse of the simulation: nothing is sent while it stands still.
         rospy.Subscriber(
             "joint_states", JointState, self._on_joint_states, queue_size=1, tcp_nodelay=True
@@ -101,6 +104,7 @@ class TrackTeleopNode:
         if self._core.settings.pulse_joint not in message.name:
             return
         with self._lock:
+            self._core.keep(open_publishers(self._commands))
             velocity = self._core.update(message.header.stamp.to_sec(), arrival)
         if velocity is not None:
             self._output.publish(_twist(velocity))

@@ -6,7 +6,7 @@ A client repeats its command while a key is held. Silence is a command to stop, 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Dict, Generic, Optional, Set, TypeVar
+from typing import Collection, Dict, Generic, Optional, Set, TypeVar
 
 __all__ = ["Clocks", "CommandStream", "SimTicks", "StartingTime", "Tick"]
 
@@ -45,6 +45,7 @@ class CommandStream(Generic[Command]):
     def __init__(self, timeout: float) -> None:
         self._timeout = timeout
         self._command: Optional[Command] = None
+        self._caller = ""
         self._received: Optional[Clocks] = None
         self._validity = timeout
         self._heard: Dict[str, float] = {}  # client to the wall time of its last command
@@ -79,6 +80,7 @@ class CommandStream(Generic[Command]):
         if caller in self._ignored:
             return False
         self._command = command
+        self._caller = caller
         self._received = now
         self._validity = self._timeout if validity is None else min(validity, self._timeout)
         return True
@@ -92,6 +94,11 @@ class CommandStream(Generic[Command]):
     def discard(self) -> None:
         """Forget the command; the stream may go on with its next message."""
         self._command = None
+
+    def keep(self, callers: Collection[str]) -> None:
+        """End the command unless its client is one of `callers`: the others are gone."""
+        if self._command is not None and self._caller not in callers:
+            self.end(self._caller)
 
     def latch(self) -> None:
         """Forget the command, ignore each running stream until it has paused or sent a stop."""

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Mapping, Optional, Tuple
+from typing import Collection, Mapping, Optional, Tuple
 
 from telex_control.params import require_range
 from telex_teleop.joint_jog import InvalidCommand
@@ -50,6 +50,7 @@ class TrackSettings(TeleopSettings):
         One of the belts: joint states without it are not the base's and say nothing of its time.
     """
 
+    command_timeout: float = 0.25
     max_linear: float = 1.2
     max_angular: float = 1.0
     publish_rate: float = 50.0
@@ -129,6 +130,10 @@ class TrackDrive(TeleopCore):
         else:
             self._stream.receive(velocity, Clocks(wall, self._ticks.now), caller)
 
+    def keep(self, callers: Collection[str]) -> None:
+        """Stop what was driving unless its client is one of `callers`: the others are gone."""
+        self._stream.keep(callers)
+
     def restart(self, stamp: float) -> None:
         """Forget the drive, because the robot was put somewhere else; the belts are stopped."""
         del stamp
@@ -151,11 +156,13 @@ class TrackDrive(TeleopCore):
         """
         if self._starting.ends(wall):
             self._inhibit()
+        slept = self._paused(wall)
         tick = self._ticks.advance(stamp)
         self._last_wall = wall
         if tick is None:
             return None
-        if tick.jumped:
+        # A simulation that stood still goes on with a robot at full speed.
+        if tick.jumped or slept:
             self._restart()
         command = self._stream.command(Clocks(wall, stamp))
         if command is not None:
