@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import random
 import signal
@@ -47,6 +48,8 @@ class Outcome(NamedTuple):
         if that did not come.
     stood
         Time (s) from the failure until the belts stood.
+    way
+        How far the robot came meanwhile (m).
     moved
         Whether anything moved after that before a new press.
     obeyed
@@ -55,6 +58,7 @@ class Outcome(NamedTuple):
 
     stopped: Optional[float]
     stood: Optional[float]
+    way: float
     moved: bool
     obeyed: bool
 
@@ -265,13 +269,14 @@ def drill(operator: Operator, break_it: Drill, cut: float) -> Optional[Outcome]:
         # The page has let go by itself just now, so there is nothing to stop.
         operator.browser.release(operator.code)
         return None
-    broken = time.monotonic()
+    broken, place = time.monotonic(), wire.place
     next(story)
     stood = None
     while time.monotonic() < broken + max(cut, STOP_WITHIN + 0.8):
         if stood is None and abs(wire.belt_speed) < 0.01:
             stood = time.monotonic() - broken
         time.sleep(0.005)
+    way = math.dist(place, wire.place)
     with contextlib.suppress(StopIteration):
         next(story)
     # The operator has never let the key go.
@@ -283,7 +288,7 @@ def drill(operator: Operator, break_it: Drill, cut: float) -> Optional[Outcome]:
         for each in commands
     )
     moved = moved or abs(wire.belt_speed) > 0.02
-    return Outcome(stopped, stood, moved, operator.try_anew())
+    return Outcome(stopped, stood, way, moved, operator.try_anew())
 
 
 def stop_of(commands: List, broken: float) -> Optional[float]:
@@ -320,7 +325,7 @@ def told(outcome: Outcome) -> str:
         return "NOT STOPPED"
     words = [f"stop after {outcome.stopped * 1e3:.0f} ms"]
     if outcome.stood is not None:
-        words.append(f"stands after {outcome.stood * 1e3:.0f} ms")
+        words.append(f"at rest after {outcome.stood * 1e3:.0f} ms and {outcome.way:.2f} m")
     if outcome.moved:
         words.append("MOVED WITHOUT A NEW PRESS")
     if not outcome.obeyed:
@@ -355,7 +360,10 @@ def figures_of(name: str, outcomes: List[Outcome]) -> List[Figure]:
             Figure(f"{name}: time to zero, longest", stops[-1] * 1e3, "ms"),
         ]
     if stood:
-        figures.append(Figure(f"{name}: belts stand after, longest", max(stood) * 1e3, "ms"))
+        figures += [
+            Figure(f"{name}: at rest after, longest", max(stood) * 1e3, "ms"),
+            Figure(f"{name}: way, longest", max(each.way for each in outcomes), "m"),
+        ]
     return figures
 
 

@@ -11,7 +11,7 @@ import rosgraph
 import rospy
 from chromium import Chromium
 from control_msgs.msg import JointJog
-from geometry_msgs.msg import Twist
+from geometry_msgs.msg import PoseStamped, Twist
 from private_simulator import PrivateSimulator
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
@@ -58,6 +58,7 @@ class Wire:
     def __init__(self) -> None:
         self._heard: Dict[str, List[Heard]] = {}
         self.belt_speed = 0.0
+        self.place = (0.0, 0.0, 0.0)
         self.speed_scale: Optional[float] = None
         self.max_linear = 0.0
         self._subscribers = [
@@ -66,6 +67,7 @@ class Wire:
             self._note(JOG, JointJog, lambda message: sum(message.velocities)),
             self._note(TURRET, Float64, lambda message: message.data),
             self._subscribe("joint_states", JointState, self._on_joint_states),
+            self._subscribe("sim/base_pose", PoseStamped, self._on_base_pose),
             self._subscribe("track_teleop/status", TrackTeleopStatus, self._on_status),
         ]
         self._scale = rospy.Publisher("/telex/track_teleop/speed_scale", Float64, queue_size=1)
@@ -85,6 +87,10 @@ class Wire:
         if BELT in message.name:
             index = message.name.index(BELT)
             self.belt_speed = message.velocity[index] * BELT_RADIUS
+
+    def _on_base_pose(self, message: PoseStamped) -> None:
+        place = message.pose.position
+        self.place = (place.x, place.y, place.z)
 
     def _on_status(self, message: TrackTeleopStatus) -> None:
         self.speed_scale, self.max_linear = message.speed_scale, message.max_linear

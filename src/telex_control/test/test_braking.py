@@ -57,11 +57,11 @@ class Crane:
         self.boom.effort = self.own_effort() + friction
         self.boom.effort += mass * G * REACH * math.cos(self.boom.position)
 
-    def ask(self, speed=1.0, pitch=0.0, acceleration=0.0, seconds=0.02):
+    def ask(self, speed=1.0, pitch=0.0, acceleration=0.0, seconds=0.04):
         """Drive for a while, nose down by `pitch`."""
         up = (-math.sin(pitch), 0.0, math.cos(pitch))
-        for _ in range(round(seconds / 0.02)):
-            self.time += 0.02
+        for _ in range(round(seconds / 0.04)):
+            self.time += 0.04
             found = self.limit.limit(self.time, speed, acceleration, up)
         return found
 

@@ -24,7 +24,7 @@ from .urdf_joints import MOVABLE, joints
 Vector = Tuple[float, float, float]
 
 _LEVEL: Vector = (0.0, 0.0, 1.0)
-_HOLD = 0.02
+_HOLD = 0.04
 """Time (s) for which a limit is held: the masses do not come far in it."""
 _STEADY = 0.5
 """Acceleration (m/s2) beyond which the arm's efforts tell more of it than of a load."""
