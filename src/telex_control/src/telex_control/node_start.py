@@ -1,4 +1,7 @@
-"""How the nodes of this workspace begin: as rospy's do, but signals always end them."""
+"""How the nodes of this workspace begin: as rospy's do, but signals always end them.
+
+Nor do web pages reach them.
+"""
 
 from __future__ import annotations
 
@@ -11,11 +14,13 @@ from typing import Iterator, Optional
 import rospy
 from rospy.core import is_shutdown_requested
 
+from .xmlrpc_guard import guard_xmlrpc
+
 __all__ = ["init_node", "until_shutdown"]
 
 
-def init_node(name: str, anonymous: bool = False) -> None:
-    """Start a node that SIGINT and SIGTERM shut down.
+def init_node(name: str, anonymous: bool = False, own_signals: bool = False) -> None:
+    """Start a node that SIGINT and SIGTERM shut down, and that refuses requests of web pages.
 
     rospy shuts down inside the signal handler, which runs in the main thread between any two
     instructions. When that thread is just asking the master (each log line may), it holds the lock
@@ -27,8 +32,13 @@ def init_node(name: str, anonymous: bool = False) -> None:
     name : str
     anonymous : bool
         Whether to make the name unique.
+    own_signals : bool
+        Whether the program does itself what signals ask for.
     """
+    guard_xmlrpc()
     rospy.init_node(name, anonymous=anonymous, disable_signals=True)
+    if own_signals:
+        return
     signal.signal(signal.SIGTERM, _on_signal)
     signal.signal(signal.SIGINT, _on_signal)
 

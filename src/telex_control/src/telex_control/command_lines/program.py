@@ -71,7 +71,7 @@ def begin_measurement(name: str) -> None:
         uri = os.environ.get("ROS_MASTER_URI", "")
         raise ConnectionError(f"no ROS master at {uri}; start the simulator first")
     # Interrupted, the program still has a robot to put back: the node must live on.
-    rospy.init_node(name, anonymous=True, disable_signals=True)
+    init_node(name, anonymous=True, own_signals=True)
 
 
 def arguments() -> List[str]:

@@ -14,6 +14,7 @@ import rospkg
 import rospy
 import yaml
 
+from telex_control.node_start import init_node
 from telex_control.params import ConfigError, read_config
 from telex_teleop.keyboard.map import KeyboardSettings
 from telex_teleop.keyboard.robot import ShownRobot
@@ -61,7 +62,7 @@ def keyboard_main() -> int:
         master = os.environ.get("ROS_MASTER_URI", "unset")
         return _fail(f"no ROS master at ROS_MASTER_URI={master}; start the simulator first")
     # two operators may have a keyboard each, so the name is anonymous
-    rospy.init_node("keyboard_teleop", anonymous=True, disable_signals=True)
+    init_node("keyboard_teleop", anonymous=True, own_signals=True)
     try:
         settings = _read_settings()
         robot = ShownRobot(

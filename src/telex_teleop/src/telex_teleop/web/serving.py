@@ -17,6 +17,7 @@ import rospy
 from aiohttp import web
 from aiohttp.http_exceptions import HttpProcessingError
 
+from telex_control.node_start import init_node
 from telex_control.params import ConfigError
 
 from .config import read_server_config
@@ -208,7 +209,7 @@ def _run_node(
 ) -> int:
     try:
         # The loop handles the signals: it has clients to take leave of first.
-        rospy.init_node(name, disable_signals=True)
+        init_node(name, own_signals=True)
     except rospy.ROSException as error:
         print(f"{name}: {error}", file=sys.stderr)
         return 1
