@@ -2,7 +2,8 @@
 #
 #   source env.sh
 #
-# rosrun, roslaunch, rostopic and rostest then work in this shell. A ROS_MASTER_URI that is already set is kept.
+# rosrun, roslaunch, rostopic and rostest then work in this shell. A ROS_MASTER_URI that is already set is kept, and so are
+# ROS_IP and ROS_HOSTNAME; with neither, nodes of this shell are for this machine alone if its master is (docs/network.md).
 
 _telex_root="$(CDPATH= cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)"
 if [ ! -f "$_telex_root/devel/setup.bash" ] || [ ! -x "$_telex_root/.venv/bin/python" ]; then
@@ -18,6 +19,11 @@ case ":$PATH:" in
   *":$_telex_root/.venv/bin:"*) ;;
   *) PATH="$_telex_root/.venv/bin:$PATH" ;;
 esac
+# a rosmaster, roscore and roslaunch that refuse web pages, before ROS's own
+case ":$PATH:" in
+  *":$_telex_root/src/telex_control/bin:"*) ;;
+  *) PATH="$_telex_root/src/telex_control/bin:$PATH" ;;
+esac
 export PATH
 # the suites that cross packages: rostest telex_tests end_to_end.test
 case ":$ROS_PACKAGE_PATH:" in
@@ -26,4 +32,28 @@ case ":$ROS_PACKAGE_PATH:" in
 esac
 export ROS_MASTER_URI="${ROS_MASTER_URI:-http://localhost:11311}"
 export ROS_DISTRO="${ROS_DISTRO:-noetic}"
+
+if [ -z "${ROS_IP-}${ROS_HOSTNAME-}" ]; then
+  unset ROS_IP ROS_HOSTNAME
+  _telex_host="${ROS_MASTER_URI#*://}"
+  _telex_host="${_telex_host%%[:/]*}"
+  case "$_telex_host" in
+    localhost | 127.0.0.1) export ROS_IP=127.0.0.1 ;;
+    *)
+      if "$_telex_root/.venv/bin/python" -c 'import sys; from rosgraph.network import is_local_address
+sys.exit(not is_local_address(sys.argv[1]))' "$_telex_host"; then
+        export ROS_IP=127.0.0.1
+        # A master that is started here will be found at that address alone.
+        _telex_port="$(printf '%s' "$ROS_MASTER_URI" | sed -n 's|^[^:]*://[^:/]*:\([0-9]*\).*|\1|p')"
+        if ! (exec 9<>"/dev/tcp/$_telex_host/${_telex_port:-11311}") 2>/dev/null; then
+          export ROS_MASTER_URI="http://127.0.0.1:${_telex_port:-11311}"
+          echo "env.sh: no master answers at $_telex_host, which is this machine: ROS_MASTER_URI is $ROS_MASTER_URI now;" \
+            "set ROS_IP or ROS_HOSTNAME, too, to open ROS to other machines" >&2
+        fi
+        unset _telex_port
+      fi
+      ;;
+  esac
+  unset _telex_host
+fi
 unset _telex_root _telex_nounset

@@ -18,8 +18,9 @@ from std_msgs.msg import Float64
 from std_srvs.srv import Empty
 from telex_msgs.msg import TrackTeleopStatus
 
+from telex_teleop.web.token_files import read_token
+
 WORLD = "training_hall"
-TOKEN = "benchmark"
 SPEED = 1.0
 """Speed (m/s) at which the robot drives."""
 
@@ -134,8 +135,9 @@ class Rig:
     """
 
     def __init__(self, everywhere: bool) -> None:
-        listen = ["address:=0.0.0.0", f"token:={TOKEN}"] if everywhere else []
-        self._query = f"?token={TOKEN}" if everywhere else ""
+        listen = ["address:=0.0.0.0"] if everywhere else []
+        self._everywhere = everywhere
+        self._query = ""
         self.simulator = PrivateSimulator(f"world:={WORLD}", *listen)
 
     def __enter__(self) -> Rig:
@@ -152,6 +154,9 @@ class Rig:
         video = simulator.wait_for_param("/telex/video_server/url")
         self.video_port = int(str(video).rpartition(":")[2])
         simulator.wait_for_param("/telex/rosbridge/url")
+        if self._everywhere:
+            path = str(simulator.wait_for_param("/telex/rosbridge/token_file"))
+            self._query = f"?token={read_token(path, 'token_file')}"
         os.environ.update(ROS_MASTER_URI=simulator.master_uri, ROS_IP="127.0.0.1")
         rospy.init_node("benchmark_console", disable_signals=True)
         self.master = rosgraph.Master("/benchmark_console", simulator.master_uri)

@@ -4,19 +4,21 @@
 #   ./launch_scripts/run.sh [roslaunch arguments, e.g. world:=stairs video_port:=8081]
 #
 # Without world:= it starts in the training hall.
+# ros_address:=NAME_OR_ADDRESS opens ROS to other machines, which know this one by it (docs/network.md).
 # Ctrl-C ends it all. A running ROS master (ROS_MASTER_URI) is used; without one, one is started.
 set -uo pipefail
 
 root="$(CDPATH= cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)"
 case "${1:-}" in
   -h | --help)
-    sed -n '2,7s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
+    sed -n '2,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
     exit 0
     ;;
 esac
 
 # roslaunch passes over what no launch file asks for: a misspelt name would go unnoticed.
 known="$(sed -n 's/^  <arg name="\([a-z_]*\)".*/\1/p' "$root/src/telex_teleop/launch/bringup.launch")"
+known+=$'\nros_address'
 takes_value=
 for argument in "$@"; do
   if [ -n "$takes_value" ]; then
@@ -27,6 +29,11 @@ for argument in "$@"; do
     -[cptuw] | --args | --child | --find-node | --master-logger-level | --numworkers | --pid | --port | --run_id | \
       --server_uri | --sigint-timeout | --sigterm-timeout | --timeout) takes_value=1 ;;
     -*) ;;
+    token:=* | instructor_token:=*)
+      printf 'run.sh: %s:= is gone, for all users of this machine can read a command line: write the token into a file, and give %s_file:=FILE (without such a file, one is made)\n' \
+        "${argument%%:=*}" "${argument%%:=*}" >&2
+      exit 2
+      ;;
     *)
       name="${argument%%:=*}"
       [ "$name" != "$argument" ] && grep -qxF -- "$name" <<<"$known" && continue
@@ -38,8 +45,33 @@ for argument in "$@"; do
 done
 
 "$root/launch_scripts/setup.sh" || exit 1
+ros_address=
+for argument in "$@"; do
+  case "$argument" in ros_address:=*) ros_address="${argument#*:=}" ;; esac
+done
+case "$ros_address" in
+  '') ;;
+  localhost | 127.*) unset ROS_HOSTNAME; export ROS_IP=127.0.0.1 ;;
+  *) unset ROS_IP; export ROS_HOSTNAME="$ros_address" ;;  # ROS takes an address for it, too
+esac
 # shellcheck disable=SC1091
 . "$root/env.sh" || exit 1
+if [ -n "$ros_address" ]; then
+  python -c 'import sys; from rosgraph.network import is_local_address
+sys.exit(sys.argv[1].startswith("0.") or not is_local_address(sys.argv[1]))' "$ros_address" || {
+    echo "run.sh: ros_address:=$ros_address is no name or address of this machine; give the one by which others know it" >&2
+    exit 2
+  }
+fi
+case "${ROS_HOSTNAME:-${ROS_IP:-$(hostname)}}" in
+  localhost | 127.*) ;;
+  *)
+    cat >&2 <<END
+run.sh: ROS is open: who reaches this machine at ${ROS_HOSTNAME:-${ROS_IP:-$(hostname)}} can drive the robot, change and end everything,
+  without a token and past the bridge. Only for a network on which you trust everybody (docs/network.md).
+END
+    ;;
+esac
 # Into a file, too, nodes say at once what they have to say.
 export PYTHONUNBUFFERED=1
 
@@ -50,11 +82,12 @@ expected=()
 arguments=(world:=training_hall)
 for argument in "$@"; do
   case "$argument" in
-    world:=*/* | world:=*.yaml | variant:=*/* | variant:=*.yaml | robot:=*/*)
+    world:=*/* | world:=*.yaml | variant:=*/* | variant:=*.yaml | robot:=*/* | token_file:=?* | instructor_token_file:=?*)
       # Nodes do not run in the caller's folder, and the shell leaves this tilde alone.
       file="${argument#*:=}"
       argument="${argument%%:=*}:=$(realpath -m -- "${file/#\~\//$HOME/}")"
       ;;
+    ros_address:=*) continue ;;
     ns:=*) namespace="${argument#ns:=}" ;;
     console:=*) is_false "${argument#console:=}" && expected+=(--no-console) ;;
     cameras:=*) is_false "${argument#cameras:=}" && expected+=(--no-picture) ;;

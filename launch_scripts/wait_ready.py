@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import socket
 import sys
@@ -12,12 +13,16 @@ import urllib.error
 import urllib.parse
 import urllib.request
 from http.client import HTTPException
-from typing import Callable, Optional, Tuple
+from typing import Any, Callable, Dict, List, Optional, Tuple
 from xmlrpc.client import Error as XmlRpcError
 
 import rosgraph
 import rospy
 from controller_manager_msgs.srv import ListControllers
+
+from telex_control.node_start import init_node
+from telex_control.params import ConfigError
+from telex_teleop.web.token_files import read_token
 
 _NODE_START = 20.0
 """Time (s) in which a node must have registered."""
@@ -25,8 +30,10 @@ _NODE_START = 20.0
 _NO_PAGE = (401, 403, 426, 503)
 """Statuses of the bridge's answers to a request that is no WebSocket's."""
 
+_SERVER_ADVICE = "its last message says why; if its port is in use, try {}"
+
 KEYS = """
-  Console   {url}
+{pages}
   Keys      W S A D  drive       R F  front flippers    T G  rear flippers
             J L  turret    I K  shoulder    U O  telescope    P ;  elbow
             , .  gripper   - =  speed       Esc  emergency stop
@@ -107,20 +114,61 @@ def controllers_run(namespace: str) -> bool:
     return bool(states) and all(state == "running" for state in states)
 
 
-def fetch(namespace: str, path: str, begins: bytes) -> Optional[str]:
-    """Address of the video server, if it answers `path` with something that begins so.
+def fetch(namespace: str, path: str) -> Tuple[str, bytes]:
+    """Address of the video server, and what it answers to `path`; empty if it does not.
 
-    The address is read anew each time: on a master that was running before, it may still be that
-    of an earlier video server.
+    Only what needs no token can be had. The address is read anew each time: on a master that was
+    running before, it may still be that of an earlier video server.
     """
     try:
-        url = rospy.get_param(f"{namespace}/video_server/url", None)
-        if url is None:
+        url = str(rospy.get_param(f"{namespace}/video_server/url", ""))
+        if url:
+            with urllib.request.urlopen(f"{url}{path}", timeout=5.0) as answer:
+                return url, answer.read()
+    except (OSError, HTTPException):
+        pass
+    return "", b""
+
+
+def console(namespace: str) -> Optional[str]:
+    """Address of the console, if its page is there."""
+    url, page = fetch(namespace, "/")
+    return url if page.lower().startswith(b"<!doctype html>") else None
+
+
+class FirstPicture:
+    """The picture that the console shows first, as every program of this ROS master gets it."""
+
+    def __init__(self, namespace: str) -> None:
+        self._namespace = namespace
+        self._subscriber: Optional[rospy.Subscriber] = None
+        self._came = False
+
+    def came(self) -> bool:
+        """Whether there was one; asks for it first."""
+        if self._subscriber is None:
+            topic = self._topic()
+            if topic is not None:
+                self._subscriber = rospy.Subscriber(
+                    f"{topic}/compressed", rospy.AnyMsg, self._note, queue_size=1
+                )
+        return self._came
+
+    def _note(self, _message: rospy.AnyMsg) -> None:
+        self._came = True
+
+    def _topic(self) -> Optional[str]:
+        """Topic of the main camera, else of another one of the robot's, else of an instructor's."""
+        _, answer = fetch(self._namespace, "/config.json?role=instructor")
+        if not answer:
             return None
-        with urllib.request.urlopen(f"{url}{path}", timeout=5.0) as answer:
-            return str(url) if answer.read(len(begins)).lower() == begins else None
-    except (urllib.error.URLError, OSError):
-        return None
+        config: Dict[str, Any] = json.loads(answer)
+        cameras: List[Dict[str, str]] = config["cameras"]
+        hidden = config["hidden_cameras"]
+        cameras.sort(
+            key=lambda each: (each["name"] != config["main_camera"], each["name"] in hidden)
+        )
+        return cameras[0]["topic"] if cameras else None
 
 
 def bridge_answers(namespace: str) -> Optional[str]:
@@ -136,6 +184,23 @@ def bridge_answers(namespace: str) -> Optional[str]:
     except (OSError, HTTPException):
         return None
     return None
+
+
+def pages(namespace: str, url: str) -> str:
+    """What to say of the console's addresses; their tokens are shown on a terminal only."""
+    lines = []
+    for title, page, name in (
+        ("Console", "/", "token_file"),
+        ("Instructor", "/instructor", "instructor_token_file"),
+    ):
+        path = str(rospy.get_param(f"{namespace}/rosbridge/{name}", ""))
+        if not path:
+            lines += [f"  {title:<9} {url}"] if page == "/" else []
+        elif sys.stdout.isatty():
+            lines.append(f"  {title:<9} {url}{page}?token={read_token(path, name)}")
+        else:
+            lines.append(f"  {title:<9} {url}{page}?token=…  with the token in {path}")
+    return "\n".join(lines)
 
 
 def main() -> None:
@@ -158,18 +223,24 @@ def main() -> None:
 
     waiter.wait("ROS master", master)
     waiter.wait("robot controllable", lambda: controllers_run(namespace))
-    url = "(not started)"
+    shown = "  Console   (not started)"
     if not options.no_console:
-        waiter.need(f"{namespace}/video_server", "is its port in use? try video_port:=8081")
-        url = str(waiter.wait("console", lambda: fetch(namespace, "/", b"<!doctype html>")))
-        waiter.need(f"{namespace}/rosbridge", "is its port in use? try bridge_port:=9091")
+        waiter.need(f"{namespace}/video_server", _SERVER_ADVICE.format("video_port:=8081"))
+        url = str(waiter.wait("console", lambda: console(namespace)))
+        waiter.need(f"{namespace}/rosbridge", _SERVER_ADVICE.format("bridge_port:=9091"))
         waiter.wait("bridge", lambda: bridge_answers(namespace))
         if not options.no_picture:
             waiter.need(f"{namespace}/cameras", "its last message says why")
-            picture = f"/snapshot?topic={namespace}/cameras/front/image_raw"
-            waiter.wait("first camera picture", lambda: fetch(namespace, picture, b"\xff\xd8"))
-    print(KEYS.format(url=url, namespace=namespace), flush=True)
+            init_node("wait_ready", anonymous=True, own_signals=True)
+            waiter.wait("first camera picture", FirstPicture(namespace).came)
+        shown = pages(namespace, url)
+    print(KEYS.format(pages=shown, namespace=namespace), flush=True)
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except (ConfigError, OSError) as error:
+        sys.exit(f"wait_ready.py: {error}")
+    finally:
+        rospy.signal_shutdown("done")

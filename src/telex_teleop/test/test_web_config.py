@@ -76,8 +76,6 @@ def test_a_list_of_origins_must_be_a_list_of_strings():
 @pytest.mark.parametrize(
     ("values", "said"),
     [
-        ({"token": "a b"}, "token holds other characters than letters, digits and . _ ~ -"),
-        ({"token": "a", "instructor_token": "a"}, "token and instructor_token are the same"),
         ({"max_command_age": 0}, "max_command_age is 0.0; it must be at least 0.01"),
         ({"allowed": {"publish": ["a b"]}}, "publish holds 'a b'; a pattern is a ROS name"),
         ({"commands": {"call": [""]}}, "call holds ''; a pattern is a ROS name"),

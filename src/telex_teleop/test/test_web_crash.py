@@ -8,9 +8,6 @@ from web_fakes import FakeRos, becomes, on_loop, served
 from telex_teleop.web.bridge.app import Rosbridge
 from telex_teleop.web.config import RosbridgeConfig
 from telex_teleop.web.serving import bind, bind_again, url_of
-from telex_teleop.web.tokens import tokens_of
-
-PUBLIC = RosbridgeConfig(address="0.0.0.0")
 
 
 def port_of(listener):
@@ -42,35 +39,6 @@ def test_a_port_that_is_asked_for_is_taken_whatever_was_before():
 def test_an_address_that_makes_no_sense_is_passed_over(left):
     with bind_again("127.0.0.1", 0, "/v", left) as listener:
         assert port_of(listener) > 0
-
-
-def test_made_up_tokens_stay_the_same():
-    first = tokens_of(PUBLIC)
-    assert tokens_of(PUBLIC, first.made_up) == first
-    assert tokens_of(PUBLIC) != first
-
-
-def test_made_up_tokens_that_a_crash_has_left_among_the_parameters_are_not_given():
-    first = tokens_of(PUBLIC)
-    left = RosbridgeConfig(address="0.0.0.0", token=first.client, instructor_token=first.instructor)
-    # Else nobody would be told, and they would stay there after an end in order.
-    assert tokens_of(left, first.made_up) == first
-
-
-def test_given_tokens_win_and_are_not_made_up():
-    given = RosbridgeConfig(address="0.0.0.0", token="a", instructor_token="b")
-    assert tokens_of(given).made_up == {}
-    earlier = {"token": "old", "instructor_token": "older"}
-    assert (tokens_of(given, earlier).client, tokens_of(given, earlier).instructor) == ("a", "b")
-    partly = RosbridgeConfig(address="0.0.0.0", token="a")
-    assert tokens_of(partly, earlier).instructor == "older"
-    assert tokens_of(partly, earlier).made_up == {"instructor_token": "older"}
-
-
-@pytest.mark.parametrize("earlier", [{}, {"token": ""}, {"token": 3, "instructor_token": None}])
-def test_what_makes_no_token_is_made_up_anew(earlier):
-    tokens = tokens_of(PUBLIC, earlier)
-    assert len(tokens.client) == len(tokens.instructor) == 16
 
 
 def bridge(ros):

@@ -5,12 +5,13 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
-import re
 import signal
 import socket
+import stat
 import time
 import urllib.error
 import urllib.request
+from pathlib import Path
 
 import aiohttp
 import numpy as np
@@ -333,7 +334,7 @@ def test_nonsense_moves_nothing_and_the_bridge_lives_on(probe, bridge):
     assert probe.messages(topic) == []
 
 
-def test_tokens_that_the_bridge_made_up_are_told_to_who_started_it_only(ros, bridge):
+def test_tokens_that_the_bridge_made_stand_in_files_of_its_user_alone(ros, bridge):
     process = ros.start_node(
         "rosbridge",
         "_port:=0",
@@ -344,12 +345,12 @@ def test_tokens_that_the_bridge_made_up_are_told_to_who_started_it_only(ros, bri
         text=True,
     )
     url = wait_until(lambda: ros.param("/telex/open/url"), 20.0)
-    said = process.stdout.readline()
-    client, instructor = re.fullmatch(
-        r"/telex/open: clients connect with \?token=([\w-]{16}) , instructors with "
-        r"\?role=instructor&token=([\w-]{16})\n",
-        said,
-    ).groups()
+    files = [Path(ros.param(f"/telex/open/{each}token_file")) for each in ("", "instructor_")]
+    for file in files:
+        assert stat.S_IMODE(file.stat().st_mode) == 0o600
+    client, instructor = (file.read_text().strip() for file in files)
+    assert client not in str(ros.master.getParam("/"))
+    assert instructor not in str(ros.master.getParam("/"))
 
     async def check(watcher):
         await watcher.say("subscribe", topic="/rosout", type="rosgraph_msgs/Log")
@@ -368,9 +369,44 @@ def test_tokens_that_the_bridge_made_up_are_told_to_who_started_it_only(ros, bri
     pictures, page = ros.serve("video_server", "shown", "_address:=0.0.0.0", "_rosbridge:=open")
     streams = f"{page}/streams?token={client}"
     assert [get(each)[0] for each in (f"{page}/streams", streams)] == [401, 200]
+    # One that crashes leaves them to its successor, but not one that ends in order.
+    ros.stop(process, signal.SIGKILL)
+    process = ros.start_node("rosbridge", "_port:=0", "_address:=0.0.0.0", "__name:=open")
+    host, port = url[len("ws://") :].split(":")
+    wait_until(lambda: socket.socket().connect_ex((host, int(port))) == 0, 20.0)
+    assert [file.read_text().strip() for file in files] == [client, instructor]
     ros.stop(process)
     assert get(streams)[0] == 401
+    assert [file.exists() for file in files] == [False, False]
     ros.stop(pictures)
+    written = {path: path.read_text(errors="replace") for path in ros.logs.rglob("*.log*")}
+    assert written
+    for text in written.values():
+        assert client not in text
+        assert instructor not in text
+
+
+@pytest.mark.parametrize("name", ["video_server", "rosbridge"])
+@pytest.mark.parametrize("parameter", ["token", "token_file"])
+def test_a_token_that_others_can_read_ends_the_start(ros, tmp_path, name, parameter):
+    file = tmp_path / "token"
+    file.write_text("sesame")
+    file.chmod(0o644)
+    process = ros.start_node(
+        name,
+        "_port:=0",
+        f"_{parameter}:={'sesame' if parameter == 'token' else file}",
+        f"__name:={name}_{parameter}",
+        stdout=-1,
+        stderr=-1,
+        text=True,
+    )
+    _, said = process.communicate(timeout=20)
+    assert process.returncode == 1
+    wanted = "give token_file" if parameter == "token" else "(mode 0644); delete it"
+    assert wanted in said
+    assert "sesame" not in said
+    assert "Traceback" not in said
 
 
 def test_the_launch_file_starts_both_nodes():

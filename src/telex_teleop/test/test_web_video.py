@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import html
 import json
 import socket
 import time
@@ -42,9 +43,9 @@ class Bench:
         self.server_config = VideoServerConfig(**config)
         self.console = tmp_path
 
-    def params(self, **values):
+    def bridge_has(self, **paths):
         """Set parameters of the bridge."""
-        self.pictures.params.update({f"rosbridge/{name}": text for name, text in values.items()})
+        self.pictures.params.update({f"rosbridge/{name}": path for name, path in paths.items()})
 
     def served(self):
         self.server = VideoServer(
@@ -404,12 +405,20 @@ async def replies(http, url, access="", **options):
 SEEN, REFUSED = [200, 504, 200, 200, 426], [401] * 5
 
 
+def token_files(folder, **tokens):
+    """Write tokens to files; return the parameters that name them."""
+    for name, token in tokens.items():
+        (folder / name).write_text(token)
+        (folder / name).chmod(0o600)
+    return {f"{name}_file": str(folder / name) for name in tokens}
+
+
 @pytest.mark.parametrize("given_to", ["this server", "the bridge"])
 def test_where_there_is_a_token_pictures_need_it(tmp_path, given_to):
-    tokens = {"token": "sesame", "instructor_token": "teacher"}
-    bench = Bench(tmp_path, snapshot_timeout=0.1, **(tokens if given_to == "this server" else {}))
+    files = token_files(tmp_path, token="sesame", instructor_token="teacher")
+    bench = Bench(tmp_path, snapshot_timeout=0.1, **(files if given_to == "this server" else {}))
     if given_to == "the bridge":
-        bench.params(**tokens)
+        bench.bridge_has(**files)
 
     async def check():
         async with bench.served() as url, aiohttp.ClientSession() as http:
@@ -439,13 +448,31 @@ def test_other_machines_see_nothing_as_long_as_there_is_no_token(tmp_path):
         async with bench.served() as url, aiohttp.ClientSession() as http:
             assert await replies(http, url, "&token=") == REFUSED
             said = await (await http.get(f"{url}/{PICTURES[0]}")).text()
-            assert "set its parameter ~token, or start the bridge" in said
-            # The bridge starts later, and has made them up.
-            bench.params(token="sesame")
+            assert "set its parameter ~token_file, or start the bridge" in said
+            # The bridge starts later, and has made one.
+            bench.bridge_has(token_file=str(tmp_path / "token"))
+            assert await replies(http, url, "&token=sesame") == REFUSED
+            token_files(tmp_path, token="sesame")
             assert await replies(http, url, "&token=sesame") == SEEN
             # Nobody has told an instructor's token, which does not make one of everybody.
             for token in ("", "sesame"):
                 assert await replies(http, url, f"&role=instructor&token={token}") == REFUSED
+            (tmp_path / "token").chmod(0o644)
+            assert await replies(http, url, "&token=sesame") == REFUSED
+
+    run(check())
+
+
+def test_nobody_sees_anything_while_the_bridges_token_cannot_be_read(tmp_path):
+    bench = Bench(tmp_path)
+    bench.bridge_has(token_file=str(tmp_path / "gone"))
+
+    async def check():
+        async with bench.served() as url, aiohttp.ClientSession() as http:
+            assert await replies(http, url) == REFUSED
+            said = await (await http.get(f"{url}/{PICTURES[0]}")).text()
+            assert "The bridge's token_file" in html.unescape(said)
+            assert "is not there" in said
 
     run(check())
 

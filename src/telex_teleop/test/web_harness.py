@@ -64,6 +64,7 @@ class Ros:
                 [str(SOURCE), *filter(None, [os.environ.get("PYTHONPATH")])]
             ),
         )
+        self.logs = Path(self.environment["ROS_LOG_DIR"])
         self.master = rosgraph.Master("/test", self._master.uri)
         self.processes = []
 

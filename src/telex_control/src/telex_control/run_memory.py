@@ -10,9 +10,24 @@ from typing import Any, Dict, Optional
 import rospkg
 import rospy
 
-__all__ = ["RunMemory"]
+__all__ = ["RunMemory", "run_path"]
 
 _OWNER_ONLY = 0o600
+
+
+def run_path(node: str, ending: str) -> str:
+    """Return the path of a file of a node beside the logs of the present run of the ROS master.
+
+    Parameters
+    ----------
+    node : str
+        Its full name.
+    ending : str
+        What the name of the file ends with, after a dot.
+    """
+    name = node.strip("/").replace("/", ".")  # no ROS name has a dot
+    run = str(rospy.get_param("/run_id", "run"))
+    return os.path.join(rospkg.get_log_dir(), run, f"{name}.{ending}")
 
 
 class RunMemory:
@@ -41,10 +56,7 @@ class RunMemory:
     @classmethod
     def of_this_node(cls) -> RunMemory:
         """Return the memory of the present node, in the folder of its run's logs."""
-        # No ROS name has a dot.
-        name = rospy.get_name().strip("/").replace("/", ".")
-        run = str(rospy.get_param("/run_id", "run"))
-        return cls(os.path.join(rospkg.get_log_dir(), run, f"{name}.memory.json"))
+        return cls(run_path(rospy.get_name(), "memory.json"))
 
     def recall(self) -> Dict[str, Any]:
         """Return what was kept last; nothing after an end in order."""

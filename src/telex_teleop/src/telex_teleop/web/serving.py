@@ -195,7 +195,7 @@ def run_node(
     config_class
         Configuration dataclass with the fields `address` and `port`.
     make_app
-        Makes the application from the configuration, on the loop's thread.
+        Makes the application from the configuration, on the loop's thread; may raise a ConfigError.
     """
     try:
         return _run_node(name, scheme, config_class, make_app)
@@ -233,6 +233,9 @@ def _run_node(
 
     try:
         asyncio.run(main())
+    except ConfigError as error:
+        rospy.logfatal("%s", error)
+        return 1
     finally:
         _withdraw(url)
         rospy.signal_shutdown("the server has ended")

@@ -5,18 +5,19 @@ from __future__ import annotations
 import dataclasses
 import hmac
 import ipaddress
-import secrets
 import socket
-from typing import Any, Mapping, Optional, Protocol
+from typing import Dict, Mapping, Optional, Protocol
 
 from aiohttp import web
 
-TOKEN_BYTES = 12
-"""Random bytes of a token that is made up."""
+from telex_control.params import require
+
+from .token_files import read_or_make_token
 
 INSTRUCTOR = "instructor"
 _ROLES = ("operator", INSTRUCTOR)
-_PARAMETERS = _CLIENT, _INSTRUCTOR = "token", "instructor_token"
+FILES = CLIENT_FILE, INSTRUCTOR_FILE = ("token_file", "instructor_token_file")
+"""Parameters of a server that name the files of its tokens."""
 
 
 class ForbiddenError(Exception):
@@ -37,14 +38,10 @@ class Tokens:
         Of every client.
     instructor
         Of those that connect as an instructor; it is good for every other client, too.
-    made_up
-        Those of them that nobody gave, by the parameter that would: somebody has to be told, and a
-        successor has to know them.
     """
 
-    client: str
-    instructor: str
-    made_up: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    client: str = ""
+    instructor: str = ""
 
 
 class TokenConfig(Protocol):
@@ -55,40 +52,54 @@ class TokenConfig(Protocol):
         """Address that the server listens on."""
 
     @property
-    def token(self) -> str:
-        """Token of every client; may be empty."""
+    def token_file(self) -> str:
+        """Path of the file that holds the token of every client; may be empty."""
 
     @property
-    def instructor_token(self) -> str:
-        """Token of instructors; may be empty."""
+    def instructor_token_file(self) -> str:
+        """Path of the file that holds the token of instructors; may be empty."""
 
 
-def tokens_of(config: TokenConfig, earlier: Optional[Mapping[str, Any]] = None) -> Tokens:
-    """Return the tokens to ask for; makes up what is needed and not given.
+def files_of(config: TokenConfig, makeshift: Mapping[str, str]) -> Dict[str, str]:
+    """Return the paths of the tokens that a server asks for, by the parameters in `FILES`.
 
     Parameters
     ----------
     config
-        The bridge's parameters.
-    earlier
-        `Tokens.made_up` of a bridge that has crashed: those whom it told its tokens know no others.
+        The server's parameters.
+    makeshift
+        The paths to use where tokens are needed and no file was given. A server that has crashed
+        leaves them among its parameters, which does not mean that they were given.
     """
-    left = earlier or {}
-    given = {name: _given(getattr(config, name), left.get(name)) for name in _PARAMETERS}
-    if not given[_CLIENT] and is_loopback(config.address):
-        return Tokens("", given[_INSTRUCTOR])
-    made_up = {name: _made_up(left.get(name)) for name in _PARAMETERS if not given[name]}
-    both = {**given, **made_up}
-    return Tokens(both[_CLIENT], both[_INSTRUCTOR], made_up)
+    parameters = {name: getattr(config, name) for name in FILES}
+    given = {name: path for name, path in parameters.items() if path not in ("", makeshift[name])}
+    needed = CLIENT_FILE in given or not is_loopback(config.address)
+    return {**makeshift, **given} if needed else given
 
 
-def _given(token: str, left: Any) -> str:
-    # What a bridge made up that has crashed still stands among its parameters.
-    return "" if token == left else token
+def read_tokens(files: Mapping[str, str], where: str) -> Tokens:
+    """Read the tokens from their files, and make those files that are not there.
 
+    Parameters
+    ----------
+    files
+        As `files_of` returns them.
+    where
+        Name of the node, for messages.
 
-def _made_up(left: Any) -> str:
-    return left if isinstance(left, str) and left else secrets.token_urlsafe(TOKEN_BYTES)
+    Raises
+    ------
+    telex_control.params.ConfigError
+        A file cannot be used, or both hold the same.
+    """
+    read = {name: read_or_make_token(path, f"{where}/{name}") for name, path in files.items()}
+    tokens = Tokens(read.get(CLIENT_FILE, ""), read.get(INSTRUCTOR_FILE, ""))
+    require(
+        not tokens.client or tokens.client != tokens.instructor,
+        f"{where}: {CLIENT_FILE} and {INSTRUCTOR_FILE} hold the same token; every client would be "
+        "an instructor",
+    )
+    return tokens
 
 
 def is_loopback(address: str) -> bool:
@@ -138,7 +149,7 @@ def _same(given: Optional[str], token: str) -> bool:
 def _complaint(given: Optional[str], what: str) -> str:
     if given is None:
         return (
-            f"This server asks for {what}: add ?token=... to its address; unless it was given as a "
-            "parameter, it was printed when the bridge started."
+            f"This server asks for {what}: add ?token=... to its address. The token stands in a "
+            "file of whoever started it; run.sh prints it, too."
         )
     return f"This is not {what} of this server."

@@ -6,13 +6,13 @@ import asyncio
 import contextlib
 import itertools
 import time
-from typing import AsyncIterator, Callable, Optional, Set
+from typing import AsyncIterator, Callable, Set
 
 from aiohttp import WSCloseCode, WSMsgType, web
 
 from ..config import RosbridgeConfig
 from ..freshness import Backlog
-from ..tokens import ForbiddenError, Tokens, is_instructor, tokens_of
+from ..tokens import ForbiddenError, Tokens, is_instructor
 from ..websockets import new_websocket, take_leave, upgrade_required
 from ..workers import OrderedWorker
 from .access import Access
@@ -36,6 +36,9 @@ LAST_WORDS = 0.1
 """Time (s) between the last stop command and the node's end, for it to get out."""
 
 
+_NO_TOKENS = Tokens()
+
+
 class Rosbridge:
     """Accepts clients and serves each until it goes; make it on the loop's thread.
 
@@ -48,7 +51,7 @@ class Rosbridge:
     warn
         Called with what an administrator should know.
     tokens
-        What clients must know; None: as the parameters say, made up where that is needed.
+        What clients must know.
     """
 
     def __init__(
@@ -56,11 +59,11 @@ class Rosbridge:
         config: RosbridgeConfig,
         ros: Ros,
         warn: Callable[[str], None],
-        tokens: Optional[Tokens] = None,
+        tokens: Tokens = _NO_TOKENS,
     ) -> None:
         self._config = config
         self._warn = warn
-        self.tokens = tokens_of(config) if tokens is None else tokens
+        self._tokens = tokens
         worker = OrderedWorker("bridge to ROS")
         self.publishers = PublisherPool(ros, worker)
         self.feeds = FeedPool(ros, worker)
@@ -118,7 +121,7 @@ class Rosbridge:
             )
             return web.Response(status=403, text="This page's origin may not use the bridge.\n")
         try:
-            instructor = is_instructor(request, self.tokens)
+            instructor = is_instructor(request, self._tokens)
         except ForbiddenError as error:
             self._warn(f"refused {request.remote}: {error}")
             return web.Response(status=error.status, text=f"{error}\n")

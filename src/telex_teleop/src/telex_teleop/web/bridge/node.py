@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import contextlib
+import os
 from typing import Mapping
 
 import rospy
 from aiohttp import web
 
-from telex_control.run_memory import RunMemory
+from telex_control.run_memory import run_path
 
 from ..config import RosbridgeConfig
 from ..serving import run_node
-from ..tokens import tokens_of
+from ..tokens import FILES, INSTRUCTOR_FILE, files_of, read_tokens
 from .app import Rosbridge
 from .ros_graph import RosGraph
 
@@ -24,32 +25,35 @@ def _make_app(config: RosbridgeConfig) -> web.Application:
     def warn(sentence: str) -> None:
         rospy.logwarn_throttle(WARNING_PERIOD, f"{rospy.get_name()}: {sentence}")
 
-    memory = RunMemory.of_this_node()
-    bridge = Rosbridge(config, RosGraph(), warn, tokens_of(config, memory.recall()))
-    tokens = bridge.tokens
-    memory.keep(**tokens.made_up)
-    rospy.on_shutdown(memory.forget)
-    if tokens.made_up:
-        # Not by rospy's log: that is a topic, and every client may read it.
-        print(
-            f"{rospy.get_name()}: clients connect with ?token={tokens.client} , instructors "
-            f"with ?role=instructor&token={tokens.instructor}",
-            flush=True,
-        )
-    return _sharing(tokens.made_up, bridge.make_app())
+    name = rospy.get_name()
+    makeshift = {each: run_path(name, each) for each in FILES}
+    files = files_of(config, makeshift)
+    own = {each: path for each, path in files.items() if path == makeshift[each]}
+    for path in own.values():
+        with contextlib.suppress(OSError):  # which then says why it cannot be made
+            os.makedirs(os.path.dirname(path), exist_ok=True)
+    tokens = read_tokens(files, name)
+    for each, path in files.items():
+        who = "instructors" if each == INSTRUCTOR_FILE else "clients"
+        rospy.loginfo("%s: %s must know the token in %s", name, who, path)
+    return _sharing(own, Rosbridge(config, RosGraph(), warn, tokens).make_app())
 
 
-def _sharing(made_up: Mapping[str, str], app: web.Application) -> web.Application:
-    """Let the video server know what was made up, by the node's own parameters while it runs.
+def _sharing(own: Mapping[str, str], app: web.Application) -> web.Application:
+    """Let the video server know which files were made for this run, by the node's own parameters.
 
-    No client of the bridge can read them.
+    An end in order deletes them. A crash leaves them to the successor, whose clients know no other
+    tokens.
     """
-    for name, token in made_up.items():
-        rospy.set_param(f"~{name}", token)
+    for name, path in own.items():
+        rospy.set_param(f"~{name}", path)
 
     async def forget(_app: web.Application) -> None:
+        for path in own.values():
+            with contextlib.suppress(OSError):
+                os.remove(path)
         with contextlib.suppress(OSError, KeyError):  # the master may have ended before
-            for name in made_up:
+            for name in own:
                 rospy.delete_param(f"~{name}")
 
     app.on_cleanup.append(forget)

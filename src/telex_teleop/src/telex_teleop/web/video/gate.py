@@ -7,16 +7,27 @@ from typing import Awaitable, Callable, FrozenSet, Iterable, List
 
 from aiohttp import web
 
+from telex_control.params import ConfigError
+
 from ..config import VideoServerConfig
-from ..tokens import ForbiddenError, Tokens, is_instructor, is_loopback
+from ..token_files import read_token
+from ..tokens import (
+    CLIENT_FILE,
+    FILES,
+    INSTRUCTOR_FILE,
+    ForbiddenError,
+    Tokens,
+    is_instructor,
+    is_loopback,
+    read_tokens,
+)
 from .topics import camera_of
 
 
 class Gate:
     """Lets clients in as the bridge does, by the same tokens, so that one opens both.
 
-    Tokens that were not given are the bridge's, which holds them, given or made up, as its own
-    parameters.
+    Tokens of which no file was given are the bridge's, whose own parameters name its files.
 
     Parameters
     ----------
@@ -26,6 +37,11 @@ class Gate:
         The node's namespace, with slashes around it.
     ask
         Returns a parameter's value, or None if it is not set.
+
+    Raises
+    ------
+    telex_control.params.ConfigError
+        A file that was given cannot be used.
     """
 
     def __init__(
@@ -39,6 +55,8 @@ class Gate:
         self._hidden: FrozenSet[str] = frozenset(config.hidden_cameras)
         self._ask = ask
         self._is_local = is_loopback(config.address)
+        given = {name: getattr(config, name) for name in FILES if getattr(config, name)}
+        self._own = read_tokens(given, f"{namespace}video_server")
 
     async def admit(self, request: web.Request) -> bool:
         """Return whether a client that may see pictures is an instructor.
@@ -51,22 +69,32 @@ class Gate:
         return is_instructor(request, await self._tokens())
 
     async def _tokens(self) -> Tokens:
-        config = self._config
-        client = config.token or await self._of_bridge("token")
-        instructor = config.instructor_token or await self._of_bridge("instructor_token")
+        client = self._own.client or await self._of_bridge(CLIENT_FILE)
+        instructor = self._own.instructor or await self._of_bridge(INSTRUCTOR_FILE)
         if not client and not self._is_local:
             raise ForbiddenError(
                 401,
                 "This server listens to more than its own machine and knows no token that it could "
-                "ask for: set its parameter ~token, or start the bridge, which makes one up.",
+                "ask for: set its parameter ~token_file, or start the bridge, which makes one.",
             )
         if client and not instructor:
             instructor = secrets.token_urlsafe()  # an empty one would make everybody an instructor
         return Tokens(client, instructor)
 
     async def _of_bridge(self, name: str) -> str:
-        value = await self._ask(f"{self._config.rosbridge}/{name}")
-        return value if isinstance(value, str) else ""
+        parameter = f"{self._config.rosbridge}/{name}"
+        path = await self._ask(parameter)
+        if not isinstance(path, str) or not path:
+            return ""
+        try:
+            return read_token(path, parameter)
+        except FileNotFoundError:
+            reason = "is not there"
+        except ConfigError:
+            reason = "cannot be used; the bridge says why"
+        raise ForbiddenError(
+            401, f"The bridge's {name}, which would say whose the pictures are, {reason}."
+        )
 
     def require_visible(self, topic: str, *, instructor: bool) -> None:
         """Raise a ForbiddenError if a topic is of a camera that the client may not see."""
