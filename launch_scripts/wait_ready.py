@@ -27,8 +27,8 @@ from telex_teleop.web.token_files import read_token
 _NODE_START = 20.0
 """Time (s) in which a node must have registered."""
 
-_NO_PAGE = (401, 403, 426, 503)
-"""Statuses of the bridge's answers to a request that is no WebSocket's."""
+_NO_HEAD = 405
+"""Status of the bridge's answer to a HEAD request, which it does not take for a client's."""
 
 _SERVER_ADVICE = "its last message says why; if its port is in use, try {}"
 
@@ -177,10 +177,10 @@ def bridge_answers(namespace: str) -> Optional[str]:
         url = rospy.get_param(f"{namespace}/rosbridge/url", None)
         if url is None:
             return None
-        urllib.request.urlopen(str(url).replace("ws", "http", 1), timeout=5.0).close()
+        question = urllib.request.Request(str(url).replace("ws", "http", 1), method="HEAD")
+        urllib.request.urlopen(question, timeout=5.0).close()
     except urllib.error.HTTPError as answer:
-        # Whoever asks for a page hears that this is no web server, or that a token is needed.
-        return str(url) if answer.code in _NO_PAGE else None
+        return str(url) if answer.code == _NO_HEAD else None
     except (OSError, HTTPException):
         return None
     return None

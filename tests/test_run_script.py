@@ -10,15 +10,20 @@ import signal
 import socket
 import subprocess
 import time
+import urllib.error
 import urllib.request
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+import rosgraph
 
 from telex_control.private_master import free_port
 
 ROOT = Path(__file__).resolve().parents[1]
+OPENS_ROS = ("ROS_IP", "ROS_HOSTNAME")
+LOOPBACK = "0100007F"
+"""127.0.0.1 as /proc/net/tcp has it."""
 
 
 class Terminal:
@@ -71,12 +76,39 @@ def processes_of(session_marker):
 def private(tmp_path):
     """A master address of one's own, which marks all processes, and the environment with it."""
     marker = f"http://127.0.0.1:{free_port()}"
-    return marker, {
-        **os.environ,
-        "ROS_MASTER_URI": marker,
-        "ROS_IP": "127.0.0.1",
-        "ROS_LOG_DIR": str(tmp_path),
-    }
+    inherited = {key: text for key, text in os.environ.items() if key not in OPENS_ROS}
+    return marker, {**inherited, "ROS_MASTER_URI": marker, "ROS_LOG_DIR": str(tmp_path)}
+
+
+def listening(session_marker):
+    """Addresses that those processes listen on by TCP, each with the process's command line."""
+    sockets = {}
+    for table in ("tcp", "tcp6"):
+        for line in Path("/proc/net", table).read_text().splitlines()[1:]:
+            _, local, _, state, *_, inode = line.split()[:10]
+            if state == "0A":
+                sockets[f"socket:[{inode}]"] = local.partition(":")[0]
+    found = []
+    for entry in Path("/proc").iterdir():
+        try:
+            if not entry.name.isdigit() or session_marker not in (entry / "environ").read_bytes():
+                continue
+            command = (entry / "cmdline").read_bytes().replace(b"\0", b" ").decode()
+            for file in (entry / "fd").iterdir():
+                address = sockets.get(os.readlink(file))
+                if address is not None:
+                    found.append((address, command))
+        except OSError:
+            continue
+    return found
+
+
+def fetch(url):
+    try:
+        with urllib.request.urlopen(url, timeout=20.0) as answer:
+            return answer.status, answer.read()
+    except urllib.error.HTTPError as answer:
+        return answer.code, answer.read()
 
 
 @pytest.mark.ros
@@ -95,6 +127,14 @@ def test_run_starts_everything_and_ctrl_c_leaves_nothing(private):
         names = " ".join(processes_of(marker.encode()))
         for node in ("simulator", "cameras", "arm_teleop", "video_server", "rosmaster"):
             assert node in names
+        # roscpp has no setting for its XML-RPC servers; docs/network.md says what these let do.
+        sockets = listening(marker.encode())
+        open_ones = [command for address, command in sockets if address != LOOPBACK]
+        assert len(sockets) > 15
+        assert len(open_ones) == 2
+        for command in open_ones:
+            assert "/rosout/rosout" in command or "/robot_state_publisher " in command
+        assert "ROS is open" not in terminal.text
     finally:
         os.write(terminal.fd, b"\x03")
         stopped_at = time.monotonic()
@@ -103,6 +143,51 @@ def test_run_starts_everything_and_ctrl_c_leaves_nothing(private):
     _, status = os.waitpid(terminal.pid, 0)
     assert took < 5.0
     assert os.WEXITSTATUS(status) == 130
+    assert processes_of(marker.encode()) == []
+
+
+@pytest.mark.ros
+@pytest.mark.parametrize(
+    "arguments",
+    [["options:=cameras=rear"], ["token_file:=mine", "instructor_token_file:=made"]],
+    ids=["no front camera, no tokens of one's own", "tokens of one's own"],
+)
+def test_it_starts_on_an_address_that_needs_tokens(private, tmp_path, arguments):
+    marker, environment = private
+    (tmp_path / "mine").write_text("sesame")
+    (tmp_path / "mine").chmod(0o600)
+    own = "token_file:=mine" in arguments
+    arguments = [each.replace("_file:=", f"_file:={tmp_path}/") for each in arguments]
+    terminal = Terminal(
+        [
+            "./launch_scripts/run.sh",
+            *("address:=0.0.0.0", "video_port:=0", "bridge_port:=0", *arguments),
+        ],
+        environment,
+    )
+    try:
+        assert terminal.read_until(r"Stop +Ctrl-C", 120.0), terminal.text[-3000:]
+        url, token = re.search(r"Console +(http:\S+/)\?token=(\S+)", terminal.text).groups()
+        page, teacher = re.search(r"Instructor +(\S+)\?token=(\S+)", terminal.text).groups()
+        assert page == f"{url}instructor"
+        assert (token == "sesame") is own
+        assert own is ((tmp_path / "made").exists())
+        assert fetch(f"{url}?token={token}")[0] == 200
+        camera = "front" if own else "rear"
+        picture = f"{url}snapshot?topic=/telex/cameras/{camera}/image_raw"
+        assert fetch(picture)[0] == 401
+        for each in (token, teacher):
+            assert fetch(f"{picture}&token={each}")[1].startswith(b"\xff\xd8")
+        parameters = str(rosgraph.Master("/test", master_uri=marker).getParam("/"))
+        logs = "".join(path.read_text(errors="replace") for path in tmp_path.rglob("*.log*"))
+        for secret in (token, teacher):
+            assert secret not in " ".join(processes_of(marker.encode()))
+            assert secret not in parameters
+            assert secret not in logs
+    finally:
+        os.write(terminal.fd, b"\x03")
+    assert not terminal.read_until(None, 30.0)
+    os.waitpid(terminal.pid, 0)
     assert processes_of(marker.encode()) == []
 
 
@@ -185,6 +270,81 @@ def test_an_argument_that_nobody_asks_for_is_refused_at_once(arguments):
     assert " world:= " in done.stderr
     assert " options:= " in done.stderr
     assert done.stdout == ""
+
+
+@pytest.mark.parametrize("name", ["token", "instructor_token"])
+def test_a_token_on_the_command_line_is_refused_and_not_shown(name):
+    done = subprocess.run(
+        ["./launch_scripts/run.sh", f"{name}:=sesame"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=30.0,
+        check=False,
+    )
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith(f"run.sh: {name}:= is gone")
+    assert f"give {name}_file:=FILE" in done.stderr
+    assert "sesame" not in done.stderr
+
+
+@pytest.mark.parametrize("launch_file", ["bringup.launch", "console.launch"])
+@pytest.mark.parametrize("name", ["token", "instructor_token"])
+def test_roslaunch_refuses_it_too(launch_file, name):
+    done = subprocess.run(
+        ["roslaunch", "--dump-params", "telex_teleop", launch_file, f"{name}:=sesame"],
+        capture_output=True,
+        text=True,
+        timeout=30.0,
+        check=False,
+    )
+    assert done.stdout == ""  # there is nothing to be started
+    assert f"give {name}_file:=FILE" in done.stderr
+    assert "sesame" not in done.stderr
+
+
+@pytest.mark.parametrize("address", ["0.0.0.0", "192.0.2.77", "no.such.host.invalid"])
+def test_ros_is_not_opened_at_what_is_no_address_of_this_machine(private, address):
+    _, environment = private
+    done = subprocess.run(
+        ["./launch_scripts/run.sh", f"ros_address:={address}"],
+        cwd=ROOT,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=60.0,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert f"ros_address:={address} is no name or address of this machine" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("given", "ros_ip", "master"),
+    [
+        ({}, "127.0.0.1", "http://localhost:11311"),
+        ({"ROS_MASTER_URI": "http://127.0.0.1:11399"}, "127.0.0.1", "http://127.0.0.1:11399"),
+        # Nodes that are for this machine alone need a master that is found there.
+        ({"ROS_MASTER_URI": "http://127.0.0.9:2/"}, "127.0.0.1", "http://127.0.0.1:2"),
+        ({"ROS_MASTER_URI": "http://192.0.2.77:11311"}, "", "http://192.0.2.77:11311"),
+        ({"ROS_IP": "192.0.2.77"}, "192.0.2.77", "http://localhost:11311"),
+        ({"ROS_HOSTNAME": "robot"}, "", "http://localhost:11311"),
+        ({"ROS_IP": "", "ROS_HOSTNAME": ""}, "127.0.0.1", "http://localhost:11311"),
+    ],
+)
+def test_ros_is_for_this_machine_unless_told_otherwise(given, ros_ip, master):
+    bare = {key: text for key, text in os.environ.items() if not key.startswith("ROS_")}
+    done = subprocess.run(
+        ["bash", "-uc", '. ./env.sh && echo "${ROS_IP-}" "$ROS_MASTER_URI"; which rosmaster'],
+        cwd=ROOT,
+        env={**bare, **given},
+        capture_output=True,
+        text=True,
+        timeout=30.0,
+        check=True,
+    )
+    own = ROOT / "src" / "telex_control" / "bin" / "rosmaster"
+    assert done.stdout == f"{ros_ip} {master}\n{own}\n"
 
 
 def test_every_argument_of_the_launch_file_is_known(tmp_path):
