@@ -437,20 +437,6 @@ def test_nobody_passes_for_the_simulator(topic):
     asyncio.run(check())
 
 
-@on_loop
-async def test_tokens_cannot_be_read():
-    bench = Bench()
-    bench.ros.params = {
-        "/telex/rosbridge/token": "secret",
-        "/telex": {"rosbridge": {"token": "secret", "port": 9090}, "limit": 1},
-    }
-    client = Client(bench)
-    refused = await client.ask("rosapi/get_param", {"name": "rosbridge/token"})
-    assert refused == (False, "/telex/rosbridge/token is not for clients to read")
-    whole = await client.ask("rosapi/get_param", {"name": "/telex"})
-    assert whole[1] == {"value": '{"rosbridge": {"port": 9090}, "limit": 1}'}
-
-
 # Who is who
 
 

@@ -8,7 +8,7 @@ import datetime
 import json
 import math
 import xmlrpc.client
-from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
 
 from .message_types import message_class, service_class
 from .operations import MAX_TEXT, OperationError, parse_json
@@ -51,15 +51,10 @@ class RosApi:
         Where the answers are.
     own_services
         Types of the services that the bridge itself answers besides these, by their global names.
-    secrets
-        Last parts of the names of parameters that no client may read.
     """
 
-    def __init__(
-        self, ros: Ros, own_services: Mapping[str, str], secrets: Sequence[str] = ()
-    ) -> None:
+    def __init__(self, ros: Ros, own_services: Mapping[str, str]) -> None:
         self._ros = ros
-        self._secrets = tuple(secrets)
         self._questions: Dict[str, Question] = {
             "topics": Question(lambda _: self._topics()),
             "topics_and_raw_types": Question(lambda _: self._topics_and_raw_types()),
@@ -185,24 +180,11 @@ class RosApi:
         for name in self._spellings(_name(arguments, "name")):
             try:
                 value = self._ros.get_param(name)
-                return {"value": json.dumps(_plain(self._without_secrets(name, value)))}
+                return {"value": json.dumps(_plain(value))}
             except KeyError:
                 continue
         default = arguments.get("default")
         return {"value": default if isinstance(default, str) and default else "null"}
-
-    def _without_secrets(self, name: str, value: Any) -> Any:
-        """Return a parameter's value, without what no client may read."""
-        if name.rpartition("/")[2] in self._secrets:
-            raise OperationError(f"{name} is not for clients to read")
-        if isinstance(value, dict):
-            inside = name if name.endswith("/") else f"{name}/"
-            return {
-                key: self._without_secrets(f"{inside}{key}", part)
-                for key, part in value.items()
-                if key not in self._secrets
-            }
-        return value
 
     def _has_param(self, arguments: Arguments) -> Dict[str, Any]:
         for name in self._spellings(_name(arguments, "name")):

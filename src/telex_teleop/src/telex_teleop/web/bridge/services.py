@@ -16,9 +16,6 @@ from .operations import OperationError
 from .ros import Ros
 from .rosapi import Question, RosApi
 
-SECRETS = ("token", "instructor_token")
-"""Parameters of the servers that would make an instructor of every client who reads them."""
-
 
 @dataclasses.dataclass(frozen=True)
 class Caller:
@@ -50,7 +47,7 @@ class ServiceDesk:
         self._worker = worker
         self._control = control
         self._timeout = timeout
-        self._rosapi = RosApi(ros, control.types, SECRETS)
+        self._rosapi = RosApi(ros, control.types)
 
     async def call(self, service: str, arguments: Any, caller: Caller) -> Dict[str, Any]:
         """Call a service and return the values of its response.
