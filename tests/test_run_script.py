@@ -161,7 +161,7 @@ def test_it_starts_on_an_address_that_needs_tokens(private, tmp_path, arguments)
     terminal = Terminal(
         [
             "./launch_scripts/run.sh",
-            *("address:=0.0.0.0", "video_port:=0", "bridge_port:=0", *arguments),
+            *("address:=0.0.0.0", "video_port:=0", "bridge_port:=0", "world:=floor", *arguments),
         ],
         environment,
     )

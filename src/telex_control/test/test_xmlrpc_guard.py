@@ -10,6 +10,7 @@ import sys
 import threading
 import time
 import xmlrpc.client
+from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
@@ -138,6 +139,18 @@ def test_names_that_ros_was_told_are_own(monkeypatch):
 
 def test_the_guard_fits_what_rosgraph_makes_servers_of():
     assert issubclass(GuardedRequestHandler, rosgraph.xmlrpc.SimpleXMLRPCRequestHandler)
+
+
+def test_every_node_of_the_workspace_begins_guarded():
+    sources = Path(__file__).resolve().parents[2]
+    begin = sorted(
+        path.name
+        for package in sources.glob("telex_*")
+        for folder in ("src", "nodes", "scripts")
+        for path in (package / folder).rglob("*")
+        if path.is_file() and b"rospy.init_node(" in path.read_bytes()
+    )
+    assert begin == ["node_start.py"]
 
 
 @pytest.mark.ros
