@@ -5,7 +5,6 @@ One thread, the simulation's, owns a `Robot`; only `request_e_stop` may be calle
 
 from __future__ import annotations
 
-import logging
 from typing import Callable, Dict, Optional
 from xml.etree import ElementTree
 
@@ -18,13 +17,11 @@ from .config import RobotConfig
 from .drives import Mode
 from .gripper_contact import GripperContacts
 from .proximity import ProximityGuard
+from .robot_body import RobotBody
 from .robot_hw_sim import RobotHWSim
 from .scene.model import Start
-from .self_collision import disable_pairs
 from .tracks.tracks import Tracks
 from .world import Body, World
-
-_log = logging.getLogger("rosout")
 
 
 class Robot:
@@ -49,8 +46,8 @@ class Robot:
     ----------
     namespace : str
         Full name, without a slash at its end.
-    model : str
-        Name in the scene; its frames are ``<model>/<link>``.
+    figure : RobotBody
+        What of it becomes a body.
     hw : RobotHWSim
     controllers : ControllerManager
     body : Body
@@ -80,10 +77,9 @@ class Robot:
         asked_pose: str = "",
     ) -> None:
         self.config = config
-        self.urdf = urdf
         self.namespace = node.namespace
         self._node = node
-        self.model = config.model or node.namespace.rsplit("/", 1)[-1]
+        self.figure = RobotBody.of(urdf, config, node.namespace)
         self._resolve = resolve
         self._step_size = step_size
         try:
@@ -92,15 +88,24 @@ class Robot:
             node.shutdown()
             raise
 
+    @property
+    def model(self) -> str:
+        """Name in the scene; its frames are ``<model>/<link>``."""
+        return self.figure.model
+
+    @property
+    def urdf(self) -> str:
+        """Its description."""
+        return self.figure.urdf
+
     def _make(self, root: ElementTree.Element, node: NodeHandle, asked_pose: str) -> None:
         config = self.config
         self.hw = RobotHWSim(root, config.hardware, config.tracks.belts)
         self.hw.init(node, node)
         self.controllers = ControllerManager(self.hw, node)
         self._check_belts(root)
-        self._joints = joints(root)
-        self._positions = self.start_positions(asked_pose)
-        config.proximity.check_joints(list(self._joints), config.hardware.optional_joints)
+        self._positions = self.figure.start_positions(asked_pose)
+        config.proximity.check_joints(list(joints(root)), config.hardware.optional_joints)
         links = [link.get("name", "") for link in root.iter("link")]
         config.self_collision.check_links(links)
         self._has_pads = config.gripper_contact.present(links, config.hardware.optional_links)
@@ -134,44 +139,6 @@ class Robot:
                     "has no <collision>; a belt needs one to touch the ground"
                 )
 
-    def start_positions(self, asked: str) -> Dict[str, float]:
-        """Where the joints start, without those of the pose that only variants have.
-
-        Parameters
-        ----------
-        asked : str
-            Named pose that the scene asks for; empty for none.
-
-        Returns
-        -------
-        dict of str to float
-            By joint (rad, m).
-
-        Raises
-        ------
-        ConfigError
-            A joint of the pose is unknown, or beyond its limits.
-        """
-        start, described = self.config.start, self._joints
-        positions = {}
-        for joint, position in start.joint_positions(asked).items():
-            where = f"start/poses/{start.pose_name(asked)}/{joint}"
-            if joint not in described and joint in self.config.hardware.optional_joints:
-                _log.info("%s: left out, for this robot has no such joint", where)
-                continue
-            if joint not in described:
-                raise ConfigError(
-                    f"{where}: the robot has no joint '{joint}'; one that only some variants have "
-                    "belongs into hardware/optional_joints"
-                )
-            limits = described[joint]
-            if not limits.lower <= position <= limits.upper:
-                raise ConfigError(
-                    f"{where} is {position}; its limits are {limits.lower} to {limits.upper}"
-                )
-            positions[joint] = position
-        return positions
-
     def place(
         self, world: World, scene_start: Start, material_of: Callable[[int, int], str]
     ) -> None:
@@ -190,7 +157,7 @@ class Robot:
             PyBullet refuses the URDF.
         """
         config = self.config
-        self.body = self.load_body(world, scene_start, self._positions)
+        self.body = self.figure.load(world, scene_start, self._positions, self._resolve)
         self.proximity = ProximityGuard(self.body, config.proximity, config.self_collision)
         self.gripper_contacts = (
             GripperContacts(self.body, config.gripper_contact) if self._has_pads else None
@@ -198,30 +165,6 @@ class Robot:
         self.hw.attach(self.body)
         drives = {joint: self.hw.drive(joint) for joint in config.tracks.belts}
         self._tracks = Tracks(self.body, config.tracks, drives, self._step_size, material_of)
-
-    def load_body(self, world: World, scene_start: Start, positions: Dict[str, float]) -> Body:
-        """Put no more than its body into `world`, with the joints at `positions`.
-
-        Raises
-        ------
-        WorldError
-            PyBullet refuses the URDF.
-        """
-        config, start = self.config, self.config.start
-        ground = scene_start.ground + start.height
-        x, y, z, yaw = start.place or (scene_start.x, scene_start.y, ground, scene_start.yaw)
-        body = world.load_robot(
-            self.urdf,
-            self._resolve,
-            (x, y, z),
-            yaw,
-            positions,
-            config.fixed_base,
-            config.self_collision.enabled,
-            config.tracks.belts,
-        )
-        disable_pairs(body, config.self_collision)
-        return body
 
     def start_from(self, positions: Dict[str, float]) -> None:
         """Have the joints start from other positions the next time that it is placed."""

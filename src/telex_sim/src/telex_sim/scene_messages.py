@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass
-from typing import Dict, List, Mapping, Sequence, Tuple
+from typing import Any, Dict, List, Mapping, NamedTuple, Sequence, Tuple
 
 from genpy import Time
 from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
@@ -46,8 +46,20 @@ class _Robot:
     visuals: Tuple[UrdfVisual, ...]
 
 
+class _Shown(NamedTuple):
+    """What is described; replaced as a whole, since descriptions are made in another thread."""
+
+    revision: int
+    lights: Lights
+    floor: SceneVisual
+    robots: Mapping[str, _Robot]
+    objects: Tuple[SceneObject, ...]
+
+
 class SceneMessages:
     """Describes robots in a scene.
+
+    `description` may be called from any thread.
 
     Parameters
     ----------
@@ -56,25 +68,22 @@ class SceneMessages:
     scene : Scene
         Its floor and light; objects come by `show`. `change_scene` puts another in its place.
 
-    Attributes
-    ----------
-    revision : int
-        Of what is described; rises with every change.
-
     Raises
     ------
     UrdfVisualError
     """
 
     def __init__(self, model: str, links: Sequence[str], urdf: str, scene: Scene) -> None:
-        self.revision = 0
-        self._lights = scene.lights
-        self._floor = _floor(scene.floor)
-        self._robots: Dict[str, _Robot] = {}
-        self._objects: Tuple[SceneObject, ...] = ()
-        self._frames: List[str] = []
-        self._visuals: List[SceneVisual] = []
+        self._shown = _Shown(0, scene.lights, _floor(scene.floor), {}, ())
         self.add_robot(model, links, urdf_visuals(urdf))
+
+    @property
+    def revision(self) -> int:
+        """Of what is described; rises with every change."""
+        return self._shown.revision
+
+    def _change(self, **changes: Any) -> None:
+        self._shown = self._shown._replace(revision=self._shown.revision + 1, **changes)
 
     def add_robot(self, model: str, links: Sequence[str], visuals: Sequence[UrdfVisual]) -> None:
         """Describe a further robot from now on.
@@ -88,63 +97,35 @@ class SceneMessages:
             In the order in which `poses` gets their poses.
         visuals : sequence of UrdfVisual
         """
-        self._robots[model] = _Robot(tuple(links), tuple(visuals))
-        self._describe()
+        robot = _Robot(tuple(links), tuple(visuals))
+        self._change(robots={**self._shown.robots, model: robot})
 
     def remove_robot(self, model: str) -> None:
         """Leave a robot out from now on."""
-        del self._robots[model]
-        self._describe()
+        robots = self._shown.robots
+        self._change(robots={name: each for name, each in robots.items() if name != model})
 
     def show(self, objects: Sequence[SceneObject]) -> bool:
         """Describe these objects from now on; returns whether that is a change."""
-        if tuple(objects) == self._objects:
+        if tuple(objects) == self._shown.objects:
             return False
-        self._objects = tuple(objects)
-        self._describe()
+        self._change(objects=tuple(objects))
         return True
 
     def change_scene(self, scene: Scene, objects: Sequence[SceneObject]) -> None:
         """Describe another scene from now on, with its objects."""
-        self._lights = scene.lights
-        self._floor = _floor(scene.floor)
-        self._objects = tuple(objects)
-        self._describe()
-
-    def _describe(self) -> None:
-        self._frames = [WORLD_FRAME]
-        self._visuals = [self._floor]
-        for model, robot in self._robots.items():
-            index = {link: len(self._frames) + i for i, link in enumerate(robot.links)}
-            self._frames += [f"{model}/{link}" for link in robot.links]
-            self._visuals += [_robot(index, v) for v in robot.visuals if v.link in index]
-        for item in self._objects:
-            self._show(item)
-        self.revision += 1
-
-    def _show(self, item: SceneObject) -> None:
-        frames: Dict[str, int] = {}
-        for link in item.model.moving_links():
-            frames[link.name] = len(self._frames)
-            self._frames.append(f"{item.name}/{link.name}")
-        origin = (item.position, item.orientation)
-        for link in item.model.links:
-            frame = frames.get(link.name, _WORLD)
-            within = origin if frame == _WORLD else poses.IDENTITY
-            self._visuals += [
-                _part(frame, within, part, part.surface)
-                for part in link.parts
-                if part.surface is not None
-            ]
+        self._change(lights=scene.lights, floor=_floor(scene.floor), objects=tuple(objects))
 
     def description(self, stamp: Time) -> SceneDescription:
         """What there is to see."""
-        lights = self._lights
+        shown = self._shown
+        frames, visuals = _frames_and_visuals(shown)
+        lights = shown.lights
         sun, fog = lights.sun, lights.fog
         message = SceneDescription(
-            revision=self.revision,
-            frames=self._frames,
-            visuals=self._visuals,
+            revision=shown.revision,
+            frames=frames,
+            visuals=visuals,
             lamps=[_lamp(lamp) for lamp in lights.lamps],
             to_sun=_to_sun(lights),
             sun=ColorRGBA(*(part * sun.intensity for part in sun.color), 1.0),
@@ -171,6 +152,29 @@ class SceneMessages:
         message.header.stamp = stamp
         message.header.frame_id = WORLD_FRAME
         return message
+
+
+def _frames_and_visuals(shown: _Shown) -> Tuple[List[str], List[SceneVisual]]:
+    frames, visuals = [WORLD_FRAME], [shown.floor]
+    for model, robot in shown.robots.items():
+        index = {link: len(frames) + i for i, link in enumerate(robot.links)}
+        frames += [f"{model}/{link}" for link in robot.links]
+        visuals += [_robot(index, v) for v in robot.visuals if v.link in index]
+    for item in shown.objects:
+        own: Dict[str, int] = {}
+        for link in item.model.moving_links():
+            own[link.name] = len(frames)
+            frames.append(f"{item.name}/{link.name}")
+        origin = (item.position, item.orientation)
+        for link in item.model.links:
+            frame = own.get(link.name, _WORLD)
+            within = origin if frame == _WORLD else poses.IDENTITY
+            visuals += [
+                _part(frame, within, part, part.surface)
+                for part in link.parts
+                if part.surface is not None
+            ]
+    return frames, visuals
 
 
 def _floor(floor: Floor) -> SceneVisual:

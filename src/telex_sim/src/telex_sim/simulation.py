@@ -20,8 +20,10 @@ from .config import TUNED_PERIOD, RobotConfig, SimulatorConfig
 from .gripper_contact import GripperContact
 from .phase_timer import PhaseTimer
 from .proximity import Proximity
+from .rehearsal import Rehearsal, check_names, check_scene
 from .robot import Robot
 from .robot_hw_sim import RobotHWSim
+from .robot_meshes import check_meshes
 from .scene.assembly import Assembly
 from .scene.assets import Assets
 from .scene.bodies import MeshLists, SceneBodies
@@ -29,16 +31,13 @@ from .scene.catalog import find_scene
 from .scene.model import WORLD_FRAME, Scene
 from .scene.planning import PlannedScene, Progress, plan_entry, plan_scene
 from .scene.scene_file import SceneError
-from .start_check import check_start
+from .start_check import check_place, check_start
 from .world import Body, World, WorldError
 
 _log = logging.getLogger("rosout")
 
 FLOOR = "floor"
 """Name of the ground among those that the arm is near to."""
-
-_OVERLAP = 0.01
-"""How deep (m) a robot may stand in something where it is added: meshes are not exact."""
 
 
 class Simulation:
@@ -95,15 +94,16 @@ class Simulation:
         self._meshes = MeshLists()
         self._planned = self.plan_scene(config.world)
         step, pose = self._step_size, self.scene.start.pose
+        check_meshes(urdf, resolve)
         self.robots = (Robot(config, urdf, node, resolve, step, pose),)
         self.world = World(self._step_size, config.solver_iterations, config.gui)
         self.objects = SceneBodies(self.world.client, self._step_size, self._meshes)
         self._fill_world()
         try:
-            self._check_start(self._planned, self.body, self._owners())
-        except SceneError as error:
+            self._check_start()
+        except (ConfigError, WorldError) as error:
             self.close()
-            raise WorldError(str(error)) from error
+            raise WorldError(f"{self.scene_path}: {error}") from error
 
     @property
     def scene(self) -> Scene:
@@ -130,14 +130,6 @@ class Simulation:
         """Body of the first robot."""
         return self.robots[0].body
 
-    def _check_pose(self, planned: PlannedScene) -> None:
-        start, asked = self.config.start, planned.scene.start.pose
-        if start.pose_name(asked) not in ("", *start.poses):
-            raise SceneError(
-                f"{planned.path}: start/pose is '{asked}'; "
-                f"there are: {', '.join(sorted(start.poses)) or 'none'}"
-            )
-
     def plan_scene(self, world: str) -> PlannedScene:
         """Prepare a scene for `change_scene`; may be called from any thread.
 
@@ -152,18 +144,9 @@ class Simulation:
         """
         began = time.monotonic()
         planned = plan_scene(find_scene(world), self._assets, self._step_size)
-        self._check_pose(planned)
-        try:
-            self._check_names(planned.assemblies)
-        except ConfigError as error:
-            raise SceneError(f"{planned.path}: objects: {error}") from error
+        check_scene(self.config, planned, self._models())
         _log.info("scene %s: read in %.1f s", planned.scene.name, time.monotonic() - began)
         return planned
-
-    def _check_names(self, assemblies: Sequence[Assembly]) -> None:
-        for name in (assembly.source.name for assembly in assemblies):
-            if name in (*self._models(), WORLD_FRAME):
-                raise ConfigError(f"name is '{name}'; it is that of another frame already")
 
     def _models(self) -> List[str]:
         return [robot.model for robot in self.robots] or [self.config.model]
@@ -175,15 +158,19 @@ class Simulation:
             robot.place(self.world, self.scene.start, self.objects.material)
         self._name_bodies()
 
-    def _check_start(self, planned: PlannedScene, body: Body, owners: Dict[int, str]) -> None:
-        """Refuse a start that would throw the robot; a reset leads back to the same one."""
+    def _check_start(self) -> None:
+        """Refuse a start that would throw objects or the robot; a reset leads back to it.
+
+        Raises
+        ------
+        ConfigError, WorldError
+        """
+        self.objects.check_room()
         if self.config.fixed_base:
             return
-        pose = self.config.start.pose_name(planned.scene.start.pose)
-        try:
-            check_start(body, pose, lambda uid: owners.get(uid, "the floor"))
-        except WorldError as error:
-            raise SceneError(f"{planned.path}: {error}") from error
+        owners = self._owners()
+        pose = self.config.start.pose_name(self.scene.start.pose)
+        check_start(self.body, pose, lambda uid: owners.get(uid, "the floor"))
 
     def _load_scene(self) -> None:
         name, began = self.scene.name, time.monotonic()
@@ -195,49 +182,35 @@ class Simulation:
         _log.info("scene %s: %d objects in %.1f s", name, len(plans), time.monotonic() - began)
 
     def change_scene(self, planned: PlannedScene) -> None:
-        """Put another scene in the place of this one; for the robots it is a reset.
+        """Try another scene, and put it in the place of this one; for the robots it is a reset.
 
         Raises
         ------
         SceneError
             There is no room for a robot in it, or PyBullet refuses it; nothing has changed.
         """
-        try:
-            positions = self.robots[0].start_positions(planned.scene.start.pose)
-            self._check_names(planned.assemblies)
-            self._rehearse(planned, positions)
-        except (ConfigError, WorldError) as error:
-            raise SceneError(f"{planned.path}: {error}") from error
-        self._planned = planned
-        self.robots[0].start_from(positions)
-        self.reset()
+        check_scene(self.config, planned, self._models())
+        with Rehearsal(self.config, self._resolve, self._meshes) as rehearsal:
+            rehearsal.scene(planned, [robot.figure for robot in self.robots])
+        self.put_scene(planned)
 
-    def _rehearse(self, planned: PlannedScene, positions: Dict[str, float]) -> None:
-        """Fill a world of its own, to find there what would go wrong in the running one.
+    def put_scene(self, planned: PlannedScene) -> None:
+        """Put a scene that was tried in the place of this one; for the robots it is a reset.
 
         Raises
         ------
-        ConfigError, SceneError, WorldError
+        SceneError
+            It is not for these robots; nothing has changed.
         """
-        first, *others = self.robots
-        start = planned.scene.start
-        world = World(self._step_size, self.config.solver_iterations)
+        check_scene(self.config, planned, self._models())
+        first = self.robots[0]
         try:
-            objects = SceneBodies(world.client, self._step_size, self._meshes)
-            objects.load(
-                planned.scene.floor,
-                planned.assemblies,
-                Progress(planned.scene.name, "rehearsed"),
-            )
-            body = first.load_body(world, start, positions)
-            owners = {body.uid: f"robot '{first.model}'", **_owners(objects)}
-            self._check_start(planned, body, owners)
-            for robot in others:
-                body = robot.load_body(world, start, robot.start_positions(""))
-                _check_place(world, body, owners, f"robot '{robot.model}'")
-                owners[body.uid] = f"robot '{robot.model}'"
-        finally:
-            world.close()
+            positions = first.figure.start_positions(planned.scene.start.pose)
+        except ConfigError as error:
+            raise SceneError(f"{planned.path}: {error}") from error
+        self._planned = planned
+        first.start_from(positions)
+        self.reset()
 
     @property
     def time(self) -> float:
@@ -322,7 +295,7 @@ class Simulation:
         before = self.world.bodies()
         try:
             robot.place(self.world, self.scene.start, self.objects.material)
-            _check_place(self.world, robot.body, self._owners(), "it")
+            check_place(self.world, robot.body, self._owners(), "it")
         except (ConfigError, UrdfError, WorldError) as error:
             self.world.remove_others(before)
             raise ConfigError(str(error)) from error
@@ -355,7 +328,7 @@ class Simulation:
     def _owners(self) -> Dict[int, str]:
         """What each body is of, in the words of messages, by PyBullet's number; not the floor."""
         robots = {each.body.uid: f"robot '{each.model}'" for each in self.robots}
-        return {**robots, **_owners(self.objects)}
+        return {**robots, **self.objects.owners()}
 
     def _bodies_changed(self) -> None:
         for robot in self.robots:
@@ -396,7 +369,7 @@ class Simulation:
         """
         taken = [item.name for item in self.objects.objects()]
         plans = plan_entry(text, name, folder, taken, self._assets, self._step_size)
-        self._check_names(plans)
+        check_names(plans, self._models())
         return plans
 
     def spawn(self, plans: Sequence[Assembly]) -> None:
@@ -440,30 +413,6 @@ class Simulation:
         for robot in self.robots:
             robot.close()
         self.world.close()
-
-
-def _owners(objects: SceneBodies) -> Dict[int, str]:
-    """Of which object each body is, by PyBullet's number."""
-    owners: Dict[int, str] = {}
-    for item in objects.objects():
-        owners.update(dict.fromkeys(objects.bodies_of(item.name), f"'{item.name}'"))
-    return owners
-
-
-def _check_place(world: World, body: Body, owners: Dict[int, str], name: str) -> None:
-    """Refuse a robot, of this name, that would stand in something.
-
-    Raises
-    ------
-    ConfigError
-    """
-    touched = world.overlap(body, _OVERLAP)
-    if touched is None:
-        return
-    owner = owners.get(touched, "the ground")
-    raise ConfigError(
-        f"{name} would stand in {owner}; start/place (x, y, z, heading) says where it starts"
-    )
 
 
 def _warn_of_long_period(period: float) -> None:

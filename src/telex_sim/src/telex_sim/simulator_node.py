@@ -14,7 +14,7 @@ import rospkg
 import rospy
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Empty, EmptyResponse
-from telex_msgs.msg import SceneDescription, SceneFile, ScenePoses, SimStatus
+from telex_msgs.msg import SceneFile, ScenePoses, SimStatus
 from telex_msgs.srv import (
     AddRobot,
     AddRobotResponse,
@@ -45,14 +45,16 @@ from .config import RobotConfig, SimulatorConfig, read_simulator_config
 from .crash_recovery import CrashRecovery
 from .loop_requests import LoopRequests
 from .pacing import RealTimeFactor, RealTimePacer
+from .rehearsal_client import RehearsalClient
 from .rendering.addresses import resolve_address
-from .rendering.urdf_visuals import UrdfVisual, UrdfVisualError, urdf_visuals
+from .rendering.urdf_visuals import UrdfVisual, UrdfVisualError
 from .robot import Robot
+from .robot_body import RobotBody
 from .robot_presence import RobotPresence
-from .scene.catalog import scenes
 from .scene.planning import PlannedScene
-from .scene.scene_file import SceneError, read_description
+from .scene.scene_file import SceneError
 from .scene_messages import SceneMessages
+from .scene_publisher import ScenePublisher
 from .simulation import Simulation
 from .world import WorldError
 
@@ -65,6 +67,10 @@ _STATUS_PERIOD = 1.0
 _MAX_STEPS = 1_000_000
 _STEPS_AT_ONCE = 50
 """Steps of ``sim/step`` between two looks at the requests."""
+_LONG_STAND = 0.1
+"""Wall time (s) without a step after which a running robot begins anew, standing."""
+_STAND_TOLD = 5.0
+"""Wall time (s) for which the status tells of that."""
 _SLOW = 0.95
 """Share of the wanted real-time factor below which the status warns."""
 
@@ -95,6 +101,8 @@ class SimulatorNode:
         self._pacer = RealTimePacer(config.timing.real_time_factor)
         self._factor = RealTimeFactor()
         self._late_cycles = 0
+        # Until when (wall time, s) the status tells of a time in which the simulation stood.
+        self._stood = (0.0, "")
         self._resets = recovery.resets
         first = simulation.robots[0]
         self._scene = SceneMessages(
@@ -103,10 +111,9 @@ class SimulatorNode:
         self._scene.show(simulation.objects.objects())
         # Held while objects and robots come and go, so that each knows the names that there are.
         self._spawning = threading.Lock()
+        self._rehearsal = RehearsalClient(config)
         self._clock = rospy.Publisher("/clock", Clock, queue_size=4, tcp_nodelay=True)
-        self._scene_publisher = rospy.Publisher(
-            "sim/scene", SceneDescription, queue_size=1, latch=True
-        )
+        self._scene_publisher = ScenePublisher(lambda: self._scene.description(self._now()))
         self._poses = rospy.Publisher("sim/poses", ScenePoses, queue_size=1, tcp_nodelay=True)
         # Replaced as a whole, never changed: the loop reads it without a lock.
         self._presences: Tuple[RobotPresence, ...] = (RobotPresence(first, recovery.happened),)
@@ -115,7 +122,7 @@ class SimulatorNode:
         self._poses_every = self._steps_between(config.publish.poses_rate)
         self._base_pose_every = self._steps_between(config.publish.base_pose_rate)
         self._stability_every = self._steps_between(config.publish.stability_rate)
-        self._scene_publisher.publish(self._scene.description(self._now()))
+        self._scene_publisher.publish_soon()
         self._services: List[Any] = [
             rospy.Service("sim/pause", Empty, lambda _: self._empty(self._pause)),
             rospy.Service("sim/unpause", Empty, lambda _: self._empty(self._unpause)),
@@ -171,23 +178,24 @@ class SimulatorNode:
         return StepResponse(success=not problem, message=" ".join(problem), sim_time=self._now())
 
     def _on_list_scenes(self, _request: Any) -> ListScenesResponse:
-        listed = []
-        for name, path in scenes().items():
-            scene = SceneFile(name=name, path=str(path))
-            try:
-                scene.description = read_description(path)
-            except SceneError as error:
-                scene.problem = str(error)
-            listed.append(scene)
+        try:
+            told = self._rehearsal.listing()
+        except ConfigError as error:
+            raise rospy.ServiceException(str(error)) from error
+        listed = [
+            SceneFile(name=name, path=path, description=description, problem=problem)
+            for name, path, description, problem in told
+        ]
         return ListScenesResponse(scenes=listed, current=str(self._simulation.scene_path))
 
+    def _figures(self) -> List[RobotBody]:
+        return [robot.figure for robot in self._simulation.robots]
+
     def _on_load_scene(self, request: Any) -> LoadSceneResponse:
-        simulation = self._simulation
         done: List[str] = []
         try:
-            # Reading and checking happen here, beside the loop.
             with self._spawning:
-                planned = simulation.plan_scene(request.world)
+                planned = self._rehearsal.scene(request.world, self._figures())
                 self._change(lambda: done.append(self._load_scene(planned)))
         except (ConfigError, SceneError) as error:
             rospy.logwarn("sim/load_scene: %s", error)
@@ -198,7 +206,7 @@ class SimulatorNode:
     def _load_scene(self, planned: PlannedScene) -> str:
         """Change the scene; returns what was done, in words."""
         began = wall.monotonic()
-        self._simulation.change_scene(planned)
+        self._simulation.put_scene(planned)
         self._scene.change_scene(planned.scene, self._simulation.objects.objects())
         self._publish_scene()
         self._after_reset()
@@ -208,9 +216,15 @@ class SimulatorNode:
     def _on_spawn(self, request: Any) -> SpawnResponse:
         simulation = self._simulation
         try:
-            # Reading and checking happen here, beside the loop.
             with self._spawning:
-                plans = simulation.plan(request.object, request.name, request.folder)
+                plans = self._rehearsal.entry(
+                    request.object,
+                    request.name,
+                    request.folder,
+                    [item.name for item in simulation.objects.objects()],
+                    [robot.model for robot in simulation.robots],
+                    simulation.scene.floor,
+                )
                 self._change(lambda: simulation.spawn(plans))
         except ConfigError as error:
             rospy.logwarn("sim/spawn: %s", error)
@@ -238,14 +252,14 @@ class SimulatorNode:
                     robot.close()
                     raise
                 self._presences = (*self._presences, RobotPresence(robot))
-        except (ConfigError, UrdfError, UrdfVisualError) as error:
+        except (ConfigError, UrdfError, UrdfVisualError, WorldError) as error:
             rospy.logwarn("sim/add_robot: %s: %s", name, error)
             return AddRobotResponse(success=False, message=str(error))
         self._status_soon()
         return AddRobotResponse(success=True, message=f"added: {name} as '{robot.model}'")
 
     def _plan_robot(self, name: str) -> Tuple[Robot, List[UrdfVisual]]:
-        """Read and check all that its namespace says of a robot, beside the loop."""
+        """Read all that its namespace says of a robot, and try it."""
         node = RosNodeHandle(name or "/")
         if any(robot.namespace == node.namespace for robot in self._simulation.robots):
             raise ConfigError(
@@ -257,7 +271,8 @@ class SimulatorNode:
             raise ConfigError(f"parameter {node.resolve('robot_description')} is missing")
         params = node.find_param("simulation", {})
         config = read_config(RobotConfig, params, node.resolve("simulation"))
-        visuals = urdf_visuals(urdf)
+        figure = RobotBody.of(urdf, config, node.namespace)
+        visuals = self._rehearsal.robot(figure, self._simulation.scene.start)
         return self._simulation.plan_robot(config, urdf, node), visuals
 
     def _add_robot(self, robot: Robot, visuals: List[UrdfVisual]) -> None:
@@ -265,7 +280,18 @@ class SimulatorNode:
         self._simulation.add_robot(robot)
         self._scene.add_robot(robot.model, robot.body.link_names(), visuals)
         self._publish_scene()
-        rospy.loginfo("robot %s: added in %.3f s", robot.model, wall.monotonic() - began)
+        stood = wall.monotonic() - began
+        if stood > _LONG_STAND:
+            # What was commanded before it is as old as that, and operators saw nothing meanwhile.
+            for each in self._simulation.robots:
+                each.controllers.restart_running(self._simulation.time)
+            self._stood = (
+                wall.monotonic() + _STAND_TOLD,
+                f"the simulation stood for {stood:.2f} s, while robot {robot.model} was added; "
+                "what was commanded before is forgotten",
+            )
+            self._restart_pace()
+        rospy.loginfo("robot %s: added in %.3f s", robot.model, stood)
 
     def _on_remove_robot(self, request: Any) -> RemoveRobotResponse:
         name = rospy.resolve_name(request.name).rstrip("/")
@@ -362,6 +388,8 @@ class SimulatorNode:
             service.shutdown()
         for presence in self._presences:
             presence.close()
+        self._rehearsal.close()
+        self._scene_publisher.close()
         self._simulation.close()
 
     def _pause(self) -> None:
@@ -391,7 +419,7 @@ class SimulatorNode:
             self._publish_scene()
 
     def _publish_scene(self) -> None:
-        self._scene_publisher.publish(self._scene.description(self._now()))
+        self._scene_publisher.publish_soon()
         self._publish_poses()
 
     def _restart_pace(self) -> None:
@@ -487,9 +515,11 @@ class SimulatorNode:
 
     def _warnings(self, factor: float) -> List[str]:
         wanted = self._simulation.config.timing.real_time_factor
+        until, stood = self._stood
+        said = [stood] if wall.monotonic() < until else []
         if self._paused or not factor or factor >= _SLOW * wanted:
-            return []
-        return [f"this computer is too slow: real-time factor {factor:.2f} of {wanted:g}"]
+            return said
+        return [*said, f"this computer is too slow: real-time factor {factor:.2f} of {wanted:g}"]
 
 
 def _come_first(config: SimulatorConfig) -> LoopPriority:

@@ -2,14 +2,44 @@
 
 from __future__ import annotations
 
-from typing import Callable
+from typing import Callable, Mapping
 
 import pybullet
 
-from .world import Body, WorldError
+from telex_control.params import ConfigError
+
+from .world import Body, World, WorldError
 
 _DEEPEST = 0.005
 """Penetration (m) above which the contact forces of the first step would throw the robot."""
+
+_OVERLAP = 0.01
+"""How deep (m) a robot may stand in something where it is added: meshes are not exact."""
+
+
+def check_place(world: World, body: Body, owners: Mapping[int, str], name: str) -> None:
+    """Refuse a further robot that would stand in something.
+
+    Parameters
+    ----------
+    world : World
+    body : Body
+    owners : mapping of int to str
+        What each body is of, in words, by PyBullet's number; not the floor.
+    name : str
+        Of the robot, for the message.
+
+    Raises
+    ------
+    ConfigError
+    """
+    touched = world.overlap(body, _OVERLAP)
+    if touched is None:
+        return
+    owner = owners.get(touched, "the ground")
+    raise ConfigError(
+        f"{name} would stand in {owner}; start/place (x, y, z, heading) says where it starts"
+    )
 
 
 def check_start(body: Body, pose: str, name_of: Callable[[int], str]) -> None:

@@ -12,6 +12,7 @@ from xml.etree import ElementTree
 
 import pybullet
 
+from .overlaps import neighbours
 from .urdf_frames import Frame, take_out_frames, take_out_wheels
 
 GRAVITY = 9.81
@@ -307,9 +308,7 @@ class World:
 
     def overlap(self, body: Body, tolerance: float) -> Optional[int]:
         """PyBullet's number of another body in which `body` stands, deeper than `tolerance` (m)."""
-        for other in self.bodies():
-            if other == body.uid:
-                continue
+        for other in sorted(neighbours(self.client, body.uid) - {body.uid}):
             points = pybullet.getClosestPoints(body.uid, other, 0.0, physicsClientId=self.client)
             if any(point[8] < -tolerance for point in points):
                 return other

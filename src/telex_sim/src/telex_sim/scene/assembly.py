@@ -120,6 +120,15 @@ class BodyPlan:
     static: bool
     inertias: Dict[str, float]
 
+    def moving_segments(self) -> List[int]:
+        """Indices of the segments that can move."""
+        moving: List[int] = []
+        for index, segment in enumerate(self.segments):
+            base = index == 0 and not self.static
+            if base or segment.joint is not None or segment.parent in moving:
+                moving.append(index)
+        return moving
+
     def segment_of(self, link: str) -> int:
         """Index of the segment that carries a link's frame; -1 where it is not in this body."""
         for index, segment in enumerate(self.segments):

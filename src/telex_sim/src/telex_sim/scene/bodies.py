@@ -12,6 +12,7 @@ import pybullet
 
 from telex_control.params import ConfigError
 
+from ..overlaps import DEEPEST, MOST_NAMED, overlaps
 from .assembly import Assembly, BodyPlan, Segment, Shape
 from .latches import Latch, wake
 from .mechanisms import Mechanism
@@ -113,6 +114,51 @@ class SceneBodies:
             self._place(plan)
             progress(number, len(plans))
 
+    def check_room(self, names: Optional[Sequence[str]] = None) -> None:
+        """Refuse objects that stand in each other, or in the floor, where one of them can move.
+
+        Parameters
+        ----------
+        names : sequence of str, optional
+            Objects that are looked at; by default all.
+
+        Raises
+        ------
+        ConfigError
+            It names the first ten pairs.
+        """
+        owners = {self._ground[0]: "the floor", **self.owners()}
+        moving = {
+            (uid, index - 1)
+            for placed in self._placed.values()
+            for uid, plan in zip(placed.bodies, placed.assembly.bodies)
+            for index in plan.moving_segments()
+        }
+        looked_at = [
+            uid
+            for name in (self._placed if names is None else names)
+            for uid in self._placed[name].bodies
+        ]
+
+        def matter(a: int, b: int) -> bool:
+            # Bodies of one object fit into each other by design.
+            return a in owners and b in owners and owners[a] != owners[b]
+
+        found = overlaps(
+            self._client, looked_at, matter, lambda uid, link: (uid, link) in moving, MOST_NAMED + 1
+        )
+        if not found:
+            return
+        pairs = [
+            f"{owners[pair.first]} and {owners[pair.second]} ({1000.0 * pair.depth:.0f} mm)"
+            for pair in found[:MOST_NAMED]
+        ]
+        more = " and more" if len(found) > MOST_NAMED else ""
+        raise ConfigError(
+            f"objects stand in each other: {', '.join(pairs)}{more}; where one of two can move, "
+            f"at most {1000.0 * DEEPEST:.0f} mm are possible"
+        )
+
     def add(self, plans: Sequence[Assembly], robots: Sequence[int]) -> None:
         """Put further objects into the running world, all or none.
 
@@ -125,8 +171,8 @@ class SceneBodies:
         Raises
         ------
         ConfigError
-            A name is taken, an object would stand in a robot, there are too many, or PyBullet
-            refuses one.
+            A name is taken, an object would stand in a robot or another object, there are too
+            many, or PyBullet refuses one.
         """
         names = [plan.source.name for plan in plans]
         for name in names:
@@ -142,6 +188,7 @@ class SceneBodies:
             for name in names:
                 if self._touches(name, robots):
                     raise ConfigError(f"'{name}' would stand in the robot; it needs another place")
+            self.check_room(names)
         except ConfigError:
             for name in names:
                 if name in self._placed:
@@ -247,6 +294,10 @@ class SceneBodies:
             No such object.
         """
         return self._placed[name].bodies
+
+    def owners(self) -> Dict[int, str]:
+        """Of which object each body is, in words, by PyBullet's number."""
+        return {uid: f"'{name}'" for name, placed in self._placed.items() for uid in placed.bodies}
 
     def material(self, uid: int, link: int) -> str:
         """What a link of PyBullet's body `uid` looks to be made of; empty where nothing says it.

@@ -195,6 +195,11 @@ def _header(content: Mapping[str, Any]) -> _Header:
 def _objects(
     entries: Sequence[Any], folder: Path, check: Optional[Check]
 ) -> Tuple[SceneObject, ...]:
+    # Each makes one object at least; nobody waits for thousands to be made and then refused.
+    require(
+        len(entries) <= MOST_OBJECTS,
+        f"objects: there are more than {MOST_OBJECTS} objects; that many are possible",
+    )
     objects: List[SceneObject] = []
     taken: Dict[str, int] = {}
     counts: Dict[str, int] = {}
