@@ -7,14 +7,24 @@ from dataclasses import dataclass
 from typing import Dict, Optional
 from xml.etree import ElementTree
 
+from .urdf_checks import UrdfError, check_links
+
+__all__ = [
+    "CONTINUOUS",
+    "MOVABLE",
+    "PRISMATIC",
+    "REVOLUTE",
+    "SoftLimits",
+    "UrdfError",
+    "UrdfJoint",
+    "joints",
+    "parse_urdf",
+]
+
 REVOLUTE = "revolute"
 CONTINUOUS = "continuous"
 PRISMATIC = "prismatic"
 MOVABLE = (REVOLUTE, CONTINUOUS, PRISMATIC)
-
-
-class UrdfError(ValueError):
-    """The robot description cannot be used; the message says what is wrong with which element."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +76,7 @@ def parse_urdf(text: str) -> ElementTree.Element:
     Raises
     ------
     UrdfError
-        Not XML, or no robot.
+        Not XML, no robot, or its links form no tree.
     """
     try:
         root = ElementTree.fromstring(text)
@@ -74,6 +84,7 @@ def parse_urdf(text: str) -> ElementTree.Element:
         raise UrdfError(f"robot_description is no XML: {error}") from None
     if root.tag != "robot":
         raise UrdfError(f"robot_description has the root element <{root.tag}>; <robot> is needed")
+    check_links(root)
     return root
 
 

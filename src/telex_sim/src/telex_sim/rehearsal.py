@@ -13,6 +13,8 @@ from typing import Callable, Dict, List, Optional, Sequence
 import pybullet
 
 from telex_control.params import ConfigError
+from telex_control.urdf_checks import check_bodies
+from telex_control.urdf_joints import parse_urdf
 
 from .config import SimulatorConfig
 from .robot_body import RobotBody
@@ -131,12 +133,13 @@ class Rehearsal:
         self._step()
 
     def check_robot(self, robot: RobotBody) -> None:
-        """Look at the files of a robot.
+        """Look at what a robot's description says, and at its files.
 
         Raises
         ------
         ConfigError, UrdfError
         """
+        check_bodies(parse_urdf(robot.urdf))
         check_meshes(robot.urdf, self._resolve)
 
     def robot(self, robot: RobotBody, start: Start) -> None:

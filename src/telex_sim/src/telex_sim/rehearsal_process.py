@@ -104,9 +104,9 @@ class RobotRequest:
 
     def answer(self, stage: _Stage) -> Iterator[Any]:
         """Read and try it."""
-        visuals = urdf_visuals(self.robot.urdf)
         with stage.rehearsal() as rehearsal:
             rehearsal.check_robot(self.robot)
+            visuals = urdf_visuals(self.robot.urdf)
             stage.begin_building()
             rehearsal.robot(self.robot, self.start)
         yield from visuals

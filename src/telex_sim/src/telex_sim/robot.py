@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 from telex_control.controller_manager import ControllerManager
 from telex_control.node_handle import NodeHandle
 from telex_control.params import ConfigError
+from telex_control.urdf_checks import check_bodies
 from telex_control.urdf_joints import joints, parse_urdf
 
 from .config import RobotConfig
@@ -100,6 +101,7 @@ class Robot:
 
     def _make(self, root: ElementTree.Element, node: NodeHandle, asked_pose: str) -> None:
         config = self.config
+        check_bodies(root)
         self.hw = RobotHWSim(root, config.hardware, config.tracks.belts)
         self.hw.init(node, node)
         self.controllers = ControllerManager(self.hw, node)

@@ -57,8 +57,17 @@ def _text(path: Path, options: Sequence[str]) -> str:
         check=False,
     )
     if done.returncode:
-        raise UrdfError(f"xacro: {done.stderr.strip()}")
+        raise UrdfError(f"xacro: {_xacro_problem(done.stderr)}")
     return done.stdout
+
+
+def _xacro_problem(said: str) -> str:
+    """What xacro says, in one line where a macro or a file contains itself: it lists each level."""
+    lines = said.strip().splitlines()
+    if not lines or "recursion" not in lines[0]:
+        return said.strip()
+    place = next((line.partition(": ")[2] for line in lines[1:] if ": " in line), "")
+    return f"{place} contains itself, without end; a macro or file that does needs a condition"
 
 
 def main(arguments: List[str]) -> int:
