@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from xml.etree import ElementTree
 
 import numpy as np
 import PyKDL
@@ -15,7 +16,7 @@ from telex_control.kinematics import (
     dh_chain,
     kdl_tree,
 )
-from telex_control.urdf_joints import UrdfError, parse_urdf
+from telex_control.urdf_joints import UrdfError
 
 LIMIT = '<limit lower="-3" upper="3" velocity="1" effort="1"/>'
 
@@ -32,7 +33,7 @@ def joint(name, parent, child, kind="revolute", xyz="0 0 0", rpy="0 0 0", axis="
 
 
 def robot(*elements):
-    return parse_urdf(f'<robot name="r">{"".join(elements)}</robot>')
+    return ElementTree.fromstring(f'<robot name="r">{"".join(elements)}</robot>')
 
 
 ARM = robot(

@@ -17,7 +17,7 @@ from telex_control.trajectory.tolerances import (
     read_tolerances,
     with_goal,
 )
-from telex_control.trajectory.waypoints import TrajectoryError, read_tracks
+from telex_control.trajectory.waypoints import Bounds, TrajectoryError, read_tracks
 
 numbers = st.floats(-10.0, 10.0)
 
@@ -214,10 +214,14 @@ def trajectory(*points, names=("a", "b"), stamp=0.0):
     return message
 
 
+def bounds(*names):
+    return {name: Bounds(-2.0 * math.pi, 2.0 * math.pi, 3.0) for name in names}
+
+
 def test_waypoints_come_by_joint_whatever_their_order():
     read = read_tracks(
         trajectory((1.0, [1, 2], [3, 4], [5, 6]), (2.5, [7, 8]), names=("b", "a")),
-        ("a", "b"),
+        bounds("a", "b"),
         False,
     )
     assert read["a"] == track((1.0, 2, 4, 6), (2.5, 8))
@@ -225,7 +229,7 @@ def test_waypoints_come_by_joint_whatever_their_order():
 
 
 def test_some_joints_are_enough_when_that_is_allowed():
-    assert list(read_tracks(trajectory((1.0, [1]), names=["b"]), ("a", "b"), True)) == ["b"]
+    assert list(read_tracks(trajectory((1.0, [1]), names=["b"]), bounds("a", "b"), True)) == ["b"]
 
 
 @pytest.mark.parametrize(
@@ -244,11 +248,15 @@ def test_some_joints_are_enough_when_that_is_allowed():
         (trajectory((1.0, [1, 2]), (1.0, [1, 2])), False, -1, "point 1 has time_from_start 1 s"),
         (trajectory((1.0, [1, 2]), (0.5, [1, 2])), False, -1, "after that of the point before"),
         (trajectory((-1.0, [1, 2])), False, -1, "0 or more"),
+        (trajectory((1.0, [1e308, 2])), False, -1, "'a' is 1e.308, which is more than 100 beyond"),
+        (trajectory((1.0, [1, 2], [0, -301.0])), False, -1, "'b' is -301.0, .* 100 times the"),
+        (trajectory((1.0, [1, 2], [0, 0], [1e39, 0])), False, -1, "accelerations of joint 'a'"),
+        (trajectory((1e9, [1, 2])), False, -1, "at most 86400 s"),
     ],
 )
 def test_wrong_trajectories_are_refused_with_their_code(message, partial, code, text):
     with pytest.raises(TrajectoryError, match=text) as caught:
-        read_tracks(message, ("a", "b"), partial)
+        read_tracks(message, bounds("a", "b"), partial)
     assert caught.value.code == code
 
 

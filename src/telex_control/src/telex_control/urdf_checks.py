@@ -52,20 +52,21 @@ def check_links(robot: ElementTree.Element) -> None:
         above[child] = (parent, name)
     depths: Dict[str, int] = {}
     for link in above:
-        way: List[str] = []
+        way: Dict[str, None] = {}
         at = link
         while at in above and at not in depths:
             if at in way:
-                circle = [*way[way.index(at) :], at]
+                passed = list(way)
+                circle = [*passed[passed.index(at) :], at]
                 raise UrdfError(
                     f"the links form a circle: {_shortened(circle)}; one link must hang on no joint"
                 )
-            way.append(at)
+            way[at] = None
             at = above[at][0]
         depth = depths.get(at, 0)
-        for passed in reversed(way):
+        for name in reversed(list(way)):
             depth += 1
-            depths[passed] = depth
+            depths[name] = depth
         if depth > _DEEPEST:
             raise UrdfError(
                 f"link '{link}' is the last of a chain of {depth}; {_DEEPEST} are possible"

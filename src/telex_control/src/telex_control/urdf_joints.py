@@ -24,6 +24,8 @@ __all__ = [
 REVOLUTE = "revolute"
 CONTINUOUS = "continuous"
 PRISMATIC = "prismatic"
+_MOST_CHARACTERS = 1_000_000
+"""A robot_description that is longer is refused: nothing else runs while it is parsed."""
 MOVABLE = (REVOLUTE, CONTINUOUS, PRISMATIC)
 
 
@@ -76,8 +78,12 @@ def parse_urdf(text: str) -> ElementTree.Element:
     Raises
     ------
     UrdfError
-        Not XML, no robot, or its links form no tree.
+        Too long, not XML, no robot, or its links form no tree.
     """
+    if len(text) > _MOST_CHARACTERS:
+        raise UrdfError(
+            f"robot_description has {len(text)} characters; at most {_MOST_CHARACTERS} are read"
+        )
     try:
         root = ElementTree.fromstring(text)
     except ElementTree.ParseError as error:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from dataclasses import dataclass
 from typing import Collection, Dict, Optional, Sequence
+
+from telex_control.plausible import LARGEST_POSITION, LARGEST_SPEED, LONGEST, number_problem
 
 __all__ = ["InvalidCommand", "JogCommand", "parse_joint_jog", "require_known"]
 
@@ -59,13 +60,32 @@ def parse_joint_jog(
         raise InvalidCommand("displacements and velocities are both given; give one of them")
     if len(displacements) == 0 and len(velocities) == 0:
         raise InvalidCommand("displacements and velocities are both empty; give one of them")
-    if not math.isfinite(duration) or duration < 0.0:
-        raise InvalidCommand(f"duration is {duration!r}; must be 0 (none) or a time above 0 s")
+    if not 0.0 <= duration <= LONGEST:
+        raise InvalidCommand(
+            f"duration is {duration!r}; must be 0 (none) or a time above 0 s, at most {LONGEST:g} s"
+        )
     return JogCommand(
         velocities=_by_joint("velocities", joint_names, velocities),
         displacements=_by_joint("displacements", joint_names, displacements),
         validity=duration if duration > 0.0 else None,
     )
+
+
+def require_number(field: str, value: float, largest: float) -> None:
+    """Raise an `InvalidCommand` unless a number of a command can be meant.
+
+    Parameters
+    ----------
+    field : str
+        Where it stands.
+    value : float
+    largest : float
+        Magnitude that is possible; beyond, it comes from a fault.
+    """
+    if number_problem(value, largest):
+        raise InvalidCommand(
+            f"{field} is {value!r}; must be a finite number, of at most {largest:g}"
+        )
 
 
 def require_known(joint_names: Sequence[str], known: Collection[str]) -> None:
@@ -98,7 +118,7 @@ def _by_joint(field: str, joint_names: Sequence[str], values: Sequence[float]) -
         raise InvalidCommand(
             f"{field} has {len(values)} entries for {len(joint_names)} joint_names; give as many"
         )
+    largest = LARGEST_SPEED if field == "velocities" else LARGEST_POSITION
     for name, value in zip(joint_names, values):
-        if not math.isfinite(value):
-            raise InvalidCommand(f"{field} of {name} is {value!r}; must be a finite number")
+        require_number(f"{field} of {name}", value, largest)
     return {name: float(value) for name, value in zip(joint_names, values)}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from enum import Enum
 from typing import Dict, Sequence, Union
@@ -10,7 +9,8 @@ from typing import Dict, Sequence, Union
 import numpy as np
 
 from telex_control.kinematics import KinematicsError, make_pose
-from telex_teleop.joint_jog import InvalidCommand
+from telex_control.plausible import LARGEST_POSITION, LARGEST_SPEED
+from telex_teleop.joint_jog import InvalidCommand, require_number
 
 __all__ = ["Frame", "FrameNames", "PoseCommand", "ToolCommand", "TwistCommand"]
 
@@ -110,8 +110,8 @@ class FrameNames:
             When the frame is unknown, or a number is not finite.
         """
         frame = self.find(frame_id)
-        _require_finite("twist.linear", linear)
-        _require_finite("twist.angular", angular)
+        _require_numbers("twist.linear", linear, LARGEST_SPEED)
+        _require_numbers("twist.angular", angular, LARGEST_SPEED)
         return TwistCommand(frame, np.array([*linear, *angular], dtype=float))
 
     def pose(
@@ -136,15 +136,14 @@ def pose_matrix(position: Sequence[float], orientation: Sequence[float]) -> np.n
     InvalidCommand
         When a number is not finite, or the quaternion is not normalised.
     """
-    _require_finite("pose.position", position)
-    _require_finite("pose.orientation", orientation)
+    _require_numbers("pose.position", position, LARGEST_POSITION)
+    _require_numbers("pose.orientation", orientation, LARGEST_POSITION)
     try:
         return make_pose(position, orientation)
     except KinematicsError as error:
         raise InvalidCommand(f"pose: {error}; 0 0 0 1 is no rotation") from None
 
 
-def _require_finite(field: str, values: Sequence[float]) -> None:
+def _require_numbers(field: str, values: Sequence[float], largest: float) -> None:
     for axis, value in zip("xyzw", values):
-        if not math.isfinite(value):
-            raise InvalidCommand(f"{field}.{axis} is {value!r}; must be a finite number")
+        require_number(f"{field}.{axis}", value, largest)

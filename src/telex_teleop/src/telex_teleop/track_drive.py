@@ -5,12 +5,12 @@ Free of ROS, not thread-safe: whoever owns it serialises the calls.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Collection, Mapping, Optional, Tuple
 
 from telex_control.params import require_range
-from telex_teleop.joint_jog import InvalidCommand
+from telex_control.plausible import LARGEST_SPEED
+from telex_teleop.joint_jog import require_number
 from telex_teleop.speed import SpeedScale
 from telex_teleop.stream import Clocks, CommandStream
 from telex_teleop.teleop_core import NEEDS_NEW_PRESS, TeleopCore
@@ -94,8 +94,7 @@ def parse_twist(components: Mapping[str, float]) -> Tuple[Velocity, Tuple[str, .
         When a component is no finite number.
     """
     for name, value in components.items():
-        if not math.isfinite(value):
-            raise InvalidCommand(f"{name} is {value!r}; must be a finite number")
+        require_number(name, value, LARGEST_SPEED)
     used = ("linear.x", "angular.z")
     ignored = tuple(name for name, value in components.items() if value != 0.0 and name not in used)
     return Velocity(components["linear.x"], components["angular.z"]), ignored

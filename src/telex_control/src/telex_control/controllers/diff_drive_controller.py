@@ -17,6 +17,7 @@ from ..hardware_interface import JointHandle, RobotHW, VelocityJointInterface
 from ..node_handle import NodeHandle, Publisher, ReconfigurableParameter, Subscription
 from ..odometry import DifferentialOdometry
 from ..periodic import Periodic
+from ..plausible import speed_problem
 from ..ros_time import stamp
 from ..speed_limiter import SpeedLimiter
 from ..urdf_joints import UrdfError, parse_urdf
@@ -186,11 +187,18 @@ class DiffDriveController(Controller):
 
     def _on_command(self, message: Twist) -> None:
         linear, angular = message.linear.x, message.angular.z
-        if not (math.isfinite(linear) and math.isfinite(angular)):
-            self._node.warn(
-                f"cmd_vel: linear.x {linear}, angular.z {angular} is not finite and is dropped"
-            )
-            return
+        for name, value, limiter in (
+            ("linear.x", linear, self._linear_limiter),
+            ("angular.z", angular, self._angular_limiter),
+        ):
+            allowed = limiter.velocity
+            limit = math.inf if allowed is None else max(-allowed.low, allowed.high)
+            problem = speed_problem(value, limit)
+            if problem:
+                self._node.warn(
+                    f"{self._node.resolve('cmd_vel')}: {name} {value} {problem} and is dropped"
+                )
+                return
         serial = self._command.serial + 1
         if not self._several_publishers and self._subscription is not None:
             count = self._subscription.publisher_count()

@@ -14,6 +14,7 @@ from ..joint_limits import clamp
 from ..node_handle import NodeHandle
 from ..pid import Pid
 from ..pid_reconfigure import PidSet
+from ..plausible import position_problem
 from ..urdf_joints import CONTINUOUS
 from .joint_description import joint_description
 from .joint_gravity import joint_gravity
@@ -71,11 +72,15 @@ class JointGroupPositionController(Controller):
                 f"{len(self._joints)} are needed, for "
                 + ", ".join(joint.handle.name for joint in self._joints)
             )
-        elif not all(map(math.isfinite, commands)):
-            self._node.warn(
-                f"{topic}: a command that is not finite is dropped: "
-                + ", ".join(map(str, commands))
-            )
+            return
+        for joint, command in zip(self._joints, commands):
+            problem = position_problem(command, joint.lower, joint.upper)
+            if problem:
+                self._node.warn(
+                    f"{topic}: joint '{joint.handle.name}': command {command} {problem} and is "
+                    "dropped, with those of the other joints"
+                )
+                break
         else:
             self._set_points = tuple(
                 clamp(command, joint.lower, joint.upper)

@@ -14,6 +14,7 @@ from ..joint_limits import clamp
 from ..node_handle import NodeHandle
 from ..params import read_config
 from ..pid_reconfigure import PidSet
+from ..plausible import position_problem
 from ..reference_filter import ReferenceFilter, ReferenceLimiter, ReferenceLimits
 from ..urdf_joints import CONTINUOUS
 from .joint_controller_state import JointControllerStatePublisher
@@ -29,7 +30,7 @@ class JointPositionController(Controller):
     ``command_filter_frequency`` (rad/s; 0, the default, follows commands as they come),
     ``command_limits`` {velocity, acceleration} (by default none), ``gravity_compensation`` (false).
     Needs ``robot_description`` in the robot's namespace for the position limits, to which commands
-    are clamped.
+    are clamped; one that cannot be meant is dropped (`position_problem`).
 
     Commands come slower than the control cycle. Without the filter each one is a step, on which
     the derivative term kicks: a joint that is led at constant speed shakes at the rate of the
@@ -89,9 +90,11 @@ class JointPositionController(Controller):
         return self._set_point
 
     def _on_command(self, message: Float64) -> None:
-        if not math.isfinite(message.data):
+        problem = position_problem(message.data, self._lower, self._upper)
+        if problem:
             self._node.warn(
-                f"joint '{self._joint.name}': command {message.data} is not finite and is dropped"
+                f"{self._node.resolve('command')}: joint '{self._joint.name}': command "
+                f"{message.data} {problem} and is dropped"
             )
             return
         self._set_point = clamp(message.data, self._lower, self._upper)

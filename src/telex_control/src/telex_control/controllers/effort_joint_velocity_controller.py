@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
-
 from std_msgs.msg import Float64
 
 from ..controller import Controller
 from ..hardware_interface import EffortJointInterface, RobotHW
 from ..node_handle import NodeHandle
 from ..pid_reconfigure import PidSet
+from ..plausible import speed_problem
 from .joint_controller_state import JointControllerStatePublisher
 
 
@@ -34,9 +33,11 @@ class JointVelocityController(Controller):
         node.subscribe("command", Float64, self._on_command)
 
     def _on_command(self, message: Float64) -> None:
-        if not math.isfinite(message.data):
+        problem = speed_problem(message.data)
+        if problem:
             self._node.warn(
-                f"joint '{self._joint.name}': command {message.data} is not finite and is dropped"
+                f"{self._node.resolve('command')}: joint '{self._joint.name}': command "
+                f"{message.data} {problem} and is dropped"
             )
             return
         self._set_point = message.data

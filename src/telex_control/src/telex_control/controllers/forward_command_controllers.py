@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from typing import List, Sequence, Tuple, Type
+from typing import Callable, Dict, List, Sequence, Tuple, Type
 
 from std_msgs.msg import Float64, Float64MultiArray
 
@@ -17,6 +16,13 @@ from ..hardware_interface import (
     VelocityJointInterface,
 )
 from ..node_handle import NodeHandle
+from ..plausible import effort_problem, position_problem, speed_problem
+
+_PROBLEMS: Dict[Type[JointCommandInterface], Callable[[float], str]] = {
+    EffortJointInterface: effort_problem,
+    PositionJointInterface: position_problem,
+    VelocityJointInterface: speed_problem,
+}
 
 
 class ForwardCommandController(Controller):
@@ -62,11 +68,15 @@ class ForwardCommandController(Controller):
                 f"dropped; {len(self._joints)} are needed, for "
                 + ", ".join(joint.name for joint in self._joints)
             )
-        elif not all(map(math.isfinite, commands)):
-            self._node.warn(
-                f"{self._node.resolve('command')}: a command that is not finite is dropped: "
-                + ", ".join(map(str, commands))
-            )
+            return
+        for joint, command in zip(self._joints, commands):
+            problem = _PROBLEMS[self.interface](command)
+            if problem:
+                self._node.warn(
+                    f"{self._node.resolve('command')}: joint '{joint.name}': command {command} "
+                    f"{problem} and is dropped"
+                )
+                break
         else:
             self._commands = tuple(commands)
 

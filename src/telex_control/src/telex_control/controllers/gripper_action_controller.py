@@ -14,6 +14,7 @@ from ..joint_limits import clamp
 from ..node_handle import ActionGoal, NodeHandle
 from ..periodic import Periodic
 from ..pid_reconfigure import PidSet
+from ..plausible import effort_problem, position_problem
 from .joint_description import joint_description
 from .pending import drain
 
@@ -102,10 +103,13 @@ class GripperCommandController(Controller):
         problem = None
         if not self._running:
             problem = "the controller is not running"
-        elif not (math.isfinite(command.position) and math.isfinite(command.max_effort)):
-            problem = (
-                f"position {command.position} and max_effort {command.max_effort} must be finite"
-            )
+        else:
+            beyond = position_problem(command.position, *self._limits())
+            too_strong = effort_problem(command.max_effort)
+            if beyond:
+                problem = f"position {command.position} {beyond} and is dropped"
+            elif too_strong:
+                problem = f"max_effort {command.max_effort} {too_strong} and is dropped"
         if problem is not None:
             self._node.warn(f"{self._node.resolve('gripper_cmd')}: {problem}")
             goal.reject(GripperCommandResult(), problem)

@@ -26,6 +26,7 @@ from ..hardware_interface import (
     RobotHW,
     VelocityJointInterface,
 )
+from ..joint_limits import clamp
 from ..node_handle import ActionGoal, NodeHandle, ServiceError
 from ..periodic import Periodic
 from ..pid import Pid
@@ -34,7 +35,7 @@ from ..ros_time import stamp
 from ..trajectory.path import JointPath, Track
 from ..trajectory.spline import Sample
 from ..trajectory.tolerances import Tolerances, read_tolerances, with_goal
-from ..trajectory.waypoints import TrajectoryError, read_tracks
+from ..trajectory.waypoints import Bounds, TrajectoryError, read_tracks
 from ..urdf_joints import CONTINUOUS
 from .joint_description import joint_description
 from .joint_gravity import joint_gravity
@@ -122,9 +123,11 @@ class JointTrajectoryController(Controller):
         self._names = node.names_param("joints")
         interface = hw.get(self.interface)
         self._joints: List[_Joint] = []
+        self._bounds: Dict[str, Bounds] = {}
         for name in self._names:
             handle = interface.get_handle(name)
             limits = joint_description(root, name)
+            self._bounds[name] = Bounds(limits.lower, limits.upper, limits.velocity)
             self._joints.append(
                 _Joint(handle, limits.lower, limits.upper, limits.kind == CONTINUOUS)
             )
@@ -191,7 +194,7 @@ class JointTrajectoryController(Controller):
         start = trajectory.header.stamp.to_sec()
         if not trajectory.points:
             return _Order({}, start, goal, tolerances)
-        tracks = read_tracks(trajectory, self._names, self._allow_partial)
+        tracks = read_tracks(trajectory, self._bounds, self._allow_partial)
         last = trajectory.points[-1].time_from_start.to_sec()
         late = self._time - (start or self._time) - last
         if late >= 0.0:
@@ -412,8 +415,15 @@ class _ClosedLoopTrajectoryController(JointTrajectoryController):
 
     def _command(self, time: float, period: float) -> None:
         for joint, pid, velocity_ff, gravity in self._loops:
-            command = pid.update(joint.position_error, period, joint.velocity_error)
-            command += velocity_ff * joint.desired[1]
+            position, velocity = joint.desired[0], joint.desired[1]
+            error, error_dot = joint.position_error, joint.velocity_error
+            if not joint.lower <= position <= joint.upper:
+                # Towards the stop, not against it: nothing is reached beyond.
+                state, velocity = joint.handle.state, 0.0
+                error = clamp(position, joint.lower, joint.upper) - state.position
+                error_dot = -state.velocity
+            command = pid.update(error, period, error_dot)
+            command += velocity_ff * velocity
             if gravity is not None:
                 command += gravity.effort(time)
             joint.handle.command = command

@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Dict, List, Sequence
+from typing import Any, Collection, Dict, List, Mapping, NamedTuple, Sequence
 
 from control_msgs.msg import FollowJointTrajectoryResult as Result
 
+from ..plausible import (
+    LARGEST_ACCELERATION,
+    LONGEST,
+    number_problem,
+    position_problem,
+    speed_problem,
+)
 from .path import Track
 from .spline import State
 
@@ -25,14 +32,32 @@ class TrajectoryError(ValueError):
         self.code = code
 
 
-def read_tracks(trajectory: Any, joints: Sequence[str], allow_partial: bool) -> Dict[str, Track]:
+class Bounds(NamedTuple):
+    """Limits of one joint, which its positions (rad, m) and velocities (rad/s, m/s) are for."""
+
+    lower: float = -math.inf
+    upper: float = math.inf
+    velocity: float = math.inf
+
+    def problem(self, field: str, value: float) -> str:
+        """Why a number of a point can be none of this joint's; empty where it can."""
+        if field == "positions":
+            return position_problem(value, self.lower, self.upper)
+        if field == "velocities":
+            return speed_problem(value, self.velocity)
+        return number_problem(value, LARGEST_ACCELERATION)
+
+
+def read_tracks(
+    trajectory: Any, joints: Mapping[str, Bounds], allow_partial: bool
+) -> Dict[str, Track]:
     """Return what each joint is to do.
 
     Parameters
     ----------
     trajectory : trajectory_msgs/JointTrajectory
         With at least one point. Its joints may come in any order.
-    joints : sequence of str
+    joints : mapping of str to Bounds
         Joints of the controller.
     allow_partial : bool
         Whether the trajectory may leave out some of them.
@@ -40,7 +65,8 @@ def read_tracks(trajectory: Any, joints: Sequence[str], allow_partial: bool) -> 
     Raises
     ------
     TrajectoryError
-        INVALID_JOINTS, or INVALID_GOAL for points that are incomplete, not finite, or not in order.
+        INVALID_JOINTS, or INVALID_GOAL for points that are incomplete, not in order, or
+        have numbers that cannot be meant.
     """
     names = list(trajectory.joint_names)
     _check_joints(names, joints, allow_partial)
@@ -55,14 +81,19 @@ def read_tracks(trajectory: Any, joints: Sequence[str], allow_partial: bool) -> 
                 f"point {number} has time_from_start {time:g} s; it must be 0 or more and after "
                 f"that of the point before{f', {last:g} s' if number else ''}",
             )
+        if time > LONGEST:
+            raise TrajectoryError(
+                Result.INVALID_GOAL,
+                f"point {number} has time_from_start {time:g} s; at most {LONGEST:g} s is possible",
+            )
         last = time
         times.append(time)
-        for column, state in zip(states, _states(point, number, names)):
+        for column, state in zip(states, _states(point, number, names, joints)):
             column.append(state)
     return {name: Track(times, column) for name, column in zip(names, states)}
 
 
-def _check_joints(names: List[str], joints: Sequence[str], allow_partial: bool) -> None:
+def _check_joints(names: List[str], joints: Collection[str], allow_partial: bool) -> None:
     expected = f"this controller has {', '.join(joints)}"
     unknown = [name for name in names if name not in joints]
     if unknown:
@@ -74,7 +105,9 @@ def _check_joints(names: List[str], joints: Sequence[str], allow_partial: bool) 
         raise TrajectoryError(Result.INVALID_JOINTS, f"joint '{missing[0]}' is missing; {expected}")
 
 
-def _states(point: Any, number: int, names: Sequence[str]) -> List[State]:
+def _states(
+    point: Any, number: int, names: Sequence[str], joints: Mapping[str, Bounds]
+) -> List[State]:
     columns: List[Sequence[Any]] = []
     for field in ("positions", "velocities", "accelerations"):
         values = getattr(point, field)
@@ -84,10 +117,11 @@ def _states(point: Any, number: int, names: Sequence[str]) -> List[State]:
                 f"point {number} has {len(values)} {field}; {len(names)} are needed, one a joint",
             )
         for name, value in zip(names, values):
-            if not math.isfinite(value):
+            problem = joints[name].problem(field, value)
+            if problem:
                 raise TrajectoryError(
                     Result.INVALID_GOAL,
-                    f"point {number}: {field} of joint '{name}' is {value}, which is not finite",
+                    f"point {number}: {field} of joint '{name}' is {value}, which {problem}",
                 )
         columns.append(values or (None,) * len(names))
     return [State(*row) for row in zip(*columns)]

@@ -1,0 +1,100 @@
+"""Robot descriptions that no body can have are refused, by name."""
+
+from __future__ import annotations
+
+import pytest
+
+from telex_control.urdf_checks import UrdfError, check_bodies
+from telex_control.urdf_joints import parse_urdf
+
+MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+BOX = '<box size="1 -1 1"/>'
+
+
+def link(name, mass="1", moments="1 0 0 1 0 1", rest=""):
+    inertia = " ".join(f'{key}="{value}"' for key, value in zip(MOMENTS, moments.split()))
+    return (
+        f'<link name="{name}"><inertial><mass value="{mass}"/><inertia {inertia}/></inertial>'
+        f"{rest}</link>"
+    )
+
+
+def joint(parent, child, rest=""):
+    return (
+        f'<joint name="{parent}_{child}" type="fixed"><parent link="{parent}"/>'
+        f'<child link="{child}"/>{rest}</joint>'
+    )
+
+
+def robot(*elements):
+    return f'<robot name="r">{"".join(elements)}</robot>'
+
+
+def chain(count):
+    names = [f"l{number}" for number in range(count)]
+    return robot(*map(link, names), *map(joint, names, names[1:]))
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (
+            robot(link("a"), link("b"), joint("a", "b"), joint("b", "a")),
+            "circle: (a -> b -> a|b -> a -> b);",
+        ),
+        (robot(link("a"), joint("a", "a")), "circle: a -> a; one link must hang on no joint"),
+        (
+            robot(*map(link, "abc"), joint("a", "c"), joint("b", "c")),
+            "'c' is the child of the joints 'a_c' and 'b_c'",
+        ),
+        (chain(3000), r"'l\d+' is the last of a chain of \d+; 200 are possible"),
+        (robot(link("a")) + " " * 1_000_001, "at most 1000000 are read"),
+    ],
+    ids=["circle", "itself", "two joints", "chain", "long"],
+)
+def test_links_that_are_no_tree_are_refused(text, said):
+    with pytest.raises(UrdfError, match=said):
+        parse_urdf(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (robot(link("a", "-5")), "link 'a': mass is -5 kg; 0 to 1e.06 is needed"),
+        (robot(link("a", "nan")), "link 'a': mass is nan; a finite number"),
+        (robot(link("a", "1e300")), "mass is 1e.300 kg"),
+        (robot(link("a", "much")), "link 'a': mass: \"much\" is no number"),
+        (robot(link("a", moments="1 0 0 inf 0 1")), "link 'a': inertia iyy is inf"),
+        (robot(link("a", moments="1 2 0 1 0 1")), "principal moment -1 kg m2 .ixx 1, ixy 2"),
+        (
+            robot(link("a"), link("b"), joint("a", "b", '<origin xyz="nan 0 0"/>')),
+            "joint 'a_b': origin xyz has the value nan",
+        ),
+        (
+            robot(link("a"), link("b"), joint("a", "b", '<axis xyz="inf 0 0"/>')),
+            "joint 'a_b': axis has the value inf",
+        ),
+        (
+            robot(link("a", rest=f"<collision><geometry>{BOX}</geometry></collision>")),
+            "link 'a': collision: size is -1 m",
+        ),
+    ],
+)
+def test_numbers_that_no_body_has_are_refused(text, said):
+    with pytest.raises(UrdfError, match=said):
+        check_bodies(parse_urdf(text))
+
+
+def test_what_foreign_robots_have_is_taken():
+    check_bodies(
+        parse_urdf(
+            robot(
+                '<link name="frame"/>',
+                link("nothing", "0", "0 0 0 0 0 0"),
+                link("rod", "1", "0 0 0 1 0 1"),
+                joint("frame", "nothing"),
+                joint("frame", "rod", '<origin xyz="0 0 x"/>'),
+            )
+        )
+    )
+    parse_urdf(chain(150))
