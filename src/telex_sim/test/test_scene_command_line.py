@@ -166,5 +166,6 @@ def test_it_runs_without_a_ros_master():
         capture_output=True,
         text=True,
     )
-    assert (result.returncode, result.stderr) == (0, "")
+    said = [line for line in result.stderr.splitlines() if not line.startswith("pybullet build")]
+    assert (result.returncode, said) == (0, [])
     assert result.stdout.endswith("floor.yaml: OK, 0 static and 0 movable objects\n")

@@ -93,7 +93,7 @@ class Rehearsal:
         self._world.close()
 
     def scene(self, planned: PlannedScene, robots: Sequence[RobotBody]) -> None:
-        """Try a scene with the robots in it.
+        """Try a scene with the robots in it, or without any.
 
         Raises
         ------
@@ -105,21 +105,24 @@ class Rehearsal:
             raise SceneError(f"{planned.path}: {error}") from error
 
     def _scene(self, planned: PlannedScene, robots: Sequence[RobotBody]) -> None:
-        first, *others = robots
         scene = planned.scene
         self._objects.load(scene.floor, planned.assemblies, Progress(scene.name, "rehearsed"))
         self._objects.check_room()
-        positions = first.start_positions(scene.start.pose)
-        body = first.load(self._world, scene.start, positions, self._resolve)
+        if robots:
+            self._place(scene.start, *robots)
+        self._step()
+
+    def _place(self, start: Start, first: RobotBody, *others: RobotBody) -> None:
+        positions = first.start_positions(start.pose)
+        body = first.load(self._world, start, positions, self._resolve)
         owners = {body.uid: f"robot '{first.model}'", **self._objects.owners()}
         if not self._config.fixed_base:
-            pose = self._config.start.pose_name(scene.start.pose)
+            pose = self._config.start.pose_name(start.pose)
             check_start(body, pose, lambda uid: owners.get(uid, "the floor"))
         for robot in others:
-            body = robot.load(self._world, scene.start, robot.start_positions(""), self._resolve)
+            body = robot.load(self._world, start, robot.start_positions(""), self._resolve)
             check_place(self._world, body, owners, f"robot '{robot.model}'")
             owners[body.uid] = f"robot '{robot.model}'"
-        self._step()
 
     def objects(self, floor: Floor, plans: Sequence[Assembly]) -> None:
         """Try objects by themselves.

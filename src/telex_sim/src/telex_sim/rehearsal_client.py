@@ -138,7 +138,6 @@ class RehearsalClient:
                 [sys.executable, "-m", "telex_sim.rehearsal_process", str(theirs.fileno())],
                 pass_fds=[theirs.fileno()],
                 stdin=subprocess.DEVNULL,
-                # PyBullet greets there.
                 stdout=subprocess.DEVNULL,
                 env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
             )

@@ -67,7 +67,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _check(options: argparse.Namespace) -> int:
-    checked = _without_robot if options.no_robot else _with_robot(options)
+    checked = _without_robot() if options.no_robot else _with_robot(options)
     wrong = 0
     for world in options.scenes:
         try:
@@ -79,12 +79,23 @@ def _check(options: argparse.Namespace) -> int:
     return 1 if wrong else 0
 
 
-def _without_robot(path: Path) -> Scene:
-    return plan_scene(path, Assets()).scene
+def _without_robot() -> Callable[[Path], Scene]:
+    # Physics takes a moment to load, which the other commands do without.
+    from ..offline import shipped_config
+    from ..rehearsal import Rehearsal
+
+    config = shipped_config()
+
+    def check(path: Path) -> Scene:
+        planned = plan_scene(path, Assets(), config.timing.step_size)
+        with Rehearsal(config, str) as rehearsal:
+            rehearsal.scene(planned, ())
+        return planned.scene
+
+    return check
 
 
 def _with_robot(options: argparse.Namespace) -> Callable[[Path], Scene]:
-    # Physics takes a moment to load, which the other commands do without.
     from ..world import WorldError
     from .robot_in_scene import place_robot, robot_description
 

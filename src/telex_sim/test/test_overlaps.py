@@ -1,0 +1,88 @@
+"""Things that stand in each other are refused, and named."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from telex_control.params import ConfigError
+from telex_sim.scene.command_line import main as scene_command
+from telex_sim.scene.library import object_types
+from telex_sim.scene.scene_file import SceneError
+from telex_sim.world import WorldError
+
+NEED_MORE = ("custom", "mesh")
+CRATE = "{{type: crate, name: {name}, position: [{x}, {y}, {z}]}}"
+
+
+def crate(name, x=5.0, y=0.0, z=0.0):
+    return CRATE.format(name=name, x=x, y=y, z=z)
+
+
+@pytest.fixture
+def scene(tmp_path):
+    def write(*entries):
+        path = tmp_path / "yard.yaml"
+        path.write_text("objects:\n" + "".join(f"  - {entry}\n" for entry in entries))
+        return str(path)
+
+    return write
+
+
+def test_two_hundred_in_one_place_are_refused_and_ten_pairs_are_named(robot, scene, capsys):
+    tested = robot()
+    world = scene(*[crate(f"c{number}") for number in range(200)])
+    before = tested.simulation.link_poses()
+    with pytest.raises(SceneError, match="stand in each other: 'c0' and 'c1'") as caught:
+        tested.simulation.change_scene(tested.simulation.plan_scene(world))
+    assert len(re.findall(r"'c\d+' and 'c\d+' \(400 mm\)", str(caught.value))) == 10
+    assert "and more" in str(caught.value)
+    assert tested.simulation.link_poses() == before
+    # The same is said where it would be the first scene, and by `scene check`.
+    with pytest.raises(WorldError, match="stand in each other: 'c0' and 'c1'"):
+        robot(world=world)
+    for options in ([], ["--no-robot"]):
+        assert scene_command(["check", world, *options]) == 1
+        assert "stand in each other: 'c0' and 'c1'" in capsys.readouterr().err
+
+
+def test_five_millimetres_are_allowed(robot, scene):
+    for gap, fits in ((-0.004, True), (-0.006, False)):
+        world = scene(crate("low"), crate("high", z=0.4 + gap))
+        if fits:
+            robot(world=world)
+        else:
+            with pytest.raises(WorldError, match=r"'low' and 'high' \(6 mm\)|'high' and 'low'"):
+                robot(world=world)
+
+
+def test_single_spawns_do_not_add_up(robot):
+    simulation = robot().simulation
+    simulation.spawn(simulation.plan(crate("first")))
+    simulation.spawn(simulation.plan(crate("beside", x=5.7)))
+    frames = simulation.objects.frames()
+    for entry in (crate("second"), "{type: platform, name: wall, position: [5, 0, 0]}"):
+        with pytest.raises(ConfigError, match="stand in each other: '(second|wall)' and 'first'"):
+            simulation.spawn(simulation.plan(entry))
+    assert simulation.objects.frames() == frames
+
+
+def test_what_stands_fast_may_stand_in_what_stands_fast(robot):
+    simulation = robot().simulation
+    simulation.spawn(simulation.plan("{type: platform, name: a, position: [5, 0, 0]}"))
+    simulation.spawn(simulation.plan("{type: platform, name: b, position: [5, 0.1, 0]}"))
+
+
+def test_the_floor_carries_and_holds_nothing(robot):
+    simulation = robot().simulation
+    with pytest.raises(ConfigError, match="'sunk' and the floor"):
+        simulation.spawn(simulation.plan(crate("sunk", z=-0.1)))
+
+
+def test_every_type_by_its_defaults_has_room(robot):
+    simulation = robot().simulation
+    for kind in object_types():
+        if kind not in NEED_MORE:
+            simulation.spawn(simulation.plan(f"{{type: {kind}, name: it, position: [0, 60, 0]}}"))
+            simulation.delete("it")

@@ -1,0 +1,148 @@
+"""What comes from outside is tried in a process of its own, which ends where it takes too much."""
+
+from __future__ import annotations
+
+import os
+import time
+
+import numpy as np
+import pytest
+
+from telex_control.params import ConfigError
+from telex_control.urdf_joints import UrdfError
+from telex_sim.config import RobotConfig
+from telex_sim.offline import shipped_config
+from telex_sim.rehearsal_client import RehearsalClient
+from telex_sim.robot_body import RobotBody
+from telex_sim.scene.catalog import scenes
+from telex_sim.scene.model import Floor, Start
+from telex_sim.scene.scene_file import SceneError
+
+LINK = """<link name="base"><inertial><mass value="{mass}"/>
+<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
+<collision><geometry>{shape}</geometry></collision></link>"""
+
+
+@pytest.fixture(scope="module")
+def rehearsal():
+    client = RehearsalClient(shipped_config())
+    yield client
+    client.close()
+
+
+def entry(rehearsal, text, folder=""):
+    return rehearsal.entry(text, "", folder, ["crate_1"], ["telex"], Floor())
+
+
+def box_robot(shape='<box size="1 1 1"/>', mass="1"):
+    urdf = f'<robot name="r">{LINK.format(mass=mass, shape=shape)}</robot>'
+    return RobotBody("crane", urdf, RobotConfig())
+
+
+def obj(path, side):
+    """A grid of side x side vertices."""
+    lines = [f"v {x} {y} {0.1 * ((x * y) % 3)}" for x in range(side) for y in range(side)]
+    for x in range(side - 1):
+        for y in range(side - 1):
+            corner = x * side + y + 1
+            lines.append(f"f {corner} {corner + 1} {corner + side}")
+    path.write_text("\n".join(lines))
+
+
+def test_a_scene_comes_back_as_it_is_read_here(rehearsal, robot, urdf):
+    simulation = robot().simulation
+    figures = [each.figure for each in simulation.robots]
+    for name in scenes():
+        here, there = simulation.plan_scene(name), rehearsal.scene(name, figures)
+        assert there.scene == here.scene
+        assert there.path == here.path
+        assert [repr(each) for each in there.assemblies] == [repr(each) for each in here.assemblies]
+
+
+def test_an_entry_comes_back_and_is_named_as_here(rehearsal):
+    (plan,) = entry(rehearsal, "{type: crate}")
+    assert plan.source.name == "crate_2"
+
+
+def test_a_mesh_comes_back_with_all_its_numbers(rehearsal, robot, tmp_path):
+    obj(tmp_path / "hill.obj", 40)
+    text = "{type: mesh, mesh: hill.obj, static: true}"
+    (there,) = entry(rehearsal, text, str(tmp_path))
+    (here,) = robot().simulation.plan(text, "", str(tmp_path))
+    for ours, theirs in zip(here.bodies, there.bodies):
+        for mine, its in zip(ours.segments[0].shapes, theirs.segments[0].shapes):
+            assert np.array_equal(mine.vertices, its.vertices)
+            assert np.array_equal(mine.triangles, its.triangles)
+
+
+def test_what_is_wrong_is_refused_in_the_same_words(rehearsal, robot, tmp_path):
+    figures = [each.figure for each in robot().simulation.robots]
+    with pytest.raises(ConfigError, match="mass is -1.0; it must be above 0"):
+        entry(rehearsal, "{type: crate, mass: -1}")
+    with pytest.raises(ConfigError, match="name is 'telex'"):
+        entry(rehearsal, "{type: crate, name: telex}")
+    with pytest.raises(SceneError, match="there is no scene 'moon'"):
+        rehearsal.scene("moon", figures)
+    crowd = tmp_path / "crowd.yaml"
+    crowd.write_text("objects:\n" + "  - {type: crate, position: [5, 0, 0]}\n" * 200)
+    with pytest.raises(SceneError, match="stand in each other: 'crate_1' and 'crate_2'"):
+        rehearsal.scene(str(crowd), figures)
+    pillar = tmp_path / "pillar.yaml"
+    pillar.write_text("objects:\n  - {type: platform, position: [0.3, 0, 0]}\n")
+    with pytest.raises(SceneError, match="pillar.yaml: start pose 'ready': the robot's"):
+        rehearsal.scene(str(pillar), figures)
+
+
+def test_twenty_thousand_objects_are_refused_soon(rehearsal, robot, tmp_path):
+    many = tmp_path / "many.yaml"
+    many.write_text("objects:\n" + "  - {type: crate}\n" * 20_000)
+    with pytest.raises(SceneError, match="there are more than 1000 objects"):
+        rehearsal.scene(str(many), [each.figure for each in robot().simulation.robots])
+
+
+def test_robots_are_tried_too(rehearsal, tmp_path):
+    assert rehearsal.robot(box_robot(), Start(y=-20.0)) == []
+    for mass in ("-5", "nan"):
+        with pytest.raises(UrdfError, match=f"link 'base': mass is {mass}"):
+            rehearsal.robot(box_robot(mass=mass), Start())
+    with pytest.raises(ConfigError, match="link 'base': .*none.stl: No such file"):
+        rehearsal.robot(box_robot(f'<mesh filename="file://{tmp_path}/none.stl"/>'), Start())
+    large = tmp_path / "large.obj"
+    with large.open("wb") as file:
+        file.truncate(104_000_000)
+    with pytest.raises(ConfigError, match="has 104000000 bytes; at most 67108864 are read"):
+        rehearsal.robot(box_robot(f'<mesh filename="file://{large}"/>'), Start())
+    obj(tmp_path / "fine.obj", 260)
+    with pytest.raises(ConfigError, match="at most 60000 are possible in a robot"):
+        rehearsal.robot(box_robot(f'<mesh filename="file://{tmp_path}/fine.obj"/>'), Start())
+
+
+def test_it_ends_where_it_takes_too_long_and_the_next_is_served(rehearsal, robot, tmp_path):
+    """A legal file that is read for longer than anybody waits."""
+    slow = tmp_path / "slow.obj"
+    slow.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + "vt 0.1234 0.2345\n" * 3_500_000 + "f 1 2 3\n")
+    began = time.monotonic()
+    with pytest.raises(ConfigError, match="the object .*: it took more than 2 s of computing"):
+        entry(rehearsal, f"{{type: mesh, static: true, mesh: {slow}}}")
+    assert time.monotonic() - began < 15.0
+    assert len(entry(rehearsal, "{type: crate}")) == 1
+
+
+def test_it_is_started_again_when_it_has_ended(rehearsal):
+    process = rehearsal._process
+    process.kill()
+    process.wait()
+    assert len(entry(rehearsal, "{type: crate}")) == 1
+    assert rehearsal._process.pid != process.pid
+
+
+def test_it_is_an_ordinary_process_that_steps_back(rehearsal):
+    pid = rehearsal._process.pid
+    assert os.sched_getscheduler(pid) == os.SCHED_OTHER
+    assert os.getpriority(os.PRIO_PROCESS, pid) > os.getpriority(os.PRIO_PROCESS, 0)
+
+
+def test_all_scenes_are_listed(rehearsal):
+    listed = rehearsal.listing()
+    assert [name for name, *_ in listed] == list(scenes())
+    assert all(description and not problem for _, _, description, problem in listed)
