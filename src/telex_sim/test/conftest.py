@@ -68,7 +68,8 @@ class Stage:
         return [assemble(item, self.assets, self.step_size) for item in items]
 
     def add(self, *items, robots=()):
-        self.objects.add(self.plan(*items), robots)
+        for _ in self.objects.add(self.plan(*items), robots):
+            pass
 
     def run(self, seconds, each_step=None):
         for _ in range(round(seconds / self.step_size)):

@@ -7,6 +7,7 @@ import re
 import pytest
 
 from telex_control.params import ConfigError
+from telex_sim.scene.assembly import MOST_AT_ONCE
 from telex_sim.scene.command_line import main as scene_command
 from telex_sim.scene.library import object_types
 from telex_sim.scene.scene_file import SceneError
@@ -86,3 +87,30 @@ def test_every_type_by_its_defaults_has_room(robot):
         if kind not in NEED_MORE:
             simulation.spawn(simulation.plan(f"{{type: {kind}, name: it, position: [0, 60, 0]}}"))
             simulation.delete("it")
+
+
+def test_a_large_mesh_comes_body_by_body_between_steps(robot, tmp_path):
+    side = 130
+    places = [(x, y) for x in range(side) for y in range(side)]
+    lines = [f"v {0.02 * x} {0.02 * y} {0.05 * ((x * y) % 2)}" for x, y in places]
+    for x in range(side - 1):
+        for y in range(side - 1):
+            corner = x * side + y + 1
+            lines += [f"f {corner} {corner + side} {corner + 1}"]
+            lines += [f"f {corner + 1} {corner + side} {corner + side + 1}"]
+    (tmp_path / "hill.obj").write_text("\n".join(lines))
+    tested = robot()
+    simulation = tested.simulation
+    text = "{type: mesh, name: hill, mesh: hill.obj, static: true, position: [5, 0, 0]}"
+    plans = simulation.plan(text, "", str(tmp_path))
+    sizes = [len(body.segments[0].shapes[0].triangles) for body in plans[0].bodies]
+    assert sum(sizes) == 2 * (side - 1) ** 2
+    assert max(sizes) <= MOST_AT_ONCE
+    made = []
+    for _ in simulation.spawn_gradually(plans):
+        made.append(len(simulation.world.bodies()))
+        simulation.step()
+    assert len(set(made)) == len(sizes) > 5
+    simulation.spawn(simulation.plan(crate("on_it", x=6.0, y=1.0, z=0.1)))
+    tested.run(0.5)
+    assert 0.03 < simulation.objects.poses()[2] < 0.06

@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import queue
 import threading
-from typing import Callable, Optional
+from typing import Callable, Iterator, Optional
 
 import rospy
 
 from .world import WorldError
 
+Action = Callable[[], Optional[Iterator[None]]]
+"""What is asked for; one that returns an iterator is carried on with between further steps."""
+
 
 class _Request:
-    def __init__(self, action: Callable[[], None]) -> None:
+    def __init__(self, action: Action) -> None:
         self.action = action
+        self.rest: Optional[Iterator[None]] = None
         self.done = threading.Event()
         self.error: Optional[Exception] = None
 
@@ -23,8 +27,9 @@ class LoopRequests:
 
     def __init__(self) -> None:
         self._queue: queue.Queue[_Request] = queue.Queue()
+        self._present: Optional[_Request] = None
 
-    def carry_out(self, action: Callable[[], None]) -> None:
+    def carry_out(self, action: Action) -> None:
         """Have the loop's thread carry out `action`, and wait for it.
 
         Raises
@@ -41,16 +46,34 @@ class LoopRequests:
             raise rospy.ServiceException(str(request.error))
 
     def serve(self) -> None:
-        """Carry out, in the present thread, all that has been asked for."""
-        while not self._queue.empty():
-            request = self._queue.get_nowait()
-            try:
-                request.action()
-            except WorldError as error:
-                request.error = error
-                rospy.logerr("%s", error)
-            except Exception as error:  # whatever it is, the simulation goes on
-                request.error = error
-                rospy.logerr("a request failed: %s: %s", type(error).__name__, error)
-            finally:
-                request.done.set()
+        """Carry out, in the present thread, all that has been asked for, in that order.
+
+        Of what comes in parts, one is carried out, and what was asked for later waits.
+        """
+        while self._present is not None or not self._queue.empty():
+            if self._present is None:
+                self._present = self._queue.get_nowait()
+            if not self._ended(self._present):
+                return
+            self._present.done.set()
+            self._present = None
+
+    @staticmethod
+    def _ended(request: _Request) -> bool:
+        """Carry on with a request; returns whether nothing of it is left."""
+        try:
+            if request.rest is None:
+                request.rest = request.action()
+            if request.rest is None:
+                return True
+            next(request.rest)
+            return False
+        except StopIteration:
+            return True
+        except WorldError as error:
+            request.error = error
+            rospy.logerr("%s", error)
+        except Exception as error:  # whatever it is, the simulation goes on
+            request.error = error
+            rospy.logerr("a request failed: %s: %s", type(error).__name__, error)
+        return True

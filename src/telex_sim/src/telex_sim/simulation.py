@@ -9,7 +9,7 @@ from __future__ import annotations
 import logging
 import time
 from pathlib import Path
-from typing import Callable, Dict, List, Optional, Sequence, Tuple
+from typing import Callable, Dict, Iterator, List, Optional, Sequence, Tuple
 
 from telex_control.controller_manager import ControllerManager
 from telex_control.node_handle import NodeHandle
@@ -373,14 +373,21 @@ class Simulation:
         return plans
 
     def spawn(self, plans: Sequence[Assembly]) -> None:
-        """Put objects into the running scene, all or none.
+        """Put objects into the running scene, all or none; parameters as of `spawn_gradually`."""
+        for _ in self.spawn_gradually(plans):
+            pass
+
+    def spawn_gradually(self, plans: Sequence[Assembly]) -> Iterator[None]:
+        """Put objects into the running scene, all or none, body by body.
+
+        Steps may be made, but nothing else be changed, before the next one.
 
         Raises
         ------
         ConfigError
             A name is taken, an object would stand in the robot, or there are too many.
         """
-        self.objects.add(plans, [robot.body.uid for robot in self.robots])
+        yield from self.objects.add(plans, [robot.body.uid for robot in self.robots])
         self._bodies_changed()
 
     def delete(self, name: str) -> List[str]:

@@ -8,7 +8,7 @@ import os
 import sys
 import threading
 import time as wall
-from typing import Any, Callable, List, Optional, Tuple
+from typing import Any, Callable, Iterator, List, Optional, Tuple
 
 import rospkg
 import rospy
@@ -43,7 +43,7 @@ from telex_control.urdf_joints import UrdfError
 
 from .config import RobotConfig, SimulatorConfig, read_simulator_config
 from .crash_recovery import CrashRecovery
-from .loop_requests import LoopRequests
+from .loop_requests import Action, LoopRequests
 from .pacing import RealTimeFactor, RealTimePacer
 from .rehearsal_client import RehearsalClient
 from .rendering.addresses import resolve_address
@@ -225,7 +225,7 @@ class SimulatorNode:
                     [robot.model for robot in simulation.robots],
                     simulation.scene.floor,
                 )
-                self._change(lambda: simulation.spawn(plans))
+                self._change(lambda: simulation.spawn_gradually(plans))
         except ConfigError as error:
             rospy.logwarn("sim/spawn: %s", error)
             return SpawnResponse(success=False, message=str(error))
@@ -313,7 +313,7 @@ class SimulatorNode:
         self._scene.remove_robot(robot.model)
         self._publish_scene()
 
-    def _change(self, action: Callable[[], None]) -> None:
+    def _change(self, action: Action) -> None:
         """Have the loop's thread change the scene.
 
         Raises
@@ -325,9 +325,11 @@ class SimulatorNode:
         """
         refused: List[Exception] = []
 
-        def change() -> None:
+        def change() -> Iterator[None]:
             try:
-                action()
+                rest = action()
+                if rest is not None:
+                    yield from rest
             except (ConfigError, SceneError) as error:
                 refused.append(error)
             else:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Dict, Hashable, List, Optional, Sequence, Tuple
 
 import numpy as np
@@ -27,6 +27,8 @@ from .poses import IDENTITY, Pose, about, compose, rotate
 
 MOST_SHAPES = 16
 """PyBullet's MAX_COMPOUND_COLLISION_SHAPES."""
+MOST_AT_ONCE = 4096
+"""Triangles of a static mesh that become one body: PyBullet reads a million in a second."""
 _MOST_SEGMENTS = 127
 _STIFFEST = 0.25
 _LEAST_INERTIA = 1.0e-9
@@ -248,7 +250,7 @@ def _plan_bodies(
     """One body; of something static without joints several, which cost less than fixed links."""
     root = links[0]
     if static and len(links) == 1:
-        shares = _shares(root, True, assets) or [((), None)]
+        shares = _tiled(_shares(root, True, assets)) or [((), None)]
         return [
             BodyPlan((_segment(root, bool(i), -1, pose, None, share, True),), True, {})
             for i, share in enumerate(shares)
@@ -301,6 +303,36 @@ def _shares(link: Link, static: bool, assets: Assets) -> List[_Share]:
         whole = mass_properties.combined(solids)
         shares.append((shapes, whole.scaled(link.mass * whole.mass / volume)))
     return shares
+
+
+def _tiled(shares: List[_Share]) -> List[_Share]:
+    """Make several shares of each mesh that PyBullet takes long to read: one at a time can come."""
+    tiled: List[_Share] = []
+    for shapes, props in shares:
+        first = shapes[0]
+        if first.triangles is None or len(first.triangles) <= MOST_AT_ONCE:
+            tiled.append((shapes, props))
+            continue
+        assert first.vertices is not None
+        for part in _tiles(first.vertices, first.triangles):
+            used, triangles = np.unique(part, return_inverse=True)
+            vertices, triangles = first.vertices[used], triangles.reshape(-1, 3)
+            digest = _digest(vertices, triangles)
+            tile = replace(first, vertices=vertices, triangles=triangles, digest=digest)
+            tiled.append(((tile,), props))
+    return tiled
+
+
+def _tiles(vertices: np.ndarray, triangles: np.ndarray) -> List[np.ndarray]:
+    """Halve triangles across their longest extent until each part has few."""
+    if len(triangles) <= MOST_AT_ONCE:
+        return [triangles]
+    centers = vertices[triangles].mean(axis=1)
+    order = np.argsort(centers[:, np.argmax(np.ptp(centers, axis=0))], kind="stable")
+    half = len(order) // 2
+    return [
+        tile for part in (order[:half], order[half:]) for tile in _tiles(vertices, triangles[part])
+    ]
 
 
 def _shape(part: Part, static: bool, assets: Assets) -> Tuple[Shape, Optional[MassProperties]]:

@@ -6,7 +6,7 @@ Only the thread that owns the PyBullet client may use what is here.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Callable, Dict, Hashable, List, Optional, Sequence, Tuple
+from typing import Callable, Dict, Hashable, Iterator, List, Optional, Sequence, Tuple
 
 import pybullet
 
@@ -111,7 +111,8 @@ class SceneBodies:
         )
         self._ground = (ground, floor.surface.material)
         for number, plan in enumerate(plans, 1):
-            self._place(plan)
+            for _ in self._place(plan):
+                pass
             progress(number, len(plans))
 
     def check_room(self, names: Optional[Sequence[str]] = None) -> None:
@@ -159,8 +160,10 @@ class SceneBodies:
             f"at most {1000.0 * DEEPEST:.0f} mm are possible"
         )
 
-    def add(self, plans: Sequence[Assembly], robots: Sequence[int]) -> None:
-        """Put further objects into the running world, all or none.
+    def add(self, plans: Sequence[Assembly], robots: Sequence[int]) -> Iterator[None]:
+        """Put further objects into the running world, all or none, body by body.
+
+        The world may be stepped, but not changed, before the next one.
 
         Parameters
         ----------
@@ -184,7 +187,7 @@ class SceneBodies:
             )
         try:
             for plan in plans:
-                self._place(plan)
+                yield from self._place(plan)
             for name in names:
                 if self._touches(name, robots):
                     raise ConfigError(f"'{name}' would stand in the robot; it needs another place")
@@ -322,10 +325,10 @@ class SceneBodies:
 
     # --- PyBullet ----------------------------------------------------------------------------
 
-    def _place(self, assembly: Assembly) -> None:
+    def _place(self, assembly: Assembly) -> Iterator[None]:
         bodies: List[int] = []
         try:
-            self._create(assembly, bodies)
+            yield from self._create(assembly, bodies)
         except pybullet.error as error:
             for uid in bodies:
                 pybullet.removeBody(uid, physicsClientId=self._client)
@@ -333,7 +336,7 @@ class SceneBodies:
                 f"object '{assembly.source.name}': PyBullet cannot make it: {error}"
             ) from error
 
-    def _create(self, assembly: Assembly, bodies: List[int]) -> None:
+    def _create(self, assembly: Assembly, bodies: List[int]) -> Iterator[None]:
         """Make an object; `bodies` tells what of it is in the world when something fails."""
         source = assembly.source
         mechanisms: List[Mechanism] = []
@@ -354,6 +357,7 @@ class SceneBodies:
             of_link.update(
                 {s.link: (uid, index - 1, base) for index, s in enumerate(plan.segments) if s.link}
             )
+            yield
         latches = tuple(
             Latch(
                 self._client,
