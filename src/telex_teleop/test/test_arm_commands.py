@@ -44,7 +44,7 @@ def test_unknown_frame_is_refused_with_those_that_are_known(name):
     assert "must be tool, base, world, or empty for tool" in str(refusal.value)
 
 
-@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, 1e308])
 @pytest.mark.parametrize("axis", range(3))
 def test_twist_that_is_not_finite_is_refused(bad, axis):
     values = [0.0, 0.0, 0.0]
@@ -55,7 +55,7 @@ def test_twist_that_is_not_finite_is_refused(bad, axis):
         FRAMES.twist("base", ZERO, values)
 
 
-@pytest.mark.parametrize("bad", [math.nan, math.inf])
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -1e39])
 def test_pose_that_is_not_finite_is_refused(bad):
     with pytest.raises(InvalidCommand, match=r"pose.position.y is"):
         FRAMES.pose("base", (0.0, bad, 0.0), UP)

@@ -41,6 +41,9 @@ def test_duration_is_the_validity():
         (list(KNOWN), [math.inf, 0.1], [], 0.0, "displacements of turret_joint is inf"),
         (["elbow_joint"], [], [1.0], -1.0, "duration is -1.0"),
         (["elbow_joint"], [], [1.0], math.nan, "duration is nan"),
+        (["elbow_joint"], [], [1.0], 1e308, "duration is 1e.308"),
+        (list(KNOWN), [], [0.1, -1e39], 0.0, "velocities of elbow_joint is -1e.39"),
+        (["elbow_joint"], [1e17], [], 0.0, "displacements of elbow_joint is 1e.17"),
     ],
 )
 def test_bad_messages_are_refused_by_name(names, displacements, velocities, duration, says):

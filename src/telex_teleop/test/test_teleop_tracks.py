@@ -195,7 +195,7 @@ def test_useless_components_are_named():
     assert ignored == ("linear.y", "angular.x")
 
 
-@pytest.mark.parametrize("value", [math.nan, math.inf])
+@pytest.mark.parametrize("value", [math.nan, math.inf, 1e308, -1e39])
 def test_twist_without_numbers_is_refused(value):
     with pytest.raises(InvalidCommand, match="linear.z is"):
         parse_twist(components(linear_z=value))
