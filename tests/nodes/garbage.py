@@ -151,7 +151,7 @@ def throw(seconds: float, seed: int = 1) -> Dict[str, Any]:
     end = time.monotonic() + seconds
     at = robot.base.pose.position
 
-    refusals = (rospy.ServiceException, rospy.ROSException, genpy.MessageError)
+    refusals = (rospy.ServiceException, rospy.ROSException, genpy.MessageException)
 
     def call() -> None:
         while proxies and time.monotonic() < end:
@@ -168,7 +168,7 @@ def throw(seconds: float, seed: int = 1) -> Dict[str, Any]:
     begun = time.monotonic()
     while time.monotonic() < end:
         publisher, kind = garbage._random.choice(publishers)
-        with contextlib.suppress(genpy.MessageError, rospy.ROSException, OverflowError):
+        with contextlib.suppress(genpy.MessageException, rospy.ROSException, OverflowError):
             publisher.publish(garbage.message(kind))
         counts["messages"] += 1
         now = robot.base.pose.position
