@@ -33,8 +33,10 @@ SPARED_TOPICS = re.compile(r"/clock$|/tf(_static)?$|/rosout(_agg)?$|/e_stop$|/si
 """What only the simulator says, and the emergency stop, under which nothing could move."""
 SPARED_SERVICES = re.compile(
     r"/sim/(pause|unpause|reset|step)$|delete_param$|set_param$|/(get|set)_loggers?(_level)?$"
+    r"|/reload_controller_libraries$"
 )
-"""What has no arguments to be wrong, or is meant to take whatever it is given."""
+"""What has no arguments to be wrong, or does as it is told whatever that is: with ``force_kill``, a
+reload of the controllers' libraries takes them all out."""
 FLOATS = (math.nan, math.inf, -math.inf, 1e308, -1e308, 1e39, -1e39, 3e38, -3e38, 1e17, -1e17)
 STRINGS = (
     "",
@@ -184,6 +186,8 @@ def throw(seconds: float, seed: int = 1) -> Dict[str, Any]:
         time.sleep(1.0 / MESSAGES_A_SECOND)
     caller.join(20.0)
     after = memory(master)
+    # Without its controllers nothing would have moved whatever was said.
+    robot.wait_until_controllable()
     return {
         **counts,
         "topics": len(publishers),
