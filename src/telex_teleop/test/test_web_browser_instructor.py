@@ -207,6 +207,15 @@ def test_a_scene_is_loaded_once_that_is_confirmed(simulator, page):
     wait_until(lambda: scenes() == [["yard", "true"], ["hall", "false"]])
 
 
+def test_a_scene_that_takes_long_is_waited_for(simulator, page):
+    """Longer than the 5 s after which other calls are given up."""
+    simulator.serve("load_scene", "telex_msgs/LoadScene", delay=5.4, **LOADED)
+    page.element('[data-scene="hall"] button').click()
+    answer(page, "yes")
+    wait_until(lambda: page.text("scene-note").startswith("loading hall … 5"))
+    wait_until(lambda: page.text("scene-note") == LOADED["message"])
+
+
 def test_a_scene_that_is_refused_says_why(simulator, page):
     simulator.serve("load_scene", "telex_msgs/LoadScene", **REFUSED)
     page.element('[data-scene="yard"] button').click()

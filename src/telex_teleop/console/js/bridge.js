@@ -3,7 +3,7 @@
 
 const RETRY_AFTER = 1000; // ms between two attempts to connect
 const PING_PERIOD = 500; // ms between two questions that only measure the link
-const ANSWER_WITHIN = 5000; // ms after which a service call is given up
+const ANSWER_WITHIN = 5000; // ms after which a service call is given up, unless it says for itself
 const DEAD_AFTER = 3000; // ms without a word from the bridge after which the connection is given up
 
 /**
@@ -93,9 +93,10 @@ export class Bridge {
    * Call a service.
    * @param {string} service
    * @param {object} args
+   * @param {number} [within]  Time (ms) after which it is given up.
    * @returns {Promise<any>} Its answer; rejected when there is none.
    */
-  call(service, args) {
+  call(service, args, within = ANSWER_WITHIN) {
     this._callNumber += 1;
     const id = `call:${this._callNumber}`;
     return new Promise((resolve, reject) => {
@@ -104,7 +105,7 @@ export class Bridge {
         this._calls.delete(id);
         settle();
       };
-      const timer = setTimeout(() => end(() => reject(new Error("no answer"))), ANSWER_WITHIN);
+      const timer = setTimeout(() => end(() => reject(new Error(`no answer within ${within / 1000} s`))), within);
       this._calls.set(id, ({ result, values }) => end(() => {
         if (result) resolve(values);
         else reject(new Error(typeof values === "string" ? values : "the call failed"));
