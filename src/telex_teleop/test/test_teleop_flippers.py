@@ -263,6 +263,24 @@ def test_a_stop_lets_nobody_else_in_again(robot):
 # ---- goals
 
 
+def test_state_names_who_is_obeyed(robot):
+    def commanders():
+        return robot.core.state(robot.time).commanders
+
+    robot.jog(caller="pad", front_left=0.1)
+    assert commanders() == ("pad",)
+    robot.jog(caller="pad", front_left=0.0)
+    robot.run(0.5)
+    assert commanders() == ()
+    robot.hold(0.1, "high", caller="console 3")
+    assert commanders() == ("console 3",)
+    robot.press("", caller="console 3")
+    robot.run(0.5)
+    robot.goal("high")
+    robot.run(0.2)
+    assert commanders() == ("goal",)
+
+
 def test_a_goal_moves_reports_and_is_reached(robot):
     number = robot.goal("high")
     robot.run(0.8)

@@ -77,6 +77,15 @@ def test_held_key_moves_at_the_rate_and_only_that_joint(robot):
     assert set(robot.last) == {"a"}
 
 
+def test_state_names_who_is_obeyed(robot):
+    robot.send(a=0.3, caller="/console")
+    robot.send(b=0.3, caller="/pad")
+    assert robot.core.state(robot.wall).commanders == ("/console", "/pad")
+    robot.run(0.5)
+    state = robot.core.state(robot.wall)
+    assert (state.active, state.commanders) == (False, ())
+
+
 def test_speed_scale_slows(robot):
     robot.core.speed.set(0.1)
     robot.hold(0.5, a=9.0)

@@ -176,8 +176,16 @@ def test_state(base):
     )
     base.hold(0.1, 0.5)
     state = base.core.state(base.wall)
-    assert (state.active, state.command, state.message) == (True, Velocity(0.5, 0.0), "")
+    assert (state.commanders, state.command, state.message) == (("",), Velocity(0.5, 0.0), "")
     assert "paused" in base.core.state(base.wall + 1.0).message
+
+
+def test_state_names_who_is_obeyed(base):
+    base.hold(0.1, 0.5)
+    base.core.receive(Velocity(0.2, 0.0), base.wall, "/pad")
+    assert base.core.state(base.wall).commanders == ("/pad",)
+    base.core.set_e_stop(True)
+    assert base.core.state(base.wall).commanders == ()
 
 
 def components(**values):

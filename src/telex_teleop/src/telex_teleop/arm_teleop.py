@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Dict, FrozenSet, List, Mapping, Optional, Sequence, Tuple
+from typing import Dict, FrozenSet, List, Mapping, Optional, Sequence, Set, Tuple
 
 import numpy as np
 
@@ -411,9 +411,13 @@ class ArmTeleop(JointTeleop):
 
     # ------------------------------------------------------------ what a display shows
 
-    def _obeying(self, now: Clocks) -> bool:
-        streams = (self._tool_stream, self._pose_stream)
-        return super()._obeying(now) or any(stream.command(now) is not None for stream in streams)
+    def _commanders(self, now: Clocks) -> Set[str]:
+        commanders = super()._commanders(now)
+        if self._tool_stream.command(now) is not None:
+            commanders.add(self._tool_stream.obeyed)
+        if self._pose_stream.command(now) is not None:
+            commanders.add(self._pose_stream.obeyed)
+        return commanders
 
     def _refusal(self, wall: float) -> str:
         if any(stream.waiting(wall) for stream in (self._tool_stream, self._pose_stream)):

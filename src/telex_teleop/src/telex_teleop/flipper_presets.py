@@ -10,12 +10,24 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import Enum
-from typing import Collection, Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import Collection, Dict, List, Mapping, Optional, Sequence, Set, Tuple
 
 from telex_teleop.joint_jog import InvalidCommand, require_known
 from telex_teleop.stream import Clocks, CommandStream
 
-__all__ = ["EndedGoal", "GoalEnd", "GoalRules", "Preset", "PresetGoals", "PresetRequests", "choose"]
+__all__ = [
+    "A_GOAL",
+    "EndedGoal",
+    "GoalEnd",
+    "GoalRules",
+    "Preset",
+    "PresetGoals",
+    "PresetRequests",
+    "choose",
+]
+
+A_GOAL = "goal"
+"""Stands for whoever asked for a goal, among those whose commands are obeyed."""
 
 
 @dataclass(frozen=True)
@@ -284,9 +296,11 @@ class PresetRequests:
         """Return where the flippers are to go now (rad); empty for nowhere."""
         return self._stream.command(now) or self.goals.wanted
 
-    def held(self, now: Clocks) -> bool:
-        """Tell whether a key is held and obeyed."""
-        return self._stream.command(now) is not None
+    def commanders(self, now: Clocks) -> Set[str]:
+        """Return who is obeyed: the client that holds a key, `A_GOAL`, or nobody."""
+        if self._stream.command(now) is not None:
+            return {self._stream.obeyed}
+        return {A_GOAL} if self.goals.wanted else set()
 
     def waiting(self, wall: float) -> bool:
         """Tell whether a key is held that needs a new press."""

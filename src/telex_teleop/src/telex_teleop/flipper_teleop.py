@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Dict, FrozenSet, Mapping, Sequence
+from typing import Dict, FrozenSet, Mapping, Sequence, Set
 
 from telex_teleop.axis import AxisSettings
 from telex_teleop.flipper_presets import GoalEnd, GoalRules, Preset, PresetRequests, choose
@@ -149,5 +149,6 @@ class FlipperTeleop(JointTeleop):
             reason = "the preset has ended: release its key and press it again"
         return reason
 
-    def _obeying(self, now: Clocks) -> bool:
-        return super()._obeying(now) or self.requests.held(now)
+    def _commanders(self, now: Clocks) -> Set[str]:
+        # Joints on their way to a preset obey it, not who jogged them before.
+        return self.requests.commanders(now) or super()._commanders(now)

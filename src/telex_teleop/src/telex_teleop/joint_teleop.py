@@ -45,12 +45,15 @@ class TeleopState:
         Why commands are not obeyed, empty when they are.
     notice
         What else there is to know, such as what slows a motion; empty when nothing.
+    commanders
+        Whose commands those are.
     """
 
     active: bool
     axes: Tuple[AxisState, ...]
     message: str
     notice: str = ""
+    commanders: Tuple[str, ...] = ()
 
 
 class JointTeleop(TeleopCore):
@@ -222,8 +225,10 @@ class JointTeleop(TeleopCore):
             return TeleopState(False, (), message)
         now = Clocks(wall, self._ticks.now)
         message = message or self._refusal(wall)
-        active = self._obeying(now) and not message
-        return TeleopState(active, self._axis_states(), message, self._notice(now))
+        commanders = () if message else tuple(sorted(self._commanders(now)))
+        return TeleopState(
+            bool(commanders), self._axis_states(), message, self._notice(now), commanders
+        )
 
     def _deaf(self, wall: float) -> str:
         if not self.axes:
@@ -235,9 +240,9 @@ class JointTeleop(TeleopCore):
         waiting = any(axis.stream.waiting(wall) for axis in self.axes.values())
         return NEEDS_NEW_PRESS if waiting else ""
 
-    def _obeying(self, now: Clocks) -> bool:
-        """Tell whether a command is being carried out."""
-        return any(axis.obeying(now) for axis in self.axes.values())
+    def _commanders(self, now: Clocks) -> Set[str]:
+        """Return whose commands are being carried out."""
+        return {axis.stream.obeyed for axis in self.axes.values() if axis.obeying(now)}
 
     def _notice(self, now: Clocks) -> str:
         """Return what else there is to know, empty where nothing."""

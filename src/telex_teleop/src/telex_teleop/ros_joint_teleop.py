@@ -71,6 +71,8 @@ class JointTeleopNode:
         message = JointTeleopStatus(
             mode=self._mode,
             active=state.active,
+            # without what tells apart the clients of one node
+            commanders=sorted({name.partition(" ")[0] for name in state.commanders}),
             speed_scale=scale,
             min_speed_scale=minimum,
             max_speed_scale=maximum,

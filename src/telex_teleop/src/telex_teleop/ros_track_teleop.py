@@ -66,7 +66,8 @@ class TrackTeleopNode:
             speed = self._core.speed
             scale, minimum, maximum = speed.value, speed.minimum, speed.maximum
         message = TrackTeleopStatus(
-            active=state.active,
+            active=bool(state.commanders),
+            commanders=state.commanders,
             speed_scale=scale,
             min_speed_scale=minimum,
             max_speed_scale=maximum,

@@ -47,6 +47,8 @@ class CommandStream(Generic[Command]):
         self._command: Optional[Command] = None
         self._caller = ""
         self._received: Optional[Clocks] = None
+        self.obeyed = ""
+        """Who sent the last command that was obeyed."""
         self._validity = timeout
         self._heard: Dict[str, float] = {}  # client to the wall time of its last command
         self._ignored: Set[str] = set()
@@ -82,6 +84,7 @@ class CommandStream(Generic[Command]):
         self._command = command
         self._caller = caller
         self._received = now
+        self.obeyed = caller
         self._validity = self._timeout if validity is None else min(validity, self._timeout)
         return True
 

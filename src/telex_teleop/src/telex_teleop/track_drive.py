@@ -67,9 +67,9 @@ class TrackSettings(TeleopSettings):
 
 @dataclass(frozen=True)
 class TrackState:
-    """What a display shows: is a command obeyed, what is sent now, and why is none obeyed."""
+    """What a display shows: whose command is obeyed, what is sent now, and why is none obeyed."""
 
-    active: bool
+    commanders: Tuple[str, ...]
     command: Velocity
     message: str
 
@@ -173,11 +173,12 @@ class TrackDrive(TeleopCore):
         """Return what a display shows at `wall` (monotonic time, s)."""
         message = self._deaf(wall)
         if self._ticks.now is None:
-            return TrackState(False, STANDSTILL, message)
+            return TrackState((), STANDSTILL, message)
         alive = self._stream.command(Clocks(wall, self._ticks.now)) is not None
         if not message and self._stream.waiting(wall):
             message = NEEDS_NEW_PRESS
-        return TrackState(alive and not message, self._sent, message)
+        commanders = (self._stream.obeyed,) if alive and not message else ()
+        return TrackState(commanders, self._sent, message)
 
     def _inhibit(self) -> None:
         self._stream.inhibit(self._inhibited)
