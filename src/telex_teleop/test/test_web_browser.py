@@ -24,6 +24,8 @@ from web_robot import (
     FLIPPERS,
     GRIPPER,
     NODES,
+    ODOM,
+    ODOMETRY,
     PRESET_NAMES,
     PRESETS,
     THUMBNAILS,
@@ -35,6 +37,8 @@ from web_robot import (
 from telex_teleop import headless_chromium
 
 pytestmark = [pytest.mark.ros, pytest.mark.browser]
+
+NOTHING = "\N{EN DASH}"  # in place of a figure that is not known
 
 
 class Page:
@@ -264,23 +268,138 @@ def test_heading_gripper_and_link_stand_over_the_picture(robot, page):
     wait_until(lambda: page.text("heading") == "090°")  # clockwise
     wait_until(lambda: page.text("link-quality") == "link good", 20.0)
     # 0.3 rad open; 2 Nm on either finger at a lever of 0.143 m
-    assert page.text("grip") == "114 mm 14 N"
+    assert page.text("grip") == "114 mm open, force 14 N"
     robot.publish_effort("right_finger_base_joint", 2.0)
-    wait_until(lambda: page.text("grip") == "114 mm 0 N")  # a shock: nothing is held
+    wait_until(lambda: page.text("grip") == "114 mm open, force 0 N")  # a shock: nothing is held
     robot.publish_effort("right_finger_base_joint", -2.4)
-    wait_until(lambda: page.text("grip") == "114 mm 14 N")
+    wait_until(lambda: page.text("grip") == "114 mm open, force 14 N")
     pads = [{"link": "left_finger_tip_link", "friction_use": 0.9}, {"friction_use": 0.2}]
     contact = {"object": "cube", "slipping": False, "pads": pads}
     robot.probe.publish(CONTACT, "telex_msgs/GripperContact", contact, rate=10)
-    wait_until(lambda: page.text("grip") == "114 mm 14 N WEAK")
+    wait_until(lambda: page.text("grip") == "114 mm open, force 14 N, WEAK")
     contact["slipping"] = True
     robot.probe.publish(CONTACT, "telex_msgs/GripperContact", contact, rate=10)
-    wait_until(lambda: page.text("grip") == "114 mm 14 N SLIPPING")
+    wait_until(lambda: page.text("grip") == "114 mm open, force 14 N, SLIPPING")
     contact.update(object="", slipping=False)
     robot.probe.publish(CONTACT, "telex_msgs/GripperContact", contact, rate=10)
-    wait_until(lambda: page.text("grip") == "114 mm 14 N")
+    wait_until(lambda: page.text("grip") == "114 mm open, force 14 N")
     robot.publish_node_status()
     wait_until(lambda: page.text("drive-hud") == "+0.25 m/s 0 °/s")
+
+
+def test_measured_speed_stands_beside_the_commanded_one(robot, page):
+    """Both are shown: what the belts run, and what they were told."""
+    wait_until(lambda: page.text("speed-hud") == "+0.31 m/s -1 °/s")
+    robot.publish_sim(stuck=True)
+    wait_until(lambda: page.text("speed-hud") == "STUCK, belts +0.31 m/s -1 °/s")
+    robot.publish_sim()
+    robot.probe.publish(ODOM, "nav_msgs/Odometry", ODOMETRY)  # once, and then no more
+    wait_until(lambda: (page.text("speed-hud"), page.text("heading")) == (NOTHING, NOTHING))
+    robot.probe.publish(ODOM, "nav_msgs/Odometry", ODOMETRY, rate=50)
+    wait_until(lambda: page.text("heading") == "090°")
+
+
+def test_the_heading_follows_as_often_as_pictures_come(robot, page):
+    page.script("""
+        window.headings = 0;
+        const heading = document.getElementById("heading");
+        window.counter = new MutationObserver(() => { headings += 1; });
+        counter.observe(heading, {childList: true, characterData: true, subtree: true});
+    """)
+    end = time.monotonic() + 2.0
+    for number in itertools.count():
+        yaw = -0.05 * number
+        odometry = {"pose": {"pose": {"orientation": {"z": math.sin(yaw), "w": math.cos(yaw)}}}}
+        robot.probe.publish(ODOM, "nav_msgs/Odometry", odometry)
+        time.sleep(0.04)
+        if time.monotonic() > end:
+            break
+    robot.probe.publish(ODOM, "nav_msgs/Odometry", ODOMETRY, rate=50)
+    assert page.script("counter.disconnect(); return headings") > 25  # at 5 Hz: 10
+
+
+def test_slow_pictures_are_not_blamed_on_the_link(robot, page):
+    robot.publish_camera("front", rate=2)
+    wait_until(lambda: page.text("picture-quality") == "picture poor")
+    assert page.text("link-quality") == "link good"
+    assert page.attribute("view", "data-link") == "good"
+    robot.publish_camera("front", rate=15)
+    wait_until(lambda: page.text("picture-quality") == "picture good")
+
+
+def test_what_moves_and_what_moves_it(robot, page):
+    def moves():
+        return page.text("moves"), page.text("moved-by")
+
+    assert moves() == (NOTHING, NOTHING)
+    robot.publish_node_status(commanders=["/telex/rosbridge"])
+    with page.hold("w"):
+        wait_until(lambda: "tracks ahead" in moves()[0] and moves()[1] == "you (keys)")
+        assert not page.element("#others").is_displayed()
+    robot.publish_node_status()
+    wait_until(lambda: moves() == (NOTHING, NOTHING), 3.0)
+    robot.publish_node_status(commanders=["/telex/joy_teleop"])
+    wait_until(lambda: page.text("moved-by") == "the robot's gamepad")
+    assert page.text("moves") == "tracks, flippers, arm, gripper"
+    assert page.text("others") == "MOVED BY the robot's gamepad"
+    robot.publish_node_status(commanders=["/rostopic_12_1600000000000"])
+    wait_until(lambda: page.text("moved-by") == "the program rostopic")
+    robot.publish_node_status()
+    wait_until(lambda: moves() == (NOTHING, NOTHING), 3.0)
+    wait_until(lambda: not page.element("#others").is_displayed())
+    assert "the robot's gamepad moves the robot" in page.text("log")
+
+
+def lines(page):
+    """Return the messages as they are shown: how grave, and what; the newest first."""
+    return page.script("""
+        return [...document.querySelectorAll("#log li")].filter((line) => line.offsetParent)
+          .map((line) => [line.dataset.level, line.querySelector(".sentence").textContent]);
+    """)
+
+
+def test_one_news_is_one_line(robot, page):
+    def news():
+        return lines(page)[: len(lines(page)) - before]
+
+    before = len(lines(page))
+    robot.publish_node_status(message="the e-stop is active")
+    robot.publish_sim(e_stop=True)
+    wait_until(lambda: news() == [["alarm", "e-stop is active"]])
+    with page.hold("w"), page.hold("s"):
+        pass
+    time.sleep(1.0)  # for the nodes' own words, if they came
+    assert news() == [
+        ["warning", "e-stop is active: release it first \N{MULTIPLICATION SIGN}2"],
+        ["alarm", "e-stop is active"],
+    ]
+    robot.publish_node_status()
+    robot.publish_sim()
+    wait_until(lambda: news()[0] == ["info", "e-stop is released"])
+    before = len(lines(page))
+    robot.publish_sim(paused=True)
+    robot.publish_node_status(message="no joint_states: the simulation is paused or has ended")
+    wait_until(lambda: news() == [["info", "the simulation is paused"]])
+    time.sleep(1.0)
+    assert len(news()) == 1
+    robot.publish_node_status()
+    robot.publish_sim()
+    wait_until(lambda: news()[0] == ["info", "the simulation goes on"])
+    # What the simulator does not tell is the nodes' news, and one line of them all.
+    before = len(lines(page))
+    long = "a sentence that is longer than any line of this panel can be, " * 3
+    robot.publish_node_status(message=long)
+    wait_until(lambda: len(news()) == 1)
+    assert news()[0][1].startswith("arm_teleop, flipper_teleop, gripper_teleop, track_teleop: a")
+    cut = "const log = document.getElementById('log'); return log.scrollWidth > log.clientWidth"
+    assert not page.script(cut)
+    robot.publish_node_status()
+    page.element('[data-least="alarm"]').click()
+    assert {level for level, _ in lines(page)} == {"alarm"}
+    page.element('[data-least="warning"]').click()
+    assert {level for level, _ in lines(page)} == {"warning", "alarm"}
+    page.element('[data-least="info"]').click()
+    assert len(lines(page)) == before + 1
 
 
 def bar(page, joint):

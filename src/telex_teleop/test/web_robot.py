@@ -31,7 +31,11 @@ PRESET_NAMES = ["flat", "drive", "approach", "climb", "descend", "high", "folded
 FINGERS = [f"{s}_finger_{p}_joint" for s in ("left", "right") for p in ("base", "middle", "tip")]
 FLIPPER_JOINTS = [f"{e}_{s}_flipper_joint" for e in ("front", "rear") for s in ("left", "right")]
 THUMBNAILS = ["arm", "gripper", "mast", "rear", "turret"]
-IMU = {"orientation": {"z": -math.sin(math.pi / 4), "w": math.cos(math.pi / 4)}}
+ODOM = "/telex/track_controller/odom"
+ODOMETRY = {
+    "pose": {"pose": {"orientation": {"z": -math.sin(math.pi / 4), "w": math.cos(math.pi / 4)}}},
+    "twist": {"twist": {"linear": {"x": 0.31}, "angular": {"z": -0.0175}}},
+}
 SHOULDER = """
   <joint name="shoulder_joint" type="revolute">
     <parent link="base_link"/><child link="upper_arm_link"/>
@@ -102,7 +106,7 @@ class Robot:
 
     def publish_states(self):
         self._publish_joints(position=POSITIONS, effort=EFFORTS)
-        self.probe.publish("/telex/imu", "sensor_msgs/Imu", IMU, rate=10)
+        self.probe.publish(ODOM, "nav_msgs/Odometry", ODOMETRY, rate=50)
         self.publish_sim()
         self.publish_camera("front", rate=15)
         for number, camera in enumerate(THUMBNAILS, start=1):
@@ -131,8 +135,8 @@ class Robot:
         status = {"real_time_factor": 0.998, "e_stop": False, "paused": False, **changes}
         self.probe.publish("/telex/sim/status", "telex_msgs/SimStatus", status, rate=5)
 
-    def publish_node_status(self, scale=0.4):
-        speed = {"speed_scale": scale, "min_speed_scale": 0.05, "max_speed_scale": 1.0}
+    def publish_node_status(self, scale=0.4, **more):
+        speed = {"speed_scale": scale, "min_speed_scale": 0.05, "max_speed_scale": 1.0, **more}
         for node, joints, limit, limited in (
             ("arm_teleop", ARM_JOINTS, 0.6, ["elbow_joint"]),
             ("gripper_teleop", [*FINGERS, "gripper"], 0.16, []),

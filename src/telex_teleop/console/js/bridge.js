@@ -4,6 +4,7 @@
 const RETRY_AFTER = 1000; // ms between two attempts to connect
 const PING_PERIOD = 500; // ms between two questions that only measure the link
 const ANSWER_WITHIN = 5000; // ms after which a service call is given up, unless it says for itself
+const TRIPS = 6; // round trips that tell how good the link is
 const DEAD_AFTER = 3000; // ms without a word from the bridge after which the connection is given up
 
 /**
@@ -47,6 +48,8 @@ export class Bridge {
     this._pingNumber = 0;
     /** Round trip to the bridge (ms), null while unknown. @type {number | null} */
     this.roundTrip = null;
+    /** The last of them, the newest last. @type {number[]} */
+    this._trips = [];
   }
 
   /** Connect, and stay connected. */
@@ -62,6 +65,15 @@ export class Bridge {
   /** Bytes that the browser has not got rid of yet. */
   get waiting() {
     return this._socket === null ? 0 : this._socket.bufferedAmount;
+  }
+
+  /**
+   * The second longest of the last round trips (ms); Infinity while unknown. What a link loses is sent again, and comes late, time and
+   * again; a single late answer may be the page's own fault.
+   */
+  get usualTrip() {
+    const [longest = Infinity, second = longest] = [...this._trips].sort((a, b) => b - a);
+    return second;
   }
 
   /** Time (ms) since the bridge said anything; Infinity while not connected. */
@@ -159,6 +171,7 @@ export class Bridge {
       this._lastWord = performance.now();
       this._skew = Date.now() - performance.now();
       this.roundTrip = null;
+      this._trips = [];
       this._pingSent = 0;
       for (const topic of this._advertised.keys()) this._advertiseNow(topic);
       for (const subscription of this._subscriptions.values()) this._subscribeNow(subscription);
@@ -179,6 +192,7 @@ export class Bridge {
       this._subscriptions.get(operation.topic)?.heard(operation.msg);
     } else if (operation.op === "service_response" && operation.id === `ping:${this._pingNumber}`) {
       this.roundTrip = performance.now() - this._pingSent;
+      this._trips = [...this._trips, this.roundTrip].slice(-TRIPS);
       this._pingSent = 0;
     } else if (operation.op === "service_response") {
       this._calls.get(operation.id)?.(operation);

@@ -10,7 +10,7 @@ export class ControlView {
   /**
    * @param {import("./bridge.js").Bridge} bridge
    * @param {(name: string) => string} topic
-   * @param {(reason: string) => void} letGo
+   * @param {(reason: string) => boolean} letGo
    * @param {(sentence: string) => void} warn
    */
   constructor(bridge, topic, letGo, warn) {
@@ -30,8 +30,14 @@ export class ControlView {
     return this._id !== null && this._holder !== FREE && this._holder !== this._id;
   }
 
+  /** Whether this page holds control; without a control lock everybody does. */
+  get isMine() {
+    return this._id === null || this._holder === this._id;
+  }
+
   /** What the holder is called. */
   get holderName() {
+    if (this._holder === FREE) return "somebody";
     const holder = this._clients.find(({ id }) => id === this._holder);
     return holder?.name || `client ${this._holder}`;
   }
@@ -77,8 +83,8 @@ export class ControlView {
     this._holder = holder;
     this._clients = clients;
     if (wasHeld && holder !== this._id && this._id !== null) {
-      this._letGo("control was taken away");
-      if (holder !== FREE) this._warn(`${this.holderName} has control now`);
+      const news = holder === FREE ? "control was taken away" : `${this.holderName} has control now`;
+      if (!this._letGo(news) && holder !== FREE) this._warn(news);
     }
     this._show();
   }
@@ -88,6 +94,7 @@ export class ControlView {
     const state = this._holder === FREE ? "free" : this.isWatching ? "watching" : "mine";
     byId("control").dataset.state = state;
     setText(byId("control-text"), { free: "control free", watching: `WATCHING · ${this.holderName}`, mine: "you control" }[state]);
+    byId("control-text").title = byId("control-text").textContent ?? "";
     setText(byId("control-button"), state === "mine" ? "release" : "take");
     document.body.classList.toggle("watching", this.isWatching);
   }

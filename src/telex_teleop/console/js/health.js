@@ -23,7 +23,7 @@ const WITHOUT = /** @type {Record<string, string>} */ ({
 export class Health {
   /**
    * @param {import("./status.js").StatusView} status
-   * @param {(reason: string) => void} letGo
+   * @param {(reason: string) => boolean} letGo
    */
   constructor(status, letGo) {
     this._status = status;
@@ -41,8 +41,8 @@ export class Health {
         continue;
       }
       // Who drives has to look up first; and what is held on would not be obeyed when the node is back.
-      this._letGo(`${name} is missing`);
-      this._status.warn(`${name} is missing: ${WITHOUT[name]}`);
+      const news = `${name} is missing: ${WITHOUT[name]}`;
+      if (!this._letGo(news)) this._status.warn(news);
     }
     for (const name of this._missing.filter((each) => !missing.includes(each))) this._status.log(`${name} is back`);
     this._show(missing);

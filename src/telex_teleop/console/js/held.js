@@ -14,6 +14,11 @@ export class Held {
     this._holds = new Map();
   }
 
+  /** What each source holds: names of actions. */
+  get sources() {
+    return [...this._holds].map(([source, { name }]) => ({ source, name }));
+  }
+
   /** Names of the actions that are held. */
   get actions() {
     return new Set(this.amounts.keys());

@@ -1,30 +1,53 @@
 // @ts-check
-/** What stands over the picture besides the camera's own state: heading, gripper, what moves, and how good the link is. */
+/** What stands over the picture besides the camera's own state: speed, heading, gripper, and how good link and picture are. */
 
-import { byId, fixed, setText } from "./panels.js";
+import { byId, fixed, setText, showTwist } from "./panels.js";
 import { GRIPPER_JOINT } from "./robot.js";
 
-export const IMU = { topic: "imu", type: "sensor_msgs/Imu" };
+/** Belts and gyroscope, whose bias it learns; `period`: as often as a good camera sends pictures. */
+export const ODOMETRY = { topic: "track_controller/odom", type: "nav_msgs/Odometry", period: 40 };
 
-/** Longest round trip (ms) and age of the picture (ms), least pictures per second with which the link is good, and fair. */
-const GOOD = { trip: 100, age: 200, rate: 8 };
-const FAIR = { trip: 300, age: 500, rate: 4 };
+const ODOMETRY_SILENT_AFTER = 1000; // ms
+
+/** Longest round trip (ms) with which the link is good, and fair. */
+const LINK = { good: 100, fair: 300 };
+
+/** Longest age (ms) and least pictures per second with which the picture is good, and fair. */
+const PICTURE = { good: { age: 200, rate: 8 }, fair: { age: 500, rate: 4 } };
 
 export class Hud {
   constructor() {
-    /** Action that is held, or was last. */
-    this._selected = "";
-    /** Joint that it moves, empty if it is about something else. */
-    this._joint = "";
-    this._label = "";
+    /** geometry_msgs/Twist, as measured. @type {any} */
+    this._twist = null;
+    this._heard = -Infinity;
+    this._stuck = false;
   }
 
-  /** @param {any} imu  sensor_msgs/Imu */
-  setHeading({ orientation: { x, y, z, w } }) {
+  /** @param {any} odometry  nav_msgs/Odometry */
+  setOdometry({ pose, twist }) {
+    this._twist = twist.twist;
+    this._heard = performance.now();
+    const { x, y, z, w } = pose.pose.orientation;
     const yaw = Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z));
-    // As on a compass: clockwise from where the scene's x axis points.
+    // As on a compass: clockwise.
     const heading = Math.round((-yaw * 180) / Math.PI + 720) % 360;
     setText(byId("heading"), `${String(heading).padStart(3, "0")}°`);
+  }
+
+  /** @param {{stuck?: boolean}} status  telex_msgs/SimStatus */
+  setSim({ stuck = false }) {
+    this._stuck = stuck;
+  }
+
+  /** Show how fast it drives by its belts. */
+  showSpeed() {
+    const isKnown = performance.now() - this._heard < ODOMETRY_SILENT_AFTER;
+    if (!isKnown) setText(byId("heading"), "–");
+    const speed = byId("speed-hud");
+    const text = isKnown ? showTwist(this._twist).join("  ") : "–";
+    // Belts that slip run all the same.
+    setText(speed, this._stuck ? `STUCK, belts ${text}` : text);
+    if (speed.dataset.stuck !== String(this._stuck)) speed.dataset.stuck = String(this._stuck);
   }
 
   /**
@@ -35,41 +58,27 @@ export class Hud {
     const opening = gripper.opening(joints), force = gripper.force(joints);
     const angle = joints.position(GRIPPER_JOINT);
     // A gripper of another make tells no more than its angle.
-    const open = opening !== null ? `${Math.round(1000 * opening)} mm` : angle === undefined ? "–" : `${fixed((angle * 180) / Math.PI, 0)}°`;
+    const open = opening !== null ? `${Math.round(1000 * opening)} mm open` : angle === undefined ? "–" : `${fixed((angle * 180) / Math.PI, 0)}°`;
     const { trouble } = gripper;
     const grip = byId("grip");
     if (grip.dataset.trouble !== trouble) grip.dataset.trouble = trouble;
-    setText(grip, [open, force === null ? "" : `${fixed(force, 0)} N`, trouble.toUpperCase()].filter(Boolean).join(" "));
+    setText(grip, [open, force === null ? "" : `force ${fixed(force, 0)} N`, trouble.toUpperCase()].filter(Boolean).join(", "));
   }
 
   /**
-   * What moves, or moved last.
-   * @param {{name: string, action: import("./robot.js").Action}[]} held
-   * @param {(joint: string) => string} format
-   */
-  showSelected(held, format) {
-    const last = held.at(-1);
-    if (last !== undefined) this._selected = last.name;
-    const action = last?.action;
-    if (action !== undefined) this._joint = action.kind === "joints" ? action.joints[0] : "";
-    const [what, way] = this._selected.split(":");
-    const label = action?.label ?? this._label;
-    this._label = label;
-    const rest = this._joint ? format(this._joint) : label.startsWith(what) ? label.slice(what.length + 1) : label || way;
-    setText(byId("selected"), this._selected === "" ? "–" : `${what.replace(/_/g, " ")} ${rest}`);
-  }
-
-  /**
+   * Show how good the link is, and apart from it how good the picture: a slow renderer is no fault of the network.
    * @param {import("./bridge.js").Bridge} bridge
    * @param {import("./cameras.js").ViewState} video
    */
   showLink(bridge, video) {
-    const trip = bridge.connected ? bridge.roundTrip ?? Infinity : Infinity;
-    const age = video.live ? video.latency ?? 0 : Infinity;
-    const is = (/** @type {typeof GOOD} */ least) => trip <= least.trip && age <= least.age && video.rate >= least.rate;
-    const quality = !bridge.connected || bridge.silence > 1000 ? "lost" : is(GOOD) ? "good" : is(FAIR) ? "fair" : "poor";
+    const trip = bridge.usualTrip;
+    const link = !bridge.connected || bridge.silence > 1000 ? "lost" : trip <= LINK.good ? "good" : trip <= LINK.fair ? "fair" : "poor";
     const view = byId("view");
-    if (view.dataset.link !== quality) view.dataset.link = quality;
-    setText(byId("link-quality"), `link ${quality}`);
+    if (view.dataset.link !== link) view.dataset.link = link;
+    setText(byId("link-quality"), `link ${link}`);
+    const is = (/** @type {typeof PICTURE.good} */ { age, rate }) => (video.latency ?? 0) <= age && video.rate >= rate;
+    const picture = !video.live ? "lost" : is(PICTURE.good) ? "good" : is(PICTURE.fair) ? "fair" : "poor";
+    if (view.dataset.picture !== picture) view.dataset.picture = picture;
+    setText(byId("picture-quality"), `picture ${picture}`);
   }
 }

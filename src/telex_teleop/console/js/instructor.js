@@ -16,7 +16,6 @@ import { StatusView } from "./status.js";
 
 const DISPLAY_PERIOD = 200; // ms
 const STEP = 0.1; // s of sim time that a step takes
-const LOG_LINES = 60;
 const WARN = 4; // rosgraph_msgs/Log: level of a warning; what is worse has more
 
 /** Role, token and name that this page connects with. */
@@ -41,13 +40,13 @@ function startCameras(config) {
 const degrees = (angle) => (angle === null ? "–" : `${fixed((angle * 180) / Math.PI, 0)}°`);
 
 async function start() {
-  const status = new StatusView(LOG_LINES);
+  const status = new StatusView();
   const attitude = new AttitudeView();
   const config = await waitForConfig(given);
   const topic = (/** @type {string} */ name) => `${config.namespace}/${name}`;
   const cameras = startCameras(config);
   const warn = (/** @type {string} */ sentence) => status.warn(sentence);
-  const log = (/** @type {string} */ sentence, alarm = false) => status.log(sentence, alarm);
+  const log = (/** @type {string} */ sentence) => status.log(sentence);
 
   const bridge = new Bridge(() => locateBridge(given), {
     opened: () => {
@@ -60,7 +59,7 @@ async function start() {
       status.forgetSim();
       roster.disconnected();
       status.setLinkBand("Connection lost. Reconnecting …");
-      status.log(`connection lost: ${reason}`, true);
+      status.log(`connection lost: ${reason}`, "alarm");
     },
     refused: (sentence) => status.warn(`bridge: ${sentence}`),
   });
@@ -84,7 +83,7 @@ async function start() {
     }
   };
   const setEstop = (/** @type {boolean} */ data) => {
-    if (!bridge.publish(topic("e_stop"), { data })) status.warn("not connected: e-stop was NOT sent");
+    if (!bridge.publish(topic("e_stop"), { data })) status.warn("not connected: e-stop was NOT sent", "alarm");
   };
 
   onClick(byId("pause"), () => call(sim?.paused ? "sim/unpause" : "sim/pause"));
@@ -139,7 +138,7 @@ async function start() {
   listen(`${TRACK_NODE}/status`, TYPES.trackStatus, (report) => status.logComplaint(TRACK_NODE, report.message), DISPLAY_PERIOD);
   bridge.subscribe({
     topic: "/rosout_agg", type: "rosgraph_msgs/Log", throttle: 0, heard: ({ level, name, msg }) => {
-      if (level >= WARN) status.log(`${name.replace(`${config.namespace}/`, "")}: ${msg}`, true);
+      if (level >= WARN) status.log(`${name.replace(`${config.namespace}/`, "")}: ${msg}`, level > WARN ? "alarm" : "warning");
     },
   });
   roster.subscribe();

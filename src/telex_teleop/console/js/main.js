@@ -16,12 +16,13 @@ import { GamepadInput } from "./gamepad.js";
 import { CONTACT, Gripper } from "./gripper.js";
 import { Health, MISSING_NODES } from "./health.js";
 import { Held } from "./held.js";
-import { Hud, IMU } from "./hud.js";
+import { Hud, ODOMETRY } from "./hud.js";
 import { labelKeys, listenToKeys, listenToPointers } from "./input.js";
 import { JointPositions } from "./joints.js";
 import { KeyDialog } from "./key_dialog.js";
 import { KeyMap } from "./keymap.js";
 import { ModeSwitch } from "./modes.js";
+import { Motion } from "./motion.js";
 import { fetchPadMap } from "./pad_map.js";
 import { getParameter } from "./parameters.js";
 import { Panels, byId, setText } from "./panels.js";
@@ -90,7 +91,7 @@ async function start() {
     update();
     panels.showHeld(held.actions);
     panels.showSide(commander.sideOf(heldActions()));
-    hud.showSelected([...held.actions].map((name) => ({ name, action: ACTIONS[name] })), (joint) => panels.format(joint));
+    showMotion();
     if (!held.empty) clock.begin();
     tour.see(held.actions);
   });
@@ -102,8 +103,14 @@ async function start() {
     cameraCommander.update(heldActions());
   };
 
+  /** Let go of everything, and say why unless nothing was held. Returns whether something was. */
   const letGo = (/** @type {string} */ reason) => {
-    if (!held.empty) status.warn(`released: ${reason}`);
+    const wasHeld = !held.empty;
+    if (wasHeld) status.warn(`released: ${reason}`);
+    release();
+    return wasHeld;
+  };
+  const release = () => {
     gamepad.block();
     held.releaseAll();
   };
@@ -116,14 +123,14 @@ async function start() {
       gripper.ask(bridge, topic);
     },
     lost: (reason) => {
-      letGo(reason);
+      release();
       commander.disconnected();
       toolCommander.disconnected();
       control.disconnected();
       health.forget();
       status.forgetSim();
       status.setLinkBand("Connection lost. Everything is released. Reconnecting …");
-      status.log(`connection lost: ${reason}`, true);
+      status.log(`connection lost, everything is released: ${reason}`, "alarm");
     },
     refused: (sentence) => {
       // A stream of commands that was refused once stays so: the operator has to know, and to press anew.
@@ -141,6 +148,10 @@ async function start() {
   tool.changed = () => modes.show();
   modes.show();
   const control = new ControlView(bridge, topic, letGo, warn);
+  const motion = new Motion(control, (device) => status.log(`${device} moves the robot`, "warning"));
+  const showMotion = () => motion.show(
+    held.sources.map(({ source, name }) => ({ source, name, action: ACTIONS[name] })), commander.presets, (joint) => panels.format(joint),
+  );
   const health = new Health(status, letGo);
   const keyDialog = new KeyDialog(keymap, relabel);
   keymap.changed = relabel;
@@ -156,8 +167,8 @@ async function start() {
     return false;
   };
   const setEstop = (/** @type {boolean} */ data) => {
-    letGo("e-stop");
-    if (!bridge.publish(topic("e_stop"), { data })) status.warn("not connected: e-stop was NOT sent");
+    release();
+    if (!bridge.publish(topic("e_stop"), { data })) status.warn("not connected: e-stop was NOT sent", "alarm");
   };
   const commands = {
     slower: () => commander.changeSpeed(-1),
@@ -240,19 +251,21 @@ async function start() {
   }, JOINTS_PERIOD);
   listen(MISSING_NODES.topic, MISSING_NODES.type, (message) => health.hear(message));
   listen(CONTACT.topic, CONTACT.type, (message) => gripper.feel(message), DISPLAY_PERIOD);
-  listen(IMU.topic, IMU.type, (imu) => hud.setHeading(imu), DISPLAY_PERIOD);
+  listen(ODOMETRY.topic, ODOMETRY.type, (odometry) => hud.setOdometry(odometry), ODOMETRY.period);
   listen(STABILITY.topic, STABILITY.type, (stability) => {
     attitude.set(stability);
     pitch = stability.pitch ?? 0;
   }, JOINTS_PERIOD);
   listen("sim/status", TYPES.simStatus, (sim) => {
     status.setSim(sim);
+    hud.setSim(sim);
     // Releasing the e-stop must not bring back a motion that is still held.
-    if (status.estopped) letGo("e-stop");
+    if (status.estopped) release();
   });
   for (const node of JOINT_NODES) {
     listen(`${node}/status`, TYPES.jointStatus, (report) => {
       commander.setJointStatus(node, report);
+      motion.hear(node, report);
       panels.showLimited(node, report.limited);
       if (node === "arm_teleop") tool.setArmStatus(report);
       status.logComplaint(node, report.message);
@@ -265,6 +278,7 @@ async function start() {
   listen("arm_teleop/cartesian_status", TOOL_TYPES.cartesianStatus, (report) => tool.setStatus(report));
   listen(`${TRACK_NODE}/status`, TYPES.trackStatus, (report) => {
     commander.setTrackStatus(report);
+    motion.hear(TRACK_NODE, report);
     panels.showDrive(report.command);
     status.logComplaint(TRACK_NODE, report.message);
   });
@@ -282,6 +296,8 @@ async function start() {
     status.showVideo(cameras.main);
     cameras.refresh();
     hud.showLink(bridge, cameras.main);
+    hud.showSpeed();
+    showMotion();
     hud.showGripper(joints, gripper);
     avatar.draw((joint) => joints.position(joint) ?? 0, pitch);
     clock.show();

@@ -219,8 +219,7 @@ export class Panels {
 
   /** @param {any} twist  What goes to the tracks now, geometry_msgs/Twist. */
   showDrive(twist) {
-    const forward = `${signed(twist.linear.x, 2)} m/s`;
-    const turn = `${signed((twist.angular.z * 180) / Math.PI, 0)} °/s`;
+    const [forward, turn] = showTwist(twist);
     setText(byId("drive-linear"), forward);
     setText(byId("drive-angular"), turn);
     setText(byId("drive-hud"), `${forward}  ${turn}`);
@@ -233,6 +232,14 @@ export class Panels {
     if (this._metres.has(joint)) return `${fixed(position * 1000, 0)} mm`;
     return `${fixed((position * 180) / Math.PI, joint.includes("finger") ? 0 : 1)}°`;
   }
+}
+
+/**
+ * Speed and turn rate of the base as texts.
+ * @param {any} twist  geometry_msgs/Twist
+ */
+export function showTwist({ linear, angular }) {
+  return [`${signed(linear.x ?? 0, 2)} m/s`, `${signed(((angular.z ?? 0) * 180) / Math.PI, 0)} °/s`];
 }
 
 /**

@@ -56,7 +56,7 @@ export class Roster {
   /**
    * @param {import("./bridge.js").Bridge} bridge
    * @param {(name: string) => string} topic
-   * @param {(sentence: string, alarm?: boolean) => void} log
+   * @param {(sentence: string) => void} log
    * @param {(sentence: string) => void} warn
    */
   constructor(bridge, topic, log, warn) {

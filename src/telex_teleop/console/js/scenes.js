@@ -12,7 +12,7 @@ export class SceneChooser {
   /**
    * @param {import("./bridge.js").Bridge} bridge
    * @param {(name: string) => string} topic
-   * @param {(sentence: string, alarm?: boolean) => void} log
+   * @param {(sentence: string) => void} log
    * @param {(sentence: string) => void} warn
    */
   constructor(bridge, topic, log, warn) {

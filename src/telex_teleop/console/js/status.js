@@ -1,7 +1,10 @@
 // @ts-check
 /** Header, bands over the picture, warnings and the log of messages. */
 
+import { Messages } from "./messages.js";
 import { byId, setText } from "./panels.js";
+
+/** @typedef {import("./messages.js").Level} Level */
 
 /** Time (ms) without a word after which the link counts as silent. */
 export const SILENT_AFTER = 1000;
@@ -10,20 +13,14 @@ export const SILENT_AFTER = 1000;
 const SIM_SILENT_AFTER = 2500;
 
 const WARNING_SHOWN_FOR = 3000; // ms
-const LOG_LINES = 12; // as many as the console has room for
-const REPEATED_WITHIN = 30_000; // ms
 
 export class StatusView {
-  /** @param {number} [logLines]  Messages that are kept. */
-  constructor(logLines = LOG_LINES) {
-    this._logLines = logLines;
+  constructor() {
+    this._messages = new Messages();
     /** @type {any} */
     this._sim = null;
     this._simHeard = -Infinity;
     this._warnedAt = -Infinity;
-    this._lastLogged = { sentence: "", at: -Infinity };
-    /** What each node complained of last. @type {Map<string, string>} */
-    this._complaints = new Map();
   }
 
   /** Whether the simulator says that the e-stop is active. */
@@ -37,7 +34,10 @@ export class StatusView {
     this._sim = status;
     this._simHeard = performance.now();
     if (before !== null && before.e_stop !== status.e_stop) {
-      this.log(status.e_stop ? "e-stop is active" : "e-stop is released", status.e_stop);
+      this.log(status.e_stop ? "e-stop is active" : "e-stop is released", status.e_stop ? "alarm" : "info");
+    }
+    if (before !== null && before.paused !== status.paused) {
+      this.log(status.paused ? "the simulation is paused" : "the simulation goes on");
     }
     this.logComplaint("simulator", (status.warnings ?? []).join("; "));
     this.showSim();
@@ -100,16 +100,23 @@ export class StatusView {
     setText(byId("no-picture-why"), paused ? `the simulation is paused${since}` : `${video.trouble}${since}`);
   }
 
-  /** Show a sentence over the picture for a while, and log it. @param {string} sentence */
-  warn(sentence) {
+  /**
+   * Show a sentence over the picture for a while, and log it.
+   * @param {string} sentence
+   * @param {Level} [level]
+   */
+  warn(sentence, level = "warning") {
     setText(byId("warning"), sentence);
     this._warnedAt = performance.now();
-    this.log(sentence, true);
+    this.log(sentence, level);
   }
 
-  /** Let old warnings vanish. */
+  /** Let old warnings vanish, and log what the nodes complain of. */
   fade() {
     if (performance.now() - this._warnedAt > WARNING_SHOWN_FOR) setText(byId("warning"), "");
+    // What follows from a state that the simulator tells is no news of its own.
+    this._messages.settle((sentence) =>
+      (this.estopped && /\be-stop\b/.test(sentence)) || (this._sim?.paused === true && /\bpaused\b/.test(sentence)));
   }
 
   /**
@@ -118,31 +125,14 @@ export class StatusView {
    * @param {string} sentence  Empty if it complains of nothing.
    */
   logComplaint(node, sentence) {
-    if (this._complaints.get(node) === sentence) return;
-    this._complaints.set(node, sentence);
-    if (sentence) this.log(`${node}: ${sentence}`, true);
+    this._messages.complain(node, sentence);
   }
 
   /**
    * @param {string} sentence
-   * @param {boolean} [alarm]
+   * @param {Level} [level]
    */
-  log(sentence, alarm = false) {
-    const now = performance.now();
-    // What differs from the last line by its figures only takes its place: it is the same news.
-    const figureless = sentence.replace(/[\d.]+/g, "#");
-    const repeated = figureless === this._lastLogged.sentence && now - this._lastLogged.at < REPEATED_WITHIN;
-    this._lastLogged = { sentence: figureless, at: now };
-    if (repeated) byId("log").firstElementChild?.remove();
-    const line = document.createElement("li");
-    line.className = alarm ? "alarm" : "";
-    const time = document.createElement("span");
-    time.className = "num";
-    time.textContent = new Date().toTimeString().slice(0, 8);
-    line.append(time, sentence);
-    line.title = sentence;
-    const log = byId("log");
-    log.prepend(line);
-    while (log.childElementCount > this._logLines) log.lastElementChild?.remove();
+  log(sentence, level = "info") {
+    this._messages.add(sentence, level);
   }
 }

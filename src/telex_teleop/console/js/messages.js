@@ -1,0 +1,96 @@
+// @ts-check
+/** The log of messages: every news once, with how grave it is. */
+
+import { byId, element } from "./panels.js";
+
+/** @typedef {"info" | "warning" | "alarm"} Level */
+
+/** Signs beside which a level is not told by its colour alone. */
+const MARKS = { info: "·", warning: "!", alarm: "✖" };
+
+const KEPT = 60; // lines
+const REPEATED_WITHIN = 30_000; // ms in which the same sentence is the same news
+
+/**
+ * Time (ms) for which a complaint waits for others of the same words, and for the simulator to say the same itself: nodes and simulator
+ * hear of an e-stop at nearly the same time.
+ */
+const GATHERED_FOR = 400;
+
+/** @typedef {{sentence: string, level: Level, at: number, count: number, line: HTMLElement}} Entry  `sentence` without its figures. */
+
+export class Messages {
+  constructor() {
+    this._list = byId("log");
+    /** The newest first. @type {Entry[]} */
+    this._entries = [];
+    /** What each node complains of. @type {Map<string, string>} */
+    this._complaints = new Map();
+    /** Complaints that have not been logged yet: when they came, by node. @type {Map<string, number>} */
+    this._gathered = new Map();
+    const buttons = /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-least]"));
+    for (const button of buttons) {
+      button.addEventListener("pointerdown", (event) => event.preventDefault());
+      button.addEventListener("mousedown", (event) => event.preventDefault());
+      button.addEventListener("click", () => {
+        for (const each of buttons) each.setAttribute("aria-checked", String(each === button));
+        this._list.dataset.shows = button.dataset.least;
+      });
+    }
+  }
+
+  /**
+   * @param {string} sentence
+   * @param {Level} [level]
+   */
+  add(sentence, level = "info") {
+    const now = performance.now();
+    const figureless = sentence.replace(/[\d.]+/g, "#");
+    // A change of state is news each time that it comes about; what somebody warns of is the same news until it is old.
+    const among = level === "warning" ? this._entries : this._entries.slice(0, 1);
+    const before = among.find((each) => each.sentence === figureless && each.level === level && now - each.at < REPEATED_WITHIN);
+    if (before !== undefined) this._entries.splice(this._entries.indexOf(before), 1);
+    const line = before?.line ?? element("li");
+    const count = (before?.count ?? 0) + 1;
+    line.title = sentence;
+    line.dataset.level = level;
+    line.dataset.count = String(count);
+    const text = element("span", "sentence", sentence);
+    if (count > 1) text.append(element("b", "num", ` ×${count}`));
+    line.replaceChildren(
+      element("span", "num", new Date().toTimeString().slice(0, 8)), element("b", "mark", MARKS[level]), text,
+    );
+    this._list.prepend(line);
+    this._entries.unshift({ sentence: figureless, level, at: now, count, line });
+    for (const old of this._entries.splice(KEPT)) old.line.remove();
+  }
+
+  /**
+   * Take what a node complains of now.
+   * @param {string} node
+   * @param {string} sentence  Empty if it complains of nothing.
+   */
+  complain(node, sentence) {
+    if ((this._complaints.get(node) ?? "") === sentence) return;
+    this._complaints.set(node, sentence);
+    if (sentence) this._gathered.set(node, performance.now());
+    else this._gathered.delete(node);
+  }
+
+  /**
+   * Log the complaints that have been gathered, those of the same words in one line. Call it every now and then.
+   * @param {(sentence: string) => boolean} isKnown  Whether the simulator has said so itself.
+   */
+  settle(isKnown) {
+    const due = performance.now() - GATHERED_FOR;
+    if (![...this._gathered.values()].some((at) => at < due)) return;
+    /** @type {Map<string, string[]>} */
+    const nodes = new Map();
+    for (const node of this._gathered.keys()) {
+      const sentence = /** @type {string} */ (this._complaints.get(node));
+      nodes.set(sentence, [...(nodes.get(sentence) ?? []), node]);
+    }
+    this._gathered.clear();
+    for (const [sentence, who] of nodes) if (!isKnown(sentence)) this.add(`${who.sort().join(", ")}: ${sentence}`, "warning");
+  }
+}

@@ -1,0 +1,132 @@
+// @ts-check
+/** What moves the robot now and who moves it, as the robot's own nodes tell. */
+
+import { FLIPPER_NODE, TRACK_NODE } from "./robot.js";
+import { byId, setText } from "./panels.js";
+
+/** What the nodes move. @type {Record<string, string>} */
+const PARTS = { [TRACK_NODE]: "tracks", [FLIPPER_NODE]: "flippers", arm_teleop: "arm", gripper_teleop: "gripper" };
+
+/** What the page calls the sources of what is held. @type {Record<string, string>} */
+const INPUTS = { key: "keys", pointer: "buttons", pad: "gamepad" };
+
+const SILENT_AFTER = 1000; // ms after which what a node said counts no more
+
+/** Time (ms) for which a device is shown after it was obeyed: of two that take turns both are. */
+const SHOWN_FOR = 600;
+
+/** @typedef {import("./robot.js").Action} Action */
+/** @typedef {{source: string, name: string, action: Action}} Hold */
+
+/**
+ * Which node an action asks; null: it asks none that would say whether it obeys.
+ * @param {Action} action
+ */
+function nodeOf(action) {
+  if (action.kind === "joints") return action.node;
+  return { drive: TRACK_NODE, preset: FLIPPER_NODE, tool: "arm_teleop", pose: "arm_teleop", side: null, zoom: null }[action.kind];
+}
+
+/**
+ * @param {Hold} hold
+ * @param {string[]} presets
+ * @param {(joint: string) => string} format  A joint's position.
+ */
+function describe({ name, action }, presets, format) {
+  const what = name.split(":")[0].replace(/_/g, " ");
+  switch (action.kind) {
+    case "drive":
+      return `tracks ${action.label}`;
+    case "preset":
+      return `flippers to ${presets[action.index] ?? action.label}`;
+    case "pose":
+      return `arm to ${action.label}`;
+    case "tool":
+      return `${what.replace(/ [xyz]$/, "")} ${action.label}`;
+    case "joints": {
+      if (what === "front" || what === "rear") return `${what} flippers ${action.label}`;
+      if (/^(look|camera)/.test(what)) return `camera ${action.label.replace("camera ", "")}`;
+      return `${what} ${action.label} ${format(action.joints[0])}`;
+    }
+    default:
+      return `camera ${action.label.replace("camera ", "")}`;
+  }
+}
+
+export class Motion {
+  /**
+   * @param {import("./control.js").ControlView} control
+   * @param {(device: string) => void} joined  Told of a device that moves the robot past the bridge, when it begins.
+   */
+  constructor(control, joined) {
+    this._control = control;
+    this._joined = joined;
+    /** Whose commands each node obeys. @type {Map<string, {at: number, commanders: string[]}>} */
+    this._nodes = new Map();
+    /** When devices other than the bridge were obeyed last. @type {Map<string, number>} */
+    this._devices = new Map();
+    this._bridgeObeyed = -Infinity;
+  }
+
+  /**
+   * @param {string} node
+   * @param {{commanders?: string[]}} status  telex_msgs/JointTeleopStatus or TrackTeleopStatus
+   */
+  hear(node, { commanders = [] }) {
+    const now = performance.now();
+    this._nodes.set(node, { at: now, commanders });
+    for (const commander of commanders) {
+      const name = commander.slice(commander.lastIndexOf("/") + 1);
+      if (name === "rosbridge") {
+        this._bridgeObeyed = now;
+        continue;
+      }
+      const device = deviceOf(name);
+      if (now - (this._devices.get(device) ?? -Infinity) > SHOWN_FOR) this._joined(device);
+      this._devices.set(device, now);
+    }
+  }
+
+  /**
+   * Show it, over the picture and above.
+   * @param {Hold[]} held  On this page.
+   * @param {string[]} presets  Names of the flipper presets.
+   * @param {(joint: string) => string} format  A joint's position.
+   */
+  show(held, presets, format) {
+    const now = performance.now();
+    const moving = Object.keys(PARTS).filter((node) => {
+      const said = this._nodes.get(node);
+      return said !== undefined && said.commanders.length > 0 && now - said.at < SILENT_AFTER;
+    });
+    const parts = moving.flatMap((node) => {
+      const own = held.filter(({ action }) => nodeOf(action) === node).map((each) => describe(each, presets, format));
+      return own.length > 0 ? own : [PARTS[node]];
+    });
+    const zoomed = held.filter(({ action }) => action.kind === "zoom").map((each) => describe(each, presets, format));
+    setText(byId("moves"), [...new Set([...parts, ...zoomed])].join(", ") || "–");
+    const others = [...this._devices].filter(([, at]) => now - at < SHOWN_FOR).map(([device]) => device);
+    const isObeyed = moving.length > 0 && now - this._bridgeObeyed < SHOWN_FOR;
+    setText(byId("moved-by"), [...(isObeyed || zoomed.length > 0 ? [this._client(held)] : []), ...others].join(", ") || "–");
+    const chip = byId("others");
+    chip.hidden = others.length === 0;
+    setText(chip, `MOVED BY ${others.join(", ")}`);
+    chip.title = chip.textContent ?? "";
+  }
+
+  /** Who commands through the bridge. @param {Hold[]} held */
+  _client(held) {
+    if (!this._control.isMine) return this._control.holderName;
+    const inputs = new Set(held.map(({ source }) => INPUTS[source.split(":")[0]]));
+    return inputs.size > 0 ? `you (${[...inputs].join(", ")})` : "you";
+  }
+}
+
+/** @param {string} name  Of a node. */
+function deviceOf(name) {
+  if (name === "joy_teleop") return "the robot's gamepad";
+  if (name.startsWith("keyboard_teleop")) return "a terminal";
+  if (name === "goal") return "a script";
+  // rospy's anonymous nodes have numbers after their names
+  return `the program ${name.replace(/(_\d+)+$/, "")}`;
+}
