@@ -28,7 +28,7 @@ class PrivateSimulator:
     Parameters
     ----------
     *arguments : str
-        roslaunch arguments, e.g. ``"pose:=drive"``.
+        roslaunch arguments, e.g. ``"pose:=drive"``; without others the operator's speed is full.
 
     Use it as a context manager; `master_uri` belongs into ``ROS_MASTER_URI`` before
     ``rospy.init_node``.
@@ -50,6 +50,7 @@ class PrivateSimulator:
                 "bringup.launch",
                 "video_port:=0",
                 "bridge_port:=0",
+                "speed:=1",
                 *arguments,
             ],
             env=self.environment(),

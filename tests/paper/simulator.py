@@ -32,7 +32,8 @@ class Simulator:
     log : Path
         What roslaunch and its nodes print is appended to this file.
     **arguments
-        Of the launch file. Without others, console and bridge take free ports.
+        Of the launch file. Without others, console and bridge take free ports, and the operator's
+        speed is the full one.
 
     Attributes
     ----------
@@ -45,7 +46,12 @@ class Simulator:
     def __init__(self, master: PrivateMaster, log: Path, **arguments: Argument) -> None:
         self._master = master
         self._log = log
-        self._arguments: Dict[str, Argument] = {"video_port": 0, "bridge_port": 0, **arguments}
+        self._arguments: Dict[str, Argument] = {
+            "video_port": 0,
+            "bridge_port": 0,
+            "speed": 1,
+            **arguments,
+        }
         self._process: Optional[subprocess.Popen] = None
         self.namespace = f"/{self._arguments.get('ns', 'telex')}"
         self.video_url: Optional[str] = None
