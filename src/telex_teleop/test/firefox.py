@@ -47,8 +47,8 @@ def firefox():
 class Firefox:
     """A browser with one page; `quit` ends it.
 
-    It takes no screenshots: of canvases that are being drawn on, browsingContext.captureScreenshot
-    can hold their page up for a minute (Firefox 153, on a machine whose disk is busy).
+    It takes no screenshots: for each canvas that a worker draws and of which it has not presented a
+    frame yet, Firefox (153) holds the page up for 10 s, whenever somebody wants its pixels.
 
     Parameters
     ----------

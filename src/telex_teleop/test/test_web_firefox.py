@@ -11,6 +11,8 @@ pytestmark = [pytest.mark.ros, pytest.mark.browser]
 
 LIVE = "[...document.querySelectorAll('.thumbnail[data-state=live]')].map((e) => e.dataset.camera)"
 # Gives the colour of the large view (red, green, blue, opacity) at a place, in parts of its size.
+# Only once pictures have been flowing for a while: before the first one is presented it is black,
+# and the page stands still for 10 s (see `Firefox`), lets go of its keys and loses the bridge.
 LARGE_VIEW_AT = """(x, y) => {
   const view = document.querySelector("#view canvas");
   const box = view.getBoundingClientRect();
@@ -59,14 +61,15 @@ def page(ros, robot, tmp_path_factory):
         page.quit()
 
 
-def state(page, element):
-    return page.evaluate(f"document.getElementById('{element}').dataset.state")
+def state(page, element, of="state"):
+    return page.evaluate(f"document.getElementById('{element}').dataset.{of}")
 
 
 def test_six_views_are_live_and_the_page_fits_the_window(robot, page):
     wait_until(lambda: page.evaluate(LIVE) == THUMBNAILS, 30.0)
     size = "[document.documentElement.scrollWidth, document.documentElement.scrollHeight]"
     assert page.evaluate(size) == [1280, 720]
+    wait_until(lambda: state(page, "view", "picture") == "good", 30.0)  # by its rate over 2 s
     # The box that the fake camera shows, in the large view, with nothing over it.
     red, green, blue, _ = page.evaluate(f"({LARGE_VIEW_AT})(0.72, 0.5)")
     assert red > 150 > green > blue
