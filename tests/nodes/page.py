@@ -87,7 +87,8 @@ class Page:
         ActionChains(self.driver).key_up(key).perform()
 
     def _count_still(self) -> int:
-        counts = self.ask(
-            "return [...document.querySelectorAll('#log li')].map((e) => [e.title, e.dataset.count]);"
+        lines = self.ask(
+            "return [...document.querySelectorAll('#log li')]"
+            ".map((line) => [line.title, line.dataset.count]);"
         )
-        return sum(int(count) for line, count in counts if STOOD_STILL in line)
+        return sum(int(count) for title, count in lines if STOOD_STILL in title)
