@@ -7,8 +7,8 @@ import json
 
 from web_fakes import FakeRos
 
-from telex_control.params import read_config
-from telex_teleop.web.bridge.access import Access
+from telex_control.params import read_config, read_struct
+from telex_teleop.web.bridge.access import Roles
 from telex_teleop.web.bridge.control import Control, Member
 from telex_teleop.web.bridge.control_services import ControlServices
 from telex_teleop.web.bridge.feeds import FeedPool
@@ -17,6 +17,7 @@ from telex_teleop.web.bridge.publishers import PublisherPool
 from telex_teleop.web.bridge.services import ServiceDesk
 from telex_teleop.web.bridge.session import ClientSession, Shared
 from telex_teleop.web.config import RosbridgeConfig
+from telex_teleop.web.rights import Rights
 from telex_teleop.web.workers import OrderedWorker
 
 TWIST = "geometry_msgs/Twist"
@@ -48,10 +49,13 @@ class Client:
 
 
 class Bench:
-    """Everything that clients share; make it on the loop."""
+    """Everything that clients share; make it on the loop.
 
-    def __init__(self, **config):
-        params = {"connect_timeout": 0.2, **config}
+    As a plain rosbridge, unless a test is about who may do what: rights, by sections.
+    """
+
+    def __init__(self, rights=None, **config):
+        params = {"connect_timeout": 0.2, "plain": rights is None, **config}
         self.config = read_config(RosbridgeConfig, params, "~")
         self.ros = FakeRos()
         self.clients = 0
@@ -60,14 +64,16 @@ class Bench:
         self.feeds = FeedPool(self.ros, self.worker)
         self.control = Control()
         own = ControlServices(self.control, self.ros.resolve)
+        lists = read_struct(Rights, rights) if rights else Rights.read(self.config.rights)
+        roles = Roles(lists, self.ros.resolve, self.config.e_stop_topic, plain=self.config.plain)
         self.shared = Shared(
             config=self.config,
             ros=self.ros,
             worker=self.worker,
             publishers=self.publishers,
             feeds=self.feeds,
-            services=ServiceDesk(self.ros, self.worker, own, self.config.service_timeout),
-            access=Access(self.config, self.ros.resolve),
+            services=ServiceDesk(self.ros, self.worker, own, roles, self.config.service_timeout),
+            roles=roles,
             control=self.control,
         )
 

@@ -345,7 +345,13 @@ async def test_services_are_called_with_objects_and_lists():
         ("rosapi/set_param", {"name": "x", "value": "{"}, "this is not valid JSON"),
         ("rosapi/set_param", {"name": "x", "value": 1}, "'value' must be a string that holds"),
         ("rosapi/set_param", {"name": "x", "value": "null"}, "cannot hold this value"),
-        ("rosapi/set_param", {"name": "/", "value": "{}"}, "'name' must not be the root"),
+        (
+            "rosapi/set_param",
+            {"name": "/", "value": "{}"},
+            "/ holds all parameters of the robot; name a",
+        ),
+        ("rosapi/set_param", {"name": "/telex", "value": "{}"}, "/telex holds all parameters"),
+        ("rosapi/delete_param", {"name": "/telex/"}, "/telex/ holds all parameters"),
         ("rosapi/delete_param", {"name": "/absent"}, "the parameter /absent is not set"),
     ],
 )

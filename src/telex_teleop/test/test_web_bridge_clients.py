@@ -33,7 +33,7 @@ def outcomes(ros):
     probe = ros.probe()
     # Long, because a loaded machine takes its time to connect nodes; it is not waited out.
     ros.master.setParam("/telex/rosbridge/connect_timeout", 10.0)
-    _, url = ros.serve("rosbridge")
+    _, url = ros.serve("rosbridge", None, "_plain:=true")
     port = url.rpartition(":")[2]
     probe.do("serve", service="/lamp", type="std_srvs/SetBool", response=SWITCHED)
     commands = {}

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import asyncio
+import json
+from dataclasses import asdict
 
 import pytest
 from bridge_bench import JOG, TWIST, Bench, Client
 from std_msgs.msg import Bool
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
-from web_fakes import becomes, on_loop
+from web_fakes import FakeRos, becomes, on_loop
 
+from telex_teleop.web.bridge.access import Access
 from telex_teleop.web.bridge.command_age import CommandAge
 from telex_teleop.web.bridge.control import Control, ControlError, Member
 from telex_teleop.web.bridge.operations import OperationError
 from telex_teleop.web.bridge.stop import stop_for
+from telex_teleop.web.rights import Rights
 
 DRIVE, E_STOP = "/telex/track_teleop/cmd_vel", "/telex/e_stop"
 AHEAD, STILL = {"linear": {"x": 1.0}}, {"linear": {"x": 0.0}}
@@ -105,7 +109,15 @@ async def test_take_release_and_hand_over():
 
 @on_loop
 async def test_an_instructor_may_do_some_things_without_control():
-    bench = Bench(instructor={"publish": (DRIVE,), "call": ("switch",), "set": ()})
+    every = {"publish": ["/*"], "call": ["/*"], "set": ["/*"]}
+    bench = Bench(
+        rights={
+            "operator": every,
+            "instructor": every,
+            "commands": {"publish": ["*"], "call": ["*"], "set": ["*"]},
+            "without_control": {"publish": [DRIVE], "call": ["switch"]},
+        }
+    )
     operator, teacher = await driver(bench), await driver(bench, instructor=True)
     operator.say("publish", topic=DRIVE, msg=AHEAD)
     teacher.say("publish", topic=DRIVE, msg={"linear": {"x": 0.2}})
@@ -394,8 +406,8 @@ async def test_a_command_that_waits_is_forgotten_when_control_is_lost():
 
 @on_loop
 async def test_only_what_is_listed_may_be_used():
-    names = {"publish": ("*", "!secret"), "subscribe": ("joint_states",), "call": (), "set": ()}
-    bench = Bench(allowed={**names, "serve": ("/mine/*",)})
+    names = {"publish": ["*", "!secret"], "subscribe": ["joint_states"], "serve": ["/mine/*"]}
+    bench = Bench(rights={"operator": names, "instructor": {"call": ["/*"]}})
     client = Client(bench)
     for op, name in (
         ("advertise", "/other/chat"),
@@ -405,12 +417,13 @@ async def test_only_what_is_listed_may_be_used():
         client.say(op, topic=name, type="std_msgs/String", id=op)
         status = await client.hear()
         assert (status["id"], status["op"]) == (op, "status")
-        assert "is not open to clients; the bridge's parameter ~allowed/" in status["msg"]
+        assert "is not open to clients (" in status["msg"]
     client.say("advertise_service", service="/other/x", type="std_srvs/Empty")
-    assert "~allowed/serve" in (await client.hear())["msg"]
-    assert "~allowed/call" in (await client.ask("switch", {"data": True}))[1]
-    assert "~allowed/set" in (await client.ask("rosapi/set_param", ["limit", "1"]))[1]
-    assert "~allowed/set" in (await client.ask("rosapi/delete_param", ["limit"]))[1]
+    assert "'serve' in the file" in (await client.hear())["msg"]
+    assert "is open to instructors only" in (await client.ask("switch", {"data": True}))[1]
+    assert "'set' in the file" in (await client.ask("rosapi/set_param", ["limit", "1"]))[1]
+    assert "'set' in the file" in (await client.ask("rosapi/delete_param", ["limit"]))[1]
+    assert "'get' in the file" in (await client.ask("rosapi/get_param", ["limit"]))[1]
     client.say("subscribe", topic="joint_states")
     client.say("advertise", topic="chat", type="std_msgs/String")
     client.say("advertise_service", service="/mine/x", type="std_srvs/Empty")
@@ -423,18 +436,143 @@ async def test_only_what_is_listed_may_be_used():
     assert len(client.outbox) == 0
 
 
-@pytest.mark.parametrize(
-    "topic", ["/clock", "/tf", "joint_states", "sim/status", "bridge/clients", "/rosout"]
-)
-def test_nobody_passes_for_the_simulator(topic):
-    async def check():
-        bench = Bench()
-        client = Client(bench)
-        client.say("advertise", topic=topic, type="std_msgs/String")
-        assert "is not open to clients" in (await client.hear())["msg"]
-        assert bench.ros.events == []
+def shipped(*, instructor, **kind):
+    return Access(Rights.read(), FakeRos().resolve, "e_stop", instructor=instructor, **kind)
 
-    asyncio.run(check())
+
+OPERATORS_OWN = {
+    "publish": (
+        *("e_stop", "arm_teleop/delta_joint_cmds", "arm_teleop/delta_twist_cmds"),
+        *("arm_teleop/named_pose_cmds", "arm_teleop/pose_cmds", "gripper_teleop/delta_joint_cmds"),
+        *("flipper_teleop/delta_joint_cmds", "flipper_teleop/preset_cmds"),
+        *("track_teleop/cmd_vel", "track_teleop/speed_scale", "arm_teleop/speed_scale"),
+        *("cameras/turret/zoom", "lamps/front/command", "turret_position_controller/command"),
+        *("flipper_teleop/preset/goal", "track_controller/cmd_vel", "/chatter"),
+        "arm_trajectory_controller/follow_joint_trajectory/goal",
+    ),
+    "subscribe": (
+        *("joint_states", "/tf", "/clock", "imu", "sim/status", "sim/stability"),
+        *("sim/gripper_contact", "arm_teleop/status", "bridge/clients", "/chatter"),
+        *("cameras/front/image_raw/compressed", "arm_teleop/cartesian_status"),
+    ),
+    "call": (
+        *("arm_teleop/set_mode", "arm_teleop/hold_tool", "arm_teleop/compute_ik"),
+        *("controller_manager/list_controllers", "controller_manager/switch_controller"),
+        "/add_two_ints",
+    ),
+    "serve": ("/add_two_ints",),
+    "set": (),
+    "get": (
+        *("robot_description", "gripper_controller/geometry", "/run_id"),
+        "cameras/cameras/turret/zoom_max",
+    ),
+}
+INSTRUCTORS_ONLY = {
+    "publish": ("cameras/overview/view", "imu", "track_controller/odom", "arm_teleop/status"),
+    "subscribe": (
+        *("sim/base_pose", "sim/scene", "sim/poses", "sim/proximity", "/rosout", "/rosout_agg"),
+        *("cameras/overview/image_raw/compressed", "cameras/overview/view", "/crane/sim/poses"),
+    ),
+    "call": (
+        *("sim/reset", "sim/pause", "sim/step", "sim/spawn", "sim/load_scene", "sim/list_scenes"),
+        *("sim/add_robot", "cameras/configure", "controller_manager/unload_controller"),
+        *("arm_teleop/set_logger_level", "/crane/sim/reset", "/rosout/set_logger_level"),
+        *("simulator/anything", "robot_state_publisher/set_logger_level"),
+    ),
+    "serve": ("switch", "sim/reset"),
+    "set": ("robot_description", "limit", "/elsewhere", "/robot_description"),
+    "get": ("simulator", "simulator/world", "cameras/overview/start", "sim/x", "/roslaunch/uris"),
+}
+NOBODYS = {
+    "publish": ("/clock", "/tf", "/tf_static", "joint_states", "sim/status", "bridge/clients"),
+    "serve": ("/rosapi/topics", "bridge/time"),
+    "set": ("/telex", "/", "/use_sim_time", "/roslaunch", "rosbridge/url", "video_server/token"),
+}
+
+
+def fitting(access, names):
+    resolve = FakeRos().resolve
+    pairs = [(use, resolve(name)) for use, listed in names.items() for name in listed]
+    return [access.allows(use, name) for use, name in pairs]
+
+
+@pytest.mark.parametrize(
+    ("kind", "expected"),
+    [
+        ({"instructor": False}, (True, False, False)),
+        ({"instructor": False, "plain": True}, (True, True, False)),
+        ({"instructor": True}, (True, True, False)),
+    ],
+)
+def test_what_operators_and_instructors_may_as_shipped(kind, expected):
+    access = shipped(**kind)
+    for names, allowed in zip((OPERATORS_OWN, INSTRUCTORS_ONLY, NOBODYS), expected):
+        assert set(fitting(access, names)) == {allowed}
+
+
+def test_a_plain_bridge_asks_operators_for_control_all_the_same():
+    operator = shipped(instructor=False, plain=True)
+    assert operator.needs_control("call", "/telex/sim/reset")
+    assert not shipped(instructor=True).needs_control("call", "/telex/sim/reset")
+
+
+@on_loop
+async def test_with_nobody_in_control_an_operator_may_do_no_more():
+    bench = Bench(rights=asdict(Rights.read()))
+    client, teacher = Client(bench), Client(bench, instructor=True)
+    bench.ros.params.update(
+        {"/telex/simulator": {"world": "exam"}, "/telex/robot_description": "x"}
+    )
+    for service, arguments in (
+        ("sim/reset", {}),
+        ("sim/pause", {}),
+        ("cameras/configure", {}),
+        ("rosapi/set_param", {"name": "robot_description", "value": "1"}),
+        ("rosapi/get_param", {"name": "simulator"}),
+    ):
+        succeeded, reason = await client.ask(service, arguments)
+        assert not succeeded
+        assert "is open to instructors only, who connect with ?role=instructor" in reason
+    assert bench.control.holder is None
+    assert await teacher.ask("sim/reset") == (False, "there is no service /telex/sim/reset")
+    for topic in ("sim/base_pose", "sim/scene", "sim/poses", "cameras/overview/image_raw"):
+        client.say("subscribe", topic=topic, type="std_msgs/String")
+        assert "is open to instructors only" in (await client.hear())["msg"]
+        teacher.say("subscribe", topic=topic, type="std_msgs/String")
+    await bench.settle()
+    assert len(bench.ros.receivers) == 4
+    assert len(teacher.outbox) == 0
+
+
+@on_loop
+async def test_rosapi_tells_of_what_the_client_may_use():
+    bench = Bench(rights=asdict(Rights.read()))
+    bench.ros.active |= {"/telex/sim/base_pose", "/rosout"}
+    bench.ros.types["/telex/sim/base_pose"] = "geometry_msgs/PoseStamped"
+    tree = {"simulator": {"world": "exam"}, "cameras": {"overview": {"start": 1}, "rate": 5}}
+    bench.ros.params.update({"/telex": tree, "/telex/simulator/world": "exam"})
+    client, teacher = Client(bench), Client(bench, instructor=True)
+
+    async def told(who):
+        pose = {"type": "geometry_msgs/PoseStamped"}
+        return [
+            (await who.ask("rosapi/topics"))[1]["topics"],
+            (await who.ask("rosapi/topics_for_type", pose))[1]["topics"],
+            "/telex/switch" in (await who.ask("rosapi/services"))[1]["services"],
+            "/telex/simulator/world" in (await who.ask("rosapi/get_param_names"))[1]["names"],
+            (await who.ask("rosapi/has_param", ["simulator/world"]))[1]["exists"],
+            json.loads((await who.ask("rosapi/get_param", ["/telex"]))[1]["value"]),
+        ]
+
+    assert await told(client) == [
+        *(["/known", "/telex/joint_states"], [], False, False, False),
+        {"cameras": {"rate": 5}},
+    ]
+    base_pose = "/telex/sim/base_pose"
+    assert await told(teacher) == [
+        *(["/known", "/rosout", "/telex/joint_states", base_pose], [base_pose], True, True, True),
+        tree,
+    ]
 
 
 # Who is who

@@ -209,8 +209,12 @@ async def test_everybody_can_see_who_is_there():
     async with bench.served() as url, aiohttp.ClientSession() as http:
         first = await http.ws_connect(f"{url}/?name=Ann")
         teacher = await http.ws_connect(f"{url}/?role=instructor&name=%0a")
-        await first.send_json({"op": "advertise", "topic": "drive", "type": "geometry_msgs/Twist"})
-        await first.send_json({"op": "publish", "topic": "drive", "msg": AHEAD["msg"]})
+        await first.send_json(
+            {"op": "advertise", "topic": "track_teleop/cmd_vel", "type": "geometry_msgs/Twist"}
+        )
+        await first.send_json(
+            {"op": "publish", "topic": "track_teleop/cmd_vel", "msg": AHEAD["msg"]}
+        )
         await becomes(lambda: bench.ros.rosters and bench.ros.rosters[-1].holder == "1")
         rows = [
             (client.id, client.name, client.role, client.address, client.in_control)
@@ -231,7 +235,7 @@ async def test_a_client_can_ask_for_warnings_by_its_address():
     bench = Bench()
     async with bench.served() as url, aiohttp.ClientSession() as http:
         first, second = await http.ws_connect(url), await http.ws_connect(f"{url}/?status=1")
-        drive = {"op": "publish", "topic": "drive", "type": "geometry_msgs/Twist"}
+        drive = {"op": "publish", "topic": "track_teleop/cmd_vel", "type": "geometry_msgs/Twist"}
         await first.send_json({**drive, "msg": AHEAD["msg"]})
         await becomes(lambda: bench.bridge.control.holder is not None)
         await second.send_json({**drive, "msg": AHEAD["msg"]})

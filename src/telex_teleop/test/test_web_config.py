@@ -11,6 +11,7 @@ import yaml
 from telex_control.params import ConfigError
 from telex_teleop.web import serving
 from telex_teleop.web.config import RosbridgeConfig, VideoServerConfig, read_server_config
+from telex_teleop.web.rights import Rights
 from telex_teleop.web.serving import BindError, bind, url_of
 from telex_teleop.web.tokens import is_loopback
 
@@ -77,16 +78,39 @@ def test_a_list_of_origins_must_be_a_list_of_strings():
     ("values", "said"),
     [
         ({"max_command_age": 0}, "max_command_age is 0.0; it must be at least 0.01"),
-        ({"allowed": {"publish": ["a b"]}}, "publish holds 'a b'; a pattern is a ROS name"),
-        ({"commands": {"call": [""]}}, "call holds ''; a pattern is a ROS name"),
-        ({"commands": {"serve": []}}, "serve is unknown; known are call, publish, set"),
-        ({"instructor": {"set": "*"}}, "set is '*'; a list is needed"),
+        ({"plain": True, "address": "0.0.0.0"}, "plain is true and address '0.0.0.0'; a bridge"),
     ],
 )
 def test_who_may_do_what_is_checked(values, said):
     with pytest.raises(ConfigError) as error:
         read_server_config(RosbridgeConfig, values, "/b")
     assert said in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("operator: {publish: [a b]}", "operator: publish holds 'a b'; a pattern is a ROS name"),
+        ("commands: {call: ['']}", "commands: call holds ''; a pattern is a ROS name"),
+        ("commands: {sing: []}", "commands/sing is unknown; known are call, get, publish, serve"),
+        ("instructor: {set: '*'}", "instructor/set is '*'; a list is needed"),
+        ("operators: {}", "operators is unknown; known are commands, instructor, operator"),
+        ("[", "cannot be read: "),
+    ],
+)
+def test_a_wrong_file_of_rights_is_refused_by_name(tmp_path, text, said):
+    file = tmp_path / "rights.yaml"
+    file.write_text(text)
+    with pytest.raises(ConfigError) as error:
+        Rights.read(str(file))
+    assert str(error.value).startswith(f"{file}: ")
+    assert said in str(error.value)
+
+
+def test_the_bridge_shows_operators_no_camera_that_the_video_server_hides():
+    subscribe = Rights.read().operator.subscribe
+    for camera in VideoServerConfig().hidden_cameras:
+        assert f"!cameras/{camera}/*" in subscribe
 
 
 @pytest.mark.parametrize(

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Mapping, Tuple, Type, TypeVar
 
 from telex_control.params import (
@@ -14,6 +13,8 @@ from telex_control.params import (
     require_text,
 )
 
+from .tokens import is_loopback
+
 Config = TypeVar("Config")
 
 STREAM_TYPES = ("mjpeg", "ros_compressed", "png")
@@ -21,8 +22,6 @@ STREAM_TYPES = ("mjpeg", "ros_compressed", "png")
 
 OWN_PARAMETERS = ("url",)
 """Private parameters that a server sets for others to read."""
-
-_PATTERN = re.compile(r"!?[A-Za-z0-9_/*]+")
 
 
 def read_server_config(kind: Type[Config], params: Any, name: str) -> Config:
@@ -100,82 +99,6 @@ class VideoServerConfig:
         require_text(self, "rosbridge")
 
 
-def _require_patterns(lists: object) -> None:
-    """Raise a ConfigError unless all strings of some lists are patterns of ROS names."""
-    for use, patterns in vars(lists).items():
-        for pattern in patterns:
-            require(
-                _PATTERN.fullmatch(pattern) is not None,
-                f"{use} holds {pattern!r}; a pattern is a ROS name, in which * stands for any "
-                "text, after a ! if it takes away",
-            )
-
-
-@dataclass(frozen=True)
-class AllowedNames:
-    """What clients of the bridge may use at all."""
-
-    publish: Tuple[str, ...] = (
-        "/*",
-        "!/clock",
-        "!/rosout",
-        "!/rosout_agg",
-        "!/tf",
-        "!/tf_static",
-        "!joint_states",
-        "!sim/*",
-        "!bridge/*",
-    )
-    subscribe: Tuple[str, ...] = ("/*",)
-    call: Tuple[str, ...] = ("/*",)
-    serve: Tuple[str, ...] = ("/*", "!/rosapi/*", "!bridge/*")
-    set: Tuple[str, ...] = (
-        "/*",
-        "!/run_id",
-        "!/rosdistro",
-        "!/roslaunch/*",
-        "!/rosversion",
-        "!/use_sim_time",
-        "!rosbridge*",
-        "!video_server*",
-    )
-
-    def __post_init__(self) -> None:
-        _require_patterns(self)
-
-
-@dataclass(frozen=True)
-class CommandNames:
-    """What only the client that holds control may do."""
-
-    publish: Tuple[str, ...] = ("*",)
-    call: Tuple[str, ...] = (
-        "*",
-        "!*/compute_fk",
-        "!*/compute_ik",
-        "!controller_manager/list_*",
-        "!controller_manager/query_*",
-        "!*/get_loggers",
-        "!sim/list_*",
-    )
-    set: Tuple[str, ...] = ("*",)
-
-    def __post_init__(self) -> None:
-        _require_patterns(self)
-
-
-@dataclass(frozen=True)
-class InstructorNames:
-    """Commands that an instructor may give without holding control."""
-
-    publish: Tuple[str, ...] = ("cameras/*",)
-    call: Tuple[str, ...] = ("sim/*", "cameras/*")
-    set: Tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        _require_patterns(self)
-
-
 @dataclass(frozen=True)
 class RosbridgeConfig:
     """Parameters of the bridge; see config/rosbridge.yaml for their meaning."""
@@ -185,6 +108,8 @@ class RosbridgeConfig:
     allowed_origins: Tuple[str, ...] = ()
     token_file: str = ""
     instructor_token_file: str = ""
+    rights: str = ""
+    plain: bool = False
     e_stop_topic: str = "e_stop"
     max_command_age: float = 0.15
     max_clients: int = 64
@@ -200,13 +125,15 @@ class RosbridgeConfig:
     ping_interval: float = 5.0
     send_buffer: int = 65536
     max_in_flight: int = 32768
-    allowed: AllowedNames = field(default_factory=AllowedNames)
-    commands: CommandNames = field(default_factory=CommandNames)
-    instructor: InstructorNames = field(default_factory=InstructorNames)
 
     def __post_init__(self) -> None:
         require_text(self, "address")
         require_range(self, "port", 0, 65535)
+        require(
+            not self.plain or is_loopback(self.address),
+            f"plain is true and address {self.address!r}; a bridge that others reach has to tell "
+            "operators from instructors: set plain to false, or address to 127.0.0.1",
+        )
         require_text(self, "e_stop_topic")
         require_range(self, "max_command_age", 0.01, 60.0)
         require_range(self, "max_clients", 1, 10000)

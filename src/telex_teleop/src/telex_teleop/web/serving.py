@@ -233,7 +233,7 @@ def _run_node(
 
     try:
         asyncio.run(main())
-    except ConfigError as error:
+    except ConfigError as error:  # of a file that a parameter names
         rospy.logfatal("%s", error)
         return 1
     finally:

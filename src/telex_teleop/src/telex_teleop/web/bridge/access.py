@@ -1,16 +1,16 @@
-"""Which topics, services and parameters clients may use, and which of them command the robot."""
+"""Which topics, services and parameters a client may use, and which of them command the robot."""
 
 from __future__ import annotations
 
 import re
-from typing import Callable, Iterable, List, Pattern
+from typing import Callable, Dict, Iterable, List, Pattern, Tuple
 
-from ..config import RosbridgeConfig
+from ..rights import Rights, UseLists
 from .operations import OperationError
 
 
 class NamePatterns:
-    """A list of patterns of ROS names.
+    """A list of patterns of ROS names; of those that fit a name the last one decides.
 
     `*` stands for any text, slashes included; a pattern that begins with `!` takes away what others
     give. A pattern without a slash at its beginning is meant inside the namespace.
@@ -24,67 +24,117 @@ class NamePatterns:
     """
 
     def __init__(self, patterns: Iterable[str], namespace: str) -> None:
-        self._given: List[Pattern[str]] = []
-        self._taken: List[Pattern[str]] = []
+        self._rules: List[Tuple[Pattern[str], bool]] = []
         for pattern in patterns:
             taken = pattern.startswith("!")
             name = pattern[1:] if taken else pattern
             full = name if name.startswith("/") else namespace + name
             expression = ".*".join(re.escape(part) for part in full.split("*"))
-            (self._taken if taken else self._given).append(re.compile(expression, re.DOTALL))
+            self._rules.append((re.compile(expression, re.DOTALL), not taken))
 
     def match(self, name: str) -> bool:
         """Tell whether the list holds a global name."""
-        if any(pattern.fullmatch(name) for pattern in self._taken):
-            return False
-        return any(pattern.fullmatch(name) for pattern in self._given)
+        for pattern, given in reversed(self._rules):
+            if pattern.fullmatch(name):
+                return given
+        return False
 
 
-class _Uses:
-    """One of the three lists: names by what is done with them."""
+_Uses = Dict[str, NamePatterns]
 
-    def __init__(self, lists: object, namespace: str) -> None:
-        self._patterns = {
-            use: NamePatterns(patterns, namespace) for use, patterns in vars(lists).items()
-        }
 
-    def hold(self, use: str, name: str) -> bool:
-        patterns = self._patterns.get(use)
-        return patterns is not None and patterns.match(name)
+def _uses(lists: UseLists, namespace: str) -> _Uses:
+    return {use: NamePatterns(patterns, namespace) for use, patterns in vars(lists).items()}
 
 
 class Access:
-    """The lists of the configuration, applied to names.
+    """The lists of rights, applied to the names that one kind of client uses.
 
-    A use is `publish`, `subscribe`, `call`, `serve` or `set`, as the lists are called.
+    A use is `publish`, `subscribe`, `call`, `serve`, `set` or `get`, as the lists are called.
 
     Parameters
     ----------
-    config
-        The bridge's parameters.
+    rights
+        The lists.
     resolve
         Gives a name its global form.
+    e_stop_topic
+        Topic of the emergency stop.
+    instructor
+        Whether it is for instructors.
+    plain
+        Whether every client may use what an instructor may.
     """
 
-    def __init__(self, config: RosbridgeConfig, resolve: Callable[[str], str]) -> None:
-        namespace = resolve("x")[: -len("x")]
-        self._allowed = _Uses(config.allowed, namespace)
-        self._commands = _Uses(config.commands, namespace)
-        self._instructors = _Uses(config.instructor, namespace)
-        self.e_stop_topic = resolve(config.e_stop_topic)
+    def __init__(
+        self,
+        rights: Rights,
+        resolve: Callable[[str], str],
+        e_stop_topic: str,
+        *,
+        instructor: bool,
+        plain: bool = False,
+    ) -> None:
+        self._namespace = resolve("x")[: -len("x")]
+        self._instructor = instructor
+        self._instructors = _uses(rights.instructor, self._namespace)
+        all_of_it = instructor or plain
+        self._own = self._instructors if all_of_it else _uses(rights.operator, self._namespace)
+        self._commands = _uses(rights.commands, self._namespace)
+        without_control = rights.without_control if instructor else UseLists()
+        self._without_control = _uses(without_control, self._namespace)
+        self.e_stop_topic = resolve(e_stop_topic)
+
+    def allows(self, use: str, name: str) -> bool:
+        """Tell whether the client may use a name in this way."""
+        return self._own[use].match(name) and not self._would_replace_all(use, name)
+
+    def _would_replace_all(self, use: str, name: str) -> bool:
+        """Tell whether this would set or delete all that stands in the robot's namespace."""
+        return use == "set" and self._namespace.startswith(name.rstrip("/") + "/")
 
     def check(self, use: str, name: str) -> None:
-        """Raise OperationError unless clients may use a name in this way."""
-        if not self._allowed.hold(use, name):
+        """Raise OperationError unless the client may use a name in this way."""
+        if self.allows(use, name):
+            return
+        if self._would_replace_all(use, name):
+            raise OperationError(f"{name} holds all parameters of the robot; name a single one")
+        if self._instructors[use].match(name):
             raise OperationError(
-                f"{name[:200]} is not open to clients; the bridge's parameter ~allowed/{use} "
-                "lists what is"
+                f"{name[:200]} is open to instructors only, who connect with ?role=instructor in "
+                f"the bridge's address ('{use}' in the file that its parameter ~rights names)"
             )
+        raise OperationError(
+            f"{name[:200]} is not open to clients ('{use}' in the file that the bridge's parameter "
+            "~rights names)"
+        )
 
     def is_command(self, use: str, name: str) -> bool:
-        """Tell whether only the client that holds control may do this."""
-        return self._commands.hold(use, name)
+        """Tell whether this commands the robot."""
+        return self._commands[use].match(name)
 
-    def is_instructors(self, use: str, name: str) -> bool:
-        """Tell whether an instructor may do this without holding control."""
-        return self._instructors.hold(use, name)
+    def needs_control(self, use: str, name: str) -> bool:
+        """Tell whether the client may do this only while it holds control."""
+        return self.is_command(use, name) and not self._without_control[use].match(name)
+
+
+class Roles:
+    """What each kind of client may do.
+
+    Parameters
+    ----------
+    rights, resolve, e_stop_topic, plain
+        As `Access` takes them.
+    """
+
+    def __init__(
+        self, rights: Rights, resolve: Callable[[str], str], e_stop_topic: str, *, plain: bool
+    ) -> None:
+        self._kinds = {
+            instructor: Access(rights, resolve, e_stop_topic, instructor=instructor, plain=plain)
+            for instructor in (False, True)
+        }
+
+    def of(self, *, instructor: bool) -> Access:
+        """Return what an instructor, or another client, may do."""
+        return self._kinds[instructor]

@@ -12,10 +12,11 @@ from aiohttp import WSCloseCode, WSMsgType, web
 
 from ..config import RosbridgeConfig
 from ..freshness import Backlog
+from ..rights import Rights
 from ..tokens import ForbiddenError, Tokens, is_instructor
 from ..websockets import new_websocket, take_leave, upgrade_required
 from ..workers import OrderedWorker
-from .access import Access
+from .access import Roles
 from .control import MAX_NAME, Control, Member
 from .control_services import ControlServices
 from .feeds import FeedPool
@@ -71,14 +72,18 @@ class Rosbridge:
         self._roster = Roster(self.control, self.publishers, ros.resolve("bridge/clients"))
         self._node_watch = NodeWatch(ros, self.publishers)
         own_services = ControlServices(self.control, ros.resolve)
+        roles = Roles(
+            Rights.read(config.rights), ros.resolve, config.e_stop_topic, plain=config.plain
+        )
+        self._e_stop_topic = ros.resolve(config.e_stop_topic)
         self._shared = Shared(
             config=config,
             ros=ros,
             worker=worker,
             publishers=self.publishers,
             feeds=self.feeds,
-            services=ServiceDesk(ros, worker, own_services, config.service_timeout),
-            access=Access(config, ros.resolve),
+            services=ServiceDesk(ros, worker, own_services, roles, config.service_timeout),
+            roles=roles,
             control=self.control,
         )
         self._sockets: Set[web.WebSocketResponse] = set()
@@ -102,10 +107,9 @@ class Rosbridge:
 
     async def _prepare_e_stop(self) -> None:
         """Open the topic of the e-stop: nobody's first one may wait until that is done."""
-        topic = self._shared.access.e_stop_topic
         try:
             publisher = await self.publishers.acquire(
-                topic, "std_msgs/Bool", latch=False, queue_size=10
+                self._e_stop_topic, "std_msgs/Bool", latch=False, queue_size=10
             )
             await publisher.settle(self._config.connect_timeout)
         except Exception as error:  # whatever ROS raises

@@ -36,7 +36,7 @@ class CommandGate:
     control
         Who holds control.
     access
-        What is a command.
+        What the client may do, and what is a command.
     max_age
         Age (s) above which a command comes too late.
     clock
@@ -97,10 +97,9 @@ class CommandGate:
             self._refused.pop(topic, None)
             # Whose stop reaches the robot also ends the wait for a new press, so it must be his.
             return self._control.holder in (None, self._member)
-        with_right = self._member.instructor and self._access.is_instructors("publish", topic)
         try:
             self._check_age(age)
-            if not with_right:
+            if self._access.needs_control("publish", topic):
                 self._require_control()
                 self._check_stream(topic)
         except CommandRefusedError:
@@ -124,9 +123,7 @@ class CommandGate:
         self._admit("set", name)
 
     def _admit(self, use: str, name: str) -> None:
-        if not self._access.is_command(use, name):
-            return
-        if self._member.instructor and self._access.is_instructors(use, name):
+        if not self._access.needs_control(use, name):
             return
         try:
             self._require_control()

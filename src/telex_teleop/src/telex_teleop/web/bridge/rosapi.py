@@ -10,6 +10,7 @@ import math
 import xmlrpc.client
 from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
 
+from .access import Access
 from .message_types import message_class, service_class
 from .operations import MAX_TEXT, OperationError, parse_json
 from .ros import Ros
@@ -51,10 +52,13 @@ class RosApi:
         Where the answers are.
     own_services
         Types of the services that the bridge itself answers besides these, by their global names.
+    access
+        What those who ask may use: of other topics, services and parameters they hear nothing.
     """
 
-    def __init__(self, ros: Ros, own_services: Mapping[str, str]) -> None:
+    def __init__(self, ros: Ros, own_services: Mapping[str, str], access: Access) -> None:
         self._ros = ros
+        self._access = access
         self._questions: Dict[str, Question] = {
             "topics": Question(lambda _: self._topics()),
             "topics_and_raw_types": Question(lambda _: self._topics_and_raw_types()),
@@ -83,7 +87,7 @@ class RosApi:
                 ("name",),
                 changed=lambda arguments: self._spellings(_name(arguments, "name")),
             ),
-            "get_param_names": Question(lambda _: {"names": sorted(ros.param_names())}),
+            "get_param_names": Question(lambda _: {"names": self._param_names()}),
             "get_time": Question(lambda _: self._time(), immediate=True),
         }
         self._own_services = {
@@ -103,7 +107,12 @@ class RosApi:
         return question
 
     def _topics(self) -> Dict[str, Any]:
-        names = sorted(self._ros.topics())
+        may = self._access.allows
+        names = [
+            name
+            for name in sorted(self._ros.topics())
+            if may("subscribe", name) or may("publish", name)
+        ]
         types = self._ros.topic_types()
         return {"topics": names, "types": [types.get(name, "") for name in names]}
 
@@ -135,7 +144,8 @@ class RosApi:
         return {"subscribers": self._ros.subscribers(self._ros.resolve(_name(arguments, "topic")))}
 
     def _services(self) -> List[str]:
-        return sorted({*self._ros.services(), *self._own_services})
+        open_ones = (name for name in self._ros.services() if self._access.allows("call", name))
+        return sorted({*open_ones, *self._own_services})
 
     def _type_of_service(self, service: str) -> str:
         own = self._own_services.get(service)
@@ -180,11 +190,30 @@ class RosApi:
         for name in self._spellings(_name(arguments, "name")):
             try:
                 value = self._ros.get_param(name)
-                return {"value": json.dumps(_plain(value))}
             except KeyError:
                 continue
+            self._check_readable(name)
+            return {"value": json.dumps(_plain(self._readable(name, value)))}
         default = arguments.get("default")
         return {"value": default if isinstance(default, str) and default else "null"}
+
+    def _check_readable(self, name: str) -> None:
+        """Raise OperationError for a parameter that the client may not read."""
+        self._access.check("get", name)
+
+    def _readable(self, name: str, value: Any) -> Any:
+        """Return a parameter's value, without what the client may not read."""
+        if not isinstance(value, dict):
+            return value
+        inside = name if name.endswith("/") else f"{name}/"
+        return {
+            key: self._readable(f"{inside}{key}", part)
+            for key, part in value.items()
+            if self._access.allows("get", f"{inside}{key}")
+        }
+
+    def _param_names(self) -> List[str]:
+        return sorted(name for name in self._ros.param_names() if self._access.allows("get", name))
 
     def _has_param(self, arguments: Arguments) -> Dict[str, Any]:
         for name in self._spellings(_name(arguments, "name")):
@@ -192,13 +221,11 @@ class RosApi:
                 self._ros.get_param(name)
             except KeyError:
                 continue
-            return {"exists": True}
+            return {"exists": self._access.allows("get", name)}
         return {"exists": False}
 
     def _set_param(self, arguments: Arguments) -> Dict[str, Any]:
         name = self._ros.resolve(_name(arguments, "name"))
-        if name == "/":
-            raise OperationError("'name' must not be the root of all parameters")
         text = arguments.get("value")
         if not isinstance(text, str):
             raise OperationError("'value' must be a string that holds JSON")

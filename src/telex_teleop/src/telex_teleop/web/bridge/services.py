@@ -7,6 +7,7 @@ import dataclasses
 from typing import Any, Dict, Sequence
 
 from ..workers import OrderedWorker, in_own_thread
+from .access import Roles
 from .command_gate import CommandGate
 from .control import Member
 from .control_services import ControlServices
@@ -36,18 +37,28 @@ class ServiceDesk:
         Thread for rosapi's questions to the master.
     control
         Answers what concerns control.
+    roles
+        What clients may do and see.
     timeout
         Time (s) after which a call is given up.
     """
 
     def __init__(
-        self, ros: Ros, worker: OrderedWorker, control: ControlServices, timeout: float
+        self,
+        ros: Ros,
+        worker: OrderedWorker,
+        control: ControlServices,
+        roles: Roles,
+        timeout: float,
     ) -> None:
         self._ros = ros
         self._worker = worker
         self._control = control
         self._timeout = timeout
-        self._rosapi = RosApi(ros, control.types)
+        self._rosapi = {
+            instructor: RosApi(ros, control.types, roles.of(instructor=instructor))
+            for instructor in (False, True)
+        }
 
     async def call(self, service: str, arguments: Any, caller: Caller) -> Dict[str, Any]:
         """Call a service and return the values of its response.
@@ -67,7 +78,7 @@ class ServiceDesk:
             There is no such service, the arguments do not fit, or the call failed.
         """
         try:
-            question = self._rosapi.find(service)
+            question = self._rosapi[caller.member.instructor].find(service)
             if question is not None:
                 return await self._ask_rosapi(question, arguments, caller)
             fields = self._control.fields_of(service)

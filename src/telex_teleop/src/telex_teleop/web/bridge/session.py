@@ -8,7 +8,7 @@ from typing import Callable, Dict, Optional
 
 from ..config import RosbridgeConfig
 from ..workers import OrderedWorker
-from .access import Access
+from .access import Roles
 from .calling import Calling
 from .command_gate import CommandGate
 from .control import Control, Member
@@ -34,7 +34,7 @@ class Shared:
     publishers: PublisherPool
     feeds: FeedPool
     services: ServiceDesk
-    access: Access
+    roles: Roles
     control: Control
 
 
@@ -56,7 +56,8 @@ class ClientSession:
     def __init__(
         self, member: Member, shared: Shared, outbox: Outbox, drop: Callable[[str], None]
     ) -> None:
-        config, ros, access = shared.config, shared.ros, shared.access
+        config, ros = shared.config, shared.ros
+        access = shared.roles.of(instructor=member.instructor)
         self._member = member
         self._control = shared.control
         self._link = Link(outbox, drop)

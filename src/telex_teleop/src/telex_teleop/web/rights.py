@@ -1,0 +1,71 @@
+"""Who may use what through the bridge: the lists of `config/bridge_rights.yaml`."""
+
+from __future__ import annotations
+
+import os
+import re
+from dataclasses import dataclass, field
+from typing import Tuple
+
+import rospkg
+
+from telex_control.params import require
+
+from ..joy.files import read_file
+
+_PATTERN = re.compile(r"!?[A-Za-z0-9_/*]+")
+
+
+@dataclass(frozen=True)
+class UseLists:
+    """Patterns of names, by what is done with them."""
+
+    publish: Tuple[str, ...] = ()
+    subscribe: Tuple[str, ...] = ()
+    call: Tuple[str, ...] = ()
+    serve: Tuple[str, ...] = ()
+    set: Tuple[str, ...] = ()
+    get: Tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for use, patterns in vars(self).items():
+            for pattern in patterns:
+                require(
+                    _PATTERN.fullmatch(pattern) is not None,
+                    f"{use} holds {pattern!r}; a pattern is a ROS name, in which * stands for any "
+                    "text, after a ! if it takes away",
+                )
+
+
+@dataclass(frozen=True)
+class Rights:
+    """What operators and instructors may use, and what of it commands the robot.
+
+    Attributes
+    ----------
+    operator, instructor
+        What they may use at all.
+    commands
+        What only the client that holds control may do.
+    without_control
+        Commands that an instructor may give without holding control.
+    """
+
+    operator: UseLists = field(default_factory=UseLists)
+    instructor: UseLists = field(default_factory=UseLists)
+    commands: UseLists = field(default_factory=UseLists)
+    without_control: UseLists = field(default_factory=UseLists)
+
+    @classmethod
+    def read(cls, path: str = "") -> Rights:
+        """Read a file; an empty path stands for the shipped one.
+
+        Raises
+        ------
+        telex_control.params.ConfigError
+            It cannot be read or is wrong.
+        """
+        shipped = os.path.join(
+            rospkg.RosPack().get_path("telex_teleop"), "config", "bridge_rights.yaml"
+        )
+        return read_file(cls, path or shipped)
