@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 
 import pytest
 from bridge_bench import JOG, TWIST, Bench, Client
@@ -107,7 +108,7 @@ async def test_messages_that_do_not_fit_are_dropped_with_a_reason():
     client = Client(bench)
     client.say("advertise", topic="/v", type=TWIST)
     await bench.settle()
-    for msg in ({"linear": {"x": "fast"}}, {"linear": {"x": None}}, {"speed": 1}, 5):
+    for msg in ({"linear": {"x": "fast"}}, {"linear": None}, {"speed": 1}, 5):
         client.say("publish", topic="/v", msg=msg, id="bad")
         status = await client.hear()
         assert status["id"] == "bad"
@@ -117,6 +118,46 @@ async def test_messages_that_do_not_fit_are_dropped_with_a_reason():
     client.session.receive('{"op":"publish","topic":"/v","msg":{"linear":{"x":1e999}}}')
     assert "linear.x: the number is not finite" in (await client.hear())["msg"]
     assert bench.ros.published == []
+
+
+@on_loop
+async def test_null_is_nan_where_nothing_moves_by_it():
+    bench = Bench()
+    client = Client(bench)
+    for topic in ("/v", "v"):
+        client.say("advertise", topic=topic, type=TWIST)
+    await bench.settle()
+    client.say("publish", topic="/v", msg={"linear": {"x": None}})
+    ((topic, twist),) = bench.ros.published
+    assert (topic, math.isnan(twist.linear.x), twist.linear.y) == ("/v", True, 0.0)
+    client.say("publish", topic="v", msg={"linear": {"x": None}}, id="bad")
+    status = await client.hear()
+    said = "publish to /telex/v: a command holds null, which is no number to move by"
+    assert (status["id"], status["msg"]) == ("bad", said)
+    assert bench.control.holder is None
+    assert len(bench.ros.published) == 1
+    failed, why = await client.ask("switch", {"data": None})
+    assert (failed, why) == (False, "a command holds null, which is no number to move by")
+
+
+@on_loop
+async def test_a_topic_of_another_type_is_answered_at_once():
+    bench = Bench()
+    client = Client(bench)
+    client.say("advertise", topic="/v", type=TWIST)
+    client.say("advertise", topic="/v", type="std_msgs/String", id="a")
+    said = {"op": "status", "level": "error", "id": "a"}
+    reason = f"this client publishes /v as {TWIST}, not std_msgs/String"
+    assert await client.hear() == {**said, "msg": f"advertise: {reason}"}
+    client.say("subscribe", topic="/known")
+    await bench.settle()
+    client.say("subscribe", topic="/known", type="std_msgs/String")
+    client.say("subscribe", topic="/known", type=TWIST, id="a")
+    reason = f"this client hears /known as std_msgs/String, not {TWIST}"
+    assert await client.hear() == {**said, "msg": f"subscribe: {reason}"}
+    await bench.settle()
+    client.say("publish", topic="/v", msg={"linear": {"x": 1.0}})
+    assert len(bench.ros.published) == 1
 
 
 # What a client drove stops when it goes
@@ -399,7 +440,7 @@ async def test_rosapi():
     assert await ask("rosapi/topic_type", ["/absent"]) == (True, {"type": ""})
     services = (await ask("rosapi/services"))[1]["services"]
     assert {"/telex/switch", "/rosapi/get_time", "/telex/bridge/take_control"} <= set(services)
-    assert len(services) == len(set(services)) == 28
+    assert len(services) == len(set(services)) == 32
     kind = {"type": "std_srvs/SetBool"}
     assert await ask("rosapi/service_type", {"service": "/telex/switch"}) == (True, kind)
     assert await ask("rosapi/get_time") == (True, {"time": {"secs": 7, "nsecs": 8}})

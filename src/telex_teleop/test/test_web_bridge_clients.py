@@ -128,6 +128,7 @@ def test_roslib(outcomes, generation):
         "topic": ["one", "two", "three"],
         "service": [SWITCHED, "there is no service /no_lamp"],
         "offeredService": {"success": True, "message": name},
+        "hurriedService": 10,
         "parameter": [{"speed": 1.5}, None],
         "action": [True, f"did {name}"],
     }

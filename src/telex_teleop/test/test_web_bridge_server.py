@@ -198,9 +198,16 @@ async def test_who_must_know_a_token_needs_it():
 
 @on_loop
 async def test_no_more_clients_than_allowed():
-    bench = Bench(max_clients=1)
-    async with bench.served() as url, aiohttp.ClientSession() as http, http.ws_connect(url):
-        assert (await refusal(http, url))[0] == 503
+    bench = Bench(max_clients=3, reserved_clients=1)
+    async with bench.served() as url, aiohttp.ClientSession() as http:
+        teachers = f"{url}/?role=instructor"
+        async with http.ws_connect(url), http.ws_connect(url):
+            assert (await refusal(http, url))[0] == 503  # the last place is for an instructor
+            async with http.ws_connect(teachers):
+                assert (await refusal(http, teachers))[0] == 503
+        await becomes(lambda: not bench.bridge.control.members)
+        async with http.ws_connect(teachers), http.ws_connect(url), http.ws_connect(url):
+            assert (await refusal(http, url))[0] == 503
 
 
 @on_loop

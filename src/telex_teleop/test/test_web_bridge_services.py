@@ -140,6 +140,42 @@ async def test_services_of_other_nodes_cannot_be_taken_over():
     }
 
 
+@on_loop
+async def test_offering_calling_and_withdrawing_happen_in_their_order():
+    bench = Bench()
+    bench.ros.serving_takes = 0.05
+    client = Client(bench)
+    call = {"service": SWITCH["service"], "args": {"data": True}}
+    for number in range(10):
+        # No pause between them, as roslibjs's own tests have none.
+        client.say("advertise_service", **SWITCH)
+        client.say("call_service", **call, id=f"call {number}")
+        client.say("unadvertise_service", service=SWITCH["service"])
+        client.say("call_service", **call, id="too late")
+        asked = await client.hear()
+        assert asked["op"] == "call_service"
+        answer = {"values": {"success": True, "message": str(number)}, "result": True}
+        client.say("service_response", service=SWITCH["service"], id=asked["id"], **answer)
+        answered = await client.hear()
+        assert (answered["id"], answered["result"]) == (f"call {number}", True)
+        assert answered["values"]["message"] == str(number)
+        late = await client.hear()
+        assert (late["id"], late["values"]) == ("too late", "there is no service /mine/switch")
+    assert bench.ros.services_offered == {}
+
+
+@on_loop
+async def test_a_client_that_goes_takes_along_what_was_still_to_be_withdrawn():
+    bench = Bench()
+    client = await offered(bench)
+    client.say("call_service", service=SWITCH["service"], args={"data": True}, id="c")
+    client.say("unadvertise_service", service=SWITCH["service"])
+    assert (await client.hear())["op"] == "call_service"
+    client.session.close()
+    await bench.settle()
+    assert bench.ros.services_offered == {}
+
+
 # rosapi
 
 
@@ -164,6 +200,31 @@ async def test_the_graph_is_described():
     assert await ask("rosapi/publishers", ["/known"]) == (True, {"publishers": []})
     assert await ask("rosapi/has_param", ["limit"]) == (True, {"exists": True})
     assert await ask("rosapi/has_param", ["absent"]) == (True, {"exists": False})
+
+
+@on_loop
+async def test_who_offers_a_service_and_where():
+    bench = Bench()
+    client = Client(bench)
+    own = {"service": "/rosapi/topics"}
+    assert await client.ask("rosapi/service_node", ["/telex/switch"]) == (
+        True,
+        {"node": "/telex/lamp"},
+    )
+    assert (await client.ask("rosapi/service_node", own))[1] == {"node": "/telex/rosbridge"}
+    assert (await client.ask("rosapi/service_node", ["/absent"]))[1] == {"node": ""}
+    assert (await client.ask("rosapi/service_host", ["switch"]))[1] == {"host": "lamp.example"}
+    assert (await client.ask("rosapi/service_host", own))[1] == {"host": "bridge.example"}
+    assert (await client.ask("rosapi/service_host", ["/absent"]))[1] == {"host": ""}
+    kinds = {"std_srvs/SetBool": ["/telex/lamp"], "rosapi/Topics": ["/telex/rosbridge"]}
+    for kind, nodes in {**kinds, "std_srvs/Empty": []}.items():
+        answer = await client.ask("rosapi/service_providers", {"service": kind})
+        assert answer == (True, {"providers": nodes})
+    bench.ros.params["/rosdistro"] = "noetic\n"
+    answer = await client.ask("rosapi/get_ros_version")
+    assert answer == (True, {"version": 1, "distro": "noetic"})
+    kind = (await client.ask("rosapi/service_type", ["/rosapi/get_ros_version"]))[1]
+    assert kind == {"type": "rosapi/GetROSVersion"}
 
 
 @on_loop

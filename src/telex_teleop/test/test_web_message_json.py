@@ -62,7 +62,8 @@ def test_integers_are_taken_for_floats():
         (String, {"data": 1}, "data: expected a string, got an integer"),
         (String, {"data": "\ud800"}, "data: the string holds half of a surrogate pair"),
         (Twist, {"linear": {"x": "1"}}, "linear.x: expected a number, got a string"),
-        (Twist, {"linear": {"x": None}}, "linear.x: expected a number, got null"),
+        (Twist, {"linear": None}, "linear: expected an object, got null"),
+        (String, {"data": None}, "data: expected a string, got null"),
         (Twist, {"linear": {"x": True}}, "linear.x: expected a number, got a boolean"),
         (Twist, {"linear": {"x": math.inf}}, "linear.x: the number is not finite"),
         (Twist, {"linear": {"x": math.nan}}, "linear.x: the number is not finite"),
@@ -71,7 +72,7 @@ def test_integers_are_taken_for_floats():
         (Twist, {"linear": [1, 2, 3]}, "linear: expected an object, got a list"),
         (Twist, {"speed": 1}, "speed: geometry_msgs/Twist has no such field; its fields are"),
         (Twist, 7, "expected an object, got an integer"),
-        (JointState, {"position": [0, None]}, "position[1]: expected a number, got null"),
+        (JointState, {"name": ["a", None]}, "name[1]: expected a string, got null"),
         (JointState, {"position": 1}, "position: expected a list, got an integer"),
         (PoseArray, {"poses": [{}, {"position": {"z": ""}}]}, "poses[1].position.z: expected"),
         (CameraInfo, {"K": [1.0]}, "K: expected 9 elements, got 1"),
@@ -95,6 +96,9 @@ def test_numbers_that_are_not_finite_go_out_as_null():
     assert write(state)["position"] == [1.0, None, None]
     assert write(Float32(math.inf)) == {"data": None}
     json.dumps(write(state), allow_nan=False)
+    came_back = read(JointState, write(state)).position
+    assert came_back[0] == 1.0
+    assert all(map(math.isnan, came_back[1:]))
 
 
 def test_bytes_are_base64_and_signed_bytes_a_list():

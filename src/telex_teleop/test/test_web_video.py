@@ -361,7 +361,9 @@ def test_pages(bench):
 def test_the_console_is_told_where_everything_is(bench):
     async def check():
         async with bench.served() as url, aiohttp.ClientSession() as http:
-            config = await (await http.get(f"{url}/config.json")).json()
+            reply = await http.get(f"{url}/config.json")
+            assert reply.headers["Access-Control-Allow-Origin"] == "*"
+            config = await reply.json()
             assert config == {
                 "namespace": "/telex",
                 "rosbridge": None,

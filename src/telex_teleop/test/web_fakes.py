@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import threading
+import time
 
 import genpy
 from std_srvs.srv import SetBoolResponse
@@ -86,6 +87,7 @@ class FakeRos:
         self.services_offered = {}
         self.params = {"/telex/limit": 1.5, "/nan": float("nan")}
         self.crashed = set()
+        self.serving_takes = 0.0
         self.expected = 0
         self.connected = 0
         self.action_ready = True
@@ -120,6 +122,15 @@ class FakeRos:
     def services(self):
         return ["/telex/switch"]
 
+    def service_nodes(self, service):
+        return ["/telex/lamp"] if service == "/telex/switch" else []
+
+    def service_host(self, service):
+        return "lamp.example" if service == "/telex/switch" else ""
+
+    def own_host(self):
+        return "bridge.example"
+
     def publishers(self, topic):
         return []
 
@@ -141,10 +152,13 @@ class FakeRos:
         return lambda: self.events.append(("unsubscribe", topic))
 
     def service_type(self, service):
-        return "std_srvs/SetBool" if service == "/telex/switch" else None
+        known = service == "/telex/switch" or service in self.services_offered
+        return "std_srvs/SetBool" if known else None
 
     def call_service(self, service, service_class, request):
         self.release_service.wait(5.0)
+        if service in self.services_offered:
+            return self.services_offered[service](request)
         if request.data:
             return SetBoolResponse(success=True, message="on")
         raise OperationError("it is broken")
@@ -152,6 +166,7 @@ class FakeRos:
     def serve(self, service, service_class, answer):
         if service == "/telex/switch":
             raise OperationError(f"{service} is offered by /telex/lamp already")
+        time.sleep(self.serving_takes)
         self.services_offered[service] = answer
         return lambda: self.services_offered.pop(service)
 

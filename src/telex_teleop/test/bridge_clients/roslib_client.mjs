@@ -67,6 +67,22 @@ async function offeredService(ros) {
   return { ...answer };
 }
 
+/** As roslibjs's own tests do: no pause between offering, calling and withdrawing. */
+async function hurriedService(ros) {
+  const options = { ros, name: `/${name}/hurried`, serviceType: "std_srvs/SetBool" };
+  let answered = 0;
+  for (let round = 0; round < 10; round += 1) {
+    const server = new ROSLIB.Service(options);
+    await server.advertise((_, response) => {
+      response.success = true;
+      return true;
+    });
+    if ((await call(ros, options.name, { data: false })).success) answered += 1;
+    await server.unadvertise();
+  }
+  return answered;
+}
+
 async function parameter(ros) {
   const param = new ROSLIB.Param({ ros, name: `/${name}/limits` });
   await new Promise((resolve) => param.set({ speed: 1.5 }, resolve));
@@ -112,7 +128,7 @@ async function action(ros) {
 
 const ros = await connect();
 const outcome = {};
-for (const step of [topic, service, offeredService, parameter, graph, action]) {
+for (const step of [topic, service, offeredService, hurriedService, parameter, graph, action]) {
   const late = new Promise((_, reject) => setTimeout(reject, TIMEOUT, new Error(`${step.name} hangs`)));
   outcome[step.name] = await Promise.race([step(ros), late]);
 }

@@ -129,7 +129,7 @@ class Rosbridge:
         except ForbiddenError as error:
             self._warn(f"refused {request.remote}: {error}")
             return web.Response(status=error.status, text=f"{error}\n")
-        if len(self._sockets) >= self._config.max_clients:
+        if not self._has_place(instructor=instructor):
             self._warn(f"refused {request.remote}: {len(self._sockets)} clients are connected")
             return web.Response(status=503, text="The bridge has as many clients as it may.\n")
         websocket = new_websocket(self._config.ping_interval, self._config.max_message_size)
@@ -150,6 +150,13 @@ class Rosbridge:
             sender.cancel()
             session.close()
         return websocket
+
+    def _has_place(self, *, instructor: bool) -> bool:
+        """Tell whether one more client may connect: operators leave some places to instructors."""
+        if len(self._sockets) >= self._config.max_clients:
+            return False
+        operators = sum(not member.instructor for member in self.control.members)
+        return instructor or operators < self._config.max_clients - self._config.reserved_clients
 
     def _make_session(
         self,

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict
+import asyncio
+from typing import Any, Callable, Dict, Optional
 
 from .link import Link
+from .offering import Offering
 from .operations import Operation, OperationError
 from .services import Caller, ServiceDesk
 
@@ -18,15 +20,30 @@ class Calling:
         Answers them.
     caller
         Who calls.
+    offering
+        What the client itself offers.
+    resolve
+        Gives a name its global form.
     limit
         How many may be under way.
     link
         The client.
     """
 
-    def __init__(self, desk: ServiceDesk, caller: Caller, limit: int, link: Link) -> None:
+    def __init__(
+        self,
+        desk: ServiceDesk,
+        caller: Caller,
+        *,
+        offering: Offering,
+        resolve: Callable[[str], str],
+        limit: int,
+        link: Link,
+    ) -> None:
         self._desk = desk
         self._caller = caller
+        self._offering = offering
+        self._resolve = resolve
         self._limit = limit
         self._link = link
         self._under_way = 0
@@ -38,11 +55,22 @@ class Calling:
             answer = f"{self._under_way} service calls of this client are under way already"
             self._respond(operation, service, answer, succeeded=False)
             return
-        self._under_way += 1
-        self._link.start(self._answer(operation, service))
-
-    async def _answer(self, operation: Operation, service: str) -> None:
         try:
+            name = self._resolve(service)
+        except OperationError as error:
+            self._respond(operation, service, str(error), succeeded=False)
+            return
+        before_it = self._offering.turn(name)
+        self._under_way += 1
+        call = self._link.start(self._answer(operation, service, before_it))
+        self._offering.note_call(name, call)
+
+    async def _answer(
+        self, operation: Operation, service: str, before_it: Optional[asyncio.Task[None]]
+    ) -> None:
+        try:
+            if before_it is not None:
+                await asyncio.wait([before_it])
             values = await self._desk.call(service, operation.get("args"), self._caller)
         except OperationError as error:
             self._respond(operation, service, str(error), succeeded=False)

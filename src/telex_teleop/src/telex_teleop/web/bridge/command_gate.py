@@ -8,6 +8,7 @@ import genpy
 
 from .access import Access
 from .control import Control, ControlError, Member
+from .message_json import holds_null
 from .operations import OperationError
 from .stop import kind_of
 
@@ -121,6 +122,11 @@ class CommandGate:
         """Raise CommandRefusedError unless the client may set or delete a parameter now."""
         self._access.check("set", name)
         self._admit("set", name)
+
+    def check_numbers(self, use: str, name: str, value: Any) -> None:
+        """Raise OperationError for a command that holds a null, which would become a NaN."""
+        if self._access.is_command(use, name) and holds_null(value):
+            raise OperationError("a command holds null, which is no number to move by")
 
     def _admit(self, use: str, name: str) -> None:
         if not self._access.needs_control(use, name):

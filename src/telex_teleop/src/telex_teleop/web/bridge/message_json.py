@@ -6,7 +6,7 @@ A plan of conversions is made once per message class and kept: one function per 
 |---|---|
 | bool, string | true/false, string |
 | integers | number without a fraction; a float is refused |
-| float32, float64 | number; NaN and infinities go out as null and are refused when they come in |
+| float32, float64 | number; NaN and infinities go out as null, which comes in as NaN |
 | time, duration | {"secs", "nsecs"}; for a time that comes in, "now" as well |
 | uint8[], char[] | base64 string; a list of integers is accepted, too |
 | other arrays | list |
@@ -142,6 +142,13 @@ class MessageCodec:
         return message
 
 
+def holds_null(value: Any) -> bool:
+    """Tell whether a JSON value holds a null; if it has become a message, that one holds a NaN."""
+    if isinstance(value, dict):
+        value = list(value.values())
+    return value is None or (isinstance(value, list) and any(map(holds_null, value)))
+
+
 _codecs: Dict[Type[genpy.Message], MessageCodec] = {}
 
 
@@ -233,6 +240,8 @@ def _decode_integer(kind: str, low: int, high: int, value: Any, _now: Optional[N
 
 
 def _decode_float(maximum: float, value: Any, _now: Now) -> float:
+    if value is None:
+        return math.nan
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise FieldError(f"expected a number, got {_kind(value)}")
     try:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import asyncio
 import concurrent.futures
 import functools
-from typing import Any, Callable, Dict, Optional
+import itertools
+from typing import Any, Callable, Coroutine, Dict, Iterator, Optional, Set
 
 import genpy
 
@@ -39,6 +40,13 @@ class OfferedService:
         Time (s) that the client gets to answer.
     link
         The client.
+    numbers
+        Of calls; no two calls of a client get the same one.
+
+    Attributes
+    ----------
+    own_calls
+        Calls of it by the client itself that are under way.
     """
 
     def __init__(
@@ -50,6 +58,7 @@ class OfferedService:
         worker: OrderedWorker,
         timeout: float,
         link: Link,
+        numbers: Iterator[int],
     ) -> None:
         self.name = name
         self._spelled = spelled
@@ -57,10 +66,11 @@ class OfferedService:
         self._worker = worker
         self._timeout = timeout
         self._link = link
+        self._numbers = numbers
         self._loop = asyncio.get_running_loop()
         self._withdraw: Optional[Callable[[], None]] = None
         self._closed = False
-        self._calls = 0
+        self.own_calls: Set[asyncio.Task[None]] = set()
         self._pending: Dict[str, concurrent.futures.Future[Any]] = {}
         self._request_codec: Optional[MessageCodec] = None
         self._response_codec: Optional[MessageCodec] = None
@@ -95,8 +105,7 @@ class OfferedService:
         if len(self._pending) >= MAX_PENDING:
             answer.set_exception(OperationError(f"{MAX_PENDING} calls of {self.name} wait already"))
             return
-        self._calls += 1
-        call_id = f"call_service:{self.name}:{self._calls}"
+        call_id = f"call_service:{self.name}:{next(self._numbers)}"
         self._pending[call_id] = answer
         answer.add_done_callback(lambda _: self._forget_soon(call_id))
         self._link.reply(
@@ -137,6 +146,10 @@ class OfferedService:
             answer.set_exception(OperationError(f"{self.name} gave a wrong answer: {error}"))
             raise OperationError(str(error)) from None
 
+    def waits_for(self, call_id: object) -> bool:
+        """Tell whether a call of this id waits for its answer."""
+        return call_id in self._pending
+
     def close(self) -> None:
         """Withdraw it; calls that wait fail at once."""
         self._closed = True
@@ -152,6 +165,9 @@ class OfferedService:
 
 class Offering:
     """All services that one client offers.
+
+    What it asks of one service happens in the order in which it asks: a service that it offers and
+    calls at once is called when it is there, and withdrawn when that call has been answered.
 
     Parameters
     ----------
@@ -174,6 +190,9 @@ class Offering:
         self._access = access
         self._link = link
         self._services: Dict[str, Held[OfferedService]] = {}
+        self._leaving: Set[OfferedService] = set()
+        self._turns: Dict[str, asyncio.Task[None]] = {}
+        self._numbers = itertools.count(1)
 
     def advertise(self, operation: Operation) -> None:
         """Offer a service; one of the same name that the client offers already is replaced."""
@@ -183,9 +202,9 @@ class Offering:
         self._access.check("serve", name)
         before = self._services.pop(name, None)
         if before is not None:
-            before.close()
+            self._withdraw(name, before)
         limit = self._config.max_services
-        if len(self._services) >= limit:
+        if len(self._services) >= limit or len(self._leaving) > limit:
             raise OperationError(f"a client may offer {limit} services at most")
         service = OfferedService(
             name,
@@ -194,12 +213,52 @@ class Offering:
             worker=self._worker,
             timeout=self._config.service_timeout,
             link=self._link,
+            numbers=self._numbers,
         )
         forget = functools.partial(self._forget, name, service)
-        task = self._link.start(
-            self._link.open(functools.partial(service.open, type_name), operation, forget)
-        )
+        before_it = self.turn(name)
+
+        async def open_in_turn() -> None:
+            await _ended(before_it)
+            await service.open(type_name)
+
+        task = self._take_turn(name, self._link.open(open_in_turn, operation, forget))
         self._services[name] = Held(service, task)
+
+    def turn(self, name: str) -> Optional[asyncio.Task[None]]:
+        """Return what the client has asked of a service last, if that has not happened yet."""
+        return self._turns.get(name)
+
+    def note_call(self, name: str, call: asyncio.Task[None]) -> None:
+        """Remember a call by the client; if it offers that service, it goes on until then."""
+        held = self._services.get(name)
+        if held is not None:
+            calls = held.thing.own_calls
+            calls.add(call)
+            call.add_done_callback(calls.discard)
+
+    def _take_turn(self, name: str, work: Coroutine[Any, Any, None]) -> asyncio.Task[None]:
+        task = self._turns[name] = self._link.start(work)
+
+        def forget(_: asyncio.Task[None]) -> None:
+            if self._turns.get(name) is task:
+                del self._turns[name]
+
+        task.add_done_callback(forget)
+        return task
+
+    def _withdraw(self, name: str, held: Held[OfferedService]) -> None:
+        """End a service, after what the client has asked of it so far."""
+        service, before_it = held.thing, self.turn(name)
+        self._leaving.add(service)
+
+        async def leave() -> None:
+            await _ended(before_it, *service.own_calls)
+            self._leaving.discard(service)
+            service.close()
+            await self._worker.submit(lambda: None)
+
+        self._take_turn(name, leave())
 
     def _forget(self, name: str, service: OfferedService) -> None:
         held = self._services.get(name)
@@ -212,18 +271,30 @@ class Offering:
         held = self._services.pop(name, None)
         if held is None:
             raise OperationError(f"{name} has not been advertised")
-        held.close()
+        self._withdraw(name, held)
 
     def respond(self, operation: Operation) -> None:
         """Take the answer to a call."""
         name = self._ros.resolve(operation.text("service"))
         held = self._services.get(name)
-        if held is None:
+        services = [held.thing] if held is not None else []
+        services += [service for service in self._leaving if service.name == name]
+        if not services:
             raise OperationError(f"{name} has not been advertised")
+        asked = (service for service in services if service.waits_for(operation.id))
         succeeded = operation.get("result") is not False
-        held.thing.respond(operation.id, operation.get("values"), succeeded=succeeded)
+        next(asked, services[0]).respond(operation.id, operation.get("values"), succeeded=succeeded)
 
     def close(self) -> None:
         """Withdraw all of them."""
         while self._services:
             self._services.popitem()[1].close()
+        while self._leaving:
+            self._leaving.pop().close()
+
+
+async def _ended(*tasks: Optional[asyncio.Task[None]]) -> None:
+    """Wait until tasks have ended, however they do."""
+    running = [task for task in tasks if task is not None]
+    if running:
+        await asyncio.wait(running)

@@ -60,6 +60,8 @@ class Publication:
     ----------
     topic
         Global name.
+    type_name
+        What the client says its type is; None if it does not.
     latch
         Whether the last message is kept for subscribers to come.
     queue_size
@@ -81,6 +83,7 @@ class Publication:
     def __init__(
         self,
         topic: str,
+        type_name: Optional[str],
         *,
         latch: bool,
         queue_size: int,
@@ -102,6 +105,7 @@ class Publication:
         self._clock = clock
         self._report = report
         self._publisher: Optional[SharedPublisher] = None
+        self._asked_type = type_name
         self._ready = False
         self._last: Optional[SharedPublisher] = None
         self._held: Deque[Outgoing] = collections.deque(maxlen=MAX_HELD)
@@ -109,17 +113,18 @@ class Publication:
         self._stop: Optional[genpy.Message] = None
         self._goals: Optional[Goals] = None
 
-    async def open(
-        self, type_name: Optional[str], connect_timeout: float, action_timeout: float
-    ) -> None:
+    @property
+    def type_name(self) -> Optional[str]:
+        """Type of its messages; None as long as nobody has told it."""
+        return self._asked_type if self._publisher is None else self._publisher.codec.type_name
+
+    async def open(self, connect_timeout: float, action_timeout: float) -> None:
         """Get the publisher, wait for its subscribers, send what has waited.
 
         For goals of an action this goes on until it is cancelled: each goal may have to wait.
 
         Parameters
         ----------
-        type_name
-            What the client says the topic's type is; None if it does not.
         connect_timeout
             Longest time (s) that messages wait for subscribers.
         action_timeout
@@ -131,7 +136,7 @@ class Publication:
             The topic cannot be published with this type.
         """
         self._publisher = await self._pool.acquire(
-            self.topic, type_name, latch=self._latch, queue_size=self._queue_size
+            self.topic, self._asked_type, latch=self._latch, queue_size=self._queue_size
         )
         if Goals.go_to(self.topic) and is_goal_type(self._publisher.codec.type_name):
             self._goals = Goals(self.topic, self._client, self._pool, self._ros)
@@ -172,6 +177,7 @@ class Publication:
         try:
             value = {} if outgoing.value is None else outgoing.value
             message = publisher.codec.from_json(value, self._ros.now)
+            self._gate.check_numbers("publish", self.topic, value)
             if message._type in _NAMES_CLIENT:
                 message.client = self._client
             age = None if outgoing.sent is None else outgoing.received - outgoing.sent

@@ -88,6 +88,9 @@ class Publishing:
         held = self._publications.get(topic)
         if held is None:
             held = self._begin(topic, type_name, operation)
+        known = held.thing.type_name
+        if known not in (None, type_name):
+            raise OperationError(f"this client publishes {topic} as {known}, not {type_name[:80]}")
         limit = self._config.max_subscriptions
         if operation.id not in held.thing.ids and len(held.thing.ids) >= limit:
             raise OperationError(f"a client may advertise a topic {limit} times at most")
@@ -131,6 +134,7 @@ class Publishing:
             raise OperationError(f"a client may publish {limit} topics at most")
         publication = Publication(
             topic,
+            type_name,
             latch=operation.flag("latch"),
             queue_size=self._config.depth(operation.count("queue_size", DEFAULT_QUEUE_SIZE)),
             pool=self._pool,
@@ -146,7 +150,7 @@ class Publishing:
             publication.close()
 
         opening = functools.partial(
-            publication.open, type_name, self._config.connect_timeout, self._config.action_timeout
+            publication.open, self._config.connect_timeout, self._config.action_timeout
         )
         task = self._link.start(self._link.open(opening, operation, forget))
         held = self._publications[topic] = Held(publication, task)

@@ -57,6 +57,15 @@ class Ros(Protocol):
     def services(self) -> List[str]:
         """Return all services."""
 
+    def service_nodes(self, service: str) -> List[str]:
+        """Return the nodes that offer a service."""
+
+    def service_host(self, service: str) -> str:
+        """Return the host at which a service is offered, empty if there is no such service."""
+
+    def own_host(self) -> str:
+        """Return the host at which others reach this node; does not block."""
+
     def publishers(self, topic: str) -> List[str]:
         """Return the nodes that publish a topic."""
 

@@ -132,6 +132,21 @@ class RosGraph:
         """Return all services."""
         return sorted(name for name, _ in self._master().getSystemState()[2])
 
+    def service_nodes(self, service: str) -> List[str]:
+        """Return the nodes that offer a service."""
+        return sorted(dict(self._master().getSystemState()[2]).get(service, []))
+
+    def service_host(self, service: str) -> str:
+        """Return the host at which a service is offered, empty if there is no such service."""
+        try:
+            return urllib.parse.urlsplit(self._master().lookupService(service)).hostname or ""
+        except rosgraph.MasterError:
+            return ""
+
+    def own_host(self) -> str:
+        """Return the host at which others reach this node."""
+        return str(rosgraph.network.get_host_name())
+
     def publishers(self, topic: str) -> List[str]:
         """Return the nodes that publish a topic."""
         return sorted(dict(self._master().getSystemState()[0]).get(topic, []))

@@ -69,6 +69,9 @@ class RosApi:
             "services": Question(lambda _: {"services": self._services()}),
             "service_type": Question(self._service_type, ("service",)),
             "services_for_type": Question(self._services_for_type, ("type",)),
+            "service_node": Question(self._service_node, ("service",)),
+            "service_host": Question(self._service_host, ("service",)),
+            "service_providers": Question(self._service_providers, ("service",)),
             "message_details": Question(self._message_details, ("type",)),
             "service_request_details": Question(self._request_details, ("type",)),
             "service_response_details": Question(self._response_details, ("type",)),
@@ -88,6 +91,7 @@ class RosApi:
                 changed=lambda arguments: self._spellings(_name(arguments, "name")),
             ),
             "get_param_names": Question(lambda _: {"names": self._param_names()}),
+            "get_ros_version": Question(lambda _: self._version()),
             "get_time": Question(lambda _: self._time(), immediate=True),
         }
         self._own_services = {
@@ -164,6 +168,30 @@ class RosApi:
         wanted = _name(arguments, "type")
         found = [name for name in self._services() if self._type_of_service(name) == wanted]
         return {"services": found}
+
+    def _nodes_of_service(self, service: str) -> List[str]:
+        if service in self._own_services:
+            return [self._ros.resolve("~").rstrip("/")]
+        return self._ros.service_nodes(service)
+
+    def _service_node(self, arguments: Arguments) -> Dict[str, Any]:
+        names = self._spellings(_name(arguments, "service"))
+        nodes = (node for name in names for node in self._nodes_of_service(name))
+        return {"node": next(nodes, "")}
+
+    def _service_host(self, arguments: Arguments) -> Dict[str, Any]:
+        names = self._spellings(_name(arguments, "service"))
+        if any(name in self._own_services for name in names):
+            return {"host": self._ros.own_host()}
+        return {"host": next(filter(None, map(self._ros.service_host, names)), "")}
+
+    def _service_providers(self, arguments: Arguments) -> Dict[str, Any]:
+        """Return the nodes that offer services of a type, which is in the field `service`."""
+        wanted = _name(arguments, "service")
+        found = (name for name in self._services() if self._type_of_service(name) == wanted)
+        return {
+            "providers": sorted({node for name in found for node in self._nodes_of_service(name)})
+        }
 
     def _message_details(self, arguments: Arguments) -> Dict[str, Any]:
         return {"typedefs": type_details(message_class(_name(arguments, "type")))}
@@ -247,6 +275,13 @@ class RosApi:
             return {}
         raise OperationError(f"the parameter {arguments['name']} is not set")
 
+    def _version(self) -> Dict[str, Any]:
+        try:
+            distro = str(self._ros.get_param("/rosdistro")).strip()
+        except KeyError:
+            distro = ""
+        return {"version": 1, "distro": distro}
+
     def _time(self) -> Dict[str, Any]:
         now = self._ros.now()
         return {"time": {"secs": now.secs, "nsecs": now.nsecs}}
@@ -261,8 +296,9 @@ class RosApi:
 
 def _type_of(question: str) -> str:
     """Return the type that rosapi gives to one of its services."""
-    if question == "action_servers":
-        return "rosapi/GetActionServers"
+    unlike = {"action_servers": "GetActionServers", "get_ros_version": "GetROSVersion"}
+    if question in unlike:
+        return f"rosapi/{unlike[question]}"
     return "rosapi/" + "".join(part.capitalize() for part in question.split("_"))
 
 

@@ -84,7 +84,9 @@ class ServiceDesk:
             fields = self._control.fields_of(service)
             if fields is not None:
                 return self._control.answer(service, caller.member, _as_object(arguments, fields))
-            caller.gate.admit_call(self._ros.resolve(service))
+            name = self._ros.resolve(service)
+            caller.gate.admit_call(name)
+            caller.gate.check_numbers("call", name, arguments or {})
             # A service may take its time, so each call has a thread of its own.
             answer = in_own_thread(lambda: self._call_ros(service, arguments))
             return await asyncio.wait_for(answer, self._timeout)

@@ -80,10 +80,15 @@ class ClientSession:
             link=self._link,
             send=outbox.put_message,
         )
-        self._calling = Calling(
-            shared.services, Caller(member, gate), config.max_service_calls, self._link
-        )
         self._offering = Offering(config, ros, shared.worker, access, self._link)
+        self._calling = Calling(
+            shared.services,
+            Caller(member, gate),
+            offering=self._offering,
+            resolve=ros.resolve,
+            limit=config.max_service_calls,
+            link=self._link,
+        )
         self._operations: Dict[str, Callable[[Operation], None]] = {
             "advertise": self._publishing.advertise,
             "unadvertise": self._publishing.unadvertise,

@@ -63,6 +63,9 @@ class Subscribing:
         held = self._subscriptions.get(spelled)
         if held is None:
             held = self._begin(topic, spelled, type_name, operation)
+        known = held.thing.type_name
+        if type_name is not None and known not in (None, type_name):
+            raise OperationError(f"this client hears {topic} as {known}, not {type_name[:80]}")
         if not held.thing.add(operation.id, wish, self._config.max_subscriptions):
             limit = self._config.max_subscriptions
             raise OperationError(f"a client may subscribe to a topic {limit} times at most")
@@ -89,9 +92,8 @@ class Subscribing:
         limit = self._config.max_subscriptions
         if len(self._subscriptions) >= limit:
             raise OperationError(f"a client may subscribe to {limit} topics at most")
-        subscription = Subscription(topic, spelled, feeds=self._feeds, send=self._send)
+        subscription = Subscription(topic, type_name, spelled, feeds=self._feeds, send=self._send)
         forget = functools.partial(self._subscriptions.pop, spelled, None)
-        opening = functools.partial(subscription.open, type_name)
-        task = self._link.start(self._link.open(opening, operation, forget))
+        task = self._link.start(self._link.open(subscription.open, operation, forget))
         held = self._subscriptions[spelled] = Held(subscription, task)
         return held

@@ -31,6 +31,8 @@ class Subscription:
     ----------
     topic
         Global name of the topic.
+    type_name
+        What the client says its type is; None if it does not.
     spelled
         The topic as the client spells it, which is how it expects to hear of it.
     feeds
@@ -39,8 +41,11 @@ class Subscription:
         Queues a message for the client.
     """
 
-    def __init__(self, topic: str, spelled: str, *, feeds: FeedPool, send: Send) -> None:
+    def __init__(
+        self, topic: str, type_name: Optional[str], spelled: str, *, feeds: FeedPool, send: Send
+    ) -> None:
         self._topic = topic
+        self._asked_type = type_name
         self._spelled = spelled
         self._feeds = feeds
         self._send = send
@@ -50,6 +55,11 @@ class Subscription:
         self._due = 0.0
         self._pending: Optional[TopicMessage] = None
         self._timer: Optional[asyncio.TimerHandle] = None
+
+    @property
+    def type_name(self) -> Optional[str]:
+        """Type of the messages; None as long as nobody has told it."""
+        return self._asked_type if self._feed is None else self._feed.codec.type_name
 
     @property
     def wanted(self) -> bool:
@@ -73,7 +83,7 @@ class Subscription:
         """Withdraw the wish of one id."""
         self._wishes.pop(subscription_id, None)
 
-    async def open(self, type_name: Optional[str]) -> None:
+    async def open(self) -> None:
         """Begin to listen.
 
         Raises
@@ -81,7 +91,7 @@ class Subscription:
         OperationError
             The type does not fit the topic, is unknown, or is missing.
         """
-        self._feed = await self._feeds.join(self._topic, type_name, self)
+        self._feed = await self._feeds.join(self._topic, self._asked_type, self)
 
     def deliver(self, message: TopicMessage) -> None:
         """Send a message now, or when it is due."""

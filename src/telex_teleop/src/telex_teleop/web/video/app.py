@@ -219,7 +219,8 @@ class VideoServer:
             "thumbnail_rate": self._config.thumbnail_rate,
             "thumbnail_width": self._config.thumbnail_width,
         }
-        return web.json_response(config)
+        # As /snapshot: a page of one's own, from wherever it came, asks here for the rest.
+        return web.json_response(config, headers={"Access-Control-Allow-Origin": "*"})
 
     async def console_file(self, request: web.Request) -> web.StreamResponse:
         """Send a file of the console."""
