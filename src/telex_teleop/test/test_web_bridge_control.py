@@ -273,7 +273,7 @@ async def test_what_is_said_once_is_not_lost_while_its_publisher_connects():
 
 
 def test_age_is_told_by_the_quickest_message():
-    age = CommandAge()
+    age = CommandAge(0.15, 1.0)
     assert age.of(100.0, 7.0) == 0.0
     assert age.of(100.02, 7.05) == pytest.approx(0.03, abs=1e-4)
     assert age.of(101.0, 7.9) == 0.0  # quicker by 0.1 s: the first was slow itself
@@ -281,7 +281,7 @@ def test_age_is_told_by_the_quickest_message():
 
 
 def test_a_burst_after_a_gap_is_old():
-    age = CommandAge()
+    age = CommandAge(0.15, 1.0)
     for tick in range(50):
         age.of(0.02 * tick, 10.0 + 0.02 * tick)
     held_up = [age.of(1.0 + 0.02 * tick, 13.0) for tick in range(50)]
@@ -289,10 +289,131 @@ def test_a_burst_after_a_gap_is_old():
     assert held_up[-1] == pytest.approx(1.02, abs=0.01)
 
 
+class Line:
+    """A client whose messages take a while, and what the bridge makes of them."""
+
+    def __init__(self):
+        self.age = CommandAge(0.15, 1.0)
+        self.now = 100.0  # s, on the client's clock
+        self.free = 0.0  # when the line has carried all that was sent before
+        self.told = []
+
+    def _send(self, delay, *, command):
+        arrival = max(self.now + delay, self.free) + 900.0  # the clocks need not agree
+        self.free = arrival - 900.0
+        self.told.append((self.now, self.age.of(self.now, arrival)))
+        if command:
+            self.age.note_command(self.told[-1][1], arrival)
+
+    def press(self, duration, delay):
+        """Send commands for a while (s); return the ages of those."""
+        first = len(self.told)
+        end = self.now + duration
+        while self.now < end:
+            self._send(delay, command=True)
+            self.now += 0.02
+        return [age for _, age in self.told[first:]]
+
+    def rest(self, duration, delay, ping=0.5):
+        end = self.now + duration
+        while self.now + ping <= end:
+            self.now += ping
+            self._send(delay, command=False)
+        self.now = end
+
+    def obeyed_after(self, ages):
+        """Return the time (s) after which all of a press is obeyed."""
+        late = [index for index, age in enumerate(ages) if age > 0.15]
+        return 0.02 * (late[-1] + 1) if late else 0.0
+
+
+@pytest.mark.parametrize("pings", [0.5, 1e9])
+@pytest.mark.parametrize("slower", [0.2, 0.35, 0.9])
+def test_a_line_that_has_become_slower_is_learnt_once_keys_were_pressed_anew(pings, slower):
+    line = Line()
+    line.press(1.0, 0.01)
+    held = line.press(20.0, 0.01 + slower)
+    assert min(held) > 0.15  # however long the key is held
+    line.rest(0.32, 0.01 + slower, pings)
+    assert line.obeyed_after(line.press(2.0, 0.01 + slower)) < 0.6
+    assert line.age.slower == pytest.approx(slower, abs=0.02)
+    assert max(line.press(0.2, 0.01 + slower + 0.3)) > 0.15  # and now this is late
+    line.press(2.0, 0.01)
+    assert line.age.slower < 0.001
+    assert max(line.press(0.5, 0.01 + slower)) > 0.15
+
+
+def test_a_line_that_has_become_slower_in_a_pause_is_learnt_by_pings():
+    line = Line()
+    line.press(1.0, 0.01)
+    line.rest(2.0, 0.4)
+    assert max(line.press(1.0, 0.4)) < 0.15
+
+
+def test_a_line_that_is_too_slow_is_never_learnt():
+    line = Line()
+    line.press(1.0, 0.01)
+    for _ in range(3):
+        line.rest(2.0, 1.2)
+        assert min(line.press(2.0, 1.2)) > 0.15
+
+
+@pytest.mark.parametrize("gap", [0.4, 1.0, 3.0])
+@pytest.mark.parametrize("drain", [0.0, 0.005, 0.01])
+def test_what_a_gap_held_up_is_never_obeyed(gap, drain):
+    """However the operator taps meanwhile, and however fast the queue is emptied afterwards."""
+    line = Line()
+    line.press(1.0, 0.01)
+    begins, ends = line.now, line.now + gap
+    while line.now < ends + 3.0:
+        for _ in range(8):  # taps of 0.16 s with 0.36 s between them
+            behind = max(0.0, ends - line.now) if line.now >= begins else 0.0
+            line.free += drain
+            line._send(0.01 + behind, command=True)
+            line.now += 0.02
+        line.now += 0.36
+    for sent, age in line.told:
+        if begins <= sent < ends - 0.2:
+            assert age > 0.15
+
+
 def test_clocks_that_drift_apart_do_not_make_commands_old():
-    age = CommandAge()
+    age = CommandAge(0.15, 1.0)
     drifting = [age.of(second * 0.9998, float(second)) for second in range(7200)]
     assert max(drifting) < 0.001
+
+
+@on_loop
+async def test_the_page_is_told_when_a_slower_line_counts():
+    bench = Bench(max_command_age=0.15)
+    client = await driver(bench)
+    client.say("set_level", level="warning")
+    loop = asyncio.get_running_loop()
+
+    def send(op, late, **fields):
+        client.say(op, sent=(loop.time() - late) * 1000.0, **fields)
+
+    async def press(duration, late):
+        end = loop.time() + duration
+        while loop.time() < end:
+            send("publish", late, topic=DRIVE, msg=AHEAD)
+            await asyncio.sleep(0.02)
+
+    await press(0.1, 0.0)
+    obeyed = len(driven(bench))
+    await press(0.1, 0.35)
+    status = (await client.hear())["msg"]
+    assert "the command came 0.35 s late; 0.15 s are allowed. Let go, and press anew" in status
+    assert len(driven(bench)) == obeyed
+    await asyncio.sleep(0.35)
+    await press(0.6, 0.35)
+    said = [(await client.hear())["msg"] for _ in range(len(client.outbox))]
+    assert said[-2:] == [
+        "commands came late, and will count again when the line is steady",
+        "the line has become slower, by 0.35 s; commands count again",
+    ]
+    assert len(driven(bench)) > obeyed
+    assert bench.control.holder is client.member
 
 
 # What stops

@@ -112,6 +112,7 @@ class RosbridgeConfig:
     plain: bool = False
     e_stop_topic: str = "e_stop"
     max_command_age: float = 0.15
+    max_learned_delay: float = 1.0
     max_clients: int = 64
     reserved_clients: int = 4
     max_message_size: int = 1048576
@@ -137,6 +138,7 @@ class RosbridgeConfig:
         )
         require_text(self, "e_stop_topic")
         require_range(self, "max_command_age", 0.01, 60.0)
+        require_range(self, "max_learned_delay", 0.0, 60.0)
         require_range(self, "max_clients", 1, 10000)
         require_range(self, "reserved_clients", 0, self.max_clients - 1)
         require_range(self, "max_services", 1, 10000)

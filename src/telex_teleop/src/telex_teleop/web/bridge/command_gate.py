@@ -7,17 +7,19 @@ from typing import Any, Callable, Dict, Optional, Tuple
 import genpy
 
 from .access import Access
+from .command_age import PAUSE, CommandAge
 from .control import Control, ControlError, Member
 from .message_json import holds_null
 from .operations import OperationError
 from .stop import kind_of
 
-PAUSE = 0.3
-"""Silence (s) after which a stream of commands has ended, as on the robot's side."""
-
 
 class CommandRefusedError(OperationError):
     """A command is not obeyed; the text says why."""
+
+
+class CommandUncertainError(OperationError):
+    """A command comes late on a line that seems to have become slower; the text says so."""
 
 
 class CommandOverdueError(OperationError):
@@ -40,6 +42,8 @@ class CommandGate:
         What the client may do, and what is a command.
     max_age
         Age (s) above which a command comes too late.
+    ages
+        Learns it when the client's line becomes slower.
     clock
         Monotonic time (s).
     """
@@ -50,12 +54,14 @@ class CommandGate:
         control: Control,
         access: Access,
         max_age: float,
+        ages: CommandAge,
         clock: Callable[[], float],
     ) -> None:
         self._member = member
         self._control = control
         self._access = access
         self._max_age = max_age
+        self._ages = ages
         self._clock = clock
         self._refused: Dict[str, Tuple[float, int]] = {}  # topic to time of the last one, number
 
@@ -84,6 +90,9 @@ class CommandGate:
         ------
         CommandRefusedError
             It is a command, and not obeyed.
+        CommandUncertainError
+            It comes late, but by what may be the line's new delay. The stream may go on: it began
+            after the line had become slower, and will be obeyed when that is certain.
         CommandOverdueError
             It is one that moves the robot, and would have been obeyed at once. The stream may go
             on: what the bridge was late with is not the client's gap, and its next command is a
@@ -98,6 +107,8 @@ class CommandGate:
             self._refused.pop(topic, None)
             # Whose stop reaches the robot also ends the wait for a new press, so it must be his.
             return self._control.holder in (None, self._member)
+        if age is not None:
+            self._ages.note_command(age, self._clock() - waited)
         try:
             self._check_age(age)
             if self._access.needs_control("publish", topic):
@@ -149,10 +160,17 @@ class CommandGate:
         return True
 
     def _check_age(self, age: Optional[float]) -> None:
-        if age is not None and age > self._max_age:
-            raise CommandRefusedError(
-                f"the command came {age:.2f} s late; {self._max_age:g} s are allowed"
+        if age is None or age <= self._max_age:
+            return
+        if self._ages.is_learning:
+            self._control.count_dropped(self._member)
+            raise CommandUncertainError(
+                "commands came late, and will count again when the line is steady"
             )
+        raise CommandRefusedError(
+            f"the command came {age:.2f} s late; {self._max_age:g} s are allowed. Let go, and "
+            "press anew"
+        )
 
     def _require_control(self) -> None:
         try:

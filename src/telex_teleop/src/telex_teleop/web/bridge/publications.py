@@ -10,7 +10,12 @@ from typing import Any, Callable, Deque, Optional, Set
 
 import genpy
 
-from .command_gate import CommandGate, CommandOverdueError, CommandRefusedError
+from .command_gate import (
+    CommandGate,
+    CommandOverdueError,
+    CommandRefusedError,
+    CommandUncertainError,
+)
 from .goals import Goals
 from .message_json import FieldError
 from .operations import Id, OperationError
@@ -189,6 +194,9 @@ class Publication:
                 self._goals.note(message)
             self._last = publisher
             publisher.publish(message)
+        except CommandUncertainError as error:
+            # Not in the words of a refusal, on which clients let go of what is held.
+            self._report(str(error), outgoing.id, "warning")
         except CommandOverdueError as error:
             self._report(f"publish to {self.topic}: {error}", outgoing.id, "info")
         except CommandRefusedError as error:

@@ -38,6 +38,8 @@ class Publishing:
         Which topics are open to clients.
     gate
         Which commands are obeyed.
+    age
+        How old the client's messages are.
     link
         The client.
     """
@@ -51,6 +53,7 @@ class Publishing:
         pool: PublisherPool,
         access: Access,
         gate: CommandGate,
+        age: CommandAge,
         link: Link,
     ) -> None:
         self._name = name
@@ -61,7 +64,7 @@ class Publishing:
         self._gate = gate
         self._link = link
         self._clock = asyncio.get_running_loop().time
-        self._age = CommandAge()
+        self._age = age
         self._publications: Dict[str, Held[Publication]] = {}
 
     def note_time(self, operation: Operation) -> Optional[float]:
@@ -79,7 +82,14 @@ class Publishing:
         if not number or not math.isfinite(sent):
             raise OperationError("'sent' must be a number: milliseconds on the client's clock")
         received = self._clock()
-        return received - self._age.of(sent / 1000.0, received)
+        known = self._age.slower
+        age = self._age.of(sent / 1000.0, received)
+        if self._age.slower > known:
+            self._link.report(
+                f"the line has become slower, by {self._age.slower:.2f} s; commands count again",
+                level="warning",
+            )
+        return received - age
 
     def advertise(self, operation: Operation) -> None:
         """Begin to publish a topic."""

@@ -10,6 +10,7 @@ from ..config import RosbridgeConfig
 from ..workers import OrderedWorker
 from .access import Roles
 from .calling import Calling
+from .command_age import CommandAge
 from .command_gate import CommandGate
 from .control import Control, Member
 from .feeds import FeedPool
@@ -62,7 +63,8 @@ class ClientSession:
         self._control = shared.control
         self._link = Link(outbox, drop)
         clock = asyncio.get_running_loop().time
-        gate = CommandGate(member, shared.control, access, config.max_command_age, clock)
+        age = CommandAge(config.max_command_age, config.max_learned_delay)
+        gate = CommandGate(member, shared.control, access, config.max_command_age, age, clock)
         self._publishing = Publishing(
             member.id,
             config,
@@ -70,6 +72,7 @@ class ClientSession:
             pool=shared.publishers,
             access=access,
             gate=gate,
+            age=age,
             link=self._link,
         )
         self._subscribing = Subscribing(
