@@ -110,10 +110,10 @@ def server(tmp_path_factory):
 class Watcher:
     """Counts the pictures of a stream."""
 
-    def __init__(self, server):
+    def __init__(self, server, query=""):
         self.seen = 0
         self._socket = socket.create_connection(("127.0.0.1", server.port))
-        self._socket.sendall(f"GET /stream?topic={CAMERA} HTTP/1.0\r\n\r\n".encode())
+        self._socket.sendall(f"GET /stream?topic={CAMERA}{query} HTTP/1.0\r\n\r\n".encode())
         threading.Thread(target=self._count, daemon=True).start()
 
     def _count(self):
@@ -334,18 +334,24 @@ def test_endless_requests_on_the_connection_of_a_stream_cost_no_memory(server, w
     wait_until(lambda: watcher.seen > seen + 5)
 
 
-def test_many_sizes_at_once_do_not_slow_down_a_stream_that_passes_through(server, watcher):
+def test_many_sizes_at_once_slow_down_nobody_else(server, watcher):
+    scaled = Watcher(server, "&width=320&height=240")
+    wait_until(lambda: scaled.seen > 2)
     greedy = [socket.create_connection(("127.0.0.1", server.port)) for _ in range(20)]
     for number, client in enumerate(greedy):
         query = f"&width={1300 - number}&type=png"
         client.sendall(f"GET /stream?topic={CAMERA}{query} HTTP/1.0\r\n\r\n".encode())
-    wait_until(lambda: server.server.hubs._encoder.backlog > 10)
-    seen, fed = watcher.seen, server.fed
+    answers = [client.recv(12)[-3:] for client in greedy]
+    assert (answers.count(b"200"), answers.count(b"503")) == (8, 12)
+    wait_until(lambda: server.server.hubs.backlog > 4)
+    seen, small, fed = watcher.seen, scaled.seen, server.fed
     wait_until(lambda: server.fed > fed + 30)
     assert watcher.seen - seen > 15
+    assert scaled.seen - small > 15
     for client in greedy:
         client.close()
-    wait_until(lambda: server.server.hubs._encoder.backlog == 0)
+    scaled.close()
+    wait_until(lambda: server.server.hubs.backlog == 0)
 
 
 def test_two_hundred_viewers(server, watcher):

@@ -312,7 +312,7 @@ def test_snapshot_of_a_silent_topic_says_so_and_of_a_latched_one_repeats(tmp_pat
         ("topic=/none", 404, "No image topic &#x27;/none&#x27; is published; /streams lists"),
         ("topic=%3Cscript%3E", 404, "&lt;script&gt;"),
         ("topic=/raw&default_transport=theora", 400, "must be raw or compressed"),
-        ("topic=/raw&width=x", 400, "must be an integer from 1 to 4096 (pixels)"),
+        ("topic=/raw&width=x", 400, "must be an integer from 1 to 1920 (pixels)"),
     ],
 )
 def test_requests_that_cannot_be_served_are_answered_with_a_sentence(

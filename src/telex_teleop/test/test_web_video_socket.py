@@ -308,6 +308,28 @@ async def test_a_box_scales_once_for_all_clients(bench, client):
         assert len(encoded) == 1
 
 
+def test_only_so_many_different_pictures_are_encoded(tmp_path):
+    async def check(bench, client):
+        async with bench.http.ws_connect(bench.url) as socket:
+            other = Client(socket)
+            await other.hear()
+            boxes = [{"camera": name, "width": 32} for name in ("front", "rear")]
+            await client.say(show=boxes)
+            await client.nothing_comes()
+            await other.say(show=[{"camera": "front", "width": 40}, {"camera": "rear"}])
+            assert "2 different pictures are made already" in (await other.hear())["error"]
+            await bench.feed(REAR, jpeg(90, two_halves(640, 480)))
+            assert (await other.picture())[0] == 1  # what needs no encoding comes all the same
+            await other.say(show=boxes)  # what is made for another client, too
+            assert simplejpeg.decode_jpeg_header((await other.picture())[3])[1] == 32
+            page = bench.url.replace("/video", "/snapshot?type=png&topic=") + FRONT
+            async with bench.http.get(page) as reply:
+                assert reply.status == 503
+                assert "the parameter ~max_encoded" in await reply.text()
+
+    on_bench(check, max_encoded=2)(tmp_path)
+
+
 @on_bench
 async def test_acknowledgements_of_several_cameras_in_one_message(bench, client):
     await client.say(show=[{"camera": "front"}, {"camera": "rear"}])

@@ -64,7 +64,8 @@ class VideoServerConfig:
     quality: int = 95
     default_stream_type: str = "mjpeg"
     publish_rate: float = -1.0
-    max_size: int = 4096
+    max_size: int = 1920
+    max_encoded: int = 16
     send_buffer: int = 131072
     max_in_flight: int = 0
     stall_timeout: float = 5.0
@@ -86,6 +87,7 @@ class VideoServerConfig:
         require_choice(self, "default_stream_type", STREAM_TYPES)
         require_range(self, "publish_rate", -1.0, 1000.0)
         require_range(self, "max_size", 16, 16384)
+        require_range(self, "max_encoded", 2, 1000)
         require_range(self, "send_buffer", 4096, 16777216)
         require_range(self, "max_in_flight", 0, 16777216)
         require_range(self, "stall_timeout", 0.5, 3600.0)

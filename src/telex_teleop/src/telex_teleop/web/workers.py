@@ -9,8 +9,10 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
+import os
 import queue
 import threading
+import time
 from typing import Any, Callable, Dict, Hashable, Optional, Tuple, TypeVar
 
 Result = TypeVar("Result")
@@ -74,11 +76,24 @@ class OrderedWorker:
 class NewestWorker:
     """One thread that runs the newest call of each key; a call that is overtaken never runs.
 
-    Keys take turns, so that none of them starves however often another one calls.
+    The call comes first after which its key will have used the thread least, as fair queueing has
+    it: keys whose calls take long get their share of the time, and make the others wait for no more
+    than one call. A key that begins, or has paused, starts level with the others.
+
+    Parameters
+    ----------
+    name
+        Of the thread.
+    niceness
+        How far the thread steps back behind others of the machine, 0 to 19.
     """
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, niceness: int = 0) -> None:
+        self._niceness = niceness
         self._calls: Dict[Hashable, Callable[[], None]] = {}
+        self._used: Dict[Hashable, float] = {}  # s of the thread's time
+        self._took: Dict[Hashable, float] = {}  # s, the last call
+        self._level = 0.0  # of the key whose call ran last, before it ran
         self._changed = threading.Condition()
         threading.Thread(target=self._run, name=name, daemon=True).start()
 
@@ -90,20 +105,37 @@ class NewestWorker:
     def submit(self, key: Hashable, call: Callable[[], None]) -> None:
         """Let a call run instead of the one of the same key that still waits."""
         with self._changed:
+            if key not in self._calls:
+                self._used[key] = max(self._used.get(key, 0.0), self._level)
             self._calls[key] = call
             self._changed.notify()
 
     def cancel(self, key: Hashable) -> None:
-        """Forget the call of a key, if it still waits."""
+        """Forget a key, and its call if that still waits."""
         with self._changed:
             self._calls.pop(key, None)
+            self._used.pop(key, None)
+            self._took.pop(key, None)
 
     def _run(self) -> None:
+        if self._niceness:
+            # On Linux this is the thread's own.
+            os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), self._niceness)
         while True:
             with self._changed:
                 self._changed.wait_for(lambda: self._calls)
-                call = self._calls.pop(next(iter(self._calls)))
+                key = min(self._calls, key=self._rank)
+                call, self._level = self._calls.pop(key), self._used[key]
+            began = time.monotonic()
             try:
                 call()
             except Exception:  # the thread serves all; the one whose call it is goes without
                 logging.getLogger(__name__).exception("a call in a thread failed")
+            with self._changed:
+                if key in self._used:
+                    self._took[key] = time.monotonic() - began
+                    self._used[key] += self._took[key]
+
+    def _rank(self, key: Hashable) -> float:
+        """Return what the key will have used after its call, if that takes as long as the last."""
+        return self._used[key] + self._took.get(key, 0.0)

@@ -13,10 +13,10 @@ from aiohttp import web
 from ..config import VideoServerConfig
 from ..maps import add_joy_map
 from ..tokens import INSTRUCTOR, ForbiddenError
-from ..workers import NewestWorker, OrderedWorker
+from ..workers import OrderedWorker
 from . import mjpeg, pages, query
 from .gate import Gate
-from .hub import PictureHubs, PictureSource
+from .hub import EncoderFullError, Encoders, PictureHubs, PictureSource
 from .pictures import EncodedPicture, UnusablePictureError, encode
 from .sockets import VideoSockets
 from .topics import PictureTopic, Topics, base_topics, find_cameras
@@ -91,7 +91,7 @@ class VideoServer:
         self.hubs = PictureHubs(
             graph,
             self._worker,
-            NewestWorker("picture encoder"),
+            Encoders(config.max_encoded),
             lambda picture, variant: encode(picture, variant, config.quality),
             on_unusable=self._report_unusable,
             on_failure=lambda topic, error: warn(f"cannot subscribe to {topic}: {error}"),
@@ -136,6 +136,7 @@ class VideoServer:
             max_in_flight=self._config.max_in_flight,
             stall_timeout=self._config.stall_timeout,
         )
+        self.hubs.require_room(topic, wish.variant)  # while there is still time for an error's head
         viewer.start()
         self.hubs.join(topic, viewer, wish.variant)
         try:
@@ -263,7 +264,13 @@ class VideoServer:
         """Answer errors with a page that says what is wrong."""
         try:
             return await handler(request)
-        except (query.QueryError, ForbiddenError, _NoSuchTopicError, _NoMasterError) as error:
+        except (
+            query.QueryError,
+            ForbiddenError,
+            EncoderFullError,
+            _NoSuchTopicError,
+            _NoMasterError,
+        ) as error:
             return _page(pages.error_page(error.status, str(error)), error.status)
         except web.HTTPNotFound:
             return _page(pages.error_page(404), 404)

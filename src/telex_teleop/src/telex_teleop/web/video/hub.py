@@ -7,10 +7,10 @@ import contextlib
 import dataclasses
 import functools
 import threading
-from typing import Callable, Dict, Optional, Protocol, Set
+from typing import Callable, Dict, KeysView, Optional, Protocol, Sequence, Set
 
 from ..workers import NewestWorker, OrderedWorker
-from .pictures import EncodedPicture, Picture, UnusablePictureError, Variant, kept
+from .pictures import JPEG, PNG, EncodedPicture, Picture, UnusablePictureError, Variant, kept
 from .topics import PictureTopic
 from .viewers import Viewer
 
@@ -54,15 +54,15 @@ class PictureHub:
     """Offers the pictures of a topic to all who watch it, each encoded once per variant.
 
     Pictures that go out as they came are offered at once; those that have to be encoded are made
-    in the encoder's thread, and only while a viewer would take them, so that encoding delays
+    in an encoder's thread, and only while a viewer would take them, so that encoding delays
     nobody else. Viewers come and go on the loop's thread.
 
     Parameters
     ----------
     encode
         Makes a variant of a picture; called in the encoder's thread.
-    encoder
-        Thread for it.
+    encoders
+        Threads for it.
     on_unusable
         Called, in any thread, for a picture that cannot be used.
     """
@@ -70,18 +70,23 @@ class PictureHub:
     def __init__(
         self,
         encode: Encode,
-        encoder: NewestWorker,
+        encoders: Encoders,
         on_unusable: Callable[[UnusablePictureError], None],
     ) -> None:
         self._loop = asyncio.get_running_loop()
         self._encode = encode
-        self._encoder = encoder
+        self._encoders = encoders
         self._on_unusable = on_unusable
         self._viewers: Dict[Variant, Set[Viewer]] = {}
         self._newest: Dict[Variant, _Newest] = {}
         self._last: Optional[Picture] = None
         self._count = 0
         self._mailbox = _Mailbox(self._loop, self._arrive)
+
+    @property
+    def variants(self) -> KeysView[Variant]:
+        """What is being watched."""
+        return self._viewers.keys()
 
     @property
     def viewers(self) -> Set[Viewer]:
@@ -120,7 +125,7 @@ class PictureHub:
         if not watching:
             self._viewers.pop(variant, None)
             self._newest.pop(variant, None)
-            self._encoder.cancel((self, variant))
+            self._encoders.of(variant).cancel((self, variant))
 
     def receive(self, picture: Picture) -> None:
         """Take a new picture; the subscriber's thread calls this."""
@@ -144,7 +149,7 @@ class PictureHub:
             self._put(number, as_it_is, variant)
         elif any(viewer.wants() for viewer in self._viewers[variant]):
             work = functools.partial(self._encode_and_post, number, picture, variant)
-            self._encoder.submit((self, variant), work)
+            self._encoders.of(variant).submit((self, variant), work)
 
     def _encode_and_post(self, number: int, picture: Picture, variant: Variant) -> None:
         """Encode a picture in the encoder's thread and hand it to the loop."""
@@ -203,6 +208,60 @@ def _post(loop: asyncio.AbstractEventLoop, call: Callable[..., None], *arguments
         loop.call_soon_threadsafe(call, *arguments)
 
 
+class EncoderFullError(Exception):
+    """As many different pictures are encoded as may be; the text says so."""
+
+    status = 503
+
+
+class Encoders:
+    """The threads that encode, and how many different pictures they may have to make.
+
+    PNG has a thread of its own, which steps back behind the other: it takes ten times as long.
+
+    Parameters
+    ----------
+    most
+        Different pictures, by topic and variant, that may be asked for at a time; at most half of
+        them PNG.
+    """
+
+    def __init__(self, most: int) -> None:
+        self._most = most
+        self._workers = {
+            JPEG: NewestWorker("JPEG encoder"),
+            PNG: NewestWorker("PNG encoder", niceness=10),
+        }
+
+    def of(self, variant: Variant) -> NewestWorker:
+        """Return the thread that makes a variant."""
+        return self._workers[variant.mime]
+
+    @property
+    def backlog(self) -> int:
+        """How many pictures wait to be encoded."""
+        return sum(worker.backlog for worker in self._workers.values())
+
+    def check(self, variant: Variant, others: Sequence[Variant]) -> None:
+        """Raise EncoderFullError unless a variant may be made besides others."""
+        if not variant.has_wishes:
+            return
+        wished = [other for other in others if other.has_wishes]
+        pngs = sum(other.mime == PNG for other in wished)
+        if variant.mime == PNG and pngs >= self._most // 2:
+            raise EncoderFullError(f"{pngs} different PNGs are made already, which {_ASK}")
+        if len(wished) >= self._most:
+            raise EncoderFullError(
+                f"{len(wished)} different pictures are made already, which {_ASK}"
+            )
+
+
+_ASK = (
+    "is as many as may be (the parameter ~max_encoded); ask for a size, quality and format that "
+    "another client has, or for the pictures as they are published."
+)
+
+
 class PictureHubs:
     """A hub for each topic that somebody watches, subscribed from the first viewer to the last.
 
@@ -212,7 +271,7 @@ class PictureHubs:
         Where pictures come from.
     worker
         Thread in which subscriptions begin and end, in order.
-    encoder, encode, on_unusable
+    encoders, encode, on_unusable
         See `PictureHub`; `on_unusable` also gets the topic's name.
     on_failure
         Called with a topic's name and the error when it cannot be subscribed to.
@@ -222,7 +281,7 @@ class PictureHubs:
         self,
         source: PictureSource,
         worker: OrderedWorker,
-        encoder: NewestWorker,
+        encoders: Encoders,
         encode: Encode,
         *,
         on_unusable: Callable[[str, UnusablePictureError], None],
@@ -230,7 +289,7 @@ class PictureHubs:
     ) -> None:
         self._source = source
         self._worker = worker
-        self._encoder = encoder
+        self._encoders = encoders
         self._encode = encode
         self._on_unusable = on_unusable
         self._on_failure = on_failure
@@ -243,16 +302,30 @@ class PictureHubs:
     def join(
         self, topic: PictureTopic, viewer: Viewer, variant: Variant, *, show_newest: bool = True
     ) -> PictureHub:
-        """Let a viewer watch a topic and return its hub."""
+        """Let a viewer watch a topic and return its hub.
+
+        Raises
+        ------
+        EncoderFullError
+            The variant would have to be encoded, and too many others are already.
+        """
+        self.require_room(topic, variant)
         hub = self._hubs.get(topic)
         if hub is None:
             hub = PictureHub(
-                self._encode, self._encoder, functools.partial(self._on_unusable, topic.name)
+                self._encode, self._encoders, functools.partial(self._on_unusable, topic.name)
             )
             self._hubs[topic] = hub
             self._open(topic, hub)
         hub.add(viewer, variant, show_newest=show_newest)
         return hub
+
+    def require_room(self, topic: PictureTopic, variant: Variant) -> None:
+        """Raise EncoderFullError if `join` would."""
+        hub = self._hubs.get(topic)
+        if hub is None or variant not in hub.variants:
+            others = [other for each in self._hubs.values() for other in each.variants]
+            self._encoders.check(variant, others)
 
     def leave(self, topic: PictureTopic, viewer: Viewer, variant: Variant) -> None:
         """Let a viewer go; with the last one the subscription ends."""
@@ -263,6 +336,11 @@ class PictureHubs:
         if not hub.viewers:
             del self._hubs[topic]
             self._worker.submit(self._subscriptions.pop(topic).end)
+
+    @property
+    def backlog(self) -> int:
+        """How many pictures wait to be encoded."""
+        return self._encoders.backlog
 
     def check(self, now: float) -> None:
         """Drop viewers that have stopped reading; call about once a second (monotonic time, s)."""

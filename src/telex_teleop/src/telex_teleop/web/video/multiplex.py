@@ -15,7 +15,7 @@ from ..freshness import Backlog
 from .cameras import Camera, CameraList
 from .feed import Feed
 from .frames import binary_frame_head
-from .hub import PictureHubs
+from .hub import EncoderFullError, PictureHubs
 from .protocol import VERSION, Ack, Message, Ping, ProtocolError, Show, View, parse
 from .topics import PictureTopic
 
@@ -182,10 +182,13 @@ class VideoClient:
                     f"there is no camera {json.dumps(view.camera[:40])}; known are {known}"
                 )
         self._views = list(show.views)
-        self._watch()
+        complaint = self._watch()
+        if complaint is not None:
+            raise ProtocolError(complaint)
 
-    def _watch(self) -> None:
-        """Let the feeds be those of the views."""
+    def _watch(self) -> Optional[str]:
+        """Let the feeds be those of the views; return why one of them cannot be had yet."""
+        complaint: Optional[str] = None
         wanted = {view.camera: view for view in self._views}
         outdated = [
             name
@@ -198,10 +201,14 @@ class VideoClient:
             if camera is not None and view.camera not in self._feeds:
                 small_enough = view.suits_preview(self._preview_rate)
                 preview = camera.preview if small_enough else None
-                self._begin(camera, view, preview or camera.source)
+                try:
+                    self._begin(camera, view, preview or camera.source)
+                except EncoderFullError as error:
+                    complaint = str(error)
         # After the new ones, so that a topic that goes on being watched stays subscribed.
         for feed in ended:
             self._hubs.leave(feed.source, feed, feed.variant)
+        return complaint
 
     def _begin(self, camera: Camera, view: View, source: PictureTopic) -> None:
         feed = Feed(
@@ -213,14 +220,20 @@ class VideoClient:
             lost=self._lost,
             next_number=lambda: next(self._numbers) & 0xFFFFFFFF,
         )
+        # Before it is told of, since the newest picture may be offered at once.
         self._feeds[camera.name] = feed
-        self._hubs.join(source, feed, feed.variant)
+        try:
+            self._hubs.join(source, feed, feed.variant)
+        except EncoderFullError:
+            del self._feeds[camera.name]
+            raise
 
     def _take_full(self, feed: Feed) -> None:
         """Let a view have the full pictures of its camera instead of the previews."""
         if self._feeds.get(feed.camera.name) is feed:
             self._end(feed.camera.name)
-            self._begin(feed.camera, feed.view, feed.camera.source)
+            with contextlib.suppress(EncoderFullError):  # it will come as soon as there is room
+                self._begin(feed.camera, feed.view, feed.camera.source)
 
     def _end(self, name: str) -> None:
         feed = self._feeds.pop(name)

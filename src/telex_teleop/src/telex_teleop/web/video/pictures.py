@@ -123,6 +123,11 @@ class Variant:
     unchanged: bool = False
     fit: bool = False
 
+    @property
+    def has_wishes(self) -> bool:
+        """Whether it asks for more than a JPEG as it is published."""
+        return not self.unchanged and self != Variant(fit=self.fit)
+
 
 @dataclasses.dataclass(frozen=True)
 class EncodedPicture:
