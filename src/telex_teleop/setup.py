@@ -13,6 +13,7 @@ setup(
             "telex_teleop.operating",
             "telex_teleop.web",
             "telex_teleop.web.bridge",
+            "telex_teleop.web.transforms",
             "telex_teleop.web.video",
         ],
         package_dir={"": "src"},

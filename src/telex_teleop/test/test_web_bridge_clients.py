@@ -12,7 +12,7 @@ import time
 from pathlib import Path
 
 import pytest
-from web_harness import Ros
+from web_harness import Ros, wait_until
 
 pytestmark = pytest.mark.ros
 
@@ -36,6 +36,18 @@ def outcomes(ros):
     _, url = ros.serve("rosbridge", None, "_plain:=true")
     port = url.rpartition(":")[2]
     probe.do("serve", service="/lamp", type="std_srvs/SetBool", response=SWITCHED)
+    ros.start_node("transforms")
+    frames = [("odom", "base_link", {"x": 1.0}), ("base_link", "arm", {"z": 0.5})]
+    tree = [
+        {
+            "header": {"frame_id": parent},
+            "child_frame_id": child,
+            "transform": {"translation": place, "rotation": {"w": 1.0}},
+        }
+        for parent, child, place in frames
+    ]
+    probe.publish("/tf", "tf2_msgs/TFMessage", {"transforms": tree}, rate=20)
+    wait_until(lambda: ros.publishers("/tf2_web_republisher/status"), 20.0)
     commands = {}
     if importlib.util.find_spec("roslibpy"):
         script = str(CLIENTS / "roslibpy_client.py")
@@ -129,6 +141,8 @@ def test_roslib(outcomes, generation):
         "service": [SWITCHED, "there is no service /no_lamp"],
         "offeredService": {"success": True, "message": name},
         "hurriedService": 10,
+        # It stands still, so that it is told once.
+        "transforms": [[1.0, 0.5, 1]] * (2 if generation == "1" else 1),
         "parameter": [{"speed": 1.5}, None],
         "action": [True, f"did {name}"],
     }

@@ -83,6 +83,25 @@ async function hurriedService(ros) {
   return answered;
 }
 
+/** By the action and, where the client knows it, by the service. */
+async function transforms(ros) {
+  const heard = [];
+  for (const groovyCompatibility of generation === "1" ? [true, false] : [true]) {
+    const client = new ROSLIB.TFClient({
+      ros, fixedFrame: "/odom", angularThres: 0.01, transThres: 0.01, rate: 20, groovyCompatibility,
+    });
+    let count = 0;
+    const { translation } = await new Promise((resolve) => client.subscribe("/arm", (transform) => {
+      count += 1;
+      resolve(transform);
+    }));
+    await new Promise((resolve) => setTimeout(resolve, 300));
+    heard.push([translation.x, translation.z, count]);
+    client.dispose?.();
+  }
+  return heard;
+}
+
 async function parameter(ros) {
   const param = new ROSLIB.Param({ ros, name: `/${name}/limits` });
   await new Promise((resolve) => param.set({ speed: 1.5 }, resolve));
@@ -128,7 +147,7 @@ async function action(ros) {
 
 const ros = await connect();
 const outcome = {};
-for (const step of [topic, service, offeredService, hurriedService, parameter, graph, action]) {
+for (const step of [topic, service, offeredService, hurriedService, transforms, parameter, graph, action]) {
   const late = new Promise((_, reject) => setTimeout(reject, TIMEOUT, new Error(`${step.name} hangs`)));
   outcome[step.name] = await Promise.race([step(ros), late]);
 }

@@ -1,0 +1,146 @@
+"""Which transforms a client watches, and when it has to hear of them."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any, Callable, Dict, List, Optional, Protocol, Sequence
+
+from geometry_msgs.msg import Transform, TransformStamped
+
+from telex_control.params import require_range, require_text
+
+MAX_FRAMES = 200
+"""Frames that one client may watch."""
+
+MAX_RATE = 100.0
+"""Highest rate (Hz) at which transforms are looked at."""
+
+MIN_RATE = 0.01
+"""Lowest one."""
+
+
+class WishError(ValueError):
+    """A wish that cannot be met; the text says what would be right."""
+
+
+class Wishes(Protocol):
+    """What a goal of TFSubscription and a request of RepublishTFs have in common."""
+
+    source_frames: Sequence[str]
+    target_frame: str
+    angular_thres: float
+    trans_thres: float
+    rate: float
+
+
+Lookup = Callable[[str, str], Optional[Transform]]
+"""Returns the newest transform from a source frame (second) into a target frame (first), if any."""
+
+
+def _checked(wishes: Any, name: str, low: float, high: float) -> float:
+    value = float(getattr(wishes, name))
+    if not low <= value <= high:
+        raise WishError(f"{name} is {value:g}; it must be from {low:g} to {high:g}")
+    return value
+
+
+def _frame(name: str) -> str:
+    """Return a frame's name as tf2 has it, without the slash of its predecessor."""
+    return name[1:] if name.startswith("/") else name
+
+
+class Watch:
+    """The transforms of some frames into one, each told when it has changed by enough.
+
+    Parameters
+    ----------
+    wishes
+        Frames, thresholds (m, rad) and rate (Hz). A threshold of 0 tells of every change.
+
+    Raises
+    ------
+    WishError
+        A value cannot be used.
+    """
+
+    def __init__(self, wishes: Wishes) -> None:
+        if not 1 <= len(wishes.source_frames) <= MAX_FRAMES:
+            raise WishError(
+                f"source_frames has {len(wishes.source_frames)} names; it must have 1 to "
+                f"{MAX_FRAMES}"
+            )
+        self._sources = [_frame(name) for name in wishes.source_frames]
+        self._target = _frame(wishes.target_frame)
+        if not all([self._target, *self._sources]):
+            raise WishError("the name of a frame is empty")
+        self._angular = _checked(wishes, "angular_thres", 0.0, math.inf)
+        self._linear = _checked(wishes, "trans_thres", 0.0, math.inf)
+        self.period = 1.0 / _checked(wishes, "rate", MIN_RATE, MAX_RATE)
+        self._told: Dict[str, Transform] = {}
+
+    def news(self, lookup: Lookup, stamp: Any) -> List[TransformStamped]:
+        """Return the transforms that have changed by enough since they were told last.
+
+        Parameters
+        ----------
+        lookup
+            Where they are.
+        stamp
+            Present time, for their headers.
+        """
+        changed = []
+        for source in self._sources:
+            transform = lookup(self._target, source)
+            if transform is None or not self._is_news(self._told.get(source), transform):
+                continue
+            self._told[source] = transform
+            stamped = TransformStamped(child_frame_id=source, transform=transform)
+            stamped.header.stamp, stamped.header.frame_id = stamp, self._target
+            changed.append(stamped)
+        return changed
+
+    def _is_news(self, told: Optional[Transform], now: Transform) -> bool:
+        if told is None:
+            return True
+        moved, turned = distance(told, now), angle(told, now)
+        return moved > self._linear or turned > self._angular
+
+
+def distance(first: Transform, second: Transform) -> float:
+    """Return how far apart (m) two transforms are."""
+    a, b = first.translation, second.translation
+    return math.sqrt((a.x - b.x) ** 2 + (a.y - b.y) ** 2 + (a.z - b.z) ** 2)
+
+
+def angle(first: Transform, second: Transform) -> float:
+    """Return the angle (rad) by which two transforms are turned against each other."""
+    a, b = first.rotation, second.rotation
+    # By the vector part of the difference: the arc cosine of the scalar part is blind near zero.
+    w = a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z
+    x = a.w * b.x - a.x * b.w - a.y * b.z + a.z * b.y
+    y = a.w * b.y - a.y * b.w - a.z * b.x + a.x * b.z
+    z = a.w * b.z - a.z * b.w - a.x * b.y + a.y * b.x
+    return 2.0 * math.atan2(math.sqrt(x * x + y * y + z * z), abs(w))
+
+
+@dataclasses.dataclass(frozen=True)
+class TransformsConfig:
+    """Parameters of the node that tells web clients of transforms.
+
+    Attributes
+    ----------
+    action, service
+        Global names of what it offers; these are what roslibjs's TFClient looks for.
+    max_watches
+        Clients that it serves at a time.
+    """
+
+    action: str = "/tf2_web_republisher"
+    service: str = "/republish_tfs"
+    max_watches: int = 100
+
+    def __post_init__(self) -> None:
+        require_text(self, "action")
+        require_text(self, "service")
+        require_range(self, "max_watches", 1, 1000)
