@@ -18,6 +18,7 @@ pytestmark = pytest.mark.ros
 
 CLIENTS = Path(__file__).with_name("bridge_clients")
 SUCCEEDED = 3
+POSITIONS = [0.5, -1.25e-7, None]
 SWITCHED = {"success": True, "message": "on"}
 
 
@@ -48,6 +49,9 @@ def outcomes(ros):
     ]
     probe.publish("/tf", "tf2_msgs/TFMessage", {"transforms": tree}, rate=20)
     wait_until(lambda: ros.publishers("/tf2_web_republisher/status"), 20.0)
+    states = {"header": {"frame_id": "x"}, "name": ["turret_joint", "ärmchen"]}
+    states["position"] = [float("nan") if each is None else each for each in POSITIONS]
+    probe.publish("/compressible", "sensor_msgs/JointState", states, rate=20)
     commands = {}
     if importlib.util.find_spec("roslibpy"):
         script = str(CLIENTS / "roslibpy_client.py")
@@ -141,6 +145,9 @@ def test_roslib(outcomes, generation):
         "service": [SWITCHED, "there is no service /no_lamp"],
         "offeredService": {"success": True, "message": name},
         "hurriedService": 10,
+        "compressed": {
+            way: [["turret_joint", "ärmchen"], POSITIONS, "x"] for way in ("png", "cbor")
+        },
         # It stands still, so that it is told once.
         "transforms": [[1.0, 0.5, 1]] * (2 if generation == "1" else 1),
         "parameter": [{"speed": 1.5}, None],

@@ -113,9 +113,9 @@ class Counter:
 def test_a_message_is_encoded_once_for_all_spellings():
     codec = Counter()
     message = TopicMessage(codec, Int32(5))
-    assert message.text("/x") == '{"op":"publish","topic":"/x","msg":{"data":5}}'
-    assert message.text("x") == '{"op":"publish","topic":"x","msg":{"data":5}}'
-    assert message.text("/x") is message.text("/x")
+    assert message.encoded("/x") == '{"op":"publish","topic":"/x","msg":{"data":5}}'
+    assert message.encoded("x") == '{"op":"publish","topic":"x","msg":{"data":5}}'
+    assert message.encoded("/x") is message.encoded("/x")
     assert codec.calls == 1
 
 
@@ -131,8 +131,8 @@ def number(value):
 def test_throttle_lets_the_newest_through_when_it_is_due():
     async def check():
         sent = Sent()
-        subscription = Subscription("/x", "/x", feeds=None, send=sent)
-        subscription.add("one", Wish(throttle=0.05, depth=4), limit=10)
+        subscription = Subscription("/x", None, "/x", feeds=None, send=sent)
+        subscription.add("one", Wish(throttle=0.05, depth=4, compression="none"), limit=10)
         for value in range(5):
             subscription.deliver(number(value))
         assert sent == [("0", 4)]
@@ -149,9 +149,9 @@ def test_throttle_lets_the_newest_through_when_it_is_due():
 def test_the_most_demanding_wish_holds_until_it_is_withdrawn():
     async def check():
         sent = Sent()
-        subscription = Subscription("/x", "/x", feeds=None, send=sent)
-        subscription.add("slow", Wish(throttle=60.0, depth=9), limit=10)
-        subscription.add("fast", Wish(throttle=0.0, depth=3), limit=10)
+        subscription = Subscription("/x", None, "/x", feeds=None, send=sent)
+        subscription.add("slow", Wish(throttle=60.0, depth=9, compression="none"), limit=10)
+        subscription.add("fast", Wish(throttle=0.0, depth=3, compression="none"), limit=10)
         for value in range(3):
             subscription.deliver(number(value))
         assert sent == [("0", 3), ("1", 3), ("2", 3)]

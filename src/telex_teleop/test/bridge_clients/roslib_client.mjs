@@ -40,6 +40,20 @@ async function topic(ros) {
   return heard;
 }
 
+/** Each compression of rosbridge, with what is lost or bent easily: NaN, bytes, long texts, arrays. */
+async function compressed(ros) {
+  const heard = {};
+  for (const compression of ["png", "cbor"]) {
+    const listener = new ROSLIB.Topic({
+      ros, name: "/compressible", messageType: "sensor_msgs/JointState", compression,
+    });
+    const { name: names, position, header } = await new Promise((resolve) => listener.subscribe(resolve));
+    listener.unsubscribe();
+    heard[compression] = [names, Array.from(position, (each) => (Number.isNaN(each) ? null : each)), header.frame_id];
+  }
+  return heard;
+}
+
 function call(ros, service, fields) {
   const client = new ROSLIB.Service({ ros, name: service, serviceType: "std_srvs/SetBool" });
   return new Promise((resolve, reject) => client.callService(request(fields), resolve, reject));
@@ -147,7 +161,7 @@ async function action(ros) {
 
 const ros = await connect();
 const outcome = {};
-for (const step of [topic, service, offeredService, hurriedService, transforms, parameter, graph, action]) {
+for (const step of [topic, compressed, service, offeredService, hurriedService, transforms, parameter, graph, action]) {
   const late = new Promise((_, reject) => setTimeout(reject, TIMEOUT, new Error(`${step.name} hangs`)));
   outcome[step.name] = await Promise.race([step(ros), late]);
 }

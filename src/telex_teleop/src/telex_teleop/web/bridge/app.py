@@ -198,7 +198,11 @@ class Rosbridge:
         backlog = Backlog(transport, self._config.send_buffer)
         with contextlib.suppress(ConnectionError):
             while True:
-                await websocket.send_str(await outbox.get())
+                message = await outbox.get()
+                if isinstance(message, str):
+                    await websocket.send_str(message)
+                else:
+                    await websocket.send_bytes(message)
                 while not backlog.clear(self._config.max_in_flight):
                     await asyncio.sleep(BACKLOG_POLL)
 

@@ -12,6 +12,7 @@ from typing import Callable, Deque, Dict, Optional, Protocol, Set, Tuple
 import genpy
 
 from ..workers import OrderedWorker
+from .compression import ENCODERS, PLAIN, Encoded, to_png
 from .message_json import MessageCodec, codec_of
 from .message_types import topic_class
 from .operations import OperationError
@@ -23,23 +24,29 @@ INBOX_DEPTH = 1000
 
 
 class TopicMessage:
-    """One message of a topic, turned into JSON when the first client needs it."""
+    """One message of a topic, encoded when the first client needs it in some way."""
 
     def __init__(self, codec: MessageCodec, message: genpy.Message) -> None:
         self._codec = codec
         self._message = message
         self._body: Optional[str] = None
-        self._texts: Dict[str, str] = {}
+        self._encoded: Dict[Tuple[str, str], Encoded] = {}
 
-    def text(self, topic: str) -> str:
+    def encoded(self, topic: str, compression: str = PLAIN) -> Encoded:
         """Return the publish operation for a client that spells the topic this way."""
-        text = self._texts.get(topic)
-        if text is None:
-            if self._body is None:
-                self._body = json.dumps(self._codec.to_json(self._message), separators=(",", ":"))
-            text = f'{{"op":"publish","topic":{json.dumps(topic)},"msg":{self._body}}}'
-            self._texts[topic] = text
-        return text
+        key = (topic, compression)
+        encoded = self._encoded.get(key)
+        if encoded is None:
+            encode = ENCODERS.get(compression)
+            encoded = encode(topic, self._message) if encode else self._text(topic, compression)
+            self._encoded[key] = encoded
+        return encoded
+
+    def _text(self, topic: str, compression: str) -> str:
+        if self._body is None:
+            self._body = json.dumps(self._codec.to_json(self._message), separators=(",", ":"))
+        text = f'{{"op":"publish","topic":{json.dumps(topic)},"msg":{self._body}}}'
+        return text if compression == PLAIN else to_png(text)
 
 
 class Listener(Protocol):

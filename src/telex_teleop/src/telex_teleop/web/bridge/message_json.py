@@ -68,7 +68,7 @@ def _kind(value: Any) -> str:
     return names.get(type(value), type(value).__name__)
 
 
-def _split_array(slot_type: str) -> Tuple[str, Optional[int], bool]:
+def split_array(slot_type: str) -> Tuple[str, Optional[int], bool]:
     """Split a slot type: element type, fixed length, and whether it is an array at all."""
     if not slot_type.endswith("]"):
         return slot_type, None, False
@@ -162,7 +162,7 @@ def codec_of(message_class: Type[genpy.Message]) -> MessageCodec:
 
 def _converters(slot_type: str) -> Tuple[_Encode, _Decode]:
     """Return how values of a slot are encoded and decoded."""
-    element, length, is_array = _split_array(slot_type)
+    element, length, is_array = split_array(slot_type)
     if not is_array:
         return _scalar_converters(element)
     if element in _BYTE_TYPES:

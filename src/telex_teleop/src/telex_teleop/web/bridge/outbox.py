@@ -6,6 +6,8 @@ import asyncio
 import collections
 from typing import Deque, Dict, Optional
 
+from .compression import Encoded
+
 
 class OutboxFullError(Exception):
     """The client takes no replies; nothing can be dropped, so it has to go."""
@@ -16,9 +18,9 @@ class _Entry:
 
     __slots__ = ("text", "topic")
 
-    def __init__(self, topic: Optional[str], text: str) -> None:
+    def __init__(self, topic: Optional[str], text: Encoded) -> None:
         self.topic = topic
-        self.text: Optional[str] = text
+        self.text: Optional[Encoded] = text
 
 
 class Outbox:
@@ -53,7 +55,7 @@ class Outbox:
         """Size of all that waits."""
         return self._bytes
 
-    def put_message(self, topic: str, text: str, depth: int) -> None:
+    def put_message(self, topic: str, text: Encoded, depth: int) -> None:
         """Queue a message of a topic, of which at most `depth` may wait."""
         entry = self._append(topic, text)
         waiting = self._topics.setdefault(topic, collections.deque())
@@ -77,7 +79,7 @@ class Outbox:
         if self._replies > self._max_replies or too_large:
             raise OutboxFullError(f"{self._replies} replies wait to be taken")
 
-    async def get(self) -> str:
+    async def get(self) -> Encoded:
         """Wait for the next message and return it."""
         while True:
             while self._queue:
@@ -94,7 +96,7 @@ class Outbox:
             self._emptier.clear()
             await self._emptier.wait()
 
-    def _append(self, topic: Optional[str], text: str) -> _Entry:
+    def _append(self, topic: Optional[str], text: Encoded) -> _Entry:
         entry = _Entry(topic, text)
         self._queue.append(entry)
         self._bytes += len(text)

@@ -7,6 +7,7 @@ from typing import Dict, Optional
 
 from ..config import RosbridgeConfig
 from .access import Access
+from .compression import COMPRESSIONS
 from .feeds import FeedPool
 from .link import Held, Link
 from .operations import Operation, OperationError
@@ -56,9 +57,15 @@ class Subscribing:
         spelled = operation.text("topic")
         topic = self._ros.resolve(spelled)
         type_name = operation.optional_text("type")
+        compression = operation.optional_text("compression") or COMPRESSIONS[0]
+        if compression not in COMPRESSIONS:
+            raise OperationError(
+                f"there is no compression {compression[:80]!r}; known are {', '.join(COMPRESSIONS)}"
+            )
         wish = Wish(
             throttle=operation.count("throttle_rate", 0) / 1000.0,
             depth=self._config.depth(operation.count("queue_length", 0)),
+            compression=compression,
         )
         held = self._subscriptions.get(spelled)
         if held is None:

@@ -6,19 +6,21 @@ import asyncio
 import dataclasses
 from typing import Callable, Dict, Optional
 
+from .compression import COMPRESSIONS, Encoded
 from .feeds import Feed, FeedPool, TopicMessage
 from .operations import Id
 
-Send = Callable[[str, str, int], None]
-"""Queues a text of a topic, of which at most so many may wait."""
+Send = Callable[[str, Encoded, int], None]
+"""Queues a message of a topic, of which at most so many may wait."""
 
 
 @dataclasses.dataclass(frozen=True)
 class Wish:
-    """One subscribe operation: least time between messages (s), and how many may wait."""
+    """One subscribe operation: least time between messages (s), how many may wait, and how."""
 
     throttle: float
     depth: int
+    compression: str
 
 
 class Subscription:
@@ -118,7 +120,10 @@ class Subscription:
         self._pending = None
         self._due = self._loop.time() + min(wish.throttle for wish in self._wishes.values())
         depth = min(wish.depth for wish in self._wishes.values())
-        self._send(self._spelled, message.text(self._spelled), depth)
+        compression = max(
+            (wish.compression for wish in self._wishes.values()), key=COMPRESSIONS.index
+        )
+        self._send(self._spelled, message.encoded(self._spelled, compression), depth)
 
     def _send_pending(self) -> None:
         self._timer = None
