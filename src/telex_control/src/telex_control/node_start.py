@@ -14,6 +14,7 @@ from typing import Iterator, Optional
 import rospy
 from rospy.core import is_shutdown_requested
 
+from .calm_log import calm_log
 from .xmlrpc_guard import guard_xmlrpc
 
 __all__ = ["init_node", "until_shutdown"]
@@ -37,6 +38,7 @@ def init_node(name: str, anonymous: bool = False, own_signals: bool = False) -> 
     """
     guard_xmlrpc()
     rospy.init_node(name, anonymous=anonymous, disable_signals=True)
+    calm_log()
     if own_signals:
         return
     signal.signal(signal.SIGTERM, _on_signal)

@@ -136,7 +136,9 @@ class ArmTeleop(JointTeleop):
             When there is no such mode, or it cannot be had.
         """
         if mode not in (JOINT_MODE, CARTESIAN_MODE):
-            raise ModeError(f"mode {mode!r} is unknown; must be {JOINT_MODE} or {CARTESIAN_MODE}")
+            raise ModeError(
+                f"mode {mode[:80]!r} is unknown; must be {JOINT_MODE} or {CARTESIAN_MODE}"
+            )
         if mode == CARTESIAN_MODE and self._tool is None:
             raise ModeError(f"{CARTESIAN_MODE}: {self._unprepared}; the mode stays {self.mode}")
         if mode == self.mode:
@@ -231,7 +233,7 @@ class ArmTeleop(JointTeleop):
             return False
         if name not in self._poses:
             known = ", ".join(self._poses) or "none"
-            raise self._refuse(wall, f"pose {name!r} is unknown; known are {known}")
+            raise self._refuse(wall, f"pose {name[:80]!r} is unknown; known are {known}")
         if self._ticks.now is None:
             return False
         obeyed = self._pose_stream.receive(name, Clocks(wall, self._ticks.now), caller)

@@ -73,7 +73,7 @@ def choose(
     preset = presets.get(name)
     if preset is None:
         there = ", ".join(presets) or "no presets"
-        raise InvalidCommand(f"preset is {name!r}; this robot has {there}")
+        raise InvalidCommand(f"preset is {name[:80]!r}; this robot has {there}")
     require_known(joint_names, known)
     wanted = {
         joint: angle

@@ -94,7 +94,7 @@ def require_known(joint_names: Sequence[str], known: Collection[str]) -> None:
         raise InvalidCommand(
             f"joint_names has {len(joint_names)} entries; this node moves {len(known)} joints"
         )
-    unknown = [name for name in joint_names if name not in known]
+    unknown = [name[:80] for name in joint_names if name not in known]
     if unknown:
         raise InvalidCommand(
             f"joint_names: unknown {', '.join(map(repr, unknown))}; "

@@ -14,6 +14,7 @@ from geometry_msgs.msg import Transform, TransformStamped
 from tf2_web_republisher.msg import TFArray, TFSubscriptionAction, TFSubscriptionFeedback
 from tf2_web_republisher.srv import RepublishTFs, RepublishTFsResponse
 
+from telex_control.node_start import init_node
 from telex_control.params import ConfigError, read_config
 
 from .watch import TransformsConfig, Watch, WishError
@@ -202,7 +203,7 @@ def _is_offered(service: str) -> bool:
 
 def main() -> int:
     """Run the node and return its exit status."""
-    rospy.init_node("transforms")
+    init_node("transforms")
     try:
         config = read_config(TransformsConfig, rospy.get_param("~", {}), rospy.get_name())
     except ConfigError as error:
