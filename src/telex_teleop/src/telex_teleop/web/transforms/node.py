@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import threading
 import time
@@ -21,6 +22,9 @@ from .watch import TransformsConfig, Watch, WishError
 
 MIN_TIMEOUT, MAX_TIMEOUT = 0.1, 3600.0
 """Shortest and longest time (s) after which a topic without a subscriber ends."""
+
+NICENESS = 10
+"""How far this node steps back behind others."""
 
 LOOK_PERIOD = 1.0
 """Time (s) between two looks whether another node still serves."""
@@ -209,6 +213,7 @@ def main() -> int:
     except ConfigError as error:
         print(f"{rospy.get_name()}: {error}", file=sys.stderr)
         return 1
+    os.nice(NICENESS)  # whatever clients ask for, the robot comes first
     # Of several robots on a master one node serves all, or clients would be told everything twice.
     while not rospy.is_shutdown() and _is_offered(config.service):
         time.sleep(LOOK_PERIOD)
