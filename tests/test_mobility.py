@@ -19,6 +19,7 @@ from mobility import (
     rough,
     stairs,
 )
+from mobility.falls import FallWatch, slow_falls
 from mobility.obstacles import Obstacle, all_obstacles, attempt
 from mobility.offline import Trial
 from mobility.scripted_operator import (
@@ -135,7 +136,9 @@ def _brake(urdf: str) -> float:
 def test_stairs_are_climbed_and_the_robot_stands_whole_on_the_landing() -> None:
     flight = Stairs(0.20, 0.20, steps=4, friction=1.1)
     with Trial(flight.objects(), {"x": flight.foot - 0.9}, flight.friction) as trial:
+        watch = FallWatch(trial)
         stairs.climb(trial.operator, flight)
+        assert watch.warned == 0.0
         assert trial.position()[0] - 0.39 > flight.crest
         assert trial.position()[2] == pytest.approx(flight.height + 0.110, abs=0.02)
 
@@ -183,6 +186,15 @@ def test_a_robot_on_its_side_is_noticed() -> None:
         trial.place((0.0, 0.0, 0.4), (math.sin(0.8), 0.0, 0.0, math.cos(0.8)))
         with pytest.raises(NotManagedError, match="tipped over"):
             trial.operator.wait(2.0)
+
+
+@pytest.mark.parametrize(
+    "name", ["on four tips, 30 kg to the right", "uphill 30 deg, 20 kg to the rear"]
+)
+def test_a_slow_fall_is_warned_of(name: str) -> None:
+    fall = slow_falls()[name].run()
+    assert fall is not None
+    assert fall.warning >= 0.5
 
 
 def test_random_commands_are_watched_at_every_step() -> None:

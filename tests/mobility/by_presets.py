@@ -130,13 +130,14 @@ def descend_stairs(keys: PresetKeys, stairs: Stairs) -> None:
     NotManagedError
     """
     operator = keys.operator
-    keys.hold("descend")
     operator.keep_lane(SLOW)
-    keys.until(lambda: operator.pose.rise < -0.30, 25.0, "the front over the edge")
-    keys.hold("flat")
-    keys.until(lambda: operator.pose.x > stairs.end - 0.55, 40.0, "the last steps")
-    keys.hold("approach")
+    keys.work_on(
+        lambda: operator.pose.x > stairs.edge + 0.4, 40.0, "over the edge", "descend", "flat"
+    )
+    keys.hold("descend")
     operator.keep_lane(SPEED)
+    keys.until(lambda: operator.pose.x > stairs.end, 40.0, "the last steps")
+    keys.hold("drive")
     keys.until(
         lambda: operator.pose.x > stairs.end + 0.7 and abs(operator.pose.rise) < 0.15,
         15.0,

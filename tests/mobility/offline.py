@@ -116,7 +116,7 @@ class Trial:
         self.each_step: List[Callable[[], None]] = []
         self.load: Optional[int] = None
         if load:
-            self._hold(load)
+            self.hold(load)
         self._base_pose = self._offline.node.advertise("sim/base_pose", PoseStamped)
         self.operator = Operator(self._offline.node, self._advance)
         self._publish_base_pose()
@@ -148,7 +148,7 @@ class Trial:
         message.pose.position, message.pose.orientation = Point(*position), Quaternion(*orientation)
         self._base_pose.publish(message)
 
-    def _hold(self, mass: float) -> None:
+    def hold(self, mass: float) -> None:
         """Fix a load between the pads, as a grip does that does not slip."""
         body = self.simulation.body
         client = body.client

@@ -6,8 +6,9 @@ import math
 import random
 import time
 from dataclasses import dataclass
-from typing import Any, Dict, List
+from typing import Any, Dict, List, Tuple
 
+from .falls import Fall, FallWatch
 from .offline import Trial
 from .scripted_operator import FRONT_FLIPPERS, REAR_FLIPPERS, TICK, NotManagedError
 from .watch import Watch
@@ -35,6 +36,8 @@ class Behaviour:
         CPU time per sim time, in the worst second.
     falls : int
         How often it lay on its side or back, and was put on its tracks again.
+    seen : tuple of Fall
+        Those of them that began on its tracks.
     """
 
     finite: bool
@@ -45,6 +48,7 @@ class Behaviour:
     deepest: float
     cpu: float
     falls: int
+    seen: Tuple[Fall, ...]
 
 
 def rough_ground() -> List[Dict[str, Any]]:
@@ -88,10 +92,11 @@ def run(seed: int, seconds: float, step_size: float = 0.002) -> Behaviour:
     with Trial(
         rough_ground(), {"x": 0.0, "y": 0.0, "yaw": 6.28 * numbers.random()}, step_size=step_size
     ) as trial:
-        watch = Watch(trial)
+        watch, fall_watch = Watch(trial), FallWatch(trial)
+        seen: List[Fall] = []
         operator = trial.operator
         falls, lain, worst = 0, 0.0, 0.0
-        began = time.process_time() - watch.cost
+        began = time.process_time() - watch.cost - fall_watch.cost
         for tick in range(round(seconds / TICK)):
             if lain == 0.0 and tick % round(_COMMAND / TICK) == 0:
                 operator.drive(numbers.uniform(-1.2, 1.2), numbers.uniform(-1.0, 1.0))
@@ -107,10 +112,14 @@ def run(seed: int, seconds: float, step_size: float = 0.002) -> Behaviour:
                 operator.flippers(*_RAISED)
             if lain > _LYING:
                 falls, lain = falls + 1, 0.0
+                fall = fall_watch.fall()
+                if fall is not None:
+                    seen.append(fall)
                 trial.place((0.0, 0.0, 0.35), (0.0, 0.0, 0.0, 1.0))
                 watch.restart()
+                fall_watch.restart()
             if (tick + 1) % round(1.0 / TICK) == 0:
-                now = time.process_time() - watch.cost
+                now = time.process_time() - watch.cost - fall_watch.cost
                 worst, began = max(worst, now - began), now
         return Behaviour(
             watch.finite,
@@ -121,6 +130,7 @@ def run(seed: int, seconds: float, step_size: float = 0.002) -> Behaviour:
             watch.deepest,
             worst,
             falls,
+            tuple(seen),
         )
 
 

@@ -229,7 +229,8 @@ def test_one_belt_that_runs_in_vain_is_stuck():
 @pytest.mark.parametrize(
     ("params", "message"),
     [
-        ({"critical": 0.6}, "critical is 0.6; it must be at most caution, 0.5"),
+        ({"warning_ahead": -0.1}, "warning_ahead is -0.1"),
+        ({"smoothing_time": -0.1}, "smoothing_time is -0.1"),
         ({"tipped_angle": 0.0}, "tipped_angle is 0.0"),
         ({"stuck_ratio": 1.5}, "stuck_ratio is 1.5"),
         ({"stuck_time": math.nan}, "stuck_time is nan"),

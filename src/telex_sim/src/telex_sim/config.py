@@ -256,7 +256,7 @@ class PublishConfig:
     clock_rate: float = 100.0
     poses_rate: float = 60.0
     base_pose_rate: float = 50.0
-    stability_rate: float = 10.0
+    stability_rate: float = 20.0
 
     def __post_init__(self) -> None:
         for name in ("clock_rate", "poses_rate", "base_pose_rate", "stability_rate"):

@@ -1,14 +1,82 @@
-"""Tells when a robot has tipped over, and when it is stuck. Knows nothing of PyBullet."""
+"""Tells when a robot is about to tip over, has tipped over, or is stuck. Knows no PyBullet."""
 
 from __future__ import annotations
 
 import math
 from collections import deque
-from typing import Deque, Iterable, NamedTuple, Optional, Sequence, Tuple
+from typing import Deque, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 from .stability import StabilityConfig
+from .tipping import TippingAngle
 
 Vector = Tuple[float, float, float]
+
+
+class TipOverWarning:
+    """Warns before a robot tips over, and not of impacts or of rocking from edge to edge.
+
+    A robot that climbs rocks over its nose and rear, and comes to rest within half a second; over
+    its sides it does not rock. So a small angle counts sideways at once, ahead when it lasts.
+
+    Attributes
+    ----------
+    warned : bool
+    margin : float
+        Force-angle measure, smoothed: its mean, with weights that decay with `smoothing_time`.
+    """
+
+    def __init__(self, config: StabilityConfig) -> None:
+        self._config = config
+        self._last: Optional[float] = None
+        self._since: List[Optional[float]] = [None, None]
+        self._clear: Optional[float] = None
+        self.warned = False
+        self.margin = 0.0
+
+    def update(self, time: float, tipping: Optional[TippingAngle], margin: float) -> None:
+        """Take the state at `time` (s), later than the last.
+
+        Parameters
+        ----------
+        tipping : TippingAngle, optional
+            None where nothing carries the robot.
+        margin : float
+        """
+        config = self._config
+        gap = math.inf if self._last is None else time - self._last
+        if gap <= 0.0:
+            return
+        self._last = time
+        if gap > _FORGOTTEN:
+            # Nobody has looked for a while: what was then says nothing of now.
+            self._since, self._clear, self.warned, self.margin = [None, None], None, False, margin
+        share = 1.0 - math.exp(-gap / config.smoothing_time) if config.smoothing_time else 1.0
+        self.margin += share * (margin - self.margin)
+        ahead, sideways = (-math.inf, math.inf) if tipping is None else tipping
+        lasting = []
+        for side, (angle, least, patience) in enumerate(
+            (
+                (ahead, config.warning_ahead, config.warning_ahead_time),
+                (sideways, config.warning_sideways, config.warning_sideways_time),
+            )
+        ):
+            since = self._since[side]
+            self._since[side] = since = (
+                (time if since is None else since) if angle < least else None
+            )
+            lasting.append(since is not None and time - since >= patience - _ROUNDING)
+        if any(lasting):
+            self.warned, self._clear = True, None
+        elif self.warned and self._since == [None, None]:
+            self._clear = time if self._clear is None else self._clear
+            self.warned = time - self._clear < config.warning_hold
+        else:
+            self._clear = None
+
+
+_FORGOTTEN = 0.5
+"""Time (s) without a look after which a warning begins anew."""
+_ROUNDING = 1e-6
 
 
 class TipOverDetector:

@@ -26,7 +26,7 @@ from .proximity import NearPair
 from .proximity import Proximity as Near
 from .robot import Robot
 from .scene.model import WORLD_FRAME
-from .stability_monitor import Margin, StabilityMonitor
+from .stability_monitor import StabilityMonitor
 
 _STOP_TIMEOUT = 1.0
 _OLD_NEWS = 2.0
@@ -118,10 +118,10 @@ class RobotPresence:
             return
         margin = monitor.margin(stamp.to_sec())
         message = Stability(
-            state=self._stability_state(monitor, margin),
+            state=self._stability_state(monitor),
             roll=monitor.attitude.roll,
             pitch=monitor.attitude.pitch,
-            margin=margin.margin,
+            margin=monitor.warning.margin,
             angle=margin.angle,
             direction=margin.direction,
             support=[Point(*corner) for corner in margin.support],
@@ -131,13 +131,13 @@ class RobotPresence:
         message.header.frame_id = self.robot.body.base_link
         self._stability.publish(message)
 
-    def _stability_state(self, monitor: StabilityMonitor, margin: Margin) -> int:
-        config = self.robot.config.stability
+    def _stability_state(self, monitor: StabilityMonitor) -> int:
         if monitor.tipped:
             return Stability.TIPPED
-        if margin.margin < config.critical:
+        if monitor.warning.warned:
             return Stability.CRITICAL
-        return Stability.CAUTION if margin.margin < config.caution else Stability.STABLE
+        near = monitor.warning.margin < self.robot.config.stability.caution
+        return Stability.CAUTION if near else Stability.STABLE
 
     def publish_base_pose(self, stamp: rospy.Time) -> None:
         """Publish where the root link is, when anybody listens."""

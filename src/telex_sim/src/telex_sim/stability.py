@@ -15,7 +15,7 @@ import math
 from dataclasses import dataclass
 from typing import List, Optional, Sequence, Tuple
 
-from telex_control.params import require, require_range
+from telex_control.params import require_range
 
 Vector = Tuple[float, float, float]
 
@@ -31,9 +31,18 @@ class StabilityConfig:
 
     Attributes
     ----------
-    caution, critical : float
-        Margins below which the state is CAUTION or CRITICAL; 1 is that of the robot as it stands
-        level in its start pose.
+    caution : float
+        Margin below which the state is CAUTION; 1 is that of the robot as it stands level in its
+        start pose.
+    smoothing_time : float
+        Of the margin (s); 0 leaves it as it is.
+    warning_ahead, warning_sideways : float
+        Rotations (rad) over nose or rear, and over a side, with less than which left the robot is
+        about to tip over, once that lasts for ...
+    warning_ahead_time, warning_sideways_time : float
+        ... so long (s): a robot that climbs rocks ahead and back.
+    warning_hold : float
+        How long a warning stays after its cause is gone (s).
     tipped_angle : float
         Tilt beyond which the robot has tipped over (rad), once it lasts for `tipped_time` (s).
     tipped_time : float
@@ -46,7 +55,12 @@ class StabilityConfig:
     """
 
     caution: float = 0.5
-    critical: float = 0.2
+    smoothing_time: float = 0.3
+    warning_ahead: float = 0.28
+    warning_ahead_time: float = 0.7
+    warning_sideways: float = 0.35
+    warning_sideways_time: float = 0.05
+    warning_hold: float = 0.5
     tipped_angle: float = 1.2
     tipped_time: float = 0.5
     stuck_time: float = 2.0
@@ -55,11 +69,15 @@ class StabilityConfig:
 
     def __post_init__(self) -> None:
         require_range(self, "caution", 0.0)
-        require_range(self, "critical", 0.0)
-        require(
-            self.critical <= self.caution,
-            f"critical is {self.critical}; it must be at most caution, {self.caution}",
-        )
+        for name in ("warning_ahead", "warning_sideways"):
+            require_range(self, name, 0.0, math.pi)
+        for name in (
+            "smoothing_time",
+            "warning_ahead_time",
+            "warning_sideways_time",
+            "warning_hold",
+        ):
+            require_range(self, name, 0.0)
         require_range(self, "tipped_angle", maximum=math.pi, above=0.0)
         require_range(self, "tipped_time", 0.0)
         require_range(self, "stuck_time", above=0.0)
@@ -79,11 +97,14 @@ class ForceAngle:
         By how much the net force may turn before it passes the edge (rad); negative beyond it.
     outward : tuple of 2 floats
         Unit vector in the horizontal plane, from the polygon over the edge.
+    start : Vector
+        Where the edge begins (m).
     """
 
     measure: float
     angle: float
     outward: Tuple[float, float]
+    start: Vector
 
 
 def support_polygon(points: Sequence[Vector]) -> List[Vector]:
@@ -170,13 +191,18 @@ def force_angle(
     ForceAngle or None
         None when fewer than two points carry the robot.
     """
+    edges = force_angles(polygon, center_of_mass, force, moment)
+    return min(edges, key=lambda edge: edge.measure) if edges else None
+
+
+def force_angles(
+    polygon: Sequence[Vector], center_of_mass: Vector, force: Vector, moment: Vector
+) -> List[ForceAngle]:
+    """All edges of the support polygon, as `force_angle` looks at them; none of a single point."""
     if len(polygon) < 2:
-        return None
+        return []
     edges = zip(polygon, (*polygon[1:], polygon[0]))
-    return min(
-        (_edge(start, end, center_of_mass, force, moment) for start, end in edges),
-        key=lambda edge: edge.measure,
-    )
+    return [_edge(start, end, center_of_mass, force, moment) for start, end in edges]
 
 
 def _edge(start: Vector, end: Vector, center: Vector, force: Vector, moment: Vector) -> ForceAngle:
@@ -186,7 +212,7 @@ def _edge(start: Vector, end: Vector, center: Vector, force: Vector, moment: Vec
     to_axis = _across(_difference(end, center), axis)
     distance = math.sqrt(_dot(to_axis, to_axis))
     if distance < 1e-9:
-        return ForceAngle(0.0, 0.0, outward)
+        return ForceAngle(0.0, 0.0, outward, start)
     # A moment about the edge counts as the force on the centre of mass that would have it.
     turning = _dot(axis, moment) / (distance * distance)
     lever = _cross(to_axis, axis)
@@ -198,7 +224,7 @@ def _edge(start: Vector, end: Vector, center: Vector, force: Vector, moment: Vec
     )
     strength = math.sqrt(_dot(net, net))
     if strength < 1e-9:
-        return ForceAngle(0.0, 0.0, outward)
+        return ForceAngle(0.0, 0.0, outward, start)
     angle = math.atan2(_dot(_cross(to_axis, net), axis), _dot(to_axis, net))
     share = _dot(to_axis, net) / (strength * strength)
     aside = (
@@ -206,7 +232,8 @@ def _edge(start: Vector, end: Vector, center: Vector, force: Vector, moment: Vec
         to_axis[1] - share * net[1],
         to_axis[2] - share * net[2],
     )
-    return ForceAngle(angle * math.sqrt(_dot(aside, aside)) * strength, angle, outward)
+    measure = angle * math.sqrt(_dot(aside, aside)) * strength
+    return ForceAngle(measure, angle, outward, start)
 
 
 def _across(vector: Vector, axis: Vector) -> Vector:

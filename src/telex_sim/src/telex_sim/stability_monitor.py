@@ -13,12 +13,14 @@ import pybullet
 from telex_control.hardware_interface import VelocityJointInterface
 
 from .contacts import Contact, contacts, directed_contacts
-from .mobility_watch import StuckDetector, TipOverDetector
+from .footholds import TOUCHES, Footholds
+from .mobility_watch import StuckDetector, TipOverDetector, TipOverWarning
 from .robot import Robot
 from .stability import ForceAngle, Vector, force_angle, support_polygon
+from .tipping import TippingAngle, tipping_angle
 from .world import GRAVITY, Body
 
-_RESTS = 0.004
+_RESTS = 0.002
 """Distance (m) from the plane of contact up to which a corner of a belt can lie on the ground."""
 _OUTSIDE = 0.002
 """How far beside a belt (m) is looked for what its corners lie on."""
@@ -57,6 +59,8 @@ class Margin:
         Corners of the support polygon in the robot's frame (m).
     center_of_mass : Vector
         Of the robot, in its frame (m).
+    tipping : TippingAngle, optional
+        With what would catch it; None where less than two points carry it.
     """
 
     margin: float
@@ -64,6 +68,7 @@ class Margin:
     direction: float
     support: List[Vector]
     center_of_mass: Vector
+    tipping: Optional[TippingAngle]
 
 
 class StabilityMonitor:
@@ -79,6 +84,8 @@ class StabilityMonitor:
     Attributes
     ----------
     attitude : Attitude
+    warning : TipOverWarning
+        Of the margins that were asked for.
     tipped, stuck : bool
     """
 
@@ -92,6 +99,7 @@ class StabilityMonitor:
         self._attach(body)
         config = self._robot.config.stability
         self._tip_over = TipOverDetector(config)
+        self.warning = TipOverWarning(config)
         self._stuck = StuckDetector(config, 0.5 * float(np.ptp(self._footprint_in_base()[:, 1])))
         self.attitude = _attitude(_rotation(body.base_pose()[1]))
         # Another scene may have the robot start in another pose.
@@ -133,6 +141,14 @@ class StabilityMonitor:
             * (0.0, _OUTSIDE, 0.0)
             for link, corners in self._corners.items()
         }
+        self._footholds = Footholds(
+            body,
+            {
+                link: 0.5 * float(np.ptp(corners[:, 1]))
+                for link, corners in self._corners.items()
+                if len(corners)
+            },
+        )
         self._momentum: Optional[Tuple[float, np.ndarray, np.ndarray]] = None
         self._inertial = (np.zeros(3), np.zeros(3))
         self._observed: Optional[float] = None
@@ -180,24 +196,40 @@ class StabilityMonitor:
         spin = np.einsum("nij,nj->ni", rotations.transpose(0, 2, 1), angular) * self._moments
         turning = np.cross(relative, self._masses[:, None] * linear).sum(axis=0)
         turning += np.einsum("nij,nj->i", rotations, spin)
-        force, moment = self._inertia(time, momentum, turning)
-        force[2] -= mass * GRAVITY
+        force, moment = np.array((0.0, 0.0, -mass * GRAVITY)), np.zeros(3)
         supports, pushes = self._contacts(centers, rotations)
         for point, push in pushes:
             force += push
             moment += np.cross(point - center, push)
+        axles = {link: rotations[self._rows[link]][:, 1] for link in self._corners}
+        footholds = self._footholds.find(axles)
+        standing = [each for each in footholds if each.carries and each.gap < TOUCHES]
+        supports += [each.ground for each in standing if each.gap < _RESTS]
+        tipping = tipping_angle(
+            support_polygon([*supports, *(each.ground for each in standing)]),
+            _vector(center),
+            _vector(force),
+            _vector(moment),
+            footholds,
+            base.T,
+        )
         polygon = support_polygon(supports)
+        inertial_force, inertial_moment = self._inertia(time, momentum, turning)
+        force, moment = force + inertial_force, moment + inertial_moment
         weakest = force_angle(polygon, _vector(center), _vector(force), _vector(moment))
         support = [_vector(base.T @ (np.subtract(corner, position))) for corner in polygon]
         own_center = _vector(base.T @ (center - position))
         if weakest is None:
-            return Margin(0.0, 0.0, 0.0, support, own_center)
+            self.warning.update(time, None, 0.0)
+            return Margin(0.0, 0.0, 0.0, support, own_center, None)
+        self.warning.update(time, tipping, weakest.measure / self._reference)
         return Margin(
             margin=weakest.measure / self._reference,
             angle=weakest.angle,
             direction=_direction(base, weakest),
             support=support,
             center_of_mass=own_center,
+            tipping=tipping,
         )
 
     def _inertia(
@@ -293,7 +325,7 @@ class StabilityMonitor:
         centers: np.ndarray,
         rotations: np.ndarray,
     ) -> List[Vector]:
-        """Corners of touching tracks that lie in a plane of contact, with something below them."""
+        """Foremost and last corners of touching tracks in a plane, with something below them."""
         found: List[Vector] = []
         above: List[List[float]] = []
         below: List[List[float]] = []
@@ -304,11 +336,15 @@ class StabilityMonitor:
             kept = np.zeros(len(corners), bool)
             for point, normal in faces:
                 reach = 2.0 * _RESTS * np.array(normal)
-                fresh = (np.abs((corners - point) @ normal) < _RESTS) & ~kept
-                kept |= fresh
-                found += map(tuple, corners[fresh].tolist())
-                above += (outside[fresh] + reach).tolist()
-                below += (outside[fresh] - reach).tolist()
+                fresh = np.flatnonzero((np.abs((corners - point) @ normal) < _RESTS) & ~kept)
+                if not len(fresh):
+                    continue
+                axle = rotations[row][:, 1]
+                chosen = fresh[_ends(corners[fresh] - centers[row], axle, normal)]
+                kept[chosen] = True
+                found += map(tuple, corners[chosen].tolist())
+                above += (outside[chosen] + reach).tolist()
+                below += (outside[chosen] - reach).tolist()
         if not found:
             return []
         hits = pybullet.rayTestBatch(above, below, physicsClientId=self._body.client)
@@ -342,6 +378,26 @@ class StabilityMonitor:
         weakest = force_angle(polygon, level, weight, (0.0, 0.0, 0.0))
         assert weakest is not None
         return weakest.measure
+
+
+def _ends(corners: np.ndarray, axle: np.ndarray, normal: Vector) -> List[int]:
+    """Rows of the foremost and the last corner on either side of a belt.
+
+    Parameters
+    ----------
+    corners : ndarray, shape (n, 3)
+        Of a belt that lie in one plane (m), n > 0.
+    axle : ndarray, shape (3,)
+        Unit vector along its axle.
+    normal : Vector
+        Of the plane.
+    """
+    aside, along = corners @ axle, corners @ np.cross(axle, normal)
+    chosen = set()
+    for side in (aside, -aside):
+        (edge,) = np.nonzero(side > side.max() - _RESTS)
+        chosen |= {int(edge[np.argmin(along[edge])]), int(edge[np.argmax(along[edge])])}
+    return sorted(chosen)
 
 
 def _add_plane(planes: List[Tuple[Vector, Vector]], point: Vector, normal: Vector) -> None:
