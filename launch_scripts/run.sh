@@ -3,7 +3,7 @@
 #
 #   ./launch_scripts/run.sh [roslaunch arguments, e.g. world:=stairs video_port:=8081]
 #
-# Without world:= it starts in the training hall.
+# Without world:= it starts in the training hall, without speed:= with 35 % of the speed.
 # ros_address:=NAME_OR_ADDRESS opens ROS to other machines, which know this one by it (docs/network.md).
 # Ctrl-C ends it all. A running ROS master (ROS_MASTER_URI) is used; without one, one is started.
 set -uo pipefail
@@ -79,7 +79,7 @@ is_false() { case "${1,,}" in 0 | false) return 0 ;; *) return 1 ;; esac; }
 namespace=telex
 expected=()
 # A later argument of the same name counts.
-arguments=(world:=training_hall)
+arguments=(world:=training_hall speed:=0.35)
 for argument in "$@"; do
   case "$argument" in
     world:=*/* | world:=*.yaml | variant:=*/* | variant:=*.yaml | robot:=*/* | token_file:=?* | instructor_token_file:=?*)
