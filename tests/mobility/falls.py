@@ -108,7 +108,9 @@ class FallWatch:
 
 
 def _least(margin: Margin) -> float:
-    return -math.inf if margin.tipping is None else min(margin.tipping)
+    return (
+        -math.inf if margin.tipping is None else min(margin.tipping.ahead, margin.tipping.sideways)
+    )
 
 
 @dataclass(frozen=True)

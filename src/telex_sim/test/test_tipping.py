@@ -27,6 +27,8 @@ def test_without_footholds_it_is_the_angle_of_the_force_at_each_edge():
     found = angle((0.1, 0.05, 0.3))
     assert found.ahead == pytest.approx(math.atan2(0.3, 0.3))
     assert found.sideways == pytest.approx(math.atan2(0.15, 0.3))
+    assert found.ahead_direction == pytest.approx(0.0)
+    assert found.sideways_direction == pytest.approx(0.5 * math.pi)
 
 
 def test_ahead_is_where_the_robot_looks():
@@ -89,7 +91,8 @@ CONFIG = StabilityConfig(
     warning_sideways_time=0.05,
     warning_hold=0.5,
 )
-SAFE = TippingAngle(0.6, 0.6)
+SAFE = TippingAngle(0.6, 0.6, 0.0, 0.0)
+RIGHT = -0.5 * math.pi
 
 
 def feed(warning, begin, seconds, tipping, margin=1.0):
@@ -106,17 +109,19 @@ def feed(warning, begin, seconds, tipping, margin=1.0):
 def test_rocking_ahead_is_no_tipping_until_it_lasts():
     warning = TipOverWarning(CONFIG)
     assert feed(warning, 0.0, 1.0, SAFE) is None
-    assert feed(warning, 1.0, 0.6, TippingAngle(-0.2, 0.6)) is None
+    assert feed(warning, 1.0, 0.6, TippingAngle(-0.2, 0.6, math.pi, RIGHT)) is None
     assert feed(warning, 1.6, 0.5, SAFE) is None
-    assert feed(warning, 2.1, 1.0, TippingAngle(0.2, 0.6)) == pytest.approx(2.8)
+    assert feed(warning, 2.1, 1.0, TippingAngle(0.2, 0.6, math.pi, RIGHT)) == pytest.approx(2.8)
+    assert warning.direction == math.pi
 
 
 def test_sideways_it_warns_at_once_and_for_a_while():
     warning = TipOverWarning(CONFIG)
     feed(warning, 0.0, 1.0, SAFE)
-    assert feed(warning, 1.0, 0.2, TippingAngle(0.6, 0.3)) == pytest.approx(1.05)
+    assert feed(warning, 1.0, 0.2, TippingAngle(0.6, 0.3, math.pi, RIGHT)) == pytest.approx(1.05)
     feed(warning, 1.2, 0.45, SAFE)
     assert warning.warned
+    assert warning.direction == RIGHT
     feed(warning, 1.65, 0.2, SAFE)
     assert not warning.warned
 
@@ -138,11 +143,11 @@ def test_an_impact_leaves_the_margin():
 
 def test_what_was_before_a_pause_in_looking_is_forgotten():
     warning = TipOverWarning(CONFIG)
-    feed(warning, 0.0, 1.0, TippingAngle(0.6, 0.1))
+    feed(warning, 0.0, 1.0, TippingAngle(0.6, 0.1, math.pi, RIGHT))
     assert warning.warned
     warning.update(5.0, SAFE, 0.7)
     assert not warning.warned
     assert warning.margin == 0.7
     # The time stands still in a pause.
-    warning.update(5.0, TippingAngle(0.6, 0.1), 0.1)
+    warning.update(5.0, TippingAngle(0.6, 0.1, math.pi, RIGHT), 0.1)
     assert warning.margin == 0.7

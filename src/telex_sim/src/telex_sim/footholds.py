@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from heapq import nsmallest
 from typing import Any, Dict, List, Sequence, Tuple
 
 import numpy as np
@@ -17,6 +18,8 @@ their contacts from step to step.
 """
 _NEAR = 0.3
 """Distance (m) up to which footholds are looked for."""
+_MOST = 32
+"""Footholds that are kept of a link on one body, the nearest."""
 _BESIDE = 0.002
 """How far beside a belt (m) is looked for what its edge stands on: a ray that begins in the belt
 would end there.
@@ -65,11 +68,14 @@ class Footholds:
             [each - _NEAR for each in low], [each + _NEAR for each in high], physicsClientId=client
         )
         others = {other for other, _ in around or ()} - {uid}
-        return [
-            Foothold(*point[5:9])
-            for other in sorted(others)
-            for point in pybullet.getClosestPoints(uid, other, _NEAR, link, physicsClientId=client)
-        ]
+        found: List[Foothold] = []
+        for other in sorted(others):
+            points = pybullet.getClosestPoints(uid, other, _NEAR, link, physicsClientId=client)
+            # A mesh gives one for each of its triangles that is near.
+            found += nsmallest(
+                _MOST, (Foothold(*point[5:9]) for point in points), key=lambda each: each.gap
+            )
+        return found
 
     def _edges(
         self, foothold: Foothold, link: int, axle: np.ndarray

@@ -21,6 +21,8 @@ class TipOverWarning:
     Attributes
     ----------
     warned : bool
+    direction : float
+        Where the robot would tip, in its x-y plane (rad): of the last warning.
     margin : float
         Force-angle measure, smoothed: its mean, with weights that decay with `smoothing_time`.
     """
@@ -31,6 +33,7 @@ class TipOverWarning:
         self._since: List[Optional[float]] = [None, None]
         self._clear: Optional[float] = None
         self.warned = False
+        self.direction = 0.0
         self.margin = 0.0
 
     def update(self, time: float, tipping: Optional[TippingAngle], margin: float) -> None:
@@ -52,28 +55,30 @@ class TipOverWarning:
             self._since, self._clear, self.warned, self.margin = [None, None], None, False, margin
         share = 1.0 - math.exp(-gap / config.smoothing_time) if config.smoothing_time else 1.0
         self.margin += share * (margin - self.margin)
-        ahead, sideways = (-math.inf, math.inf) if tipping is None else tipping
-        lasting = []
-        for side, (angle, least, patience) in enumerate(
-            (
-                (ahead, config.warning_ahead, config.warning_ahead_time),
-                (sideways, config.warning_sideways, config.warning_sideways_time),
-            )
-        ):
-            since = self._since[side]
-            self._since[side] = since = (
-                (time if since is None else since) if angle < least else None
-            )
-            lasting.append(since is not None and time - since >= patience - _ROUNDING)
+        ahead, sideways, *directions = tipping or _IN_THE_AIR
+        lasting = [
+            self._lasts(0, time, ahead < config.warning_ahead, config.warning_ahead_time),
+            self._lasts(1, time, sideways < config.warning_sideways, config.warning_sideways_time),
+        ]
         if any(lasting):
             self.warned, self._clear = True, None
+            if tipping is not None:
+                aside = lasting[1] and (sideways < ahead or not lasting[0])
+                self.direction = directions[int(aside)]
         elif self.warned and self._since == [None, None]:
             self._clear = time if self._clear is None else self._clear
             self.warned = time - self._clear < config.warning_hold
         else:
             self._clear = None
 
+    def _lasts(self, side: int, time: float, little: bool, patience: float) -> bool:
+        """Whether little has been left on a side for so long."""
+        since = self._since[side]
+        self._since[side] = since = (time if since is None else since) if little else None
+        return since is not None and time - since >= patience - _ROUNDING
 
+
+_IN_THE_AIR = TippingAngle(-math.inf, math.inf, 0.0, 0.0)
 _FORGOTTEN = 0.5
 """Time (s) without a look after which a warning begins anew."""
 _ROUNDING = 1e-6

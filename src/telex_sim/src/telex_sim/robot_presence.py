@@ -116,14 +116,14 @@ class RobotPresence:
         monitor = self._monitor
         if monitor is None or not self._stability.get_num_connections():
             return
-        margin = monitor.margin(stamp.to_sec())
+        margin, warning = monitor.margin(stamp.to_sec()), monitor.warning
         message = Stability(
             state=self._stability_state(monitor),
             roll=monitor.attitude.roll,
             pitch=monitor.attitude.pitch,
-            margin=monitor.warning.margin,
+            margin=warning.margin,
             angle=margin.angle,
-            direction=margin.direction,
+            direction=warning.direction if warning.warned else margin.direction,
             support=[Point(*corner) for corner in margin.support],
             center_of_mass=Point(*margin.center_of_mass),
         )

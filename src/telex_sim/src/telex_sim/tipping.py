@@ -58,10 +58,14 @@ class TippingAngle(NamedTuple):
     ----------
     ahead, sideways : float
         Over its nose or rear, and over its sides; infinite where no edge of the support lies there.
+    ahead_direction, sideways_direction : float
+        Where it would tip then, in its x-y plane (rad).
     """
 
     ahead: float
     sideways: float
+    ahead_direction: float
+    sideways_direction: float
 
 
 def tipping_angle(
@@ -96,11 +100,14 @@ def tipping_angle(
     edges = force_angles(polygon, center_of_mass, force, moment)
     if not edges:
         return None
-    least = {False: math.inf, True: math.inf}
+    least = [(math.inf, 0.0), (math.inf, 0.0)]
     for edge in edges:
-        x, y = (abs(_Side(edge).turned(axis)[0]) for axis in axes[:2])
-        least[y > x] = min(least[y > x], _over(edge, center_of_mass, able, axes[2]))
-    return TippingAngle(least[False], least[True])
+        x, y = (_Side(edge).turned(axis)[0] for axis in axes[:2])
+        side = int(abs(y) > abs(x))
+        found = _over(edge, center_of_mass, able, axes[2]), math.atan2(y, x)
+        least[side] = min(least[side], found)
+    (ahead, ahead_direction), (sideways, sideways_direction) = least
+    return TippingAngle(ahead, sideways, ahead_direction, sideways_direction)
 
 
 def _over(
