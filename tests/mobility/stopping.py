@@ -26,7 +26,7 @@ WATCHED = 2.0
 LOOK, WINDOW = 0.02, 0.1
 """How often the margin is taken, and the time of which forces of inertia in it are the means (s).
 
-The latter is that of ``sim/stability``: single impacts, as of hubs on stairs, tip nothing over.
+Single impacts, as of hubs on stairs, tip nothing over; ``sim/stability`` smooths them away, too.
 """
 LOAD = 5.0
 """kg."""
@@ -53,7 +53,7 @@ class Stop:
     way : float
         Of base_link.
     margin : float
-        Least tip-over margin, as in ``sim/stability``.
+        Least tip-over margin.
     """
 
     braked: float
