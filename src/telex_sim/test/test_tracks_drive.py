@@ -117,7 +117,7 @@ def bristles(load, grip, slip, step):
     patch = Patch()
     law = TractionLaw(1.0e5, 1500.0, step)
     patch.touches = [(load, grip, 0.7 * grip, slip, 0.0, (1, 0, 0), (0, 1, 0), (0, 0, 0))]
-    patch.prepare(law, load, 1.0, 0.49)
+    patch.prepare(law, load, (1.0, 1.0), 0.49)
     return patch
 
 
@@ -184,7 +184,7 @@ def test_belt_and_robot_settle_together(step, inertia):
     tail = []
     for count in range(round(2.0 / step)):
         patch.touches = [(400.0, 0.8, 0.56, velocity, 0.0, (1, 0, 0), (0, 1, 0), (0, 0, 0))]
-        patch.prepare(law, 400.0, 1.0, 0.49)
+        patch.prepare(law, 400.0, (1.0, 1.0), 0.49)
         drive.follow(1.0 if count * step < 0.3 else 0.0, patch.pull)
         patch.commit()
         velocity += patch.forces[0][0] / mass * step
