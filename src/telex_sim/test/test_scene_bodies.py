@@ -366,6 +366,45 @@ def test_an_object_in_a_robot_is_refused_and_nothing_comes(stage):
     assert tested.objects.frames() == ["robot/body", "beside/body"]
 
 
+def test_a_refused_object_never_pushes_the_robot(stage):
+    tested = stage(cube("robot", (0.0, 0.0, 0.0)))
+    tested.run(0.5)
+    robot, before = tested.uid("robot"), tested.pose("robot/body")
+    posts = [box((0.05, 0.05, 0.5), (0.2 * n, 0.0, 0.25)) for n in range(40)]
+    fence = thing("fence", posts, 0.0, (-4.0, 0.0, 0.0))
+
+    def add(items):
+        for _ in tested.objects.add(tested.plan(*items), (robot,)):
+            tested.run(tested.step_size)
+
+    for items in (
+        (cube("inside", (0.1, 0.0, 0.0)),),
+        (cube("far", (3.0, 0.0, 0.0)), gate("opens", (0.0, 0.8, 0.0), start=-1.5)),
+        (cube("over", (0.0, 0.0, 0.2)), fence),
+        (fence, cube("in_it", (-4.0, 0.0, 0.0))),
+    ):
+        with pytest.raises(ConfigError, match="would stand in the robot|stand in each other"):
+            add(items)
+        tested.run(0.1)
+        assert tested.objects.frames() == ["robot/body"]
+        assert np.subtract(tested.pose("robot/body")[0], before[0]) == pytest.approx(0.0, abs=1e-5)
+
+
+def test_what_moves_is_whole_before_it_is_stepped(stage):
+    tested = stage()
+    wall = thing("wall", [box((0.1, 0.1, 0.5), (0.2 * n, 3.0, 0.25)) for n in range(40)], 0.0)
+    bodies = []
+    for _ in tested.objects.add(
+        tested.plan(gate("gate", (0.0, 0.0, 0.0), 0.5), cube("on_top", (9.0, 0.0, 0.2)), wall), ()
+    ):
+        bodies.append(pybullet.getNumBodies(physicsClientId=tested.client))
+        tested.run(tested.step_size)
+        assert tested.objects.frames() == []
+    assert bodies == [2, 3, 4]
+    assert tested.objects.joint_position("gate", "hinge") == pytest.approx(0.5, abs=1e-9)
+    assert tested.pose("on_top/body")[0][2] == pytest.approx(0.2, abs=1e-6)
+
+
 def test_an_object_that_pybullet_refuses_leaves_nothing_behind(stage, monkeypatch):
     tested = stage(cube("first", (0.0, 0.0, 0.0)))
     before = pybullet.getNumBodies(physicsClientId=tested.client)

@@ -378,9 +378,10 @@ class Simulation:
             pass
 
     def spawn_gradually(self, plans: Sequence[Assembly]) -> Iterator[None]:
-        """Put objects into the running scene, all or none, body by body.
+        """Put objects into the running scene, all or none.
 
-        Steps may be made, but nothing else be changed, before the next one.
+        Steps may be made, but nothing else be changed, before the next body of what stands fast;
+        what can move comes in one go.
 
         Raises
         ------

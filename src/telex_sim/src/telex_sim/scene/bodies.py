@@ -115,31 +115,28 @@ class SceneBodies:
                 pass
             progress(number, len(plans))
 
-    def check_room(self, names: Optional[Sequence[str]] = None) -> None:
+    def check_room(self, bodies: Optional[Sequence[int]] = None) -> None:
         """Refuse objects that stand in each other, or in the floor, where one of them can move.
 
         Parameters
         ----------
-        names : sequence of str, optional
-            Objects that are looked at; by default all.
+        bodies : sequence of int, optional
+            Bodies of objects that are looked at (PyBullet's numbers); by default all.
 
         Raises
         ------
         ConfigError
             It names the first ten pairs.
         """
-        owners = {self._ground[0]: "the floor", **self.owners()}
+        objects = self.owners()
+        owners = {self._ground[0]: "the floor", **objects}
         moving = {
             (uid, index - 1)
             for placed in self._placed.values()
             for uid, plan in zip(placed.bodies, placed.assembly.bodies)
             for index in plan.moving_segments()
         }
-        looked_at = [
-            uid
-            for name in (self._placed if names is None else names)
-            for uid in self._placed[name].bodies
-        ]
+        looked_at = list(objects) if bodies is None else bodies
 
         def matter(a: int, b: int) -> bool:
             # Bodies of one object fit into each other by design.
@@ -161,9 +158,10 @@ class SceneBodies:
         )
 
     def add(self, plans: Sequence[Assembly], robots: Sequence[int]) -> Iterator[None]:
-        """Put further objects into the running world, all or none, body by body.
+        """Put further objects into the running world, all or none.
 
-        The world may be stepped, but not changed, before the next one.
+        What stands fast comes first, body by body: the world may be stepped, but not changed,
+        before the next one. What can move comes in one go, whole and tried before it is stepped.
 
         Parameters
         ----------
@@ -186,12 +184,15 @@ class SceneBodies:
                 f"there are {len(self._placed)} objects; at most {MOST_OBJECTS} are possible"
             )
         try:
-            for plan in plans:
-                yield from self._place(plan)
-            for name in names:
-                if self._touches(name, robots):
-                    raise ConfigError(f"'{name}' would stand in the robot; it needs another place")
-            self.check_room(names)
+            made: List[int] = []
+            for plan in sorted(plans, key=_can_move):
+                for uid in self._place(plan):
+                    if _can_move(plan):
+                        made.append(uid)
+                    else:
+                        self._check_place([uid], robots)
+                        yield
+            self._check_place(made, robots)
         except ConfigError:
             for name in names:
                 if name in self._placed:
@@ -325,19 +326,24 @@ class SceneBodies:
 
     # --- PyBullet ----------------------------------------------------------------------------
 
-    def _place(self, assembly: Assembly) -> Iterator[None]:
+    def _place(self, assembly: Assembly) -> Iterator[int]:
+        """Make an object; tells each body when it is made."""
         bodies: List[int] = []
         try:
             yield from self._create(assembly, bodies)
         except pybullet.error as error:
+            self._placed.pop(assembly.source.name, None)
             for uid in bodies:
                 pybullet.removeBody(uid, physicsClientId=self._client)
             raise ConfigError(
                 f"object '{assembly.source.name}': PyBullet cannot make it: {error}"
             ) from error
 
-    def _create(self, assembly: Assembly, bodies: List[int]) -> Iterator[None]:
-        """Make an object; `bodies` tells what of it is in the world when something fails."""
+    def _create(self, assembly: Assembly, bodies: List[int]) -> Iterator[int]:
+        """Make an object; `bodies` tells what of it is in the world when something fails.
+
+        One that stands fast is known from its first body on, as the world may be stepped then.
+        """
         source = assembly.source
         mechanisms: List[Mechanism] = []
         movable: List[int] = []
@@ -357,7 +363,9 @@ class SceneBodies:
             of_link.update(
                 {s.link: (uid, index - 1, base) for index, s in enumerate(plan.segments) if s.link}
             )
-            yield
+            if not _can_move(assembly):
+                self._placed[source.name] = _Placed(assembly, tuple(bodies), (), (), (), ())
+            yield uid
         latches = tuple(
             Latch(
                 self._client,
@@ -388,13 +396,19 @@ class SceneBodies:
         for uid in placed.bodies:
             pybullet.removeBody(uid, physicsClientId=self._client)
 
-    def _touches(self, name: str, robots: Sequence[int]) -> bool:
-        return any(
-            contact[8] < -_TOUCH
-            for uid in self._placed[name].bodies
-            for robot in robots
-            for contact in pybullet.getClosestPoints(robot, uid, 0.0, physicsClientId=self._client)
-        )
+    def _check_place(self, bodies: Sequence[int], robots: Sequence[int]) -> None:
+        """Refuse bodies that stand in a robot or in other objects."""
+        for uid in bodies:
+            if any(
+                contact[8] < -_TOUCH
+                for robot in robots
+                for contact in pybullet.getClosestPoints(
+                    robot, uid, 0.0, physicsClientId=self._client
+                )
+            ):
+                owner = self.owners()[uid]
+                raise ConfigError(f"{owner} would stand in the robot; it needs another place")
+        self.check_room(bodies)
 
     def _shape(self, shapes: Sequence[Shape]) -> int:
         """PyBullet's shape for all shapes of a segment; -1 for none."""
@@ -502,6 +516,10 @@ _GEOMETRY = {
     Form.SPHERE: pybullet.GEOM_SPHERE,
     Form.CYLINDER: pybullet.GEOM_CYLINDER,
 }
+
+
+def _can_move(assembly: Assembly) -> bool:
+    return bool(assembly.source.model.moving_links())
 
 
 def _joint_type(segment: Segment) -> int:
