@@ -300,6 +300,15 @@ def test_a_belt_around_a_link_that_touches_nothing_is_named(urdf):
         OfflineSimulation(bare)
 
 
+def test_belts_of_two_drives_around_one_link_are_named(urdf):
+    parent = r'(<joint name="front_right_track_joint".*?<parent link=")front_right(_flipper_link")'
+    moved = re.sub(parent, r"\1front_left\2", urdf, flags=re.DOTALL)
+    assert moved != urdf
+    says = "front_right_track_joint: it runs around the link 'front_left_flipper_link', as front_l"
+    with pytest.raises(ConfigError, match=says):
+        OfflineSimulation(moved)
+
+
 def test_control_runs_at_its_own_period(robot):
     tested = robot(timing__step_size=0.001, timing__control_period=0.002)
     received = []

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import deque
 
+import numpy as np
 import pybullet
 import pytest
 
@@ -14,6 +15,7 @@ from telex_control.params import ConfigError
 from telex_control.urdf_joints import joints, parse_urdf
 from telex_sim.config import TrackConfig
 from telex_sim.drives import Drive
+from telex_sim.footholds import Footholds
 from telex_sim.scene.bodies import SceneBodies
 from telex_sim.scene.model import Floor
 from telex_sim.tracks.belt_drive import BeltDriveConfig
@@ -32,6 +34,17 @@ URDF = f"""
     <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
   <joint name="mount" type="fixed"><parent link="base"/><child link="track"/></joint>
   <joint name="belt" type="continuous"><parent link="track"/><child link="wheel"/>
+    <axis xyz="0 1 0"/></joint>
+</robot>
+"""
+ON_ROOT = f"""
+<robot name="monotrack">
+  <link name="base"><inertial><mass value="{MASS - 1.0}"/>
+    <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><geometry><box size="0.6 0.4 0.1"/></geometry></collision></link>
+  <link name="wheel"><inertial><mass value="1"/>
+    <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="belt" type="continuous"><parent link="base"/><child link="wheel"/>
     <axis xyz="0 1 0"/></joint>
 </robot>
 """
@@ -55,9 +68,9 @@ RADIUS = 0.1
 
 
 class Sledge:
-    def __init__(self, world, height=0.0501, yaw=0.0, **config):
+    def __init__(self, world, height=0.0501, yaw=0.0, urdf=URDF, **config):
         self.world = world
-        self.body = world.load_robot(URDF, str, (0.0, 0.0, height), yaw, {})
+        self.body = world.load_robot(urdf, str, (0.0, 0.0, height), yaw, {})
         description = joints(parse_urdf(URDF))["belt"]
         limits = JointLimits(max_velocity=100.0, max_effort=1e3)
         self.drive = Drive(description, VelocityJointInterface, limits, None, 1.0)
@@ -95,9 +108,9 @@ class Sledge:
         return pybullet.getBaseVelocity(self.body.uid, physicsClientId=self.world.client)[0]
 
 
-@pytest.mark.parametrize("speed", [0.5, -0.3])
-def test_the_robot_runs_at_belt_speed(world, speed):
-    sledge = Sledge(world)
+@pytest.mark.parametrize(("speed", "urdf"), [(0.5, URDF), (-0.3, URDF), (0.5, ON_ROOT)])
+def test_the_robot_runs_at_belt_speed(world, speed, urdf):
+    sledge = Sledge(world, urdf=urdf)
     sledge.run(0.5, belt=speed)
     start = sledge.place
     sledge.run(0.5, belt=speed)
@@ -460,3 +473,11 @@ def test_wrong_drives_are_named(drives, named):
     with pytest.raises(ConfigError) as caught:
         TrackConfig(belts={"a": 0.1, "b": 0.1}, drives=drives)
     assert named in str(caught.value)
+
+
+def test_a_belt_around_the_root_link_has_footholds(world):
+    sledge = Sledge(world, urdf=ON_ROOT)
+    sledge.run(0.2)
+    axle = {-1: np.array((0.0, 1.0, 0.0))}
+    found = Footholds(sledge.body, {-1: 0.2}).find(axle)
+    assert sorted({round(each.point[1], 2) for each in found}) == [-0.2, 0.2]

@@ -53,11 +53,11 @@ class Footholds:
         """
         found: List[Foothold] = []
         edges: List[Tuple[Foothold, Vector]] = []
-        for link in (-1, *self._half_widths):
+        for link in dict.fromkeys((-1, *self._half_widths)):
             for foothold in self._near(link):
                 if foothold.gap >= TOUCHES:
                     found.append(foothold)
-                elif link in axles:
+                elif link in self._half_widths:
                     edges += self._edges(foothold, link, axles[link])
         return found + self._on_something(edges)
 
@@ -82,7 +82,10 @@ class Footholds:
     ) -> List[Tuple[Foothold, Vector]]:
         """The same foothold at both edges of the belt, and a place on the ground just beside it."""
         body, half = self._body, self._half_widths[link]
-        origin = pybullet.getLinkState(body.uid, link, physicsClientId=body.client)[4]
+        if link < 0:
+            origin = body.base_pose()[0]
+        else:
+            origin = pybullet.getLinkState(body.uid, link, physicsClientId=body.client)[4]
         aside = float(np.subtract(foothold.point, origin) @ axle)
         point, ground = foothold.point, foothold.ground
         return [

@@ -5,7 +5,7 @@ One thread, the simulation's, owns a `Robot`; only `request_e_stop` may be calle
 
 from __future__ import annotations
 
-from typing import Callable, Dict, Optional
+from typing import Callable, Dict, Mapping, Optional, Tuple
 from xml.etree import ElementTree
 
 from telex_control.controller_manager import ControllerManager
@@ -140,6 +140,20 @@ class Robot:
                     f"tracks/belts/{joint}: the link '{carriers[joint]}', around which it runs, "
                     "has no <collision>; a belt needs one to touch the ground"
                 )
+        self._check_carriers(carriers)
+
+    def _check_carriers(self, carriers: Mapping[Optional[str], str]) -> None:
+        """Refuse belts of several drives around one link: contacts could not tell them apart."""
+        known: Dict[str, Tuple[str, ...]] = {}
+        for belts in self.config.tracks.groups():
+            for joint in belts:
+                link = carriers[joint]
+                others = known.setdefault(link, tuple(belts))
+                if joint not in others:
+                    raise ConfigError(
+                        f"tracks/belts/{joint}: it runs around the link '{link}', as "
+                        f"{others[0]} does, and has another drive; a link of its own is needed"
+                    )
 
     def place(
         self, world: World, scene_start: Start, material_of: Callable[[int, int], str]

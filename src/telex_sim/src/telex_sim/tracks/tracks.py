@@ -159,7 +159,7 @@ class Tracks:
         }
         self._tracks = list(tracks.values())
         self._by_link = {track.link: track for track in self._tracks}
-        self._links = [track.link for track in self._tracks]
+        self._links = [link for link in self._by_link if link >= 0]
         turning = [track for track in self._tracks if track.drive.description.name in body.joints]
         self._turning = turning
         self._wheels = [track.drive.index for track in turning]
@@ -170,7 +170,7 @@ class Tracks:
         self._sides = [
             _Side([tracks[belt] for belt in belts], config, step_size) for belts in config.groups()
         ]
-        for link in self._links:
+        for link in self._by_link:
             pybullet.changeDynamics(
                 self._uid,
                 link,
@@ -237,10 +237,22 @@ class Tracks:
         if not touching:
             return
         self._surfaces.begin_step()
-        states = pybullet.getLinkStates(uid, self._links, 1, 1, client)
-        for track, state in zip(tracks, states):
+        states = dict(zip(self._links, self._link_states()))
+        for track in tracks:
             if track.contacts:
-                self._sort(track, state)
+                self._sort(track, states.get(track.link) or self._root_state())
+
+    def _link_states(self) -> Sequence[Tuple]:
+        if not self._links:
+            return ()
+        states: Sequence[Tuple] = pybullet.getLinkStates(self._uid, self._links, 1, 1, self._client)
+        return states
+
+    def _root_state(self) -> Tuple:
+        """What `_link_states` has of the others, as far as it is used here."""
+        pose = pybullet.getBasePositionAndOrientation(self._uid, physicsClientId=self._client)
+        speeds = pybullet.getBaseVelocity(self._uid, physicsClientId=self._client)
+        return (*pose, None, None, None, None, *speeds)
 
     def _sort(self, track: _Track, state: Tuple) -> None:
         """Give a track's contacts to its patches, and prepare these."""
