@@ -287,6 +287,23 @@ def test_commands_from_before_the_start_are_forgotten(cart):
     assert tested.speeds() == (0.0, 0.0)
 
 
+def test_an_interruption_forgets_the_command_and_brakes_within_the_limits(cart):
+    tested = cart(linear=LINEAR)
+    tested.drive(0.8, 0.0, 1.5)
+    before = tested.speeds()[0]
+    assert before > 0.0
+    tested.send(0.8, 0.0)
+    tested.bench.manager.interrupt(tested.bench.time)
+    tested.run(tested.bench.period)
+    once = before - tested.speeds()[0]
+    tested.run(tested.bench.period)
+    twice = before - tested.speeds()[0]
+    assert 0.0 < once < 0.2 * before
+    assert twice == pytest.approx(2.0 * once, rel=1e-6)
+    tested.run(2.0)
+    assert tested.speeds() == (0.0, 0.0)
+
+
 def test_a_command_that_is_old_by_the_wall_is_not_driven(cart, monkeypatch):
     tested = cart()
     now = [100.0]

@@ -77,6 +77,15 @@ class Controller:
         self.stopping(time)
         self.starting(time)
 
+    def interrupt(self, time: float) -> None:
+        """Forget at `time` (s) what was commanded: nobody saw the robot meanwhile.
+
+        Called inside the control loop while the controller runs. Unlike `reset`, the robot is where
+        it was, and may move: one that must not stop at once overrides this.
+        """
+        self.stopping(time)
+        self.starting(time)
+
 
 class LoadedController:
     """A controller, with what the controller manager knows of it."""

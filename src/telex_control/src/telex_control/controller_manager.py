@@ -127,6 +127,12 @@ class ControllerManager:
             if _is_running(loaded.state) and self._guarded(loaded.stop, loaded, time):
                 self._guarded(loaded.start, loaded, time)
 
+    def interrupt(self, time: float) -> None:
+        """Let every running controller forget at `time` (s) what it was commanded."""
+        for loaded in self._controllers:
+            if _is_running(loaded.state):
+                self._guarded(loaded.controller.interrupt, loaded, time)
+
     def reset(self, time: float) -> None:
         """Let every running controller begin anew at `time` (s), as when the world is reset.
 

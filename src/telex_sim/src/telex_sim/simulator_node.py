@@ -284,13 +284,14 @@ class SimulatorNode:
         if stood > _LONG_STAND:
             # What was commanded before it is as old as that, and operators saw nothing meanwhile.
             for each in self._simulation.robots:
-                each.controllers.restart_running(self._simulation.time)
+                each.controllers.interrupt(self._simulation.time)
             self._stood = (
                 wall.monotonic() + _STAND_TOLD,
                 f"the simulation stood for {stood:.2f} s, while robot {robot.model} was added; "
                 "what was commanded before is forgotten",
             )
-            self._restart_pace()
+            # Messages may have waited for it, and count as new: who streams has to begin anew.
+            self._after_reset()
         rospy.loginfo("robot %s: added in %.3f s", robot.model, stood)
 
     def _on_remove_robot(self, request: Any) -> RemoveRobotResponse:

@@ -312,6 +312,11 @@ class DiffDriveController(Controller):
         self._odometry.reset()
         self.starting(time)
 
+    def interrupt(self, time: float) -> None:
+        """Come to rest as after an old command, within the limits."""
+        self._obeyed = self._command.serial
+        self._active = (0.0, 0.0)
+
     def _brake(self) -> None:
         self._active = (0.0, 0.0)
         self._linear = (0.0, 0.0)

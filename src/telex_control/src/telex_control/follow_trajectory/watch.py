@@ -47,5 +47,5 @@ class Watch:
     def on_status(self, message: SimStatus) -> None:
         """Take the state of the simulator."""
         if self._resets is not None and message.resets != self._resets and self.reason is None:
-            self.reason = "stopped: the simulation was reset on the way; start again"
+            self.reason = "stopped: the simulation was reset on the way, or stood; start again"
         self._resets = message.resets
