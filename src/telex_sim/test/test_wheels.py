@@ -121,11 +121,34 @@ SWIVEL = """<link name="fork"><collision><geometry><sphere radius="0.1"/></geome
 <joint name="roll" type="continuous"><parent link="fork"/><child link="lone"/></joint>
 <link name="lone"><collision><geometry><mesh filename="wheel.obj"/></geometry></collision></link>"""
 
+HUB = """<link name="hub"/><link name="cap"/>
+<joint name="hub" type="fixed"><parent link="caster_link"/><child link="hub"/></joint>
+<joint name="cap" type="fixed"><parent link="hub"/><child link="cap"/></joint>"""
+FINGER = """<link name="finger"/><joint name="finger" type="prismatic"><parent link="cap"/>
+<child link="finger"/><limit lower="0" upper="0.05" effort="9" velocity="1"/></joint>"""
+FLANGE = wheel("flange", 0.5, 0.0).replace("VelocityJointInterface", "PositionJointInterface")
+
 
 @pytest.mark.parametrize(
     ("extra", "more"),
-    [(CASTER, {"caster_link"}), (OWN, set()), (BOX, set()), (SWIVEL, {"lone"})],
-    ids=["caster", "with a stiffness of its own", "not round", "only what a swivel carries"],
+    [
+        (CASTER, {"caster_link"}),
+        (OWN, set()),
+        (BOX, set()),
+        (SWIVEL, {"lone"}),
+        (CASTER + HUB, {"caster_link"}),
+        (CASTER + HUB + FINGER, set()),
+        (FLANGE, set()),
+    ],
+    ids=[
+        "caster",
+        "with a stiffness of its own",
+        "not round",
+        "only what a swivel carries",
+        "with a cap",
+        "a wrist with a gripper",
+        "held by position",
+    ],
 )
 def test_wheels_are_round_links_that_turn_and_carry_nothing(extra, more):
     assert wheels(parse_urdf(rover(extra))) == {f"{name}_link" for name in WHEELS} | more

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Dict, FrozenSet, Optional, Set
+from typing import Dict, FrozenSet, List, Optional, Set, Tuple
 from xml.etree import ElementTree
 
 import pybullet
@@ -61,19 +61,31 @@ def wheels(root: ElementTree.Element) -> FrozenSet[str]:
     """Links that can roll: of a continuous joint, round, and carrying no further joint.
 
     Those of drive wheels and of casters alike, whoever drives them. Left out are wheels whose URDF
-    has a stiffness of its own (``<contact>``, which PyBullet reads).
+    has a stiffness of its own (``<contact>``, which PyBullet reads), and what is commanded by
+    position, such as an arm's wrist.
     """
     links = {link.get("name", ""): link for link in root.findall("link")}
     carriers: Set[str] = set()
+    fixed: List[Tuple[str, str]] = []
     turned: Set[str] = set()
+    held = _held(root)
     for joint in root.findall("joint"):
         parent, child = joint.find("parent"), joint.find("child")
         if parent is None or child is None:
             continue
+        ends = (parent.get("link", ""), child.get("link", ""))
         if joint.get("type") in MOVABLE:
-            carriers.add(parent.get("link", ""))
-        if joint.get("type") == CONTINUOUS:
-            turned.add(child.get("link", ""))
+            carriers.add(ends[0])
+        else:
+            fixed.append(ends)
+        if joint.get("type") == CONTINUOUS and joint.get("name") not in held:
+            turned.add(ends[1])
+    while True:
+        # What a link carries by fixed joints is part of it.
+        more = {above for above, below in fixed if below in carriers} - carriers
+        if not more:
+            break
+        carriers |= more
     return frozenset(
         name
         for name in turned - carriers
@@ -81,6 +93,19 @@ def wheels(root: ElementTree.Element) -> FrozenSet[str]:
         and links[name].find("contact/stiffness") is None
         and any(links[name].find(f"collision/geometry/{shape}") is not None for shape in _ROUND)
     )
+
+
+def _held(root: ElementTree.Element) -> Set[Optional[str]]:
+    """Joints that are commanded by position."""
+    return {
+        joint.get("name")
+        for transmission in root.findall("transmission")
+        if any(
+            (element.text or "").strip().endswith("PositionJointInterface")
+            for element in transmission.iter("hardwareInterface")
+        )
+        for joint in transmission.findall("joint")
+    }
 
 
 def frictions(root: ElementTree.Element) -> Dict[str, float]:
