@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Callable
+from typing import Callable, Dict
 
 from telex_control.params import ConfigError
 from telex_control.urdf_joints import parse_urdf
@@ -15,36 +15,58 @@ MOST_COLLISION_TRIANGLES = 60_000
 """Of all meshes that a robot collides by: the loop stands while PyBullet reads them."""
 
 
-def check_meshes(urdf: str, resolve: Callable[[str], str]) -> None:
-    """Refuse a robot with files that are too large.
+def _refuse(problem: str) -> None:
+    raise ConfigError(problem)
+
+
+def check_meshes(
+    urdf: str, resolve: Callable[[str], str], mind: Callable[[str], None] = _refuse
+) -> None:
+    """Look at a robot's files.
 
     Parameters
     ----------
     urdf : str
     resolve : callable
         Turns an address (``package://…``) into a path; raises a ValueError for one that is none.
+    mind : callable, optional
+        Told of what can be simulated all the same: files that are only seen are missing or too
+        large, meshes to collide by are too fine. By default it is refused.
 
     Raises
     ------
     ConfigError
-        A file is missing or too large, or a mesh to collide by cannot be read or is too fine; the
-        message names link and file.
+        A file to collide by is missing or too large or cannot be read; the message names link and
+        file.
     """
     root = parse_urdf(urdf)
+    triangles: Dict[Path, int] = {}
     total = 0
     for link in root.iter("link"):
         where = f"link '{link.get('name', '')}'"
+        touched = link.findall("collision/geometry/mesh")
         for element in (*link.iter("mesh"), *link.iter("texture")):
-            if element.get("filename"):
-                _check_size(where, element.get("filename", ""), resolve)
-        for mesh in link.findall("collision/geometry/mesh"):
-            total += _triangles(where, _path(where, mesh.get("filename", ""), resolve))
-            if total > MOST_COLLISION_TRIANGLES:
-                raise ConfigError(
-                    f"{where}: with it, the meshes to collide by have {total} triangles; at most "
-                    f"{MOST_COLLISION_TRIANGLES} are possible in a robot, and their convex hulls "
-                    "would do"
-                )
+            if element.get("filename") and element not in touched:
+                try:
+                    _check_size(where, element.get("filename", ""), resolve)
+                except ConfigError as error:
+                    mind(str(error))
+        for mesh in touched:
+            path = _path(where, mesh.get("filename", ""), resolve)
+            if path not in triangles:
+                _check_size(where, mesh.get("filename", ""), resolve)
+                triangles[path] = _triangles(where, path)
+                if triangles[path] > MOST_TRIANGLES:
+                    mind(
+                        f"{where}: mesh {path}: it has {triangles[path]} triangles; at most "
+                        f"{MOST_TRIANGLES} are possible"
+                    )
+            total += triangles[path]
+    if total > MOST_COLLISION_TRIANGLES:
+        mind(
+            f"its meshes to collide by have {total} triangles in all; at most "
+            f"{MOST_COLLISION_TRIANGLES} are possible in a robot, and their convex hulls would do"
+        )
 
 
 def _path(where: str, address: str, resolve: Callable[[str], str]) -> Path:
@@ -66,11 +88,6 @@ def _check_size(where: str, address: str, resolve: Callable[[str], str]) -> None
 
 def _triangles(where: str, path: Path) -> int:
     try:
-        count = len(load_mesh(path).triangles)
+        return len(load_mesh(path).triangles)
     except MeshFileError as error:
         raise ConfigError(f"{where}: mesh {error}") from error
-    if count > MOST_TRIANGLES:
-        raise ConfigError(
-            f"{where}: mesh {path}: it has {count} triangles; at most {MOST_TRIANGLES} are possible"
-        )
-    return count

@@ -94,7 +94,7 @@ class Simulation:
         self._meshes = MeshLists()
         self._planned = self.plan_scene(config.world)
         step, pose = self._step_size, self.scene.start.pose
-        check_meshes(urdf, resolve)
+        check_meshes(urdf, resolve, lambda problem: _log.warning("robot_description: %s", problem))
         self.robots = (Robot(config, urdf, node, resolve, step, pose),)
         self.world = World(self._step_size, config.solver_iterations, config.gui)
         self.objects = SceneBodies(self.world.client, self._step_size, self._meshes)

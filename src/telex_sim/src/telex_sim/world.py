@@ -243,12 +243,13 @@ class World:
             PyBullet refuses the URDF, or a joint of `joint_positions` does not exist.
         """
         client = self.client
-        root = _with_local_meshes(urdf, resolve)
+        root = ElementTree.fromstring(urdf)
         frames = {**take_out_wheels(root, wheels), **take_out_frames(root)}
         _complete_inertials(root)
         if not self._gui:
             # Nothing looks at them there, and reading them is most of the time that loading takes.
             _drop_visuals(root)
+        _use_local_meshes(root, resolve)
         flags = pybullet.URDF_USE_INERTIA_FROM_FILE
         if self_collision:
             flags |= pybullet.URDF_USE_SELF_COLLISION
@@ -319,14 +320,12 @@ class World:
         pybullet.stepSimulation(physicsClientId=self.client)
 
 
-def _with_local_meshes(urdf: str, resolve: Callable[[str], str]) -> ElementTree.Element:
-    root = ElementTree.fromstring(urdf)
+def _use_local_meshes(root: ElementTree.Element, resolve: Callable[[str], str]) -> None:
     for mesh in root.iter("mesh"):
         try:
             mesh.set("filename", resolve(mesh.get("filename", "")))
         except ValueError as error:
             raise WorldError(f"robot_description: {error}") from error
-    return root
 
 
 def _complete_inertials(root: ElementTree.Element) -> None:
