@@ -24,6 +24,7 @@ def test_what_overshoots_has_none():
     assert not position_problem(99.0, -1.0, 2.0)
     assert not position_problem(2.0e3)
     assert not speed_problem(150.0, 2.0)
+    assert not speed_problem(0.1, 0.0)
     assert not effort_problem(1e4)
     assert "limits, -1 to 2," in position_problem(103.0, -1.0, 2.0)
     assert "100 times the limit, 2," in speed_problem(-201.0, 2.0)

@@ -65,9 +65,14 @@ def position_problem(value: float, lower: float = -math.inf, upper: float = math
 
 
 def speed_problem(value: float, limit: float = math.inf) -> str:
-    """Why a number can be no speed (rad/s, m/s) where this is the limit; empty where it can."""
+    """Why a number can be no speed (rad/s, m/s) where this is the limit; empty where it can.
+
+    A limit of 0, as CAD exporters write it, tells nothing of what is meant.
+    """
     if not math.isfinite(value):
         return "is not finite"
+    if limit <= 0.0:
+        limit = math.inf
     if abs(value) <= min(LARGEST_SPEED, _TIMES * limit):
         return ""
     if _TIMES * limit < LARGEST_SPEED:
