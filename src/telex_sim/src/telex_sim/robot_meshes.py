@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import stat
 from pathlib import Path
 from typing import Callable, Dict
 
@@ -79,11 +80,15 @@ def _path(where: str, address: str, resolve: Callable[[str], str]) -> Path:
 def _check_size(where: str, address: str, resolve: Callable[[str], str]) -> None:
     path = _path(where, address, resolve)
     try:
-        size = path.stat().st_size
+        found = path.stat()
     except OSError as error:
         raise ConfigError(f"{where}: {path}: {error.strerror}") from error
-    if size > MOST_BYTES:
-        raise ConfigError(f"{where}: {path}: it has {size} bytes; at most {MOST_BYTES} are read")
+    if not stat.S_ISREG(found.st_mode):
+        raise ConfigError(f"{where}: {path}: it is no file")
+    if found.st_size > MOST_BYTES:
+        raise ConfigError(
+            f"{where}: {path}: it has {found.st_size} bytes; at most {MOST_BYTES} are read"
+        )
 
 
 def _triangles(where: str, path: Path) -> int:
