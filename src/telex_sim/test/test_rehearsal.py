@@ -2,17 +2,28 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
+import rospkg
 
 from telex_control.params import ConfigError
 from telex_control.urdf_joints import UrdfError
+from telex_sim import rehearsal_client
 from telex_sim.config import RobotConfig
 from telex_sim.offline import shipped_config
 from telex_sim.rehearsal_client import RehearsalClient
+from telex_sim.rehearsal_frames import read_values
+from telex_sim.rehearsal_process import _perform, _Stage
 from telex_sim.robot_body import RobotBody
 from telex_sim.scene.catalog import scenes
 from telex_sim.scene.model import Floor, Start
@@ -146,3 +157,114 @@ def test_all_scenes_are_listed(rehearsal):
     listed = rehearsal.listing()
     assert [name for name, *_ in listed] == list(scenes())
     assert all(description and not problem for _, _, description, problem in listed)
+
+
+def test_an_answer_that_cannot_be_read_does_not_spoil_the_next(rehearsal, monkeypatch):
+    def broken(read):
+        read(8)
+        raise pickle.UnpicklingError("what is this?")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(rehearsal_client, "read_values", broken)
+        with pytest.raises(ConfigError, match="could not be tried: .*what is this"):
+            entry(rehearsal, "{type: crate}")
+    assert len(entry(rehearsal, "{type: crate}")) == 1
+
+
+def test_a_process_that_cannot_be_started_is_a_mistake_that_is_told(monkeypatch):
+    monkeypatch.setattr(sys, "executable", "/nowhere/python")
+    with pytest.raises(ConfigError, match="cannot be started: .*/nowhere/python"):
+        RehearsalClient(shipped_config())
+
+
+def test_closing_does_not_wait_for_a_request():
+    client = RehearsalClient(shipped_config())
+    refused = []
+
+    def ask():
+        try:
+            client.listing()
+        except ConfigError as error:
+            refused.append(str(error))
+
+    client.listing()
+    os.kill(client._process.pid, signal.SIGSTOP)
+    asking = threading.Thread(target=ask)
+    asking.start()
+    time.sleep(0.2)
+    began = time.monotonic()
+    client.close()
+    asking.join()
+    assert time.monotonic() - began < 10.0
+    assert "has ended" in refused[0]
+
+
+def test_what_tries_ends_with_its_process(tmp_path):
+    client = RehearsalClient(shipped_config())
+    client.listing()
+    parent = client._process.pid
+    slow = tmp_path / "slow.obj"
+    slow.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + "vt 0.1234 0.2345\n" * 3_500_000 + "f 1 2 3\n")
+
+    def ask():
+        with contextlib.suppress(ConfigError):
+            entry(client, f"{{type: mesh, static: true, mesh: {slow}}}")
+
+    asking = threading.Thread(target=ask)
+    asking.start()
+    children = Path(f"/proc/{parent}/task/{parent}/children")
+    while not children.read_text():
+        time.sleep(0.01)
+    time.sleep(0.1)
+    child = int(children.read_text())
+    os.kill(child, signal.SIGSTOP)
+    os.kill(parent, signal.SIGKILL)
+    asking.join()
+    client.close()
+    try:
+        until = time.monotonic() + 5.0
+        while _runs(child) and time.monotonic() < until:
+            time.sleep(0.01)
+        assert not _runs(child)
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(child, signal.SIGKILL)
+
+
+def _runs(pid):
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+
+
+def test_a_mesh_that_is_no_file_is_refused(rehearsal, tmp_path):
+    os.mkfifo(tmp_path / "pipe.stl")
+    with pytest.raises(ConfigError, match="pipe.stl: it is no file"):
+        rehearsal.robot(box_robot(f'<mesh filename="file://{tmp_path}/pipe.stl"/>'), Start())
+
+
+class Unreadable:
+    what = "the object"
+
+    def answer(self, stage):
+        raise PermissionError(13, "Permission denied", "/secret.obj")
+
+
+def test_what_cannot_be_read_is_told_as_it_is():
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGCHLD])
+    try:
+        memory, status = _perform(Unreadable(), _Stage(shipped_config(), rospkg.RosPack()))
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+    with open(memory, "rb") as answer:
+        answer.seek(0)
+        (error,) = read_values(answer.read)
+    assert status == 0
+    assert isinstance(error, ConfigError)
+    assert "the object: [Errno 13] Permission denied: '/secret.obj'" in str(error)
+
+
+def test_it_steps_back_before_it_imports_what_takes_long():
+    code = "import sys, telex_sim.rehearsal_start; sys.exit('numpy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

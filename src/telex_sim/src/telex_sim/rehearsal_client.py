@@ -106,7 +106,12 @@ class RehearsalClient:
         return self._ask(ListingRequest())
 
     def close(self) -> None:
-        """End the process."""
+        """End the process; who waits for an answer is told that it has ended."""
+        connection = self._connection
+        if connection is not None:
+            # Of a request in flight, which would hold the lock for as long as it takes.
+            with contextlib.suppress(OSError):
+                connection.shutdown(socket.SHUT_RDWR)
         with self._lock:
             self._end()
 
@@ -120,7 +125,7 @@ class RehearsalClient:
                     write_values(file, [request])
                 with self._connection.makefile("rb") as answers:
                     answer = list(read_values(answers.read))
-            except (OSError, EOFError) as error:
+            except Exception as error:  # whatever it is, the rest of the answer must not stay
                 self._end()
                 raise ConfigError(
                     f"{request.what} could not be tried: the process for that has ended ({error}); "
@@ -134,13 +139,19 @@ class RehearsalClient:
         self._end()
         ours, theirs = socket.socketpair()
         with theirs:
-            self._process = subprocess.Popen(
-                [sys.executable, "-m", "telex_sim.rehearsal_process", str(theirs.fileno())],
-                pass_fds=[theirs.fileno()],
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
-            )
+            try:
+                self._process = subprocess.Popen(
+                    [sys.executable, "-m", "telex_sim.rehearsal_start", str(theirs.fileno())],
+                    pass_fds=[theirs.fileno()],
+                    stdin=subprocess.DEVNULL,
+                    stdout=subprocess.DEVNULL,
+                    env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
+                )
+            except OSError as error:
+                ours.close()
+                raise ConfigError(
+                    f"the process that tries what comes from outside cannot be started: {error}"
+                ) from error
         ours.settimeout(_STARTING + MOST_WAITING)
         self._connection = ours
         with contextlib.suppress(OSError), ours.makefile("wb") as file:

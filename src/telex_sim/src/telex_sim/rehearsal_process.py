@@ -7,12 +7,13 @@ object or a robot does to the memory and the time of that process is bounded, an
 from __future__ import annotations
 
 import contextlib
+import ctypes
+import errno
 import gc
 import os
 import resource
 import signal
 import socket
-import sys
 import time
 from dataclasses import dataclass, replace
 from typing import Any, BinaryIO, Callable, Iterator, List, Sequence, Tuple
@@ -42,7 +43,8 @@ MOST_MEMORY = 1024**3
 """Bytes of memory of its own."""
 _MOST_ANSWER = 256 * 1024**2
 """Bytes of an answer."""
-_NICENESS = 5
+_PR_SET_PDEATHSIG = 1
+_prctl = ctypes.CDLL(None).prctl
 
 
 @dataclass(frozen=True)
@@ -156,20 +158,37 @@ def _rehearse(request: Any, stage: _Stage, answer: BinaryIO) -> None:
     stage.begin_reading()
     try:
         write_values(answer, request.answer(stage))
-    except (MemoryError, OSError):
+    except MemoryError:
         raise
+    except OSError as error:
+        if error.errno in (errno.ENOMEM, errno.EFBIG):
+            raise
+        _refuse(answer, ConfigError(f"{request.what}: {error}"))
     except Exception as error:  # whatever refuses it, the simulator is told
-        answer.seek(0)
-        answer.truncate()
-        write_values(answer, [error])
+        _refuse(answer, error)
+
+
+def _refuse(answer: BinaryIO, error: Exception) -> None:
+    answer.seek(0)
+    answer.truncate()
+    write_values(answer, [error])
+
+
+def _end_with(parent: int) -> None:
+    """Have this process killed when `parent` ends, however it ends."""
+    _prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+    if os.getppid() != parent:
+        os._exit(1)
 
 
 def _perform(request: Any, stage: _Stage) -> Tuple[int, int]:
     """Fork for a request; returns the file of its answer, and how the process ended."""
     answer = os.memfd_create("rehearsal")
+    parent = os.getpid()
     pid = os.fork()
     if pid == 0:
         status = 1
+        _end_with(parent)
         with contextlib.suppress(BaseException), open(answer, "wb") as file:
             _rehearse(request, stage, file)
             status = 0
@@ -235,16 +254,9 @@ def _answer(file: BinaryIO, request: Any, stage: _Stage) -> None:
 
 def main(arguments: Sequence[str]) -> None:
     """Serve the connection whose file descriptor is the argument; the configuration comes first."""
-    # The simulator may be a real-time process, whose children are real-time ones.
-    os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
-    os.nice(_NICENESS)
     # A terminal's, which reaches all that it started: the simulator says when this one ends.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     with socket.socket(fileno=int(arguments[0])) as connection:
         with connection.makefile("rb", buffering=0) as file:
             (config,) = read_values(file.read)
         serve(connection, config)
-
-
-if __name__ == "__main__":
-    main(sys.argv[1:])
