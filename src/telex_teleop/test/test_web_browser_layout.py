@@ -21,6 +21,7 @@ DEVICES = "MOVED BY the robot's gamepad, a terminal, the program somebody_wrote_
 TAKEN = {"control": True, "control-text": f"WATCHING · {LONG_NAME}", "control-button": "take"}
 
 # In each group one of several: texts by the id of their element; None hides it, True shows it.
+# The question is the page's own, and open all the time.
 STATES = [
     [{"release": None}, {"release": True}],
     [{"health": None}, {"health": "MISSING cameras"}, {"health": EVERY_NODE}],
@@ -34,6 +35,7 @@ STATES = [
     [{"scene-name": "hall"}, {"scene-name": "the_tunnel_that_somebody_made_for_his_own_lesson"}],
     [{"control-holder": "free"}, {"control-holder": LONG_NAME}],
     [{"keys": None}, {"keys": True}],
+    [{"ask": None}, {"ask": True}],
 ]
 
 # Goes through all combinations of what the page has of these; returns how many they are, and the
@@ -88,6 +90,9 @@ def page(request, server, tmp_path_factory):
     page = Page(f"{server}{request.param}", tmp_path_factory.mktemp("profile"))
     try:
         page.load()
+        if request.param:
+            page.element("#reset").click()
+            wait_until(lambda: page.element("#ask").is_displayed())
         yield page
     finally:
         page.driver.quit()
