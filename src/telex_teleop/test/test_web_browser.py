@@ -641,17 +641,28 @@ def test_the_attitude_turns_from_calm_to_alarm_and_vanishes_with_its_topic(robot
         return page.element("#attitude-meter").get_attribute(name)
 
     assert not page.element("#attitude").is_displayed()
-    tell(state=0, roll=0.0, pitch=-0.35, margin=0.9, direction=-math.pi / 2)
+    support = [{"x": 0.3, "y": 0.2}, {"x": -0.3, "y": 0.2}]
+    tell(state=0, roll=0.0, pitch=-0.35, margin=0.9, direction=-math.pi / 2, support=support)
     wait_until(lambda: page.attribute("attitude", "data-state") == "stable")
     assert page.text("attitude-pitch") == "20° nose up"
     assert page.text("attitude-roll") == "level"
     assert meter("aria-valuetext") == "90 percent, weakest over the right"
-    tell(state=2, roll=-0.6, pitch=0.2, margin=0.12, direction=math.pi / 2)
-    wait_until(lambda: page.attribute("attitude", "data-state") == "critical")
-    assert page.text("attitude-word") == "TIPPING"
-    assert page.text("attitude-way") == "over the left"
+    tell(state=1, roll=-0.6, pitch=0.2, margin=0.12, direction=math.pi / 2, support=support)
+    wait_until(lambda: page.attribute("attitude", "data-state") == "caution")
+    assert (page.text("attitude-way"), page.text("attitude-margin")) == ("over the left", "12 %")
     assert page.text("attitude-roll") == "34° left down"
     assert meter("aria-valuenow") == "12"
+    # Once it is about to tip over, only the way counts; and a robot in the air has none.
+    tell(state=2, roll=-0.6, pitch=0.2, margin=0.0, direction=math.pi / 2, support=support)
+    wait_until(lambda: page.attribute("attitude", "data-state") == "critical")
+    assert page.text("attitude-word") == "TIPPING"
+    assert (page.text("attitude-way"), page.text("attitude-margin")) == ("over the left", "")
+    assert meter("aria-valuetext") == "about to tip over the left"
+    assert ["warning", "about to tip over the left"] in lines(page)
+    tell(state=2, roll=-0.6, pitch=0.2, margin=0.5, direction=math.pi / 2)
+    wait_until(lambda: page.text("attitude-way") == "")
+    assert page.text("attitude-margin") == ""
+    assert meter("aria-valuetext") == "about to tip over"
     tell(state=3, roll=1.6, pitch=0.0, margin=-0.4, direction=0.0)
     wait_until(lambda: page.text("attitude-word") == "TIPPED OVER")
     assert meter("aria-valuenow") == "0"

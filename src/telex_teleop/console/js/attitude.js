@@ -53,8 +53,10 @@ const PANEL = `
 `;
 
 export class AttitudeView {
-  constructor() {
+  /** @param {(sentence: string) => void} warn  Told when the robot begins to tip over. */
+  constructor(warn) {
     byId("attitude").innerHTML = PANEL;
+    this._warn = warn;
     this._heard = -Infinity;
     this._show("silent");
   }
@@ -64,19 +66,28 @@ export class AttitudeView {
     this._heard = performance.now();
     const { name, word } = STATES[stability.state] ?? STATES[0];
     const percent = Math.max(0, Math.round(100 * (stability.margin ?? 0)));
-    const way = WAYS[Math.round((4 * (stability.direction ?? 0)) / Math.PI + 8) % 8];
+    // What nothing carries tips over no edge.
+    const isCarried = (stability.support ?? []).length >= 2 && Number.isFinite(stability.direction);
+    const way = isCarried ? WAYS[Math.round((4 * stability.direction) / Math.PI + 8) % 8] : "";
+    // How little is left to tip does not follow from the margin then, which may be ample still.
+    const isTipping = name === "critical";
+    const share = isTipping || !Number.isFinite(stability.margin) ? "" : `${percent} %`;
+    const tipping = way === "" ? "about to tip over" : `about to tip over the ${way}`;
+    if (isTipping && byId("attitude").dataset.state !== name) this._warn(tipping);
     const pitch = describe(stability.pitch, "nose down", "nose up");
     const roll = describe(stability.roll, "right down", "left down");
     turn("attitude-side", stability.pitch);
     turn("attitude-rear", stability.roll);
     setText(byId("attitude-pitch"), pitch);
     setText(byId("attitude-roll"), roll);
-    byId("attitude-fill").style.width = `${Math.min(100, percent)}%`;
-    setText(byId("attitude-margin"), `${percent} %`);
-    setText(byId("attitude-way"), percent > 0 && name !== "stable" && name !== "tipped" ? `over the ${way}` : "");
+    const full = isTipping ? 0 : Math.min(100, percent);
+    byId("attitude-fill").style.width = `${full}%`;
+    setText(byId("attitude-margin"), share);
+    setText(byId("attitude-way"), way !== "" && (name === "caution" || isTipping) ? `over the ${way}` : "");
     const meter = byId("attitude-meter");
-    meter.setAttribute("aria-valuenow", String(Math.min(100, percent)));
-    meter.setAttribute("aria-valuetext", `${percent} percent, weakest over the ${way}`);
+    meter.setAttribute("aria-valuenow", String(full));
+    const weakest = way === "" ? "" : `, weakest over the ${way}`;
+    meter.setAttribute("aria-valuetext", isTipping ? tipping : share === "" ? "not known" : `${percent} percent${weakest}`);
     this._show(name, word);
     byId("attitude-views").setAttribute("aria-label", `Attitude: ${pitch}, ${roll}`);
   }
@@ -105,7 +116,8 @@ export class AttitudeView {
  * @param {string} negative
  */
 function describe(angle, positive, negative) {
-  const degrees = Math.round(((angle ?? 0) * 180) / Math.PI);
+  if (angle === null) return "–";
+  const degrees = Math.round((angle * 180) / Math.PI);
   if (degrees === 0) return "level";
   return `${Math.abs(degrees)}° ${degrees > 0 ? positive : negative}`;
 }

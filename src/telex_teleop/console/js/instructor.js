@@ -41,7 +41,7 @@ const degrees = (angle) => (angle === null ? "–" : `${fixed((angle * 180) / Ma
 
 async function start() {
   const status = new StatusView();
-  const attitude = new AttitudeView();
+  const attitude = new AttitudeView((sentence) => status.log(sentence, "warning"));
   const config = await waitForConfig(given);
   const topic = (/** @type {string} */ name) => `${config.namespace}/${name}`;
   const cameras = startCameras(config);

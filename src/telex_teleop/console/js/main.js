@@ -82,7 +82,7 @@ async function start() {
   const keymap = new KeyMap(localStorage);
   const relabel = () => labelKeys(document, keymap);
   let pitch = 0; // rad, positive with the nose down
-  const attitude = new AttitudeView();
+  const attitude = new AttitudeView((sentence) => status.log(sentence, "warning"));
   const config = await waitForConfig(GIVEN);
   const topic = (/** @type {string} */ name) => `${config.namespace}/${name}`;
   const cameras = startCameras(config);
