@@ -962,8 +962,15 @@ def test_estop_lets_go_and_holds_until_it_is_released(robot, page):
 
 
 def test_paused_and_silent_simulator(robot, page):
-    robot.publish_sim(paused=True)
-    wait_until(lambda: page.text("sim-state") == "PAUSED")
+    with page.hold("w"):
+        robot.wait_for(DRIVE, 3)
+        robot.publish_sim(paused=True)
+        wait_until(lambda: page.text("sim-state") == "PAUSED")
+        assert page.text("warning") == "released: the simulation is paused"
+        robot.publish_sim()
+        wait_until(lambda: page.text("sim-state") == "running")
+        assert robot.is_quiet(DRIVE)
+    assert robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0
     status = {"paused": False, "real_time_factor": 1.0}
     robot.probe.publish("/telex/sim/status", "telex_msgs/SimStatus", status)
     wait_until(lambda: page.text("sim-state") == "NO STATUS")

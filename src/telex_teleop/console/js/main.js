@@ -257,8 +257,11 @@ async function start() {
     pitch = stability.pitch ?? 0;
   }, JOINTS_PERIOD);
   listen("sim/status", TYPES.simStatus, (sim) => {
+    const wasPaused = status.paused;
     status.setSim(sim);
     hud.setSim(sim);
+    // What was held before must not go on after it.
+    if (status.paused && !wasPaused) letGo("the simulation is paused");
     // Releasing the e-stop must not bring back a motion that is still held.
     if (status.estopped) release();
   });

@@ -28,6 +28,20 @@ export class StatusView {
     return this._sim?.e_stop === true;
   }
 
+  /** Whether the simulator says that it is paused. */
+  get paused() {
+    return this._sim?.paused === true;
+  }
+
+  /** Whether the simulator says, not too long ago, that the robot is stuck. */
+  get stuck() {
+    return !this._isSilent && this._sim?.stuck === true;
+  }
+
+  get _isSilent() {
+    return performance.now() - this._simHeard > SIM_SILENT_AFTER;
+  }
+
   /** @param {any} status  telex_msgs/SimStatus */
   setSim(status) {
     const before = this._sim;
@@ -50,7 +64,7 @@ export class StatusView {
   }
 
   showSim() {
-    const silent = performance.now() - this._simHeard > SIM_SILENT_AFTER;
+    const silent = this._isSilent;
     const { paused = false, real_time_factor: factor = 0 } = this._sim ?? {};
     const state = silent ? "silent" : paused ? "paused" : "running";
     byId("sim-state").dataset.state = state;
@@ -91,13 +105,12 @@ export class StatusView {
 
   /** @param {import("./cameras.js").ViewState} video */
   showVideo(video) {
-    const paused = this._sim?.paused === true;
     byId("view").dataset.state = video.live ? "live" : "stalled";
     const age = video.latency === null ? "" : ` · ${Math.max(0, Math.round(video.latency))} ms`;
     setText(byId("camera-rate"), video.live ? `${video.rate.toFixed(0)} fps${age}` : "");
     if (video.live) return;
     const since = Number.isFinite(video.age) ? ` for ${(video.age / 1000).toFixed(1)} s` : "";
-    setText(byId("no-picture-why"), paused ? `the simulation is paused${since}` : `${video.trouble}${since}`);
+    setText(byId("no-picture-why"), this.paused ? `the simulation is paused${since}` : `${video.trouble}${since}`);
   }
 
   /**
@@ -116,7 +129,7 @@ export class StatusView {
     if (performance.now() - this._warnedAt > WARNING_SHOWN_FOR) setText(byId("warning"), "");
     // What follows from a state that the simulator tells is no news of its own.
     this._messages.settle((sentence) =>
-      (this.estopped && /\be-stop\b/.test(sentence)) || (this._sim?.paused === true && /\bpaused\b/.test(sentence)));
+      (this.estopped && /\be-stop\b/.test(sentence)) || (this.paused && /\bpaused\b/.test(sentence)));
   }
 
   /**
