@@ -290,13 +290,25 @@ def test_heading_gripper_and_link_stand_over_the_picture(robot, page):
 def test_measured_speed_stands_beside_the_commanded_one(robot, page):
     """Both are shown: what the belts run, and what they were told."""
     wait_until(lambda: page.text("speed-hud") == "+0.31 m/s -1 °/s")
+    stuck = "STUCK, belts +0.31 m/s -1 °/s"
     robot.publish_sim(stuck=True)
-    wait_until(lambda: page.text("speed-hud") == "STUCK, belts +0.31 m/s -1 °/s")
+    wait_until(lambda: page.text("speed-hud") == stuck)
+    robot.probe.publish("/telex/sim/status", "telex_msgs/SimStatus", {"stuck": True})
+    wait_until(lambda: page.text("speed-hud") != stuck)  # it is not known any more
     robot.publish_sim()
     robot.probe.publish(ODOM, "nav_msgs/Odometry", ODOMETRY)  # once, and then no more
     wait_until(lambda: (page.text("speed-hud"), page.text("heading")) == (NOTHING, NOTHING))
     robot.probe.publish(ODOM, "nav_msgs/Odometry", ODOMETRY, rate=50)
     wait_until(lambda: page.text("heading") == "090°")
+
+
+def test_what_was_commanded_is_not_shown_for_long(robot, page):
+    topic = "/telex/track_teleop/status"
+    robot.probe.publish(topic, "telex_msgs/TrackTeleopStatus")  # once, and then no more
+    figures = ("drive-hud", "drive-linear", "drive-angular")
+    wait_until(lambda: [page.text(each) for each in figures] == [NOTHING] * 3)
+    robot.publish_node_status()
+    wait_until(lambda: page.text("drive-hud") == "+0.25 m/s 0 °/s")
 
 
 def test_the_heading_follows_as_often_as_pictures_come(robot, page):

@@ -20,7 +20,6 @@ export class Hud {
     /** geometry_msgs/Twist, as measured. @type {any} */
     this._twist = null;
     this._heard = -Infinity;
-    this._stuck = false;
   }
 
   /** @param {any} odometry  nav_msgs/Odometry */
@@ -34,20 +33,15 @@ export class Hud {
     setText(byId("heading"), `${String(heading).padStart(3, "0")}°`);
   }
 
-  /** @param {{stuck?: boolean}} status  telex_msgs/SimStatus */
-  setSim({ stuck = false }) {
-    this._stuck = stuck;
-  }
-
-  /** Show how fast it drives by its belts. */
-  showSpeed() {
+  /** Show how fast it drives by its belts. @param {boolean} stuck */
+  showSpeed(stuck) {
     const isKnown = performance.now() - this._heard < ODOMETRY_SILENT_AFTER;
     if (!isKnown) setText(byId("heading"), "–");
     const speed = byId("speed-hud");
     const text = isKnown ? showTwist(this._twist).join("  ") : "–";
     // Belts that slip run all the same.
-    setText(speed, this._stuck ? `STUCK, belts ${text}` : text);
-    if (speed.dataset.stuck !== String(this._stuck)) speed.dataset.stuck = String(this._stuck);
+    setText(speed, stuck ? `STUCK, belts ${text}` : text);
+    if (speed.dataset.stuck !== String(stuck)) speed.dataset.stuck = String(stuck);
   }
 
   /**

@@ -12,6 +12,7 @@ import { COMMAND_PERIOD, Commander } from "./commander.js";
 import { locateBridge, waitForConfig } from "./config.js";
 import { ControlView } from "./control.js";
 import { browserHangs, keepPace, watchOperator } from "./deadman.js";
+import { FadingTexts } from "./fading.js";
 import { GamepadInput } from "./gamepad.js";
 import { CONTACT, Gripper } from "./gripper.js";
 import { Health, MISSING_NODES } from "./health.js";
@@ -25,7 +26,7 @@ import { ModeSwitch } from "./modes.js";
 import { Motion } from "./motion.js";
 import { fetchPadMap } from "./pad_map.js";
 import { getParameter } from "./parameters.js";
-import { Panels, byId, setText } from "./panels.js";
+import { Panels, byId, setText, showTwist } from "./panels.js";
 import { ACTIONS, FLIPPER_NODE, JOINT_NODES, TRACK_NODE, TYPES } from "./robot.js";
 import { SILENT_AFTER, StatusView } from "./status.js";
 import { TOOL_TYPES, ToolCommander, ToolPanel } from "./tool.js";
@@ -74,6 +75,14 @@ async function start() {
   const joints = new JointPositions();
   const panels = new Panels(joints);
   const hud = new Hud();
+  const drive = new FadingTexts();
+  /** Show what goes to the tracks now. @param {any} twist  geometry_msgs/Twist */
+  const showDrive = (twist) => {
+    const [forward, turn] = showTwist(twist);
+    drive.show("drive-linear", forward);
+    drive.show("drive-angular", turn);
+    drive.show("drive-hud", `${forward}  ${turn}`);
+  };
   const gripper = new Gripper();
   const clock = new MissionClock();
   const avatar = new Avatar(
@@ -259,7 +268,6 @@ async function start() {
   listen("sim/status", TYPES.simStatus, (sim) => {
     const wasPaused = status.paused;
     status.setSim(sim);
-    hud.setSim(sim);
     // What was held before must not go on after it.
     if (status.paused && !wasPaused) letGo("the simulation is paused");
     // Releasing the e-stop must not bring back a motion that is still held.
@@ -282,7 +290,7 @@ async function start() {
   listen(`${TRACK_NODE}/status`, TYPES.trackStatus, (report) => {
     commander.setTrackStatus(report);
     motion.hear(TRACK_NODE, report);
-    panels.showDrive(report.command);
+    showDrive(report.command);
     status.logComplaint(TRACK_NODE, report.message);
   });
 
@@ -299,7 +307,8 @@ async function start() {
     status.showVideo(cameras.main);
     cameras.refresh();
     hud.showLink(bridge, cameras.main);
-    hud.showSpeed();
+    hud.showSpeed(status.stuck);
+    drive.fade();
     showMotion();
     hud.showGripper(joints, gripper);
     avatar.draw((joint) => joints.position(joint) ?? 0, pitch);

@@ -217,14 +217,6 @@ export class Panels {
     });
   }
 
-  /** @param {any} twist  What goes to the tracks now, geometry_msgs/Twist. */
-  showDrive(twist) {
-    const [forward, turn] = showTwist(twist);
-    setText(byId("drive-linear"), forward);
-    setText(byId("drive-angular"), turn);
-    setText(byId("drive-hud"), `${forward}  ${turn}`);
-  }
-
   /** A joint's position as text. @param {string} joint */
   format(joint) {
     const position = this._joints.position(joint);
