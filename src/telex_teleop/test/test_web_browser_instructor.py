@@ -292,8 +292,14 @@ def test_nothing_is_cut_off(page, size):
     page.resize(1280, 720)
 
 
-def test_a_lost_bridge_is_said(ros, page):
+def test_a_lost_bridge_is_said(ros, simulator, page):
+    simulator.serve("load_scene", "telex_msgs/LoadScene", delay=5.0, **LOADED)
+    page.element('[data-scene="yard"] button').click()
+    answer(page, "yes")
+    wait_until(lambda: page.element("#scene-progress").is_displayed())
     ros.stop(ros.processes[-1])
+    wait_until(lambda: page.text("scene-note") == "the connection was lost")
+    assert not page.element("#scene-progress").is_displayed()
     wait_until(lambda: "Connection lost" in page.text("link-band"))
     assert page.element("#link-band").is_displayed()
     assert page.text("sim-state") == "NO STATUS"

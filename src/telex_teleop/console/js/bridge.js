@@ -106,7 +106,7 @@ export class Bridge {
    * @param {string} service
    * @param {object} args
    * @param {number} [within]  Time (ms) after which it is given up.
-   * @returns {Promise<any>} Its answer; rejected when there is none.
+   * @returns {Promise<any>} Its answer; rejected when there is none, with a TimeoutError when there is none in time.
    */
   call(service, args, within = ANSWER_WITHIN) {
     this._callNumber += 1;
@@ -117,7 +117,7 @@ export class Bridge {
         this._calls.delete(id);
         settle();
       };
-      const timer = setTimeout(() => end(() => reject(new Error(`no answer within ${within / 1000} s`))), within);
+      const timer = setTimeout(() => end(() => reject(new DOMException(`no answer within ${within / 1000} s`, "TimeoutError"))), within);
       this._calls.set(id, ({ result, values }) => end(() => {
         if (result) resolve(values);
         else reject(new Error(typeof values === "string" ? values : "the call failed"));
@@ -224,6 +224,7 @@ export class Bridge {
     this._socket = null;
     this.roundTrip = null;
     socket?.close();
+    for (const answer of [...this._calls.values()]) answer({ result: false, values: "the connection was lost" });
     this._events.lost(reason);
     setTimeout(() => this._connect(), RETRY_AFTER);
   }

@@ -5,7 +5,7 @@ import { ask } from "./ask.js";
 import { onClick } from "./buttons.js";
 import { byId, element, setText } from "./panels.js";
 
-const WITHIN = 60_000; // ms in which a scene must be loaded
+const WITHIN = 60_000; // ms in which a scene must be loaded; as the bridge's own service_timeout
 const PROGRESS_PERIOD = 100; // ms
 
 export class SceneChooser {
@@ -84,9 +84,10 @@ export class SceneChooser {
       else this._warn(answer.message);
       this._note(answer.success ? answer.message : "refused");
     } catch (error) {
-      const reason = /** @type {Error} */ (error).message;
-      this._warn(`${name} is not loaded: ${reason}`);
-      this._note("not loaded");
+      const { name: kind, message } = /** @type {Error} */ (error);
+      const reason = kind === "TimeoutError" ? "no answer yet; it may still be loading" : message;
+      this._warn(`loading ${name}: ${reason}`);
+      this._note(reason);
     } finally {
       clearInterval(timer);
       this._isLoading = false;

@@ -123,7 +123,7 @@ class RosbridgeConfig:
     max_subscriptions: int = 200
     max_service_calls: int = 16
     max_services: int = 50
-    service_timeout: float = 30.0
+    service_timeout: float = 60.0
     connect_timeout: float = 0.5
     action_timeout: float = 5.0
     ping_interval: float = 5.0
