@@ -2,12 +2,36 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import pytest
 from web_fakes import FakeRos, becomes, on_loop, served
 
 from telex_teleop.web.bridge.app import Rosbridge
 from telex_teleop.web.config import RosbridgeConfig
 from telex_teleop.web.serving import bind, bind_again, url_of
+
+PACKAGE = Path(__file__).resolve().parents[1]
+INCLUDE = re.compile(r'<include file="\$\(find (\w+)\)/(\S+)"')
+NODE = re.compile(r'<node [^>]*\bname="(\w+)"')
+
+
+def launched(path):
+    """Nodes of a launch file and of those that it includes."""
+    text = path.read_text()
+    names = set(NODE.findall(text))
+    for package, file in INCLUDE.findall(text):
+        names |= launched(PACKAGE.parent / package / file)
+    return names
+
+
+def test_the_console_knows_what_each_node_is_for():
+    """One that it does not know would be called no part of the robot when it has crashed."""
+    text = (PACKAGE / "console" / "js" / "health.js").read_text()
+    known = set(re.findall(r'^  (\w+): "', text, re.MULTILINE))
+    # Without rosbridge the console hears of nothing, and says so otherwise.
+    assert known == launched(PACKAGE / "launch" / "bringup.launch") - {"rosbridge"}
 
 
 def port_of(listener):

@@ -12,6 +12,7 @@ const WITHOUT = /** @type {Record<string, string>} */ ({
   robot_state_publisher: "other programs get no frames (/tf)",
   cameras: "there are no pictures",
   video_server: "there are no pictures",
+  transforms: "other web clients get no transforms",
   arm_teleop: "the arm does not move",
   gripper_teleop: "the gripper does not move",
   flipper_teleop: "the flippers do not move",
