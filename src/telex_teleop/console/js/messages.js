@@ -10,6 +10,7 @@ const MARKS = { info: "·", warning: "!", alarm: "✖" };
 
 const KEPT = 60; // lines
 const REPEATED_WITHIN = 30_000; // ms in which the same sentence is the same news
+const GOES_ON_WITHIN = 1000; // ms in which it has not ended meanwhile: it does not count anew
 
 /**
  * Time (ms) for which a complaint waits for others of the same words, and for the simulator to say the same itself: nodes and simulator
@@ -18,6 +19,9 @@ const REPEATED_WITHIN = 30_000; // ms in which the same sentence is the same new
 const GATHERED_FOR = 400;
 
 /** @typedef {{sentence: string, level: Level, at: number, count: number, line: HTMLElement}} Entry  `sentence` without its figures. */
+
+/** What two sentences have in common that differ in their figures. @param {string} sentence */
+const figureless = (sentence) => sentence.replace(/[\d.]+/g, "#");
 
 export class Messages {
   constructor() {
@@ -45,13 +49,13 @@ export class Messages {
    */
   add(sentence, level = "info") {
     const now = performance.now();
-    const figureless = sentence.replace(/[\d.]+/g, "#");
+    const words = figureless(sentence);
     // A change of state is news each time that it comes about; what somebody warns of is the same news until it is old.
     const among = level === "warning" ? this._entries : this._entries.slice(0, 1);
-    const before = among.find((each) => each.sentence === figureless && each.level === level && now - each.at < REPEATED_WITHIN);
+    const before = among.find((each) => each.sentence === words && each.level === level && now - each.at < REPEATED_WITHIN);
     if (before !== undefined) this._entries.splice(this._entries.indexOf(before), 1);
     const line = before?.line ?? element("li");
-    const count = (before?.count ?? 0) + 1;
+    const count = before === undefined ? 1 : now - before.at < GOES_ON_WITHIN ? before.count : before.count + 1;
     line.title = sentence;
     line.dataset.level = level;
     line.dataset.count = String(count);
@@ -61,7 +65,7 @@ export class Messages {
       element("span", "num", new Date().toTimeString().slice(0, 8)), element("b", "mark", MARKS[level]), text,
     );
     this._list.prepend(line);
-    this._entries.unshift({ sentence: figureless, level, at: now, count, line });
+    this._entries.unshift({ sentence: words, level, at: now, count, line });
     for (const old of this._entries.splice(KEPT)) old.line.remove();
   }
 
@@ -71,7 +75,7 @@ export class Messages {
    * @param {string} sentence  Empty if it complains of nothing.
    */
   complain(node, sentence) {
-    if ((this._complaints.get(node) ?? "") === sentence) return;
+    if (figureless(this._complaints.get(node) ?? "") === figureless(sentence)) return;
     this._complaints.set(node, sentence);
     if (sentence) this._gathered.set(node, performance.now());
     else this._gathered.delete(node);
