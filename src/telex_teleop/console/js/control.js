@@ -30,6 +30,11 @@ export class ControlView {
     return this._id !== null && this._holder !== FREE && this._holder !== this._id;
   }
 
+  /** Whether this page knows which of the clients it is. */
+  get isKnown() {
+    return this._id !== null;
+  }
+
   /** Whether this page holds control; without a control lock everybody does. */
   get isMine() {
     return this._id === null || this._holder === this._id;

@@ -118,7 +118,8 @@ export class Motion {
   _client(held) {
     if (!this._control.isMine) return this._control.holderName;
     const inputs = new Set(held.map(({ source }) => INPUTS[source.split(":")[0]]));
-    return inputs.size > 0 ? `you (${[...inputs].join(", ")})` : "you";
+    if (inputs.size > 0) return `you (${[...inputs].join(", ")})`;
+    return this._control.isKnown ? "you" : "a client of the bridge";
   }
 }
 
