@@ -8,7 +8,7 @@ import pytest
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.actions.wheel_input import ScrollOrigin
 from selenium.webdriver.common.keys import Keys
-from test_web_browser import OTHER, Page, robot, ros
+from test_web_browser import NOTHING, OTHER, Page, robot, ros
 from web_harness import wait_until
 from web_robot import ESTOP, THUMBNAILS
 
@@ -147,7 +147,6 @@ def test_another_mode_keeps_the_place_of_the_camera(simulator, page):
     base_pose = {"pose": pose}
     simulator.probe.publish("/telex/sim/base_pose", "geometry_msgs/PoseStamped", base_pose, rate=10)
     wait_until(lambda: page.text("robot-place") == "2.0 1.0 m")
-    assert page.text("robot-heading") == "90°"
     before = heard[-1][1]
     page.element('[data-view="fixed"]').click()
     wait_until(lambda: heard[-1][1]["mode"] == "fixed")
@@ -160,6 +159,24 @@ def test_another_mode_keeps_the_place_of_the_camera(simulator, page):
     follow = heard[-1][1]
     assert follow["azimuth"] == pytest.approx(before["azimuth"] - math.pi / 2)
     assert follow["center"] == pytest.approx({"x": 0.0, "y": 0.0, "z": 0.3})
+
+
+def test_the_robots_figures_are_those_that_are_known(simulator, page):
+    def tell(**values):
+        topic = "/telex/sim/stability"
+        simulator.probe.publish(topic, "telex_msgs/Stability", {"state": 0, **values}, rate=10)
+
+    def figures():
+        return [page.text(f"robot-{each}") for each in ("roll", "pitch", "margin")]
+
+    assert page.text("robot-heading") == "090°"  # the operator's
+    assert page.text("robot-speed") == "0.31 m/s"
+    tell(roll=0.1, pitch=-0.2, margin=0.5)
+    wait_until(lambda: figures() == ["6°", "-11°", "50 %"])
+    tell(roll=0.1, pitch=math.nan, margin=math.nan)
+    wait_until(lambda: figures() == ["6°", NOTHING, NOTHING])
+    simulator.probe.publish("/telex/sim/stability", "telex_msgs/Stability")  # and then no more
+    wait_until(lambda: figures() == [NOTHING] * 3)
 
 
 def test_pause_step_and_reset(simulator, page):

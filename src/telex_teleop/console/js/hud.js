@@ -15,6 +15,17 @@ const LINK = { good: 100, fair: 300 };
 /** Longest age (ms) and least pictures per second with which the picture is good, and fair. */
 const PICTURE = { good: { age: 200, rate: 8 }, fair: { age: 500, rate: 4 } };
 
+/**
+ * Where the robot points, as on a compass: clockwise.
+ * @param {{x: number, y: number, z: number, w: number}} orientation
+ */
+export function headingOf({ x, y, z, w }) {
+  if (![x, y, z, w].every(Number.isFinite)) return "–";
+  const yaw = Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z));
+  const heading = Math.round((-yaw * 180) / Math.PI + 720) % 360;
+  return `${String(heading).padStart(3, "0")}°`;
+}
+
 export class Hud {
   constructor() {
     /** geometry_msgs/Twist, as measured. @type {any} */
@@ -26,11 +37,7 @@ export class Hud {
   setOdometry({ pose, twist }) {
     this._twist = twist.twist;
     this._heard = performance.now();
-    const { x, y, z, w } = pose.pose.orientation;
-    const yaw = Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z));
-    // As on a compass: clockwise.
-    const heading = Math.round((-yaw * 180) / Math.PI + 720) % 360;
-    setText(byId("heading"), `${String(heading).padStart(3, "0")}°`);
+    setText(byId("heading"), headingOf(pose.pose.orientation));
   }
 
   /** Show how fast it drives by its belts. @param {boolean} stuck */

@@ -7,6 +7,8 @@ import { Bridge } from "./bridge.js";
 import { onClick } from "./buttons.js";
 import { Cameras } from "./cameras.js";
 import { locateBridge, waitForConfig } from "./config.js";
+import { FadingTexts } from "./fading.js";
+import { ODOMETRY, headingOf } from "./hud.js";
 import { OVERVIEW, OverviewControl } from "./overview.js";
 import { byId, fixed, setText } from "./panels.js";
 import { JOINT_NODES, TRACK_NODE, TYPES } from "./robot.js";
@@ -36,8 +38,13 @@ function startCameras(config) {
   return cameras;
 }
 
-/** @param {number | null} angle  rad */
-const degrees = (angle) => (angle === null ? "–" : `${fixed((angle * 180) / Math.PI, 0)}°`);
+/**
+ * @param {number[]} values  The bridge makes null of one that is none.
+ * @param {(...values: number[]) => string} format
+ */
+const figure = (values, format) => (values.every(Number.isFinite) ? format(...values) : "–");
+
+const degrees = (/** @type {number} */ angle) => `${fixed((angle * 180) / Math.PI, 0)}°`;
 
 async function start() {
   const status = new StatusView();
@@ -67,6 +74,8 @@ async function start() {
   const scenes = new SceneChooser(bridge, topic, log, warn);
   const overview = new OverviewControl(bridge, topic, () => cameras.main.camera);
 
+  /** What is known of the robot. */
+  const facts = new FadingTexts();
   /** @type {any} */
   let sim = null;
 
@@ -119,18 +128,19 @@ async function start() {
   });
   listen(STABILITY.topic, STABILITY.type, (stability) => {
     attitude.set(stability);
-    setText(byId("robot-roll"), degrees(stability.roll));
-    setText(byId("robot-pitch"), degrees(stability.pitch));
-    setText(byId("robot-margin"), `${Math.round(100 * Math.max(0, stability.margin ?? 0))} %`);
+    facts.show("robot-roll", figure([stability.roll], degrees));
+    facts.show("robot-pitch", figure([stability.pitch], degrees));
+    facts.show("robot-margin", figure([stability.margin], (margin) => `${Math.round(100 * Math.max(0, margin))} %`));
   }, DISPLAY_PERIOD);
   listen("sim/base_pose", "geometry_msgs/PoseStamped", (message) => {
     overview.setRobot(message);
-    const { position, orientation: { x, y, z, w } } = message.pose;
-    setText(byId("robot-place"), `${fixed(position.x, 1)} ${fixed(position.y, 1)} m`);
-    setText(byId("robot-heading"), degrees(Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))));
+    const { x, y } = message.pose.position;
+    facts.show("robot-place", figure([x, y], () => `${fixed(x, 1)} ${fixed(y, 1)} m`));
   }, DISPLAY_PERIOD);
-  listen("track_controller/odom", "nav_msgs/Odometry", ({ twist }) => {
-    setText(byId("robot-speed"), `${fixed(twist.twist.linear.x, 2)} m/s`);
+  listen(ODOMETRY.topic, ODOMETRY.type, ({ pose, twist }) => {
+    facts.show("robot-speed", figure([twist.twist.linear.x], (speed) => `${fixed(speed, 2)} m/s`));
+    // The operator's, so that both speak of the same.
+    facts.show("robot-heading", headingOf(pose.pose.orientation));
   }, DISPLAY_PERIOD);
   for (const node of JOINT_NODES) {
     listen(`${node}/status`, TYPES.jointStatus, (report) => status.logComplaint(node, report.message), DISPLAY_PERIOD);
@@ -150,6 +160,7 @@ async function start() {
     status.showVideo(cameras.main);
     status.fade();
     attitude.fade();
+    facts.fade();
     cameras.refresh();
     overview.refresh();
   }, DISPLAY_PERIOD);
