@@ -296,6 +296,15 @@ def test_measured_speed_stands_beside_the_commanded_one(robot, page):
     robot.probe.publish("/telex/sim/status", "telex_msgs/SimStatus", {"stuck": True})
     wait_until(lambda: page.text("speed-hud") != stuck)  # it is not known any more
     robot.publish_sim()
+    unknown = {
+        "pose": {"pose": {"orientation": {"w": math.nan}}},
+        "twist": {"twist": {"linear": {"x": 0.31}, "angular": {"z": math.nan}}},
+    }
+    robot.probe.publish(ODOM, "nav_msgs/Odometry", unknown, rate=50)
+    shown = f"{NOTHING} {NOTHING}", NOTHING
+    wait_until(lambda: (page.text("speed-hud"), page.text("heading")) == shown)
+    robot.probe.publish(ODOM, "nav_msgs/Odometry", ODOMETRY, rate=50)
+    wait_until(lambda: page.text("heading") == "090°")
     robot.probe.publish(ODOM, "nav_msgs/Odometry", ODOMETRY)  # once, and then no more
     wait_until(lambda: (page.text("speed-hud"), page.text("heading")) == (NOTHING, NOTHING))
     robot.probe.publish(ODOM, "nav_msgs/Odometry", ODOMETRY, rate=50)

@@ -231,7 +231,8 @@ export class Panels {
  * @param {any} twist  geometry_msgs/Twist
  */
 export function showTwist({ linear, angular }) {
-  return [`${signed(linear.x ?? 0, 2)} m/s`, `${signed(((angular.z ?? 0) * 180) / Math.PI, 0)} °/s`];
+  if (![linear.x, angular.z].every(Number.isFinite)) return ["–", "–"];
+  return [`${signed(linear.x, 2)} m/s`, `${signed((angular.z * 180) / Math.PI, 0)} °/s`];
 }
 
 /**
