@@ -348,6 +348,23 @@ def test_slow_pictures_are_not_blamed_on_the_link(robot, page):
     wait_until(lambda: page.text("picture-quality") == "picture good")
 
 
+def test_an_answer_that_is_still_to_come_makes_the_link_poor(page):
+    page.script("""
+        const send = WebSocket.prototype.send;
+        WebSocket.prototype.send = function (text) {
+          if (!text.includes("get_time")) return send.call(this, text);
+          window.answer = () => {
+            WebSocket.prototype.send = send;
+            this.send(text);
+          };
+        };
+    """)
+    wait_until(lambda: page.text("link-quality") == "link poor")
+    assert float(page.text("link-text").split()[1]) > 500.0
+    page.script("answer()")
+    wait_until(lambda: page.text("link-quality") == "link good", 20.0)
+
+
 def test_what_moves_and_what_moves_it(robot, page):
     def moves():
         return page.text("moves"), page.text("moved-by")

@@ -46,9 +46,7 @@ export class Bridge {
     this._skew = 0;
     this._pingSent = 0;
     this._pingNumber = 0;
-    /** Round trip to the bridge (ms), null while unknown. @type {number | null} */
-    this.roundTrip = null;
-    /** The last of them, the newest last. @type {number[]} */
+    /** The last round trips to the bridge (ms), the newest last. @type {number[]} */
     this._trips = [];
   }
 
@@ -67,13 +65,27 @@ export class Bridge {
     return this._socket === null ? 0 : this._socket.bufferedAmount;
   }
 
+  /** Round trip to the bridge (ms), at least as long as the present one has taken so far; null while unknown. */
+  get roundTrip() {
+    const last = this._trips.at(-1);
+    return last === undefined ? null : Math.max(last, this._openTrip);
+  }
+
   /**
-   * The second longest of the last round trips (ms); Infinity while unknown. What a link loses is sent again, and comes late, time and
+   * The second longest of the last round trips (ms); null while unknown. What a link loses is sent again, and comes late, time and
    * again; a single late answer may be the page's own fault.
    */
   get usualTrip() {
-    const [longest = Infinity, second = longest] = [...this._trips].sort((a, b) => b - a);
+    if (this._trips.length === 0) return null;
+    // An answer that is still to come when the next question is due makes that one late, too.
+    const open = this._openTrip > PING_PERIOD ? [this._openTrip, this._openTrip] : [];
+    const [longest, second = longest] = [...this._trips, ...open].sort((a, b) => b - a);
     return second;
+  }
+
+  /** For how long (ms) the answer has been awaited by which the link is measured; 0 if none is. */
+  get _openTrip() {
+    return this._pingSent === 0 ? 0 : performance.now() - this._pingSent;
   }
 
   /** Time (ms) since the bridge said anything; Infinity while not connected. */
@@ -170,7 +182,6 @@ export class Bridge {
     socket.onopen = () => {
       this._lastWord = performance.now();
       this._skew = Date.now() - performance.now();
-      this.roundTrip = null;
       this._trips = [];
       this._pingSent = 0;
       for (const topic of this._advertised.keys()) this._advertiseNow(topic);
@@ -191,8 +202,7 @@ export class Bridge {
     if (operation.op === "publish") {
       this._subscriptions.get(operation.topic)?.heard(operation.msg);
     } else if (operation.op === "service_response" && operation.id === `ping:${this._pingNumber}`) {
-      this.roundTrip = performance.now() - this._pingSent;
-      this._trips = [...this._trips, this.roundTrip].slice(-TRIPS);
+      this._trips = [...this._trips, this._openTrip].slice(-TRIPS);
       this._pingSent = 0;
     } else if (operation.op === "service_response") {
       this._calls.get(operation.id)?.(operation);
@@ -222,7 +232,7 @@ export class Bridge {
   _giveUp(reason) {
     const socket = this._socket;
     this._socket = null;
-    this.roundTrip = null;
+    this._trips = [];
     socket?.close();
     for (const answer of [...this._calls.values()]) answer({ result: false, values: "the connection was lost" });
     this._events.lost(reason);

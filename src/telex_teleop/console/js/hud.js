@@ -73,10 +73,12 @@ export class Hud {
    */
   showLink(bridge, video) {
     const trip = bridge.usualTrip;
-    const link = !bridge.connected || bridge.silence > 1000 ? "lost" : trip <= LINK.good ? "good" : trip <= LINK.fair ? "fair" : "poor";
+    const isLost = !bridge.connected || bridge.silence > 1000;
+    const known = trip === null ? "unknown" : trip <= LINK.good ? "good" : trip <= LINK.fair ? "fair" : "poor";
+    const link = isLost ? "lost" : known;
     const view = byId("view");
     if (view.dataset.link !== link) view.dataset.link = link;
-    setText(byId("link-quality"), `link ${link}`);
+    setText(byId("link-quality"), `link ${link === "unknown" ? "–" : link}`);
     const is = (/** @type {typeof PICTURE.good} */ { age, rate }) => (video.latency ?? 0) <= age && video.rate >= rate;
     const picture = !video.live ? "lost" : is(PICTURE.good) ? "good" : is(PICTURE.fair) ? "fair" : "poor";
     if (view.dataset.picture !== picture) view.dataset.picture = picture;

@@ -87,8 +87,8 @@ export class StatusView {
       setText(byId("link-text"), `silent ${(bridge.silence / 1000).toFixed(1)} s`);
       setText(byId("link-band"), "The robot does not answer. Everything is released.");
     } else {
-      const trip = bridge.roundTrip === null ? "" : ` ${Math.max(1, Math.round(bridge.roundTrip))} ms`;
-      setText(byId("link-text"), `connected${trip}`);
+      const trip = bridge.roundTrip === null ? "–" : `${Math.max(1, Math.round(bridge.roundTrip))} ms`;
+      setText(byId("link-text"), `connected ${trip}`);
     }
   }
 
