@@ -425,6 +425,10 @@ def test_one_news_is_one_line(robot, page):
     robot.publish_node_status()
     robot.publish_sim()
     wait_until(lambda: news()[0] == ["info", "the simulation goes on"])
+    robot.publish_sim(tipped_over=True)
+    wait_until(lambda: news()[0] == ["alarm", "the robot has tipped over"])
+    robot.publish_sim()
+    wait_until(lambda: news()[0] == ["info", "the robot is upright again"])
     # What the simulator does not tell is the nodes' news, and one line of them all.
     before = len(lines(page))
     long = "a sentence that is longer than any line of this panel can be, " * 3

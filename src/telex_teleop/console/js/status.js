@@ -50,6 +50,9 @@ export class StatusView {
     if (before !== null && before.e_stop !== status.e_stop) {
       this.log(status.e_stop ? "e-stop is active" : "e-stop is released", status.e_stop ? "alarm" : "info");
     }
+    if (before !== null && before.tipped_over !== status.tipped_over) {
+      this.log(status.tipped_over ? "the robot has tipped over" : "the robot is upright again", status.tipped_over ? "alarm" : "info");
+    }
     if (before !== null && before.paused !== status.paused) {
       this.log(status.paused ? "the simulation is paused" : "the simulation goes on");
     }
