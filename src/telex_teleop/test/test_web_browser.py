@@ -369,11 +369,18 @@ def test_what_moves_and_what_moves_it(robot, page):
     def moves():
         return page.text("moves"), page.text("moved-by")
 
+    def parts():
+        return set(moves()[0].split(", "))
+
     assert moves() == (NOTHING, NOTHING)
     robot.publish_node_status(commanders=["/telex/rosbridge"])
     with page.hold("w"):
         wait_until(lambda: "tracks ahead" in moves()[0] and moves()[1] == "you (keys)")
         assert not page.element("#others").is_displayed()
+    with page.hold("q", "r", ",", Keys.PAGE_UP):
+        wait_until(lambda: {"front left flipper up", "gripper closing", "zoom in"} <= parts())
+    with page.hold("r"):
+        wait_until(lambda: "front flippers up" in parts())
     robot.publish_node_status()
     wait_until(lambda: moves() == (NOTHING, NOTHING), 3.0)
     robot.publish_node_status(commanders=["/telex/joy_teleop"])

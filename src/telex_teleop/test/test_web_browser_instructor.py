@@ -278,7 +278,7 @@ def test_who_is_connected_and_who_gets_control(ros, page):
     button = '#roster tr[data-holds="false"] button'
     page.element(button).click()
     assert answer(page, "yes").startswith("Give control to Ann?")
-    wait_until(lambda: row(page, "Ann")[3] == "● has it")
+    wait_until(lambda: row(page, "Ann")[3] == "in control")
     page.element("#take").click()
     answer(page, "yes")
     wait_until(lambda: page.element("#give-up").is_enabled())

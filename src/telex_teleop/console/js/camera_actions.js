@@ -45,8 +45,8 @@ export const LOOK_ACTIONS = {
   "look:right": turn(PAN, -1, "ArrowRight", "→", "camera right"),
   "look:up": turn(TILT, -1, "ArrowUp", "↑", "camera up"),
   "look:down": turn(TILT, 1, "ArrowDown", "↓", "camera down"),
-  "look:near": zoom(1, "PageUp", "PgUp", "camera nearer"),
-  "look:far": zoom(-1, "PageDown", "PgDn", "camera wider"),
+  "look:near": zoom(1, "PageUp", "PgUp", "zoom in"),
+  "look:far": zoom(-1, "PageDown", "PgDn", "zoom out"),
 };
 
 /** In CAMERA mode, with the keys that move the arm in the others. @type {Record<string, (JointMotion | ZoomMotion) & Key>} */
@@ -55,8 +55,8 @@ export const CAMERA_ACTIONS = {
   "camera_pan:right": turn(PAN, -1, "KeyL", "L", "right"),
   "camera_tilt:up": turn(TILT, -1, "KeyI", "I", "up"),
   "camera_tilt:down": turn(TILT, 1, "KeyK", "K", "down"),
-  "camera_zoom:wider": zoom(-1, "KeyU", "U", "wider"),
-  "camera_zoom:nearer": zoom(1, "KeyO", "O", "nearer"),
+  "camera_zoom:wider": zoom(-1, "KeyU", "U", "zoom out"),
+  "camera_zoom:nearer": zoom(1, "KeyO", "O", "zoom in"),
 };
 
 /** @typedef {"lamps:front" | "lamps:rear" | "lamps:turret" | "lamps:gripper"} LampCommand */

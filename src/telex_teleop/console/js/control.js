@@ -73,7 +73,7 @@ export class ControlView {
   /** Take control, or give it up. */
   async toggle() {
     const name = this._holder === this._id ? "release_control" : "take_control";
-    if (name === "release_control") this._letGo("control is given up");
+    if (name === "release_control") this._letGo("you gave up control");
     try {
       const answer = await this._bridge.call(this._topic(`bridge/${name}`), {});
       if (!answer.success) this._warn(answer.message);

@@ -52,7 +52,7 @@ export class GamepadInput {
       this._show(event.gamepad?.id ?? "");
     });
     window.addEventListener("gamepaddisconnected", () => {
-      page.letGo("a gamepad is gone");
+      page.letGo("the gamepad was disconnected");
       this._isConnected = navigator.getGamepads().some((pad) => pad !== null);
       this._active.clear();
       this._show("");

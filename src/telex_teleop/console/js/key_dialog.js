@@ -27,7 +27,7 @@ function describe(name) {
   if (name in COMMANDS) return COMMANDS[/** @type {keyof typeof COMMANDS} */ (name)].label;
   const [what] = name.split(":");
   const { label } = ACTIONS[name];
-  if (["preset", "pose", "look", "side"].includes(what)) return what === "side" ? `${label} flippers only` : label;
+  if (["preset", "pose", "look", "side", "camera_zoom"].includes(what)) return what === "side" ? `${label} flippers only` : label;
   return `${what.replace(/^(tool|camera)_/, "").replace(/_/g, " ")} ${label}`;
 }
 

@@ -160,6 +160,7 @@ async function start() {
   const motion = new Motion(control, (device) => status.log(`${device} moves the robot`, "warning"));
   const showMotion = () => motion.show(
     held.sources.map(({ source, name }) => ({ source, name, action: ACTIONS[name] })), commander.presets, (joint) => panels.format(joint),
+    commander.sideOf(heldActions()),
   );
   const health = new Health(status, letGo);
   const keyDialog = new KeyDialog(keymap, relabel);

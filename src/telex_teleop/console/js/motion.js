@@ -31,8 +31,9 @@ function nodeOf(action) {
  * @param {Hold} hold
  * @param {string[]} presets
  * @param {(joint: string) => string} format  A joint's position.
+ * @param {"left" | "both" | "right"} side  Of the flippers, which moves.
  */
-function describe({ name, action }, presets, format) {
+function describe({ name, action }, presets, format, side) {
   const what = name.split(":")[0].replace(/_/g, " ");
   switch (action.kind) {
     case "drive":
@@ -44,12 +45,13 @@ function describe({ name, action }, presets, format) {
     case "tool":
       return `${what.replace(/ [xyz]$/, "")} ${action.label}`;
     case "joints": {
-      if (what === "front" || what === "rear") return `${what} flippers ${action.label}`;
+      if (what === "front" || what === "rear") return `${what} ${side === "both" ? "flippers" : `${side} flipper`} ${action.label}`;
+      if (what === "gripper") return action.label === "open" ? "gripper opening" : "gripper closing";
       if (/^(look|camera)/.test(what)) return `camera ${action.label.replace("camera ", "")}`;
       return `${what} ${action.label} ${format(action.joints[0])}`;
     }
     default:
-      return `camera ${action.label.replace("camera ", "")}`;
+      return action.label;
   }
 }
 
@@ -92,18 +94,19 @@ export class Motion {
    * @param {Hold[]} held  On this page.
    * @param {string[]} presets  Names of the flipper presets.
    * @param {(joint: string) => string} format  A joint's position.
+   * @param {"left" | "both" | "right"} side  Of the flippers, which moves.
    */
-  show(held, presets, format) {
+  show(held, presets, format, side) {
     const now = performance.now();
     const moving = Object.keys(PARTS).filter((node) => {
       const said = this._nodes.get(node);
       return said !== undefined && said.commanders.length > 0 && now - said.at < SILENT_AFTER;
     });
     const parts = moving.flatMap((node) => {
-      const own = held.filter(({ action }) => nodeOf(action) === node).map((each) => describe(each, presets, format));
+      const own = held.filter(({ action }) => nodeOf(action) === node).map((each) => describe(each, presets, format, side));
       return own.length > 0 ? own : [PARTS[node]];
     });
-    const zoomed = held.filter(({ action }) => action.kind === "zoom").map((each) => describe(each, presets, format));
+    const zoomed = held.filter(({ action }) => action.kind === "zoom").map(({ action }) => action.label);
     setText(byId("moves"), [...new Set([...parts, ...zoomed])].join(", ") || "–");
     const others = [...this._devices].filter(([, at]) => now - at < SHOWN_FOR).map(([device]) => device);
     const isObeyed = moving.length > 0 && now - this._bridgeObeyed < SHOWN_FOR;

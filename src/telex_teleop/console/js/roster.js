@@ -28,7 +28,7 @@ class Line {
     this._button.type = "button";
     this._button.tabIndex = -1;
     onClick(this._button, give);
-    this._holds = element("span", "holds", "● has it");
+    this._holds = element("span", "holds", "in control");
     this._cells[4].append(this._button, this._holds);
   }
 

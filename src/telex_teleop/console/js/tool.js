@@ -179,7 +179,7 @@ export class ToolPanel {
   setFrame(frame) {
     if (this._frames.length === 0) return;
     const next = this._frames[(this._frames.indexOf(this._commander.frame) + 1) % this._frames.length];
-    this._letGo("another frame");
+    this._letGo("frame changed");
     this._commander.frame = frame ?? next;
     this._show();
   }
