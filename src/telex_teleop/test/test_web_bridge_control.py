@@ -190,6 +190,21 @@ async def test_everybody_may_set_the_e_stop_and_only_the_operator_release_it():
 
 
 @on_loop
+async def test_the_e_stop_depends_on_no_list_of_rights():
+    bench = Bench(rights={"operator": {"publish": ["*", "!stop_all"]}}, e_stop_topic="stop_all")
+    client, other = Client(bench), Client(bench)
+    client.say("publish", topic="stop_all", type="std_msgs/Bool", msg={"data": True})
+    await bench.settle()
+    assert [(topic, message.data) for topic, message in bench.ros.published] == [
+        ("/telex/stop_all", True)
+    ]
+    bench.control.take(other.member)
+    client.say("publish", topic="stop_all", msg={"data": False})
+    await bench.settle()
+    assert len(bench.ros.published) == 1
+
+
+@on_loop
 async def test_the_first_e_stop_does_not_wait_for_a_publisher_of_its_own():
     bench = Bench(connect_timeout=5.0)
     ready = await bench.publishers.acquire(E_STOP, "std_msgs/Bool", latch=False, queue_size=1)
