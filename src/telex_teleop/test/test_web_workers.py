@@ -34,6 +34,29 @@ def test_who_takes_long_makes_others_wait_for_one_call_only():
     assert max(counts) - min(counts) <= 1  # they share what is left
 
 
+def test_keys_that_come_and_go_do_not_hold_back_one_that_stays():
+    worker, done, crowd, calls = NewestWorker("test"), [], 8, 90
+
+    def visit(number):
+        time.sleep(0.002)
+        done.append("visitor")
+        worker.cancel(number)
+        if len(done) < calls:
+            worker.submit(number + crowd, lambda: visit(number + crowd))
+
+    def stay():
+        time.sleep(0.002)
+        done.append("stays")
+        if len(done) < calls:
+            worker.submit("stays", stay)
+
+    worker.submit("stays", stay)
+    for number in range(crowd):
+        worker.submit(number, lambda number=number: visit(number))
+    wait_until(lambda: len(done) >= calls and worker.backlog == 0)
+    assert done[30:].count("stays") >= 3  # of a fair share of six
+
+
 def test_the_newest_call_of_a_key_runs_unless_it_is_forgotten():
     worker, done, release = NewestWorker("test", niceness=1), [], threading.Event()
     worker.submit("first", release.wait)

@@ -18,6 +18,9 @@ from typing import Any, Callable, Dict, Hashable, Optional, Tuple, TypeVar
 Result = TypeVar("Result")
 _Job = Tuple[Callable[[], Any], "asyncio.Future[Any]"]
 
+_NEWS = 0.1
+"""Weight of the last call in what calls usually take."""
+
 
 def _settle(future: asyncio.Future[Any], result: Any, error: Optional[Exception]) -> None:
     """Hand a result to a future on its loop, unless nobody waits any more."""
@@ -78,7 +81,9 @@ class NewestWorker:
 
     The call comes first after which its key will have used the thread least, as fair queueing has
     it: keys whose calls take long get their share of the time, and make the others wait for no more
-    than one call. A key that begins, or has paused, starts level with the others.
+    than one call. A key that begins, or has paused, starts level with the others: with what each
+    of them would have used by now if all had got the same. That grows with every call, so that
+    keys which keep coming and going cannot hold back one that stays.
 
     Parameters
     ----------
@@ -93,7 +98,8 @@ class NewestWorker:
         self._calls: Dict[Hashable, Callable[[], None]] = {}
         self._used: Dict[Hashable, float] = {}  # s of the thread's time
         self._took: Dict[Hashable, float] = {}  # s, the last call
-        self._level = 0.0  # of the key whose call ran last, before it ran
+        self._level = 0.0  # s, where a key begins; it never falls
+        self._usual = 0.0  # s, what calls took of late
         self._changed = threading.Condition()
         threading.Thread(target=self._run, name=name, daemon=True).start()
 
@@ -125,17 +131,24 @@ class NewestWorker:
             with self._changed:
                 self._changed.wait_for(lambda: self._calls)
                 key = min(self._calls, key=self._rank)
-                call, self._level = self._calls.pop(key), self._used[key]
+                sharers, used = len(self._calls), self._used[key]
+                call = self._calls.pop(key)
             began = time.monotonic()
             try:
                 call()
             except Exception:  # the thread serves all; the one whose call it is goes without
                 logging.getLogger(__name__).exception("a call in a thread failed")
+            took = time.monotonic() - began
             with self._changed:
+                self._level += took / sharers
+                self._usual += (took - self._usual) * _NEWS
                 if key in self._used:
-                    self._took[key] = time.monotonic() - began
-                    self._used[key] += self._took[key]
+                    self._took[key] = took
+                    self._used[key] = max(used + took, self._level)
 
     def _rank(self, key: Hashable) -> float:
-        """Return what the key will have used after its call, if that takes as long as the last."""
-        return self._used[key] + self._took.get(key, 0.0)
+        """Return what the key will have used after its call, if that takes as long as the last.
+
+        A key that is new is taken for one like the others.
+        """
+        return self._used[key] + self._took.get(key, self._usual)
