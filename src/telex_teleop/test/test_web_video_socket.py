@@ -330,6 +330,30 @@ def test_only_so_many_different_pictures_are_encoded(tmp_path):
     on_bench(check, max_encoded=2)(tmp_path)
 
 
+def test_previews_that_pass_unchanged_take_no_place_at_the_encoder(tmp_path):
+    async def check(bench, client):
+        bench.pictures.published[PREVIEW] = COMPRESSED_TYPE
+        async with bench.http.ws_connect(bench.url) as first, bench.http.ws_connect(
+            bench.url
+        ) as second:
+            crowd, console = Client(first), Client(second)
+            await crowd.hear()
+            await console.hear()
+            for who, width in ((client, 32), (crowd, 40)):
+                await who.say(show=[{"camera": "rear", "width": width}])
+                await who.nothing_comes()
+            small = [{"camera": "front", "rate": 10, "width": 320}]
+            await console.say(show=small)
+            await console.nothing_comes()
+            await bench.feed(PREVIEW, jpeg(90, two_halves(320, 240)))
+            assert (await console.picture())[0] == 0
+            # What turns out to need the encoder gets it when there is room.
+            await console.say(show=[{"camera": "front", "rate": 10, "width": 64}])
+            assert "2 different pictures are made already" in (await console.hear())["error"]
+
+    on_bench(check, max_encoded=2)(tmp_path)
+
+
 @on_bench
 async def test_acknowledgements_of_several_cameras_in_one_message(bench, client):
     await client.say(show=[{"camera": "front"}, {"camera": "rear"}])

@@ -7,7 +7,7 @@ import contextlib
 import dataclasses
 import functools
 import threading
-from typing import Callable, Dict, KeysView, Optional, Protocol, Sequence, Set
+from typing import Callable, Dict, KeysView, Optional, Protocol, Set, Tuple
 
 from ..workers import NewestWorker, OrderedWorker
 from .pictures import JPEG, PNG, EncodedPicture, Picture, UnusablePictureError, Variant, kept
@@ -98,7 +98,18 @@ class PictureHub:
         entry = self._newest.get(variant)
         return entry.picture if entry else None
 
-    def add(self, viewer: Viewer, variant: Variant, *, show_newest: bool) -> None:
+    def passes(self, variant: Variant, *, likely: bool) -> bool:
+        """Tell whether the last picture needs no encoding; `likely` is what to say without one."""
+        if self._last is None:
+            return likely
+        try:
+            return kept(self._last, variant) is not None
+        except UnusablePictureError:
+            return False
+
+    def add(
+        self, viewer: Viewer, variant: Variant, *, show_newest: bool, likely_passes: bool
+    ) -> None:
         """Let a viewer watch a variant.
 
         Parameters
@@ -107,7 +118,16 @@ class PictureHub:
             Who, and what.
         show_newest
             Offer the last picture at once; otherwise the viewer begins with the next one.
+        likely_passes
+            Until the first picture shows more, it counts as one that needs no encoding.
+
+        Raises
+        ------
+        EncoderFullError
+            The variant has to be encoded, and too many others are already.
         """
+        if not (variant in self._viewers or self.passes(variant, likely=likely_passes)):
+            self._encoders.take_place((self, variant))
         self._viewers.setdefault(variant, set()).add(viewer)
         if not show_newest or self._last is None:
             return
@@ -125,6 +145,7 @@ class PictureHub:
         if not watching:
             self._viewers.pop(variant, None)
             self._newest.pop(variant, None)
+            self._encoders.leave_place((self, variant))
             self._encoders.of(variant).cancel((self, variant))
 
     def receive(self, picture: Picture) -> None:
@@ -146,8 +167,13 @@ class PictureHub:
             self._on_unusable(error)
             return
         if as_it_is is not None:
+            self._encoders.leave_place((self, variant))
             self._put(number, as_it_is, variant)
         elif any(viewer.wants() for viewer in self._viewers[variant]):
+            try:
+                self._encoders.take_place((self, variant))
+            except EncoderFullError:  # it comes as soon as there is room
+                return
             work = functools.partial(self._encode_and_post, number, picture, variant)
             self._encoders.of(variant).submit((self, variant), work)
 
@@ -222,12 +248,13 @@ class Encoders:
     Parameters
     ----------
     most
-        Different pictures, by topic and variant, that may be asked for at a time; at most half of
-        them PNG.
+        Different pictures, by topic and variant, that may be made at a time; at most half of them
+        PNG. What passes unchanged, or would be made in any case, is not counted.
     """
 
     def __init__(self, most: int) -> None:
         self._most = most
+        self._made: Set[Tuple[object, Variant]] = set()
         self._workers = {
             JPEG: NewestWorker("JPEG encoder"),
             PNG: NewestWorker("PNG encoder", niceness=10),
@@ -242,18 +269,28 @@ class Encoders:
         """How many pictures wait to be encoded."""
         return sum(worker.backlog for worker in self._workers.values())
 
-    def check(self, variant: Variant, others: Sequence[Variant]) -> None:
-        """Raise EncoderFullError unless a variant may be made besides others."""
+    def require_room(self, variant: Variant) -> None:
+        """Raise EncoderFullError unless one more variant may be made."""
         if not variant.has_wishes:
             return
-        wished = [other for other in others if other.has_wishes]
-        pngs = sum(other.mime == PNG for other in wished)
+        pngs = sum(made.mime == PNG for _, made in self._made)
         if variant.mime == PNG and pngs >= self._most // 2:
             raise EncoderFullError(f"{pngs} different PNGs are made already, which {_ASK}")
-        if len(wished) >= self._most:
+        if len(self._made) >= self._most:
             raise EncoderFullError(
-                f"{len(wished)} different pictures are made already, which {_ASK}"
+                f"{len(self._made)} different pictures are made already, which {_ASK}"
             )
+
+    def take_place(self, key: Tuple[object, Variant]) -> None:
+        """Count a hub's variant among those that are made; raises EncoderFullError."""
+        variant = key[1]
+        if variant.has_wishes and key not in self._made:
+            self.require_room(variant)
+            self._made.add(key)
+
+    def leave_place(self, key: Tuple[object, Variant]) -> None:
+        """Count a hub's variant no longer."""
+        self._made.discard(key)
 
 
 _ASK = (
@@ -300,16 +337,22 @@ class PictureHubs:
         return len(self._hubs)
 
     def join(
-        self, topic: PictureTopic, viewer: Viewer, variant: Variant, *, show_newest: bool = True
+        self,
+        topic: PictureTopic,
+        viewer: Viewer,
+        variant: Variant,
+        *,
+        show_newest: bool = True,
+        likely_passes: bool = False,
     ) -> PictureHub:
-        """Let a viewer watch a topic and return its hub.
+        """Let a viewer watch a topic and return its hub; `PictureHub.add` tells of the rest.
 
         Raises
         ------
         EncoderFullError
             The variant would have to be encoded, and too many others are already.
         """
-        self.require_room(topic, variant)
+        self.require_room(topic, variant, likely_passes=likely_passes)
         hub = self._hubs.get(topic)
         if hub is None:
             hub = PictureHub(
@@ -317,15 +360,18 @@ class PictureHubs:
             )
             self._hubs[topic] = hub
             self._open(topic, hub)
-        hub.add(viewer, variant, show_newest=show_newest)
+        hub.add(viewer, variant, show_newest=show_newest, likely_passes=likely_passes)
         return hub
 
-    def require_room(self, topic: PictureTopic, variant: Variant) -> None:
+    def require_room(
+        self, topic: PictureTopic, variant: Variant, *, likely_passes: bool = False
+    ) -> None:
         """Raise EncoderFullError if `join` would."""
         hub = self._hubs.get(topic)
-        if hub is None or variant not in hub.variants:
-            others = [other for each in self._hubs.values() for other in each.variants]
-            self._encoders.check(variant, others)
+        if hub is not None and variant in hub.variants:
+            return
+        if not (likely_passes if hub is None else hub.passes(variant, likely=likely_passes)):
+            self._encoders.require_room(variant)
 
     def leave(self, topic: PictureTopic, viewer: Viewer, variant: Variant) -> None:
         """Let a viewer go; with the last one the subscription ends."""

@@ -223,7 +223,7 @@ class VideoClient:
         # Before it is told of, since the newest picture may be offered at once.
         self._feeds[camera.name] = feed
         try:
-            self._hubs.join(source, feed, feed.variant)
+            self._hubs.join(source, feed, feed.variant, likely_passes=source == camera.preview)
         except EncoderFullError:
             del self._feeds[camera.name]
             raise
