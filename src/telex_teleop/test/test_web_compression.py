@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import math
+import unittest.mock
 
 import cbor2
 import cv2
@@ -16,7 +17,7 @@ from sensor_msgs.msg import CompressedImage, JointState
 from std_msgs.msg import Header, Int8MultiArray, String, UInt32MultiArray
 from web_fakes import on_loop
 
-from telex_teleop.web.bridge.compression import to_cbor, to_cbor_raw, to_png
+from telex_teleop.web.bridge.compression import ENCODERS, to_cbor, to_cbor_raw, to_png
 
 
 def cbor(message):
@@ -68,6 +69,22 @@ async def test_clients_get_what_they_ask_for():
     compact.say("unsubscribe", topic="/known", id="b")
     bench.ros.receivers["/known"](String("word"), None)
     assert (await compact.hear())["op"] == "png"
+    bench.ros.receivers["/known"](String("x" * 70000), None)
+    assert (await compact.hear())["op"] == "publish"  # too long to be packed while others wait
     compact.say("subscribe", topic="/known", compression="zip", id="c")
     reason = "subscribe: there is no compression 'zip'; known are none, png, cbor, cbor-raw"
     assert (await compact.hear())["msg"] == reason
+
+
+@on_loop
+async def test_a_message_that_cannot_be_encoded_for_one_reaches_the_others():
+    bench = Bench()
+    broken, plain = Client(bench), Client(bench)
+    broken.say("subscribe", topic="/known", compression="cbor")
+    plain.say("subscribe", topic="/known")
+    await bench.settle()
+    with unittest.mock.patch.dict(ENCODERS, {"cbor": lambda topic, message: 1 / 0}):
+        for word in ("one", "two"):
+            bench.ros.receivers["/known"](String(word), None)
+        await bench.settle()
+    assert [(await plain.hear())["msg"]["data"] for _ in range(2)] == ["one", "two"]

@@ -22,6 +22,9 @@ PLAIN = "none"
 COMPRESSIONS = (PLAIN, "png", "cbor", "cbor-raw")
 """What a client may ask for; of several wishes for a topic the last one here holds."""
 
+MAX_PNG = 65536
+"""Characters of the longest text that is sent as PNG; packing a longer one would hold up others."""
+
 _TYPED_ARRAYS = {
     "uint16": (69, "H"),
     "uint32": (70, "I"),
@@ -50,7 +53,7 @@ def to_png(text: str) -> str:
     png = b"\x89PNG\r\n\x1a\n" + b"".join(
         (
             _chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)),
-            _chunk(b"IDAT", zlib.compress(rows)),
+            _chunk(b"IDAT", zlib.compress(rows, 1)),  # quickly
             _chunk(b"IEND", b""),
         )
     )

@@ -6,13 +6,14 @@ import asyncio
 import collections
 import contextlib
 import json
+import logging
 import threading
 from typing import Callable, Deque, Dict, Optional, Protocol, Set, Tuple
 
 import genpy
 
 from ..workers import OrderedWorker
-from .compression import ENCODERS, PLAIN, Encoded, to_png
+from .compression import ENCODERS, MAX_PNG, PLAIN, Encoded, to_png
 from .message_json import MessageCodec, codec_of
 from .message_types import topic_class
 from .operations import OperationError
@@ -46,7 +47,7 @@ class TopicMessage:
         if self._body is None:
             self._body = json.dumps(self._codec.to_json(self._message), separators=(",", ":"))
         text = f'{{"op":"publish","topic":{json.dumps(topic)},"msg":{self._body}}}'
-        return text if compression == PLAIN else to_png(text)
+        return text if compression == PLAIN or len(text) > MAX_PNG else to_png(text)
 
 
 class Listener(Protocol):
@@ -98,7 +99,10 @@ class Feed:
             if latching_publisher is not None:
                 self._latched[latching_publisher] = message
             for listener in tuple(self._listeners):
-                listener.deliver(message)
+                try:
+                    listener.deliver(message)
+                except Exception:  # the others, and later messages, come all the same
+                    logging.getLogger(__name__).exception("a message could not be encoded")
 
     def add(self, listener: Listener) -> None:
         """Let somebody listen, beginning with what latching publishers said last."""
