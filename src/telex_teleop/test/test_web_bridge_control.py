@@ -604,20 +604,33 @@ OPERATORS_OWN = {
     ),
 }
 INSTRUCTORS_ONLY = {
-    "publish": ("cameras/overview/view", "imu", "track_controller/odom", "arm_teleop/status"),
+    "publish": (
+        *("cameras/overview/view", "imu", "track_controller/odom", "arm_teleop/status"),
+        *("/crane/e_stop", "/crane/track_teleop/cmd_vel", "/crane/arm_teleop/delta_joint_cmds"),
+        *("/crane/turret_position_controller/command", "/crane/flipper_teleop/preset/goal"),
+        *("/crane/cameras/turret/zoom", "/crane/lamps/front/command", "/crane/sim/x"),
+        *("/e_stop", "/track_teleop/cmd_vel", "/crane/arm_teleop/speed_scale"),
+        "/crane/arm_trajectory_controller/follow_joint_trajectory/goal",
+    ),
     "subscribe": (
         *("sim/base_pose", "sim/scene", "sim/poses", "sim/proximity", "/rosout", "/rosout_agg"),
         *("cameras/overview/image_raw/compressed", "cameras/overview/view", "/crane/sim/poses"),
+        *("/crane/cameras/overview/image_raw/compressed", "/cameras/overview/image_raw"),
     ),
     "call": (
         *("sim/reset", "sim/pause", "sim/step", "sim/spawn", "sim/load_scene", "sim/list_scenes"),
         *("sim/add_robot", "cameras/configure", "controller_manager/unload_controller"),
         *("arm_teleop/set_logger_level", "/crane/sim/reset", "/rosout/set_logger_level"),
+        *("/crane/cameras/configure", "/crane/controller_manager/load_controller"),
+        *("/crane/arm_teleop/set_mode", "/crane/track_controller/query_state"),
         *("simulator/anything", "robot_state_publisher/set_logger_level"),
     ),
     "serve": ("switch", "sim/reset"),
     "set": ("robot_description", "limit", "/elsewhere", "/robot_description"),
-    "get": ("simulator", "simulator/world", "cameras/overview/start", "sim/x", "/roslaunch/uris"),
+    "get": (
+        *("simulator", "simulator/world", "cameras/overview/start", "sim/x", "/roslaunch/uris"),
+        *("/crane/simulator/world", "/crane/cameras/cameras/overview/start"),
+    ),
 }
 NOBODYS = {
     "publish": ("/clock", "/tf", "/tf_static", "joint_states", "sim/status", "bridge/clients"),

@@ -481,11 +481,12 @@ def test_nobody_sees_anything_while_the_bridges_token_cannot_be_read(tmp_path):
 
 def test_hidden_cameras_are_for_instructors(bench):
     hidden = "/telex/cameras/overview/image_raw"
-    bench.pictures.published[hidden] = "sensor_msgs/Image"
+    others = "/crane/cameras/overview/image_raw"
+    bench.pictures.published.update({hidden: "sensor_msgs/Image", others: "sensor_msgs/Image"})
 
     async def check():
         async with bench.served() as url, aiohttp.ClientSession() as http:
-            for topic in (hidden, hidden[1:], "cameras/overview/image_raw"):
+            for topic in (hidden, hidden[1:], "cameras/overview/image_raw", others):
                 for path in ("stream", "snapshot", "stream_viewer"):
                     reply = await http.get(f"{url}/{path}?topic={topic}")
                     assert reply.status == 403

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import secrets
-from typing import Awaitable, Callable, FrozenSet, Iterable, List
+from typing import Awaitable, Callable, Iterable, List, Optional
 
 from aiohttp import web
 
@@ -21,7 +21,7 @@ from ..tokens import (
     is_loopback,
     read_tokens,
 )
-from .topics import camera_of
+from .topics import belongs_to
 
 
 class Gate:
@@ -51,8 +51,7 @@ class Gate:
         ask: Callable[[str], Awaitable[object]],
     ) -> None:
         self._config = config
-        self._namespace = namespace
-        self._hidden: FrozenSet[str] = frozenset(config.hidden_cameras)
+        self._hidden = config.hidden_cameras
         self._ask = ask
         self._is_local = is_loopback(config.address)
         given = {name: getattr(config, name) for name in FILES if getattr(config, name)}
@@ -98,8 +97,8 @@ class Gate:
 
     def require_visible(self, topic: str, *, instructor: bool) -> None:
         """Raise a ForbiddenError if a topic is of a camera that the client may not see."""
-        if not instructor and self._is_hidden(topic):
-            camera = camera_of(topic, self._namespace)
+        camera = None if instructor else self._hidden_camera(topic)
+        if camera is not None:
             raise ForbiddenError(
                 403,
                 f"The camera '{camera}' is for instructors: add role=instructor to the address, "
@@ -108,7 +107,8 @@ class Gate:
 
     def visible(self, topics: Iterable[str], *, instructor: bool) -> List[str]:
         """Return those topics that the client may see."""
-        return [topic for topic in topics if instructor or not self._is_hidden(topic)]
+        return [topic for topic in topics if instructor or not self._hidden_camera(topic)]
 
-    def _is_hidden(self, topic: str) -> bool:
-        return camera_of(topic, self._namespace) in self._hidden
+    def _hidden_camera(self, topic: str) -> Optional[str]:
+        """Return the hidden camera to which a topic belongs, of whatever robot of the master."""
+        return next((name for name in self._hidden if belongs_to(topic, name)), None)

@@ -71,10 +71,9 @@ def find_preview(camera: str, topics: Topics, namespace: str) -> Optional[Pictur
     return find_topic(f"{namespace}cameras/{camera}/preview", topics, namespace)
 
 
-def camera_of(topic: str, namespace: str) -> str:
-    """Return the name of the camera to which a topic belongs; empty if it belongs to none."""
-    prefix = f"{namespace}cameras/"
-    return topic[len(prefix) :].partition("/")[0] if topic.startswith(prefix) else ""
+def belongs_to(topic: str, camera: str) -> bool:
+    """Tell whether a topic is one of a camera of this name, in any namespace."""
+    return f"/cameras/{camera}/" in f"{topic}/"
 
 
 def find_cameras(topics: Topics, namespace: str) -> Dict[str, str]:
