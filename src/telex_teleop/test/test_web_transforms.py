@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import math
 
+import actionlib
+import genpy
 import pytest
+from actionlib_msgs.msg import GoalID
 from geometry_msgs.msg import Transform
 from tf2_web_republisher.msg import TFSubscriptionGoal
 
-from telex_teleop.web.transforms.watch import Watch, WishError, angle
+from telex_teleop.web.transforms.node import Server
+from telex_teleop.web.transforms.watch import Audience, Watch, WishError, angle
 
 
 def transform(x=0.0, yaw=0.0):
@@ -72,3 +76,31 @@ def test_wishes_that_cannot_be_met_say_why(fields, said):
     with pytest.raises(WishError) as error:
         Watch(goal(**fields))
     assert str(error.value).startswith(said)
+
+
+def test_an_audience_may_be_away_for_a_while():
+    now, listeners = [100.0], [0]
+    audience = Audience(lambda: listeners[0], 10.0, lambda: now[0])
+    for moment, count, there in (
+        (109.0, 0, True),
+        (110.0, 0, False),
+        (111.0, 2, True),
+        (120.0, 0, True),
+        (121.5, 0, False),
+    ):
+        now[0], listeners[0] = moment, count
+        assert audience.is_there() is there, moment
+
+
+def test_a_cancel_ends_one_goal_at_most(monkeypatch):
+    obeyed = []
+    monkeypatch.setattr(
+        actionlib.ActionServer,
+        "internal_cancel_callback",
+        lambda _, goal_id: obeyed.append(goal_id),
+    )
+    server = Server.__new__(Server)
+    for stamp in (0, 2**31):
+        for goal_id in ("", "mine"):
+            server.internal_cancel_callback(GoalID(genpy.Time(stamp), goal_id))
+    assert obeyed == [GoalID(genpy.Time(), "mine")] * 2

@@ -11,6 +11,7 @@ from typing import Any, Callable, Dict, List, Optional
 import actionlib
 import rospy
 import tf2_ros
+from actionlib_msgs.msg import GoalID
 from geometry_msgs.msg import Transform, TransformStamped
 from tf2_web_republisher.msg import TFArray, TFSubscriptionAction, TFSubscriptionFeedback
 from tf2_web_republisher.srv import RepublishTFs, RepublishTFsResponse
@@ -18,16 +19,19 @@ from tf2_web_republisher.srv import RepublishTFs, RepublishTFsResponse
 from telex_control.node_start import init_node
 from telex_control.params import ConfigError, read_config
 
-from .watch import TransformsConfig, Watch, WishError
+from .watch import Audience, TransformsConfig, Watch, WishError
 
-MIN_TIMEOUT, MAX_TIMEOUT = 0.1, 3600.0
+MIN_TIMEOUT, MAX_TIMEOUT = 0.1, 60.0
 """Shortest and longest time (s) after which a topic without a subscriber ends."""
+
+GOAL_TIMEOUT = 10.0
+"""Time (s) without a subscriber of the feedback after which goals end."""
 
 NICENESS = 10
 """How far this node steps back behind others."""
 
 LOOK_PERIOD = 1.0
-"""Time (s) between two looks whether another node still serves."""
+"""Time (s) between two looks whether another node still serves, or somebody still hears."""
 
 
 class _Frames:
@@ -93,7 +97,12 @@ class _Watcher:
         self._frames.join()
         try:
             # By the wall's clock: a display goes on while the simulation is paused.
-            while not self._stop.wait(self._watch.period) and self._goes_on():
+            step, waited = min(self._watch.period, LOOK_PERIOD), 0.0
+            while not self._stop.wait(step) and self._goes_on():
+                waited += step
+                if waited < self._watch.period:
+                    continue
+                waited = 0.0
                 changed = self._watch.news(self._frames.lookup, rospy.Time.now())
                 if changed:
                     self._tell(changed)
@@ -102,6 +111,15 @@ class _Watcher:
         finally:
             self._frames.leave()
             self._ended()
+
+
+class Server(actionlib.ActionServer):
+    """An action server that cancels single goals only, for several clients share it."""
+
+    def internal_cancel_callback(self, goal_id: GoalID) -> None:
+        """Cancel the goal of an id; without one, or by its time, it would be those of others."""
+        if goal_id.id:
+            super().internal_cancel_callback(GoalID(id=goal_id.id))
 
 
 class TransformsNode:
@@ -120,7 +138,7 @@ class TransformsNode:
         self._goals: Dict[str, _Watcher] = {}
         self._topics: Dict[str, _Watcher] = {}
         self._count = 0
-        self._server = actionlib.ActionServer(
+        self._server = Server(
             config.action, TFSubscriptionAction, self._take_goal, self._cancel, auto_start=False
         )
         self._server.start()
@@ -139,13 +157,20 @@ class TransformsNode:
             goal.set_rejected(text=str(error))
             return
         goal.set_accepted()
+        audience = Audience(self._server.feedback_pub.get_num_connections, GOAL_TIMEOUT)
 
         def tell(transforms: List[TransformStamped]) -> None:
             goal.publish_feedback(TFSubscriptionFeedback(transforms))
 
+        def goes_on() -> bool:
+            if not audience.is_there():
+                goal.set_aborted(text="nobody hears its feedback any more")
+                return False
+            return True
+
         with self._lock:
             self._goals[name] = _Watcher(
-                watch, self._frames, tell, lambda: True, lambda: self._forget(self._goals, name)
+                watch, self._frames, tell, goes_on, lambda: self._forget(self._goals, name)
             )
 
     def _cancel(self, goal: Any) -> None:
@@ -170,12 +195,7 @@ class TransformsNode:
             topic = rospy.resolve_name(f"~tf_repub_{self._count}")
             self._count += 1
         publisher = rospy.Publisher(topic, TFArray, latch=True, queue_size=10)
-        heard = [time.monotonic()]  # when somebody listened last
-
-        def goes_on() -> bool:
-            if publisher.get_num_connections():
-                heard[0] = time.monotonic()
-            return time.monotonic() - heard[0] < timeout
+        audience = Audience(publisher.get_num_connections, timeout)
 
         def ended() -> None:
             publisher.unregister()
@@ -186,7 +206,7 @@ class TransformsNode:
                 watch,
                 self._frames,
                 lambda transforms: publisher.publish(TFArray(transforms)),
-                goes_on,
+                audience.is_there,
                 ended,
             )
         return RepublishTFsResponse(topic_name=topic)

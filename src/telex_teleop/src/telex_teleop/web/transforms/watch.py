@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import time
 from typing import Any, Callable, Dict, List, Optional, Protocol, Sequence
 
 from geometry_msgs.msg import Transform, TransformStamped
@@ -105,6 +106,34 @@ class Watch:
             return True
         moved, turned = distance(told, now), angle(told, now)
         return moved > self._linear or turned > self._angular
+
+
+class Audience:
+    """Whether there is anybody for whom it is worth going on.
+
+    Parameters
+    ----------
+    count
+        Returns how many listen.
+    timeout
+        Time (s) for which there may be nobody.
+    clock
+        Monotonic time (s).
+    """
+
+    def __init__(
+        self, count: Callable[[], int], timeout: float, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self._count = count
+        self._timeout = timeout
+        self._clock = clock
+        self._seen = clock()
+
+    def is_there(self) -> bool:
+        """Tell whether somebody listens, or did so lately; ask about once a second."""
+        if self._count():
+            self._seen = self._clock()
+        return self._clock() - self._seen < self._timeout
 
 
 def distance(first: Transform, second: Transform) -> float:
