@@ -585,10 +585,12 @@ OPERATORS_OWN = {
         *("cameras/turret/zoom", "lamps/front/command", "turret_position_controller/command"),
         *("flipper_teleop/preset/goal", "track_controller/cmd_vel", "/chatter"),
         "arm_trajectory_controller/follow_joint_trajectory/goal",
+        *("/tf2_web_republisher/goal", "/tf2_web_republisher/cancel"),
     ),
     "subscribe": (
         *("joint_states", "/tf", "/clock", "imu", "sim/status", "sim/stability"),
         *("sim/gripper_contact", "arm_teleop/status", "bridge/clients", "/chatter"),
+        "/tf2_web_republisher/feedback",
         *("cameras/front/image_raw/compressed", "arm_teleop/cartesian_status"),
     ),
     "call": (
@@ -633,7 +635,10 @@ INSTRUCTORS_ONLY = {
     ),
 }
 NOBODYS = {
-    "publish": ("/clock", "/tf", "/tf_static", "joint_states", "sim/status", "bridge/clients"),
+    "publish": (
+        *("/clock", "/tf", "/tf_static", "joint_states", "sim/status", "bridge/clients"),
+        *(f"/tf2_web_republisher/{topic}" for topic in ("status", "feedback", "result")),
+    ),
     "serve": ("/rosapi/topics", "bridge/time"),
     "set": ("/telex", "/", "/use_sim_time", "/roslaunch", "rosbridge/url", "video_server/token"),
 }
