@@ -21,8 +21,9 @@ AHEAD = {"op": "publish", "topic": "/drive", "msg": {"linear": {"x": 1.0}}}
 
 
 class Bench:
-    def __init__(self, tokens=Tokens(), **config):  # noqa: B008
+    def __init__(self, tokens=Tokens(), params=None, **config):  # noqa: B008
         self.ros = FakeRos()
+        self.ros.params.update(params or {})
         self.warnings = []
         self.bridge = Rosbridge(RosbridgeConfig(**config), self.ros, self.warnings.append, tokens)
 
@@ -46,6 +47,21 @@ async def test_operations_travel_both_ways():
             assert bench.ros.published[0][1].linear.x == 1.0
         await becomes(lambda: ("unsubscribe", "/known") in bench.ros.events)
         assert bench.ros.published[-1] == ("/drive", Twist())
+
+
+@on_loop
+async def test_operators_hear_nothing_of_cameras_that_the_video_server_hides():
+    hidden = "video_server/hidden_cameras"
+    for said, seen in ((["mast"], False), ([], True), ("mast", True), ([5, "m*st"], True)):
+        bench = Bench(params={f"/telex/{hidden}": said})
+        for instructor in (False, True):
+            access = bench.bridge.roles.of(instructor=instructor)
+            for robot in ("/telex", "/crane"):
+                camera = f"{robot}/cameras/mast"
+                assert access.allows("subscribe", f"{camera}/image_raw") is (seen or instructor)
+                assert access.allows("get", camera) is (seen or instructor)
+                assert access.allows("subscribe", f"{robot}/cameras/master/image_raw")
+            assert access.allows("publish", "/telex/cameras/mast/zoom") is (seen or instructor)
 
 
 @on_loop

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Tuple
 
 import rospkg
@@ -14,6 +14,7 @@ from telex_control.params import require
 from ..joy.files import read_file
 
 _PATTERN = re.compile(r"!?[A-Za-z0-9_/*]+")
+_NAME = re.compile(r"[A-Za-z0-9_/]+")
 
 
 @dataclass(frozen=True)
@@ -69,3 +70,23 @@ class Rights:
             rospkg.RosPack().get_path("telex_teleop"), "config", "bridge_rights.yaml"
         )
         return read_file(cls, path or shipped)
+
+    def hiding(self, cameras: object) -> Rights:
+        """Return these rights without some cameras for operators, of whatever robot.
+
+        Parameters
+        ----------
+        cameras
+            Their names, as the video server's parameter holds them; what is no name hides nothing.
+        """
+        listed = cameras if isinstance(cameras, (list, tuple)) else ()
+        names = [name for name in listed if isinstance(name, str) and _NAME.fullmatch(name)]
+        topics = tuple(f"!/*cameras/{name}/*" for name in names)
+        settings = tuple(f"!/*cameras/{name}{end}" for name in names for end in ("", "/*"))
+        operator = replace(
+            self.operator,
+            publish=self.operator.publish + topics,
+            subscribe=self.operator.subscribe + topics,
+            get=self.operator.get + settings,
+        )
+        return replace(self, operator=operator)

@@ -72,9 +72,8 @@ class Rosbridge:
         self._roster = Roster(self.control, self.publishers, ros.resolve("bridge/clients"))
         self._node_watch = NodeWatch(ros, self.publishers)
         own_services = ControlServices(self.control, ros.resolve)
-        roles = Roles(
-            Rights.read(config.rights), ros.resolve, config.e_stop_topic, plain=config.plain
-        )
+        rights = Rights.read(config.rights).hiding(_hidden_cameras(ros))
+        self.roles = Roles(rights, ros.resolve, config.e_stop_topic, plain=config.plain)
         self._e_stop_topic = ros.resolve(config.e_stop_topic)
         self._shared = Shared(
             config=config,
@@ -82,8 +81,8 @@ class Rosbridge:
             worker=worker,
             publishers=self.publishers,
             feeds=self.feeds,
-            services=ServiceDesk(ros, worker, own_services, roles, config.service_timeout),
-            roles=roles,
+            services=ServiceDesk(ros, worker, own_services, self.roles, config.service_timeout),
+            roles=self.roles,
             control=self.control,
         )
         self._sockets: Set[web.WebSocketResponse] = set()
@@ -215,3 +214,11 @@ class Rosbridge:
             for websocket in tuple(self._sockets)
         )
         await asyncio.sleep(LAST_WORDS)
+
+
+def _hidden_cameras(ros: Ros) -> object:
+    """Return the video server's list of cameras for instructors, None if it has none."""
+    try:
+        return ros.get_param(ros.resolve("video_server/hidden_cameras"))
+    except KeyError:
+        return None
