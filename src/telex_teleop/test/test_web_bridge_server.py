@@ -227,6 +227,15 @@ async def test_no_more_clients_than_allowed():
 
 
 @on_loop
+async def test_a_bridge_with_few_places_keeps_one_for_operators():
+    bench = Bench(max_clients=2)  # and by default more reserved than that
+    async with bench.served() as url, aiohttp.ClientSession() as http, http.ws_connect(url):
+        assert (await refusal(http, url))[0] == 503
+        async with http.ws_connect(f"{url}/?role=instructor"):
+            pass
+
+
+@on_loop
 async def test_everybody_can_see_who_is_there():
     bench = Bench()
     async with bench.served() as url, aiohttp.ClientSession() as http:

@@ -142,7 +142,7 @@ class RosbridgeConfig:
         require_range(self, "max_command_age", 0.01, 60.0)
         require_range(self, "max_learned_delay", 0.0, 60.0)
         require_range(self, "max_clients", 1, 10000)
-        require_range(self, "reserved_clients", 0, self.max_clients - 1)
+        require_range(self, "reserved_clients", 0, 10000)
         require_range(self, "max_services", 1, 10000)
         require_range(self, "max_message_size", 1024, 268435456)
         require_range(self, "max_queue_length", 1, 10000)

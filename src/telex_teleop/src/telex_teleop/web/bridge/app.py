@@ -154,8 +154,10 @@ class Rosbridge:
         """Tell whether one more client may connect: operators leave some places to instructors."""
         if len(self._sockets) >= self._config.max_clients:
             return False
+        # However few there are in all, one is for operators.
+        reserved = min(self._config.reserved_clients, self._config.max_clients - 1)
         operators = sum(not member.instructor for member in self.control.members)
-        return instructor or operators < self._config.max_clients - self._config.reserved_clients
+        return instructor or operators < self._config.max_clients - reserved
 
     def _make_session(
         self,
