@@ -236,6 +236,23 @@ async def test_a_bridge_with_few_places_keeps_one_for_operators():
 
 
 @on_loop
+async def test_who_is_still_shaking_hands_has_a_place():
+    bench = Bench(max_clients=3, reserved_clients=1)
+    app = bench.bridge.make_app()
+
+    async def dawdle(_request, _response):
+        await asyncio.sleep(0.1)
+
+    app.on_response_prepare.append(dawdle)
+    async with served(app, "ws") as url, aiohttp.ClientSession() as http:
+        tries = [http.ws_connect(url) for _ in range(6)]
+        outcomes = await asyncio.gather(*tries, return_exceptions=True)
+        refused = [each.status for each in outcomes if isinstance(each, Exception)]
+        assert refused == [503] * 4
+    await becomes(lambda: not bench.bridge.control.members)
+
+
+@on_loop
 async def test_everybody_can_see_who_is_there():
     bench = Bench()
     async with bench.served() as url, aiohttp.ClientSession() as http:

@@ -6,7 +6,7 @@ import asyncio
 import contextlib
 import itertools
 import time
-from typing import AsyncIterator, Callable, Set
+from typing import AsyncIterator, Callable, List, Set
 
 from aiohttp import WSCloseCode, WSMsgType, web
 
@@ -86,6 +86,7 @@ class Rosbridge:
             control=self.control,
         )
         self._sockets: Set[web.WebSocketResponse] = set()
+        self._places: List[bool] = []  # of each client, whether it is an instructor
         self._numbers = itertools.count(1)
 
     def make_app(self) -> web.Application:
@@ -129,15 +130,28 @@ class Rosbridge:
             self._warn(f"refused {request.remote}: {error}")
             return web.Response(status=error.status, text=f"{error}\n")
         if not self._has_place(instructor=instructor):
-            self._warn(f"refused {request.remote}: {len(self._sockets)} clients are connected")
+            self._warn(f"refused {request.remote}: {len(self._places)} clients are connected")
             return web.Response(status=503, text="The bridge has as many clients as it may.\n")
         websocket = new_websocket(self._config.ping_interval, self._config.max_message_size)
         if not websocket.can_prepare(request):
             return upgrade_required("This is a rosbridge v2 server; connect to it by WebSocket.\n")
-        await websocket.prepare(request)
-        transport = request.transport
-        if transport is None:
-            return websocket
+        self._places.append(instructor)  # now, for others may come during the handshake
+        try:
+            await websocket.prepare(request)
+            if request.transport is not None:
+                await self._serve(request, instructor, websocket, request.transport)
+        finally:
+            self._places.remove(instructor)
+        return websocket
+
+    async def _serve(
+        self,
+        request: web.Request,
+        instructor: bool,
+        websocket: web.WebSocketResponse,
+        transport: asyncio.Transport,
+    ) -> None:
+        """Serve a client that is connected."""
         outbox = Outbox(self._config.max_queue_bytes)
         session = self._make_session(request, instructor, outbox, transport)
         sender = asyncio.ensure_future(self._send_all(websocket, transport, outbox))
@@ -148,15 +162,14 @@ class Rosbridge:
             self._sockets.discard(websocket)
             sender.cancel()
             session.close()
-        return websocket
 
     def _has_place(self, *, instructor: bool) -> bool:
         """Tell whether one more client may connect: operators leave some places to instructors."""
-        if len(self._sockets) >= self._config.max_clients:
+        if len(self._places) >= self._config.max_clients:
             return False
         # However few there are in all, one is for operators.
         reserved = min(self._config.reserved_clients, self._config.max_clients - 1)
-        operators = sum(not member.instructor for member in self.control.members)
+        operators = self._places.count(False)
         return instructor or operators < self._config.max_clients - reserved
 
     def _make_session(
