@@ -145,18 +145,12 @@ class TransformsNode:
         rospy.Service(config.service, RepublishTFs, self._republish)
 
     def _require_room(self) -> None:
+        """Raise WishError if one more watch were too many; hold the lock until it has begun."""
         if len(self._goals) + len(self._topics) >= self._config.max_watches:
             raise WishError(f"{self._config.max_watches} clients are served already")
 
     def _take_goal(self, goal: Any) -> None:
         name = goal.get_goal_id().id
-        try:
-            watch = Watch(goal.get_goal())
-            self._require_room()
-        except WishError as error:
-            goal.set_rejected(text=str(error))
-            return
-        goal.set_accepted()
         audience = Audience(self._server.feedback_pub.get_num_connections, GOAL_TIMEOUT)
 
         def tell(transforms: List[TransformStamped]) -> None:
@@ -168,10 +162,16 @@ class TransformsNode:
                 return False
             return True
 
-        with self._lock:
-            self._goals[name] = _Watcher(
-                watch, self._frames, tell, goes_on, lambda: self._forget(self._goals, name)
-            )
+        try:
+            watch = Watch(goal.get_goal())
+            with self._lock:
+                self._require_room()
+                goal.set_accepted()
+                self._goals[name] = _Watcher(
+                    watch, self._frames, tell, goes_on, lambda: self._forget(self._goals, name)
+                )
+        except WishError as error:
+            goal.set_rejected(text=str(error))
 
     def _cancel(self, goal: Any) -> None:
         with self._lock:
@@ -184,32 +184,34 @@ class TransformsNode:
         timeout = request.timeout.to_sec()
         try:
             watch = Watch(request)
-            self._require_room()
             if not MIN_TIMEOUT <= timeout <= MAX_TIMEOUT:
                 raise WishError(
                     f"timeout is {timeout:g} s; it must be from {MIN_TIMEOUT:g} to {MAX_TIMEOUT:g}"
                 )
+            with self._lock:
+                self._require_room()
+                return RepublishTFsResponse(topic_name=self._begin_topic(watch, timeout))
         except WishError as error:
             raise rospy.ServiceException(str(error)) from None
-        with self._lock:
-            topic = rospy.resolve_name(f"~tf_repub_{self._count}")
-            self._count += 1
+
+    def _begin_topic(self, watch: Watch, timeout: float) -> str:
+        """Begin to publish transforms on a topic of their own and return its name."""
+        topic = rospy.resolve_name(f"~tf_repub_{self._count}")
+        self._count += 1
         publisher = rospy.Publisher(topic, TFArray, latch=True, queue_size=10)
-        audience = Audience(publisher.get_num_connections, timeout)
 
         def ended() -> None:
             publisher.unregister()
             self._forget(self._topics, topic)
 
-        with self._lock:
-            self._topics[topic] = _Watcher(
-                watch,
-                self._frames,
-                lambda transforms: publisher.publish(TFArray(transforms)),
-                audience.is_there,
-                ended,
-            )
-        return RepublishTFsResponse(topic_name=topic)
+        self._topics[topic] = _Watcher(
+            watch,
+            self._frames,
+            lambda transforms: publisher.publish(TFArray(transforms)),
+            Audience(publisher.get_num_connections, timeout).is_there,
+            ended,
+        )
+        return topic
 
     def _forget(self, watchers: Dict[str, _Watcher], name: str) -> None:
         with self._lock:
