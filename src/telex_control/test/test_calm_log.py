@@ -29,3 +29,8 @@ def test_floods_of_warnings_are_thinned_out_each_by_itself():
     assert log.filter(record("fatal", level=logging.ERROR))
     now[0] += 3.0
     assert sum(log.filter(record("bad")) for _ in range(1000)) == 3
+
+
+def test_a_line_with_wrong_arguments_does_not_stop_whoever_logs_it():
+    assert CalmLog().filter(record("%d objects", "many"))
+    assert CalmLog().filter(record("%s and %s", 1))

@@ -32,7 +32,10 @@ class CalmLog(logging.Filter):
 
     def filter(self, record: logging.LogRecord) -> bool:
         """Cut a record; tell whether it is to be written."""
-        text = record.getMessage()
+        try:
+            text = record.getMessage()
+        except Exception:  # wrong arguments: logging says where, and whoever logs goes on
+            return True
         if len(text) > LONGEST:
             record.msg = f"{text[:LONGEST]}... ({len(text)} characters)"
             record.args = ()
