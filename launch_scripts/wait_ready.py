@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import os
 import socket
@@ -26,6 +27,11 @@ from telex_teleop.web.token_files import read_token
 
 _NODE_START = 20.0
 """Time (s) in which a node must have registered."""
+
+_ONE_CAMERA = 5.0
+"""Time (s) for which the picture of one camera is waited for before others are asked for theirs."""
+
+_COMPRESSED = "/compressed"
 
 _NO_HEAD = 405
 """Status of the bridge's answer to a HEAD request, which it does not take for a client's."""
@@ -137,38 +143,45 @@ def console(namespace: str) -> Optional[str]:
 
 
 class FirstPicture:
-    """The picture that the console shows first, as every program of this ROS master gets it."""
+    """The first picture of a camera, as every program of this ROS master gets it."""
 
     def __init__(self, namespace: str) -> None:
         self._namespace = namespace
-        self._subscriber: Optional[rospy.Subscriber] = None
+        self._subscribers: Dict[str, rospy.Subscriber] = {}
+        self._asked = time.monotonic()
         self._came = False
 
     def came(self) -> bool:
-        """Whether there was one; asks for it first."""
-        if self._subscriber is None:
-            topic = self._topic()
-            if topic is not None:
-                self._subscriber = rospy.Subscriber(
-                    f"{topic}/compressed", rospy.AnyMsg, self._note, queue_size=1
-                )
+        """Whether there was one; asks for it first, of one camera and in the end of all."""
+        patient = time.monotonic() - self._asked < _ONE_CAMERA
+        if not (patient and self._subscribers):
+            for topic in self._cameras()[:1] if patient else self._published(self._cameras()):
+                if topic not in self._subscribers:
+                    self._subscribers[topic] = rospy.Subscriber(
+                        topic, rospy.AnyMsg, self._note, queue_size=1
+                    )
         return self._came
 
     def _note(self, _message: rospy.AnyMsg) -> None:
         self._came = True
 
-    def _topic(self) -> Optional[str]:
-        """Topic of the main camera, else of another one of the robot's, else of an instructor's."""
+    def _cameras(self) -> List[str]:
+        """Compressed topics of the main camera, of the robot's others, of the instructor's."""
         _, answer = fetch(self._namespace, "/config.json?role=instructor")
         if not answer:
-            return None
+            return []
         config: Dict[str, Any] = json.loads(answer)
         cameras: List[Dict[str, str]] = config["cameras"]
         hidden = config["hidden_cameras"]
         cameras.sort(
             key=lambda each: (each["name"] != config["main_camera"], each["name"] in hidden)
         )
-        return cameras[0]["topic"] if cameras else None
+        return [f"{each['topic']}{_COMPRESSED}" for each in cameras]
+
+    def _published(self, topics: List[str]) -> List[str]:
+        """The raw topic of each that is not published."""
+        published = {name for name, _ in rospy.get_published_topics()}
+        return [topic if topic in published else topic[: -len(_COMPRESSED)] for topic in topics]
 
 
 def bridge_answers(namespace: str) -> Optional[str]:
@@ -196,10 +209,12 @@ def pages(namespace: str, url: str) -> str:
         path = str(rospy.get_param(f"{namespace}/rosbridge/{name}", ""))
         if not path:
             lines += [f"  {title:<9} {url}"] if page == "/" else []
-        elif sys.stdout.isatty():
-            lines.append(f"  {title:<9} {url}{page}?token={read_token(path, name)}")
-        else:
-            lines.append(f"  {title:<9} {url}{page}?token=…  with the token in {path}")
+            continue
+        token = f"…  with the token in {path}"
+        if sys.stdout.isatty():
+            with contextlib.suppress(ConfigError, OSError):  # it is gone again; the bridge says why
+                token = read_token(path, name)
+        lines.append(f"  {title:<9} {url}{page}?token={token}")
     return "\n".join(lines)
 
 
