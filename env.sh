@@ -35,25 +35,35 @@ export ROS_DISTRO="${ROS_DISTRO:-noetic}"
 
 if [ -z "${ROS_IP-}${ROS_HOSTNAME-}" ]; then
   unset ROS_IP ROS_HOSTNAME
-  _telex_host="${ROS_MASTER_URI#*://}"
-  _telex_host="${_telex_host%%[:/]*}"
+  _telex_rest="${ROS_MASTER_URI#*://}"
+  case "$_telex_rest" in
+    \[*) # an IPv6 address
+      _telex_rest="${_telex_rest#?}"
+      _telex_host="${_telex_rest%%]*}"
+      _telex_rest="${_telex_rest#*]}"
+      ;;
+    *)
+      _telex_host="${_telex_rest%%[:/]*}"
+      _telex_rest="${_telex_rest#"$_telex_host"}"
+      ;;
+  esac
+  _telex_port="${_telex_rest#:}"
+  _telex_port="${_telex_port%%[!0-9]*}"
   case "$_telex_host" in
     localhost | 127.0.0.1) export ROS_IP=127.0.0.1 ;;
     *)
-      if "$_telex_root/.venv/bin/python" -c 'import sys; from rosgraph.network import is_local_address
+      if [ "$_telex_host" = ::1 ] || "$_telex_root/.venv/bin/python" -c 'import sys; from rosgraph.network import is_local_address
 sys.exit(not is_local_address(sys.argv[1]))' "$_telex_host"; then
         export ROS_IP=127.0.0.1
         # A master that is started here will be found at that address alone.
-        _telex_port="$(printf '%s' "$ROS_MASTER_URI" | sed -n 's|^[^:]*://[^:/]*:\([0-9]*\).*|\1|p')"
         if ! (exec 9<>"/dev/tcp/$_telex_host/${_telex_port:-11311}") 2>/dev/null; then
           export ROS_MASTER_URI="http://127.0.0.1:${_telex_port:-11311}"
           echo "env.sh: no master answers at $_telex_host, which is this machine: ROS_MASTER_URI is $ROS_MASTER_URI now;" \
             "set ROS_IP or ROS_HOSTNAME, too, to open ROS to other machines" >&2
         fi
-        unset _telex_port
       fi
       ;;
   esac
-  unset _telex_host
+  unset _telex_host _telex_port _telex_rest
 fi
 unset _telex_root _telex_nounset

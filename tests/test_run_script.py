@@ -326,7 +326,9 @@ def test_ros_is_not_opened_at_what_is_no_address_of_this_machine(private, addres
         ({"ROS_MASTER_URI": "http://127.0.0.1:11399"}, "127.0.0.1", "http://127.0.0.1:11399"),
         # Nodes that are for this machine alone need a master that is found there.
         ({"ROS_MASTER_URI": "http://127.0.0.9:2/"}, "127.0.0.1", "http://127.0.0.1:2"),
+        ({"ROS_MASTER_URI": "http://[::1]:2/"}, "127.0.0.1", "http://127.0.0.1:2"),
         ({"ROS_MASTER_URI": "http://192.0.2.77:11311"}, "", "http://192.0.2.77:11311"),
+        ({"ROS_MASTER_URI": "http://[2001:db8::7]:2"}, "", "http://[2001:db8::7]:2"),
         ({"ROS_IP": "192.0.2.77"}, "192.0.2.77", "http://localhost:11311"),
         ({"ROS_HOSTNAME": "robot"}, "", "http://localhost:11311"),
         ({"ROS_IP": "", "ROS_HOSTNAME": ""}, "127.0.0.1", "http://localhost:11311"),
