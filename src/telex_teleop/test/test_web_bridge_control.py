@@ -702,6 +702,7 @@ async def test_with_nobody_in_control_an_operator_may_do_no_more():
 async def test_rosapi_tells_of_what_the_client_may_use():
     bench = Bench(rights=asdict(Rights.read()))
     bench.ros.active |= {"/telex/sim/base_pose", "/rosout"}
+    bench.ros.expected = 1
     bench.ros.types["/telex/sim/base_pose"] = "geometry_msgs/PoseStamped"
     tree = {"simulator": {"world": "exam"}, "cameras": {"overview": {"start": 1}, "rate": 5}}
     bench.ros.params.update({"/telex": tree, "/telex/simulator/world": "exam"})
@@ -715,16 +716,23 @@ async def test_rosapi_tells_of_what_the_client_may_use():
             "/telex/switch" in (await who.ask("rosapi/services"))[1]["services"],
             "/telex/simulator/world" in (await who.ask("rosapi/get_param_names"))[1]["names"],
             (await who.ask("rosapi/has_param", ["simulator/world"]))[1]["exists"],
+            bool((await who.ask("rosapi/topic_type", ["sim/base_pose"]))[1]["type"]),
+            bool((await who.ask("rosapi/subscribers", ["sim/base_pose"]))[1]["subscribers"]),
+            bool((await who.ask("rosapi/service_type", ["switch"]))[1]["type"]),
+            bool((await who.ask("rosapi/service_node", ["switch"]))[1]["node"]),
+            bool((await who.ask("rosapi/service_host", ["switch"]))[1]["host"]),
+            bool((await who.ask("rosapi/node_details", ["simulator/x"]))[1]["services"]),
             json.loads((await who.ask("rosapi/get_param", ["/telex"]))[1]["value"]),
         ]
 
     assert await told(client) == [
-        *(["/known", "/telex/joint_states"], [], False, False, False),
+        *(["/known", "/telex/joint_states"], [], *[False] * 9),
         {"cameras": {"rate": 5}},
     ]
     base_pose = "/telex/sim/base_pose"
     assert await told(teacher) == [
-        *(["/known", "/rosout", "/telex/joint_states", base_pose], [base_pose], True, True, True),
+        *(["/known", "/rosout", "/telex/joint_states", base_pose], [base_pose]),
+        *[True] * 9,
         tree,
     ]
 

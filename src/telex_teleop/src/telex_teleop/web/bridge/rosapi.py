@@ -8,7 +8,7 @@ import datetime
 import json
 import math
 import xmlrpc.client
-from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
+from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Tuple
 
 from .access import Access
 from .message_types import message_class, service_class
@@ -110,13 +110,18 @@ class RosApi:
             raise OperationError(f"{service} is not offered; of rosapi there are {known}")
         return question
 
-    def _topics(self) -> Dict[str, Any]:
+    def _open_topics(self, names: Iterable[str]) -> List[str]:
+        """Return those topics that the client may hear or publish."""
         may = self._access.allows
-        names = [
-            name
-            for name in sorted(self._ros.topics())
-            if may("subscribe", name) or may("publish", name)
-        ]
+        return [name for name in names if may("subscribe", name) or may("publish", name)]
+
+    def _open_services(self, names: Iterable[str]) -> List[str]:
+        """Return those services that the client may call."""
+        may = self._access.allows
+        return [name for name in names if name in self._own_services or may("call", name)]
+
+    def _topics(self) -> Dict[str, Any]:
+        names = self._open_topics(sorted(self._ros.topics()))
         types = self._ros.topic_types()
         return {"topics": names, "types": [types.get(name, "") for name in names]}
 
@@ -138,18 +143,20 @@ class RosApi:
 
     def _topic_type(self, arguments: Arguments) -> Dict[str, Any]:
         types = self._ros.topic_types()
-        found = (types.get(name) for name in self._spellings(_name(arguments, "topic")))
+        names = self._open_topics(self._spellings(_name(arguments, "topic")))
+        found = (types.get(name) for name in names)
         return {"type": next(filter(None, found), "")}
 
     def _publishers(self, arguments: Arguments) -> Dict[str, Any]:
-        return {"publishers": self._ros.publishers(self._ros.resolve(_name(arguments, "topic")))}
+        names = self._open_topics([self._ros.resolve(_name(arguments, "topic"))])
+        return {"publishers": [node for name in names for node in self._ros.publishers(name)]}
 
     def _subscribers(self, arguments: Arguments) -> Dict[str, Any]:
-        return {"subscribers": self._ros.subscribers(self._ros.resolve(_name(arguments, "topic")))}
+        names = self._open_topics([self._ros.resolve(_name(arguments, "topic"))])
+        return {"subscribers": [node for name in names for node in self._ros.subscribers(name)]}
 
     def _services(self) -> List[str]:
-        open_ones = (name for name in self._ros.services() if self._access.allows("call", name))
-        return sorted({*open_ones, *self._own_services})
+        return sorted({*self._open_services(self._ros.services()), *self._own_services})
 
     def _type_of_service(self, service: str) -> str:
         own = self._own_services.get(service)
@@ -161,7 +168,7 @@ class RosApi:
             return ""
 
     def _service_type(self, arguments: Arguments) -> Dict[str, Any]:
-        names = self._spellings(_name(arguments, "service"))
+        names = self._open_services(self._spellings(_name(arguments, "service")))
         return {"type": next(filter(None, map(self._type_of_service, names)), "")}
 
     def _services_for_type(self, arguments: Arguments) -> Dict[str, Any]:
@@ -175,12 +182,12 @@ class RosApi:
         return self._ros.service_nodes(service)
 
     def _service_node(self, arguments: Arguments) -> Dict[str, Any]:
-        names = self._spellings(_name(arguments, "service"))
+        names = self._open_services(self._spellings(_name(arguments, "service")))
         nodes = (node for name in names for node in self._nodes_of_service(name))
         return {"node": next(nodes, "")}
 
     def _service_host(self, arguments: Arguments) -> Dict[str, Any]:
-        names = self._spellings(_name(arguments, "service"))
+        names = self._open_services(self._spellings(_name(arguments, "service")))
         if any(name in self._own_services for name in names):
             return {"host": self._ros.own_host()}
         return {"host": next(filter(None, map(self._ros.service_host, names)), "")}
@@ -205,10 +212,15 @@ class RosApi:
         return {"typedefs": type_details(found._response_class)}
 
     def _node_details(self, arguments: Arguments) -> Dict[str, Any]:
-        return self._ros.node_details(self._ros.resolve(_name(arguments, "node")))
+        details = self._ros.node_details(self._ros.resolve(_name(arguments, "node")))
+        return {
+            "subscribing": self._open_topics(details["subscribing"]),
+            "publishing": self._open_topics(details["publishing"]),
+            "services": self._open_services(details["services"]),
+        }
 
     def _action_servers(self) -> List[str]:
-        topics = set(self._ros.topics())
+        topics = set(self._open_topics(self._ros.topics()))
         goals = (topic[: -len("/goal")] for topic in topics if topic.endswith("/goal"))
         return sorted(
             name for name in goals if all(f"{name}/{part}" in topics for part in _ACTION_TOPICS)
