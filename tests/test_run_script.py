@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib.util
+import json
 import os
 import pty
 import re
@@ -12,6 +14,7 @@ import subprocess
 import time
 import urllib.error
 import urllib.request
+from io import StringIO
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -109,6 +112,53 @@ def fetch(url):
             return answer.status, answer.read()
     except urllib.error.HTTPError as answer:
         return answer.code, answer.read()
+
+
+@pytest.fixture
+def wait_ready():
+    """The module of the script that run.sh waits with."""
+    path = ROOT / "launch_scripts" / "wait_ready.py"
+    spec = importlib.util.spec_from_file_location("wait_ready", path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_a_token_file_that_is_gone_does_not_fail_the_start(wait_ready, monkeypatch, tmp_path):
+    gone = str(tmp_path / "token")
+    monkeypatch.setattr(wait_ready.rospy, "get_param", lambda *_: gone)
+    monkeypatch.setattr(wait_ready.sys, "stdout", StringIO())
+    wait_ready.sys.stdout.isatty = lambda: True
+    said = wait_ready.pages("/telex", "http://h:1").splitlines()
+    assert [line.split()[1] for line in said] == [
+        "http://h:1/?token=…",
+        "http://h:1/instructor?token=…",
+    ]
+    assert all(line.endswith(f"with the token in {gone}") for line in said)
+
+
+def test_the_first_picture_may_be_of_any_camera(wait_ready, monkeypatch):
+    now, asked = [0.0], []
+    names = ("overview", "rear", "front")
+    config = {
+        "cameras": [{"name": name, "topic": f"/c/{name}"} for name in names],
+        "main_camera": "front",
+        "hidden_cameras": ["overview"],
+    }
+    monkeypatch.setattr(wait_ready, "fetch", lambda *_: ("http://h:1", json.dumps(config)))
+    monkeypatch.setattr(wait_ready.time, "monotonic", lambda: now[0])
+    published = [["/c/front/compressed", ""], ["/c/rear", ""], ["/c/overview/compressed", ""]]
+    monkeypatch.setattr(wait_ready.rospy, "get_published_topics", lambda: published)
+    monkeypatch.setattr(wait_ready.rospy, "Subscriber", lambda topic, *_, **__: asked.append(topic))
+    first = wait_ready.FirstPicture("/c")
+    for _ in range(2):
+        assert not first.came()
+        assert asked == ["/c/front/compressed"]
+    now[0] = 6.0
+    assert not first.came()
+    assert asked == ["/c/front/compressed", "/c/rear", "/c/overview/compressed"]
+    first._note(None)
+    assert first.came()
 
 
 @pytest.mark.ros
