@@ -20,7 +20,7 @@ from .node_handle import (
     ServiceError,
     Subscription,
 )
-from .ros_connections import open_publishers
+from .ros_connections import is_connected, sender_of
 from .ros_publisher import RosPublisher
 
 
@@ -36,7 +36,7 @@ class RosSubscription(Subscription):
 
     def is_connected(self, message: Any) -> bool:
         """Whether the node that sent `message` is still connected."""
-        return message._connection_header["callerid"] in open_publishers(self._subscriber)
+        return is_connected(self._subscriber, sender_of(message))
 
     def close(self) -> None:
         """End the subscription."""

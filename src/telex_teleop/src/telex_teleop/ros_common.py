@@ -12,6 +12,7 @@ from telex_msgs.msg import SimStatus
 
 from telex_control.node_start import init_node
 from telex_control.params import ConfigError, read_config
+from telex_control.ros_connections import sender_of
 from telex_control.urdf_joints import UrdfError
 from telex_teleop.e_stop_state import EStopState
 from telex_teleop.teleop_core import TeleopCore
@@ -123,7 +124,7 @@ class OperatorInputs:
 
 def caller_of(message: Any) -> str:
     """Return the name of the node that sent a message."""
-    return str(message._connection_header["callerid"])
+    return sender_of(message)
 
 
 def warn_dropped(topic: str, problem: str) -> None:
