@@ -6,7 +6,6 @@ from typing import Any, FrozenSet, Sequence
 
 import rospy
 
-
 UNNAMED = "unknown"
 """What rospy calls a publisher whose header has no name."""
 
