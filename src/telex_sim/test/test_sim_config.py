@@ -113,8 +113,8 @@ def test_world_refuses_what_it_cannot_load(monkeypatch):
 
         with pytest.raises(WorldError, match="package 'x' is not found"):
             world.load_robot(
-                '<robot name="r"><link name="a"><visual><geometry>'
-                '<mesh filename="package://x/y.obj"/></geometry></visual></link></robot>',
+                '<robot name="r"><link name="a"><collision><geometry>'
+                '<mesh filename="package://x/y.obj"/></geometry></collision></link></robot>',
                 unknown,
                 (0, 0, 0),
                 0.0,
