@@ -241,40 +241,6 @@ class _Window:
             self._rounds += [(x, top, radius), (x, low + radius, radius)]
         self.slope = outline.upper_slope() / 2
 
-    def bearing_hulls(self, half: float, segments: int) -> List[List[Corner]]:
-        """Return the corners of three convex bodies that bear where a belt does.
-
-        They are the hub, the tip and the runs between; each has one point that is lowest, in the
-        middle of the belt, so that it touches a plane in one contact. PyBullet finds but one
-        contact of a body with a plane in a step: of a single hull that lies flat on its whole
-        length it would find now this corner and now that.
-
-        Parameters
-        ----------
-        half
-            Of the belt's width.
-        segments
-            Of the whole circle of the hub, and of the tip.
-        """
-        tip, lower, upper = self.tip_axle, self._lower, self._upper
-        around = [lower + 2 * math.pi * k / segments for k in range(segments)]
-        wheels = [((0.0, 0.0), self.hub), (tip, self.tip)]
-        hulls = [
-            [corner for a in around for corner in _crowned(centre, radius, a, half)]
-            for centre, radius in wheels
-        ]
-        between = ((tip[0] / 2, tip[1] / 2), (self.hub + self.tip) / 2)
-        runs = [*((centre, radius - RUN_SAG) for centre, radius in wheels), between]
-        hulls.append(
-            [
-                corner
-                for centre, radius in runs
-                for a in (lower, upper)
-                for corner in _crowned(centre, radius, a, half)
-            ]
-        )
-        return hulls
-
     def section(self, inwards: float) -> CrossSection:
         """Return the section."""
         return CrossSection.batch_hull(
