@@ -5,6 +5,7 @@ Messages are imported where they are needed: the tests that judge a drill do not
 
 from __future__ import annotations
 
+import contextlib
 import subprocess
 import sys
 import threading
@@ -122,9 +123,15 @@ def repeat(publisher, message, duration):
 
 
 def wait_for(condition, what, timeout=60.0):
-    """Wait until something is so, or raise a TimeoutError after `timeout` (s)."""
+    """Wait until something is so, or raise a TimeoutError after `timeout` (s).
+
+    A message that has not come yet (LookupError) counts as false.
+    """
     deadline = time.monotonic() + timeout
-    while not condition():
+    while True:
+        with contextlib.suppress(LookupError):
+            if condition():
+                return
         if time.monotonic() > deadline:
             raise TimeoutError(what)
         time.sleep(0.01)
