@@ -11,6 +11,9 @@ export const COMMAND_PERIOD = 20;
 /** Bytes in the browser's send buffer above which the link is congested: motion is not queued behind old motion. */
 const MAX_WAITING = 4096;
 
+/** How often the zero of a joint that was let go is said while others move on: the next command may take the place of one on its way. */
+const ZEROS = 3;
+
 /** Step of the speed scale. */
 const SPEED_STEP = 0.1;
 
@@ -36,8 +39,8 @@ export class Commander {
     /** @type {Map<string, Speed>} */
     this._speeds = new Map();
     this._chosenSpeed = { scale: 0, at: -Infinity };
-    /** Joints that the last command moved, by node. @type {Map<string, Set<string>>} */
-    this._moving = new Map(JOINT_NODES.map((node) => [node, new Set()]));
+    /** Joints that the last commands moved, by node, and how many zeros each is still to get. @type {Map<string, Map<string, number>>} */
+    this._moving = new Map(JOINT_NODES.map((node) => [node, new Map()]));
     this._driving = false;
     /** Names of the flipper presets, in the order of their keys. @type {string[]} */
     this.presets = [];
@@ -209,8 +212,8 @@ export class Commander {
    * @param {Map<string, number>} wanted
    */
   _commandJoints(node, wanted) {
-    const moving = /** @type {Set<string>} */ (this._moving.get(node));
-    const released = [...moving].filter((joint) => !wanted.has(joint));
+    const moving = /** @type {Map<string, number>} */ (this._moving.get(node));
+    const released = [...moving.keys()].filter((joint) => !wanted.has(joint));
     if (wanted.size === 0 && released.length === 0) return;
     if (released.length === 0 && this.congested) return;
     const sent = this._bridge.publish(this._topic(`${node}/delta_joint_cmds`), {
@@ -218,7 +221,14 @@ export class Commander {
       joint_names: [...wanted.keys(), ...released],
       velocities: [...wanted.values(), ...released.map(() => 0)],
     });
-    if (sent) this._moving.set(node, new Set(wanted.keys()));
+    if (!sent) return;
+    for (const joint of released) {
+      const left = /** @type {number} */ (moving.get(joint)) - 1;
+      // The last command of all stays the newest.
+      if (left > 0 && wanted.size > 0) moving.set(joint, left);
+      else moving.delete(joint);
+    }
+    for (const joint of wanted.keys()) moving.set(joint, ZEROS);
   }
 
   /** @param {import("./robot.js").Action[]} held */
