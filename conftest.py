@@ -62,7 +62,7 @@ SLOW = (
 """Files of more than 3 s of CPU time, which ``test.sh --fast`` leaves out; its closing table of
 durations names those that belong here.
 """
-PATIENCE = 10
+PATIENCE = 15
 """Niceness of a worker from its first test that can wait."""
 
 

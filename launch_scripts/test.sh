@@ -49,7 +49,6 @@ folder="$(make_folder)" || exit 1
 trap 'rm -rf "$folder"' EXIT
 export TMPDIR="$folder/tmp"
 export ROS_LOG_DIR="$folder/log"
-export ROS_TEST_RESULTS_DIR="$folder/test_results"
 mkdir "$TMPDIR" "$ROS_LOG_DIR" || exit 1
 failed=()
 
@@ -69,13 +68,7 @@ check() {
 check "ruff (lint)" ruff check
 check "ruff (format)" ruff format --check --quiet
 check "mypy" mypy
-if [ -z "$fast" ]; then
-  for suite in tests/rostest/*.test src/*/test/*.test; do
-    [ -e "$suite" ] || continue
-    # rostest starts a master of its own on a free port.
-    check "rostest $suite" rostest "$suite"
-  done
-else
+if [ -n "$fast" ]; then
   pytest_arguments=(-m "not (ros or browser or real_time or slow)" --durations=5 "${pytest_arguments[@]}")
 fi
 

@@ -1,0 +1,44 @@
+"""The suites of ``tests/rostest``, each under the ``rostest`` command with a master of its own."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+from pathlib import Path
+
+import pytest
+
+pytestmark = [pytest.mark.ros, pytest.mark.real_time]
+
+SUITES = sorted(Path(__file__).parent.glob("rostest/*.test"))
+LONGEST = 400.0  # s; each test in a suite has its own limit, which ends it in order before this
+SHOWN = 12_000  # characters of what a failed suite wrote
+
+
+def test_the_suites_are_found():
+    assert SUITES
+
+
+@pytest.mark.parametrize("suite", SUITES, ids=lambda suite: suite.stem)
+def test_suite(suite, tmp_path):
+    written, results = tmp_path / "output", tmp_path / "results"
+    with written.open("wb") as output:
+        rostest = subprocess.Popen(
+            ["rostest", str(suite)],
+            env=dict(os.environ, ROS_TEST_RESULTS_DIR=str(results)),
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
+        try:
+            status = rostest.wait(LONGEST)
+        finally:
+            if rostest.poll() is None:
+                # As Ctrl-C does: then it ends its nodes.
+                os.killpg(rostest.pid, signal.SIGINT)
+                rostest.wait(60.0)
+    # What a test found stands in the results, and only its name in what was printed.
+    reports = (path.read_text(errors="replace") for path in results.rglob("rosunit-*.xml"))
+    told = [text[:SHOWN] for text in reports if "<error" in text or "<failure" in text]
+    assert status == 0, "\n".join([written.read_text(errors="replace")[-SHOWN:], *told])
