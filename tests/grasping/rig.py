@@ -284,7 +284,9 @@ class Rig:
         references = [self._reference]
         for index in range(1, max(2, math.ceil(duration / _REFERENCE_PERIOD)) + 1):
             target = pose(min(index * _REFERENCE_PERIOD, duration))
-            tick = _solver().track(target, references[-1], _REFERENCE_PERIOD, tolerance)
+            tick = _solver().track(
+                target, references[-1], _REFERENCE_PERIOD, tolerance, acceleration_time=None
+            )
             turned = tolerance is None and tick.orientation_error > _LOST
             if turned or tick.position_error > _LOST:
                 raise TrajectoryError(f"the tool cannot follow to {target[:3, 3].tolist()}")

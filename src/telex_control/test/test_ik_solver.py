@@ -383,6 +383,24 @@ def test_what_is_no_pose_is_refused(solver, change, message):
         solver.solve(change(CHAIN.forward(BENT)))
 
 
+@pytest.mark.parametrize("row", range(3))
+@pytest.mark.parametrize("column", range(4))
+def test_no_number_of_a_target_may_be_other_than_finite(solver, row, column):
+    for wrong in (math.nan, math.inf, -math.inf):
+        target = CHAIN.forward(BENT)
+        target[row, column] = wrong
+        with pytest.raises(KinematicsError, match="finite"):
+            solver.solve(target)
+    target[row, column] = 1e300
+    with pytest.raises(KinematicsError, match="no rotation" if column < 3 else "up to 10000"):
+        solver.solve(target)
+
+
+def test_a_seed_many_turns_away_costs_no_more(solver):
+    target, seed = CHAIN.forward(BENT), BENT + 1500.0 * 2.0 * math.pi
+    assert_reaches(solver.solve(target, seed), target, 1.1e-5, 1.1e-5)
+
+
 def test_rounding_errors_of_a_rotation_are_taken_off(solver):
     target = CHAIN.forward(BENT)
     rounded = target.astype(np.float32).astype(float)
@@ -391,7 +409,13 @@ def test_rounding_errors_of_a_rotation_are_taken_off(solver):
 
 @pytest.mark.parametrize(
     ("seed", "message"),
-    [([0.0] * 6, "7 numbers"), ([math.nan] * 7, "finite"), ([1e200] * 7, "below 1e150")],
+    [
+        ([0.0] * 6, "7 numbers"),
+        ([math.nan] * 7, "finite"),
+        ([1e200] * 7, "up to 10000"),
+        ([0.0, 1e17, *[0.0] * 5], "up to 10000"),
+        ([0.0, -1e8, *[0.0] * 5], "up to 10000"),
+    ],
 )
 def test_what_is_no_posture_is_refused(solver, seed, message):
     with pytest.raises(KinematicsError, match=message):

@@ -74,7 +74,7 @@ def offset(pose, *change):
 
 def test_a_near_target_is_reached_in_a_tick(solver):
     target = offset(CHAIN.forward(BENT), 0.002, 0.001, -0.001)
-    result = solver.track(target, BENT, DT)
+    result = solver.track(target, BENT, DT, acceleration_time=None)
     assert result.status is IKStatus.CONVERGED
     assert result.converged
     assert_kept(result, BENT)
@@ -97,7 +97,7 @@ def test_a_far_target_is_approached_at_the_speed_limit(solver):
     target = offset(CHAIN.forward(BENT), 0.2, 0.1, 0.1)
     q, errors = BENT, []
     for _ in range(200):
-        result = solver.track(target, q, DT)
+        result = solver.track(target, q, DT, acceleration_time=None)
         assert_kept(result, q)
         q = result.q
         # What is lessened: lengths weighted, as IKOptions.length_weight says.
@@ -121,7 +121,7 @@ def test_a_spiral_within_reach_is_followed(solver):
         target = offset(
             start, 0.05 * math.sin(angle), 0.05 * (1.0 - math.cos(angle)), 0.0004 * tick
         )
-        result = solver.track(target, q, DT)
+        result = solver.track(target, q, DT, acceleration_time=None)
         assert_kept(result, q)
         assert result.converged, tick
         q = result.q
@@ -151,7 +151,8 @@ def test_a_target_that_leaves_and_returns_is_regained(solver):
         way = [*np.linspace(0.0, 1.2, 120), *np.linspace(1.2, 0.0, 120), *np.zeros(150)]
         q, away = posture, False
         for distance in way:
-            result = solver.track(offset(start, *(distance * direction)), q, DT)
+            target = offset(start, *(distance * direction))
+            result = solver.track(target, q, DT, acceleration_time=None)
             assert_kept(result, q)
             q = result.q
             away = away or result.position_error > 0.05
@@ -254,7 +255,7 @@ def test_joints_beyond_their_limits_come_back_at_the_speed_limit(solver):
     target = CHAIN.forward(outside)
     q = outside
     for _ in range(10):
-        result = solver.track(target, q, DT)
+        result = solver.track(target, q, DT, acceleration_time=None)
         assert (abs(result.q - q) <= CHAIN.velocity_limits * DT * (1.0 + 1e-12)).all()
         assert result.q[5] <= max(2.2, q[5] - 1.5 * DT + 1e-12)
         q = result.q
@@ -275,6 +276,100 @@ def test_what_the_target_leaves_open_goes_to_the_goal(solver):
     assert values[1] < values[0] - 0.01
     again = centred.track(target, q, DT)
     assert abs(again.velocity).max() < 1e-3
+
+
+# ---- accelerations
+
+
+def assert_smooth(postures, dt=DT, allowed=CHAIN.velocity_limits / 0.3):
+    """From rest, and never by more than the limits (rad/s^2) from one tick to the next."""
+    moves = np.diff(np.vstack([postures[:1], postures]), axis=0) / dt
+    assert (abs(moves) <= CHAIN.velocity_limits * (1.0 + 1e-9)).all()
+    assert (abs(np.diff(moves, axis=0)) / dt <= allowed * (1.0 + 1e-9)).all()
+
+
+def followed(solver, targets, **options):
+    q, postures, results = BENT, [BENT], []
+    for target in targets:
+        results.append(solver.track(target, q, DT, **options))
+        q = results[-1].q
+        postures.append(q)
+    return np.array(postures), results
+
+
+def beside(postures, corners):
+    """Farthest that the tip is from a line with corners (m)."""
+    places = np.array([CHAIN.forward(q)[:3, 3] for q in postures])
+    farthest = np.full(len(places), math.inf)
+    for begin, end in zip(corners, corners[1:]):
+        way = end - begin
+        shares = np.clip((places - begin) @ way / (way @ way), 0.0, 1.0)
+        off = np.linalg.norm(places - begin - shares[:, None] * way, axis=1)
+        farthest = np.minimum(farthest, off)
+    return farthest.max()
+
+
+def test_late_at_corners_it_is_never_beside_its_path(solver):
+    """Three sides of a square, faster than the joints can, to and fro on the last, and an end."""
+    start = CHAIN.forward(BENT)
+    way, corners, targets = np.zeros(3), [start[:3, 3]], []
+    for direction in ((0, 1, 0), (0, 0, 1), (0, -1, 0), (0, 1, 0), (0, -1, 0)):
+        for _ in range(20):
+            way = way + 0.003 * np.array(direction)
+            targets.append(offset(start, *way))
+        corners.append(targets[-1][:3, 3])
+    postures, results = followed(solver, [*targets, *targets[-1:] * 120])
+    assert_smooth(postures)
+    assert beside(postures, corners) < 1e-4
+    late = [result for result in results if result.position_error > 1e-3]
+    assert late
+    assert all(result.status is IKStatus.LAGGING for result in late)
+    assert results[-1].converged
+    assert np.array_equal(postures[-1], postures[-2])
+
+
+def test_a_target_that_jumps_is_reached_on_a_straight_line(solver):
+    start = CHAIN.forward(BENT)
+    target = offset(start, 0.1, 0.05, 0.05)
+    postures, results = followed(solver, [target] * 120)
+    assert_smooth(postures)
+    assert beside(postures, [start[:3, 3], target[:3, 3]]) < 1e-4
+    assert results[-1].converged
+    errors = [result.position_error for result in results]
+    assert errors == sorted(errors, reverse=True)
+
+
+def test_a_shorter_acceleration_time_is_faster(solver):
+    target = offset(CHAIN.forward(BENT), 0.02, 0.0, 0.0)
+    ticks = []
+    for seconds in (0.1, 0.3):
+        solver.rest()
+        postures, results = followed(solver, [target] * 60, acceleration_time=seconds)
+        assert_smooth(postures, allowed=CHAIN.velocity_limits / seconds)
+        ticks.append([result.converged for result in results].index(True))
+    assert ticks[0] < ticks[1]
+
+
+def test_joints_found_elsewhere_begin_at_rest(solver):
+    target = offset(CHAIN.forward(BENT), 0.2, 0.0, 0.0)
+    followed(solver, [target] * 10)
+    elsewhere = BENT + 0.01
+    first = solver.track(target, elsewhere, DT)
+    change = CHAIN.velocity_limits / 0.3 * DT * DT
+    assert (abs(first.q - elsewhere) <= change * (1.0 + 1e-9)).all()
+    solver.track(target, first.q, DT)
+    solver.rest()
+    again = solver.track(target, first.q, DT)
+    assert (abs(again.q - first.q) <= change * (1.0 + 1e-9)).all()
+
+
+def test_out_of_reach_and_back_accelerations_are_kept(solver):
+    start = CHAIN.forward(BENT)
+    distances = [*np.linspace(0.0, 0.6, 60), *np.linspace(0.6, 0.0, 60), *np.zeros(250)]
+    postures, results = followed(solver, [offset(start, d, 0.0, d) for d in distances])
+    assert_smooth(postures)
+    assert results[60].position_error > 0.05
+    assert results[-1].converged
 
 
 # ---- twists
@@ -383,9 +478,10 @@ def test_through_a_singular_wrist_speeds_stay_bounded(solver):
 def test_a_wrong_tick_is_refused(solver, dt):
     for call in (
         lambda: solver.track(np.eye(4), BENT, dt),
+        lambda: solver.track(np.eye(4), BENT, DT, acceleration_time=dt),
         lambda: solver.track_twist(np.zeros(6), BENT, dt),
     ):
-        with pytest.raises(KinematicsError, match="dt is"):
+        with pytest.raises(KinematicsError, match="(dt|acceleration_time) is"):
             call()
 
 
@@ -417,4 +513,4 @@ def test_joints_without_speed_limit_are_named(speed):
         solver.track(np.eye(4), [0.0], DT)
     assert solver.solve(np.eye(4), [0.3]).converged
     given = IKSolver(made, velocity_limits=[1.0], backend="kdl")
-    assert given.track(make_pose((0, 0, 0), (0, 0, 0, 1)), [0.01], DT).converged
+    assert given.track(make_pose((0, 0, 0), (0, 0, 0, 1)), [0.001], DT).converged

@@ -51,4 +51,6 @@ class IKKinematics:
         """Return the joint positions nearest to a pose that are reached from `q` in time `dt`."""
         # The bounds of this moment are mostly those of the limits, which the solver knows. Where a
         # blocked joint narrows them, the others need not make up for it.
-        return np.clip(self._solver.track(target, q.tolist(), dt).q, lower, upper)
+        # Accelerations are the caller's: it tries several targets before it takes one.
+        tick = self._solver.track(target, q.tolist(), dt, acceleration_time=None)
+        return np.clip(tick.q, lower, upper)

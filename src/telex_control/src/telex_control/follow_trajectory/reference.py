@@ -144,7 +144,13 @@ def _track(
     references = np.empty((len(places), len(begin)))
     references[0] = begin
     for index in range(1, len(places)):
-        tick = solver.track(_pose(orientation, places[index]), references[index - 1], period)
+        # No limit of accelerations: the speed profile has its own, and nothing may be late here.
+        tick = solver.track(
+            _pose(orientation, places[index]),
+            references[index - 1],
+            period,
+            acceleration_time=None,
+        )
         if tick.position_error > LOST or tick.orientation_error > LOST:
             held = [*tick.at_limits, *tick.at_speed]
             raise TrajectoryError(

@@ -119,9 +119,11 @@ class CompiledBackend(Backend):
         reach: np.ndarray,
         iterations: int,
         damping: float = 0.0,
+        *,
+        measured: bool = True,
     ) -> Tick:
         """See `Backend`."""
-        moved, held, direction = q.copy(), np.empty(q.size), np.empty(6)
+        moved, held, direction = q.copy(), np.empty(q.size), np.zeros(6)
         converged, place, turn, used, sigma = kernels.tick(
             self._model,
             task,
@@ -130,6 +132,7 @@ class CompiledBackend(Backend):
             reach,
             iterations,
             damping,
+            measured,
             moved,
             held,
             direction,

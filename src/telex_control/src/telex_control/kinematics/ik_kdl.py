@@ -297,6 +297,8 @@ class KdlBackend(Backend):
         reach: np.ndarray,
         iterations: int,
         damping: float = 0.0,
+        *,
+        measured: bool = True,
     ) -> Tick:
         """See `Backend`."""
         lower, upper = limits
@@ -312,6 +314,8 @@ class KdlBackend(Backend):
         asked = self._asked(task, q)
         held = self._held(asked, target, error, q, box)
         held[((held > 0.0) & (q >= upper)) | ((held < 0.0) & (q <= lower))] *= AT_LIMIT
+        if not measured:
+            return Tick(outcome, held, 0.0, np.zeros(6))
         asked[:, abs(held) == AT_LIMIT] = 0.0
         left, values, _ = np.linalg.svd(asked, full_matrices=False)
         direction = np.zeros(6)
@@ -574,13 +578,17 @@ class KdlBackend(Backend):
         """Take full turns off joints where that brings them nearer to the seed."""
         made = q.copy()
         for i in range(self._count):
-            turns = 0 if self._prismatic[i] else round((seed[i] - q[i]) / _TURN)
-            while turns:
-                moved = q[i] + _TURN * turns
-                if box[0][i] <= moved <= box[1][i]:
-                    made[i] = moved
-                    break
-                turns -= 1 if turns > 0 else -1
+            if self._prismatic[i]:
+                continue
+            turns = np.rint((seed[i] - q[i]) / _TURN)
+            # As many as the limits leave room for; one less where rounding finds one too many.
+            turns = min(turns, np.floor((box[1][i] - q[i]) / _TURN))
+            turns = max(turns, np.ceil((box[0][i] - q[i]) / _TURN))
+            moved = q[i] + turns * _TURN
+            if not box[0][i] <= moved <= box[1][i]:
+                moved = q[i] + (turns - math.copysign(1.0, turns)) * _TURN
+            if turns != 0.0:
+                made[i] = moved
         return made
 
 

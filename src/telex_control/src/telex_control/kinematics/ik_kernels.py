@@ -458,13 +458,15 @@ def _unwind(
     for i in range(q.size):
         if model.prismatic[i]:
             continue
-        turns = round((seed[i] - q[i]) / _TURN)
-        while turns != 0.0:
-            moved = q[i] + turns * _TURN
-            if lower[i] <= moved <= upper[i]:
-                q[i] = moved
-                break
-            turns -= math.copysign(1.0, turns)
+        turns = np.rint((seed[i] - q[i]) / _TURN)
+        # As many as the limits leave room for; one less where rounding finds one too many.
+        turns = min(turns, np.floor((upper[i] - q[i]) / _TURN))
+        turns = max(turns, np.ceil((lower[i] - q[i]) / _TURN))
+        moved = q[i] + turns * _TURN
+        if not lower[i] <= moved <= upper[i]:
+            moved = q[i] + (turns - math.copysign(1.0, turns)) * _TURN
+        if turns != 0.0:
+            q[i] = moved
 
 
 @_kernel
@@ -801,6 +803,7 @@ def tick(
     reach: np.ndarray,
     iterations: int,
     damping: float,
+    measured: bool,
     q: np.ndarray,
     held: np.ndarray,
     direction: np.ndarray,
@@ -822,8 +825,10 @@ def tick(
     for i in range(n):
         if (held[i] > 0.0 and q[i] >= upper[i]) or (held[i] < 0.0 and q[i] <= lower[i]):
             held[i] *= AT_LIMIT
-    _forward(model, q, work)
-    sigma = _condition(model, task, held, direction, work)
+    sigma = 0.0
+    if measured:
+        _forward(model, q, work)
+        sigma = _condition(model, task, held, direction, work)
     return converged, place, turn, used, sigma
 
 

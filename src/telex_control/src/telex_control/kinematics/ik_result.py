@@ -15,7 +15,7 @@ class IKStatus(enum.Enum):
     CONVERGED = "CONVERGED"
     """The target is reached."""
     LAGGING = "LAGGING"
-    """On the way; the speed limit of a joint holds it back in this tick."""
+    """On the way; the speed or acceleration limit of a joint holds it back."""
     BEST_EFFORT = "BEST_EFFORT"
     """As near as can be: from any posture that was tried, or from the present one."""
     NEEDS_RECONFIGURE = "NEEDS_RECONFIGURE"

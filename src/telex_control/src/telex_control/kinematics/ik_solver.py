@@ -10,6 +10,8 @@ from typing import Any, Dict, List, Optional, Tuple
 
 import numpy as np
 
+from telex_control.plausible import LARGEST_POSITION, LARGEST_SPEED, LONGEST
+
 from .chain import Chain
 from .ik_options import Goal, IKOptions, Mode, Tolerance
 from .ik_result import IKResult, IKStatus, TrackResult
@@ -28,6 +30,7 @@ from .ik_task import (
 from .poses import (
     BASE,
     Floats,
+    PoseLine,
     check_frame,
     check_pose,
     move_pose,
@@ -46,6 +49,16 @@ _SLICE = 100
 """Iterations between two looks at the clock."""
 _SLIDES = 20
 """Steps towards a secondary goal, of a solution."""
+ACCELERATION_TIME = 0.3
+"""s from rest to the speed limit, as the controllers' ``command_limits`` have it."""
+_LATEST = 500
+"""Ticks of a path before the joints; beyond, they go straight to where the target is."""
+_TRIALS = 400
+"""Postures that are tried on the straight line to a target that jumps."""
+_LEAST_PART = 1e-3
+"""Of such a line; joints that must go farther for less would jump."""
+_FULL = 1.0 - 1e-6
+"""Share of the speed limit from which a joint counts as running at it."""
 _FINE = 1e-9
 """Tolerance (m, rad) of a twist's tick: its error must not add up over a minute."""
 
@@ -128,6 +141,14 @@ class IKSolver:
         for tolerance in (None, self.options.tolerance):
             self._shapes[tolerance] = self._shape(self.options.tolerance)
         self._search = PostureSearch(self._numerics, self._box, self.options)
+        # Imported where numba is by now, if at all: see `_backend`.
+        from .joint_path import JointPath
+
+        self._way = JointPath(self._count)
+        self._full_speeds = (_FULL * self._speeds).tolist()
+        self._standing = np.zeros(self._count)
+        self._on_path: Optional[np.ndarray] = None  # pose of the way's end, while on the path
+        self._last_dt = math.nan
 
     def warm_up(self) -> None:
         """Compile, or load from the cache, what will be needed. Takes seconds the first time."""
@@ -139,6 +160,7 @@ class IKSolver:
         self._numerics.solve(task, middle, self._box, self._numerics.random(0), 1)
         self._numerics.descend(task, middle, self._box, 1)
         self._numerics.tick(task, middle, self._box, np.ones(self._count), 1)
+        self._way.warm_up()
         for kind in (DISTANCE, SINGULARITY):
             goal = GoalFunction(kind, middle, np.ones(self._count))
             self._numerics.goal_value(task, middle, goal)
@@ -159,8 +181,8 @@ class IKSolver:
         target : ndarray, shape (4, 4)
             Of the tip in the base frame (m).
         seed : sequence of float, shape (n,), optional
-            Where to begin (rad, m), and what to stay near to; may lie outside the limits. The
-            middle of the joints' ranges without it.
+            Where to begin (rad, m), and what to stay near to; may lie outside the limits, up to
+            `telex_control.plausible.LARGEST_POSITION`. The middle of the joints' ranges without it.
         tolerance : Tolerance, optional
             Instead of that of the options.
 
@@ -174,7 +196,9 @@ class IKSolver:
             The target is no pose, or the seed no posture. Never because of where the target is.
         """
         task = self._task(target, tolerance)
-        start = self._middle if seed is None else vector(seed, self._count, "seed")
+        start = self._middle
+        if seed is not None:
+            start = vector(seed, self._count, "seed", LARGEST_POSITION)
         options = self.options
         random = self._numerics.random(options.random_seed)
         if options.mode == Mode.BEST:
@@ -255,8 +279,9 @@ class IKSolver:
         q: Floats,
         dt: float,
         tolerance: Optional[Tolerance] = None,
+        acceleration_time: Optional[float] = ACCELERATION_TIME,
     ) -> TrackResult:
-        """Move on towards a pose for one tick, inside position and speed limits.
+        """Move on towards a pose for one tick, inside position, speed and acceleration limits.
 
         Without a jump ever: out of reach, the tip comes as near as the present posture allows.
         Where another posture reaches the target, and the target stands still
@@ -264,16 +289,23 @@ class IKSolver:
         With `IKOptions.goal` ``mid_range`` or ``manipulability``, what the target leaves open is
         used for the goal.
 
+        Where a limit binds, the tip is late on the targets' path (straight from each to the next),
+        not beside it, and never so fast that it could not come to rest where the path ends.
+
         Parameters
         ----------
         target : ndarray, shape (4, 4)
             Of the tip in the base frame (m).
         q : sequence of float, shape (n,)
-            The present references (rad, m). Outside of the limits, they are led back.
+            The present references (rad, m). Outside of the limits, they are led back. Joints that
+            are not where the last tick left them are taken to be at rest.
         dt : float
-            Length of the tick (s).
+            Length of the tick (s). Braking counts on the next ones to be no shorter.
         tolerance : Tolerance, optional
             Instead of that of the options.
+        acceleration_time : float, optional
+            s from rest to a joint's speed limit, which is its acceleration limit. None for no such
+            limit: where the speed limit binds, the tip then takes the nearest way to the target.
 
         Returns
         -------
@@ -282,42 +314,142 @@ class IKSolver:
         Raises
         ------
         KinematicsError
-            The target is no pose, `q` no posture, `dt` not above 0, or a joint has no speed limit.
-            Never because of where the target is.
+            The target is no pose, `q` no posture, `dt` or `acceleration_time` not above 0, or a
+            joint has no speed limit. Never because of where the target is.
         """
         task = self._task(target, tolerance)
-        here = vector(q, self._count, "q")
+        here = vector(q, self._count, "q", LARGEST_POSITION)
         reach = self._reach(dt)
+        if acceleration_time is None:
+            self.rest()
+            return self._answer(here, dt, *self._lead(task, here, reach, dt))
+        change = reach * (dt / positive(acceleration_time, "acceleration_time"))
+        way = self._way
+        if not way.stands_at(here) or self._last_dt != dt:
+            self._take_up(here, dt)
+        was_late = way.count > 0
+        tick, status, posture = self._lengthen(task, reach, dt)
+        way.advance(reach, change)
+        if way.count == 0 and not was_late and status is not IKStatus.LAGGING:
+            return self._answer(here, dt, tick, status, posture)
+        moved = way.position
+        tick = self._numerics.tick(task, moved, self._box, self._standing, 0)
+        if tick.outcome.converged:
+            status = IKStatus.CONVERGED
+        elif status is IKStatus.CONVERGED:
+            status = IKStatus.LAGGING
+        return self._answer(here, dt, tick, status, posture, late=True)
+
+    def rest(self) -> None:
+        """Take the joints to be at rest in the next tick of `track`: nobody followed the last."""
+        self._last_dt = math.nan
+
+    def _take_up(self, here: np.ndarray, dt: float) -> None:
+        """Go on from where the joints are, in ticks of a length."""
+        if self._way.stands_at(here) and self._last_dt > 0.0:
+            self._way.step *= dt / self._last_dt
+        else:
+            self._way.begin(here)
+            self._on_path = self._numerics.forward(here)
+        self._last_dt = dt
+
+    def _lengthen(
+        self, task: Task, reach: np.ndarray, dt: float
+    ) -> Tuple[Tick, IKStatus, Optional[np.ndarray]]:
+        """Lead the end of the way towards a target; the joints follow on it."""
+        way = self._way
+        if way.count > _LATEST:
+            way.shorten(entirely=True)
+            self._on_path = None
+        end = way.end
+        # Joints that are late already end the tick elsewhere, and are looked at there.
+        tick, status, posture = self._lead(task, end, reach, dt, measured=way.count == 0)
+        if status is IKStatus.CONVERGED:
+            way.append(tick.outcome.q, firm=True)
+            self._on_path = task.target
+        elif status is IKStatus.LAGGING and self._on_path is not None:
+            line, arrives = self._line(task, end, reach)
+            for q in line:
+                way.append(q, firm=True)
+            self._on_path = task.target if arrives else None
+            if line:
+                return tick, status, None
+        else:
+            self._on_path = None
+        if self._on_path is None:
+            # Beside the path anyway: what comes next needs no detour by what was nearest before.
+            way.shorten()
+            way.append(tick.outcome.q, firm=False)
+        return tick, status, posture
+
+    def _line(
+        self, task: Task, end: np.ndarray, reach: np.ndarray
+    ) -> Tuple[List[np.ndarray], bool]:
+        """Return postures on the straight line from the pose of `end` towards a target.
+
+        From each to the next it is as far as joints reach in a tick, or less. Tells also whether
+        they arrive: where the line cannot be followed without a jump, they end.
+        """
+        assert self._on_path is not None
+        line = PoseLine(self._on_path, task.target)
+        made: List[np.ndarray] = []
+        share, part = 0.0, 1.0
+        for _ in range(_TRIALS):
+            there = min(share + part, 1.0)
+            pose = line.at(there) if there < 1.0 else task.target
+            found = self._numerics.descend(
+                task._replace(target=pose), end, self._box, self.options.track_iterations
+            )
+            ticks = float((abs(found.q - end) / reach).max())
+            if found.converged and ticks <= 1.0:
+                made.append(found.q)
+                end, share = found.q, there
+                if share == 1.0:
+                    return made, True
+                part *= 2.0
+            else:
+                # Nearly as much as reaches; not converged, that says little.
+                part *= max(0.1, 0.9 / ticks) if found.converged else 0.25
+                if part < _LEAST_PART:
+                    break
+        return made, False
+
+    def _lead(
+        self, task: Task, here: np.ndarray, reach: np.ndarray, dt: float, *, measured: bool = True
+    ) -> Tuple[Tick, IKStatus, Optional[np.ndarray]]:
+        """Move on towards a pose for one tick, inside position and speed limits."""
         destination = self._search.destination(task)
         if destination is not None:
-            return self._walk(task, here, dt, destination)
-        tick = self._numerics.tick(task, here, self._box, reach, self.options.track_iterations)
+            return self._walk(task, here, reach, destination)
+        tick = self._numerics.tick(
+            task, here, self._box, reach, self.options.track_iterations, measured=measured
+        )
         if tick.outcome.converged:
             self._search.forget()
             if self.options.goal in (Goal.MID_RANGE, Goal.MANIPULABILITY):
                 tick = self._use_freedom(task, here, reach, tick)
-            return self._answer(here, dt, tick, IKStatus.CONVERGED)
+            return tick, IKStatus.CONVERGED, None
         # In a list: in an array so small, to look takes a hundred times as long.
         held = tick.held.tolist()
         if AT_SPEED in held or -AT_SPEED in held:
-            return self._answer(here, dt, tick, IKStatus.LAGGING)
+            return tick, IKStatus.LAGGING, None
         posture = self._search.look(task, tick.outcome.q, float(dt))
         status = IKStatus.BEST_EFFORT if posture is None else IKStatus.NEEDS_RECONFIGURE
-        return self._answer(here, dt, tick, status, posture=posture)
+        return tick, status, posture
 
     def _walk(
-        self, task: Task, here: np.ndarray, dt: float, destination: np.ndarray
-    ) -> TrackResult:
+        self, task: Task, here: np.ndarray, reach: np.ndarray, destination: np.ndarray
+    ) -> Tuple[Tick, IKStatus, Optional[np.ndarray]]:
         """Go on to another posture, all joints arriving together."""
         way = destination - here
-        ticks = max(1.0, float((abs(way) / self._reach(dt)).max()))
+        ticks = max(1.0, float((abs(way) / reach).max()))
         moved = here + way / ticks if ticks > 1.0 else destination
         tick = self._numerics.tick(task, moved, (moved, moved), np.zeros(self._count), 0)
         if tick.outcome.converged:
             self._search.forget()
-            return self._answer(here, dt, tick, IKStatus.CONVERGED)
+            return tick, IKStatus.CONVERGED, None
         tick.held[:] = 0.0
-        return self._answer(here, dt, tick, IKStatus.NEEDS_RECONFIGURE, posture=destination)
+        return tick, IKStatus.NEEDS_RECONFIGURE, destination
 
     def _use_freedom(self, task: Task, here: np.ndarray, reach: np.ndarray, tick: Tick) -> Tick:
         """Move on towards the goal, with what a tick that has reached its target leaves."""
@@ -366,9 +498,9 @@ class IKSolver:
             A number is not finite, the frame unknown, `dt` not above 0, or a joint has no speed
             limit.
         """
-        speeds = vector(twist, 6, "twist")
+        speeds = vector(twist, 6, "twist", LARGEST_SPEED)
         check_frame(frame)
-        here = vector(q, self._count, "q")
+        here = vector(q, self._count, "q", LARGEST_POSITION)
         reach = self._reach(dt)
         shape = self._shape_of(tolerance)
         fine = shape._replace(position=_FINE, rotation=_FINE)
@@ -434,25 +566,32 @@ class IKSolver:
         dt: float,
         tick: Tick,
         status: IKStatus,
+        posture: Optional[np.ndarray] = None,
         *,
         twist_ratio: float = 1.0,
-        posture: Optional[np.ndarray] = None,
+        late: bool = False,
     ) -> TrackResult:
-        q, held = tick.outcome.q, tick.held
-        limited: Tuple[str, ...] = ()
-        fast: Tuple[str, ...] = ()
+        q = tick.outcome.q
+        velocity = (q - here) / dt
+        at_limits: Tuple[str, ...] = ()
+        at_speed: Tuple[str, ...] = ()
         if status is not IKStatus.CONVERGED:
-            pairs = [(name, abs(how)) for name, how in zip(self._names, held.tolist()) if how]
-            limited = tuple(name for name, how in pairs if how == AT_LIMIT)
-            fast = tuple(name for name, how in pairs if how == AT_SPEED)
+            how = [abs(each) for each in tick.held.tolist()]
+            if AT_LIMIT in how:
+                at_limits = tuple(name for name, each in zip(self._names, how) if each == AT_LIMIT)
+            if late:
+                pairs = zip(velocity.tolist(), self._full_speeds)
+                how = [AT_SPEED if abs(each) >= full else 0.0 for each, full in pairs]
+            if AT_SPEED in how:
+                at_speed = tuple(name for name, each in zip(self._names, how) if each == AT_SPEED)
         return TrackResult(
             q=q,
-            velocity=(q - here) / dt,
+            velocity=velocity,
             status=status,
             position_error=tick.outcome.position_error,
             orientation_error=tick.outcome.orientation_error,
-            at_limits=limited,
-            at_speed=fast,
+            at_limits=at_limits,
+            at_speed=at_speed,
             margins=np.minimum(q - self._box[0], self._box[1] - q),
             sigma=tick.sigma,
             singular=tick.sigma < self.options.singular_below,
@@ -463,12 +602,14 @@ class IKSolver:
 
     def _reach(self, dt: float) -> np.ndarray:
         """How far each joint may move in a tick."""
+        if positive(dt, "dt") > LONGEST:
+            raise KinematicsError(f"dt is {dt!r}; at most {LONGEST:g} is needed")
         if self._without_speed:
             raise KinematicsError(
                 f"no speed limit above 0 for {', '.join(self._without_speed)}; give <limit "
                 "velocity=...> in the URDF, or velocity_limits"
             )
-        return self._speeds * positive(dt, "dt")
+        return self._speeds * dt
 
     def _tick_box(self, here: np.ndarray, reach: np.ndarray) -> Box:
         """Where joints that are inside their limits may be after a tick."""

@@ -224,9 +224,16 @@ class Backend:
         reach: np.ndarray,
         iterations: int,
         damping: float = 0.0,
+        *,
+        measured: bool = True,
     ) -> Tick:
         """Descend from `q`, no joint moving farther than `reach`.
 
         Joints outside of the limits come back as far as they reach.
+
+        Parameters
+        ----------
+        measured : bool
+            Find out how near to singular the end is; else sigma and direction mean nothing.
         """
         raise NotImplementedError

@@ -7,6 +7,8 @@ from typing import Sequence, Union
 
 import numpy as np
 
+from telex_control.plausible import LARGEST_POSITION
+
 from .urdf_tree import KinematicsError
 
 Floats = Union[Sequence[float], np.ndarray]
@@ -137,6 +139,22 @@ def move_pose(pose: np.ndarray, twist: Floats, dt: float, frame: str = BASE) -> 
     return moved
 
 
+class PoseLine:
+    """The straight line from one pose to another, with the shortest turn."""
+
+    def __init__(self, begin: np.ndarray, end: np.ndarray) -> None:
+        self._begin = begin
+        self._way = end[:3, 3] - begin[:3, 3]
+        self._turn = rotation_vector(begin[:3, :3].T @ end[:3, :3])
+
+    def at(self, share: float) -> np.ndarray:
+        """Return the pose, shape (4, 4), at a share (0 to 1) of the line."""
+        made = self._begin.copy()
+        made[:3, 3] += share * self._way
+        made[:3, :3] = made[:3, :3] @ rotation_about((share * self._turn).tolist())
+        return made
+
+
 def turned(pose: np.ndarray, twist: np.ndarray) -> np.ndarray:
     """Return a twist, shape (6,), with both of its vectors turned by a pose's rotation."""
     rotation = pose[:3, :3]
@@ -162,7 +180,8 @@ def check_pose(pose: np.ndarray, name: str) -> np.ndarray:
     Raises
     ------
     KinematicsError
-        Another shape, a number that is not finite, another last row than 0 0 0 1, or no rotation.
+        Another shape, a number that is not finite, a place beyond `LARGEST_POSITION`, another last
+        row than 0 0 0 1, or no rotation.
     """
     made = _floats(pose, name)
     if made.shape != (4, 4):
@@ -180,10 +199,18 @@ def check_pose(pose: np.ndarray, name: str) -> np.ndarray:
         abs(h - (c * d - a * f)),
         abs(i - (a * e - b * d)),
     )
-    # A comparison with NaN is false.
-    if error <= _EXACT and math.isfinite(x + y + z):
+    # The largest of numbers may miss a NaN among them, their sum does not.
+    if not math.isfinite(a + b + c + d + e + f + g + h + i):
+        error = math.nan
+    far = max(abs(x), abs(y), abs(z)) if math.isfinite(x + y + z) else math.inf
+    if error <= _EXACT and far <= LARGEST_POSITION:
         return made
     _finite(made, name)
+    if far > LARGEST_POSITION:
+        raise KinematicsError(
+            f"{name}: its position is ({x:g}, {y:g}, {z:g}) m; numbers up to "
+            f"{LARGEST_POSITION:g} are needed"
+        )
     if not error <= _SKEW:
         raise KinematicsError(
             f"{name}: its upper left 3x3 part is no rotation (axes not orthonormal and right-"
@@ -195,21 +222,24 @@ def check_pose(pose: np.ndarray, name: str) -> np.ndarray:
     return corrected
 
 
-def vector(values: Floats, count: int, name: str) -> np.ndarray:
+def vector(values: Floats, count: int, name: str, largest: float = 1e150) -> np.ndarray:
     """Return numbers as a new float64 array.
 
     Raises
     ------
     KinematicsError
-        More or fewer numbers than `count`, or one that is not finite.
+        More or fewer numbers than `count`, or one that is not finite or beyond `largest`.
     """
     made = _floats(values, name)
     if made.shape != (count,):
         raise KinematicsError(f"{name} has shape {made.shape}; {count} numbers are needed")
-    # Infinities and NaN show in the sum of squares; a finite number beyond 1e150 does too.
-    if not math.isfinite(made.dot(made)):
+    # Infinities and NaN show in the sum of squares; where it is small, no number is large.
+    if not made.dot(made) <= largest * largest:
         _finite(made, name)
-        raise KinematicsError(f"{name} is {made.tolist()}; numbers below 1e150 are needed")
+        if abs(made).max() > largest:
+            raise KinematicsError(
+                f"{name} is {made.tolist()}; numbers up to {largest:g} are needed"
+            )
     return made
 
 
