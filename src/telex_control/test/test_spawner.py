@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 import rospy
 
-from telex_control.command_lines.spawner import Spawner, SpawnerError, parse
+from telex_control.command_lines.spawner import Spawner, SpawnerError, parse, read_file
 from telex_control.controller_joints import controller_joints
 
 PARAMETERS = {
@@ -236,3 +236,91 @@ def test_what_another_manager_has_of_ours_is_unloaded_before_it_is_loaded_anew(
     assert asked == [("switch", [], ["elbow"]), ("unload", "elbow"), ("unload", "states")]
     del asked[:]
     assert tested.load(["states"]) == ["states"]
+
+
+# ---- a file with alternatives, and one with a namespace
+
+
+def listed(name, *claims, state="initialized"):
+    resources = [SimpleNamespace(resources=list(joints)) for joints in claims]
+    return SimpleNamespace(name=name, state=state, claimed_resources=resources)
+
+
+@pytest.mark.parametrize(
+    ("only", "settled", "started"),
+    [
+        (None, [], ["states", "arm", "elbow", "twice", "hand"]),
+        ([], [], ["states", "arm", "hand"]),
+        (["elbow", "states"], [], ["states", "elbow"]),
+        ([], ["elbow"], ["states", "hand"]),
+    ],
+)
+def test_of_alternatives_the_first_is_started(spawner, monkeypatch, only, settled, started):
+    tested = spawner()
+    warned, switched = [], []
+    claims = {
+        "states": [],
+        "arm": [["shoulder_joint", "elbow_joint"]],
+        "elbow": [["elbow_joint"]],
+        "twice": [["wrist_joint"], ["wrist_joint"]],
+        "hand": [["finger_joint"]],
+    }
+    states = {name: "running" if name in settled else "initialized" for name in claims}
+
+    class Client:
+        def load(self, name):
+            return True
+
+        def list_controllers(self):
+            return [listed(name, *claims[name], state=states[name]) for name in claims]
+
+        def switch(self, start, stop):
+            switched.append(start)
+            return True
+
+    monkeypatch.setattr(tested, "_client", Client())
+    monkeypatch.setattr(rospy, "logwarn", lambda text, *args: warned.append(text % args))
+    tested.load(claims)
+    tested.start(settled, only)
+    assert switched == [started]
+    stopped = [name for name in claims if name not in [*started, *settled]]
+    assert len(warned) == (len(stopped) if only == [] else 0)
+    if only == []:
+        assert all(f"stopped: {name}, for" in text for name, text in zip(stopped, warned))
+        assert any("it takes a joint through two interfaces" in text for text in warned)
+
+
+def test_the_command_line_of_start():
+    assert parse(["a.yaml"]).start is None
+    assert parse(["a.yaml", "--start"]).start == []
+    assert parse(["a.yaml", "--start", "arm", "hand"]).start == ["arm", "hand"]
+
+
+STATES = "states: {type: joint_state_controller/JointStateController}"
+
+
+@pytest.mark.parametrize(
+    ("text", "names"),
+    [
+        (STATES, ["states"]),
+        (f"rrbot: {{{STATES}}}", ["states"]),
+        (
+            f"/rrbot: {{lower: {{{STATES}, rate: 3}}}}\nlimits: {{a: 1}}",
+            ["limits", "states", "rate"],
+        ),
+        (f"left: {{{STATES}}}\n/arm: {{{STATES}, mine: 1}}", ["left", "states", "mine"]),
+    ],
+)
+def test_a_namespace_in_the_file_is_the_robots(tmp_path, text, names):
+    file = tmp_path / "controllers.yaml"
+    file.write_text(text)
+    params = read_file(str(file), "/lab/arm")
+    assert list(params) == names
+    assert params["states"] == {"type": "joint_state_controller/JointStateController"}
+
+
+def test_of_several_namespaces_one_has_to_be_the_robots(tmp_path):
+    file = tmp_path / "controllers.yaml"
+    file.write_text(f"left: {{{STATES}}}\nright: {{{STATES}}}")
+    with pytest.raises(SpawnerError, match="namespaces left, right; one .* as the robot's, /arm"):
+        read_file(str(file), "/arm")

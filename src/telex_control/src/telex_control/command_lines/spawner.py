@@ -1,7 +1,7 @@
 """Loads and starts controllers, and stops and unloads them again when it ends.
 
-The command line is that of ros_control's ``spawner``; ``--optional``, ``--optional-stopped`` and
-``--watch`` are beyond it.
+The command line is that of ros_control's ``spawner``; ``--optional``, ``--optional-stopped``,
+``--start`` and ``--watch`` are beyond it.
 """
 
 from __future__ import annotations
@@ -10,11 +10,12 @@ import argparse
 import os
 import threading
 import time
-from typing import Any, Collection, Dict, List, Optional
+from typing import Any, Collection, Dict, List, Optional, Tuple
 
 import rosgraph
 import rospy
 import yaml
+from controller_manager_msgs.msg import ControllerState
 from std_msgs.msg import Bool
 
 from ..controller_joints import controller_joints, without_joints
@@ -64,6 +65,14 @@ def parse(arguments: List[str]) -> argparse.Namespace:
         help="as --optional, but these are loaded only, not started",
     )
     parser.add_argument(
+        "--start",
+        nargs="*",
+        metavar="NAME",
+        help="of what is loaded, start these alone; without names, in load order those that take "
+        "no joint of one before. Otherwise all are started in one switch, or none where two of "
+        "them take the same joint",
+    )
+    parser.add_argument(
         "--watch",
         action="store_true",
         help="load and start them again whenever the manager has been started again, and take over "
@@ -91,22 +100,46 @@ def parse(arguments: List[str]) -> argparse.Namespace:
     return options
 
 
-def read_file(path: str) -> Dict[str, Any]:
+def read_file(path: str, namespace: str = "") -> Dict[str, Any]:
     """Read a YAML file of parameters: names to values.
+
+    Parameters
+    ----------
+    path : str
+    namespace : str
+        Of the robot. Where the controllers stand in a namespace of the file, what is in there is
+        taken for what is meant for this one; of several, that of the same name.
 
     Raises
     ------
     SpawnerError
-        It cannot be read, or holds no controller, that is, no struct with a ``type``.
+        It cannot be read, or holds no controller, that is, no struct with a ``type``, or holds some
+        in several namespaces.
     """
     try:
         with open(path) as file:
             params = yaml.safe_load(file)
     except (OSError, yaml.YAMLError) as error:
         raise SpawnerError(f"{path}: {error}") from error
-    if not isinstance(params, dict) or not controllers_of(params):
+    if not isinstance(params, dict) or not _holds_controllers(params):
         raise SpawnerError(f"{path}: a mapping of controller names to parameters is needed")
+    while not controllers_of(params):
+        inner = [name for name, value in params.items() if _holds_controllers(value)]
+        own = [name for name in inner if str(name).strip("/") in namespace.strip("/").split("/")]
+        if len(inner) > 1 and len(own) != 1:
+            raise SpawnerError(
+                f"{path}: there are controllers in the namespaces "
+                f"{', '.join(str(name) for name in inner)}; one is needed, or one named as the "
+                f"robot's, {namespace or '/'}"
+            )
+        params.update(params.pop((own or inner)[0]))
     return {str(name): value for name, value in params.items()}
+
+
+def _holds_controllers(params: Any) -> bool:
+    if not isinstance(params, dict):
+        return False
+    return bool(controllers_of(params)) or any(map(_holds_controllers, params.values()))
 
 
 def controllers_of(params: Dict[str, Any]) -> List[str]:
@@ -114,6 +147,48 @@ def controllers_of(params: Dict[str, Any]) -> List[str]:
     return [
         str(name) for name, value in params.items() if isinstance(value, dict) and "type" in value
     ]
+
+
+def without_conflict(
+    names: Collection[str], listed: Collection[ControllerState]
+) -> Tuple[List[str], Dict[str, str]]:
+    """Choose from controllers those that can run together with each other and with what runs.
+
+    Parameters
+    ----------
+    names : collection of str
+        In the order in which they are preferred.
+    listed : collection of ControllerState
+        All that are loaded.
+
+    Returns
+    -------
+    chosen : list of str
+    left : dict
+        The others, and why each cannot run with those.
+    """
+    claims = {
+        each.name: [joint for claim in each.claimed_resources for joint in claim.resources]
+        for each in listed
+    }
+    taken = {
+        joint: each.name
+        for each in listed
+        if each.state == "running"
+        for joint in claims[each.name]
+    }
+    chosen, left = [], {}
+    for name in names:
+        joints = claims.get(name, [])
+        busy = [joint for joint in joints if taken.get(joint, name) != name]
+        if busy:
+            left[name] = f"{', '.join(busy)} is taken by {taken[busy[0]]}"
+        elif len(set(joints)) < len(joints):
+            left[name] = "it takes a joint through two interfaces"
+        else:
+            chosen.append(name)
+            taken.update((joint, name) for joint in joints)
+    return chosen, left
 
 
 class Spawner:
@@ -144,7 +219,7 @@ class Spawner:
         """
         if not (argument.endswith((".yaml", ".yml")) or os.path.isfile(argument)):
             return [argument]
-        params = read_file(argument)
+        params = read_file(argument, rospy.resolve_name(self._param("x")).rpartition("/")[0])
         for name, value in params.items():
             rospy.set_param(self._param(name), value)
         return controllers_of(params)
@@ -301,9 +376,28 @@ class Spawner:
         rospy.loginfo("Controller Spawner: Loaded controllers: %s", ", ".join(self._loaded))
         return self._loaded
 
-    def start(self, but: Collection[str] = ()) -> None:
-        """Start everything that was loaded, in one switch; what is in `but` stays stopped."""
+    def start(self, but: Collection[str] = (), only: Optional[Collection[str]] = None) -> None:
+        """Start what was loaded, in one switch.
+
+        Parameters
+        ----------
+        but : collection of str
+            These stay stopped.
+        only : collection of str, optional
+            Start no others than these; where it is empty, those that do not conflict.
+        """
         started = [name for name in self._loaded if name not in but]
+        if only:
+            started = [name for name in started if name in only]
+        elif only is not None:
+            started, left = without_conflict(started, self._client.list_controllers())
+            for name, reason in left.items():
+                rospy.logwarn(
+                    "Loaded and left stopped: %s, for %s; --start, start:= of robot.launch, "
+                    "says which to start",
+                    name,
+                    reason,
+                )
         if not started:
             return
         names = ", ".join(started)
@@ -397,12 +491,18 @@ def main() -> None:
         except SpawnerError as error:
             rospy.logerr("%s", error)
             return 1
+        unknown = [name for name in options.start or () if name not in names]
+        if unknown:
+            rospy.logerr(
+                "--start names %s; controllers are %s", ", ".join(unknown), ", ".join(names)
+            )
+            return 1
         address = spawner.manager_address()
         settled = spawner.adopt(names) if options.watch else []
         if not spawner.load(names):
             return 1
         if not options.stopped:
-            spawner.start([*options.optional_stopped, *settled])
+            spawner.start([*options.optional_stopped, *settled], options.start)
         if not options.watch:
             rospy.spin()
             return 0
@@ -414,7 +514,7 @@ def main() -> None:
                 spawner.clear()
                 spawner.load(names)
                 if not options.stopped:
-                    spawner.start(options.optional_stopped)
+                    spawner.start(options.optional_stopped, options.start)
             except rospy.ServiceException as error:
                 rospy.logwarn("Controller Spawner: the manager has gone once more: %s", error)
         return 0
