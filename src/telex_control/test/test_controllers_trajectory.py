@@ -291,6 +291,27 @@ def test_a_goal_without_points_stops_and_succeeds(start):
     assert tested.positions()[0] == pytest.approx(0.3, abs=0.005)
 
 
+@pytest.mark.parametrize("partial", [False, True])
+def test_a_goal_without_joints_is_rejected(start, partial):
+    tested = start(allow_partial_joints_goal=partial)
+    running = tested.send(trajectory((1.0, [1.0, 0.2, 0.0])))
+    tested.run(0.3)
+    goal = tested.send(trajectory(names=[]))
+    assert (goal.status, goal.result.error_code) == ("rejected", -2)
+    tested.run(0.8)
+    assert running.status == "succeeded"
+
+
+def test_a_first_point_slightly_before_the_start_is_taken_for_the_present(start, caplog):
+    tested = start()
+    goal = tested.send(trajectory((-1e-6, [0.0, 0.0, 0.0]), (0.2, [0.2, 0.0, 0.0])))
+    tested.run(0.1)
+    assert tested.positions()[0] == pytest.approx(0.1, abs=0.01)
+    tested.run(0.15)
+    assert goal.status == "succeeded"
+    assert "dropped" not in caplog.text
+
+
 def test_a_trajectory_that_starts_later_lets_the_running_one_go_on(start):
     tested = start()
     tested.commands.publish(trajectory((1.0, [1.0, 0.0, 0.0])))
@@ -389,6 +410,7 @@ def test_a_path_tolerance_that_is_violated_aborts_and_holds(start):
     tested.run(0.5)
     assert (goal.status, goal.result.error_code) == ("aborted", -4)
     assert goal.result.error_string.startswith("elbow path error 0.10")
+    assert goal.result.error_string.endswith(": position, tolerance 0.1")
     tested.run(1.0)
     # it held, it did not go on to the end
     assert tested.positions() == pytest.approx([0.0, 0.02, 0.0], abs=0.001)
@@ -414,7 +436,7 @@ def test_a_goal_tolerance_that_is_not_met_aborts(start):
     assert goal.status == "active"
     tested.run(0.05)
     assert (goal.status, goal.result.error_code) == ("aborted", -5)
-    assert goal.result.error_string == "elbow goal error 0.300000"
+    assert goal.result.error_string == "elbow goal error 0.300000: position, tolerance 0.05"
 
 
 def test_the_goal_message_overrides_the_parameters(start):
@@ -446,6 +468,17 @@ def test_a_joint_that_still_moves_has_not_reached_its_goal(start):
     tested.joints["elbow"].state.velocity = 0.0
     tested.bench.cycle()
     assert goal.status == "succeeded"
+
+
+def test_a_joint_that_never_rests_aborts_by_its_velocity(start):
+    tested = start(constraints={"goal_time": 0.1, "stopped_velocity_tolerance": 0.01})
+    tested.moves = False
+    goal = tested.send(trajectory((0.1, [0.0, 0.0, 0.0])))
+    for _ in range(300):
+        tested.joints["elbow"].state.velocity = 0.5
+        tested.bench.cycle()
+    assert (goal.status, goal.result.error_code) == ("aborted", -5)
+    assert goal.result.error_string == "elbow goal error -0.500000: velocity, tolerance 0.01"
 
 
 def test_until_a_later_start_its_tolerances_do_not_count(start):

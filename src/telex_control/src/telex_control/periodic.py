@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Optional
 
 
@@ -11,13 +12,13 @@ class Periodic:
     Parameters
     ----------
     rate : float
-        (Hz), above 0.
+        (Hz); at 0, nothing is ever due.
     """
 
     __slots__ = ("_next", "period")
 
     def __init__(self, rate: float) -> None:
-        self.period = 1.0 / rate
+        self.period = 1.0 / rate if rate > 0.0 else math.inf
         self._next: Optional[float] = None
 
     def restart(self) -> None:
@@ -26,6 +27,8 @@ class Periodic:
 
     def is_due(self, time: float) -> bool:
         """Whether it is due at `time` (s)."""
+        if self.period == math.inf:
+            return False
         due = time if self._next is None else self._next
         # Half a microsecond of slack: sums of the period must not miss their cycle by rounding.
         if time < due - 5e-7:

@@ -10,7 +10,7 @@ from sensor_msgs.msg import JointState
 from ..controller import Controller
 from ..hardware_interface import JointStateHandle, JointStateInterface, RobotHW
 from ..node_handle import NodeHandle
-from ..params import read_config, require_text
+from ..params import ConfigError, read_config, require_text
 from ..periodic import Periodic
 from ..ros_time import stamp
 
@@ -31,23 +31,28 @@ class ExtraJoint:
 class JointStateController(Controller):
     """Publishes ``joint_states`` in the robot's namespace.
 
-    Parameters: ``publish_rate`` (Hz, required), ``joints`` (names, in the order wanted; all by
-    default, in alphabetical order), ``extra_joints`` (a list of {name, position, velocity, effort}:
-    joints that no sensor measures).
+    Parameters: ``publish_rate`` (Hz, required; 0: never), ``joints`` (names, in the order wanted;
+    all by default, in alphabetical order), ``extra_joints`` (a list of {name, position, velocity,
+    effort}: joints that no sensor measures).
     """
 
     parameters = frozenset(("extra_joints", "joints", "publish_rate"))
 
     def init(self, hw: RobotHW, root: NodeHandle, node: NodeHandle) -> None:
         """Take the state handles; state handles claim nothing."""
-        self._timer = Periodic(node.positive_param("publish_rate"))
+        self._timer = Periodic(node.positive_param("publish_rate", zero=True))
         states = hw.get(JointStateInterface)
         names = node.param("joints", list, states.names())
         self._handles: List[JointStateHandle] = [states.get_handle(name) for name in names]
         self._extra: List[ExtraJoint] = []
         for index, params in enumerate(node.param("extra_joints", list, [])):
             full_name = f"{node.resolve('extra_joints')}[{index}]"
-            extra = read_config(ExtraJoint, params, full_name)
+            try:
+                extra = read_config(ExtraJoint, params, full_name)
+            except ConfigError as error:
+                # As upstream: the states of all others are worth more.
+                node.logger.error("%s; the entry is left out", error)
+                continue
             if extra.name in [*names, *(each.name for each in self._extra)]:
                 node.logger.warning(
                     "parameter %s: joint '%s' has a state already; it is left out",

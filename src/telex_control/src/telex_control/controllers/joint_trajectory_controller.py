@@ -35,7 +35,7 @@ from ..ros_time import stamp
 from ..trajectory.path import JointPath, Track
 from ..trajectory.spline import Sample
 from ..trajectory.tolerances import Tolerances, read_tolerances, with_goal
-from ..trajectory.waypoints import Bounds, TrajectoryError, read_tracks
+from ..trajectory.waypoints import Bounds, TrajectoryError, check_joints, read_tracks
 from ..urdf_joints import CONTINUOUS
 from .joint_description import joint_description
 from .joint_gravity import joint_gravity
@@ -178,6 +178,8 @@ class JointTrajectoryController(Controller):
         try:
             if not self._running:
                 raise TrajectoryError(Result.INVALID_GOAL, "the controller is not running")
+            # As upstream, an action's goal has to name joints even where it has no points.
+            check_joints(goal.message.trajectory.joint_names, self._bounds, self._allow_partial)
             tolerances = with_goal(self._tolerances, goal.message)
             order = self._order(goal.message.trajectory, goal, tolerances)
         except TrajectoryError as error:
@@ -328,15 +330,20 @@ class JointTrajectoryController(Controller):
             # At the end itself a straight line still has its speed.
             if time <= end:
                 reached = False
-                if not tolerances.path[joint.name].allows(
-                    joint.position_error, joint.velocity_error
-                ):
-                    self._abort(Result.PATH_TOLERANCE_VIOLATED, joint, "path", time)
+                allowed = tolerances.path[joint.name]
+                if not allowed.allows(joint.position_error, joint.velocity_error):
+                    problem = allowed.problem(joint.position_error, joint.velocity_error)
+                    text = f"{joint.name} path error {problem}"
+                    self._abort(Result.PATH_TOLERANCE_VIOLATED, text, time)
                     return
-            elif not tolerances.goal[joint.name].allows(joint.position_error, joint.velocity_error):
+                continue
+            allowed = tolerances.goal[joint.name]
+            if not allowed.allows(joint.position_error, joint.velocity_error):
                 reached = False
                 if time >= end + tolerances.goal_time:
-                    self._abort(Result.GOAL_TOLERANCE_VIOLATED, joint, "goal", time)
+                    problem = allowed.problem(joint.position_error, joint.velocity_error)
+                    text = f"{joint.name} goal error {problem}"
+                    self._abort(Result.GOAL_TOLERANCE_VIOLATED, text, time)
                     return
         if reached:
             self._active = None
@@ -344,9 +351,8 @@ class JointTrajectoryController(Controller):
         elif self._feedback_timer.is_due(time):
             active.goal.publish_feedback(self._fill(FollowJointTrajectoryFeedback(), time))
 
-    def _abort(self, code: int, joint: _Joint, what: str, time: float) -> None:
+    def _abort(self, code: int, text: str, time: float) -> None:
         assert self._active is not None
-        text = f"{joint.name} {what} error {joint.position_error:.6f}"
         self._active.goal.abort(Result(code, text), text)
         self._active = None
         # Going on would drive it further into whatever stands in its way.

@@ -28,7 +28,7 @@ _UNKNOWN = (0.0,) * 9
 class _SensorController(Controller):
     """Publishes every sensor of one kind on a topic of its name in the robot's namespace.
 
-    Parameter: ``publish_rate`` (Hz, required).
+    Parameter: ``publish_rate`` (Hz, required; 0: never).
     """
 
     parameters = frozenset(("publish_rate",))
@@ -37,7 +37,7 @@ class _SensorController(Controller):
 
     def init(self, hw: RobotHW, root: NodeHandle, node: NodeHandle) -> None:
         """Take the sensors and open the topics."""
-        self._timer = Periodic(node.positive_param("publish_rate"))
+        self._timer = Periodic(node.positive_param("publish_rate", zero=True))
         sensors = hw.get(self.interface)
         self._sensors: List[Tuple[Any, Publisher]] = [
             (sensors.get_handle(name), node.advertise(root.resolve(name), self.message_type))

@@ -25,6 +25,14 @@ class StateTolerance:
             0.0 < self.position < abs(position_error) or 0.0 < self.velocity < abs(velocity_error)
         )
 
+    def problem(self, position_error: float, velocity_error: float) -> str:
+        """Which error is beyond its tolerance, and what that is; empty where none is."""
+        if 0.0 < self.position < abs(position_error):
+            return f"{position_error:.6f}: position, tolerance {self.position:g}"
+        if 0.0 < self.velocity < abs(velocity_error):
+            return f"{velocity_error:.6f}: velocity, tolerance {self.velocity:g}"
+        return ""
+
 
 @dataclass(frozen=True)
 class Tolerances:

@@ -69,19 +69,20 @@ def read_tracks(
         have numbers that cannot be meant.
     """
     names = list(trajectory.joint_names)
-    _check_joints(names, joints, allow_partial)
+    check_joints(names, joints, allow_partial)
     times: List[float] = []
     states: List[List[State]] = [[] for _ in names]
     last = -math.inf
     for number, point in enumerate(trajectory.points):
         time = point.time_from_start.to_sec()
-        if time < 0.0 or time <= last:
+        # A first one somewhat below 0, as of a planner that rounds, lies in the past like others.
+        if time <= last:
             raise TrajectoryError(
                 Result.INVALID_GOAL,
-                f"point {number} has time_from_start {time:g} s; it must be 0 or more and after "
-                f"that of the point before{f', {last:g} s' if number else ''}",
+                f"point {number} has time_from_start {time:g} s; it must be after that of the "
+                f"point before, {last:g} s",
             )
-        if time > LONGEST:
+        if abs(time) > LONGEST:
             raise TrajectoryError(
                 Result.INVALID_GOAL,
                 f"point {number} has time_from_start {time:g} s; at most {LONGEST:g} s is possible",
@@ -93,7 +94,14 @@ def read_tracks(
     return {name: Track(times, column) for name, column in zip(names, states)}
 
 
-def _check_joints(names: List[str], joints: Collection[str], allow_partial: bool) -> None:
+def check_joints(names: Sequence[str], joints: Collection[str], allow_partial: bool) -> None:
+    """Raise TrajectoryError INVALID_JOINTS unless a trajectory for `names` is for `joints`.
+
+    Parameters
+    ----------
+    allow_partial : bool
+        Whether some may be left out; never all of them.
+    """
     expected = f"this controller has {', '.join(joints)}"
     unknown = [name for name in names if name not in joints]
     if unknown:
