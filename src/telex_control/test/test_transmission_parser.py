@@ -1,20 +1,13 @@
-"""The cases of upstream's transmission_parser and loader tests, and Gazebo's view of them."""
+"""The cases of upstream's transmission_parser tests, and Gazebo's view of them."""
 
 from __future__ import annotations
 
 import pytest
 
-from telex_control.transmission_interface import TransmissionError
-from telex_control.transmission_parser import (
-    DIFFERENTIAL,
-    SIMPLE,
-    DrivenJoint,
-    driven_joints,
-    load_transmission,
-    transmissions,
-)
+from telex_control.transmission_parser import DrivenJoint, driven_joints, transmissions
 from telex_control.urdf_joints import UrdfError, parse_urdf
 
+SIMPLE = "transmission_interface/SimpleTransmission"
 EFFORT = "<hardwareInterface>hardware_interface/EffortJointInterface</hardwareInterface>"
 MOTOR = '<actuator name="m"><mechanicalReduction>50</mechanicalReduction></actuator>'
 
@@ -33,7 +26,7 @@ def simple(joint=f'<joint name="j1">{EFFORT}</joint>', actuator=MOTOR, kind=SIMP
     return f"<type>{kind}</type>{joint}{actuator}"
 
 
-DIFFERENTIAL_BODY = f"""<type>{DIFFERENTIAL}</type>
+DIFFERENTIAL_BODY = f"""<type>transmission_interface/DifferentialTransmission</type>
   <actuator name="a1"><role>actuator1</role>
     <mechanicalReduction>10</mechanicalReduction></actuator>
   <actuator name="a2"><role>actuator2</role>
@@ -50,23 +43,7 @@ def test_everything_is_read():
     )
     assert (found.name, found.type) == ("t", SIMPLE)
     assert found.joints[0].hardware_interfaces == ("hardware_interface/EffortJointInterface",)
-    assert found.joints[0].offset == 0.1
-    assert (found.actuators[0].name, found.actuators[0].mechanical_reduction) == ("m", 50.0)
-
-
-def test_simple_is_loaded():
-    body = simple(f'<joint name="j1"><offset>0.1</offset>{EFFORT}</joint>')
-    (info,) = transmissions(robot(body))
-    assert load_transmission(info).actuator_to_joint_position([100.0]) == (2.1,)
-
-
-def test_a_differential_is_loaded_by_roles_not_by_order():
-    body = DIFFERENTIAL_BODY.replace("joint1", "x").replace("joint2", "joint1")
-    body = body.replace("<role>x</role>", "<role>joint2</role>")
-    (straight,) = transmissions(robot(DIFFERENTIAL_BODY))
-    (crossed,) = transmissions(robot(body))
-    assert load_transmission(straight).actuator_to_joint_velocity([40.0, 80.0]) == (-1.0, 1.5)
-    assert load_transmission(crossed).actuator_to_joint_velocity([40.0, 80.0]) == (-0.5, 3.0)
+    assert found.actuators[0].name == "m"
 
 
 @pytest.mark.parametrize(
@@ -79,10 +56,6 @@ def test_a_differential_is_loaded_by_roles_not_by_order():
         (simple(joint='<joint name="j1"/>'), "joint 'j1' has no <hardwareInterface>"),
         (simple(actuator=""), "no <actuator>"),
         (simple(actuator="<actuator/>"), "an <actuator> has no name"),
-        (
-            simple(actuator=MOTOR.replace("50", "many")),
-            "'m': <mechanicalReduction>many</mechanicalReduction> is no finite number",
-        ),
     ],
 )
 def test_what_cannot_be_read_is_left_out_and_named(body, logged, caplog):
@@ -98,23 +71,16 @@ def test_a_transmission_needs_a_name(caplog):
 
 
 @pytest.mark.parametrize(
-    ("body", "named"),
+    "change",
     [
-        (simple(kind="transmission_interface/FourBarLinkageTransmission"), "'t': type .* unknown"),
-        (simple(actuator='<actuator name="m"/>'), "'m' has no <mechanicalReduction>"),
-        (simple(actuator=MOTOR.replace("50", "0")), "reduction is 0.0"),
-        (simple(actuator=MOTOR + MOTOR), "1 joints and 2 actuators"),
-        (DIFFERENTIAL_BODY.replace("actuator2", "actuator1"), "the roles are"),
+        ("", ""),
+        ("<mechanicalReduction>2</mechanicalReduction>", ""),
+        (">10<", ">many<"),
+        ("Differential", "FourBarLinkage"),
     ],
 )
-def test_what_cannot_be_loaded_is_named(body, named):
-    (info,) = transmissions(robot(body))
-    with pytest.raises(TransmissionError, match=named):
-        load_transmission(info)
-
-
-def test_a_simulation_drives_joints_whatever_the_reduction(caplog):
-    found = driven_joints(robot(DIFFERENTIAL_BODY))
+def test_a_simulation_drives_joints_whatever_the_reduction(caplog, change):
+    found = driven_joints(robot(DIFFERENTIAL_BODY.replace(*change)))
     assert found == [
         DrivenJoint("j1", "t", "EffortJointInterface"),
         DrivenJoint("j2", "t", "EffortJointInterface"),
@@ -134,6 +100,57 @@ def test_of_several_interfaces_the_first_counts(caplog):
     (found,) = driven_joints(robot(simple(f'<joint name="j1">{both}</joint>')))
     assert found.hardware_interface == "EffortJointInterface"
     assert "several hardware interfaces; the first one counts" in caplog.text
+
+
+def test_an_interface_of_states_does_not_stand_in_the_way(caplog):
+    full = EFFORT.replace("EffortJoint", "JointState")
+    for states in (full, full.replace("hardware_interface/", "")):
+        (found,) = driven_joints(robot(simple(f'<joint name="j1">{states}{EFFORT}</joint>')))
+        assert found.hardware_interface == "EffortJointInterface"
+        both = robot(simple(f'<joint name="j1">{states}</joint>'), simple())
+        (found,) = driven_joints(both)
+        assert (found.transmission, found.hardware_interface) == ("u", "EffortJointInterface")
+    assert caplog.text == ""
+
+
+def test_one_that_is_not_simulated_gives_way_to_one_that_is(caplog):
+    state = "<hardwareInterface>franka_hw/FrankaStateInterface</hardwareInterface>"
+    body = simple(f'<joint name="j1">{state}</joint>', kind="franka_hw/FrankaStateTransmission")
+    (found,) = driven_joints(robot(body, simple()))
+    assert found == DrivenJoint("j1", "u", "EffortJointInterface")
+    assert "'t': 'franka_hw/FrankaStateInterface' is not simulated; joint 'j1' is" in caplog.text
+
+
+OLD = """<robot name="r"><joint name="wheel" type="continuous"/><joint name="j1" type="continuous"/>
+  <transmission name="old" type="pr2_mechanism_model/SimpleTransmission">
+    <actuator name="m"/><{tag} name="wheel"/><mechanicalReduction>70</mechanicalReduction>
+  </transmission>{more}</robot>"""
+
+
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        (OLD.format(tag="joint", more=""), "'old' has 'pr2_mechanism_model/SimpleTransmission'"),
+        (OLD.format(tag="flexJoint", more=""), "for joint 'wheel'"),
+    ],
+)
+def test_what_nothing_simulated_drives_is_refused_with_what_to_write(text, named):
+    with pytest.raises(UrdfError, match=named) as caught:
+        driven_joints(parse_urdf(text))
+    written = str(caught.value).partition("write ")[2]
+    (found,) = driven_joints(parse_urdf(OLD.format(tag="joint", more=written)))
+    assert (found.joint, found.hardware_interface) == ("wheel", "EffortJointInterface")
+
+
+@pytest.mark.parametrize(
+    "interface",
+    ["franka_hw/FrankaPoseCartesianInterface", "hardware_interface/JointStateInterface", "Torque"],
+)
+def test_an_interface_that_is_not_simulated_is_refused(interface):
+    tag = f"<hardwareInterface>{interface}</hardwareInterface>"
+    body = simple(f'<joint name="j1">{tag}</joint>')
+    with pytest.raises(UrdfError, match=f"'t' has '{interface}' for joint 'j1'; simulated are"):
+        driven_joints(robot(body))
 
 
 def test_of_several_transmissions_the_first_counts(caplog):

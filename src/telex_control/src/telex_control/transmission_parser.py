@@ -1,30 +1,30 @@
-"""The ``<transmission>`` elements of a URDF, after ros_control's transmission_parser and loaders.
+"""The ``<transmission>`` elements of a URDF, after ros_control's transmission_parser.
 
 As upstream, a transmission that cannot be read is left out with an error in the log: a robot with
-one bad element keeps its other joints.
+one bad element keeps its other joints. Reductions, offsets and roles are not read: a simulation
+drives joints, not actuators, as Gazebo does.
 """
 
 from __future__ import annotations
 
 import logging
-import math
 from dataclasses import dataclass
-from typing import Dict, List, Optional, Tuple
+from typing import Dict, List, Tuple
 from xml.etree import ElementTree
 
-from .transmission_interface import (
-    DifferentialTransmission,
-    SimpleTransmission,
-    Transmission,
-    TransmissionError,
-)
 from .urdf_joints import UrdfError
 
-SIMPLE = "transmission_interface/SimpleTransmission"
-DIFFERENTIAL = "transmission_interface/DifferentialTransmission"
+SIMULATED = ("EffortJointInterface", "VelocityJointInterface", "PositionJointInterface")
+"""Interfaces through which a simulation's joints are commanded."""
 _PREFIX = "hardware_interface/"
+_STATE = ("JointStateInterface", _PREFIX + "JointStateInterface")
+"""What every joint has, and needs not be asked for."""
 
 _log = logging.getLogger("rosout")
+
+
+class TransmissionError(ValueError):
+    """A transmission cannot be read; the message names what is wrong."""
 
 
 @dataclass(frozen=True)
@@ -35,17 +35,10 @@ class TransmissionJoint:
     ----------
     hardware_interfaces : tuple of str
         Through which it is commanded, as written.
-    role : str
-        Which of several joints it is (``joint1``, ``joint2``).
-    mechanical_reduction, offset : float or None
-        (rad, m)
     """
 
     name: str
     hardware_interfaces: Tuple[str, ...]
-    role: str = ""
-    mechanical_reduction: Optional[float] = None
-    offset: Optional[float] = None
 
 
 @dataclass(frozen=True)
@@ -54,8 +47,6 @@ class TransmissionActuator:
 
     name: str
     hardware_interfaces: Tuple[str, ...] = ()
-    role: str = ""
-    mechanical_reduction: Optional[float] = None
 
 
 @dataclass(frozen=True)
@@ -100,6 +91,8 @@ def _transmission(element: ElementTree.Element) -> TransmissionInfo:
     if not name:
         raise TransmissionError("it has no name")
     type_name = _text(element, "type")
+    if not type_name and element.get("type"):
+        raise TransmissionError(f"it is in the style of pr2, with type='{element.get('type')}'")
     if not type_name:
         raise TransmissionError("it has no <type>")
     actuators = tuple(_actuator(each) for each in element.findall("actuator"))
@@ -127,25 +120,14 @@ def _joint(element: ElementTree.Element, fallback: Tuple[str, ...]) -> Transmiss
         interfaces = fallback
     if not interfaces:
         raise TransmissionError(f"joint '{name}' has no <hardwareInterface>")
-    return TransmissionJoint(
-        name,
-        interfaces,
-        _text(element, "role"),
-        _number(element, "mechanicalReduction", name),
-        _number(element, "offset", name),
-    )
+    return TransmissionJoint(name, interfaces)
 
 
 def _actuator(element: ElementTree.Element) -> TransmissionActuator:
     name = element.get("name", "")
     if not name:
         raise TransmissionError("an <actuator> has no name")
-    return TransmissionActuator(
-        name,
-        _interfaces(element),
-        _text(element, "role"),
-        _number(element, "mechanicalReduction", name),
-    )
+    return TransmissionActuator(name, _interfaces(element))
 
 
 def _text(element: ElementTree.Element, tag: str) -> str:
@@ -157,33 +139,21 @@ def _interfaces(element: ElementTree.Element) -> Tuple[str, ...]:
     return tuple(text for text in texts if text)
 
 
-def _number(element: ElementTree.Element, tag: str, owner: str) -> Optional[float]:
-    text = _text(element, tag)
-    if not text:
-        return None
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise TransmissionError(f"'{owner}': <{tag}>{text}</{tag}> is no finite number")
-    return value
-
-
 def driven_joints(robot: ElementTree.Element) -> List[DrivenJoint]:
     """Return the joints of a ``<robot>`` element that transmissions drive, each once.
 
-    This is how a simulation sees them, which drives joints and not actuators: of each joint its
-    first transmission counts, and of that its first interface, whatever the reduction. An interface
+    This is how a simulation sees them, which drives joints and not actuators: of each joint the
+    first interface counts through which it can be commanded here, whatever the reduction. One
     without its prefix ``hardware_interface/`` is taken, with a warning.
 
     Raises
     ------
     UrdfError
-        A transmission drives a joint that the robot does not have.
+        A transmission drives a joint that the robot does not have, or a joint has transmissions
+        and none with such an interface.
     """
-    known = {element.get("name") for element in robot.findall("joint")}
-    found: Dict[str, DrivenJoint] = {}
+    known = {element.get("name", "") for element in robot.findall("joint")}
+    offers: Dict[str, List[Tuple[str, str]]] = {}
     for transmission in transmissions(robot):
         for joint in transmission.joints:
             if joint.name not in known:
@@ -191,92 +161,61 @@ def driven_joints(robot: ElementTree.Element) -> List[DrivenJoint]:
                     f"transmission '{transmission.name}' names the joint '{joint.name}', "
                     "which is not there"
                 )
-            if joint.name in found:
-                _log.warning(
-                    "joint '%s' has the transmissions '%s' and '%s'; the first one counts",
-                    joint.name,
-                    found[joint.name].transmission,
-                    transmission.name,
-                )
-                continue
-            if len(joint.hardware_interfaces) > 1:
-                _log.warning(
-                    "joint '%s' of transmission '%s' has several hardware interfaces; the first "
-                    "one counts, '%s'",
-                    joint.name,
-                    transmission.name,
-                    joint.hardware_interfaces[0],
-                )
-            interface = joint.hardware_interfaces[0]
-            if interface.startswith(_PREFIX):
-                interface = interface[len(_PREFIX) :]
-            else:
-                _log.warning(
-                    "transmission '%s': the hardware interface '%s' is deprecated; write "
-                    "'hardware_interface/%s'",
-                    transmission.name,
-                    interface,
-                    interface,
-                )
-            found[joint.name] = DrivenJoint(joint.name, transmission.name, interface)
-    return list(found.values())
+            offered = [(transmission.name, each) for each in joint.hardware_interfaces]
+            offers.setdefault(joint.name, []).extend(offered)
+    for element in robot.findall("transmission"):
+        if element.get("type") and not _text(element, "type"):
+            # As pr2 has it: its joints are elements of several names.
+            for joint_name in sorted(known & {child.get("name", "") for child in element}):
+                if joint_name not in offers:
+                    offers[joint_name] = [(element.get("name", ""), element.get("type", ""))]
+    return [_driven(joint, offered) for joint, offered in offers.items()]
 
 
-def load_transmission(info: TransmissionInfo) -> Transmission:
-    """Make the transmission that `info` describes.
-
-    Raises
-    ------
-    TransmissionError
-        Its type is unknown, or its joints, actuators or reductions do not fit the type.
-    """
-    try:
-        if info.type == SIMPLE:
-            return _load_simple(info)
-        if info.type == DIFFERENTIAL:
-            return _load_differential(info)
-        raise TransmissionError(
-            f"type '{info.type}' is unknown; known are {SIMPLE}, {DIFFERENTIAL}"
+def _driven(joint: str, offered: List[Tuple[str, str]]) -> DrivenJoint:
+    """Choose from the pairs of transmission and interface that a joint is offered."""
+    found = [(name, each) for name, each in offered if each.rpartition(_PREFIX)[2] in SIMULATED]
+    other = [pair for pair in offered if pair not in found and pair[1] not in _STATE]
+    if not found:
+        name, interface = (other or offered)[0]
+        raise UrdfError(
+            f"transmission '{name}' has '{interface}' for joint '{joint}'; simulated are "
+            f'{", ".join(SIMULATED)}: write <transmission name="{name}">'
+            "<type>transmission_interface/SimpleTransmission</type>"
+            f'<joint name="{joint}"><hardwareInterface>{_PREFIX}{SIMULATED[0]}'
+            f'</hardwareInterface></joint><actuator name="{joint}_motor"/></transmission>'
         )
-    except TransmissionError as error:
-        raise TransmissionError(f"transmission '{info.name}': {error}") from None
-
-
-def _load_simple(info: TransmissionInfo) -> SimpleTransmission:
-    _count(info, 1)
-    (joint,), (actuator,) = info.joints, info.actuators
-    return SimpleTransmission(
-        _required(actuator.mechanical_reduction, actuator.name), joint.offset or 0.0
-    )
-
-
-def _load_differential(info: TransmissionInfo) -> DifferentialTransmission:
-    _count(info, 2)
-    joints = {joint.role: joint for joint in info.joints}
-    actuators = {actuator.role: actuator for actuator in info.actuators}
-    if set(joints) != {"joint1", "joint2"} or set(actuators) != {"actuator1", "actuator2"}:
-        raise TransmissionError(
-            f"the roles are {sorted(joints)} and {sorted(actuators)}; joint1, joint2, actuator1 "
-            "and actuator2 are needed, as <role> of each <joint> and <actuator>"
+    transmission, interface = found[0]
+    for name, each in other:
+        _log.warning(
+            "transmission '%s': '%s' is not simulated; joint '%s' is driven through '%s'",
+            name,
+            each,
+            joint,
+            interface,
         )
-    j1, j2 = joints["joint1"], joints["joint2"]
-    a1, a2 = actuators["actuator1"], actuators["actuator2"]
-    return DifferentialTransmission(
-        [_required(each.mechanical_reduction, each.name) for each in (a1, a2)],
-        [_required(each.mechanical_reduction, each.name) for each in (j1, j2)],
-        [each.offset or 0.0 for each in (j1, j2)],
-    )
-
-
-def _count(info: TransmissionInfo, count: int) -> None:
-    if (len(info.joints), len(info.actuators)) != (count, count):
-        raise TransmissionError(
-            f"it has {len(info.joints)} joints and {len(info.actuators)} actuators; "
-            f"{info.type} has {count} of each"
+    more = next((name for name, _ in found if name != transmission), None)
+    if more is not None:
+        _log.warning(
+            "joint '%s' has the transmissions '%s' and '%s'; the first one counts",
+            joint,
+            transmission,
+            more,
         )
-
-
-def _required(value: Optional[float], owner: str) -> float:
-    if value is None:
-        raise TransmissionError(f"'{owner}' has no <mechanicalReduction>")
-    return value
+    if sum(name == transmission for name, _ in found) > 1:
+        _log.warning(
+            "joint '%s' of transmission '%s' has several hardware interfaces; the first one "
+            "counts, '%s'",
+            joint,
+            transmission,
+            interface,
+        )
+    if not interface.startswith(_PREFIX):
+        _log.warning(
+            "transmission '%s': the hardware interface '%s' is deprecated; write "
+            "'hardware_interface/%s'",
+            transmission,
+            interface,
+            interface,
+        )
+    return DrivenJoint(joint, transmission, interface.rpartition(_PREFIX)[2])

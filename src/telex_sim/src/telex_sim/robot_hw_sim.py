@@ -96,7 +96,7 @@ class RobotHWSim(RobotHW):
         Raises
         ------
         UrdfError
-            A transmission names an interface that is not simulated, or a limit is wrong.
+            A joint has transmissions and none that is simulated, or a limit is wrong.
         ConfigError
             A parameter is wrong, or names what the robot does not have.
         """
@@ -129,12 +129,7 @@ class RobotHWSim(RobotHW):
         params: Mapping[str, Any],
         root: NodeHandle,
     ) -> Drive:
-        interface = INTERFACES.get(driven.hardware_interface)
-        if interface is None:
-            raise UrdfError(
-                f"transmission '{driven.transmission}' asks for '{driven.hardware_interface}'; "
-                f"simulated are {', '.join(INTERFACES)}"
-            )
+        interface = INTERFACES[driven.hardware_interface]
         if driven.joint not in described:
             raise UrdfError(
                 f"transmission '{driven.transmission}': joint '{driven.joint}' cannot move"
