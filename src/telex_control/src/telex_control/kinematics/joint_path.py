@@ -147,7 +147,7 @@ def _advance(
     while least < 0.0:
         # After a tick of another length: rather too hard a braking than off the path.
         for j in range(n):
-            allowed[j] *= 2.0
+            allowed[j] *= 1.25
         least, most = _scan(path, 0, 0.0, begin, step, reach + allowed, allowed)
     for j in range(n):
         braking[j] = (1.0 - _ROUNDING) * change[j]
