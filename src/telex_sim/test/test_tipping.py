@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from telex_sim.mobility_watch import TipOverWarning
-from telex_sim.stability import StabilityConfig, support_polygon
-from telex_sim.tipping import Foothold, TippingAngle, tipping_angle
+from telex_sim.stability import StabilityConfig, force_angles, support_polygon
+from telex_sim.tipping import NO_FOOTHOLDS, Footholds, TippingAngle, tipping_angle
 
 UP = (0.0, 0.0, 1.0)
 WEIGHT = (0.0, 0.0, -1000.0)
@@ -18,9 +18,15 @@ TABLE = support_polygon([(x, y, 0.0) for x in (-0.4, 0.4) for y in (-0.2, 0.2)])
 
 
 def angle(center, footholds=(), polygon=TABLE, axes=None, force=WEIGHT):
-    return tipping_angle(
-        polygon, center, force, NO_MOMENT, footholds, np.eye(3) if axes is None else axes
-    )
+    edges = force_angles(polygon, center, force, NO_MOMENT)
+    columns = zip(*footholds) if footholds else NO_FOOTHOLDS
+    footholds = Footholds(*map(np.array, columns))
+    return tipping_angle(edges, center, footholds, np.eye(3) if axes is None else axes)
+
+
+def foothold(point, ground, normal, gap):
+    """A foothold, as a row of `Footholds`."""
+    return point, ground, normal, gap
 
 
 def test_without_footholds_it_is_the_angle_of_the_force_at_each_edge():
@@ -47,7 +53,7 @@ def test_what_stands_near_catches_a_robot_that_has_passed_its_edge():
     falling = angle(center)
     assert falling.ahead == pytest.approx(-math.atan2(0.1, 0.3))
     # A flipper whose tip is 5 cm over the ground, 0.5 m before the edge that it pivots over.
-    tip = Foothold((0.9, 0.0, 0.05), (0.9, 0.0, 0.0), UP, 0.05)
+    tip = foothold((0.9, 0.0, 0.05), (0.9, 0.0, 0.0), UP, 0.05)
     caught = angle(center, [tip])
     down = 0.05 / 0.5
     x = 0.1 * math.cos(down) + 0.3 * math.sin(down)
@@ -58,22 +64,22 @@ def test_what_stands_near_catches_a_robot_that_has_passed_its_edge():
 
 
 @pytest.mark.parametrize(
-    "foothold",
+    "place",
     [
         # behind the edge, so far away that the robot lies on its nose then, and a wall's face
-        Foothold((0.2, 0.0, 0.05), (0.2, 0.0, 0.0), UP, 0.05),
-        Foothold((0.5, 0.0, 0.25), (0.5, 0.0, -0.05), UP, 0.3),
-        Foothold((0.9, 0.0, 0.05), (0.95, 0.0, 0.05), (-1.0, 0.0, 0.0), 0.05),
+        foothold((0.2, 0.0, 0.05), (0.2, 0.0, 0.0), UP, 0.05),
+        foothold((0.5, 0.0, 0.25), (0.5, 0.0, -0.05), UP, 0.3),
+        foothold((0.9, 0.0, 0.05), (0.95, 0.0, 0.05), (-1.0, 0.0, 0.0), 0.05),
     ],
 )
-def test_what_does_not_catch_it_changes_nothing(foothold):
+def test_what_does_not_catch_it_changes_nothing(place):
     center = (0.5, 0.0, 0.3)
-    assert angle(center, [foothold]) == angle(center)
+    assert angle(center, [place]) == angle(center)
 
 
 def test_a_robot_that_would_lie_on_its_side_is_not_caught():
     center = (0.0, 0.21, 0.3)
-    flank = Foothold((0.0, 0.45, 0.08), (0.0, 0.45, 0.0), UP, 0.08)
+    flank = foothold((0.0, 0.45, 0.08), (0.0, 0.45, 0.0), UP, 0.08)
     assert angle(center, [flank]).sideways > 0.0
     assert angle(center, [flank], axes=_rolled(-0.9)) == angle(center, axes=_rolled(-0.9))
 

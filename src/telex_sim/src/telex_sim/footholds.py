@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from heapq import nsmallest
-from typing import Any, Dict, List, Sequence, Tuple
+from typing import Any, Dict, Iterable, List, Sequence, Tuple
 
 import numpy as np
 import pybullet
 
-from .stability import Vector
-from .tipping import Foothold
+from .stability import ForceAngle, Vector
+from .supports import NO_PLACES
+from .tipping import CARRIES, LEVER, Footholds
 from .world import Body
 
 TOUCHES = 0.02
@@ -26,89 +27,120 @@ would end there.
 """
 
 
-class Footholds:
+class FootholdFinder:
     """Finds the footholds of one body.
 
     Parameters
     ----------
     body : Body
-    half_widths : dict of int to float
-        Tracks (PyBullet's numbers of links), and half the width of each belt (m).
+    belts : dict of int to tuple of 2 floats
+        Tracks (PyBullet's numbers of links), and where each belt begins and ends along its axle,
+        from the centre of mass (m).
     """
 
-    def __init__(self, body: Body, half_widths: Dict[int, float]) -> None:
+    def __init__(self, body: Body, belts: Dict[int, Tuple[float, float]]) -> None:
         self._body = body
-        self._half_widths = half_widths
+        self._belts = belts
 
-    def find(self, axles: Dict[int, np.ndarray]) -> List[Foothold]:
-        """Footholds of the tracks and the hull, as they are now.
+    def touching(
+        self, centers: Dict[int, np.ndarray], axles: Dict[int, np.ndarray]
+    ) -> Tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Where tracks as good as touch the ground.
 
-        PyBullet names one point for each pair of convex bodies, somewhere across the belt; where a
-        belt as good as touches, both of its edges are footholds if they have something under them.
+        PyBullet names one point for each pair of convex bodies, somewhere across the belt; both of
+        its edges bear there if they have something under them.
 
         Parameters
         ----------
-        axles : dict of int to ndarray
-            Unit vector along the axle of each track, in the world.
-        """
-        found: List[Foothold] = []
-        edges: List[Tuple[Foothold, Vector]] = []
-        for link in dict.fromkeys((-1, *self._half_widths)):
-            for foothold in self._near(link):
-                if foothold.gap >= TOUCHES:
-                    found.append(foothold)
-                elif link in self._half_widths:
-                    edges += self._edges(foothold, link, axles[link])
-        return found + self._on_something(edges)
+        centers, axles : dict of int to ndarray
+            Centre of mass of each track (m), and unit vector along its axle, in the world.
 
-    def _near(self, link: int) -> List[Foothold]:
-        uid, client = self._body.uid, self._body.client
-        low, high = pybullet.getAABB(uid, link, physicsClientId=client)
-        around = pybullet.getOverlappingObjects(
-            [each - _NEAR for each in low], [each + _NEAR for each in high], physicsClientId=client
+        Returns
+        -------
+        places, begins, ends : ndarray, shape (n, 3)
+            On the ground, under either edge of the belt; and where a ray beside it begins and ends
+            that meets what is there (m).
+        gaps : ndarray, shape (n,)
+            m.
+        """
+        links: List[int] = []
+        rows: List[Any] = []
+        for link in self._belts:
+            near = [
+                row
+                for row in self._near(link, TOUCHES)
+                if row[8] < TOUCHES and row[7][2] >= CARRIES
+            ]
+            rows += near
+            links += [link] * len(near)
+        if not rows:
+            return NO_PLACES, NO_PLACES, NO_PLACES, np.empty(0)
+        points, grounds, normals, gaps = _footholds(rows)
+        across = np.array([(centers[link], axles[link]) for link in links])
+        axle = across[:, 1]
+        aside = ((points - across[:, 0]) * axle).sum(axis=1, keepdims=True)
+        edges = np.array([self._belts[link] for link in links]) - aside
+        outside = np.add(edges, (-_BESIDE, _BESIDE))
+        ground, axle = grounds[:, None], axle[:, None]
+        places = (ground + edges[:, :, None] * axle).reshape(-1, 3)
+        beside = ground + outside[:, :, None] * axle
+        reach = TOUCHES * normals[:, None]
+        begins, ends = (each.reshape(-1, 3) for each in (beside + reach, beside - reach))
+        return places, begins, ends, gaps.repeat(2)
+
+    def beyond(self, edges: Sequence[ForceAngle]) -> Footholds:
+        """Footholds of the tracks and the hull that nothing touches yet.
+
+        Parameters
+        ----------
+        edges : sequence of ForceAngle
+            Over which the robot may tip: only what lies beyond one of them is looked at.
+        """
+        rows: List[Any] = []
+        for link in dict.fromkeys((-1, *self._belts)):
+            low, high = self._box(link)
+            if any(_beyond(edge, low, high) for edge in edges):
+                rows += self._near(link, _NEAR)
+        found = _footholds(rows)
+        return found.those((found.gaps >= TOUCHES) & (found.normals[:, 2] >= CARRIES))
+
+    def _box(self, link: int) -> Tuple[Vector, Vector]:
+        corners: Tuple[Vector, Vector] = pybullet.getAABB(
+            self._body.uid, link, physicsClientId=self._body.client
         )
-        others = {other for other, _ in around or ()} - {uid}
-        found: List[Foothold] = []
-        for other in sorted(others):
-            points = pybullet.getClosestPoints(uid, other, _NEAR, link, physicsClientId=client)
+        return corners
+
+    def _near(self, link: int, distance: float) -> List[Any]:
+        """Closest points of a link on each body around, as PyBullet gives them."""
+        uid, client = self._body.uid, self._body.client
+        low, high = self._box(link)
+        around = pybullet.getOverlappingObjects(
+            [each - distance for each in low],
+            [each + distance for each in high],
+            physicsClientId=client,
+        )
+        found: List[Any] = []
+        for other in sorted({other for other, _ in around or ()} - {uid}):
+            points = pybullet.getClosestPoints(uid, other, distance, link, physicsClientId=client)
             # A mesh gives one for each of its triangles that is near.
-            found += nsmallest(
-                _MOST, (Foothold(*point[5:9]) for point in points), key=lambda each: each.gap
-            )
+            found += points if len(points) <= _MOST else nsmallest(_MOST, points, key=_gap)
         return found
 
-    def _edges(
-        self, foothold: Foothold, link: int, axle: np.ndarray
-    ) -> List[Tuple[Foothold, Vector]]:
-        """The same foothold at both edges of the belt, and a place on the ground just beside it."""
-        body, half = self._body, self._half_widths[link]
-        if link < 0:
-            origin = body.base_pose()[0]
-        else:
-            origin = pybullet.getLinkState(body.uid, link, physicsClientId=body.client)[4]
-        aside = float(np.subtract(foothold.point, origin) @ axle)
-        point, ground = foothold.point, foothold.ground
-        return [
-            (
-                foothold._replace(
-                    point=_moved(point, axle, side * half - aside),
-                    ground=_moved(ground, axle, side * half - aside),
-                ),
-                _moved(ground, axle, side * (half + _BESIDE) - aside),
-            )
-            for side in (1.0, -1.0)
-        ]
 
-    def _on_something(self, edges: Sequence[Tuple[Foothold, Vector]]) -> List[Foothold]:
-        """Those that have something under them."""
-        if not edges:
-            return []
-        starts = [_moved(beside, each.normal, TOUCHES) for each, beside in edges]
-        ends = [_moved(beside, each.normal, -TOUCHES) for each, beside in edges]
-        hits = pybullet.rayTestBatch(starts, ends, physicsClientId=self._body.client)
-        return [each for (each, _), hit in zip(edges, hits) if hit[0] not in (-1, self._body.uid)]
+def _beyond(edge: ForceAngle, low: Vector, high: Vector) -> bool:
+    """Whether any of a box lies so far beyond an edge that it could catch the robot."""
+    outer = sum(
+        max(outward * (least - start), outward * (most - start))
+        for outward, start, least, most in zip(edge.outward, edge.start, low, high)
+    )
+    return outer > LEVER
 
 
-def _moved(point: Vector, direction: Any, by: float) -> Vector:
-    x, y, z = (float(each + by * part) for each, part in zip(point, direction))
-    return x, y, z
+def _gap(point: Any) -> float:
+    gap: float = point[8]
+    return gap
+
+
+def _footholds(rows: Iterable[Any]) -> Footholds:
+    values = np.array([(*row[5], *row[6], *row[7], row[8]) for row in rows]).reshape(-1, 10)
+    return Footholds(values[:, :3], values[:, 3:6], values[:, 6:9], values[:, 9])

@@ -15,6 +15,8 @@ import math
 from dataclasses import dataclass
 from typing import List, Optional, Sequence, Tuple
 
+import numpy as np
+
 from telex_control.params import require_range
 
 Vector = Tuple[float, float, float]
@@ -128,20 +130,25 @@ def support_polygon(points: Sequence[Vector]) -> List[Vector]:
 
 
 def _distinct(points: Sequence[Vector]) -> List[Vector]:
+    x, y, _ = np.reshape(points, (-1, 3)).T
+    close = (x[:, None] - x) ** 2 + (y[:, None] - y) ** 2 < _COARSE**2
     kept: List[Vector] = []
-    for point in points:
-        for other in kept:
-            if (point[0] - other[0]) ** 2 + (point[1] - other[1]) ** 2 < _COARSE**2:
-                break
-        else:
+    doubled = np.zeros(len(points), bool)
+    for number, point in enumerate(points):
+        if not doubled[number]:
             kept.append(point)
+            doubled |= close[number]
     return kept
 
 
 def _chain(points: Sequence[Vector]) -> List[Vector]:
     chain: List[Vector] = []
     for point in points:
-        while len(chain) > 1 and _area(chain[-2], chain[-1], point) <= 0.0:
+        x, y, _ = point
+        while len(chain) > 1:
+            (ax, ay, _), (bx, by, _) = chain[-2:]
+            if (bx - ax) * (y - ay) > (by - ay) * (x - ax):
+                break
             chain.pop()
         chain.append(point)
     return chain

@@ -13,11 +13,12 @@ import pybullet
 from telex_control.hardware_interface import VelocityJointInterface
 
 from .contacts import Contact, contacts, directed_contacts
-from .footholds import TOUCHES, Footholds
+from .footholds import FootholdFinder
 from .mobility_watch import StuckDetector, TipOverDetector, TipOverWarning
 from .robot import Robot
-from .stability import ForceAngle, Vector, force_angle, support_polygon
-from .tipping import TippingAngle, tipping_angle
+from .stability import ForceAngle, Vector, force_angle, force_angles, support_polygon
+from .supports import NO_PLACES, Supports
+from .tipping import NO_FOOTHOLDS, TippingAngle, tipping_angle
 from .world import GRAVITY, Body
 
 _RESTS = 0.002
@@ -28,6 +29,8 @@ _CARRIES = 0.2
 """Least upward part of a contact's normal that holds the robot up, and downward part of one that
 holds it down.
 """
+_SURE = math.radians(35.0)
+"""Tipping angle (rad) of an edge beyond which nobody looks for what would catch the robot."""
 _RECENT = 2.5
 """Age, in periods of `StabilityMonitor.observe`, up to which the last momentum counts: two periods,
 and not a matter of rounding.
@@ -99,6 +102,7 @@ class StabilityMonitor:
         self._attach(body)
         config = self._robot.config.stability
         self._tip_over = TipOverDetector(config)
+        self._sure = max(_SURE, config.warning_ahead, config.warning_sideways)
         self.warning = TipOverWarning(config)
         self._stuck = StuckDetector(config, 0.5 * float(np.ptp(self._footprint_in_base()[:, 1])))
         self.attitude = _attitude(_rotation(body.base_pose()[1]))
@@ -135,16 +139,19 @@ class StabilityMonitor:
             )
             for link in tracks
         }
+        # The same as one array, for all at once.
+        self._slots = {link: slot for slot, link in enumerate(self._corners)}
+        most = max(map(len, self._corners.values()))
+        self._outlines = np.full((len(self._corners), most, 3), math.nan)
+        for slot, corners in enumerate(self._corners.values()):
+            self._outlines[slot, : len(corners)] = corners
         # A bit outside of the belt, across it: a ray that begins in the robot would end there.
-        self._outwards = {
-            link: np.sign(corners - corners.sum(axis=0) / max(1, len(corners)))
-            * (0.0, _OUTSIDE, 0.0)
-            for link, corners in self._corners.items()
-        }
-        self._footholds = Footholds(
+        middles = np.nanmean(self._outlines, axis=1, keepdims=True)
+        self._outwards = np.sign(self._outlines - middles) * (0.0, _OUTSIDE, 0.0)
+        self._footholds = FootholdFinder(
             body,
             {
-                link: 0.5 * float(np.ptp(corners[:, 1]))
+                link: (float(corners[:, 1].min()), float(corners[:, 1].max()))
                 for link, corners in self._corners.items()
                 if len(corners)
             },
@@ -191,33 +198,33 @@ class StabilityMonitor:
         mass = float(self._masses.sum())
         center = self._masses @ centers / mass
         # Momentum, and its moment about the centre of mass.
-        momentum = self._masses @ linear
-        relative = centers - center
-        spin = np.einsum("nij,nj->ni", rotations.transpose(0, 2, 1), angular) * self._moments
-        turning = np.cross(relative, self._masses[:, None] * linear).sum(axis=0)
+        momenta = self._masses[:, None] * linear
+        momentum = momenta.sum(axis=0)
+        turning = _moment(centers - center, momenta)
+        spin = np.einsum("nij,ni->nj", rotations, angular) * self._moments
         turning += np.einsum("nij,nj->i", rotations, spin)
         force, moment = np.array((0.0, 0.0, -mass * GRAVITY)), np.zeros(3)
         supports, pushes = self._contacts(centers, rotations)
         for point, push in pushes:
             force += push
             moment += np.cross(point - center, push)
-        axles = {link: rotations[self._rows[link]][:, 1] for link in self._corners}
-        footholds = self._footholds.find(axles)
-        standing = [each for each in footholds if each.carries and each.gap < TOUCHES]
-        supports += [each.ground for each in standing if each.gap < _RESTS]
-        tipping = tipping_angle(
-            support_polygon([*supports, *(each.ground for each in standing)]),
-            _vector(center),
-            _vector(force),
-            _vector(moment),
-            footholds,
-            base.T,
+        rows = {link: self._rows[link] for link in self._corners}
+        *near, gaps = self._footholds.touching(
+            {link: centers[row] for link, row in rows.items()},
+            {link: rotations[row][:, 1] for link, row in rows.items()},
         )
-        polygon = support_polygon(supports)
+        touching = gaps < _RESTS
+        supports.add_likely(*(each[touching] for each in near))
+        polygon = supports.polygon()
+        supports.add_likely(*(each[~touching] for each in near))
+        own = _vector(center)
+        edges = force_angles(supports.polygon(), own, _vector(force), _vector(moment))
+        tipping = self._tipping(edges, own, base.T.tolist())
         inertial_force, inertial_moment = self._inertia(time, momentum, turning)
         force, moment = force + inertial_force, moment + inertial_moment
-        weakest = force_angle(polygon, _vector(center), _vector(force), _vector(moment))
-        support = [_vector(base.T @ (np.subtract(corner, position))) for corner in polygon]
+        weakest = force_angle(polygon, own, _vector(force), _vector(moment))
+        corners = (np.reshape(polygon, (-1, 3)) - position) @ base
+        support = [(x, y, z) for x, y, z in corners.tolist()]
         own_center = _vector(base.T @ (center - position))
         if weakest is None:
             self.warning.update(time, None, 0.0)
@@ -231,6 +238,17 @@ class StabilityMonitor:
             center_of_mass=own_center,
             tipping=tipping,
         )
+
+    def _tipping(
+        self, edges: Sequence[ForceAngle], center: Vector, axes: Sequence[Sequence[float]]
+    ) -> Optional[TippingAngle]:
+        """Rotations with which it tips over; what may catch it is looked for where it matters.
+
+        That takes long, and only ever adds to the rotations.
+        """
+        weak = [edge for edge in edges if edge.angle < self._sure]
+        footholds = self._footholds.beyond(weak) if weak else NO_FOOTHOLDS
+        return tipping_angle(edges, center, footholds, axes)
 
     def _inertia(
         self, time: float, momentum: np.ndarray, turning: np.ndarray
@@ -276,12 +294,12 @@ class StabilityMonitor:
 
     def _contacts(
         self, centers: np.ndarray, rotations: np.ndarray
-    ) -> Tuple[List[Vector], List[Tuple[np.ndarray, np.ndarray]]]:
+    ) -> Tuple[Supports, List[Tuple[np.ndarray, np.ndarray]]]:
         """What holds the robot up, and what else pushes it.
 
         Returns
         -------
-        supports : list of Vector
+        supports : Supports
             Contact points under the tracks and the hull; where tracks lean against what stands
             fast, such as a step that they are about to climb, and which the robot cannot tip
             through; and corners of belts that lie on something: PyBullet gives no more than a few
@@ -305,7 +323,10 @@ class StabilityMonitor:
             for contact in (directed_contacts(self._body) if pushed else ())
             if not self._supports(contact)
         ]
-        return self._resting_corners(planes, centers, rotations) + supports, pushes
+        found = Supports(self._body)
+        found.add_likely(*self._resting_corners(planes, centers, rotations))
+        found.add(supports)
+        return found, pushes
 
     def _supports(self, contact: Contact) -> bool:
         """Whether a contact holds the robot up or stops its fall, and does not push it about."""
@@ -324,31 +345,38 @@ class StabilityMonitor:
         planes: Dict[int, List[Tuple[Vector, Vector]]],
         centers: np.ndarray,
         rotations: np.ndarray,
-    ) -> List[Vector]:
-        """Foremost and last corners of touching tracks in a plane, with something below them."""
-        found: List[Vector] = []
-        above: List[List[float]] = []
-        below: List[List[float]] = []
-        for link, faces in planes.items():
-            row = self._rows[link]
-            corners = self._corners[link] @ rotations[row].T + centers[row]
-            outside = corners + self._outwards[link] @ rotations[row].T
-            kept = np.zeros(len(corners), bool)
-            for point, normal in faces:
-                reach = 2.0 * _RESTS * np.array(normal)
-                fresh = np.flatnonzero((np.abs((corners - point) @ normal) < _RESTS) & ~kept)
-                if not len(fresh):
-                    continue
-                axle = rotations[row][:, 1]
-                chosen = fresh[_ends(corners[fresh] - centers[row], axle, normal)]
-                kept[chosen] = True
-                found += map(tuple, corners[chosen].tolist())
-                above += (outside[chosen] + reach).tolist()
-                below += (outside[chosen] - reach).tolist()
-        if not found:
-            return []
-        hits = pybullet.rayTestBatch(above, below, physicsClientId=self._body.client)
-        return [corner for corner, hit in zip(found, hits) if hit[0] not in (-1, self._body.uid)]
+    ) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Foremost and last corners of touching tracks in a plane, and rays to what is below.
+
+        Returns
+        -------
+        corners, begins, ends : ndarray, shape (n, 3)
+            As `Supports.add_likely` takes them.
+        """
+        faces = [(link, *face) for link, found in planes.items() for face in found]
+        if not faces:
+            return NO_PLACES, NO_PLACES, NO_PLACES
+        links, points, normals = ([*column] for column in zip(*faces))
+        rows, slots = [self._rows[link] for link in links], [self._slots[link] for link in links]
+        turns, places, normal = rotations[rows], centers[rows], np.array(normals)
+        chosen = _ends(
+            self._outlines[slots],
+            np.einsum("kij,ki->kj", turns, normal),
+            ((points - places) * normal).sum(axis=1),
+        )
+        # Of several planes through one corner the first.
+        ends: Dict[Tuple[int, int], int] = {}
+        for face, corners in enumerate(chosen):
+            for corner in corners:
+                ends.setdefault((slots[face], corner), face)
+        if not ends:
+            return NO_PLACES, NO_PLACES, NO_PLACES
+        which, of_face = tuple(zip(*ends)), list(ends.values())
+        turn = turns[of_face]
+        found: np.ndarray = np.einsum("kij,kj->ki", turn, self._outlines[which]) + places[of_face]
+        outside = np.einsum("kij,kj->ki", turn, self._outwards[which])
+        reach = 2.0 * _RESTS * normal[of_face]
+        return found, found + outside + reach, found + outside - reach
 
     def _footprint_in_base(self) -> np.ndarray:
         """Corners of all tracks in the robot's frame (m), shape (n, 3)."""
@@ -380,24 +408,37 @@ class StabilityMonitor:
         return weakest.measure
 
 
-def _ends(corners: np.ndarray, axle: np.ndarray, normal: Vector) -> List[int]:
-    """Rows of the foremost and the last corner on either side of a belt.
+def _ends(corners: np.ndarray, normals: np.ndarray, depths: np.ndarray) -> List[List[int]]:
+    """Foremost and last corner on either side of belts, of those that lie in a plane.
 
     Parameters
     ----------
-    corners : ndarray, shape (n, 3)
-        Of a belt that lie in one plane (m), n > 0.
-    axle : ndarray, shape (3,)
-        Unit vector along its axle.
-    normal : Vector
-        Of the plane.
+    corners : ndarray, shape (n, m, 3)
+        Of a belt for each plane, its axle along y (m).
+    normals : ndarray, shape (n, 3)
+        Of the planes.
+    depths : ndarray, shape (n,)
+        Of the planes along their normals (m).
+
+    Returns
+    -------
+    list of list of int
+        For each plane up to four numbers of corners; none if it has no corner.
     """
-    aside, along = corners @ axle, corners @ np.cross(axle, normal)
-    chosen = set()
-    for side in (aside, -aside):
-        (edge,) = np.nonzero(side > side.max() - _RESTS)
-        chosen |= {int(edge[np.argmin(along[edge])]), int(edge[np.argmax(along[edge])])}
-    return sorted(chosen)
+    heights = (corners @ normals[:, :, None])[:, :, 0] - depths[:, None]
+    inside = np.abs(heights) < _RESTS
+    # Along the belt: at right angles to the axle and to the normal.
+    along = corners[:, :, 0] * normals[:, 2:] - corners[:, :, 2] * normals[:, :1]
+    columns = []
+    for side in (1.0, -1.0):
+        aside = np.where(inside, side * corners[:, :, 1], -math.inf)
+        edge = aside > aside.max(axis=1, keepdims=True) - _RESTS
+        columns += [
+            np.where(edge, along, math.inf).argmin(axis=1),
+            np.where(edge, along, -math.inf).argmax(axis=1),
+        ]
+    filled = inside.any(axis=1).tolist()
+    return [ends if some else [] for ends, some in zip(np.array(columns).T.tolist(), filled)]
 
 
 def _add_plane(planes: List[Tuple[Vector, Vector]], point: Vector, normal: Vector) -> None:
@@ -407,6 +448,18 @@ def _add_plane(planes: List[Tuple[Vector, Vector]], point: Vector, normal: Vecto
         if same and abs(sum((a - b) * c for a, b, c in zip(point, origin, other))) < 0.001:
             return
     planes.append((point, normal))
+
+
+def _moment(places: np.ndarray, forces: np.ndarray) -> np.ndarray:
+    """Sum of the moments of forces (or momenta) that act at places, both of shape (n, 3)."""
+    products = places.T @ forces
+    return np.array(
+        (
+            products[1, 2] - products[2, 1],
+            products[2, 0] - products[0, 2],
+            products[0, 1] - products[1, 0],
+        )
+    )
 
 
 def _force(contact: Contact) -> np.ndarray:

@@ -11,44 +11,48 @@ Vectors are in any one frame whose z axis is vertical. Nothing here knows of PyB
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
 
-from .stability import ForceAngle, Vector, force_angles
+import numpy as np
 
-_CARRIES = 0.2
+from .stability import ForceAngle, Vector
+
+CARRIES = 0.2
 """Least upward part of a foothold's normal."""
 _FARTHEST = math.radians(60.0)
 """Most that a robot rotates until it is caught, and most that it may be tilted then: beyond, it
 falls.
 """
-_LEVER = 0.02
+LEVER = 0.02
 """Least distance (m) over the edge, and least way of a foothold towards the ground per rotation
 (m/rad), with which it catches anything.
 """
 
 
-class Foothold(NamedTuple):
-    """A place near a track that could carry it.
+class Footholds(NamedTuple):
+    """Places near the tracks and the hull that could carry the robot.
 
     Attributes
     ----------
-    point, ground : Vector
-        Nearest points of the track and of what stands there (m).
-    normal : Vector
-        Unit vector, towards the track.
-    gap : float
+    points, grounds : ndarray, shape (n, 3)
+        Nearest points of the robot and of what stands there (m).
+    normals : ndarray, shape (n, 3)
+        Unit vectors, towards the robot.
+    gaps : ndarray, shape (n,)
         Between them (m); below 0 where they touch.
     """
 
-    point: Vector
-    ground: Vector
-    normal: Vector
-    gap: float
+    points: np.ndarray
+    grounds: np.ndarray
+    normals: np.ndarray
+    gaps: np.ndarray
 
-    @property
-    def carries(self) -> bool:
-        """Whether it can hold the robot up."""
-        return self.normal[2] >= _CARRIES
+    def those(self, which: np.ndarray) -> Footholds:
+        """Return a part of them, by number or by a mask."""
+        return Footholds(*(column[which] for column in self))
+
+
+NO_FOOTHOLDS = Footholds(np.empty((0, 3)), np.empty((0, 3)), np.empty((0, 3)), np.empty(0))
 
 
 class TippingAngle(NamedTuple):
@@ -69,87 +73,85 @@ class TippingAngle(NamedTuple):
 
 
 def tipping_angle(
-    polygon: Sequence[Vector],
-    center_of_mass: Vector,
-    force: Vector,
-    moment: Vector,
-    footholds: Sequence[Foothold],
-    axes: Any,
+    edges: Sequence[ForceAngle], center_of_mass: Vector, footholds: Footholds, axes: Any
 ) -> Optional[TippingAngle]:
     """Least rotations over the edges of the support with which a robot tips over.
 
     Parameters
     ----------
-    polygon : sequence of Vector
-        As `telex_sim.stability.support_polygon` returns it (m).
+    edges : sequence of ForceAngle
+        Of the support, as `telex_sim.stability.force_angles` returns them for all that acts on the
+        robot but its support and its inertia.
     center_of_mass : Vector
         m.
-    force, moment : Vector
-        Of all that acts on it but its support and its inertia: their sum (N), and its moment about
-        the centre of mass (N m).
-    footholds : sequence of Foothold
+    footholds : Footholds
     axes : array_like, shape (3, 3)
         The robot's x, y and z axis, one a row.
 
     Returns
     -------
     TippingAngle or None
-        None when fewer than two points carry it.
+        None where there is no edge.
     """
-    able = [foothold for foothold in footholds if foothold.carries]
-    edges = force_angles(polygon, center_of_mass, force, moment)
     if not edges:
         return None
     least = [(math.inf, 0.0), (math.inf, 0.0)]
-    for edge in edges:
-        x, y = (_Side(edge).turned(axis)[0] for axis in axes[:2])
+    for edge, catch in zip(edges, _catches(edges, footholds)):
+        x, y = (_turned(edge, axis)[0] for axis in axes[:2])
         side = int(abs(y) > abs(x))
-        found = _over(edge, center_of_mass, able, axes[2]), math.atan2(y, x)
-        least[side] = min(least[side], found)
+        angle = edge.angle if catch is None else _over(edge, catch, center_of_mass, axes[2])
+        least[side] = min(least[side], (angle, math.atan2(y, x)))
     (ahead, ahead_direction), (sideways, sideways_direction) = least
     return TippingAngle(ahead, sideways, ahead_direction, sideways_direction)
 
 
-def _over(
-    edge: ForceAngle, center: Vector, footholds: Sequence[Foothold], up: Sequence[float]
-) -> float:
+class _Catch(NamedTuple):
+    """By what the robot is caught that rotates over an edge: after so much (rad), and where (m)."""
+
+    rotation: float
+    outer: float
+    height: float
+
+
+def _catches(edges: Sequence[ForceAngle], footholds: Footholds) -> List[Optional[_Catch]]:
+    """What catches it first over each edge, if anything does."""
+    points, _, normals, gaps = footholds
+    if not len(gaps):
+        return [None] * len(edges)
+    outward = np.array([edge.outward for edge in edges]).T
+    starts = np.array([edge.start for edge in edges])
+    outer = points[:, :2] @ outward - (starts[:, :2] * outward.T).sum(axis=1)
+    height = points[:, 2:] - starts[:, 2]
+    closing = outer * normals[:, 2:] - height * (normals[:, :2] @ outward)
+    able = (outer > LEVER) & (closing > LEVER) & (normals[:, 2:] >= CARRIES)
+    rotations = np.where(able, gaps[:, None] / np.maximum(closing, LEVER), math.inf)
+    found: List[Optional[_Catch]] = []
+    for column, row in enumerate(rotations.argmin(axis=0).tolist()):
+        rotation = float(rotations[row, column])
+        place = float(outer[row, column]), float(height[row, column])
+        found.append(_Catch(max(0.0, rotation), *place) if rotation < _FARTHEST else None)
+    return found
+
+
+def _over(edge: ForceAngle, catch: _Catch, center: Vector, up: Sequence[float]) -> float:
     """Rotation with which the robot tips over this edge, or over what catches it behind it."""
-    side = _Side(edge)
-    caught, catcher = _FARTHEST, None
-    for foothold in footholds:
-        outer, height = side.of(foothold.point)
-        ahead, above = side.turned(foothold.normal)
-        closing = outer * above - height * ahead
-        if outer > _LEVER and closing > _LEVER and foothold.gap < caught * closing:
-            caught, catcher = max(0.0, foothold.gap / closing), (outer, height)
-    if catcher is None:
-        return edge.angle
-    ahead, above = side.turned(up)
+    ahead, above = _turned(edge, up)
+    caught = catch.rotation
     if above * math.cos(caught) - ahead * math.sin(caught) < math.cos(_FARTHEST):
         return edge.angle
-    outer, height = _rotated(side.of(center), caught)
-    beyond, below = _rotated(catcher, caught)
+    x, y, z = edge.start
+    own_outer, own_height = _turned(edge, (center[0] - x, center[1] - y, center[2] - z))
+    outer, height = _rotated((own_outer, own_height), caught)
+    beyond, below = _rotated(catch[1:], caught)
     # What else acts on the robot than its weight turns the net force; it does so after, too.
-    own_outer, own_height = side.of(center)
     turned = edge.angle - math.atan2(-own_outer, own_height)
     return max(edge.angle, math.atan2(beyond - outer, height - below) + turned)
 
 
-class _Side:
-    """The vertical plane across an edge: outwards and up, from the edge."""
-
-    def __init__(self, edge: ForceAngle) -> None:
-        self._start, self._outward = edge.start, edge.outward
-
-    def of(self, point: Vector) -> Tuple[float, float]:
-        x, y, z = self._start
-        return self.turned((point[0] - x, point[1] - y, point[2] - z))
-
-    def turned(self, direction: Sequence[float]) -> Tuple[float, float]:
-        return (
-            direction[0] * self._outward[0] + direction[1] * self._outward[1],
-            direction[2],
-        )
+def _turned(edge: ForceAngle, direction: Sequence[float]) -> Tuple[float, float]:
+    """Parts of a vector in the vertical plane across an edge: outwards, and up."""
+    along = direction[0] * edge.outward[0] + direction[1] * edge.outward[1]
+    return along, direction[2]
 
 
 def _rotated(place: Tuple[float, float], angle: float) -> tuple[float, float]:
