@@ -95,18 +95,19 @@ CONFIG = StabilityConfig(
     warning_ahead_time=0.7,
     warning_sideways=0.35,
     warning_sideways_time=0.05,
+    warning_sideways_foresight=0.5,
     warning_hold=0.5,
 )
 SAFE = TippingAngle(0.6, 0.6, 0.0, 0.0)
 RIGHT = -0.5 * math.pi
 
 
-def feed(warning, begin, seconds, tipping, margin=1.0):
+def feed(warning, begin, seconds, tipping, margin=1.0, turning=(0.0, 0.0)):
     """Look at it 20 times a second; returns when it was warned first."""
     first = None
     for look in range(round(seconds / 0.05)):
         time = begin + 0.05 * look
-        warning.update(time, tipping, margin)
+        warning.update(time, tipping, margin, turning)
         if warning.warned and first is None:
             first = time
     return first
@@ -130,6 +131,18 @@ def test_sideways_it_warns_at_once_and_for_a_while():
     assert warning.direction == RIGHT
     feed(warning, 1.65, 0.2, SAFE)
     assert not warning.warned
+
+
+def test_it_warns_sooner_while_it_turns_over_that_side():
+    # 0.5 rad to the right are left; half a second at 0.4 rad/s takes 0.2 of them.
+    for turning, warned in (
+        ((0.4, 0.0), pytest.approx(0.05)),
+        ((-0.4, 0.0), None),  # back on its tracks
+        ((0.0, 0.4), None),  # over its nose
+        ((0.2, 0.0), None),
+    ):
+        right = TippingAngle(0.6, 0.5, math.pi, RIGHT)
+        assert feed(TipOverWarning(CONFIG), 0.0, 0.5, right, turning=turning) == warned
 
 
 def test_a_hop_is_no_tipping():

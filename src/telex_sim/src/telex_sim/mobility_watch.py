@@ -16,7 +16,8 @@ class TipOverWarning:
     """Warns before a robot tips over, and not of impacts or of rocking from edge to edge.
 
     A robot that climbs rocks over its nose and rear, and comes to rest within half a second; over
-    its sides it does not rock. So a small angle counts sideways at once, ahead when it lasts.
+    its sides it does not rock. So a small angle counts sideways at once, ahead when it lasts; and
+    sideways what would be left in a while counts, if the robot went on turning as it does.
 
     Attributes
     ----------
@@ -36,7 +37,13 @@ class TipOverWarning:
         self.direction = 0.0
         self.margin = 0.0
 
-    def update(self, time: float, tipping: Optional[TippingAngle], margin: float) -> None:
+    def update(
+        self,
+        time: float,
+        tipping: Optional[TippingAngle],
+        margin: float,
+        turning: Tuple[float, float] = (0.0, 0.0),
+    ) -> None:
         """Take the state at `time` (s), later than the last.
 
         Parameters
@@ -44,6 +51,8 @@ class TipOverWarning:
         tipping : TippingAngle, optional
             None where nothing carries the robot.
         margin : float
+        turning : tuple of 2 floats
+            Of the robot about its x and y axis (rad/s).
         """
         config = self._config
         gap = math.inf if self._last is None else time - self._last
@@ -56,9 +65,12 @@ class TipOverWarning:
         share = 1.0 - math.exp(-gap / config.smoothing_time) if config.smoothing_time else 1.0
         self.margin += share * (margin - self.margin)
         ahead, sideways, *directions = tipping or _IN_THE_AIR
+        about_x, about_y = turning
+        rate = about_y * math.cos(directions[1]) - about_x * math.sin(directions[1])
+        left = sideways - max(0.0, rate) * config.warning_sideways_foresight
         lasting = [
             self._lasts(0, time, ahead < config.warning_ahead, config.warning_ahead_time),
-            self._lasts(1, time, sideways < config.warning_sideways, config.warning_sideways_time),
+            self._lasts(1, time, left < config.warning_sideways, config.warning_sideways_time),
         ]
         if any(lasting):
             self.warned, self._clear = True, None

@@ -43,6 +43,9 @@ class StabilityConfig:
         about to tip over, once that lasts for ...
     warning_ahead_time, warning_sideways_time : float
         ... so long (s): a robot that climbs rocks ahead and back.
+    warning_sideways_foresight : float
+        For how long (s) the robot is taken to go on turning over a side as it does: what is left
+        of that rotation then counts.
     warning_hold : float
         How long a warning stays after its cause is gone (s).
     tipped_angle : float
@@ -62,6 +65,7 @@ class StabilityConfig:
     warning_ahead_time: float = 0.7
     warning_sideways: float = 0.35
     warning_sideways_time: float = 0.05
+    warning_sideways_foresight: float = 0.5
     warning_hold: float = 0.5
     tipped_angle: float = 1.2
     tipped_time: float = 0.5
@@ -77,6 +81,7 @@ class StabilityConfig:
             "smoothing_time",
             "warning_ahead_time",
             "warning_sideways_time",
+            "warning_sideways_foresight",
             "warning_hold",
         ):
             require_range(self, name, 0.0)

@@ -29,8 +29,8 @@ _CARRIES = 0.2
 """Least upward part of a contact's normal that holds the robot up, and downward part of one that
 holds it down.
 """
-_SURE = math.radians(35.0)
-"""Tipping angle (rad) of an edge beyond which nobody looks for what would catch the robot."""
+_ENOUGH = math.radians(35.0)
+"""Tipping angle (rad) over an edge from which it is all the same what would catch the robot."""
 _RECENT = 2.5
 """Age, in periods of `StabilityMonitor.observe`, up to which the last momentum counts: two periods,
 and not a matter of rounding.
@@ -102,7 +102,6 @@ class StabilityMonitor:
         self._attach(body)
         config = self._robot.config.stability
         self._tip_over = TipOverDetector(config)
-        self._sure = max(_SURE, config.warning_ahead, config.warning_sideways)
         self.warning = TipOverWarning(config)
         self._stuck = StuckDetector(config, 0.5 * float(np.ptp(self._footprint_in_base()[:, 1])))
         self.attitude = _attitude(_rotation(body.base_pose()[1]))
@@ -219,7 +218,8 @@ class StabilityMonitor:
         supports.add_likely(*(each[~touching] for each in near))
         own = _vector(center)
         edges = force_angles(supports.polygon(), own, _vector(force), _vector(moment))
-        tipping = self._tipping(edges, own, base.T.tolist())
+        about_x, about_y, _ = _vector(base.T @ angular[0])
+        tipping = self._tipping(edges, own, base.T.tolist(), math.hypot(about_x, about_y))
         inertial_force, inertial_moment = self._inertia(time, momentum, turning)
         force, moment = force + inertial_force, moment + inertial_moment
         weakest = force_angle(polygon, own, _vector(force), _vector(moment))
@@ -229,7 +229,7 @@ class StabilityMonitor:
         if weakest is None:
             self.warning.update(time, None, 0.0)
             return Margin(0.0, 0.0, 0.0, support, own_center, None)
-        self.warning.update(time, tipping, weakest.measure / self._reference)
+        self.warning.update(time, tipping, weakest.measure / self._reference, (about_x, about_y))
         return Margin(
             margin=weakest.measure / self._reference,
             angle=weakest.angle,
@@ -240,13 +240,21 @@ class StabilityMonitor:
         )
 
     def _tipping(
-        self, edges: Sequence[ForceAngle], center: Vector, axes: Sequence[Sequence[float]]
+        self,
+        edges: Sequence[ForceAngle],
+        center: Vector,
+        axes: Sequence[Sequence[float]],
+        rate: float,
     ) -> Optional[TippingAngle]:
-        """Rotations with which it tips over; what may catch it is looked for where it matters.
+        """Rotations with which it tips over, turning at `rate` (rad/s) over its nose or sides.
 
-        That takes long, and only ever adds to the rotations.
+        What may catch it is looked for where it matters: that takes long, and only ever adds to
+        the rotations.
         """
-        weak = [edge for edge in edges if edge.angle < self._sure]
+        config = self._robot.config.stability
+        foreseen = config.warning_sideways + config.warning_sideways_foresight * rate
+        enough = max(_ENOUGH, config.warning_ahead, foreseen)
+        weak = [edge for edge in edges if edge.angle < enough]
         footholds = self._footholds.beyond(weak) if weak else NO_FOOTHOLDS
         return tipping_angle(edges, center, footholds, axes)
 
