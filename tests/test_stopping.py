@@ -33,3 +33,9 @@ def test_where_a_short_way_would_tip_it(where):
     assert found.margin >= 0.10
     # It is no shorter than need be.
     assert found.way <= 0.70
+
+
+def test_across_a_slope_braking_takes_nothing_of_what_keeps_it_upright():
+    found = stopping.HARD["30 deg, across, flippers flat"]()
+    assert found.margin >= found.rest - 0.005
+    assert found.way <= 0.70

@@ -54,12 +54,15 @@ class Stop:
         Of base_link.
     margin : float
         Least tip-over margin.
+    rest : float
+        Tip-over margin in the end, at rest.
     """
 
     braked: float
     stood: float
     way: float
     margin: float
+    rest: float
 
 
 class _Monitor(StabilityMonitor):
@@ -148,6 +151,7 @@ class Watch:
             float(np.linalg.norm(trial.position() - place)),
             # The first ones are of what was before.
             min(self._margins[len(self._monitors) :]),
+            self._margins[-1],
         )
 
     def _belt_speeds(self) -> np.ndarray:
@@ -189,10 +193,18 @@ def with_load(speed: float, flippers: Tuple[float, float]) -> Stop:
         return watch.stop(fall_silent)
 
 
-def on_slope(heading: float, speed: float, flippers: Optional[Tuple[float, float]]) -> Stop:
-    """Stop on a slope of 30 degrees; see `Slope.pose`. None leaves the flippers as in `drive`."""
-    with Trial(SLOPE.objects(), {"x": -2.0}) as trial:
+def on_slope(
+    heading: float, speed: float, flippers: Optional[Tuple[float, float]], loaded: bool = False
+) -> Stop:
+    """Stop on a slope of 30 degrees, with 5 kg far out or empty; see `Slope.pose`.
+
+    None leaves the flippers as in `drive`.
+    """
+    pose, load = (POSE, LOAD) if loaded else ("drive", 0.0)
+    with Trial(SLOPE.objects(), {"x": -2.0}, pose=pose, load=load) as trial:
         watch = Watch(trial)
+        if loaded:
+            hold_forward(trial.operator)
         if flippers is not None:
             trial.operator.flippers(*flippers)
             trial.operator.wait(0.8)
@@ -246,6 +258,19 @@ HARD: Dict[str, Callable[[], Stop]] = {
             ("down", math.pi, 1.0),
             ("backwards up", math.pi, -1.0),
             ("backwards down", 0.0, -1.0),
+            ("45 deg off uphill", 0.25 * math.pi, 1.0),
+            ("45 deg off downhill", 0.75 * math.pi, 1.0),
+        )
+    },
+    **{
+        f"30 deg, {way}, flippers flat, arm out, 5 kg": lambda heading=heading: on_slope(
+            heading, 1.0, FLAT, loaded=True
+        )
+        for way, heading in (
+            ("up", 0.0),
+            ("down", math.pi),
+            ("45 deg off uphill", 0.25 * math.pi),
+            ("45 deg off downhill", 0.75 * math.pi),
         )
     },
     "30 deg, across, flippers flat": lambda: on_slope(0.5 * math.pi, 1.0, FLAT),

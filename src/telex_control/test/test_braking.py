@@ -98,6 +98,23 @@ def test_it_is_less_down_a_slope_and_more_up(pitch, way):
     assert (found < level) is (pitch * way > 0.0)
 
 
+@pytest.mark.parametrize("roll", [-0.5, -0.45, -0.3, 0.3, 0.45, 0.5])
+def test_across_a_slope_it_brakes_softly(roll):
+    """A fifth of the deceleration rocks it over its side."""
+    half_width = 0.25
+    crane = Crane(half_width=half_width)
+    crane.boom.position = 0.5 * math.pi
+    up = (0.0, math.sin(roll), math.cos(roll))
+    found = crane.limit.limit(1.0, 1.0, 0.0, up)
+    edge = math.atan2(half_width, (HULL * 0.1 + ARM * (0.3 + 0.5 * REACH)) / (HULL + ARM) + GROUND)
+    aside = G * (math.tan(edge - RESERVE) * math.cos(roll) - math.sin(abs(roll))) / 0.2
+    along = G * math.tan(math.atan2(SUPPORT, half_width / math.tan(edge)) - RESERVE) * up[2]
+    assert found == pytest.approx(max(1.25, min(along, aside)), rel=1e-3)
+    assert (found < along) is (abs(roll) > 0.4)
+    # Without knowing how wide it is:
+    assert Crane().limit.limit(1.0, 1.0, 0.0, up) > 1.25
+
+
 @pytest.mark.parametrize("pitch", [0.8, 1.5, math.pi])
 def test_there_is_always_some(pitch):
     crane = Crane(least_deceleration=0.7)
@@ -146,6 +163,7 @@ def test_without_load_link_no_load_is_looked_for():
         ({"support": None}, "/braking/support is None"),
         ({"reserve": -0.1}, "/braking: reserve is -0.1"),
         ({"least_deceleration": 0.0}, "/braking: least_deceleration is 0.0"),
+        ({"half_width": 0.0}, "/braking: half_width is 0.0"),
         ({"load": "hand"}, "/braking/load is unknown"),
     ],
 )
