@@ -30,7 +30,7 @@ _CARRIES = 0.2
 holds it down.
 """
 _ENOUGH = math.radians(35.0)
-"""Tipping angle (rad) over an edge from which it is all the same what would catch the robot."""
+"""Tipping angle (rad) over an edge from which it is all the same what else would hold the robot."""
 _RECENT = 2.5
 """Age, in periods of `StabilityMonitor.observe`, up to which the last momentum counts: two periods,
 and not a matter of rounding.
@@ -63,7 +63,8 @@ class Margin:
     center_of_mass : Vector
         Of the robot, in its frame (m).
     tipping : TippingAngle, optional
-        With what would catch it; None where less than two points carry it.
+        With what would catch it, as far as less than 35 degrees are left; None where less than two
+        points carry it.
     """
 
     margin: float
@@ -215,11 +216,17 @@ class StabilityMonitor:
         touching = gaps < _RESTS
         supports.add_likely(*(each[touching] for each in near))
         polygon = supports.polygon()
-        supports.add_likely(*(each[~touching] for each in near))
-        own = _vector(center)
-        edges = force_angles(supports.polygon(), own, _vector(force), _vector(moment))
+        own, loads = _vector(center), (_vector(force), _vector(moment))
         about_x, about_y, _ = _vector(base.T @ angular[0])
-        tipping = self._tipping(edges, own, base.T.tolist(), math.hypot(about_x, about_y))
+        enough = self._enough(math.hypot(about_x, about_y))
+        # What else nearly bears it, or would catch it, takes long to find, and only ever adds to
+        # the rotations.
+        edges, footholds = force_angles(polygon, own, *loads), NO_FOOTHOLDS
+        if not edges or _weak(edges, enough):
+            supports.add_likely(*(each[~touching] for each in near))
+            edges = force_angles(supports.polygon(), own, *loads)
+            footholds = self._footholds.beyond(_weak(edges, enough))
+        tipping = tipping_angle(edges, own, footholds, base.T.tolist())
         inertial_force, inertial_moment = self._inertia(time, momentum, turning)
         force, moment = force + inertial_force, moment + inertial_moment
         weakest = force_angle(polygon, own, _vector(force), _vector(moment))
@@ -239,24 +246,11 @@ class StabilityMonitor:
             tipping=tipping,
         )
 
-    def _tipping(
-        self,
-        edges: Sequence[ForceAngle],
-        center: Vector,
-        axes: Sequence[Sequence[float]],
-        rate: float,
-    ) -> Optional[TippingAngle]:
-        """Rotations with which it tips over, turning at `rate` (rad/s) over its nose or sides.
-
-        What may catch it is looked for where it matters: that takes long, and only ever adds to
-        the rotations.
-        """
+    def _enough(self, rate: float) -> float:
+        """Rotation (rad) that warns of nothing in a robot that turns at `rate` (rad/s)."""
         config = self._robot.config.stability
         foreseen = config.warning_sideways + config.warning_sideways_foresight * rate
-        enough = max(_ENOUGH, config.warning_ahead, foreseen)
-        weak = [edge for edge in edges if edge.angle < enough]
-        footholds = self._footholds.beyond(weak) if weak else NO_FOOTHOLDS
-        return tipping_angle(edges, center, footholds, axes)
+        return max(_ENOUGH, config.warning_ahead, foreseen)
 
     def _inertia(
         self, time: float, momentum: np.ndarray, turning: np.ndarray
@@ -456,6 +450,10 @@ def _add_plane(planes: List[Tuple[Vector, Vector]], point: Vector, normal: Vecto
         if same and abs(sum((a - b) * c for a, b, c in zip(point, origin, other))) < 0.001:
             return
     planes.append((point, normal))
+
+
+def _weak(edges: Sequence[ForceAngle], enough: float) -> List[ForceAngle]:
+    return [edge for edge in edges if edge.angle < enough]
 
 
 def _moment(places: np.ndarray, forces: np.ndarray) -> np.ndarray:
