@@ -6,6 +6,7 @@ import math
 from typing import Dict, List, Tuple
 from xml.etree import ElementTree
 
+import numpy as np
 import pybullet
 import pytest
 from mobility import (
@@ -15,9 +16,11 @@ from mobility import (
     footing,
     hold,
     novice,
+    quasi_static,
     random_commands,
     rough,
     stairs,
+    wheeled,
 )
 from mobility.falls import FallWatch, slow_falls
 from mobility.obstacles import Obstacle, all_obstacles, attempt
@@ -58,14 +61,39 @@ def test_a_step_is_climbed_by_presets_alone() -> None:
 
 @pytest.mark.parametrize("step_size", [0.002, 0.001])
 def test_a_turn_in_place_with_a_load_ahead_is_what_statics_say(step_size: float) -> None:
-    with bearing.stand("ahead", 2.0, bearing.FLAT, step_size=step_size) as trial:
-        rest = bearing.at_rest(trial, flat=True)
-        turn = bearing.quarter_turn(trial, 0.5, flat=True)
-    for found in (rest, turn.bearing):
+    start = bearing.STARTS[2]
+    with bearing.Standing("ahead", 2.0, bearing.FLAT, start=start, step_size=step_size) as standing:
+        by_contacts, by_places = standing.at_rest()
+        turn = standing.quarter_turn(0.6)
+    for found in (by_contacts, by_places, turn.bearing):
         assert found.error < 0.05
         assert found.total_error < 0.01
     assert turn.turned > 1.5
     assert turn.error < 0.08
+
+
+@pytest.mark.parametrize("ground", ["plane", "edge"])
+@pytest.mark.parametrize("kind", wheeled.ROBOTS)
+def test_wheels_bear_what_statics_say(kind: str, ground: str) -> None:
+    with wheeled.Wheeled(wheeled.ROBOTS[kind], ground) as robot:
+        rest = robot.at_rest()
+    assert rest.error < 0.05
+    assert rest.total_error < 0.01
+
+
+def test_a_robot_on_swivel_casters_turns_in_place() -> None:
+    with wheeled.Wheeled(wheeled.CASTERS) as robot:
+        turn = robot.turn(0.8, 4.0)
+    assert turn.turned == pytest.approx(turn.theory, rel=0.05)
+    assert turn.farthest < 0.05
+
+
+def test_statics_know_what_tips_over() -> None:
+    corners = np.array([[x, y, 0.0] for x in (0.3, -0.3) for y in (0.2, -0.2)])
+    even = quasi_static.spring_loads(corners, 1e4, 400.0, (0.0, 0.0, 0.5))
+    assert list(even) == pytest.approx([100.0] * 4)
+    with pytest.raises(ValueError, match="tips over"):
+        quasi_static.spring_loads(corners, 1e4, 400.0, (0.0, 0.21, 0.5))
 
 
 def test_flippers_lie_flat_on_level_ground() -> None:

@@ -39,7 +39,7 @@ def spring_loads(
     stiffness: float,
     weight: float,
     center: Sequence[float],
-    ground: Callable[[float], float] = lambda x: 0.0,
+    ground: Callable[[float, float], float] = lambda x, y: 0.0,
     gravity: Sequence[float] = (0.0, 0.0, -1.0),
 ) -> np.ndarray:
     """Loads of equal springs under a rigid body (N).
@@ -55,29 +55,38 @@ def spring_loads(
     center : sequence of 3 floats
         Centre of mass, in the body (m).
     ground : callable
-        Height (m) under a place of the body (m, along x), where it is not level.
+        Height (m) under a place of the body (m, along x and y), where it is not level.
     gravity : sequence of 3 floats
-        Its direction in the body.
+        Its direction in the body before that leans as ground and springs let it.
+
+    Raises
+    ------
+    ValueError
+        It tips over.
     """
     x, y, z = spots.T
-    heights = np.array([ground(place) for place in x])
-    # Where the line of the weight meets the ground.
-    aim = np.array(center) - (center[2] - z.mean()) / gravity[2] * np.array(gravity)
-    pressing = -weight * gravity[2]
-    wanted = pressing * np.array([1.0, aim[0], aim[1]])
+    heights = np.array([ground(*place) for place in zip(x, y)]) - z + z.mean()
     shape = np.stack([np.ones_like(x), x, y])
     bearing = np.ones(len(x), dtype=bool)
+    lean = np.zeros(2)
     for _ in range(100):
+        # Where the line of the weight meets the ground.
+        down = np.array([gravity[0] + lean[0], gravity[1] + lean[1], gravity[2]])
+        aim = np.array(center) - (center[2] - z.mean()) / down[2] * down
+        wanted = -weight * gravity[2] * np.array([1.0, aim[0], aim[1]])
         some = shape[:, bearing]
+        if np.linalg.matrix_rank(some) < 3:
+            break
         # Loads are stiffness * (heights + what the body sinks in and leans there).
         sunk = np.linalg.solve(
             stiffness * some @ some.T, wanted - stiffness * some @ heights[bearing]
         )
         loads = stiffness * (heights + shape.T @ sunk)
-        if ((loads > 0.0) == bearing).all():
-            break
-        bearing = loads > 0.0
-    return np.where(bearing, loads, 0.0)
+        settled = float(np.abs(sunk[1:] - lean).max()) < 1e-6
+        if settled and ((loads > 0.0) == bearing).all():
+            return np.where(bearing, loads, 0.0)
+        bearing, lean = loads > 0.0, sunk[1:]
+    raise ValueError("it tips over")
 
 
 @dataclass(frozen=True)
