@@ -9,6 +9,8 @@ import yaml
 
 from telex_control.params import ConfigError, read_struct
 
+from ..scene.yaml_text import read_yaml
+
 Config = TypeVar("Config")
 
 
@@ -29,13 +31,9 @@ def changed(config: Config, text: str, fixed: Collection[str]) -> Config:
         Something in the text is wrong.
     """
     try:
-        changes = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        where = f" at character {mark.index}" if mark is not None else ""
-        raise ConfigError(
-            f"parameters are no YAML{where}: {getattr(error, 'problem', None) or error}"
-        ) from None
+        changes = read_yaml(text)
+    except ConfigError as error:
+        raise ConfigError(f"parameters: {error}") from None
     if changes is None:
         return config
     if not isinstance(changes, Mapping):
