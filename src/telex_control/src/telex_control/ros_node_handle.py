@@ -162,12 +162,14 @@ class RosReconfiguration:
         self._values: Dict[str, Any] = dict(values)
         self._on_change = on_change
         self._begun = False
+        self._groups: Any = {}
         self._server = ReconfigureServer(_ConfigType(parameters), self._change, name)
 
     def _change(self, config: Any, level: int) -> Any:
         if not self._begun:
             # What the parameters have now was read, and checked, by the controller.
             self._begun = True
+            self._groups = config["groups"]
             config.update(self._values)
             return config
         try:
@@ -180,7 +182,9 @@ class RosReconfiguration:
             rospy.logwarn("%s: %s; nothing is changed", self._name, error)
             wanted = self._values
         self._values = wanted
-        config.update(wanted)
+        # Whatever else a client has named would be kept, and told to everybody, for ever.
+        config.clear()
+        config.update(wanted, groups=self._groups)
         return config
 
     def close(self) -> None:
