@@ -12,6 +12,7 @@ from telex_teleop.web.bridge.access import Roles
 from telex_teleop.web.bridge.control import Control, Member
 from telex_teleop.web.bridge.control_services import ControlServices
 from telex_teleop.web.bridge.feeds import FeedPool
+from telex_teleop.web.bridge.goals import GoalDesk
 from telex_teleop.web.bridge.outbox import Outbox
 from telex_teleop.web.bridge.publishers import PublisherPool
 from telex_teleop.web.bridge.services import ServiceDesk
@@ -72,6 +73,7 @@ class Bench:
             worker=self.worker,
             publishers=self.publishers,
             feeds=self.feeds,
+            desk=GoalDesk(self.publishers, self.feeds, self.ros),
             services=ServiceDesk(self.ros, self.worker, own, roles, self.config.service_timeout),
             roles=roles,
             control=self.control,

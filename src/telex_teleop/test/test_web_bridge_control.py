@@ -9,12 +9,14 @@ from dataclasses import asdict
 import pytest
 from bridge_bench import JOG, TWIST, Bench, Client
 from std_msgs.msg import Bool
+from telex_msgs.msg import FlipperPresetActionResult
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from web_fakes import FakeRos, becomes, on_loop
 
 from telex_teleop.web.bridge.access import Access
 from telex_teleop.web.bridge.command_age import CommandAge
 from telex_teleop.web.bridge.control import Control, ControlError, Member
+from telex_teleop.web.bridge.goals import MAX_GOALS
 from telex_teleop.web.bridge.operations import OperationError
 from telex_teleop.web.bridge.stop import stop_for
 from telex_teleop.web.rights import Rights
@@ -434,6 +436,7 @@ async def test_the_page_is_told_when_a_slower_line_counts():
 # What stops
 
 GOAL = "/telex/flipper_teleop/preset/goal"
+CANCEL = "/telex/flipper_teleop/preset/cancel"
 GOAL_TYPE = "telex_msgs/FlipperPresetActionGoal"
 HIGH = {"goal_id": {"id": "g1"}, "goal": {"preset": "high"}}
 
@@ -451,14 +454,65 @@ async def test_goals_are_cancelled_with_their_client():
     assert second.goal_id.id  # made up, so that it can be cancelled
     del bench.ros.published[:]
     client.session.close()
-    cancel = "/telex/flipper_teleop/preset/cancel"
     assert [(topic, message.id) for topic, message in bench.ros.published] == [
-        (cancel, "g1"),
-        (cancel, second.goal_id.id),
+        (CANCEL, "g1"),
+        (CANCEL, second.goal_id.id),
     ]
     await asyncio.sleep(0.1)
     await bench.settle()
     assert len(bench.publishers) == 0
+
+
+@on_loop
+async def test_goals_end_with_their_results_and_are_bounded():
+    bench = Bench()
+    client = Client(bench)
+    client.say("advertise", topic=GOAL, type=GOAL_TYPE)
+
+    def send(number):
+        client.say("publish", topic=GOAL, msg={"goal_id": {"id": f"g{number}"}})
+
+    send(0)
+    await becomes(lambda: bench.ros.published)
+    for number in range(1, MAX_GOALS + 1):
+        send(number)
+        await asyncio.sleep(0.0)
+    await becomes(lambda: client.outbox)
+    assert f"the results of {MAX_GOALS} goals of this client" in (await client.hear())["msg"]
+    for number in range(3):
+        result = FlipperPresetActionResult()
+        result.status.goal_id.id = f"g{number}"
+        bench.ros.receivers[GOAL.replace("goal", "result")](result, None)
+    await bench.settle()
+    send(MAX_GOALS + 1)
+    await becomes(lambda: len(bench.ros.published) == MAX_GOALS + 1)
+    del bench.ros.published[:]
+    client.session.close()
+    left = [*range(3, MAX_GOALS), MAX_GOALS + 1]
+    assert [message.id for _, message in bench.ros.published] == [f"g{number}" for number in left]
+
+
+TF = "/tf2_web_republisher"
+
+
+@on_loop
+async def test_goals_of_other_clients_are_neither_cancelled_nor_taken_over():
+    bench = Bench()
+    owner, other = Client(bench), Client(bench, instructor=True)
+    goal = {"topic": f"{TF}/goal", "type": "tf2_web_republisher/TFSubscriptionActionGoal"}
+    cancel = {"topic": f"{TF}/cancel", "type": "actionlib_msgs/GoalID", "msg": {"id": "g1"}}
+    owner.say("publish", **goal, msg={"goal_id": {"id": "g1"}})
+    await becomes(lambda: len(bench.ros.published) == 1)
+    other.say("publish", **cancel)
+    assert "this goal is another client's" in (await other.hear())["msg"]
+    other.say("publish", **goal, msg={"goal_id": {"id": "g1"}})
+    assert "another client's goal has this id" in (await other.hear())["msg"]
+    other.session.close()
+    await bench.settle()
+    assert len(bench.ros.published) == 1
+    owner.say("publish", **cancel)
+    await becomes(lambda: len(bench.ros.published) == 2)
+    assert bench.ros.published[1][1].id == "g1"
 
 
 @on_loop

@@ -20,6 +20,7 @@ from .access import Roles
 from .control import MAX_NAME, Control, Member
 from .control_services import ControlServices
 from .feeds import FeedPool
+from .goals import GoalDesk
 from .node_watch import NodeWatch
 from .operations import OperationError
 from .origins import origin_allowed
@@ -81,6 +82,7 @@ class Rosbridge:
             worker=worker,
             publishers=self.publishers,
             feeds=self.feeds,
+            desk=GoalDesk(self.publishers, self.feeds, ros),
             services=ServiceDesk(ros, worker, own_services, self.roles, config.service_timeout),
             roles=self.roles,
             control=self.control,

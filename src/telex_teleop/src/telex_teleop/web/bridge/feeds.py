@@ -28,8 +28,8 @@ class TopicMessage:
     """One message of a topic, encoded when the first client needs it in some way."""
 
     def __init__(self, codec: MessageCodec, message: genpy.Message) -> None:
+        self.message = message
         self._codec = codec
-        self._message = message
         self._body: Optional[str] = None
         self._encoded: Dict[Tuple[str, str], Encoded] = {}
 
@@ -39,13 +39,13 @@ class TopicMessage:
         encoded = self._encoded.get(key)
         if encoded is None:
             encode = ENCODERS.get(compression)
-            encoded = encode(topic, self._message) if encode else self._text(topic, compression)
+            encoded = encode(topic, self.message) if encode else self._text(topic, compression)
             self._encoded[key] = encoded
         return encoded
 
     def _text(self, topic: str, compression: str) -> str:
         if self._body is None:
-            self._body = json.dumps(self._codec.to_json(self._message), separators=(",", ":"))
+            self._body = json.dumps(self._codec.to_json(self.message), separators=(",", ":"))
         text = f'{{"op":"publish","topic":{json.dumps(topic)},"msg":{self._body}}}'
         return text if compression == PLAIN or len(text) > MAX_PNG else to_png(text)
 

@@ -3,47 +3,86 @@
 from __future__ import annotations
 
 import asyncio
-import collections
-from typing import Any, Deque, Optional
+from typing import Any, Dict, Optional, Tuple
 
 import genpy
+from actionlib_msgs.msg import GoalID
 
 from ..workers import in_own_thread
+from .feeds import Feed, FeedPool, TopicMessage
+from .operations import OperationError
 from .publishers import PublisherPool, SharedPublisher
 from .ros import Ros
-from .stop import cancel_for
 
-MAX_GOALS = 10
-"""Goals of an action that are cancelled when their client goes; the newest ones."""
+MAX_GOALS = 100
+"""Goals that a client may have at an action without their results; all are cancelled when it goes.
+"""
 
 CONNECTION_POLL = 0.02
 """Period (s) at which an action's servers are asked whether they are connected."""
 
-_GOAL, _CANCEL, _CANCEL_TYPE = "/goal", "/cancel", "actionlib_msgs/GoalID"
+_GOAL, _RESULT, _CANCEL = "/goal", "/result", "/cancel"
+
+
+class GoalDesk:
+    """Whose goals are under way, of all clients of the bridge; on the loop's thread.
+
+    Parameters
+    ----------
+    pool
+        Where publishers of cancellations come from.
+    feeds
+        Where results come from.
+    ros
+        Who is connected to an action's servers, and the present time.
+    """
+
+    def __init__(self, pool: PublisherPool, feeds: FeedPool, ros: Ros) -> None:
+        self.pool = pool
+        self.feeds = feeds
+        self.ros = ros
+        self._clients: Dict[Tuple[str, str], str] = {}  # by action and id
+
+    def enter(self, action: str, goal_id: str, client: str) -> None:
+        """Note a goal; raises OperationError if it has the id of another client's."""
+        if self._clients.setdefault((action, goal_id), client) != client:
+            raise OperationError("another client's goal has this id; goals need ids of their own")
+
+    def strike(self, action: str, goal_id: str) -> None:
+        """Forget a goal."""
+        self._clients.pop((action, goal_id), None)
+
+    def check_cancel(self, topic: str, message: genpy.Message, client: str) -> None:
+        """Raise OperationError if a message would cancel the goal of another client."""
+        if isinstance(message, GoalID) and topic.endswith(_CANCEL):
+            owner = self._clients.get((topic[: -len(_CANCEL)], message.id), client)
+            if owner != client:
+                raise OperationError("this goal is another client's, who alone may cancel it")
 
 
 class Goals:
-    """The goals that one client sends to one action.
+    """The goals that one client sends to one action, until their results come.
 
     Parameters
     ----------
     topic
         Global name of the topic that the goals go to.
+    type_name
+        Their type.
     client
         Name of the client, in the ids of goals to which it gave none.
-    pool
-        Where the publisher of cancellations comes from.
-    ros
-        Who is connected to the servers, and the present time.
+    desk
+        Knows those of other clients.
     """
 
-    def __init__(self, topic: str, client: str, pool: PublisherPool, ros: Ros) -> None:
+    def __init__(self, topic: str, type_name: str, client: str, desk: GoalDesk) -> None:
         self._action = topic[: -len(_GOAL)]
+        self._result_type = type_name[: -len("Goal")] + "Result"
         self._client = client
-        self._pool = pool
-        self._ros = ros
+        self._desk = desk
         self._canceller: Optional[SharedPublisher] = None
-        self._cancels: Deque[genpy.Message] = collections.deque(maxlen=MAX_GOALS)
+        self._results: Optional[Feed] = None
+        self._ids: Dict[str, None] = {}  # as they were sent
         self._count = 0
 
     @staticmethod
@@ -52,10 +91,20 @@ class Goals:
         return topic.endswith(_GOAL)
 
     async def open(self) -> None:
-        """Get the publisher of cancellations."""
-        self._canceller = await self._pool.acquire(
-            self._action + _CANCEL, _CANCEL_TYPE, latch=False, queue_size=MAX_GOALS
+        """Get the publisher of cancellations, and begin to hear results."""
+        self._canceller = await self._desk.pool.acquire(
+            self._action + _CANCEL, GoalID._type, latch=False, queue_size=MAX_GOALS
         )
+        self._results = await self._desk.feeds.join(self._action + _RESULT, self._result_type, self)
+
+    def deliver(self, message: TopicMessage) -> None:
+        """Forget a goal that has ended."""
+        self._forget(message.message.status.goal_id.id)
+
+    def _forget(self, goal_id: str) -> None:
+        if goal_id in self._ids:
+            del self._ids[goal_id]
+            self._desk.strike(self._action, goal_id)
 
     async def connect(self, timeout: float) -> bool:
         """Wait until servers and bridge are connected both ways, for `timeout` (s) at most.
@@ -66,28 +115,45 @@ class Goals:
         loop = asyncio.get_running_loop()
         deadline = loop.time() + timeout
         # Who sends a goal has subscribed to its answers just before, or does so just now.
-        await self._pool.catch_up()
-        while not await in_own_thread(lambda: self._ros.action_connected(self._action)):
+        await self._desk.pool.catch_up()
+        while not await in_own_thread(lambda: self._desk.ros.action_connected(self._action)):
             if loop.time() >= deadline:
                 return False
             await asyncio.sleep(CONNECTION_POLL)
         return True
 
     def note(self, goal: Any) -> None:
-        """Remember a goal that is sent, and give it an id if it has none."""
+        """Remember a goal that is sent, and give it an id if it has none.
+
+        Raises
+        ------
+        OperationError
+            Too many are under way, or its id is that of another client's goal.
+        """
         if not goal.goal_id.id:
             self._count += 1
-            now = self._ros.now().to_sec()
+            now = self._desk.ros.now().to_sec()
             goal.goal_id.id = f"bridge client {self._client}, {self._count}, {now:.6f}"
-        self._cancels.append(cancel_for(goal))
+        if len(self._ids) >= MAX_GOALS and goal.goal_id.id not in self._ids:
+            raise OperationError(
+                f"the results of {MAX_GOALS} goals of this client have not come, which is as many "
+                "as may be under way; cancel some, or connect anew"
+            )
+        self._desk.enter(self._action, goal.goal_id.id, self._client)
+        self._ids[goal.goal_id.id] = None
 
     def cancel(self) -> None:
-        """Cancel the goals that were sent; raises OperationError if that cannot be done."""
-        while self._cancels and self._canceller is not None:
-            self._canceller.publish(self._cancels.popleft())
+        """Cancel the goals that have not ended; raises OperationError if that cannot be done."""
+        for goal_id in tuple(self._ids):
+            if self._canceller is not None:
+                self._canceller.publish(GoalID(id=goal_id))
+            self._forget(goal_id)
 
     def close(self) -> None:
-        """Give the publisher back."""
+        """Give back what was opened."""
         if self._canceller is not None:
-            self._pool.release(self._action + _CANCEL, latch=False)
+            self._desk.pool.release(self._action + _CANCEL, latch=False)
             self._canceller = None
+        if self._results is not None:
+            self._desk.feeds.leave(self._action + _RESULT, self._results, self)
+            self._results = None

@@ -16,7 +16,7 @@ from .command_gate import (
     CommandRefusedError,
     CommandUncertainError,
 )
-from .goals import Goals
+from .goals import GoalDesk, Goals
 from .message_json import FieldError
 from .operations import Id, OperationError
 from .publishers import PublisherPool, SharedPublisher
@@ -73,6 +73,8 @@ class Publication:
         Messages that are kept for a slow subscriber.
     pool
         Where publishers come from.
+    desk
+        Knows the goals of all clients.
     ros
         For the present time.
     client
@@ -93,6 +95,7 @@ class Publication:
         latch: bool,
         queue_size: int,
         pool: PublisherPool,
+        desk: GoalDesk,
         ros: Ros,
         client: str,
         gate: CommandGate,
@@ -104,6 +107,7 @@ class Publication:
         self._latch = latch
         self._queue_size = queue_size
         self._pool = pool
+        self._desk = desk
         self._ros = ros
         self._client = client
         self._gate = gate
@@ -143,8 +147,9 @@ class Publication:
         self._publisher = await self._pool.acquire(
             self.topic, self._asked_type, latch=self._latch, queue_size=self._queue_size
         )
-        if Goals.go_to(self.topic) and is_goal_type(self._publisher.codec.type_name):
-            self._goals = Goals(self.topic, self._client, self._pool, self._ros)
+        type_name = self._publisher.codec.type_name
+        if Goals.go_to(self.topic) and is_goal_type(type_name):
+            self._goals = Goals(self.topic, type_name, self._client, self._desk)
             await self._goals.open()
             await self._send_goals(self._publisher, self._goals, action_timeout)
         await self._publisher.settle(connect_timeout)
@@ -190,6 +195,7 @@ class Publication:
             waited = 0.0 if self._goals is not None else self._clock() - outgoing.received
             if not self._gate.admit_message(self.topic, message, age, waited):
                 return
+            self._desk.check_cancel(self.topic, message, self._client)
             if self._goals is not None:
                 self._goals.note(message)
             self._last = publisher

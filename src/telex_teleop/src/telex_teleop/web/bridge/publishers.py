@@ -6,6 +6,7 @@ import asyncio
 from typing import Optional, Tuple
 
 import genpy
+from actionlib_msgs.msg import GoalID
 
 from ..workers import OrderedWorker
 from .message_json import MessageCodec, codec_of
@@ -17,6 +18,10 @@ from .stop import commands_motion
 
 LINGER = 1.0
 """Time (s) that a publisher outlives its last client: its last message must still get out."""
+
+CANCEL_QUEUE = 1000
+"""Cancellations of goals that are kept for a slow server, however few their client asks for: those
+of all clients go by one publisher, and whoever leaves cancels all of his goals at once."""
 
 CONNECTION_POLL = 0.01
 """Period (s) at which a new publisher is asked how many subscribers are connected."""
@@ -99,7 +104,8 @@ class PublisherPool:
             found = topic_class(self._ros, topic, type_name)
             # An old command must not reach a node that starts later.
             latched = latch and not commands_motion(found._type)
-            publisher = self._ros.advertise(topic, found, latch=latched, queue_size=queue_size)
+            size = max(queue_size, CANCEL_QUEUE) if found is GoalID else queue_size
+            publisher = self._ros.advertise(topic, found, latch=latched, queue_size=size)
             expected = len(self._ros.subscribers(topic))
             return SharedPublisher(publisher, codec_of(found), expected)
 

@@ -11,6 +11,7 @@ from ..config import RosbridgeConfig
 from .access import Access
 from .command_age import CommandAge
 from .command_gate import CommandGate
+from .goals import GoalDesk
 from .link import Held, Link
 from .operations import Operation, OperationError
 from .publications import Outgoing, Publication
@@ -34,6 +35,8 @@ class Publishing:
         Names and time.
     pool
         Where publishers come from.
+    desk
+        Knows the goals of all clients.
     access
         Which topics are open to clients.
     gate
@@ -51,6 +54,7 @@ class Publishing:
         ros: Ros,
         *,
         pool: PublisherPool,
+        desk: GoalDesk,
         access: Access,
         gate: CommandGate,
         age: CommandAge,
@@ -60,6 +64,7 @@ class Publishing:
         self._config = config
         self._ros = ros
         self._pool = pool
+        self._desk = desk
         self._access = access
         self._gate = gate
         self._link = link
@@ -148,6 +153,7 @@ class Publishing:
             latch=operation.flag("latch"),
             queue_size=self._config.depth(operation.count("queue_size", DEFAULT_QUEUE_SIZE)),
             pool=self._pool,
+            desk=self._desk,
             ros=self._ros,
             client=self._name,
             gate=self._gate,

@@ -14,6 +14,7 @@ from .command_age import CommandAge
 from .command_gate import CommandGate
 from .control import Control, Member
 from .feeds import FeedPool
+from .goals import GoalDesk
 from .link import LEVELS, Link
 from .offering import Offering
 from .operations import Operation, OperationError
@@ -34,6 +35,7 @@ class Shared:
     worker: OrderedWorker
     publishers: PublisherPool
     feeds: FeedPool
+    desk: GoalDesk
     services: ServiceDesk
     roles: Roles
     control: Control
@@ -70,6 +72,7 @@ class ClientSession:
             config,
             ros,
             pool=shared.publishers,
+            desk=shared.desk,
             access=access,
             gate=gate,
             age=age,

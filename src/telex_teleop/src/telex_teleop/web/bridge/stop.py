@@ -7,7 +7,6 @@ import dataclasses
 from typing import Any, Callable, Dict, Iterable, Optional
 
 import genpy
-from actionlib_msgs.msg import GoalID
 
 
 @dataclasses.dataclass(frozen=True)
@@ -103,8 +102,3 @@ def stop_for(message: genpy.Message) -> Optional[genpy.Message]:
 def is_goal_type(type_name: str) -> bool:
     """Tell whether messages of a type are goals of an action."""
     return type_name.endswith("ActionGoal")
-
-
-def cancel_for(goal: Any) -> GoalID:
-    """Return the message that cancels a goal, for the topic `cancel` beside that of the goal."""
-    return GoalID(id=goal.goal_id.id)
