@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import threading
 import time
+from unittest import mock
 
+import pytest
+from aiohttp.test_utils import make_mocked_request
 from web_harness import wait_until
 
+from telex_teleop.web.video.viewers import client_of
 from telex_teleop.web.workers import NewestWorker
 
 
@@ -55,6 +59,57 @@ def test_keys_that_come_and_go_do_not_hold_back_one_that_stays():
         worker.submit(number, lambda number=number: visit(number))
     wait_until(lambda: len(done) >= calls and worker.backlog == 0)
     assert done[30:].count("stays") >= 3  # of a fair share of six
+
+
+def test_time_is_shared_by_clients_whatever_each_asks_for():
+    worker, done, calls = NewestWorker("test"), [], 120
+
+    def go_on(key, clients):
+        def run():
+            time.sleep(0.002)
+            done.append(key)
+            if len(done) < calls:
+                worker.submit(key, run, clients)
+
+        worker.submit(key, run, clients)
+
+    for number in range(6):
+        go_on(f"many {number}", ["many"])
+    go_on("one", ["one"])
+    go_on("both", ["many", "one"])
+    wait_until(lambda: len(done) >= calls and worker.backlog == 0)
+    late = done[30:]
+    # Half of the time is for the client with one key of its own and one that both pay for.
+    mine = late.count("one") + 0.5 * late.count("both")
+    assert 0.4 < mine / len(late) < 0.6
+    counts = [late.count(f"many {number}") for number in range(6)]
+    assert max(counts) - min(counts) <= 3
+
+
+def test_a_client_that_wants_something_no_longer_does_not_pay_for_it():
+    worker, done = NewestWorker("test"), []
+    worker.submit("a", lambda: done.append(1), ["first", "second"])
+    worker.submit("a", lambda: done.append(2), ["second"])
+    worker.cancel("a")
+    worker.submit("b", lambda: done.append(3), ["first"])
+    wait_until(lambda: 3 in done and worker.backlog == 0)
+
+
+@pytest.mark.parametrize(
+    ("address", "other", "shared"),
+    [
+        ("192.0.2.5", "192.0.2.5", True),
+        ("192.0.2.5", "192.0.2.6", False),
+        ("127.0.0.1", "127.0.0.1", False),
+    ],
+)
+def test_connections_of_an_address_are_one_client_except_on_this_machine(address, other, shared):
+    def client(remote, connection=None):
+        transport = mock.Mock(get_extra_info=lambda *_: (remote, 1234))
+        return client_of(make_mocked_request("GET", "/video", transport=transport), connection)
+
+    assert (client(address, "a") == client(other, "b")) is shared
+    assert client(address) == client(address)
 
 
 def test_the_newest_call_of_a_key_runs_unless_it_is_forgotten():

@@ -13,13 +13,23 @@ import os
 import queue
 import threading
 import time
-from typing import Any, Callable, Dict, Hashable, Optional, Tuple, TypeVar
+from typing import (
+    Any,
+    Callable,
+    Dict,
+    FrozenSet,
+    Hashable,
+    Iterable,
+    List,
+    Optional,
+    Tuple,
+    TypeVar,
+)
+
+from .fair_shares import FairShares
 
 Result = TypeVar("Result")
 _Job = Tuple[Callable[[], Any], "asyncio.Future[Any]"]
-
-_NEWS = 0.1
-"""Weight of the last call in what calls usually take."""
 
 
 def _settle(future: asyncio.Future[Any], result: Any, error: Optional[Exception]) -> None:
@@ -79,11 +89,8 @@ class OrderedWorker:
 class NewestWorker:
     """One thread that runs the newest call of each key; a call that is overtaken never runs.
 
-    The call comes first after which its key will have used the thread least, as fair queueing has
-    it: keys whose calls take long get their share of the time, and make the others wait for no more
-    than one call. A key that begins, or has paused, starts level with the others: with what each
-    of them would have used by now if all had got the same. That grows with every call, so that
-    keys which keep coming and going cannot hold back one that stays.
+    The thread's time is shared fairly between clients, and each client's between its keys
+    (`FairShares`). What several clients want, each of them pays a part of.
 
     Parameters
     ----------
@@ -96,10 +103,9 @@ class NewestWorker:
     def __init__(self, name: str, niceness: int = 0) -> None:
         self._niceness = niceness
         self._calls: Dict[Hashable, Callable[[], None]] = {}
-        self._used: Dict[Hashable, float] = {}  # s of the thread's time
-        self._took: Dict[Hashable, float] = {}  # s, the last call
-        self._level = 0.0  # s, where a key begins; it never falls
-        self._usual = 0.0  # s, what calls took of late
+        self._payers: Dict[Hashable, FrozenSet[Hashable]] = {}  # the clients, by key
+        self._clients = FairShares()
+        self._keys: Dict[Hashable, FairShares] = {}  # by client
         self._changed = threading.Condition()
         threading.Thread(target=self._run, name=name, daemon=True).start()
 
@@ -108,11 +114,30 @@ class NewestWorker:
         """How many calls wait for their turn."""
         return len(self._calls)
 
-    def submit(self, key: Hashable, call: Callable[[], None]) -> None:
-        """Let a call run instead of the one of the same key that still waits."""
+    def submit(
+        self, key: Hashable, call: Callable[[], None], clients: Iterable[Hashable] = ()
+    ) -> None:
+        """Let a call run instead of the one of the same key that still waits.
+
+        Parameters
+        ----------
+        key, call
+            What is to run.
+        clients
+            Who wants it; by default the key is a client of its own.
+        """
+        payers = frozenset(clients) or frozenset((key,))
         with self._changed:
-            if key not in self._calls:
-                self._used[key] = max(self._used.get(key, 0.0), self._level)
+            before = self._payers.get(key, frozenset())
+            for client in before - payers:
+                self._take_back(client, key)
+            waiting = self._waiting()
+            for client in payers:
+                if client not in waiting:
+                    self._clients.enter(client)
+                if key not in waiting.get(client, ()):
+                    self._keys.setdefault(client, FairShares()).enter(key)
+            self._payers[key] = payers
             self._calls[key] = call
             self._changed.notify()
 
@@ -120,8 +145,24 @@ class NewestWorker:
         """Forget a key, and its call if that still waits."""
         with self._changed:
             self._calls.pop(key, None)
-            self._used.pop(key, None)
-            self._took.pop(key, None)
+            for client in self._payers.pop(key, ()):
+                self._take_back(client, key)
+
+    def _take_back(self, client: Hashable, key: Hashable) -> None:
+        """Let a client pay for a key no longer; without keys it is forgotten."""
+        keys = self._keys[client]
+        keys.leave(key)
+        if not keys:
+            del self._keys[client]
+            self._clients.leave(client)
+
+    def _waiting(self) -> Dict[Hashable, List[Hashable]]:
+        """Return the keys whose calls wait, by client."""
+        waiting: Dict[Hashable, List[Hashable]] = {}
+        for key in self._calls:
+            for client in self._payers[key]:
+                waiting.setdefault(client, []).append(key)
+        return waiting
 
     def _run(self) -> None:
         if self._niceness:
@@ -130,8 +171,14 @@ class NewestWorker:
         while True:
             with self._changed:
                 self._changed.wait_for(lambda: self._calls)
-                key = min(self._calls, key=self._rank)
-                sharers, used = len(self._calls), self._used[key]
+                waiting = self._waiting()
+                client = self._clients.next(waiting)
+                key = self._keys[client].next(waiting[client])
+                # Each that pays, with what it and its key had used before.
+                bills = [
+                    (payer, self._clients.used(payer), self._keys[payer].used(key))
+                    for payer in self._payers[key]
+                ]
                 call = self._calls.pop(key)
             began = time.monotonic()
             try:
@@ -140,15 +187,11 @@ class NewestWorker:
                 logging.getLogger(__name__).exception("a call in a thread failed")
             took = time.monotonic() - began
             with self._changed:
-                self._level += took / sharers
-                self._usual += (took - self._usual) * _NEWS
-                if key in self._used:
-                    self._took[key] = took
-                    self._used[key] = max(used + took, self._level)
-
-    def _rank(self, key: Hashable) -> float:
-        """Return what the key will have used after its call, if that takes as long as the last.
-
-        A key that is new is taken for one like the others.
-        """
-        return self._used[key] + self._took.get(key, self._usual)
+                self._clients.advance(took, len(waiting))
+                part = took / len(bills)
+                for payer, used, used_by_key in bills:
+                    self._clients.charge(payer, used, part)
+                    keys = self._keys.get(payer)
+                    if keys is not None:
+                        keys.advance(part, len(waiting[payer]))
+                        keys.charge(key, used_by_key, part)

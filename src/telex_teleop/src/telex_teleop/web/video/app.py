@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import time
 from pathlib import Path
-from typing import Any, AsyncIterator, Callable, Dict, Optional, Protocol, TypeVar
+from typing import Any, AsyncIterator, Callable, Dict, Hashable, Optional, Protocol, TypeVar
 from urllib.parse import urlsplit, urlunsplit
 
 from aiohttp import web
@@ -20,7 +20,7 @@ from .hub import EncoderFullError, Encoders, PictureHubs, PictureSource
 from .pictures import EncodedPicture, UnusablePictureError, encode
 from .sockets import VideoSockets
 from .topics import PictureTopic, Topics, base_topics, find_cameras
-from .viewers import SnapshotViewer, StreamViewer
+from .viewers import SnapshotViewer, StreamViewer, client_of
 
 CHECK_PERIOD = 1.0
 """Time (s) between two looks at whether viewers still read."""
@@ -132,6 +132,7 @@ class VideoServer:
             raise ConnectionResetError
         viewer = StreamViewer(
             request.transport,
+            client_of(request),
             send_buffer=self._config.send_buffer,
             max_in_flight=self._config.max_in_flight,
             stall_timeout=self._config.stall_timeout,
@@ -159,7 +160,7 @@ class VideoServer:
         """Send the next picture of a topic."""
         wish = query.parse_snapshot(request.query, self._config.max_size)
         topic = await self._find(request, wish)
-        picture = await self._next_picture(topic, wish)
+        picture = await self._next_picture(topic, wish, client_of(request))
         if picture is None:
             limit = self._config.snapshot_timeout
             return _page(
@@ -171,9 +172,9 @@ class VideoServer:
         return web.Response(body=picture.data, content_type=picture.mime, headers=headers)
 
     async def _next_picture(
-        self, topic: PictureTopic, wish: query.PictureQuery
+        self, topic: PictureTopic, wish: query.PictureQuery, client: Hashable
     ) -> Optional[EncodedPicture]:
-        viewer = SnapshotViewer()
+        viewer = SnapshotViewer(client)
         hub = self.hubs.join(topic, viewer, wish.variant, show_newest=False)
         try:
             return await asyncio.wait_for(viewer.picture, self._config.snapshot_timeout)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import collections
 import statistics
 import time
-from typing import Callable, Deque, Dict, List, Optional, Tuple
+from typing import Callable, Deque, Dict, Hashable, List, Optional, Tuple
 
 from .cameras import Camera
 from .pictures import EncodedPicture, Variant
@@ -66,6 +66,8 @@ class Feed:
         Which, and how the client wants it.
     source
         The topic that the pictures come from: the camera's preview or its full one.
+    client
+        Whose share of the encoder's time they take.
     ready
         Called when there is something to send.
     too_small
@@ -81,6 +83,7 @@ class Feed:
         camera: Camera,
         view: View,
         source: PictureTopic,
+        client: Hashable,
         *,
         ready: Callable[[], None],
         too_small: Callable[[Feed], None],
@@ -90,6 +93,7 @@ class Feed:
         self.camera = camera
         self.view = view
         self.source = source
+        self.client = client
         self.variant = variant_of(view)
         self._ready = ready
         self._too_small = too_small

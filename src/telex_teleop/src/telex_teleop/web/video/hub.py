@@ -169,13 +169,15 @@ class PictureHub:
         if as_it_is is not None:
             self._encoders.leave_place((self, variant))
             self._put(number, as_it_is, variant)
-        elif any(viewer.wants() for viewer in self._viewers[variant]):
+            return
+        clients = {viewer.client for viewer in self._viewers[variant] if viewer.wants()}
+        if clients:
             try:
                 self._encoders.take_place((self, variant))
             except EncoderFullError:  # it comes as soon as there is room
                 return
             work = functools.partial(self._encode_and_post, number, picture, variant)
-            self._encoders.of(variant).submit((self, variant), work)
+            self._encoders.of(variant).submit((self, variant), work, clients)
 
     def _encode_and_post(self, number: int, picture: Picture, variant: Variant) -> None:
         """Encode a picture in the encoder's thread and hand it to the loop."""
@@ -243,7 +245,8 @@ class EncoderFullError(Exception):
 class Encoders:
     """The threads that encode, and how many different pictures they may have to make.
 
-    PNG has a thread of its own, which steps back behind the other: it takes ten times as long.
+    Clients share their time, whatever each of them asks for (`viewers.client_of`). PNG has a thread
+    of its own, which steps back behind the other: it takes ten times as long.
 
     Parameters
     ----------

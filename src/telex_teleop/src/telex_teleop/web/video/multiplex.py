@@ -7,7 +7,7 @@ import contextlib
 import itertools
 import json
 import time
-from typing import Any, Dict, List, Optional
+from typing import Any, Dict, Hashable, List, Optional
 
 from aiohttp import WSCloseCode, WSMessage, WSMsgType, web
 
@@ -67,6 +67,8 @@ class VideoClient:
         The connection, prepared.
     transport
         Of the connection.
+    client
+        Whose share of the encoder's time its pictures take.
     cameras
         All cameras.
     hubs
@@ -83,6 +85,7 @@ class VideoClient:
         self,
         websocket: web.WebSocketResponse,
         transport: asyncio.Transport,
+        client: Hashable,
         cameras: CameraList,
         hubs: PictureHubs,
         *,
@@ -92,6 +95,7 @@ class VideoClient:
     ) -> None:
         self._websocket = websocket
         self._transport = transport
+        self._client = client
         self._cameras = cameras
         self._hubs = hubs
         self._max_size = max_size
@@ -215,6 +219,7 @@ class VideoClient:
             camera,
             view,
             source,
+            self._client,
             ready=self._send,
             too_small=self._take_full,
             lost=self._lost,

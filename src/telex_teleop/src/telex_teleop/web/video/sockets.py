@@ -14,6 +14,7 @@ from .cameras import CameraList
 from .hub import PictureHubs
 from .multiplex import VideoClient
 from .topics import Topics
+from .viewers import client_of
 
 CAMERAS_PERIOD = 2.0
 """Period (s) at which the published topics are looked at while somebody is connected."""
@@ -66,6 +67,7 @@ class VideoSockets:
         client = VideoClient(
             websocket,
             transport,
+            client_of(request, transport),
             self._cameras[instructor],
             self._hubs,
             max_size=self._config.max_size,

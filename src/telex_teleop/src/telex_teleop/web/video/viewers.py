@@ -4,15 +4,33 @@ from __future__ import annotations
 
 import asyncio
 import time
-from typing import Optional, Protocol
+from typing import Hashable, Optional, Protocol
+
+from aiohttp import web
 
 from ..freshness import Backlog
+from ..tokens import is_loopback
 from .mjpeg import STREAM_HEAD
 from .pictures import EncodedPicture
 
 
+def client_of(request: web.Request, connection: Hashable = None) -> Hashable:
+    """Return whose share of the encoder's time a request takes.
+
+    That is the address from which it comes. The addresses of this machine tell less, for tunnels
+    end there, too: there each connection that is named counts by itself, and all other requests of
+    an address together.
+    """
+    address = request.remote or ""
+    return (address, connection) if is_loopback(address) else address
+
+
 class Viewer(Protocol):
     """Somebody to whom a hub offers every new picture; all calls come on the loop's thread."""
+
+    @property
+    def client(self) -> Hashable:
+        """Whose share of the encoder's time its pictures take; see `client_of`."""
 
     def wants(self) -> bool:
         """Tell whether a picture would be taken now; one that nobody takes is not encoded."""
@@ -37,6 +55,8 @@ class StreamViewer:
     ----------
     transport
         Connection to the client; its HTTP request has been read.
+    client
+        Whose share of the encoder's time its pictures take.
     send_buffer
         Size of the kernel's send buffer (bytes).
     max_in_flight
@@ -49,11 +69,13 @@ class StreamViewer:
     def __init__(
         self,
         transport: asyncio.Transport,
+        client: Hashable,
         *,
         send_buffer: int,
         max_in_flight: int,
         stall_timeout: float,
     ) -> None:
+        self.client = client
         self._transport = transport
         self._backlog = Backlog(transport, send_buffer)
         self._max_in_flight = max_in_flight
@@ -100,9 +122,16 @@ class StreamViewer:
 
 
 class SnapshotViewer:
-    """Client who wants the next picture only."""
+    """Client who wants the next picture only.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    client
+        Whose share of the encoder's time it takes.
+    """
+
+    def __init__(self, client: Hashable) -> None:
+        self.client = client
         self.picture: asyncio.Future[EncodedPicture] = asyncio.get_running_loop().create_future()
 
     def wants(self) -> bool:
