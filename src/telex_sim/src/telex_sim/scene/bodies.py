@@ -58,14 +58,15 @@ class MeshLists:
     """
 
     def __init__(self) -> None:
-        self._lists: Dict[Hashable, Tuple[List[List[float]], List[int]]] = {}
+        self._lists: Dict[Hashable, Tuple[List[Tuple[float, ...]], List[int]]] = {}
 
-    def of(self, shape: Shape, key: Hashable) -> Tuple[List[List[float]], List[int]]:
+    def of(self, shape: Shape, key: Hashable) -> Tuple[List[Tuple[float, ...]], List[int]]:
         """Return vertices and indices, the same objects whenever they are asked for."""
         if key not in self._lists:
             assert shape.vertices is not None
             indices = [] if shape.triangles is None else shape.triangles.reshape(-1).tolist()
-            self._lists[key] = (shape.vertices.tolist(), indices)
+            # Tuples: unlike lists of numbers, they cost the garbage collector nothing in the end.
+            self._lists[key] = (list(zip(*shape.vertices.T.tolist())), indices)
         return self._lists[key]
 
 
