@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import queue
 import threading
+import time
 from typing import Callable, Iterator, Optional
 
 import rospy
@@ -12,6 +13,10 @@ from .world import WorldError
 
 Action = Callable[[], Optional[Iterator[None]]]
 """What is asked for; one that returns an iterator is carried on with between further steps."""
+
+
+REST = 2.0
+"""How much longer than a part took the next one waits: the loop steps meanwhile, and catches up."""
 
 
 class _Request:
@@ -23,9 +28,17 @@ class _Request:
 
 
 class LoopRequests:
-    """A queue: ROS callbacks put actions into it, the loop carries them out between two steps."""
+    """A queue: ROS callbacks put actions into it, the loop carries them out between two steps.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    clock : callable
+        Wall time (s) that never goes back.
+    """
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock = clock
+        self._rests_until = clock()
         self._queue: queue.Queue[_Request] = queue.Queue()
         self._present: Optional[_Request] = None
 
@@ -48,12 +61,18 @@ class LoopRequests:
     def serve(self) -> None:
         """Carry out, in the present thread, all that has been asked for, in that order.
 
-        Of what comes in parts, one is carried out, and what was asked for later waits.
+        Of what comes in parts, one is carried out, unless the loop is still to make up for the one
+        before (`REST`), and what was asked for later waits.
         """
         while self._present is not None or not self._queue.empty():
             if self._present is None:
                 self._present = self._queue.get_nowait()
+            elif self._clock() < self._rests_until:
+                return
+            began = self._clock()
             if not self._ended(self._present):
+                now = self._clock()
+                self._rests_until = now + REST * (now - began)
                 return
             self._present.done.set()
             self._present = None
