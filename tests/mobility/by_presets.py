@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import abc
+import math
 from typing import Any, Callable, NamedTuple
 
 from .scripted_operator import Operator
@@ -12,6 +13,8 @@ from .step import Step, beyond, stand_on_top
 STEADY = 0.25  # m/s
 _PATIENCE = 1.5
 """How long somebody looks at a robot that does not come on (s)."""
+_FREED = 0.10
+"""How far a robot has come that no longer hangs on an edge (m)."""
 
 
 class Stage(NamedTuple):
@@ -51,22 +54,29 @@ class PresetKeys(abc.ABC):
         end = self.operator.time + seconds
         self.until(lambda: self.operator.time >= end, 2.0 * seconds, "the time")
 
-    def work_on(self, reached: Any, timeout: float, what: str, *presets: str) -> None:
-        """Go on with the first of some presets, and with the next where the robot hangs."""
+    def work_on(
+        self, reached: Any, timeout: float, what: str, *presets: str, freed: float = math.inf
+    ) -> None:
+        """Go on with the first of some presets, and with the next where the robot hangs.
+
+        Once it has come on by `freed` (m) since, with the first again.
+        """
         operator, turn = self.operator, 0
         best, since = operator.pose.x, operator.time
+        hung = best
 
-        def try_next() -> None:
-            nonlocal best, since, turn
+        def look_on() -> None:
+            nonlocal best, since, turn, hung
             if operator.pose.x > best + 0.02:
                 best, since = operator.pose.x, operator.time
             elif operator.time - since > _PATIENCE:
-                turn, since = turn + 1, operator.time
-                self.hold(presets[turn % len(presets)])
+                turn, since, hung = turn + 1, operator.time, best
+            if turn and best > hung + freed:
+                turn = 0
+            self.hold(presets[turn % len(presets)])
             self.look()
 
-        self.hold(presets[0])
-        operator.until(reached, timeout, what, try_next)
+        operator.until(reached, timeout, what, look_on)
 
 
 def climb_step(keys: PresetKeys, step: Step) -> None:
@@ -132,7 +142,12 @@ def descend_stairs(keys: PresetKeys, stairs: Stairs) -> None:
     operator = keys.operator
     operator.keep_lane(SLOW)
     keys.work_on(
-        lambda: operator.pose.x > stairs.edge + 0.4, 40.0, "over the edge", "descend", "flat"
+        lambda: operator.pose.x > stairs.edge + 0.4,
+        40.0,
+        "over the edge",
+        "descend",
+        "climb",
+        freed=_FREED,
     )
     keys.hold("descend")
     operator.keep_lane(SPEED)

@@ -18,7 +18,6 @@ STANDING = (0.90, 0.90)
 OVER_EDGE = ((-0.70, 0.0), (-0.85, 0.10))
 TIPPING = (-0.10, -0.30)
 DOWN = (0.05, 0.0)
-FOOT = (0.70, 0.20)
 
 _CREST_AHEAD = 0.32  # m, before the landing's edge, where the flippers reach for it
 
@@ -149,11 +148,10 @@ def descend(operator: Operator, stairs: Stairs) -> None:
     NotManagedError
     """
     start_descent(operator, stairs)
-    operator.until(lambda: operator.pose.x > stairs.end - 0.55, 25.0, "the last steps")
-    operator.flippers(*FOOT)
+    # On flat flippers: raised ones would let the nose drop to the floor from the last step.
     operator.until(
         lambda: operator.pose.x > stairs.end + 0.7 and abs(operator.pose.rise) < 0.15,
-        12.0,
+        30.0,
         "on the floor",
     )
     operator.stop()
@@ -166,8 +164,14 @@ def start_descent(operator: Operator, stairs: Stairs) -> None:
     operator.flippers(0.0, 0.0)
     operator.until(lambda: operator.pose.x > stairs.edge - 0.80, 15.0, "the edge")
     operator.keep_lane(SLOW)
-    operator.work_on(lambda: operator.pose.rise < -0.30, OVER_EDGE, 25.0, "the front over the edge")
+    operator.work_on(
+        lambda: operator.pose.x > stairs.edge + HALF_LENGTH, OVER_EDGE, 30.0, "over the edge"
+    )
     operator.flippers(*TIPPING)
-    operator.until(lambda: operator.pose.rise < -0.8 * stairs.slope, 8.0, "down on the steps")
+    operator.until(
+        lambda: operator.pose.rise < -0.8 * stairs.slope or operator.pose.x > stairs.end,
+        8.0,
+        "down on the steps",
+    )
     operator.flippers(*DOWN)
     operator.keep_lane(SPEED)
