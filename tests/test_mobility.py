@@ -171,6 +171,17 @@ def test_stairs_are_climbed_and_the_robot_stands_whole_on_the_landing() -> None:
         assert trial.position()[2] == pytest.approx(flight.height + 0.110, abs=0.02)
 
 
+def test_flat_stairs_are_descended_without_a_drop() -> None:
+    flight = Stairs(0.15, 0.30, steps=3, landing=1.2)
+    pitches: List[float] = []
+    with Trial(flight.objects(), {"x": -3.0}) as trial:
+        trial.place((flight.edge - 0.85, 0.0, flight.height + 0.111), (0.0, 0.0, 0.0, 1.0))
+        trial.each_step.append(lambda: pitches.append(-trial.operator.pose.rise))
+        stairs.descend(trial.operator, flight)
+        assert trial.position()[2] < 0.15
+    assert max(pitches) < flight.slope + math.radians(6.0)
+
+
 def test_the_same_script_leads_to_the_same_state_to_the_last_bit() -> None:
     obstacle = OBSTACLES["hurdle 30 cm"]
     states = []

@@ -89,6 +89,7 @@ def climb_step(keys: PresetKeys, step: Step) -> None:
     operator = keys.operator
     _climb(
         keys,
+        STEADY,
         Stage(lambda: operator.pose.rise > 0.35, 20.0, "the nose up by 20 deg"),
         Stage(lambda: beyond(operator, step) > -0.15, 15.0, "the front over the edge"),
         Stage(
@@ -110,6 +111,7 @@ def climb_stairs(keys: PresetKeys, stairs: Stairs) -> None:
     operator = keys.operator
     _climb(
         keys,
+        SPEED,
         Stage(lambda: operator.pose.rise > 0.25, 20.0, "the front on the first step"),
         Stage(lambda: operator.pose.x > stairs.crest - 0.32, 40.0, "the crest"),
         Stage(
@@ -121,10 +123,12 @@ def climb_stairs(keys: PresetKeys, stairs: Stairs) -> None:
     stand_on_landing(operator, stairs, keys.look)
 
 
-def _climb(keys: PresetKeys, front_up: Stage, at_the_edge: Stage, over: Stage) -> None:
+def _climb(
+    keys: PresetKeys, speed: float, front_up: Stage, at_the_edge: Stage, over: Stage
+) -> None:
     """Put the front up, drive flat to the edge, lift the rear after it, and drive on."""
     keys.hold("approach")
-    keys.operator.keep_lane(STEADY)
+    keys.operator.keep_lane(speed)
     keys.until(*front_up)
     keys.hold("flat")
     keys.until(*at_the_edge)

@@ -18,6 +18,8 @@ STANDING = (0.90, 0.90)
 OVER_EDGE = ((-0.70, 0.0), (-0.85, 0.10))
 TIPPING = (-0.10, -0.30)
 DOWN = (0.05, 0.0)
+FOOT = (0.05, 0.35)
+"""The rear comes down on its raised flippers; without the front ones the nose would drop."""
 
 _CREST_AHEAD = 0.32  # m, before the landing's edge, where the flippers reach for it
 
@@ -148,10 +150,11 @@ def descend(operator: Operator, stairs: Stairs) -> None:
     NotManagedError
     """
     start_descent(operator, stairs)
-    # On flat flippers: raised ones would let the nose drop to the floor from the last step.
+    operator.until(lambda: operator.pose.x > stairs.end, 25.0, "the last steps")
+    operator.flippers(*FOOT)
     operator.until(
-        lambda: operator.pose.x > stairs.end + 0.7 and abs(operator.pose.rise) < 0.15,
-        30.0,
+        lambda: operator.pose.x > stairs.end + 0.7 and abs(operator.pose.rise) < 0.05,
+        12.0,
         "on the floor",
     )
     operator.stop()
