@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Tuple
 
 import pytest
-from grasping import suite, tasks
+from grasping import statics, suite, tasks
 from grasping.holding import LOST, at_limit, block, force_error, hold, rig_for, sway
 from grasping.rig import OBLIQUE, TOP, Rig
 from grasping.things import PAD_FRICTION, THINGS
@@ -111,6 +111,19 @@ def test_a_thing_is_picked_from_above_as_far_as_friction_carries() -> None:
     assert held.slip < 0.5e-3
     dropped = suite.grasp(thing, TOP, 0.4)
     assert (dropped.predicted, dropped.lifted) == (False, False)
+
+
+def test_a_pull_along_the_fingers_takes_what_statics_say() -> None:
+    """Pads that swing on arcs give way to it; the joints' efforts cannot tell."""
+    thing = replace(THINGS["flat plate"], mass=3.0)
+    force = thing.force(0.6)
+    with rig_for(thing, TOP) as rig:
+        rig.present(thing.entry(), force)
+        rig.wait(0.5)
+        felt = rig.contact().force
+    said = statics.pad_force(force, 0.5 * thing.weight, thing.width)
+    assert said < 0.85 * force
+    assert felt == pytest.approx(said, abs=statics.friction_band(thing.width))
 
 
 def test_a_lever_is_turned_by_friction_alone() -> None:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, Dict, List
 
 from . import step as stepping
-from .scripted_operator import Operator
+from .robot import AXLE_HEIGHT, BELLY, FLIPPER_LENGTH, PIVOT, TIP_RADIUS
+from .scripted_operator import FlipperAngles, Operator
 
 SLOW, SPEED = 0.15, 0.30  # m/s
 
@@ -14,6 +16,12 @@ SLOW, SPEED = 0.15, 0.30  # m/s
 REACH_DOWN = ((-1.10, 0.0), (-1.30, -0.20))
 LOWER = ((-0.50, -0.20), (-0.80, 0.10), (-0.30, -0.60))
 AWAY = (0.40, 0.40)
+
+_SHORT = 2.0 * PIVOT
+"""Length (m) up to which the front leaves a hurdle before its rear is up, and pulls no more."""
+_CLEARANCE = 0.04  # m, under the belly
+_FLUSH = math.asin((AXLE_HEIGHT - TIP_RADIUS) / FLIPPER_LENGTH)
+"""How far a flipper at 0 rad points down."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +58,13 @@ class Hurdle:
         ]
 
 
+def _astride(height: float) -> FlipperAngles:
+    """Angles at which all tips stand on the floor, and the belly is clear of a hurdle."""
+    axles = height + BELLY + _CLEARANCE
+    angle = _FLUSH - math.asin(min(1.0, (axles - TIP_RADIUS) / FLIPPER_LENGTH))
+    return (angle, angle)
+
+
 def cross(operator: Operator, hurdle: Hurdle) -> None:
     """Climb it, and come down behind it.
 
@@ -59,7 +74,7 @@ def cross(operator: Operator, hurdle: Hurdle) -> None:
     """
     tall = hurdle.height / stepping.TALL
     step = stepping.Step(hurdle.height, hurdle.friction, edge=hurdle.edge)
-    stepping.mount(operator, step)
+    stepping.mount(operator, step, () if hurdle.length > _SHORT else (_astride(hurdle.height),))
     far = hurdle.edge + hurdle.length
     operator.keep_lane(SLOW)
     operator.work_on(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, List, Optional
+from typing import Any, Callable, Dict, List, Optional, Sequence
 
 from .robot import AXLE_HEIGHT
 from .scripted_operator import FlipperAngles, NotManagedError, Operator
@@ -98,11 +98,18 @@ def stand_on_top(
         raise NotManagedError(f"does not stand on the top; {operator.where()}")
 
 
-def mount(operator: Operator, step: Step) -> None:
+def mount(operator: Operator, step: Step, first: Sequence[FlipperAngles] = ()) -> None:
     """Climb from the floor until the hull is over the edge, still with way on.
 
     The rear hub is the hard part: it meets the edge from the side, and only a swing that the
     flippers give it while the front pulls brings it up.
+
+    Parameters
+    ----------
+    operator : Operator
+    step : Step
+    first : sequence of FlipperAngles
+        What is tried before `PULL` to bring up the rear.
 
     Raises
     ------
@@ -134,7 +141,7 @@ def mount(operator: Operator, step: Step) -> None:
     operator.keep_lane(PULLING)
     operator.work_on(
         lambda: beyond(operator, step) > 0.35 and abs(operator.pose.rise) < 0.3,
-        [lower(angles) for angles in PULL],
+        [*first, *(lower(angles) for angles in PULL)],
         15.0,
         "the rear up",
     )
