@@ -183,7 +183,7 @@ def test_flat_stairs_are_descended_without_a_drop() -> None:
 
 
 def test_the_same_script_leads_to_the_same_state_to_the_last_bit() -> None:
-    obstacle = OBSTACLES["hurdle 30 cm"]
+    obstacle = OBSTACLES["hurdle 25 cm, 20 cm long"]
     states = []
     for _ in range(2):
         with obstacle.trial() as trial:
@@ -211,6 +211,16 @@ def test_the_robot_stands_on_a_slope(heading: float) -> None:
 
 def test_the_robot_slides_where_friction_does_not_hold_it() -> None:
     assert hold.on_slope(math.radians(40.0), 0.0, 0.8, seconds=1.0) > 0.02
+
+
+def test_statics_say_what_the_front_must_bear_on_a_step() -> None:
+    """By the centres of mass with the arm folded and forward; docs/mobility.md has the figures."""
+    folded, forward = (0.013, 0.0, 0.136), (0.068, 0.0, 0.152)
+    needed = [quasi_static.share_needed_at_edge(height, 1.0) for height in (0.50, 0.55)]
+    assert needed == pytest.approx([0.41, 0.65], abs=0.01)
+    have = [quasi_static.share_at_edge(0.55, center) for center in (folded, forward)]
+    assert have == pytest.approx([0.33, 0.44], abs=0.01)
+    assert quasi_static.share_at_edge(0.50, folded) == pytest.approx(0.35, abs=0.01)
 
 
 def test_a_step_that_is_too_high_is_not_managed() -> None:

@@ -127,9 +127,8 @@ def _climb(
     keys: PresetKeys, speed: float, front_up: Stage, at_the_edge: Stage, over: Stage
 ) -> None:
     """Put the front up, drive flat to the edge, lift the rear after it, and drive on."""
-    keys.hold("approach")
     keys.operator.keep_lane(speed)
-    keys.until(*front_up)
+    keys.work_on(*front_up, "approach", "drive")
     keys.hold("flat")
     keys.until(*at_the_edge)
     keys.work_on(*over, "climb", "flat")

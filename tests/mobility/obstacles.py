@@ -98,24 +98,30 @@ def up_and_down(flight: stairs.Stairs, name: str) -> Obstacle:
     return Obstacle(name, flight.objects(), script, start, flight.friction)
 
 
-def step_up(block: step.Step, name: str, load_mass: float = 0.0) -> Obstacle:
-    """A step of 50 cm, perhaps with a load held forward."""
+def step_up(
+    block: step.Step, name: str, load_mass: float = 0.0, arm_forward: bool = False
+) -> Obstacle:
+    """A step, perhaps with the arm, or a load, held forward."""
+    forward = arm_forward or load_mass > 0.0
     return Obstacle(
         name,
         block.objects(),
         lambda operator: step.climb(operator, block),
         {"x": block.edge - 1.0},
         block.friction,
-        prepare=load.hold_forward if load_mass else None,
-        pose=load.POSE if load_mass else "drive",
+        prepare=load.hold_forward if forward else None,
+        pose=load.POSE if forward else "drive",
         load=load_mass,
         within=20.0,
     )
 
 
 def _over(barrier: hurdle.Hurdle) -> Obstacle:
+    name = f"hurdle {100 * barrier.height:.0f} cm"
+    if barrier.length < hurdle.Hurdle.length:
+        name += f", {100 * barrier.length:.0f} cm long"
     return Obstacle(
-        f"hurdle {100 * barrier.height:.0f} cm",
+        name,
         barrier.objects(),
         lambda operator: hurdle.cross(operator, barrier),
         {"x": barrier.edge - 1.0},
@@ -170,7 +176,10 @@ def all_obstacles() -> List[Obstacle]:
         *(up_and_down(flight, name) for name, flight in flights),
         *(step_up(block, name) for name, block in blocks),
         *(step_up(block, f"{name}, 10 kg forward", load.MASS) for name, block in blocks),
+        step_up(step.Step(0.45, 0.6), "step 45 cm, mu 0.6"),
+        step_up(step.Step(0.55), "step 55 cm, arm forward", arm_forward=True),
         *(_over(hurdle.Hurdle(height)) for height in (0.1, 0.2, 0.3, 0.4, 0.5)),
+        *(_over(hurdle.Hurdle(height, 0.2)) for height in (0.25, 0.5)),
         Obstacle("gap 40 cm", platforms.objects(), lambda op: gap.cross(op, platforms), {}),
         *(_rough(f"crossing ramps, {ramps.rows} rows", ramps) for ramps in RAMPS),
         *(_rough(f"stepfield {field.pattern}, seed {field.seed}", field) for field in STEPFIELDS),

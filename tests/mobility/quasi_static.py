@@ -25,6 +25,9 @@ ON_FLAT_FLIPPERS = (PIVOT, _BETWEEN, PIVOT + _REACH)
 ON_HUBS = (PIVOT,)
 """Where belts bear, from base_link to either side along x (m): hubs, runs, tips."""
 
+_UPRIGHT = FLIPPER_LENGTH + TIP_RADIUS
+"""Height of axles on upright flippers (m)."""
+
 
 def places(flat: bool) -> np.ndarray:
     """Places in which belts bear, in base_link (n, 3), with the flippers flat or raised."""
@@ -108,6 +111,25 @@ class Turning:
     def farthest(self, angle: float) -> float:
         """Farthest that the body's origin comes from where it was, in a turn (rad) up to pi (m)."""
         return 2.0 * math.hypot(self.x, self.y) * math.sin(0.5 * abs(angle))
+
+
+def share_needed_at_edge(height: float, friction: float, edge_grip: float = 1.2) -> float:
+    """Share of the weight that the front hubs must bear for the rear ones to climb a step's edge.
+
+    The rear stands on upright flippers as high as it can be, and leaves the floor: only belts on
+    the top pull, and the edge meets the hubs below their axles, or above on a step (m) that is
+    higher. `edge_grip` is the factor on the friction of belts at an edge.
+    """
+    steepest = math.asin((_UPRIGHT - height) / AXLE_HEIGHT) + math.atan(edge_grip * friction)
+    return 1.0 / (1.0 + friction * math.tan(steepest))
+
+
+def share_at_edge(height: float, center: Sequence[float]) -> float:
+    """Share of the weight that the front hubs bear there, by the centre of mass (m)."""
+    rise = math.asin((height + AXLE_HEIGHT - _UPRIGHT) / (2.0 * PIVOT))
+    back = math.sqrt(AXLE_HEIGHT**2 - (_UPRIGHT - height) ** 2)
+    over = (PIVOT + center[0]) * math.cos(rise) - center[2] * math.sin(rise) - back
+    return over / (2.0 * PIVOT * math.cos(rise) - back)
 
 
 def turning(spots: np.ndarray, loads: np.ndarray, along: float, across: float) -> Turning:
