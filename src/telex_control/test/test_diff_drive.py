@@ -376,7 +376,7 @@ def test_each_side_may_have_its_own_multiplier(cart):
     ("description", "params", "logged"),
     [
         (urdf(geometry="box"), {"wheel_radius": None}, "does not collide as a cylinder"),
-        (urdf(radius="-1"), {"wheel_radius": None}, "radius of its cylinder is '-1'"),
+        (urdf(radius="-1"), {"wheel_radius": None}, "radius of its cylinder is -1 m"),
         (urdf(y=0.0), {"wheel_separation": None}, "in the same place"),
         ("<robot/>", {"wheel_radius": None}, "no wheel joint 'front_left'"),
         ("no robot", {"wheel_separation": None}, "is no XML"),

@@ -77,7 +77,7 @@ ARM = robot(
     ],
 )
 def test_wrong_trees_are_named(elements, named):
-    with pytest.raises(KinematicsError, match=named):
+    with pytest.raises(UrdfError, match=named):
         UrdfTree(robot(*elements))
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from telex_control.urdf_checks import UrdfError, check_bodies
+from telex_control.urdf import UrdfError, by_name, root_links
+from telex_control.urdf_checks import check_bodies
 from telex_control.urdf_joints import parse_urdf
 
 MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
@@ -61,10 +62,10 @@ def test_links_that_are_no_tree_are_refused(text, said):
     ("text", "said"),
     [
         (robot(link("a", "-5")), "link 'a': mass is -5 kg; 0 to 1e.06 is needed"),
-        (robot(link("a", "nan")), "link 'a': mass is nan; a finite number"),
+        (robot(link("a", "nan")), "link 'a': <mass value=.nan.>; a finite number"),
         (robot(link("a", "1e300")), "mass is 1e.300 kg"),
-        (robot(link("a", "much")), "link 'a': mass: \"much\" is no number"),
-        (robot(link("a", moments="1 0 0 inf 0 1")), "link 'a': inertia iyy is inf"),
+        (robot(link("a", "much")), "link 'a': <mass value=.much.>; a finite number"),
+        (robot(link("a", moments="1 0 0 inf 0 1")), "'a': <inertia iyy=.inf.>; a finite number"),
         (robot(link("a", moments="1 2 0 1 0 1")), "principal moment -1 kg m2 .ixx 1, ixy 2"),
         (
             robot(link("a"), link("b"), joint("a", "b", '<origin xyz="nan 0 0"/>')),
@@ -98,3 +99,14 @@ def test_what_foreign_robots_have_is_taken():
         )
     )
     parse_urdf(chain(150))
+
+
+def test_a_default_namespace_is_read_past():
+    text = robot(link("a"), link("b"), joint("a", "b")).replace(
+        "<robot", '<robot xmlns="http://www.ros.org" xmlns:sensor="http://sensor"', 1
+    )
+    found = parse_urdf(text.replace("</robot>", "<sensor:camera/></robot>"))
+    assert found.tag == "robot"
+    assert list(by_name(found, "link")) == ["a", "b"]
+    assert root_links(found) == ["a"]
+    assert found.find("link/inertial/mass").get("value") == "1"

@@ -70,7 +70,7 @@ def test_fixed_joints_are_left_out():
     [
         ('<joint name="j" type="revolute"/>', "'j' is revolute and has no <limit>"),
         ('<joint name="j" type="revolute"><limit lower="x"/></joint>', 'lower="x"'),
-        ('<joint name="j" type="revolute"><limit effort="nan"/></joint>', "not finite"),
+        ('<joint name="j" type="revolute"><limit effort="nan"/></joint>', "a finite number"),
         ('<joint name="j" type="revolute"><limit lower="2" upper="1"/></joint>', "above"),
         ('<joint name="j" type="continuous"><dynamics friction="-1"/></joint>', "friction is -1"),
         ('<joint name="j" type="continuous"><dynamics damping="-2"/></joint>', "damping is -2"),

@@ -8,8 +8,9 @@ from typing import Optional, Tuple
 from xml.etree import ElementTree
 
 from .hardware_interface import ImuSensorHandle
-from .kinematics.urdf_tree import FIXED, KinematicsError, Origin, UrdfTree
+from .kinematics.urdf_tree import FIXED, KinematicsError, UrdfTree
 from .params import require_range
+from .urdf import Origin
 
 Vector = Tuple[float, float, float]
 Matrix = Tuple[Vector, Vector, Vector]

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from typing import Dict, Iterator, List, Optional, Tuple
 from xml.etree import ElementTree
 
 import numpy as np
 
-__all__ = ["UrdfError", "check_bodies", "check_links"]
+from .urdf import UrdfError, end, number
+
+__all__ = ["check_bodies", "check_links"]
 
 _DEEPEST = 200
 """Links one on another; PyBullet takes no more than 128 in all."""
@@ -20,10 +21,6 @@ _ROUNDING = 1.0e-6
 """Share of the largest moment of inertia by which the least one may be below 0."""
 _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 _SIZES = ("size", "radius", "length", "scale")
-
-
-class UrdfError(ValueError):
-    """The robot description cannot be used; the message says what is wrong with which element."""
 
 
 def check_links(robot: ElementTree.Element) -> None:
@@ -41,7 +38,7 @@ def check_links(robot: ElementTree.Element) -> None:
     """
     above: Dict[str, Tuple[str, str]] = {}
     for joint in robot.findall("joint"):
-        name, parent, child = joint.get("name", ""), _end(joint, "parent"), _end(joint, "child")
+        name, parent, child = joint.get("name", ""), end(joint, "parent"), end(joint, "child")
         if not child:
             continue
         if child in above:
@@ -95,11 +92,9 @@ def check_bodies(robot: ElementTree.Element) -> None:
     """
     for link in robot.findall("link"):
         owner = f"link '{link.get('name', '')}'"
-        mass = link.find("inertial/mass")
-        if mass is not None:
-            value = _number(mass, "value", f"{owner}: mass")
-            if not 0.0 <= value <= _HEAVIEST:
-                raise UrdfError(f"{owner}: mass is {value:g} kg; 0 to {_HEAVIEST:g} is needed")
+        mass = number(link.find("inertial/mass"), "value", owner, 0.0)
+        if not 0.0 <= mass <= _HEAVIEST:
+            raise UrdfError(f"{owner}: mass is {mass:g} kg; 0 to {_HEAVIEST:g} is needed")
         _check_inertia(owner, link.find("inertial/inertia"))
         for kind in ("inertial", "collision", "visual"):
             for part in link.findall(kind):
@@ -115,7 +110,7 @@ def check_bodies(robot: ElementTree.Element) -> None:
 def _check_inertia(owner: str, inertia: Optional[ElementTree.Element]) -> None:
     if inertia is None:
         return
-    values = [_number(inertia, key, f"{owner}: inertia {key}") for key in _MOMENTS]
+    values = [number(inertia, key, owner, 0.0) for key in _MOMENTS]
     matrix = np.zeros((3, 3))
     matrix[np.triu_indices(3)] = values
     moments = np.linalg.eigvalsh(matrix + np.triu(matrix, 1).T)
@@ -157,20 +152,3 @@ def _numbers(element: Optional[ElementTree.Element], key: str) -> Iterator[float
             yield float(word)
         except ValueError:
             return
-
-
-def _number(element: ElementTree.Element, key: str, what: str) -> float:
-    """Return the number of an attribute, 0 where it is not given."""
-    text = element.get(key, "0")
-    try:
-        value = float(text)
-    except ValueError:
-        raise UrdfError(f'{what}: "{text}" is no number') from None
-    if not math.isfinite(value):
-        raise UrdfError(f"{what} is {value}; a finite number is needed")
-    return value
-
-
-def _end(joint: ElementTree.Element, which: str) -> str:
-    end = joint.find(which)
-    return "" if end is None else end.get("link", "")

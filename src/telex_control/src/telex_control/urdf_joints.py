@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import Dict, Optional
 from xml.etree import ElementTree
 
-from .urdf_checks import UrdfError, check_links
+from .urdf import UrdfError, number, read_xml
+from .urdf_checks import check_links
 
 __all__ = [
     "CONTINUOUS",
@@ -24,8 +25,6 @@ __all__ = [
 REVOLUTE = "revolute"
 CONTINUOUS = "continuous"
 PRISMATIC = "prismatic"
-_MOST_CHARACTERS = 1_000_000
-"""A robot_description that is longer is refused: nothing else runs while it is parsed."""
 MOVABLE = (REVOLUTE, CONTINUOUS, PRISMATIC)
 
 
@@ -80,37 +79,13 @@ def parse_urdf(text: str) -> ElementTree.Element:
     UrdfError
         Too long, not XML, no robot, or its links form no tree.
     """
-    if len(text) > _MOST_CHARACTERS:
-        raise UrdfError(
-            f"robot_description has {len(text)} characters; at most {_MOST_CHARACTERS} are read"
-        )
-    try:
-        root = ElementTree.fromstring(text)
-    except ElementTree.ParseError as error:
-        raise UrdfError(f"robot_description is no XML: {error}") from None
-    if root.tag != "robot":
-        raise UrdfError(f"robot_description has the root element <{root.tag}>; <robot> is needed")
+    root = read_xml(text)
     check_links(root)
     return root
 
 
-def _number(
-    element: Optional[ElementTree.Element], attribute: str, default: float, owner: str
-) -> float:
-    text = None if element is None else element.get(attribute)
-    if text is None:
-        return default
-    try:
-        value = float(text)
-    except ValueError:
-        raise UrdfError(f"joint '{owner}': {attribute}=\"{text}\" is no number") from None
-    if not math.isfinite(value):
-        raise UrdfError(f"joint '{owner}': {attribute}=\"{text}\" is not finite")
-    return value
-
-
 def _not_negative(element: Optional[ElementTree.Element], attribute: str, owner: str) -> float:
-    value = _number(element, attribute, 0.0, owner)
+    value = number(element, attribute, f"joint '{owner}'", 0.0)
     if value < 0.0:
         raise UrdfError(f"joint '{owner}': {attribute} is {value:g}; 0 or more is needed")
     return value
@@ -131,12 +106,13 @@ def joints(robot: ElementTree.Element) -> Dict[str, UrdfJoint]:
         if kind not in MOVABLE:
             continue
         name = element.get("name", "")
+        where = f"joint '{name}'"
         limit = element.find("limit")
         if limit is None and kind != CONTINUOUS:
             raise UrdfError(f"joint '{name}' is {kind} and has no <limit>")
         infinite = math.inf
-        lower = -infinite if kind == CONTINUOUS else _number(limit, "lower", 0.0, name)
-        upper = infinite if kind == CONTINUOUS else _number(limit, "upper", 0.0, name)
+        lower = -infinite if kind == CONTINUOUS else number(limit, "lower", where, 0.0)
+        upper = infinite if kind == CONTINUOUS else number(limit, "upper", where, 0.0)
         if lower > upper:
             raise UrdfError(f"joint '{name}': lower limit {lower} is above upper limit {upper}")
         result[name] = UrdfJoint(
@@ -144,8 +120,8 @@ def joints(robot: ElementTree.Element) -> Dict[str, UrdfJoint]:
             kind=kind,
             lower=lower,
             upper=upper,
-            velocity=_number(limit, "velocity", infinite, name),
-            effort=_number(limit, "effort", infinite, name),
+            velocity=number(limit, "velocity", where, infinite),
+            effort=number(limit, "effort", where, infinite),
             friction=_not_negative(element.find("dynamics"), "friction", name),
             damping=_not_negative(element.find("dynamics"), "damping", name),
             soft=_soft_limits(element.find("safety_controller"), kind, name),
@@ -158,10 +134,11 @@ def _soft_limits(
 ) -> Optional[SoftLimits]:
     if safety is None:
         return None
+    where = f"joint '{owner}'"
     lower, upper = -math.inf, math.inf
     if kind != CONTINUOUS:
-        lower = _number(safety, "soft_lower_limit", 0.0, owner)
-        upper = _number(safety, "soft_upper_limit", 0.0, owner)
+        lower = number(safety, "soft_lower_limit", where, 0.0)
+        upper = number(safety, "soft_upper_limit", where, 0.0)
     if not lower < upper:
         raise UrdfError(
             f"joint '{owner}': soft_lower_limit {lower} must be below soft_upper_limit {upper} "
@@ -170,6 +147,6 @@ def _soft_limits(
     return SoftLimits(
         lower=lower,
         upper=upper,
-        k_position=_number(safety, "k_position", 0.0, owner),
-        k_velocity=_number(safety, "k_velocity", 0.0, owner),
+        k_position=number(safety, "k_position", where, 0.0),
+        k_velocity=number(safety, "k_velocity", where, 0.0),
     )

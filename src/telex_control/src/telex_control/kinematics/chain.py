@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Dict, Optional, Sequence, Tuple
+from typing import Optional, Sequence, Tuple
 from xml.etree import ElementTree
 
 import numpy as np
 import PyKDL
 
+from telex_control.urdf import by_name
 from telex_control.urdf_joints import CONTINUOUS, UrdfJoint, joints, parse_urdf
 
 from .kdl_tree import kdl_tree
@@ -154,9 +155,7 @@ def matrix(frame: PyKDL.Frame) -> np.ndarray:
 
 def _check(robot: ElementTree.Element, names: Sequence[str]) -> None:
     """Refuse joints that are no free coordinates of the chain, or whose range nobody has given."""
-    elements: Dict[str, ElementTree.Element] = {
-        element.get("name", ""): element for element in robot.findall("joint")
-    }
+    elements = by_name(robot, "joint")
     for name in names:
         element = elements[name]
         mimic = element.find("mimic")

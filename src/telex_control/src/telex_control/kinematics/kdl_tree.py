@@ -7,9 +7,10 @@ from typing import Optional
 import numpy as np
 import PyKDL
 
+from telex_control.urdf import Origin
 from telex_control.urdf_joints import PRISMATIC
 
-from .urdf_tree import FIXED, Inertial, Origin, TreeJoint, UrdfTree
+from .urdf_tree import FIXED, Inertial, TreeJoint, UrdfTree
 
 
 def kdl_tree(tree: UrdfTree) -> PyKDL.Tree:

@@ -7,22 +7,24 @@ from dataclasses import dataclass
 from typing import Dict, Iterator, List, Optional, Tuple
 from xml.etree import ElementTree
 
+from telex_control.urdf import (
+    Origin,
+    UrdfError,
+    Vector,
+    by_name,
+    end,
+    number,
+    origin,
+    root_links,
+    vector,
+)
 from telex_control.urdf_joints import MOVABLE
 
-Vector = Tuple[float, float, float]
 FIXED = "fixed"
 
 
-class KinematicsError(ValueError):
+class KinematicsError(UrdfError):
     """A robot description has no such kinematics; the message names the element and says why."""
-
-
-@dataclass(frozen=True)
-class Origin:
-    """URDF ``<origin>``: position (m), and rotation about the fixed axes x, y, z (rad)."""
-
-    xyz: Vector = (0.0, 0.0, 0.0)
-    rpy: Vector = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -85,19 +87,19 @@ class UrdfTree:
 
     Raises
     ------
-    KinematicsError
+    KinematicsError, telex_control.urdf.UrdfError
         The links form no tree, a joint is of another kind, or a number is wrong.
     """
 
     def __init__(self, robot: ElementTree.Element) -> None:
         self.inertials: Dict[str, Optional[Inertial]] = {
-            link.get("name", ""): _inertial(link) for link in robot.findall("link")
+            name: _inertial(link, f"link '{name}'") for name, link in by_name(robot, "link").items()
         }
         self.joint_above: Dict[str, TreeJoint] = {}
         self._below: Dict[str, List[TreeJoint]] = {link: [] for link in self.inertials}
         for element in robot.findall("joint"):
             self._add(_joint(element))
-        roots = [link for link in self.inertials if link not in self.joint_above]
+        roots = root_links(robot)
         if len(roots) != 1:
             raise KinematicsError(
                 f"robot_description has the roots {', '.join(roots) or 'none'}; one link, and "
@@ -164,7 +166,7 @@ def _joint(element: ElementTree.Element) -> TreeJoint:
     where = f"joint '{name}'"
     axis = (1.0, 0.0, 0.0)
     if kind != FIXED:
-        axis = _vector(element.find("axis"), "xyz", axis, where)
+        axis = vector(element.find("axis"), "xyz", where, axis)
         length = math.sqrt(sum(value * value for value in axis))
         if length < 1e-9:
             raise KinematicsError(f"{where}: axis is {axis}; a direction is needed")
@@ -174,58 +176,28 @@ def _joint(element: ElementTree.Element) -> TreeJoint:
         kind=kind,
         parent=_link_of(element, "parent", where),
         child=_link_of(element, "child", where),
-        origin=_origin(element, where),
+        origin=origin(element, where),
         axis=axis,
     )
 
 
 def _link_of(element: ElementTree.Element, role: str, where: str) -> str:
-    found = element.find(role)
-    if found is None or not found.get("link"):
+    found = end(element, role)
+    if not found:
         raise KinematicsError(f'{where} has no <{role} link="...">')
-    return found.get("link", "")
+    return found
 
 
-def _inertial(link: ElementTree.Element) -> Optional[Inertial]:
+def _inertial(link: ElementTree.Element, where: str) -> Optional[Inertial]:
     element = link.find("inertial")
     if element is None:
         return None
-    where = f"link '{link.get('name', '')}'"
     mass, inertia = element.find("mass"), element.find("inertia")
     if mass is None or inertia is None:
         raise KinematicsError(f"{where}: its <inertial> needs <mass> and <inertia>")
-    moments = [
-        _numbers(inertia, key, 1, where)[0] for key in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
-    ]
+    moments = [number(inertia, key, where) for key in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")]
     return Inertial(
-        origin=_origin(element, where),
-        mass=_numbers(mass, "value", 1, where)[0],
+        origin=origin(element, where),
+        mass=number(mass, "value", where),
         inertia=(moments[0], moments[1], moments[2], moments[3], moments[4], moments[5]),
     )
-
-
-def _origin(owner: ElementTree.Element, where: str) -> Origin:
-    element = owner.find("origin")
-    zero = (0.0, 0.0, 0.0)
-    return Origin(_vector(element, "xyz", zero, where), _vector(element, "rpy", zero, where))
-
-
-def _vector(
-    element: Optional[ElementTree.Element], attribute: str, default: Vector, where: str
-) -> Vector:
-    if element is None or element.get(attribute) is None:
-        return default
-    x, y, z = _numbers(element, attribute, 3, where)
-    return (x, y, z)
-
-
-def _numbers(element: ElementTree.Element, attribute: str, count: int, where: str) -> List[float]:
-    text = element.get(attribute, "")
-    try:
-        values = [float(word) for word in text.split()]
-    except ValueError:
-        values = []
-    if len(values) != count or not all(map(math.isfinite, values)):
-        wanted = "a finite number is" if count == 1 else f"{count} finite numbers are"
-        raise KinematicsError(f'{where}: <{element.tag} {attribute}="{text}">; {wanted} needed')
-    return values
