@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from telex_control.urdf import UrdfError
 from telex_sim.rendering.batching import VERTEX
 from telex_sim.rendering.belts import belt_outline, carried, moved, subdivided, wheel_radius
 from telex_sim.rendering.camera import PinholeCamera
@@ -13,7 +14,7 @@ from telex_sim.rendering.quality import TIERS
 from telex_sim.rendering.scene import Daylight, Scene, Shape, Visual
 from telex_sim.rendering.still import Still, looking
 from telex_sim.rendering.transforms import pose_matrices
-from telex_sim.rendering.urdf_visuals import UrdfVisualError, urdf_visuals
+from telex_sim.rendering.urdf_visuals import urdf_visuals
 
 RADIUS, LENGTH, WIDTH = 0.1, 0.4, 0.06
 STATIONS = 64
@@ -175,5 +176,5 @@ def test_the_belt_of_a_link_is_driven_by_its_wheel():
 @pytest.mark.parametrize("wheels", [(), ("left", "right")])
 def test_a_belt_without_its_one_wheel_is_refused(wheels):
     links = "".join(LINK % name + JOINT % (name, name) for name in wheels)
-    with pytest.raises(UrdfVisualError, match=f"link 'flipper' .* {len(wheels)} continuous"):
+    with pytest.raises(UrdfError, match=f"link 'flipper' .* {len(wheels)} continuous"):
         urdf_visuals(f"<robot name='r'>{FLIPPER}{links}</robot>")

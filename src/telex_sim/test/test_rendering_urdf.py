@@ -2,8 +2,9 @@ import math
 
 import pytest
 
+from telex_control.urdf import UrdfError
 from telex_sim.rendering.scene import Shape
-from telex_sim.rendering.urdf_visuals import DEFAULT_COLOR, UrdfVisualError, urdf_visuals
+from telex_sim.rendering.urdf_visuals import DEFAULT_COLOR, urdf_visuals
 
 ROBOT = """<?xml version="1.0" encoding="utf-8"?>
 <robot name="r">
@@ -92,5 +93,5 @@ def test_materials_by_value_and_by_name(visuals):
     "text", ["", "<robot", "<robot name='r'><link name='a'><visual/></link></robot>"]
 )
 def test_what_is_no_urdf(text):
-    with pytest.raises(UrdfVisualError, match="robot description"):
+    with pytest.raises(UrdfError, match="robot_description"):
         urdf_visuals(text)

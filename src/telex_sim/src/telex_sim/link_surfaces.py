@@ -8,7 +8,8 @@ from xml.etree import ElementTree
 
 import pybullet
 
-from telex_control.urdf_joints import CONTINUOUS, MOVABLE, UrdfError
+from telex_control.urdf import UrdfError, by_name, end
+from telex_control.urdf_joints import CONTINUOUS, MOVABLE
 
 from .config import HardwareConfig
 from .world import Body
@@ -64,16 +65,13 @@ def wheels(root: ElementTree.Element) -> FrozenSet[str]:
     has a stiffness of its own (``<contact>``, which PyBullet reads), and what is commanded by
     position, such as an arm's wrist.
     """
-    links = {link.get("name", ""): link for link in root.findall("link")}
+    links = by_name(root, "link")
     carriers: Set[str] = set()
     fixed: List[Tuple[str, str]] = []
     turned: Set[str] = set()
     held = _held(root)
     for joint in root.findall("joint"):
-        parent, child = joint.find("parent"), joint.find("child")
-        if parent is None or child is None:
-            continue
-        ends = (parent.get("link", ""), child.get("link", ""))
+        ends = (end(joint, "parent"), end(joint, "child"))
         if joint.get("type") in MOVABLE:
             carriers.add(ends[0])
         else:

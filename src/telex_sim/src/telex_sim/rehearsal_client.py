@@ -92,7 +92,7 @@ class RehearsalClient:
 
         Raises
         ------
-        ConfigError, UrdfError, UrdfVisualError, WorldError
+        ConfigError, UrdfError, WorldError
         """
         return self._ask(RobotRequest(robot, start))
 

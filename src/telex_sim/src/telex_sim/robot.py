@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 from telex_control.controller_manager import ControllerManager
 from telex_control.node_handle import NodeHandle
 from telex_control.params import ConfigError
+from telex_control.urdf import by_name, end
 from telex_control.urdf_checks import check_bodies
 from telex_control.urdf_joints import joints, parse_urdf
 
@@ -108,7 +109,7 @@ class Robot:
         self._check_belts(root)
         self._positions = self.figure.start_positions(asked_pose)
         config.proximity.check_joints(list(joints(root)), config.hardware.optional_joints)
-        links = [link.get("name", "") for link in root.iter("link")]
+        links = list(by_name(root, "link"))
         config.self_collision.check_links(links)
         self._has_pads = config.gripper_contact.present(links, config.hardware.optional_links)
         # What was asked for last, and how often a stop was: each one is obeyed for a cycle at
@@ -118,13 +119,11 @@ class Robot:
         self._e_stop_obeyed = 0
 
     def _check_belts(self, root: ElementTree.Element) -> None:
-        carriers = {
-            joint.get("name"): parent.get("link", "")
-            for joint in root.iter("joint")
-            for parent in joint.findall("parent")
-        }
+        carriers = {name: end(joint, "parent") for name, joint in by_name(root, "joint").items()}
         solid = {
-            link.get("name") for link in root.iter("link") if link.find("collision") is not None
+            name
+            for name, link in by_name(root, "link").items()
+            if link.find("collision") is not None
         }
         for joint in self.config.tracks.belts:
             if not self.hw.has_joint(joint):
@@ -142,7 +141,7 @@ class Robot:
                 )
         self._check_carriers(carriers)
 
-    def _check_carriers(self, carriers: Mapping[Optional[str], str]) -> None:
+    def _check_carriers(self, carriers: Mapping[str, str]) -> None:
         """Refuse belts of several drives around one link: contacts could not tell them apart."""
         known: Dict[str, Tuple[str, ...]] = {}
         for belts in self.config.tracks.groups():

@@ -30,6 +30,7 @@ from telex_control.params import ConfigError
 from telex_control.pid import Pid
 from telex_control.pid_reconfigure import PidSet
 from telex_control.transmission_parser import DrivenJoint, driven_joints
+from telex_control.urdf import by_name
 from telex_control.urdf_joints import CONTINUOUS, PRISMATIC, UrdfError, UrdfJoint, joints
 
 from .config import HardwareConfig, JointHardware
@@ -164,7 +165,7 @@ class RobotHWSim(RobotHW):
                 f"parameter hardware/joints/{unknown[0]}: the robot has no driven joint of this "
                 "name"
             )
-        links = {link.get("name") for link in self._robot.iter("link")}
+        links = by_name(self._robot, "link")
         for name, link in config.imus.items():
             if link not in links:
                 raise ConfigError(f"hardware/imus/{name} is '{link}'; the robot has no such link")

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Callable, Dict
 
 from telex_control.params import ConfigError
+from telex_control.urdf import by_name
 from telex_control.urdf_joints import parse_urdf
 
 from .rendering.mesh_files import MeshFileError, load_mesh
@@ -43,8 +44,8 @@ def check_meshes(
     root = parse_urdf(urdf)
     triangles: Dict[Path, int] = {}
     total = 0
-    for link in root.iter("link"):
-        where = f"link '{link.get('name', '')}'"
+    for name, link in by_name(root, "link").items():
+        where = f"link '{name}'"
         touched = link.findall("collision/geometry/mesh")
         for element in (*link.iter("mesh"), *link.iter("texture")):
             if element.get("filename") and element not in touched:

@@ -70,7 +70,7 @@ class SceneMessages:
 
     Raises
     ------
-    UrdfVisualError
+    telex_control.urdf.UrdfError
     """
 
     def __init__(self, model: str, links: Sequence[str], urdf: str, scene: Scene) -> None:

@@ -47,7 +47,7 @@ from .loop_requests import Action, LoopRequests
 from .pacing import RealTimeFactor, RealTimePacer
 from .rehearsal_client import RehearsalClient
 from .rendering.addresses import resolve_address
-from .rendering.urdf_visuals import UrdfVisual, UrdfVisualError
+from .rendering.urdf_visuals import UrdfVisual
 from .robot import Robot
 from .robot_body import RobotBody
 from .robot_presence import RobotPresence
@@ -252,7 +252,7 @@ class SimulatorNode:
                     robot.close()
                     raise
                 self._presences = (*self._presences, RobotPresence(robot))
-        except (ConfigError, UrdfError, UrdfVisualError, WorldError) as error:
+        except (ConfigError, UrdfError, WorldError) as error:
             rospy.logwarn("sim/add_robot: %s: %s", name, error)
             return AddRobotResponse(success=False, message=str(error))
         self._status_soon()
@@ -564,7 +564,7 @@ def main() -> None:
         node = SimulatorNode(simulation, recovery, paused)
     except rospy.ROSInterruptException:
         return
-    except (ConfigError, SceneError, UrdfError, UrdfVisualError, WorldError) as error:
+    except (ConfigError, SceneError, UrdfError, WorldError) as error:
         rospy.logfatal("%s", error)
         sys.exit(os.EX_CONFIG)
     prepare_for_loop()

@@ -11,7 +11,8 @@ from xml.etree import ElementTree
 import numpy as np
 import pybullet
 
-Vector = Tuple[float, float, float]
+from telex_control.urdf import UrdfError, Vector, by_name, end, number, origin, vector
+
 Quaternion = Tuple[float, float, float, float]
 Pose = Tuple[Vector, Quaternion]
 
@@ -61,20 +62,21 @@ def take_out_wheels(root: ElementTree.Element, joints: Collection[str]) -> Dict[
     dict of str to Frame
         By name of the wheel's link.
     """
-    links, carried = _links(root), _carried(root)
+    links, carried = by_name(root, "link"), _carried(root)
     gone: Dict[str, Frame] = {}
     for joint in root.findall("joint"):
-        name, parent = _end(joint, "child"), _end(joint, "parent")
+        name, parent = end(joint, "child"), end(joint, "parent")
         wheel, carrier = links.get(name), links.get(parent)
         if joint.get("name") not in joints or name in carried or wheel is None or carrier is None:
             continue
         if wheel.find("collision") is None and _is_placed(joint, wheel, carrier):
             pose = _origin(joint)
-            axis = joint.find("axis")
-            x, y, z = _numbers("1 0 0" if axis is None else axis.get("xyz", "1 0 0"))
+            axis = vector(
+                joint.find("axis"), "xyz", f"joint '{joint.get('name')}'", (1.0, 0.0, 0.0)
+            )
             _add_mass(carrier, wheel, pose)
             _take(root, joint, wheel, carrier, pose)
-            gone[name] = Frame(parent, *pose, joint=joint.get("name", ""), axis=(x, y, z))
+            gone[name] = Frame(parent, *pose, joint=joint.get("name", ""), axis=axis)
     return gone
 
 
@@ -94,11 +96,11 @@ def take_out_frames(root: ElementTree.Element) -> Dict[str, Frame]:
     dict of str to Frame
         By name.
     """
-    links, carried = _links(root), _carried(root)
+    links, carried = by_name(root, "link"), _carried(root)
     gone: Dict[str, Frame] = {}
 
     def is_bare(joint: ElementTree.Element) -> bool:
-        name = _end(joint, "child")
+        name = end(joint, "child")
         link = links.get(name)
         return (
             joint.get("type") == "fixed"
@@ -110,7 +112,7 @@ def take_out_frames(root: ElementTree.Element) -> Dict[str, Frame]:
         )
 
     def take(joint: ElementTree.Element, carrier: str, pose: Pose) -> None:
-        name = _end(joint, "child")
+        name = end(joint, "child")
         pose = pybullet.multiplyTransforms(*pose, *_origin(joint))
         gone[name] = Frame(carrier, *pose)
         _take(root, joint, links[name], links[carrier], pose)
@@ -118,7 +120,7 @@ def take_out_frames(root: ElementTree.Element) -> Dict[str, Frame]:
             take(each, carrier, pose)
 
     for joint in root.findall("joint"):
-        parent = _end(joint, "parent")
+        parent = end(joint, "parent")
         if parent in links and parent not in gone and is_bare(joint):
             take(joint, parent, IDENTITY)
     return gone
@@ -139,26 +141,12 @@ def _take(
     root.remove(joint)
 
 
-def _links(root: ElementTree.Element) -> Dict[str, ElementTree.Element]:
-    return {link.get("name", ""): link for link in root.findall("link")}
-
-
 def _carried(root: ElementTree.Element) -> Dict[str, List[ElementTree.Element]]:
     """Joints on each link that has any."""
     carried: Dict[str, List[ElementTree.Element]] = {}
     for joint in root.findall("joint"):
-        carried.setdefault(_end(joint, "parent"), []).append(joint)
+        carried.setdefault(end(joint, "parent"), []).append(joint)
     return carried
-
-
-def _end(joint: ElementTree.Element, which: str) -> str:
-    """Name of a joint's ``parent`` or ``child``."""
-    end = joint.find(which)
-    return "" if end is None else end.get("link", "")
-
-
-def _numbers(text: str) -> List[float]:
-    return [float(word) for word in text.split()]
 
 
 def _is_placed(joint: ElementTree.Element, *links: ElementTree.Element) -> bool:
@@ -166,33 +154,28 @@ def _is_placed(joint: ElementTree.Element, *links: ElementTree.Element) -> bool:
     try:
         for element in (joint, *(part for link in links for part in link)):
             _origin(element)
-    except ValueError:
+    except UrdfError:
         return False
     return True
 
 
 def _origin(element: Optional[ElementTree.Element]) -> Pose:
-    origin = None if element is None else element.find("origin")
-    if origin is None:
-        return IDENTITY
-    x, y, z = _numbers(origin.get("xyz", "0 0 0"))
-    roll, pitch, yaw = _numbers(origin.get("rpy", "0 0 0"))
-    return (x, y, z), pybullet.getQuaternionFromEuler((roll, pitch, yaw))
+    place = origin(element, "" if element is None else element.tag)
+    return place.xyz, pybullet.getQuaternionFromEuler(place.rpy)
 
 
 def _place(element: ElementTree.Element, pose: Pose) -> None:
     """Replace the origin of an element."""
-    origin = element.find("origin")
-    if origin is None:
-        origin = ElementTree.SubElement(element, "origin")
+    place = element.find("origin")
+    if place is None:
+        place = ElementTree.SubElement(element, "origin")
     for key, values in (("xyz", pose[0]), ("rpy", pybullet.getEulerFromQuaternion(pose[1]))):
-        origin.set(key, " ".join(repr(float(value)) for value in values))
+        place.set(key, " ".join(repr(float(value)) for value in values))
 
 
 def _mass(link: ElementTree.Element) -> float:
     """Mass (kg); 0 where none is given."""
-    mass = link.find("inertial/mass")
-    return 0.0 if mass is None else float(mass.get("value", "0"))
+    return number(link.find("inertial/mass"), "value", f"link '{link.get('name')}'", 0.0)
 
 
 def _add_mass(link: ElementTree.Element, other: ElementTree.Element, pose: Pose) -> None:
@@ -222,10 +205,8 @@ def _inertial(link: ElementTree.Element, pose: Pose) -> Tuple[float, np.ndarray,
     """Mass (kg), centre of mass (m) and inertia about it (kg m2), where the link is at `pose`."""
     centre, turned = pybullet.multiplyTransforms(*pose, *_origin(link.find("inertial")))
     moments = np.zeros((3, 3))
-    inertia = link.find("inertial/inertia")
-    if inertia is not None:
-        values = [float(inertia.get(key, "0")) for key in _MOMENTS]
-        moments[np.triu_indices(3)] = values
-        moments = moments + np.triu(moments, 1).T
+    inertia, where = link.find("inertial/inertia"), f"link '{link.get('name')}'"
+    moments[np.triu_indices(3)] = [number(inertia, key, where, 0.0) for key in _MOMENTS]
+    moments = moments + np.triu(moments, 1).T
     rotation = np.reshape(pybullet.getMatrixFromQuaternion(turned), (3, 3))
     return _mass(link), np.array(centre), rotation @ moments @ rotation.T

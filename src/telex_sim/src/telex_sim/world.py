@@ -12,6 +12,8 @@ from xml.etree import ElementTree
 
 import pybullet
 
+from telex_control.urdf import read_xml, root_links
+
 from .overlaps import neighbours
 from .urdf_frames import Frame, take_out_frames, take_out_wheels
 
@@ -243,7 +245,7 @@ class World:
             PyBullet refuses the URDF, or a joint of `joint_positions` does not exist.
         """
         client = self.client
-        root = ElementTree.fromstring(urdf)
+        root = read_xml(urdf)
         frames = {**take_out_wheels(root, wheels), **take_out_frames(root)}
         _complete_inertials(root)
         if not self._gui:
@@ -259,7 +261,7 @@ class World:
                 file.write(ElementTree.tostring(root, encoding="unicode"))
             uid = pybullet.loadURDF(
                 path,
-                useFixedBase=fixed_base or _root_link(root) == _WORLD_LINK,
+                useFixedBase=fixed_base or root_links(root)[:1] == [_WORLD_LINK],
                 flags=flags,
                 physicsClientId=client,
             )
@@ -342,9 +344,3 @@ def _drop_visuals(root: ElementTree.Element) -> None:
     for link in root.findall("link"):
         for visual in link.findall("visual"):
             link.remove(visual)
-
-
-def _root_link(root: ElementTree.Element) -> str:
-    children = {child.get("link") for child in root.findall("joint/child")}
-    links = (link.get("name", "") for link in root.findall("link"))
-    return next((name for name in links if name not in children), "")

@@ -7,6 +7,7 @@ from typing import Dict
 import rospy
 
 from telex_control.robot_description import wait_for_robot_description
+from telex_control.urdf import by_name
 from telex_control.urdf_joints import joints, parse_urdf
 from telex_teleop.arm_settings import ArmTeleopSettings, carrier_of
 from telex_teleop.arm_teleop import ArmTeleop
@@ -67,7 +68,7 @@ def _start_arm() -> object:
         ProximityGuard(settings.proximity),
         BasePose(settings.frames.base_pose_max_age),
     )
-    links = [link.attrib["name"] for link in parse_urdf(description).iter("link")]
+    links = list(by_name(parse_urdf(description), "link"))
     node = ArmTeleopNode(core, settings, chain, links)
     return node, KinematicsServices(node, chain, settings.frames)
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Dict, List, Sequence, Tuple
+from typing import Dict, List, Optional, Tuple
+from xml.etree import ElementTree
 
-from urdf_parser_py import urdf
+from telex_control.urdf import UrdfError, end, number, numbers, origin, vector
+from telex_control.urdf_joints import CONTINUOUS, parse_urdf
 
 from .scene import Color, Shape, Vector3
 from .transforms import Quaternion, quaternion_from_rpy
@@ -17,8 +19,7 @@ _BELT = "belt"
 DEFAULT_COLOR: Color = (0.7, 0.7, 0.7, 1.0)
 
 
-class UrdfVisualError(ValueError):
-    """The model's text cannot be read; the message says where it is wrong."""
+_Element = ElementTree.Element
 
 
 @dataclass(frozen=True)
@@ -71,92 +72,94 @@ def urdf_visuals(text: str) -> List[UrdfVisual]:
 
     Raises
     ------
-    UrdfVisualError
+    UrdfError
         When the text is no URDF, or a belt has not one drive wheel.
     """
-    try:
-        # Bytes, because lxml refuses a str that declares its encoding.
-        robot = urdf.URDF.from_xml_string(text.encode("utf-8"))
-    except Exception as error:  # the parser raises whatever fails first
-        raise UrdfVisualError(f"robot description: {error}") from error
+    robot = parse_urdf(text)
     materials = _materials(robot)
     return [
-        _visual(link.name, visual, materials, robot)
-        for link in robot.links
-        for visual in link.visuals
+        _visual(link.get("name", ""), visual, materials, robot)
+        for link in robot.findall("link")
+        for visual in link.findall("visual")
     ]
 
 
-def _materials(robot: Any) -> Dict[str, Any]:
-    in_visuals = [visual.material for link in robot.links for visual in link.visuals]
-    materials: Dict[str, Any] = {}
-    for material in (*robot.materials, *in_visuals):
-        if material is not None and _is_defined(material):
-            materials.setdefault(material.name, material)
+def _materials(robot: _Element) -> Dict[str, _Element]:
+    materials: Dict[str, _Element] = {}
+    for material in (*robot.findall("material"), *robot.findall("link/visual/material")):
+        if _is_defined(material):
+            materials.setdefault(material.get("name", ""), material)
     return materials
 
 
-def _is_defined(material: Any) -> bool:
-    return material.color is not None or material.texture is not None
+def _is_defined(material: _Element) -> bool:
+    return material.find("color") is not None or material.find("texture") is not None
 
 
-def _visual(link: str, visual: Any, materials: Dict[str, Any], robot: Any) -> UrdfVisual:
-    shape, size, mesh = _geometry(link, visual.geometry)
-    position, orientation = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
-    if visual.origin is not None:
-        position = _vector3(visual.origin.xyz or position)
-        orientation = quaternion_from_rpy(visual.origin.rpy or (0.0, 0.0, 0.0))
-    color, texture = _appearance(visual.material, materials)
+def _visual(
+    link: str, visual: _Element, materials: Dict[str, _Element], robot: _Element
+) -> UrdfVisual:
+    where = f"link '{link}': visual"
+    shape, size, mesh = _geometry(where, visual.find("geometry"))
+    place = origin(visual, where)
+    material = visual.find("material")
+    color, texture = _appearance(where, material, materials)
     return UrdfVisual(
         link,
         shape,
         size,
-        position,
-        orientation,
+        place.xyz,
+        quaternion_from_rpy(place.rpy),
         color,
         mesh,
         texture,
-        drive=_drive(link, robot) if visual.name == _BELT and mesh else "",
-        mesh_materials=bool(mesh) and visual.material is None,
+        drive=_drive(link, robot) if visual.get("name") == _BELT and mesh else "",
+        mesh_materials=bool(mesh) and material is None,
     )
 
 
-def _drive(link: str, robot: Any) -> str:
+def _drive(link: str, robot: _Element) -> str:
     wheels = [
-        joint.child for joint in robot.joints if joint.parent == link and joint.type == "continuous"
+        end(joint, "child")
+        for joint in robot.findall("joint")
+        if end(joint, "parent") == link and joint.get("type") == CONTINUOUS
     ]
     if len(wheels) != 1:
-        raise UrdfVisualError(
-            f"robot description: link '{link}' has a visual '{_BELT}' and {len(wheels)} continuous"
+        raise UrdfError(
+            f"robot_description: link '{link}' has a visual '{_BELT}' and {len(wheels)} continuous"
             " joints; a belt needs one, which drives it"
         )
     return wheels[0]
 
 
-def _geometry(link: str, geometry: Any) -> Tuple[Shape, Vector3, str]:
-    if isinstance(geometry, urdf.Box):
-        return Shape.BOX, _vector3(geometry.size), ""
-    if isinstance(geometry, urdf.Sphere):
-        return Shape.SPHERE, (float(geometry.radius), 0.0, 0.0), ""
-    if isinstance(geometry, urdf.Cylinder):
-        return Shape.CYLINDER, (float(geometry.radius), 0.0, float(geometry.length)), ""
-    if isinstance(geometry, urdf.Mesh):
-        return Shape.MESH, _vector3(geometry.scale or (1.0, 1.0, 1.0)), geometry.filename
-    raise UrdfVisualError(f"robot description: a visual of link '{link}' has no known geometry")
+def _geometry(where: str, geometry: Optional[_Element]) -> Tuple[Shape, Vector3, str]:
+    for shape in () if geometry is None else geometry:
+        if shape.tag == "box":
+            x, y, z = numbers(shape, "size", 3, where)
+            return Shape.BOX, (x, y, z), ""
+        if shape.tag == "sphere":
+            return Shape.SPHERE, (number(shape, "radius", where), 0.0, 0.0), ""
+        if shape.tag == "cylinder":
+            radius, length = (number(shape, key, where) for key in ("radius", "length"))
+            return Shape.CYLINDER, (radius, 0.0, length), ""
+        if shape.tag == "mesh":
+            scale = vector(shape, "scale", where, (1.0, 1.0, 1.0))
+            return Shape.MESH, scale, shape.get("filename", "")
+    raise UrdfError(
+        f"robot_description: {where} has no known geometry; box, sphere, cylinder or mesh is needed"
+    )
 
 
-def _appearance(material: Any, materials: Dict[str, Any]) -> Tuple[Color, str]:
+def _appearance(
+    where: str, material: Optional[_Element], materials: Dict[str, _Element]
+) -> Tuple[Color, str]:
     if material is not None and not _is_defined(material):
-        material = materials.get(material.name)
+        material = materials.get(material.get("name", ""))
     if material is None:
         return DEFAULT_COLOR, ""
-    texture = material.texture.filename if material.texture is not None else ""
-    if material.color is None:
+    picture, color = material.find("texture"), material.find("color")
+    texture = "" if picture is None else picture.get("filename", "")
+    if color is None:
         return (1.0, 1.0, 1.0, 1.0), texture
-    red, green, blue, alpha = (float(component) for component in material.color.rgba)
+    red, green, blue, alpha = numbers(color, "rgba", 4, where)
     return (red, green, blue, alpha), texture
-
-
-def _vector3(values: Sequence[float]) -> Vector3:
-    x, y, z = (float(value) for value in values)
-    return x, y, z
