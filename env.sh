@@ -30,6 +30,14 @@ case ":$ROS_PACKAGE_PATH:" in
   *":$_telex_root/tests:"*) ;;
   *) export ROS_PACKAGE_PATH="$_telex_root/tests:$ROS_PACKAGE_PATH" ;;
 esac
+# $(find xacro), for launch files and within xacro; last, so that a system's own goes first
+case ":$ROS_PACKAGE_PATH:" in
+  *":$_telex_root/ros_packages:"*) ;;
+  *)
+    export ROS_PACKAGE_PATH="$ROS_PACKAGE_PATH:$_telex_root/ros_packages"
+    export PYTHONPATH="${PYTHONPATH:+$PYTHONPATH:}$_telex_root/ros_packages/xacro/src"
+    ;;
+esac
 export ROS_MASTER_URI="${ROS_MASTER_URI:-http://localhost:11311}"
 export ROS_DISTRO="${ROS_DISTRO:-noetic}"
 

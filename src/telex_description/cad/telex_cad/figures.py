@@ -56,11 +56,11 @@ def read_figures(path: Path) -> Figures:
     ValueError
         When the file lacks a property or xacro cannot read it.
     """
-    symbols = xacro.Table()
-    xacro.restore_filestack([str(path)])
+    symbols = xacro.Table(xacro.create_global_symbols())
+    xacro.init_stacks(str(path))
     try:
         document = xacro.parse(None, str(path))
-        xacro.eval_all(document.documentElement, {}, symbols)
+        xacro.eval_all(document.documentElement, xacro.Table(), symbols)
         values = {field.name: _property(symbols, field.name, path) for field in fields(Figures)}
     except xacro.XacroException as error:
         raise ValueError(f"{path}: {error}") from error

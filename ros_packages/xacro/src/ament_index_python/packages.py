@@ -1,0 +1,21 @@
+"""The one function that xacro calls, answered from ROS_PACKAGE_PATH."""
+
+from __future__ import annotations
+
+import rospkg
+
+
+def get_package_share_directory(package_name: str) -> str:
+    """Return the folder of a ROS package.
+
+    Raises
+    ------
+    LookupError
+        ROS_PACKAGE_PATH has no such package.
+    """
+    try:
+        return str(rospkg.RosPack().get_path(package_name))
+    except rospkg.ResourceNotFound:
+        raise LookupError(
+            f"$(find {package_name}): ROS_PACKAGE_PATH has no package '{package_name}'"
+        ) from None
