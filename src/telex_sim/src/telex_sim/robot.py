@@ -5,6 +5,8 @@ One thread, the simulation's, owns a `Robot`; only `request_e_stop` may be calle
 
 from __future__ import annotations
 
+import logging
+from copy import deepcopy
 from typing import Callable, Dict, Mapping, Optional, Tuple
 from xml.etree import ElementTree
 
@@ -23,7 +25,10 @@ from .robot_body import RobotBody
 from .robot_hw_sim import RobotHWSim
 from .scene.model import Start
 from .tracks.tracks import Tracks
+from .urdf_frames import complete_masses
 from .world import Body, World
+
+_log = logging.getLogger("rosout")
 
 
 class Robot:
@@ -103,6 +108,8 @@ class Robot:
     def _make(self, root: ElementTree.Element, node: NodeHandle, asked_pose: str) -> None:
         config = self.config
         check_bodies(root)
+        for remark in complete_masses(deepcopy(root), config.fixed_base).remarks:
+            _log.warning("%s: %s", self.model, remark)
         self.hw = RobotHWSim(root, config.hardware, config.tracks.belts)
         self.hw.init(node, node)
         self.controllers = ControllerManager(self.hw, node)

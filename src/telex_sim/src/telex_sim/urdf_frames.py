@@ -1,17 +1,18 @@
-"""Links of a URDF that PyBullet can do without, because no force depends on how they move.
+"""What PyBullet is not given as a URDF has it: links without a mass, and such as need no body.
 
-PyBullet takes nearly as long for each of them as for a link that collides and is driven.
+PyBullet takes 1 kg for a link without ``<inertial>``, holds one of mass 0 fast in the world, and
+takes nearly as long for a link on which no force depends as for one that collides and is driven.
 """
 
 from __future__ import annotations
 
-from typing import Collection, Dict, List, NamedTuple, Optional, Tuple
+from typing import Collection, Dict, Iterator, List, NamedTuple, Optional, Tuple
 from xml.etree import ElementTree
 
 import numpy as np
 import pybullet
 
-from telex_control.urdf import UrdfError, Vector, by_name, end, number, origin, vector
+from telex_control.urdf import UrdfError, Vector, by_name, end, number, origin, root_links, vector
 
 Quaternion = Tuple[float, float, float, float]
 Pose = Tuple[Vector, Quaternion]
@@ -19,6 +20,8 @@ Pose = Tuple[Vector, Quaternion]
 IDENTITY: Pose = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
 _NO_MASS = 1.0e-5
 """What mere frames are given for tools that demand a mass (kg), at most."""
+_WORLD_LINK = "world"
+"""A root link of this name means the world itself, as Gazebo has it."""
 _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
@@ -42,6 +45,21 @@ class Frame(NamedTuple):
     orientation: Quaternion
     joint: str = ""
     axis: Vector = (1.0, 0.0, 0.0)
+
+
+class Masses(NamedTuple):
+    """What `complete_masses` found.
+
+    Attributes
+    ----------
+    fixed : bool
+        Whether the root is held fast.
+    remarks : list of str
+        What of the description does not count, for a person.
+    """
+
+    fixed: bool
+    remarks: List[str]
 
 
 def take_out_wheels(root: ElementTree.Element, joints: Collection[str]) -> Dict[str, Frame]:
@@ -126,6 +144,74 @@ def take_out_frames(root: ElementTree.Element) -> Dict[str, Frame]:
     return gone
 
 
+def complete_masses(root: ElementTree.Element, fixed_base: bool) -> Masses:
+    """Give every link a mass that PyBullet can move.
+
+    A root that is a mere frame gets the mass of the links that are fixed to it: a body moves as
+    well from there, and a root of next to no mass would turn at once by any rounding error. All
+    others without mass get one that does not count.
+
+    Parameters
+    ----------
+    root : Element
+        The robot; it is changed.
+    fixed_base : bool
+        Whether the root is to be held fast; one of the name ``world`` always is.
+    """
+    links = by_name(root, "link")
+    remarks = [
+        f"link '{name}' has the mass 0, so its <inertia> does not count"
+        for name, link in links.items()
+        if not _mass(link) and _inertial(link, IDENTITY)[2].any()
+    ]
+    fixed = fixed_base or _WORLD_LINK in root_links(root)
+    for name in () if fixed else root_links(root):
+        carrier = links[name]
+        if _mass(carrier) > _NO_MASS:
+            continue
+        _remove_inertial(carrier)
+        for link, pose in _fixed_to(name, links, _carried(root)):
+            _add_mass(carrier, link, pose)
+            _remove_inertial(link)
+        if _mass(carrier) <= _NO_MASS:
+            fixed = True
+            remarks.append(
+                f"link '{name}' is the root, and neither it nor what is fixed to it has a mass: it "
+                "is held fast where it stands; give it one if it is to move"
+            )
+    for link in links.values():
+        if not _mass(link):
+            _remove_inertial(link)
+            inertial = ElementTree.SubElement(link, "inertial")
+            ElementTree.SubElement(inertial, "mass", value="1e-6")
+            values = {key: "1e-9" if key[1] == key[2] else "0" for key in _MOMENTS}
+            ElementTree.SubElement(inertial, "inertia", values)
+    return Masses(fixed, remarks)
+
+
+def _fixed_to(
+    name: str,
+    links: Dict[str, ElementTree.Element],
+    carried: Dict[str, List[ElementTree.Element]],
+    pose: Pose = IDENTITY,
+) -> Iterator[Tuple[ElementTree.Element, Pose]]:
+    """Yield all links that fixed joints hold at a link, and their poses in the frame of the first.
+
+    One whose place is no numbers stays as it is, and what it carries.
+    """
+    for joint in carried.get(name, ()):
+        child = end(joint, "child")
+        if joint.get("type") == "fixed" and child in links and _is_placed(joint, links[child]):
+            place = pybullet.multiplyTransforms(*pose, *_origin(joint))
+            yield links[child], place
+            yield from _fixed_to(child, links, carried, place)
+
+
+def _remove_inertial(link: ElementTree.Element) -> None:
+    for inertial in link.findall("inertial"):
+        link.remove(inertial)
+
+
 def _take(
     root: ElementTree.Element,
     joint: ElementTree.Element,
@@ -190,8 +276,7 @@ def _add_mass(link: ElementTree.Element, other: ElementTree.Element, pose: Pose)
         # The parallel axis theorem.
         away = place - centre
         moments += own + share * (away @ away * np.eye(3) - np.outer(away, away))
-    for inertial in link.findall("inertial"):
-        link.remove(inertial)
+    _remove_inertial(link)
     inertial = ElementTree.SubElement(link, "inertial")
     ElementTree.SubElement(inertial, "mass", value=repr(mass))
     _place(inertial, ((centre[0], centre[1], centre[2]), IDENTITY[1]))

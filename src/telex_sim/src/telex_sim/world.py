@@ -12,15 +12,12 @@ from xml.etree import ElementTree
 
 import pybullet
 
-from telex_control.urdf import read_xml, root_links
+from telex_control.urdf import read_xml
 
 from .overlaps import neighbours
-from .urdf_frames import Frame, take_out_frames, take_out_wheels
+from .urdf_frames import Frame, complete_masses, take_out_frames, take_out_wheels
 
 GRAVITY = 9.81
-_NO_PRODUCTS = {"ixy": "0", "ixz": "0", "iyz": "0"}
-_WORLD_LINK = "world"
-"""A root link of this name means the world itself, as Gazebo has it."""
 Vector = Tuple[float, float, float]
 Quaternion = Tuple[float, float, float, float]
 
@@ -233,7 +230,7 @@ class World:
         joint_positions : dict
             By joint name (rad, m); 0 for the rest.
         fixed_base : bool
-            Fix the root link to the world; one of the name ``world`` always is.
+            Fix the root link to the world; see `urdf_frames.complete_masses` for which always is.
         self_collision : bool
             Whether its links can touch each other.
         wheels : collection of str
@@ -247,7 +244,7 @@ class World:
         client = self.client
         root = read_xml(urdf)
         frames = {**take_out_wheels(root, wheels), **take_out_frames(root)}
-        _complete_inertials(root)
+        masses = complete_masses(root, fixed_base)
         if not self._gui:
             # Nothing looks at them there, and reading them is most of the time that loading takes.
             _drop_visuals(root)
@@ -261,7 +258,7 @@ class World:
                 file.write(ElementTree.tostring(root, encoding="unicode"))
             uid = pybullet.loadURDF(
                 path,
-                useFixedBase=fixed_base or root_links(root)[:1] == [_WORLD_LINK],
+                useFixedBase=masses.fixed,
                 flags=flags,
                 physicsClientId=client,
             )
@@ -328,16 +325,6 @@ def _use_local_meshes(root: ElementTree.Element, resolve: Callable[[str], str]) 
             mesh.set("filename", resolve(mesh.get("filename", "")))
         except ValueError as error:
             raise WorldError(f"robot_description: {error}") from error
-
-
-def _complete_inertials(root: ElementTree.Element) -> None:
-    """Give links that have none a mass that does not count: PyBullet would take 1 kg."""
-    for link in root.findall("link"):
-        if link.find("inertial") is None:
-            inertial = ElementTree.SubElement(link, "inertial")
-            ElementTree.SubElement(inertial, "mass", value="1e-6")
-            moments = {"ixx": "1e-9", "iyy": "1e-9", "izz": "1e-9"}
-            ElementTree.SubElement(inertial, "inertia", {**moments, **_NO_PRODUCTS})
 
 
 def _drop_visuals(root: ElementTree.Element) -> None:
