@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Dict, Optional
 from xml.etree import ElementTree
 
 from .urdf import UrdfError, number, read_xml
 from .urdf_checks import check_links
+from .urdf_mimic import Mimic, mimics
 
 __all__ = [
     "CONTINUOUS",
@@ -58,6 +59,10 @@ class UrdfJoint:
     damping : float
         Viscous friction (``<dynamics damping>``; N m s/rad, N s/m), 0 or more.
     soft : SoftLimits or None
+    mimic : Mimic or None
+        What it follows, if it does not move by itself.
+    mimic_limits : bool
+        Whether its own limits count then: they do unless they leave its leader no room.
     """
 
     name: str
@@ -69,6 +74,8 @@ class UrdfJoint:
     friction: float
     damping: float
     soft: Optional[SoftLimits]
+    mimic: Optional[Mimic] = None
+    mimic_limits: bool = True
 
 
 def parse_urdf(text: str) -> ElementTree.Element:
@@ -93,6 +100,8 @@ def _not_negative(element: Optional[ElementTree.Element], attribute: str, owner:
 
 def joints(robot: ElementTree.Element) -> Dict[str, UrdfJoint]:
     """Return the movable joints of a ``<robot>`` element by name, in the order of the file.
+
+    A joint that others follow (``<mimic>``) has the limits that keep all of them within theirs.
 
     Raises
     ------
@@ -126,7 +135,30 @@ def joints(robot: ElementTree.Element) -> Dict[str, UrdfJoint]:
             damping=_not_negative(element.find("dynamics"), "damping", name),
             soft=_soft_limits(element.find("safety_controller"), kind, name),
         )
+    for name, mimic in mimics(robot).items():
+        if name in result and mimic.joint in result:
+            _couple(result, name, mimic)
     return result
+
+
+def _couple(described: Dict[str, UrdfJoint], name: str, mimic: Mimic) -> None:
+    """Limit a joint by another one that follows it."""
+    leader, joint = described[mimic.joint], described[name]
+    lower, upper = leader.lower, leader.upper
+    if leader.kind != CONTINUOUS:
+        lowest, highest = mimic.preimage(joint.lower, joint.upper)
+        lower, upper = max(lower, lowest), min(upper, highest)
+    if lower < upper:
+        leader = replace(leader, lower=lower, upper=upper)
+        joint = replace(joint, mimic=mimic)
+    else:
+        # Published grippers have such limits (0 to 0.8 with the multiplier -1).
+        lower, upper = mimic.image(leader.lower, leader.upper)
+        joint = replace(joint, mimic=mimic, mimic_limits=False, lower=lower, upper=upper)
+    if joint.velocity and mimic.multiplier:
+        velocity = min(leader.velocity, joint.velocity / abs(mimic.multiplier))
+        leader = replace(leader, velocity=velocity)
+    described[mimic.joint], described[name] = leader, joint
 
 
 def _soft_limits(

@@ -69,6 +69,10 @@ class RobotBody:
                     "belongs into hardware/optional_joints"
                 )
             limits = described[joint]
+            if limits.mimic is not None:
+                raise ConfigError(
+                    f"{where}: the joint follows '{limits.mimic.joint}'; give that one alone"
+                )
             if not limits.lower <= position <= limits.upper:
                 raise ConfigError(
                     f"{where} is {position}; its limits are {limits.lower} to {limits.upper}"
@@ -102,12 +106,17 @@ class RobotBody:
         config, start = self.config, self.config.start
         ground = scene_start.ground + start.height
         x, y, z, yaw = start.place or (scene_start.x, scene_start.y, ground, scene_start.yaw)
+        followers = {
+            name: each.mimic.position(positions.get(each.mimic.joint, 0.0))
+            for name, each in joints(parse_urdf(self.urdf)).items()
+            if each.mimic is not None
+        }
         body = world.load_robot(
             self.urdf,
             resolve,
             (x, y, z),
             yaw,
-            positions,
+            {**positions, **followers},
             config.fixed_base,
             config.self_collision.enabled,
             config.tracks.belts,

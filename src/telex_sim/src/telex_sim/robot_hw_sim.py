@@ -10,7 +10,8 @@ brakes, whatever the controllers ask for. The drives of belts are simulated in `
 from __future__ import annotations
 
 import logging
-from typing import Any, Collection, Dict, List, Mapping, Optional, Sequence, Set, Type
+import math
+from typing import Any, Collection, Dict, List, Mapping, Optional, Sequence, Set, Tuple, Type
 from xml.etree import ElementTree
 
 import pybullet
@@ -32,6 +33,7 @@ from telex_control.pid_reconfigure import PidSet
 from telex_control.transmission_parser import DrivenJoint, driven_joints
 from telex_control.urdf import by_name
 from telex_control.urdf_joints import CONTINUOUS, PRISMATIC, UrdfError, UrdfJoint, joints
+from telex_control.urdf_mimic import Mimic
 
 from .config import HardwareConfig, JointHardware
 from .drives import INTERFACES, Drive, Mode
@@ -45,6 +47,10 @@ PID_GAINS = ("pid_gains", "gazebo_ros_control/pid_gains")
 _LIMITS = "joint_limits"
 _BRAKE_POSITION_GAIN = 0.2
 _BRAKE_VELOCITY_GAIN = 1.0
+_GEAR_ERP = 0.2
+"""Share of a follower's error that is corrected in a step."""
+_GEAR_FORCE = 1.0e5
+"""N, N m; more than any drive has: what gives way is the drive."""
 
 _log = logging.getLogger("rosout")
 
@@ -74,6 +80,8 @@ class RobotHWSim(RobotHW):
         self._moved: List[Drive] = []
         # Movable joints without a transmission: nobody sees them, but they have friction.
         self._passive: List[UrdfJoint] = []
+        # Of those, the ones that follow others, and their states.
+        self._followers: Dict[str, Tuple[Mimic, JointStateHandle]] = {}
         self._imus: List[Imu] = []
         # By controller, so that one that ends takes nothing from the next that has its joint.
         self._claims: Dict[str, Set[str]] = {}
@@ -111,6 +119,7 @@ class RobotHWSim(RobotHW):
         for driven in driven_joints(self._robot):
             self._joints[driven.joint] = self._drive(driven, described, limits, root)
         self._passive = [joint for name, joint in described.items() if name not in self._joints]
+        self._couple(described)
         self._surfaces = LinkSurfaces(self._robot, self._config)
         self._imus = [
             Imu(name, link, self._config.imu_noise.get(name), root.namespace)
@@ -144,6 +153,21 @@ class RobotHWSim(RobotHW):
             return Drive(joint, interface, limits, soft, tolerance, pid, overtravel)
         except JointLimitsError as error:
             raise UrdfError(str(error)) from error
+
+    def _couple(self, described: Dict[str, UrdfJoint]) -> None:
+        for name, joint in described.items():
+            if joint.mimic is None:
+                continue
+            if joint.mimic.joint in self._belts:
+                raise UrdfError(f"joint '{name}' mimics '{joint.mimic.joint}', which drives a belt")
+            if not joint.mimic_limits:
+                _log.warning(
+                    "joint '%s' mimics '%s', to which its own <limit> leaves no room: it does not "
+                    "count",
+                    name,
+                    joint.mimic.joint,
+                )
+            self._followers[name] = (joint.mimic, JointStateHandle(name))
 
     def _hardware(self, joint: str) -> JointHardware:
         return self._config.joints.get(joint, JointHardware())
@@ -191,6 +215,8 @@ class RobotHWSim(RobotHW):
         for drive in self._all:
             states.register_handle(drive.state)
             commands[drive.interface].register_handle(drive.handle)
+        for _, state in self._followers.values():
+            states.register_handle(state)
         for imu in self._imus:
             imus.register_handle(imu.handle)
         self.register_interface(states)
@@ -245,6 +271,7 @@ class RobotHWSim(RobotHW):
             self._place_stops(drive)
         self._surfaces.apply(body)
         self._indices = [drive.index for drive in self._moved]
+        self._indices += [body.joints[name] for name in self._followers]
         for imu in self._imus:
             imu.attach(body)
         for belt in self._belts:
@@ -255,6 +282,7 @@ class RobotHWSim(RobotHW):
             drive.reset()
         self._set_brakes()
         self._loosen(body)
+        self._gear(body)
 
     def _add_armature(self, drive: Drive) -> None:
         """Add the drive's inertia to its link.
@@ -301,10 +329,47 @@ class RobotHWSim(RobotHW):
                 physicsClientId=body.client,
             )
 
+    def _gear(self, body: Body) -> None:
+        """Let joints follow others, by a gear: what holds one of them holds both."""
+        client = body.client
+        for joint in self._passive:
+            mimic = joint.mimic
+            if mimic is None:
+                continue
+            index = body.joints[joint.name]
+            gear = pybullet.createConstraint(
+                body.uid,
+                index,
+                body.uid,
+                body.joints[mimic.joint],
+                pybullet.JOINT_GEAR,
+                (0.0, 0.0, 1.0),
+                (0.0, 0.0, 0.0),
+                (0.0, 0.0, 0.0),
+                physicsClientId=client,
+            )
+            pybullet.changeConstraint(
+                gear,
+                gearRatio=-mimic.multiplier,
+                relativePositionTarget=mimic.offset,
+                erp=_GEAR_ERP,
+                maxForce=_GEAR_FORCE,
+                physicsClientId=client,
+            )
+            if math.isfinite(joint.upper - joint.lower):
+                overtravel = abs(mimic.multiplier) * self._hardware(mimic.joint).overtravel
+                pybullet.changeDynamics(
+                    body.uid,
+                    index,
+                    jointLowerLimit=joint.lower - overtravel,
+                    jointUpperLimit=joint.upper + overtravel,
+                    physicsClientId=client,
+                )
+
     # --- RobotHW -----------------------------------------------------------------------------
 
     def read(self, time: float, period: float) -> None:
-        """Fill the state handles.
+        """Fill the state handles, those of joints that follow others (``<mimic>``) too.
 
         The effort is what was last applied: to a joint driven by effort its limited command, to
         one that a motor or the brake moves that motor's force. Positions of joints that turn
@@ -320,6 +385,8 @@ class RobotHWSim(RobotHW):
             handle.position = state[0]
             handle.velocity = state[1]
             handle.effort = drive.force if drive.takes_effort and not drive.braked else state[3]
+        for (_, handle), state in zip(self._followers.values(), states[len(self._moved) :]):
+            handle.position, handle.velocity, handle.effort = state[0], state[1], state[3]
         for imu in self._imus:
             imu.read(period)
 
