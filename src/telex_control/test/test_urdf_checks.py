@@ -61,6 +61,9 @@ def test_links_that_are_no_tree_are_refused(text, said):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
+        (robot(), "robot_description has no <link>"),
+        (robot(link("a"), link("b")), "has the roots a, b; one link must hang on no joint"),
+        (robot(link("a"), joint("a", "b")), "joint 'a_b': its child is 'b', which is no link"),
         (robot(link("a", "-5")), "link 'a': mass is -5 kg; 0 to 1e.06 is needed"),
         (robot(link("a", "nan")), "link 'a': <mass value=.nan.>; a finite number"),
         (robot(link("a", "1e300")), "mass is 1e.300 kg"),

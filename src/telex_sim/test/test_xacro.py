@@ -59,7 +59,8 @@ def test_limits_from_yaml_with_units_and_files_of_packages(arm):
 
 def test_a_package_that_is_not_there_is_named(arm):
     arm.write_text(ARM.replace("find telex_description", "find nowhere_description"))
-    with pytest.raises(UrdfError, match="no package 'nowhere_description'"):
+    said = r"xacro: ROS_PACKAGE_PATH has no package 'nowhere_description'\n"
+    with pytest.raises(UrdfError, match=said):
         robot_model(arm, [f"folder={arm.parent}"])
 
 

@@ -17,5 +17,5 @@ def get_package_share_directory(package_name: str) -> str:
         return str(rospkg.RosPack().get_path(package_name))
     except rospkg.ResourceNotFound:
         raise LookupError(
-            f"$(find {package_name}): ROS_PACKAGE_PATH has no package '{package_name}'"
+            f"ROS_PACKAGE_PATH has no package '{package_name}'"
         ) from None

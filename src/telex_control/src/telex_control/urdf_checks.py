@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from .urdf import UrdfError, end, number
+from .urdf import UrdfError, by_name, end, number, root_links
 
 __all__ = ["check_bodies", "check_links"]
 
@@ -76,7 +76,7 @@ def _shortened(names: List[str]) -> str:
 
 
 def check_bodies(robot: ElementTree.Element) -> None:
-    """Refuse masses, inertias, places and sizes that no body can have.
+    """Refuse what makes no body, and masses, inertias, places and sizes that none can have.
 
     All of an inertia may be 0: it then counts for nothing.
 
@@ -90,8 +90,16 @@ def check_bodies(robot: ElementTree.Element) -> None:
     UrdfError
         It names link or joint, the value, and what would be right.
     """
-    for link in robot.findall("link"):
-        owner = f"link '{link.get('name', '')}'"
+    roots = root_links(robot)
+    if len(roots) != 1:
+        raise UrdfError(
+            f"robot_description has the roots {', '.join(roots)}; one link must hang on no joint"
+            if roots
+            else "robot_description has no <link>; calls of macros need the prefix xacro:"
+        )
+    links = by_name(robot, "link")
+    for name, link in links.items():
+        owner = f"link '{name}'"
         mass = number(link.find("inertial/mass"), "value", owner, 0.0)
         if not 0.0 <= mass <= _HEAVIEST:
             raise UrdfError(f"{owner}: mass is {mass:g} kg; 0 to {_HEAVIEST:g} is needed")
@@ -102,6 +110,9 @@ def check_bodies(robot: ElementTree.Element) -> None:
                 _check_sizes(f"{owner}: {kind}", part.find("geometry"))
     for joint in robot.findall("joint"):
         owner = f"joint '{joint.get('name', '')}'"
+        for which in ("parent", "child"):
+            if end(joint, which) not in links:
+                raise UrdfError(f"{owner}: its {which} is '{end(joint, which)}', which is no link")
         _check_place(owner, joint.find("origin"))
         for value in _numbers(joint.find("axis"), "xyz"):
             _require_finite(owner, "axis", value)

@@ -63,9 +63,11 @@ def _text(path: Path, options: Sequence[str]) -> str:
 
 def _xacro_problem(said: str) -> str:
     """What xacro says, in one line where a macro or a file contains itself: it lists each level."""
-    lines = said.strip().splitlines()
+    # It says twice, with the exception's class, what fails in a substitution such as $(find).
+    said = re.sub(r"(?:error: )?<class '[\w.]+'>: (.+) \1", r"\1", said.strip())
+    lines = said.splitlines()
     if not lines or "recursion" not in lines[0]:
-        return said.strip()
+        return said
     place = next((line.partition(": ")[2] for line in lines[1:] if ": " in line), "")
     return f"{place} contains itself, without end; a macro or file that does needs a condition"
 
