@@ -127,6 +127,9 @@ HUB = """<link name="hub"/><link name="cap"/>
 FINGER = """<link name="finger"/><joint name="finger" type="prismatic"><parent link="cap"/>
 <child link="finger"/><limit lower="0" upper="0.05" effort="9" velocity="1"/></joint>"""
 FLANGE = wheel("flange", 0.5, 0.0).replace("VelocityJointInterface", "PositionJointInterface")
+TIP = wheel("tip", 0.5, 0.0, driven=False).replace(
+    '<axis xyz="0 1 0"/></joint>', '<axis xyz="0 1 0"/><mimic joint="front_left"/></joint>'
+)
 
 
 @pytest.mark.parametrize(
@@ -139,6 +142,7 @@ FLANGE = wheel("flange", 0.5, 0.0).replace("VelocityJointInterface", "PositionJo
         (CASTER + HUB, {"caster_link"}),
         (CASTER + HUB + FINGER, set()),
         (FLANGE, set()),
+        (TIP, set()),
     ],
     ids=[
         "caster",
@@ -148,6 +152,7 @@ FLANGE = wheel("flange", 0.5, 0.0).replace("VelocityJointInterface", "PositionJo
         "with a cap",
         "a wrist with a gripper",
         "held by position",
+        "a fingertip that mimics another joint",
     ],
 )
 def test_wheels_are_round_links_that_turn_and_carry_nothing(extra, more):

@@ -10,6 +10,7 @@ import pybullet
 
 from telex_control.urdf import UrdfError, by_name, end
 from telex_control.urdf_joints import CONTINUOUS, MOVABLE
+from telex_control.urdf_mimic import mimics
 
 from .config import HardwareConfig
 from .world import Body
@@ -63,13 +64,13 @@ def wheels(root: ElementTree.Element) -> FrozenSet[str]:
 
     Those of drive wheels and of casters alike, whoever drives them. Left out are wheels whose URDF
     has a stiffness of its own (``<contact>``, which PyBullet reads), and what is commanded by
-    position, such as an arm's wrist.
+    position, such as an arm's wrist, or mimics another joint, such as a fingertip.
     """
     links = by_name(root, "link")
     carriers: Set[str] = set()
     fixed: List[Tuple[str, str]] = []
     turned: Set[str] = set()
-    held = _held(root)
+    held = _held(root) | set(mimics(root))
     for joint in root.findall("joint"):
         ends = (end(joint, "parent"), end(joint, "child"))
         if joint.get("type") in MOVABLE:
