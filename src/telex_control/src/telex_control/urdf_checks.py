@@ -19,6 +19,8 @@ _FARTHEST = 1.0e4
 """m, rad; no place, angle or size is larger."""
 _ROUNDING = 1.0e-6
 """Share of the largest moment of inertia by which the least one may be below 0."""
+_NO_MOMENT = 1.0e-6
+"""kg m2; by which it may be below 0, too, for published robots have small parts of this kind."""
 _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 _SIZES = ("size", "radius", "length", "scale")
 
@@ -125,7 +127,7 @@ def _check_inertia(owner: str, inertia: Optional[ElementTree.Element]) -> None:
     matrix = np.zeros((3, 3))
     matrix[np.triu_indices(3)] = values
     moments = np.linalg.eigvalsh(matrix + np.triu(matrix, 1).T)
-    if moments[0] < -_ROUNDING * abs(moments[2]):
+    if moments[0] < -max(_NO_MOMENT, _ROUNDING * abs(moments[2])):
         said = ", ".join(f"{key} {value:g}" for key, value in zip(_MOMENTS, values))
         raise UrdfError(
             f"{owner}: inertia has the principal moment {moments[0]:g} kg m2 ({said}); none may be "

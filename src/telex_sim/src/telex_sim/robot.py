@@ -25,7 +25,7 @@ from .robot_body import RobotBody
 from .robot_hw_sim import RobotHWSim
 from .scene.model import Start
 from .tracks.tracks import Tracks
-from .urdf_frames import complete_masses
+from .urdf_masses import complete_masses
 from .world import Body, World
 
 _log = logging.getLogger("rosout")

@@ -15,7 +15,8 @@ import pybullet
 from telex_control.urdf import read_xml
 
 from .overlaps import neighbours
-from .urdf_frames import Frame, complete_masses, take_out_frames, take_out_wheels
+from .urdf_frames import Frame, take_out_frames, take_out_wheels
+from .urdf_masses import complete_masses
 
 GRAVITY = 9.81
 Vector = Tuple[float, float, float]
@@ -230,7 +231,7 @@ class World:
         joint_positions : dict
             By joint name (rad, m); 0 for the rest.
         fixed_base : bool
-            Fix the root link to the world; see `urdf_frames.complete_masses` for which always is.
+            Fix the root link to the world; see `urdf_masses.complete_masses` for which always is.
         self_collision : bool
             Whether its links can touch each other.
         wheels : collection of str
