@@ -17,6 +17,8 @@ from telex_control.hardware_interface import (
     RobotHW,
     VelocityJointInterface,
 )
+from telex_control.urdf_joints import parse_urdf
+from telex_control.wheel_geometry import wheel_separation
 
 WHEELS = ("front_left", "front_right", "rear_left", "rear_right")
 
@@ -347,6 +349,28 @@ def test_geometry_comes_from_the_robot_description(cart, geometry):
     tested.send(0.0, 1.0)
     tested.run(0.01)
     assert tested.speeds()[1] == pytest.approx(0.25 / 0.11)
+
+
+def test_wheels_on_suspensions_are_as_far_apart_as_they_stand(cart):
+    sprung = urdf(y=0.05).replace(
+        '<robot name="cart"><link name="base_link"/>',
+        '<robot name="cart"><link name="base_link"/>'
+        + "".join(
+            f'<link name="{side}_arm"/><joint name="{side}_spring" type="prismatic">'
+            f'<parent link="base_link"/><child link="{side}_arm"/><axis xyz="0 0 1"/>'
+            f'<origin xyz="0 {y} 0.1" rpy="0 0 {turn}"/>'
+            '<limit lower="-0.1" upper="0.1" effort="1" velocity="1"/></joint>'
+            for side, y, turn in (("left", 0.2, 0.0), ("right", -0.2, 3.141592653589793))
+        ),
+    )
+    for name in WHEELS:
+        side = "left" if "left" in name else "right"
+        sprung = sprung.replace(
+            f'"{name}" type="continuous"><parent link="base_link"/>',
+            f'"{name}" type="continuous"><parent link="{side}_arm"/>',
+        )
+    description = parse_urdf(sprung)
+    assert wheel_separation(description, "front_left", "rear_right") == pytest.approx(0.4)
 
 
 def test_parameters_are_preferred_to_the_robot_description(cart):

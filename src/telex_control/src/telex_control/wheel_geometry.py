@@ -2,36 +2,36 @@
 
 from __future__ import annotations
 
-import math
-from typing import Dict
+from typing import Dict, Optional, Tuple
 from xml.etree import ElementTree
 
+import PyKDL
+
+from .kinematics.kdl_tree import kdl_frame
 from .urdf import UrdfError, by_name, end, number, origin
+
+_SAME = 1.0e-9
+"""m; origins of joints that are nearer have one place."""
 
 
 def wheel_separation(robot: ElementTree.Element, left: str, right: str) -> float:
     """Return the distance (m) between the origins of two wheel joints.
 
-    Each is taken in its parent link, as diff_drive_controller does; both need the same one.
+    All joints are at 0, those that carry the wheels' suspensions too.
 
     Raises
     ------
     UrdfError
-        A joint is missing, the parents differ, or the distance is 0.
+        A joint is missing, they have no link in common, or the distance is 0.
     """
-    joints = by_name(robot, "joint")
-    first, second = _joint(joints, left), _joint(joints, right)
-    parents = [end(joint, "parent") for joint in (first, second)]
-    if parents[0] != parents[1]:
+    (first, first_root), (second, second_root) = (_place(robot, each) for each in (left, right))
+    if first_root != second_root:
         raise UrdfError(
-            f"wheel joints '{left}' and '{right}' hang on different links, '{parents[0]}' and "
-            f"'{parents[1]}'; their distance cannot be read from the URDF"
+            f"wheel joints '{left}' and '{right}' hang on different roots, '{first_root}' and "
+            f"'{second_root}'; their distance cannot be read from the URDF"
         )
-    places = [
-        origin(joint, f"joint '{name}'").xyz for joint, name in ((first, left), (second, right))
-    ]
-    separation = math.dist(*places)
-    if separation <= 0.0:
+    separation = (first - second).Norm()
+    if separation < _SAME:
         raise UrdfError(f"wheel joints '{left}' and '{right}' are in the same place")
     return separation
 
@@ -62,6 +62,19 @@ def wheel_radius(robot: ElementTree.Element, joint: str) -> float:
         f"link '{link_name}' does not collide as a cylinder or a sphere; "
         "the wheel's radius cannot be read from the URDF"
     )
+
+
+def _place(robot: ElementTree.Element, name: str) -> Tuple[PyKDL.Vector, str]:
+    """Where the origin of a joint is (m), in the frame of the root link; and that link."""
+    joints = by_name(robot, "joint")
+    above = {end(joint, "child"): joint for joint in joints.values()}
+    joint: Optional[ElementTree.Element] = _joint(joints, name)
+    frame, link = PyKDL.Frame(), ""
+    while joint is not None:
+        frame = kdl_frame(origin(joint, f"joint '{joint.get('name', '')}'")) * frame
+        link = end(joint, "parent")
+        joint = above.get(link)
+    return frame.p, link
 
 
 def _joint(joints: Dict[str, ElementTree.Element], name: str) -> ElementTree.Element:
