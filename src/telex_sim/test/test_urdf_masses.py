@@ -100,7 +100,7 @@ def test_a_robot_that_no_mass_carries_is_held(world):
     [
         # A small one below 0, as CAD writes them, and one above the sum of the others.
         ((2e-8, 6e-8, 1e-8, 3e-8, 1e-8, 4e-8), None),
-        ((1e-6, 0.0, 0.0, 2e-6, 0.0, 5e-6), (1e-6, 2e-6, 3e-6)),
+        ((1e-6, 0.0, 0.0, 2e-6, 0.0, 5e-6), (5e-6 / 3, 8e-6 / 3, 13e-6 / 3)),
     ],
 )
 def test_an_inertia_that_no_body_has_counts_as_the_nearest(world, moments, possible):

@@ -101,6 +101,8 @@ def _mend_inertia(link: ElementTree.Element) -> Iterator[str]:
     if max(low, high) <= _ROUNDING * np.max(np.abs(moments)):
         return
     possible = np.maximum(moments, _THIN * max(moments[2], 0.0))
+    excess = max(possible[2] - possible[0] - possible[1], 0.0)
+    possible += excess / 3.0 * np.array([1.0, 1.0, -1.0])
     possible[2] = min(possible[2], (1.0 - _THIN) * (possible[0] + possible[1]))
     yield (
         f"link '{link.get('name')}' has an inertia that no body can have: the principal moments "
