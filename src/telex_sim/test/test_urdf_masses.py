@@ -96,22 +96,24 @@ def test_a_robot_that_no_mass_carries_is_held(world):
 
 
 @pytest.mark.parametrize(
-    ("moments", "possible"),
+    ("moments", "possible", "told"),
     [
-        # A small one below 0, as CAD writes them, and one above the sum of the others.
-        ((2e-8, 6e-8, 1e-8, 3e-8, 1e-8, 4e-8), None),
-        ((1e-6, 0.0, 0.0, 2e-6, 0.0, 5e-6), (5e-6 / 3, 8e-6 / 3, 13e-6 / 3)),
+        # One below 0, as CAD writes them, one above the sum of the others, and a thin plate.
+        ((2e-8, 6e-8, 1e-8, 3e-8, 1e-8, 4e-8), None, 1),
+        ((1e-6, 0.0, 0.0, 2e-6, 0.0, 5e-6), (5e-6 / 3, 8e-6 / 3, 13e-6 / 3), 1),
+        ((9e-6, -1e-6, 0.0, 1e-6, 0.0, 1e-5), (8.769e-7, 9.123e-6, 1e-5), 0),
     ],
 )
-def test_an_inertia_that_no_body_has_counts_as_the_nearest(world, moments, possible):
+def test_an_inertia_that_no_body_has_counts_as_the_nearest(world, moments, possible, told):
     keys = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
     inertia = " ".join(f'{key}="{value}"' for key, value in zip(keys, moments))
     text = (
         '<robot name="r"><link name="a"><inertial><origin rpy="0.3 0.2 0.1"/><mass value="0.01"/>'
         f"<inertia {inertia}/></inertial></link></robot>"
     )
-    (remark,) = complete_masses(ElementTree.fromstring(text), False).remarks
-    assert "link 'a' has an inertia that no body can have" in remark
+    remarks = complete_masses(ElementTree.fromstring(text), False).remarks
+    assert len(remarks) == told
+    assert all("link 'a' has an inertia that no body can have" in remark for remark in remarks)
     body = world.load_robot(text, str, (0.0, 0.0, 1.0), 0.0, {})
     found = sorted(pybullet.getDynamicsInfo(body.uid, -1, physicsClientId=world.client)[2])
     assert found[0] >= -1e-15

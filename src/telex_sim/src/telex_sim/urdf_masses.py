@@ -24,6 +24,8 @@ _WORLD_LINK = "world"
 """A root link of this name means the world itself, as Gazebo has it."""
 _ROUNDING = 1.0e-6
 """Share of the largest moment of inertia by which others may miss what a body can have."""
+_EDGE = 1.0e-9
+"""Share of it within which rounding decides whether PyBullet takes the inertia of a thin plate."""
 _THIN = 1.0e-4
 """Share by which a mended inertia stays off what PyBullet might take for none."""
 _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
@@ -88,7 +90,7 @@ def _mend_inertia(link: ElementTree.Element) -> Iterator[str]:
     """Replace an inertia that no body can have by the nearest one; yields what to tell of it.
 
     Some are in most robots that are made with CAD: PyBullet drops them, and says so in its own
-    words.
+    words, those of thin plates too, which have a moment that is the sum of the others.
     """
     mass, _, inertia = _inertial(link, IDENTITY)
     if not mass:
@@ -96,18 +98,20 @@ def _mend_inertia(link: ElementTree.Element) -> Iterator[str]:
             yield f"link '{link.get('name')}' has the mass 0, so its <inertia> does not count"
         return
     moments, axes = np.linalg.eigh(inertia)
+    largest = np.max(np.abs(moments))
     # No moment of a body is larger than the sum of the other two.
     low, high = -moments[0], moments[2] - max(moments[0], 0.0) - max(moments[1], 0.0)
-    if max(low, high) <= _ROUNDING * np.max(np.abs(moments)):
+    if not largest or max(low / largest, high / largest) < -_EDGE:
         return
-    possible = np.maximum(moments, _THIN * max(moments[2], 0.0))
+    possible = moments if low <= 0.0 else np.maximum(moments, _THIN * max(moments[2], 0.0))
     excess = max(possible[2] - possible[0] - possible[1], 0.0)
-    possible += excess / 3.0 * np.array([1.0, 1.0, -1.0])
+    possible = possible + excess / 3.0 * np.array([1.0, 1.0, -1.0])
     possible[2] = min(possible[2], (1.0 - _THIN) * (possible[0] + possible[1]))
-    yield (
-        f"link '{link.get('name')}' has an inertia that no body can have: the principal moments "
-        f"{_listed(moments)} kg m2 count as {_listed(possible)}"
-    )
+    if max(low, high) > _ROUNDING * largest:
+        yield (
+            f"link '{link.get('name')}' has an inertia that no body can have: the principal "
+            f"moments {_listed(moments)} kg m2 count as {_listed(possible)}"
+        )
     element = link.find("inertial")
     assert element is not None
     for old in element.findall("inertia"):
