@@ -57,8 +57,8 @@ def _ordered(first: float, second: float) -> Tuple[float, float]:
 def mimics(robot: ElementTree.Element) -> Dict[str, Mimic]:
     """Return how joints follow others, by name, in the order of the file.
 
-    Left out are joints with a transmission of their own: as in ros_control, that drives them. A
-    joint that follows a follower has the leader of both.
+    Left out are joints with a transmission of their own by which they are commanded: as in
+    ros_control, that drives them. A joint that follows a follower has the leader of both.
 
     Raises
     ------
@@ -67,7 +67,12 @@ def mimics(robot: ElementTree.Element) -> Dict[str, Mimic]:
         wrong.
     """
     elements = by_name(robot, "joint")
-    driven = {each.get("name") for each in robot.findall("transmission/joint")}
+    driven = {
+        joint.get("name")
+        for transmission in robot.findall("transmission")
+        if any(map(_commands, transmission.iter("hardwareInterface")))
+        for joint in transmission.findall("joint")
+    }
     own: Dict[str, Mimic] = {}
     for name, element in elements.items():
         mimic = element.find("mimic")
@@ -83,6 +88,10 @@ def mimics(robot: ElementTree.Element) -> Dict[str, Mimic]:
             number(mimic, "offset", where, 0.0),
         )
     return {name: _followed(name, own) for name in own}
+
+
+def _commands(interface: ElementTree.Element) -> bool:
+    return not (interface.text or "").strip().endswith("JointStateInterface")
 
 
 def _followed(name: str, own: Dict[str, Mimic]) -> Mimic:
