@@ -16,6 +16,4 @@ def get_package_share_directory(package_name: str) -> str:
     try:
         return str(rospkg.RosPack().get_path(package_name))
     except rospkg.ResourceNotFound:
-        raise LookupError(
-            f"ROS_PACKAGE_PATH has no package '{package_name}'"
-        ) from None
+        raise LookupError(f"ROS_PACKAGE_PATH has no package '{package_name}'") from None
