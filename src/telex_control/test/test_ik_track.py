@@ -350,6 +350,22 @@ def test_a_shorter_acceleration_time_is_faster(solver):
     assert ticks[0] < ticks[1]
 
 
+def test_ticks_of_uneven_length_keep_the_limits(solver):
+    """A third shorter and longer, along corners that the joints take late, to the end."""
+    lengths = DT * np.random.default_rng(1).uniform(0.7, 1.3, 230)
+    start, way, q, before = CHAIN.forward(BENT), np.zeros(3), BENT, np.zeros(7)
+    for tick, dt in enumerate(lengths):
+        if tick < 100:
+            way = way + 0.003 * np.array(((0, 1, 0), (0, 0, 1), (0, -1, 0))[tick // 20 % 3])
+        result = solver.track(offset(start, *way), q, dt)
+        assert (abs(result.velocity) <= CHAIN.velocity_limits * (1.0 + 1e-9)).all()
+        change = abs(result.velocity - before) / dt
+        assert (change <= CHAIN.velocity_limits / 0.3 * (1.0 + 1e-9)).all(), tick
+        q, before = result.q, result.velocity
+    assert result.converged
+    assert not before.any()
+
+
 def test_joints_found_elsewhere_begin_at_rest(solver):
     target = offset(CHAIN.forward(BENT), 0.2, 0.0, 0.0)
     followed(solver, [target] * 10)
@@ -483,6 +499,18 @@ def test_a_wrong_tick_is_refused(solver, dt):
     ):
         with pytest.raises(KinematicsError, match="(dt|acceleration_time) is"):
             call()
+
+
+def test_a_tick_that_is_too_short_or_long_ends_no_movement(solver):
+    target = offset(CHAIN.forward(BENT), 0.2, 0.0, 0.0)
+    postures, _ = followed(solver, [target] * 5)
+    for dt in (1e-200, 1e-9, 1e9):
+        with pytest.raises(KinematicsError, match="1e-06 to 86400"):
+            solver.track(target, postures[-1], dt)
+    # Limits whose product is 0 must not hold the solver up.
+    braked = solver.track(target, postures[-1], 1e-6, acceleration_time=1e308)
+    assert (abs(braked.velocity) <= CHAIN.velocity_limits * (1.0 + 1e-9)).all()
+    assert solver.track(target, braked.q, DT).status is IKStatus.LAGGING
 
 
 def test_wrong_arguments_are_refused(solver):

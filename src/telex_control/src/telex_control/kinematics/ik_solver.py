@@ -51,6 +51,16 @@ _SLIDES = 20
 """Steps towards a secondary goal, of a solution."""
 ACCELERATION_TIME = 0.3
 """s from rest to the speed limit, as the controllers' ``command_limits`` have it."""
+_EVEN = 1e-6
+"""Difference of a tick's length from the last one's, as a share, that is taken for rounding."""
+_UNEVEN, _SHORTEST = 0.5, 0.125
+"""Where ticks are uneven, braking is planned in ticks of `_UNEVEN` of the shortest of late, though
+of no less than `_SHORTEST` of the present one. The shorter a tick, the less speed a corner of the
+path allows in it; and uneven ticks meet corners elsewhere than planned."""
+_FORGET = 1.01
+"""Growth, in a tick, of the length that is planned with."""
+_TICK = 1e-6
+"""s; no control loop is faster."""
 _LATEST = 500
 """Ticks of a path before the joints; beyond, they go straight to where the target is."""
 _TRIALS = 400
@@ -149,6 +159,7 @@ class IKSolver:
         self._standing = np.zeros(self._count)
         self._on_path: Optional[np.ndarray] = None  # pose of the way's end, while on the path
         self._last_dt = math.nan
+        self._planned_dt = math.inf
 
     def warm_up(self) -> None:
         """Compile, or load from the cache, what will be needed. Takes seconds the first time."""
@@ -300,7 +311,7 @@ class IKSolver:
             The present references (rad, m). Outside of the limits, they are led back. Joints that
             are not where the last tick left them are taken to be at rest.
         dt : float
-            Length of the tick (s). Braking counts on the next ones to be no shorter.
+            Length of the tick (s), which may differ from the last one's.
         tolerance : Tolerance, optional
             Instead of that of the options.
         acceleration_time : float, optional
@@ -329,7 +340,8 @@ class IKSolver:
             self._take_up(here, dt)
         was_late = way.count > 0
         tick, status, posture = self._lengthen(task, reach, dt)
-        way.advance(reach, change)
+        self._planned_dt = min(max(_FORGET * self._planned_dt, _SHORTEST * dt), dt)
+        way.advance(reach, change, self._planned_dt / dt)
         if way.count == 0 and not was_late and status is not IKStatus.LAGGING:
             return self._answer(here, dt, tick, status, posture)
         moved = way.position
@@ -348,6 +360,8 @@ class IKSolver:
         """Go on from where the joints are, in ticks of a length."""
         if self._way.stands_at(here) and self._last_dt > 0.0:
             self._way.step *= dt / self._last_dt
+            if abs(dt - self._last_dt) > _EVEN * dt:
+                self._planned_dt = min(self._planned_dt, _UNEVEN * min(dt, self._last_dt))
         else:
             self._way.begin(here)
             self._on_path = self._numerics.forward(here)
@@ -602,8 +616,8 @@ class IKSolver:
 
     def _reach(self, dt: float) -> np.ndarray:
         """How far each joint may move in a tick."""
-        if positive(dt, "dt") > LONGEST:
-            raise KinematicsError(f"dt is {dt!r}; at most {LONGEST:g} is needed")
+        if not _TICK <= positive(dt, "dt") <= LONGEST:
+            raise KinematicsError(f"dt is {dt!r}; {_TICK:g} to {LONGEST:g} (s) is needed")
         if self._without_speed:
             raise KinematicsError(
                 f"no speed limit above 0 for {', '.join(self._without_speed)}; give <limit "

@@ -24,8 +24,11 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 _ROUNDING = 1e-9
 """Share of an acceleration limit that is left to rounding."""
 _SAME = 1e-9
-"""Distance (rad, m) of a posture from another that is taken for none."""
-_HALVINGS = 4
+"""Distance of a posture (rad, m), or of a place, from another that is taken for none."""
+_FINEST = 1.0 / 16.0
+"""Share of a segment of the path to which it is found how far a tick may go."""
+_TINY = 1e-15
+"""rad, m; above 0 even where limits are so small that their products are not."""
 _TICKS = 10000
 """Beyond which braking counts as endless."""
 
@@ -100,13 +103,15 @@ def _braked(
     path: np.ndarray,
     begin: np.ndarray,
     place: float,
+    fraction: float,
     reach: np.ndarray,
     change: np.ndarray,
     stop: np.ndarray,
 ) -> float:
     """Brake on the path from a place to which the joints moved from `begin` within a tick.
 
-    Returns the place where they come to rest, which `stop` gets; -1 where they cannot.
+    Later ticks have a `fraction` of its length; `reach` and `change` are theirs. Returns the place
+    where the joints come to rest, which `stop` gets; -1 where they cannot.
     """
     n = begin.size
     here, step = begin.copy(), np.empty(n)
@@ -114,7 +119,7 @@ def _braked(
         s, share = _put(path, place, stop)
         at_rest = True
         for j in range(n):
-            step[j] = stop[j] - here[j]
+            step[j] = fraction * (stop[j] - here[j])
             here[j] = stop[j]
             at_rest = at_rest and abs(step[j]) <= change[j]
         if at_rest:
@@ -123,7 +128,7 @@ def _braked(
         # A place not beyond the present one would be a rest, which was not possible.
         if least <= place:
             return -1.0
-        place = least
+        place, fraction = least, 1.0
     return -1.0
 
 
@@ -133,37 +138,41 @@ def _advance(
     step: np.ndarray,
     reach: np.ndarray,
     change: np.ndarray,
+    fraction: float,
     moved: np.ndarray,
     stop: np.ndarray,
 ) -> Tuple[float, float]:
     """Fill in where the joints are a tick later, and where they could come to rest after that.
 
-    `step` is that of the tick before, then that of this one. Returns both places on the path.
+    `step` is that of the tick before, then that of this one; `fraction` is how long, against this
+    one, the ticks are in which they could brake. Returns both places on the path.
     """
     n = step.size
     begin = path[0].copy()
-    allowed, braking = change.copy(), np.empty(n)
+    allowed, slower, braking = change.copy(), np.empty(n), np.empty(n)
     least, most = _scan(path, 0, 0.0, begin, step, reach, allowed)
     while least < 0.0:
         # After a tick of another length: rather too hard a braking than off the path.
         for j in range(n):
-            allowed[j] *= 1.25
-        least, most = _scan(path, 0, 0.0, begin, step, reach + allowed, allowed)
+            allowed[j] = 1.25 * allowed[j] + _TINY
+        least, most = _scan(path, 0, 0.0, begin, step, reach, allowed)
     for j in range(n):
-        braking[j] = (1.0 - _ROUNDING) * change[j]
+        slower[j] = fraction * reach[j]
+        braking[j] = (1.0 - _ROUNDING) * fraction * fraction * change[j]
     place = most
-    end = _braked(path, begin, place, reach, braking, stop)
+    end = _braked(path, begin, place, fraction, slower, braking, stop)
     if end < 0.0:
         below, above = least, most
-        for _ in range(_HALVINGS):
+        width = max(_FINEST * min(most - least, 1.0), _SAME)
+        while above - below > width:
             place = 0.5 * (below + above)
-            end = _braked(path, begin, place, reach, braking, stop)
+            end = _braked(path, begin, place, fraction, slower, braking, stop)
             if end < 0.0:
                 above = place
             else:
                 below = place
         place = below
-        end = _braked(path, begin, place, reach, braking, stop)
+        end = _braked(path, begin, place, fraction, slower, braking, stop)
         if end < 0.0:
             end = len(path) - 1.0
             _put(path, end, stop)
@@ -198,8 +207,9 @@ class JointPath:
 
     def warm_up(self) -> None:
         """Compile, or load from the cache, what will be needed."""
-        path, limits = np.zeros((2, self.step.size)), np.ones(self.step.size)
-        _advance(path, np.zeros(self.step.size), limits, limits, path[0].copy(), path[1].copy())
+        n = self.step.size
+        path, limits = np.zeros((2, n)), np.ones(n)
+        _advance(path, np.zeros(n), limits, limits, 1.0, np.empty(n), np.empty(n))
 
     def stands_at(self, q: np.ndarray) -> bool:
         """Whether the joints are at a posture."""
@@ -252,7 +262,7 @@ class JointPath:
         else:
             self._last = min(self._last, self._firm)
 
-    def advance(self, reach: np.ndarray, change: np.ndarray) -> None:
+    def advance(self, reach: np.ndarray, change: np.ndarray, fraction: float) -> None:
         """Go on by one tick.
 
         Parameters
@@ -261,12 +271,14 @@ class JointPath:
             How far each joint may move in it (rad, m), above 0.
         change : ndarray, shape (n,)
             By how much this may differ from the tick before.
+        fraction : float
+            How long later ticks have to be counted on to be, against this one.
         """
         if self._first == self._last:
             self.step[:] = 0.0
             return
         path = self._points[self._first : self._last + 1]
-        place, end = _advance(path, self.step, reach, change, self._moved, self._stop)
+        place, end = _advance(path, self.step, reach, change, fraction, self._moved, self._stop)
         self._stop_row = self._first + math.floor(end)
         self._first += math.floor(place)
         self._points[self._first] = self._moved
