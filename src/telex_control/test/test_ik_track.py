@@ -339,6 +339,25 @@ def test_a_target_that_jumps_is_reached_on_a_straight_line(solver):
     assert errors == sorted(errors, reverse=True)
 
 
+@pytest.mark.parametrize("dt", [0.008, 0.002])
+def test_two_jumps_at_once_are_two_straight_lines_at_any_rate(dt):
+    """The second comes while the first line is hardly begun."""
+    tracker = IKSolver(CHAIN, backend="compiled")
+    start = CHAIN.forward(BENT)
+    ends = [offset(start, 0.1, 0.05, -0.1), offset(start, 0.1, -0.05, 0.0)]
+    q, postures = BENT, [BENT]
+    for tick in range(round(6.0 / dt)):
+        result = tracker.track(ends[tick >= 3], q, dt)
+        q = result.q
+        postures.append(q)
+    assert result.converged
+    assert_smooth(np.array(postures), dt)
+    corners = [pose[:3, 3] for pose in (start, *ends)]
+    assert beside(postures[:: round(0.04 / dt)], corners) < 1e-4
+    off = [np.linalg.norm(CHAIN.forward(q)[:3, 3] - corners[1]) for q in postures]
+    assert min(off) < 2e-3
+
+
 def test_a_shorter_acceleration_time_is_faster(solver):
     target = offset(CHAIN.forward(BENT), 0.02, 0.0, 0.0)
     ticks = []

@@ -6,7 +6,8 @@ import importlib.util
 import logging
 import math
 import time
-from typing import Any, Dict, List, Optional, Tuple
+from collections import deque
+from typing import Any, Deque, Dict, List, Optional, Tuple
 
 import numpy as np
 
@@ -61,11 +62,11 @@ _FORGET = 1.01
 """Growth, in a tick, of the length that is planned with."""
 _TICK = 1e-6
 """s; no control loop is faster."""
-_LATEST = 500
-"""Ticks of a path before the joints; beyond, they go straight to where the target is."""
-_TRIALS = 400
-"""Postures that are tried on the straight line to a target that jumps."""
-_LEAST_PART = 1e-3
+_LATEST = 10.0
+"""s of a path before the joints; beyond, they go straight to where the target is."""
+_TRIALS = 20
+"""Postures that are tried in a tick on the straight lines to targets that are far."""
+_LEAST_PART = 1e-5
 """Of such a line; joints that must go farther for less would jump."""
 _FULL = 1.0 - 1e-6
 """Share of the speed limit from which a joint counts as running at it."""
@@ -158,6 +159,7 @@ class IKSolver:
         self._full_speeds = (_FULL * self._speeds).tolist()
         self._standing = np.zeros(self._count)
         self._on_path: Optional[np.ndarray] = None  # pose of the way's end, while on the path
+        self._ahead: Deque[np.ndarray] = deque()  # targets that it has still to be led to
         self._last_dt = math.nan
         self._planned_dt = math.inf
 
@@ -338,11 +340,11 @@ class IKSolver:
         way = self._way
         if not way.stands_at(here) or self._last_dt != dt:
             self._take_up(here, dt)
+        self._planned_dt = min(max(_FORGET * self._planned_dt, _SHORTEST * dt), dt)
         was_late = way.count > 0
         tick, status, posture = self._lengthen(task, reach, dt)
-        self._planned_dt = min(max(_FORGET * self._planned_dt, _SHORTEST * dt), dt)
         way.advance(reach, change, self._planned_dt / dt)
-        if way.count == 0 and not was_late and status is not IKStatus.LAGGING:
+        if tick is not None and way.count == 0 and not was_late:
             return self._answer(here, dt, tick, status, posture)
         moved = way.position
         tick = self._numerics.tick(task, moved, self._box, self._standing, 0)
@@ -365,68 +367,82 @@ class IKSolver:
         else:
             self._way.begin(here)
             self._on_path = self._numerics.forward(here)
+            self._ahead.clear()
         self._last_dt = dt
 
     def _lengthen(
         self, task: Task, reach: np.ndarray, dt: float
-    ) -> Tuple[Tick, IKStatus, Optional[np.ndarray]]:
-        """Lead the end of the way towards a target; the joints follow on it."""
+    ) -> Tuple[Optional[Tick], IKStatus, Optional[np.ndarray]]:
+        """Lead the end of the way towards a target; the joints follow on it.
+
+        Returns the tick of the end, None while it is on the way to the target.
+        """
         way = self._way
-        if way.count > _LATEST:
+        if max(way.count, len(self._ahead)) * self._planned_dt > _LATEST:
             way.shorten(entirely=True)
-            self._on_path = None
-        end = way.end
+            self._leave_path()
+        if self._ahead:
+            if (task.target != self._ahead[-1]).any():
+                self._ahead.append(task.target)
+            self._lead_along(task, reach)
+            return None, IKStatus.LAGGING, None
         # Joints that are late already end the tick elsewhere, and are looked at there.
+        end = way.end
         tick, status, posture = self._lead(task, end, reach, dt, measured=way.count == 0)
         if status is IKStatus.CONVERGED:
-            way.append(tick.outcome.q, firm=True)
+            # Of a target that stands while joints are late, one posture is enough.
+            if way.count == 0 or self._on_path is None or (tick.outcome.q != end).any():
+                way.append(tick.outcome.q, firm=True)
             self._on_path = task.target
         elif status is IKStatus.LAGGING and self._on_path is not None:
-            line, arrives = self._line(task, end, reach)
-            for q in line:
-                way.append(q, firm=True)
-            self._on_path = task.target if arrives else None
-            if line:
-                return tick, status, None
+            self._ahead.append(task.target)
+            if self._lead_along(task, reach):
+                return None, status, None
         else:
-            self._on_path = None
+            self._leave_path()
         if self._on_path is None:
             # Beside the path anyway: what comes next needs no detour by what was nearest before.
             way.shorten()
             way.append(tick.outcome.q, firm=False)
-        return tick, status, posture
+        return (None if status is IKStatus.LAGGING else tick), status, posture
 
-    def _line(
-        self, task: Task, end: np.ndarray, reach: np.ndarray
-    ) -> Tuple[List[np.ndarray], bool]:
-        """Return postures on the straight line from the pose of `end` towards a target.
+    def _leave_path(self) -> None:
+        self._on_path = None
+        self._ahead.clear()
 
-        From each to the next it is as far as joints reach in a tick, or less. Tells also whether
-        they arrive: where the line cannot be followed without a jump, they end.
+    def _lead_along(self, task: Task, reach: np.ndarray) -> bool:
+        """Lead the end of the way on along the straight lines to the targets ahead.
+
+        From each posture to the next it is as far as joints reach in a tick, or less. Where a line
+        cannot be followed without a jump, the path is left. Tells whether the way has grown.
         """
         assert self._on_path is not None
-        line = PoseLine(self._on_path, task.target)
-        made: List[np.ndarray] = []
-        share, part = 0.0, 1.0
+        way, end, grown = self._way, self._way.end, False
+        line, share, part = PoseLine(self._on_path, self._ahead[0]), 0.0, 1.0
         for _ in range(_TRIALS):
             there = min(share + part, 1.0)
-            pose = line.at(there) if there < 1.0 else task.target
+            pose = line.at(there) if there < 1.0 else self._ahead[0]
             found = self._numerics.descend(
                 task._replace(target=pose), end, self._box, self.options.track_iterations
             )
-            ticks = float((abs(found.q - end) / reach).max())
+            # The largest of plain floats: numpy's own takes several times as long on so few.
+            ticks: float = max((abs(found.q - end) / reach).tolist())
             if found.converged and ticks <= 1.0:
-                made.append(found.q)
-                end, share = found.q, there
-                if share == 1.0:
-                    return made, True
+                way.append(found.q, firm=True)
+                self._on_path, end, share, grown = pose, found.q, there, True
                 part *= 2.0
+                if share == 1.0:
+                    self._ahead.popleft()
+                    if not self._ahead:
+                        break
+                    line, share, part = PoseLine(pose, self._ahead[0]), 0.0, 1.0
             else:
                 # Nearly as much as reaches; not converged, that says little.
                 part *= max(0.1, 0.9 / ticks) if found.converged else 0.25
                 if part < _LEAST_PART:
+                    self._leave_path()
                     break
-        return made, False
+        return grown
 
     def _lead(
         self, task: Task, here: np.ndarray, reach: np.ndarray, dt: float, *, measured: bool = True

@@ -25,8 +25,8 @@ _ROUNDING = 1e-9
 """Share of an acceleration limit that is left to rounding."""
 _SAME = 1e-9
 """Distance of a posture (rad, m), or of a place, from another that is taken for none."""
-_FINEST = 1.0 / 16.0
-"""Share of a segment of the path to which it is found how far a tick may go."""
+_FINEST = 0.07
+"""Share of what a tick could go, of two segments at most, to which its end is found."""
 _TINY = 1e-15
 """rad, m; above 0 even where limits are so small that their products are not."""
 _TICKS = 10000
@@ -163,7 +163,7 @@ def _advance(
     end = _braked(path, begin, place, fraction, slower, braking, stop)
     if end < 0.0:
         below, above = least, most
-        width = max(_FINEST * min(most - least, 1.0), _SAME)
+        width = max(_FINEST * min(most - least, 2.0), _SAME)
         while above - below > width:
             place = 0.5 * (below + above)
             end = _braked(path, begin, place, fraction, slower, braking, stop)
