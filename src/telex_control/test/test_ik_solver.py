@@ -396,9 +396,13 @@ def test_no_number_of_a_target_may_be_other_than_finite(solver, row, column):
         solver.solve(target)
 
 
-def test_a_seed_many_turns_away_costs_no_more(solver):
+def test_a_joint_without_limits_stays_near_a_seed_many_turns_away(solver):
     target, seed = CHAIN.forward(BENT), BENT + 1500.0 * 2.0 * math.pi
-    assert_reaches(solver.solve(target, seed), target, 1.1e-5, 1.1e-5)
+    result = solver.solve(target, seed)
+    assert_reaches(result, target, 1.1e-5, 1.1e-5)
+    free = np.isinf(CHAIN.upper)
+    assert free.any()
+    assert (abs(result.q - seed)[free] <= math.pi).all()
 
 
 def test_rounding_errors_of_a_rotation_are_taken_off(solver):

@@ -144,7 +144,12 @@ def test_what_nothing_simulated_drives_is_refused_with_what_to_write(text, named
 
 @pytest.mark.parametrize(
     "interface",
-    ["franka_hw/FrankaPoseCartesianInterface", "hardware_interface/JointStateInterface", "Torque"],
+    [
+        "franka_hw/FrankaPoseCartesianInterface",
+        "hardware_interface/JointStateInterface",
+        "my_hardware_interface/EffortJointInterface",
+        "Torque",
+    ],
 )
 def test_an_interface_that_is_not_simulated_is_refused(interface):
     tag = f"<hardwareInterface>{interface}</hardwareInterface>"

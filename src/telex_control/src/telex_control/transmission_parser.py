@@ -174,7 +174,7 @@ def driven_joints(robot: ElementTree.Element) -> List[DrivenJoint]:
 
 def _driven(joint: str, offered: List[Tuple[str, str]]) -> DrivenJoint:
     """Choose from the pairs of transmission and interface that a joint is offered."""
-    found = [(name, each) for name, each in offered if each.rpartition(_PREFIX)[2] in SIMULATED]
+    found = [(name, each) for name, each in offered if _bare(each) in SIMULATED]
     other = [pair for pair in offered if pair not in found and pair[1] not in _STATE]
     if not found:
         name, interface = (other or offered)[0]
@@ -218,4 +218,8 @@ def _driven(joint: str, offered: List[Tuple[str, str]]) -> DrivenJoint:
             interface,
             interface,
         )
-    return DrivenJoint(joint, transmission, interface.rpartition(_PREFIX)[2])
+    return DrivenJoint(joint, transmission, _bare(interface))
+
+
+def _bare(interface: str) -> str:
+    return interface[len(_PREFIX) :] if interface.startswith(_PREFIX) else interface
