@@ -210,7 +210,9 @@ def test_joints_without_a_range_are_refused(kind):
 
 
 def test_joints_that_mimic_others_are_refused_in_a_chain():
+    other = '<joint name="other" type="continuous"><parent link="c"/><child link="d"/></joint>'
     text = single("revolute", LIMIT, '<mimic joint="other"/>')
+    text = text.replace("</robot>", f'<link name="d"/>{other}</robot>')
     with pytest.raises(KinematicsError, match="joint 'j' mimics 'other'"):
         Chain.from_urdf(text, "a", "c")
     assert Chain.from_urdf(text, "b", "c").joint_names == ()

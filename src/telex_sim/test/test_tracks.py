@@ -15,7 +15,7 @@ from telex_control.params import ConfigError
 from telex_control.urdf_joints import joints, parse_urdf
 from telex_sim.config import TrackConfig
 from telex_sim.drives import Drive
-from telex_sim.footholds import Footholds
+from telex_sim.footholds import FootholdFinder
 from telex_sim.scene.bodies import SceneBodies
 from telex_sim.scene.model import Floor
 from telex_sim.tracks.belt_drive import BeltDriveConfig
@@ -478,6 +478,6 @@ def test_wrong_drives_are_named(drives, named):
 def test_a_belt_around_the_root_link_has_footholds(world):
     sledge = Sledge(world, urdf=ON_ROOT)
     sledge.run(0.2)
-    axle = {-1: np.array((0.0, 1.0, 0.0))}
-    found = Footholds(sledge.body, {-1: 0.2}).find(axle)
-    assert sorted({round(each.point[1], 2) for each in found}) == [-0.2, 0.2]
+    centers, axles = {-1: np.array(sledge.place)}, {-1: np.array((0.0, 1.0, 0.0))}
+    places, *_ = FootholdFinder(sledge.body, {-1: (-0.2, 0.2)}).touching(centers, axles)
+    assert {round(y, 2) for y in places[:, 1]} == {-0.2, 0.2}

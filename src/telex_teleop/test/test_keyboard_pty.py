@@ -375,10 +375,16 @@ class Drill:
         time.sleep(0.4)
         stops = [jog for jog in self.jogs if jog[0] > pressed and not any(jog[2].values())]
         first = stops[0][0]
+        # Each node hears its commands in their order; those of two nodes may overtake each other.
+        of_node = {node: moment for moment, node, _ in reversed(stops)}
         return {
             "delay": first - pressed,
             "joints": {node: len(rates) for moment, node, rates in stops if moment < first + 0.1},
-            "later": [jog for jog in self.jogs if jog[0] > first and any(jog[2].values())],
+            "later": [
+                jog
+                for jog in self.jogs
+                if jog[0] > of_node.get(jog[1], first) and any(jog[2].values())
+            ],
         }
 
     def e_stop(self, keyboard):
