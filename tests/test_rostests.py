@@ -40,5 +40,5 @@ def test_suite(suite, tmp_path):
                 rostest.wait(60.0)
     if status != 0:
         # What a test found stands in its results or, where it could not begin, in its log.
-        told = [*logs.rglob("rosunit-*.log"), *results.rglob("rosunit-*.xml"), written]
+        told = [*logs.rglob("*_test-*-stdout.log"), *results.rglob("rosunit-*.xml"), written]
         pytest.fail("\n".join(path.read_text(errors="replace")[-SHOWN:] for path in told))
