@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 from types import SimpleNamespace
 
@@ -317,6 +318,22 @@ def test_a_namespace_in_the_file_is_the_robots(tmp_path, text, names):
     params = read_file(str(file), "/lab/arm")
     assert list(params) == names
     assert params["states"] == {"type": "joint_state_controller/JointStateController"}
+
+
+def test_angles_in_degrees_are_read_as_roslaunch_does(tmp_path):
+    file = tmp_path / "arm.yaml"
+    file.write_text("arm: {type: a/B, rest: [!degrees 180, !radians pi/2, deg(90), rad(pi)]}")
+    assert read_file(str(file))["arm"]["rest"] == pytest.approx(
+        [math.pi, math.pi / 2, math.pi / 2, math.pi]
+    )
+
+
+@pytest.mark.parametrize("bad", ["!degrees x", "!radians x", "!metres 1", "["])
+def test_a_file_that_cannot_be_read_is_named(tmp_path, bad):
+    file = tmp_path / "arm.yaml"
+    file.write_text(f"arm: {{type: a/B, rest: {bad}}}")
+    with pytest.raises(SpawnerError, match=f"^{file}: "):
+        read_file(str(file))
 
 
 def test_of_several_namespaces_one_has_to_be_the_robots(tmp_path):

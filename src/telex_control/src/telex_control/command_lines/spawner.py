@@ -13,6 +13,7 @@ import time
 from typing import Any, Collection, Dict, List, Optional, Tuple
 
 import rosgraph
+import rosparam  # noqa: F401
 import rospy
 import yaml
 from controller_manager_msgs.msg import ControllerState
@@ -118,8 +119,9 @@ def read_file(path: str, namespace: str = "") -> Dict[str, Any]:
     """
     try:
         with open(path) as file:
+            # rosparam has taught it angles (!degrees 90, deg(90)), which roslaunch reads, too.
             params = yaml.safe_load(file)
-    except (OSError, yaml.YAMLError) as error:
+    except Exception as error:  # angles are evaluated as Python: the file can raise anything
         raise SpawnerError(f"{path}: {error}") from error
     if not isinstance(params, dict) or not _holds_controllers(params):
         raise SpawnerError(f"{path}: a mapping of controller names to parameters is needed")
