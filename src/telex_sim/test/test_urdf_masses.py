@@ -98,10 +98,11 @@ def test_a_robot_that_no_mass_carries_is_held(world):
 @pytest.mark.parametrize(
     ("moments", "possible", "told"),
     [
-        # One below 0, as CAD writes them, one above the sum of the others, and a thin plate.
+        # One below 0, as CAD writes them, one above the sum of the others, a thin plate, a rod.
         ((2e-8, 6e-8, 1e-8, 3e-8, 1e-8, 4e-8), None, 1),
         ((1e-6, 0.0, 0.0, 2e-6, 0.0, 5e-6), (5e-6 / 3, 8e-6 / 3, 13e-6 / 3), 1),
         ((9e-6, -1e-6, 0.0, 1e-6, 0.0, 1e-5), (8.769e-7, 9.123e-6, 1e-5), 0),
+        ((0.0, 0.0, 0.0, 0.1, 0.0, 0.1), (1e-5, 0.1, 0.1), 0),
     ],
 )
 def test_an_inertia_that_no_body_has_counts_as_the_nearest(world, moments, possible, told):

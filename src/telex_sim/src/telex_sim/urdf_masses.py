@@ -103,7 +103,7 @@ def _mend_inertia(link: ElementTree.Element) -> Iterator[str]:
     low, high = -moments[0], moments[2] - max(moments[0], 0.0) - max(moments[1], 0.0)
     if not largest or max(low / largest, high / largest) < -_EDGE:
         return
-    possible = moments if low <= 0.0 else np.maximum(moments, _THIN * max(moments[2], 0.0))
+    possible = np.maximum(moments, _THIN * max(moments[2], 0.0))
     excess = max(possible[2] - possible[0] - possible[1], 0.0)
     possible = possible + excess / 3.0 * np.array([1.0, 1.0, -1.0])
     possible[2] = min(possible[2], (1.0 - _THIN) * (possible[0] + possible[1]))
