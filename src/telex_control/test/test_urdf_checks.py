@@ -72,11 +72,44 @@ def test_links_that_are_no_tree_are_refused(text, said):
         (robot(link("a", moments="1 2 0 1 0 1")), "principal moment -1 kg m2 .ixx 1, ixy 2"),
         (
             robot(link("a"), link("b"), joint("a", "b", '<origin xyz="nan 0 0"/>')),
-            "joint 'a_b': origin xyz has the value nan",
+            "joint 'a_b': <origin xyz=.nan 0 0.>; 3 finite numbers are needed",
         ),
         (
             robot(link("a"), link("b"), joint("a", "b", '<axis xyz="inf 0 0"/>')),
-            "joint 'a_b': axis has the value inf",
+            "joint 'a_b': <axis xyz=.inf 0 0.>; 3 finite numbers are needed",
+        ),
+        (
+            robot(link("a"), link("b"), joint("a", "b", '<origin xyz="0 2e4 0"/>')),
+            "joint 'a_b': <origin xyz> has the value 20000; at most 10000 is possible",
+        ),
+        (
+            robot(link("a"), link("b"), joint("a", "b").replace("fixed", "planar")),
+            "joint 'a_b' has the type 'planar'; simulated are fixed, revolute, cont",
+        ),
+        (robot(link("a"), link("a")), "robot_description has 2 links of the name 'a'"),
+        (robot(link("a"), link("")), "robot_description has a <link> without a name"),
+        (robot(link("a")).replace(' name="r"', ""), "<robot> has no name"),
+        (robot(link("a", moments="1 0 0 1 0 1e200")), "'a': its <inertia> has 1e.200 kg m2"),
+        (
+            robot('<link name="a"><inertial><mass value="1"/></inertial></link>'),
+            "link 'a': its <inertial> has no <inertia>",
+        ),
+        (
+            robot(
+                link(
+                    "a",
+                    rest=f"<collision><origin rpy='0 0'/><geometry>{BOX}</geometry></collision>",
+                )
+            ),
+            "link 'a': collision: <origin rpy=.0 0.>; 3 finite numbers are needed",
+        ),
+        (
+            robot(link("a", rest="<collision><geometry><cone/></geometry></collision>")),
+            "link 'a': collision has the shape <cone> in its <geometry>; known are box, sphere",
+        ),
+        (
+            robot(link("a", rest="<visual/>")),
+            "link 'a': visual has no shape in its <geometry>; known are box, sphere",
         ),
         (
             robot(link("a", rest=f"<collision><geometry>{BOX}</geometry></collision>")),
@@ -97,7 +130,7 @@ def test_what_foreign_robots_have_is_taken():
                 link("nothing", "0", "0 0 0 0 0 0"),
                 link("rod", "1", "0 0 0 1 0 1"),
                 joint("frame", "nothing"),
-                joint("frame", "rod", '<origin xyz="0 0 x"/>'),
+                joint("frame", "rod", '<origin xyz="0  0 .1" rpy="1 2 3"/>'),
             )
         )
     )

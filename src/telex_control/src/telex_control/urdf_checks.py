@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Dict, Iterator, List, Optional, Tuple
+from collections import Counter
+from typing import Dict, List, Optional, Tuple
 from xml.etree import ElementTree
 
 import numpy as np
 
-from .urdf import UrdfError, by_name, end, number, root_links
+from .urdf import UrdfError, by_name, end, number, numbers, root_links
 
 __all__ = ["check_bodies", "check_links"]
 
@@ -22,7 +23,16 @@ _ROUNDING = 1.0e-6
 _NO_MOMENT = 1.0e-6
 """kg m2; by which it may be below 0, too, for published robots have small parts of this kind."""
 _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-_SIZES = ("size", "radius", "length", "scale")
+_SIZES = {
+    "box": {"size": 3},
+    "sphere": {"radius": 1},
+    "cylinder": {"radius": 1, "length": 1},
+    "capsule": {"radius": 1, "length": 1},
+    "mesh": {},
+}
+"""What each shape needs, and how many numbers."""
+_KINDS = ("fixed", "revolute", "continuous", "prismatic")
+"""Joints that are simulated; of others PyBullet makes what nobody moves."""
 
 
 def check_links(robot: ElementTree.Element) -> None:
@@ -92,6 +102,10 @@ def check_bodies(robot: ElementTree.Element) -> None:
     UrdfError
         It names link or joint, the value, and what would be right.
     """
+    if robot.get("name") is None:
+        raise UrdfError("robot_description: <robot> has no name")
+    for tag in ("link", "joint"):
+        _check_names(robot, tag)
     roots = root_links(robot)
     if len(roots) != 1:
         raise UrdfError(
@@ -105,25 +119,43 @@ def check_bodies(robot: ElementTree.Element) -> None:
         mass = number(link.find("inertial/mass"), "value", owner, 0.0)
         if not 0.0 <= mass <= _HEAVIEST:
             raise UrdfError(f"{owner}: mass is {mass:g} kg; 0 to {_HEAVIEST:g} is needed")
-        _check_inertia(owner, link.find("inertial/inertia"))
-        for kind in ("inertial", "collision", "visual"):
+        inertia = link.find("inertial/inertia")
+        if mass and inertia is None:
+            raise UrdfError(f"{owner}: its <inertial> has no <inertia>; all of it may be 0")
+        _check_inertia(owner, inertia)
+        _check_place(f"{owner}: inertial", link.find("inertial/origin"))
+        for kind in ("collision", "visual"):
             for part in link.findall(kind):
                 _check_place(f"{owner}: {kind}", part.find("origin"))
-                _check_sizes(f"{owner}: {kind}", part.find("geometry"))
+                _check_shape(f"{owner}: {kind}", part.find("geometry"))
     for joint in robot.findall("joint"):
         owner = f"joint '{joint.get('name', '')}'"
         for which in ("parent", "child"):
             if end(joint, which) not in links:
                 raise UrdfError(f"{owner}: its {which} is '{end(joint, which)}', which is no link")
         _check_place(owner, joint.find("origin"))
-        for value in _numbers(joint.find("axis"), "xyz"):
-            _require_finite(owner, "axis", value)
+        if joint.get("type", "") not in _KINDS:
+            raise UrdfError(
+                f"{owner} has the type '{joint.get('type', '')}'; simulated are {', '.join(_KINDS)}"
+            )
+        _check_numbers(owner, joint.find("axis"), "xyz", 3)
+
+
+def _check_names(robot: ElementTree.Element, tag: str) -> None:
+    names = [element.get("name", "") for element in robot.findall(tag)]
+    for name, count in Counter(names).items():
+        if not name:
+            raise UrdfError(f"robot_description has a <{tag}> without a name")
+        if count > 1:
+            raise UrdfError(f"robot_description has {count} {tag}s of the name '{name}'")
 
 
 def _check_inertia(owner: str, inertia: Optional[ElementTree.Element]) -> None:
     if inertia is None:
         return
     values = [number(inertia, key, owner, 0.0) for key in _MOMENTS]
+    if max(map(abs, values)) > _HEAVIEST * _FARTHEST**2:
+        raise UrdfError(f"{owner}: its <inertia> has {max(values, key=abs):g} kg m2")
     matrix = np.zeros((3, 3))
     matrix[np.triu_indices(3)] = values
     moments = np.linalg.eigvalsh(matrix + np.triu(matrix, 1).T)
@@ -137,31 +169,30 @@ def _check_inertia(owner: str, inertia: Optional[ElementTree.Element]) -> None:
 
 def _check_place(owner: str, origin: Optional[ElementTree.Element]) -> None:
     for key in ("xyz", "rpy"):
-        for value in _numbers(origin, key):
-            _require_finite(owner, f"origin {key}", value)
+        _check_numbers(owner, origin, key, 3)
 
 
-def _check_sizes(owner: str, geometry: Optional[ElementTree.Element]) -> None:
-    for shape in () if geometry is None else geometry:
-        for key in _SIZES:
-            for value in _numbers(shape, key):
-                _require_finite(owner, key, value)
-                if value < 0.0 and key != "scale":
-                    raise UrdfError(f"{owner}: {key} is {value:g} m; 0 or more is needed")
+def _check_shape(owner: str, geometry: Optional[ElementTree.Element]) -> None:
+    shape = None if geometry is None else next(iter(geometry), None)
+    if shape is None or shape.tag not in _SIZES:
+        known = ", ".join(_SIZES)
+        said = "no shape" if shape is None else f"the shape <{shape.tag}>"
+        raise UrdfError(f"{owner} has {said} in its <geometry>; known are {known}")
+    for key, count in _SIZES[shape.tag].items():
+        for value in numbers(shape, key, count, owner):
+            if not 0.0 <= value <= _FARTHEST:
+                raise UrdfError(f"{owner}: {key} is {value:g} m; 0 to {_FARTHEST:g} is needed")
+    _check_numbers(owner, shape, "scale", 3)
 
 
-def _require_finite(owner: str, what: str, value: float) -> None:
-    if not abs(value) <= _FARTHEST:
-        raise UrdfError(
-            f"{owner}: {what} has the value {value:g}; finite numbers, of at most {_FARTHEST:g}, "
-            "are needed"
-        )
-
-
-def _numbers(element: Optional[ElementTree.Element], key: str) -> Iterator[float]:
-    """Yield the numbers of an attribute; words that are none are left to those who read it."""
-    for word in ("" if element is None else element.get(key, "")).split():
-        try:
-            yield float(word)
-        except ValueError:
-            return
+def _check_numbers(
+    owner: str, element: Optional[ElementTree.Element], key: str, count: int
+) -> None:
+    if element is None or element.get(key) is None:
+        return
+    for value in numbers(element, key, count, owner):
+        if abs(value) > _FARTHEST:
+            raise UrdfError(
+                f"{owner}: <{element.tag} {key}> has the value {value:g}; at most {_FARTHEST:g} is "
+                "possible"
+            )
