@@ -4,7 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from telex_control.transmission_parser import DrivenJoint, driven_joints, transmissions
+from telex_control.transmission_parser import (
+    DrivenJoint,
+    driven_and_watched,
+    driven_joints,
+    interfaces,
+    transmissions,
+)
 from telex_control.urdf_joints import UrdfError, parse_urdf
 
 SIMPLE = "transmission_interface/SimpleTransmission"
@@ -113,6 +119,25 @@ def test_an_interface_of_states_does_not_stand_in_the_way(caplog):
     assert caplog.text == ""
 
 
+def test_a_joint_with_its_state_alone_is_watched(caplog):
+    state = EFFORT.replace("EffortJoint", "JointState")
+    described = robot(
+        simple(f'<joint name="j2">{state}</joint>', kind="hey5_transmissions/Hey5Reducer"), simple()
+    )
+    driven, watched = driven_and_watched(described)
+    assert ([each.joint for each in driven], watched) == (["j1"], ["j2"])
+    assert driven_joints(described) == driven
+    assert caplog.text == ""
+
+
+def test_interfaces_say_nothing_of_what_is_wrong(caplog):
+    bad = simple(f'<joint name="j2">{EFFORT}</joint>', kind="")
+    motor = f'<actuator name="m">{EFFORT.replace("Effort", "Position")}</actuator>'
+    found = interfaces(robot(bad, simple('<joint name="j1"/>', motor)))
+    assert found == {"j1": "PositionJointInterface"}
+    assert caplog.text == ""
+
+
 def test_one_that_is_not_simulated_gives_way_to_one_that_is(caplog):
     state = "<hardwareInterface>franka_hw/FrankaStateInterface</hardwareInterface>"
     body = simple(f'<joint name="j1">{state}</joint>', kind="franka_hw/FrankaStateTransmission")
@@ -146,7 +171,6 @@ def test_what_nothing_simulated_drives_is_refused_with_what_to_write(text, named
     "interface",
     [
         "franka_hw/FrankaPoseCartesianInterface",
-        "hardware_interface/JointStateInterface",
         "my_hardware_interface/EffortJointInterface",
         "Torque",
     ],

@@ -1,4 +1,4 @@
-"""Joints that follow others (``<mimic>``), from the description to the world."""
+"""Joints that nothing drives: that follow others (``<mimic>``), or move freely."""
 
 from __future__ import annotations
 
@@ -131,6 +131,27 @@ def test_a_follower_that_is_held_holds_its_leader(bench):
     states = tested.states()
     assert states["drive"].position == pytest.approx(0.2, abs=0.02)
     assert abs(states["tip"].position + states["drive"].position) < 0.01
+
+
+def test_a_joint_of_which_only_the_state_is_asked_moves_freely(bench, caplog):
+    watched = TRANSMISSION.format("free", "JointState").replace("JointStateJoint", "JointState")
+    text = robot(joint("drive"), joint("free", y=0.3, axis="0 1 0"), joint("unseen", y=0.6))
+    tested = bench(text.replace("</robot>", watched + "</robot>"))
+    assert "nothing drives 'free': the transmissions have the JointStateInterface" in caplog.text
+    tested.run(0.5, 0.1)
+    states = tested.states()
+    assert list(states) == ["drive", "free"]
+    # It falls: 9.81 m/s2 on 0.1 kg at 0.05 m, against 1e-4 kg m2 and those of its offset.
+    assert states["free"].velocity == pytest.approx(9.81 * 0.005 / 3.5e-4 * 0.1, rel=0.2)
+
+
+@pytest.mark.parametrize(("interface", "warned"), [("Effort", True), ("Position", False)])
+def test_an_effort_on_nothing_is_warned_of(bench, caplog, interface, warned):
+    text = robot(joint("drive"), interface=interface)
+    bench(text.replace(LINK.format("drive_link"), '<link name="drive_link"/>'), interface)
+    assert ("'drive' is driven by effort, and nothing that it moves has a mass" in caplog.text) == (
+        warned
+    )
 
 
 def test_limits_of_followers_are_their_leaders():

@@ -8,7 +8,7 @@ import numpy as np
 import pybullet
 import pytest
 
-from telex_sim.urdf_masses import complete_masses
+from telex_sim.urdf_masses import complete_masses, massless_joints
 from telex_sim.world import World
 
 
@@ -82,6 +82,17 @@ def test_what_has_no_mass_is_told():
     masses = complete_masses(ElementTree.fromstring(SLED.format(root=NO_MASS, hull=20)), False)
     assert not masses.fixed
     assert masses.remarks == ["link 'footprint' has the mass 0, so its <inertia> does not count"]
+
+
+def test_joints_that_move_no_mass_are_found():
+    described = ElementTree.fromstring(
+        SLED.format(root="", hull=20).replace(
+            "</robot>",
+            '<link name="tip"/><joint name="tilt" type="revolute"><parent link="boom"/>'
+            '<child link="tip"/></joint></robot>',
+        )
+    )
+    assert massless_joints(described) == ["tilt"]
 
 
 def test_a_robot_that_no_mass_carries_is_held(world):

@@ -12,13 +12,13 @@ from dataclasses import dataclass
 from typing import Dict, List, Tuple
 from xml.etree import ElementTree
 
-from .urdf_joints import UrdfError
+from .urdf import UrdfError
 
 SIMULATED = ("EffortJointInterface", "VelocityJointInterface", "PositionJointInterface")
 """Interfaces through which a simulation's joints are commanded."""
 _PREFIX = "hardware_interface/"
 _STATE = ("JointStateInterface", _PREFIX + "JointStateInterface")
-"""What every joint has, and needs not be asked for."""
+"""What every joint has, and needs not be asked for; one with nothing else is not driven."""
 
 _log = logging.getLogger("rosout")
 
@@ -77,16 +77,40 @@ class DrivenJoint:
 
 def transmissions(robot: ElementTree.Element) -> List[TransmissionInfo]:
     """Return the transmissions of a ``<robot>`` element, in the order of the file."""
-    found = []
-    for element in robot.findall("transmission"):
-        try:
-            found.append(_transmission(element))
-        except TransmissionError as error:
-            _log.error("transmission '%s' is left out: %s", element.get("name", ""), error)
+    found, complaints = _read(robot)
+    for level, complaint in complaints:
+        _log.log(level, complaint)
     return found
 
 
-def _transmission(element: ElementTree.Element) -> TransmissionInfo:
+def interfaces(robot: ElementTree.Element) -> Dict[str, str]:
+    """Return through which interface each joint is driven, of those that are.
+
+    As `driven_joints`, but nothing is logged, and what that refuses is left out.
+    """
+    found: Dict[str, str] = {}
+    for transmission in _read(robot)[0]:
+        for joint in transmission.joints:
+            for interface in filter(_is_simulated, joint.hardware_interfaces):
+                found.setdefault(joint.name, _bare(interface))
+    return found
+
+
+def _read(robot: ElementTree.Element) -> Tuple[List[TransmissionInfo], List[Tuple[int, str]]]:
+    """Transmissions, and what is to be logged of them, with its level."""
+    found, complaints = [], []
+    for element in robot.findall("transmission"):
+        try:
+            found.append(_transmission(element, complaints))
+        except TransmissionError as error:
+            name = element.get("name", "")
+            complaints.append((logging.ERROR, f"transmission '{name}' is left out: {error}"))
+    return found, complaints
+
+
+def _transmission(
+    element: ElementTree.Element, complaints: List[Tuple[int, str]]
+) -> TransmissionInfo:
     name = element.get("name", "")
     if not name:
         raise TransmissionError("it has no name")
@@ -98,7 +122,7 @@ def _transmission(element: ElementTree.Element) -> TransmissionInfo:
     actuators = tuple(_actuator(each) for each in element.findall("actuator"))
     # Older descriptions name the interface at the actuator.
     fallback = next((a.hardware_interfaces for a in actuators if a.hardware_interfaces), ())
-    joints = tuple(_joint(each, fallback) for each in element.findall("joint"))
+    joints = tuple(_joint(each, fallback, complaints) for each in element.findall("joint"))
     if not joints:
         raise TransmissionError("it has no <joint>")
     if not actuators:
@@ -106,21 +130,25 @@ def _transmission(element: ElementTree.Element) -> TransmissionInfo:
     return TransmissionInfo(name, type_name, joints, actuators)
 
 
-def _joint(element: ElementTree.Element, fallback: Tuple[str, ...]) -> TransmissionJoint:
+def _joint(
+    element: ElementTree.Element, fallback: Tuple[str, ...], complaints: List[Tuple[int, str]]
+) -> TransmissionJoint:
     name = element.get("name", "")
     if not name:
         raise TransmissionError("a <joint> has no name")
-    interfaces = _interfaces(element)
-    if not interfaces and fallback:
-        _log.warning(
-            "joint '%s': its <hardwareInterface> stands in the <actuator>; it belongs into the "
-            "<joint> of the transmission",
-            name,
+    own = _interfaces(element)
+    if not own and fallback:
+        complaints.append(
+            (
+                logging.WARNING,
+                f"joint '{name}': its <hardwareInterface> stands in the <actuator>; it belongs "
+                "into the <joint> of the transmission",
+            )
         )
-        interfaces = fallback
-    if not interfaces:
+        own = fallback
+    if not own:
         raise TransmissionError(f"joint '{name}' has no <hardwareInterface>")
-    return TransmissionJoint(name, interfaces)
+    return TransmissionJoint(name, own)
 
 
 def _actuator(element: ElementTree.Element) -> TransmissionActuator:
@@ -139,6 +167,10 @@ def _interfaces(element: ElementTree.Element) -> Tuple[str, ...]:
     return tuple(text for text in texts if text)
 
 
+def _is_simulated(interface: str) -> bool:
+    return _bare(interface) in SIMULATED
+
+
 def driven_joints(robot: ElementTree.Element) -> List[DrivenJoint]:
     """Return the joints of a ``<robot>`` element that transmissions drive, each once.
 
@@ -150,8 +182,24 @@ def driven_joints(robot: ElementTree.Element) -> List[DrivenJoint]:
     ------
     UrdfError
         A transmission drives a joint that the robot does not have, or a joint has transmissions
-        and none with such an interface.
+        with interfaces by which it is commanded, and none of them is simulated.
     """
+    return driven_and_watched(robot)[0]
+
+
+def driven_and_watched(robot: ElementTree.Element) -> Tuple[List[DrivenJoint], List[str]]:
+    """Return `driven_joints`, and the joints of which transmissions want the state alone."""
+    driven, watched = [], []
+    for joint, offered in _offers(robot).items():
+        if all(interface in _STATE for _, interface in offered):
+            watched.append(joint)
+        else:
+            driven.append(_driven(joint, offered))
+    return driven, watched
+
+
+def _offers(robot: ElementTree.Element) -> Dict[str, List[Tuple[str, str]]]:
+    """Pairs of transmission and interface, by joint."""
     known = {element.get("name", "") for element in robot.findall("joint")}
     offers: Dict[str, List[Tuple[str, str]]] = {}
     for transmission in transmissions(robot):
@@ -169,15 +217,15 @@ def driven_joints(robot: ElementTree.Element) -> List[DrivenJoint]:
             for joint_name in sorted(known & {child.get("name", "") for child in element}):
                 if joint_name not in offers:
                     offers[joint_name] = [(element.get("name", ""), element.get("type", ""))]
-    return [_driven(joint, offered) for joint, offered in offers.items()]
+    return offers
 
 
 def _driven(joint: str, offered: List[Tuple[str, str]]) -> DrivenJoint:
     """Choose from the pairs of transmission and interface that a joint is offered."""
-    found = [(name, each) for name, each in offered if _bare(each) in SIMULATED]
+    found = [(name, each) for name, each in offered if _is_simulated(each)]
     other = [pair for pair in offered if pair not in found and pair[1] not in _STATE]
     if not found:
-        name, interface = (other or offered)[0]
+        name, interface = other[0]
         raise UrdfError(
             f"transmission '{name}' has '{interface}' for joint '{joint}'; simulated are "
             f'{", ".join(SIMULATED)}: write <transmission name="{name}">'

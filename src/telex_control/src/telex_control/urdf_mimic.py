@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Dict, Tuple
 from xml.etree import ElementTree
 
+from .transmission_parser import interfaces
 from .urdf import UrdfError, by_name, number
 
 
@@ -57,8 +58,8 @@ def _ordered(first: float, second: float) -> Tuple[float, float]:
 def mimics(robot: ElementTree.Element) -> Dict[str, Mimic]:
     """Return how joints follow others, by name, in the order of the file.
 
-    Left out are joints with a transmission of their own by which they are commanded: as in
-    ros_control, that drives them. A joint that follows a follower has the leader of both.
+    Left out are joints that a transmission of their own drives, as ros_control has it. A joint that
+    follows a follower has the leader of both.
 
     Raises
     ------
@@ -67,12 +68,7 @@ def mimics(robot: ElementTree.Element) -> Dict[str, Mimic]:
         wrong.
     """
     elements = by_name(robot, "joint")
-    driven = {
-        joint.get("name")
-        for transmission in robot.findall("transmission")
-        if any(map(_commands, transmission.iter("hardwareInterface")))
-        for joint in transmission.findall("joint")
-    }
+    driven = interfaces(robot)
     own: Dict[str, Mimic] = {}
     for name, element in elements.items():
         mimic = element.find("mimic")
@@ -88,10 +84,6 @@ def mimics(robot: ElementTree.Element) -> Dict[str, Mimic]:
             number(mimic, "offset", where, 0.0),
         )
     return {name: _followed(name, own) for name in own}
-
-
-def _commands(interface: ElementTree.Element) -> bool:
-    return not (interface.text or "").strip().endswith("JointStateInterface")
 
 
 def _followed(name: str, own: Dict[str, Mimic]) -> Mimic:

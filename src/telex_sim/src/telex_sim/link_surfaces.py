@@ -8,6 +8,7 @@ from xml.etree import ElementTree
 
 import pybullet
 
+from telex_control.transmission_parser import interfaces
 from telex_control.urdf import UrdfError, by_name, end
 from telex_control.urdf_joints import CONTINUOUS, MOVABLE
 from telex_control.urdf_mimic import mimics
@@ -70,7 +71,8 @@ def wheels(root: ElementTree.Element) -> FrozenSet[str]:
     carriers: Set[str] = set()
     fixed: List[Tuple[str, str]] = []
     turned: Set[str] = set()
-    held = _held(root) | set(mimics(root))
+    held = set(mimics(root))
+    held.update(name for name, by in interfaces(root).items() if by == "PositionJointInterface")
     for joint in root.findall("joint"):
         ends = (end(joint, "parent"), end(joint, "child"))
         if joint.get("type") in MOVABLE:
@@ -92,19 +94,6 @@ def wheels(root: ElementTree.Element) -> FrozenSet[str]:
         and links[name].find("contact/stiffness") is None
         and any(links[name].find(f"collision/geometry/{shape}") is not None for shape in _ROUND)
     )
-
-
-def _held(root: ElementTree.Element) -> Set[Optional[str]]:
-    """Joints that are commanded by position."""
-    return {
-        joint.get("name")
-        for transmission in root.findall("transmission")
-        if any(
-            (element.text or "").strip().endswith("PositionJointInterface")
-            for element in transmission.iter("hardwareInterface")
-        )
-        for joint in transmission.findall("joint")
-    }
 
 
 def frictions(root: ElementTree.Element) -> Dict[str, float]:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import logging
 import math
-from typing import Any, Collection, Dict, List, Mapping, Optional, Sequence, Set, Tuple, Type
+from typing import Any, Collection, Dict, List, Mapping, Optional, Sequence, Set, Type
 from xml.etree import ElementTree
 
 import pybullet
@@ -30,15 +30,15 @@ from telex_control.node_handle import NodeHandle
 from telex_control.params import ConfigError
 from telex_control.pid import Pid
 from telex_control.pid_reconfigure import PidSet
-from telex_control.transmission_parser import DrivenJoint, driven_joints
+from telex_control.transmission_parser import DrivenJoint, driven_and_watched
 from telex_control.urdf import by_name
 from telex_control.urdf_joints import CONTINUOUS, PRISMATIC, UrdfError, UrdfJoint, joints
-from telex_control.urdf_mimic import Mimic
 
 from .config import HardwareConfig, JointHardware
 from .drives import INTERFACES, Drive, Mode
 from .imu import Imu
 from .link_surfaces import LinkSurfaces
+from .urdf_masses import massless_joints
 from .world import Body
 
 PID_GAINS = ("pid_gains", "gazebo_ros_control/pid_gains")
@@ -78,10 +78,10 @@ class RobotHWSim(RobotHW):
         self._all: List[Drive] = []
         # Without the belts: what PyBullet's motors move.
         self._moved: List[Drive] = []
-        # Movable joints without a transmission: nobody sees them, but they have friction.
+        # Movable joints that nothing drives; they have friction.
         self._passive: List[UrdfJoint] = []
-        # Of those, the ones that follow others, and their states.
-        self._followers: Dict[str, Tuple[Mimic, JointStateHandle]] = {}
+        # Of those, the ones whose states are told: they follow others, or a transmission asks it.
+        self._watched: Dict[str, JointStateHandle] = {}
         self._imus: List[Imu] = []
         # By controller, so that one that ends takes nothing from the next that has its joint.
         self._claims: Dict[str, Set[str]] = {}
@@ -116,10 +116,13 @@ class RobotHWSim(RobotHW):
             raise ConfigError(
                 f"parameter {root.resolve(_LIMITS)} is {limits!r}; a struct is needed"
             )
-        for driven in driven_joints(self._robot):
-            self._joints[driven.joint] = self._drive(driven, described, limits, root)
+        driven, watched = driven_and_watched(self._robot)
+        for each in driven:
+            self._joints[each.joint] = self._drive(each, described, limits, root)
+        self._warn_of_massless()
         self._passive = [joint for name, joint in described.items() if name not in self._joints]
         self._couple(described)
+        self._watch([name for name in watched if name in described])
         self._surfaces = LinkSurfaces(self._robot, self._config)
         self._imus = [
             Imu(name, link, self._config.imu_noise.get(name), root.namespace)
@@ -167,7 +170,30 @@ class RobotHWSim(RobotHW):
                     name,
                     joint.mimic.joint,
                 )
-            self._followers[name] = (joint.mimic, JointStateHandle(name))
+            self._watched[name] = JointStateHandle(name)
+
+    def _watch(self, names: List[str]) -> None:
+        free = [name for name in names if name not in self._watched]
+        self._watched.update((name, JointStateHandle(name)) for name in free)
+        if free:
+            _log.warning(
+                "nothing drives %s: the transmissions have the JointStateInterface alone; the "
+                "joints move freely",
+                ", ".join(f"'{name}'" for name in free),
+            )
+
+    def _warn_of_massless(self) -> None:
+        """Warn of joints whose first command would be infinitely fast, or nearly."""
+        for name in massless_joints(self._robot):
+            drive = self._joints.get(name)
+            if drive and drive.takes_effort and not self._hardware(name).armature:
+                _log.warning(
+                    "joint '%s' is driven by effort, and nothing that it moves has a mass: any "
+                    "effort throws it from one limit to the other; give its link an <inertial>, "
+                    "or the joint a hardware/joints/%s/armature",
+                    name,
+                    name,
+                )
 
     def _hardware(self, joint: str) -> JointHardware:
         return self._config.joints.get(joint, JointHardware())
@@ -215,7 +241,7 @@ class RobotHWSim(RobotHW):
         for drive in self._all:
             states.register_handle(drive.state)
             commands[drive.interface].register_handle(drive.handle)
-        for _, state in self._followers.values():
+        for state in self._watched.values():
             states.register_handle(state)
         for imu in self._imus:
             imus.register_handle(imu.handle)
@@ -271,7 +297,7 @@ class RobotHWSim(RobotHW):
             self._place_stops(drive)
         self._surfaces.apply(body)
         self._indices = [drive.index for drive in self._moved]
-        self._indices += [body.joints[name] for name in self._followers]
+        self._indices += [body.joints[name] for name in self._watched]
         for imu in self._imus:
             imu.attach(body)
         for belt in self._belts:
@@ -369,7 +395,7 @@ class RobotHWSim(RobotHW):
     # --- RobotHW -----------------------------------------------------------------------------
 
     def read(self, time: float, period: float) -> None:
-        """Fill the state handles, those of joints that follow others (``<mimic>``) too.
+        """Fill the state handles, those of watched joints that nothing drives too.
 
         The effort is what was last applied: to a joint driven by effort its limited command, to
         one that a motor or the brake moves that motor's force. Positions of joints that turn
@@ -385,7 +411,7 @@ class RobotHWSim(RobotHW):
             handle.position = state[0]
             handle.velocity = state[1]
             handle.effort = drive.force if drive.takes_effort and not drive.braked else state[3]
-        for (_, handle), state in zip(self._followers.values(), states[len(self._moved) :]):
+        for handle, state in zip(self._watched.values(), states[len(self._moved) :]):
             handle.position, handle.velocity, handle.effort = state[0], state[1], state[3]
         for imu in self._imus:
             imu.read(period)

@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pybullet
 
-from telex_control.urdf import UrdfError, Vector, by_name, end, number, origin, root_links
+from telex_control.urdf import Vector, by_name, end, number, origin, root_links
 
 Quaternion = Tuple[float, float, float, float]
 Pose = Tuple[Vector, Quaternion]
@@ -84,6 +84,18 @@ def complete_masses(root: ElementTree.Element, fixed_base: bool) -> Masses:
             ElementTree.SubElement(inertial, "mass", value="1e-6")
             _write_inertia(inertial, 1e-9 * np.eye(3))
     return Masses(fixed, remarks)
+
+
+def massless_joints(root: ElementTree.Element) -> List[str]:
+    """Return the joints that move nothing with a mass."""
+    above = {end(joint, "child"): joint for joint in root.findall("joint")}
+    loaded = set()
+    for name, link in by_name(root, "link").items():
+        joint = above.get(name) if mass_of(link) > NO_MASS else None
+        while joint is not None and joint.get("name") not in loaded:
+            loaded.add(joint.get("name"))
+            joint = above.get(end(joint, "parent"))
+    return [name for name in by_name(root, "joint") if name not in loaded]
 
 
 def _mend_inertia(link: ElementTree.Element) -> Iterator[str]:
