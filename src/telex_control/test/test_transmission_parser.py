@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from xml.etree import ElementTree
+
 import pytest
 
 from telex_control.transmission_parser import (
@@ -144,6 +146,15 @@ def test_one_that_is_not_simulated_gives_way_to_one_that_is(caplog):
     (found,) = driven_joints(robot(body, simple()))
     assert found == DrivenJoint("j1", "u", "EffortJointInterface")
     assert "'t': 'franka_hw/FrankaStateInterface' is not simulated; joint 'j1' is" in caplog.text
+
+
+def test_what_is_not_simulated_of_a_fixed_joint_is_passed_over(caplog):
+    pose = "<hardwareInterface>franka_hw/FrankaModelInterface</hardwareInterface>"
+    ends = f'<joint name="j1">{pose}</joint><joint name="flange">{pose}</joint>'
+    described = robot(simple(ends, kind="franka_hw/FrankaModelTransmission"), simple())
+    ElementTree.SubElement(described, "joint", name="flange", type="fixed")
+    assert [each.joint for each in driven_joints(described)] == ["j1"]
+    assert "'t': 'franka_hw/FrankaModelInterface' is not simulated\n" in caplog.text
 
 
 OLD = """<robot name="r"><joint name="wheel" type="continuous"/><joint name="j1" type="continuous"/>

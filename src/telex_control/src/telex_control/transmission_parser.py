@@ -190,9 +190,13 @@ def driven_joints(robot: ElementTree.Element) -> List[DrivenJoint]:
 def driven_and_watched(robot: ElementTree.Element) -> Tuple[List[DrivenJoint], List[str]]:
     """Return `driven_joints`, and the joints of which transmissions want the state alone."""
     driven, watched = [], []
+    fixed = {joint.get("name") for joint in robot.findall("joint") if joint.get("type") == "fixed"}
     for joint, offered in _offers(robot).items():
         if all(interface in _STATE for _, interface in offered):
             watched.append(joint)
+        elif joint in fixed and not any(_is_simulated(interface) for _, interface in offered):
+            # As the flange of franka's model: nothing is lost.
+            _log.warning("transmission '%s': '%s' is not simulated", *offered[0])
         else:
             driven.append(_driven(joint, offered))
     return driven, watched
