@@ -170,12 +170,14 @@ OLD = """<robot name="r"><joint name="wheel" type="continuous"/><joint name="j1"
         (OLD.format(tag="flexJoint", more=""), "for joint 'wheel'"),
     ],
 )
-def test_what_nothing_simulated_drives_is_refused_with_what_to_write(text, named):
+def test_what_nothing_simulated_drives_is_refused_with_what_to_write(text, named, caplog):
     with pytest.raises(UrdfError, match=named) as caught:
         driven_joints(parse_urdf(text))
+    assert caplog.text == ""
     written = str(caught.value).partition("write ")[2]
     (found,) = driven_joints(parse_urdf(OLD.format(tag="joint", more=written)))
     assert (found.joint, found.hardware_interface) == ("wheel", "EffortJointInterface")
+    assert "'old' is left out: its style is pr2's" in caplog.text
 
 
 @pytest.mark.parametrize(

@@ -76,7 +76,10 @@ class DrivenJoint:
 
 
 def transmissions(robot: ElementTree.Element) -> List[TransmissionInfo]:
-    """Return the transmissions of a ``<robot>`` element, in the order of the file."""
+    """Return the transmissions of a ``<robot>`` element, in the order of the file.
+
+    Without those in the style of pr2, which are no transmissions of ros_control.
+    """
     found, complaints = _read(robot)
     for level, complaint in complaints:
         _log.log(level, complaint)
@@ -100,12 +103,19 @@ def _read(robot: ElementTree.Element) -> Tuple[List[TransmissionInfo], List[Tupl
     """Transmissions, and what is to be logged of them, with its level."""
     found, complaints = [], []
     for element in robot.findall("transmission"):
+        if _is_old(element):
+            continue
         try:
             found.append(_transmission(element, complaints))
         except TransmissionError as error:
             name = element.get("name", "")
             complaints.append((logging.ERROR, f"transmission '{name}' is left out: {error}"))
     return found, complaints
+
+
+def _is_old(element: ElementTree.Element) -> bool:
+    """Whether it is in the style of pr2."""
+    return bool(element.get("type")) and not _text(element, "type")
 
 
 def _transmission(
@@ -115,8 +125,6 @@ def _transmission(
     if not name:
         raise TransmissionError("it has no name")
     type_name = _text(element, "type")
-    if not type_name and element.get("type"):
-        raise TransmissionError(f"it is in the style of pr2, with type='{element.get('type')}'")
     if not type_name:
         raise TransmissionError("it has no <type>")
     actuators = tuple(_actuator(each) for each in element.findall("actuator"))
@@ -215,12 +223,13 @@ def _offers(robot: ElementTree.Element) -> Dict[str, List[Tuple[str, str]]]:
                 )
             offered = [(transmission.name, each) for each in joint.hardware_interfaces]
             offers.setdefault(joint.name, []).extend(offered)
-    for element in robot.findall("transmission"):
-        if element.get("type") and not _text(element, "type"):
-            # As pr2 has it: its joints are elements of several names.
-            for joint_name in sorted(known & {child.get("name", "") for child in element}):
-                if joint_name not in offers:
-                    offers[joint_name] = [(element.get("name", ""), element.get("type", ""))]
+    for element in filter(_is_old, robot.findall("transmission")):
+        # Its joints are elements of several names, and have no interface.
+        name, kind = element.get("name", ""), element.get("type", "")
+        joints = sorted(known & {child.get("name", "") for child in element})
+        if all(joint in offers for joint in joints):
+            _log.error("transmission '%s' is left out: its style is pr2's, type='%s'", name, kind)
+        offers.update((joint, [(name, kind)]) for joint in joints if joint not in offers)
     return offers
 
 
