@@ -106,6 +106,16 @@ def test_followers_follow_whatever_drives_the_leader(bench, interface):
             assert states[name].velocity == pytest.approx(slope, rel=0.02), name
 
 
+@pytest.mark.parametrize("offset", [0.0, 0.5, 2.0])
+def test_one_that_does_not_move_with_its_leader_stands_at_its_offset(bench, offset):
+    mimic = f'joint="drive" multiplier="0" offset="{offset}"'
+    tested = bench(robot(joint("drive"), joint("still", mimic=mimic, y=0.3)))
+    tested.run(0.6, 0.8)
+    states = tested.states()
+    assert states["drive"].position == pytest.approx(0.6, abs=1e-3)
+    assert states["still"].position == pytest.approx(offset, abs=1e-3)
+
+
 def test_followers_start_where_their_leader_puts_them(bench):
     start = {"pose": "half", "poses": {"half": {"drive": 0.4}}}
     states = bench(robot(*GRIPPER), **start).states()
@@ -149,9 +159,14 @@ def test_a_joint_of_which_only_the_state_is_asked_moves_freely(bench, caplog):
 def test_an_effort_on_nothing_is_warned_of(bench, caplog, interface, warned):
     text = robot(joint("drive"), interface=interface)
     bench(text.replace(LINK.format("drive_link"), '<link name="drive_link"/>'), interface)
-    assert ("'drive' is driven by effort, and nothing that it moves has a mass" in caplog.text) == (
-        warned
-    )
+    said = "'drive' is driven by effort, and nothing that it moves has a mass"
+    assert (said in caplog.text) == warned
+
+
+def test_a_leader_without_mass_moves_that_of_its_followers(bench, caplog):
+    text = robot(joint("drive"), joint("tip", mimic='joint="drive"', y=0.3), interface="Effort")
+    bench(text.replace(LINK.format("drive_link"), '<link name="drive_link"/>'), "Effort")
+    assert "has a mass" not in caplog.text
 
 
 def test_limits_of_followers_are_their_leaders():

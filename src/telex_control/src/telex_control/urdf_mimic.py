@@ -38,9 +38,13 @@ class Mimic:
         return _ordered(*(self._of(each, self.multiplier, self.offset) for each in (lower, upper)))
 
     def preimage(self, lower: float, upper: float) -> Tuple[float, float]:
-        """Return the range of the leader in which this joint stays in its own."""
+        """Return the range of the leader in which this joint stays in its own.
+
+        It is (inf, -inf) where there is none.
+        """
         if self.multiplier == 0.0:
-            return -math.inf, math.inf
+            end = math.inf if lower <= self.offset <= upper else -math.inf
+            return -end, end
         return _ordered(
             *(self._of(each - self.offset, 1.0 / self.multiplier, 0.0) for each in (lower, upper))
         )

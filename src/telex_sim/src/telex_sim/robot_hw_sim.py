@@ -49,6 +49,8 @@ _BRAKE_POSITION_GAIN = 0.2
 _BRAKE_VELOCITY_GAIN = 1.0
 _GEAR_ERP = 0.2
 """Share of a follower's error that is corrected in a step."""
+_NO_RATIO = 1.0e-9
+"""Of a follower that stands still: PyBullet takes 0 for 1."""
 _GEAR_FORCE = 1.0e5
 """N, N m; more than any drive has: what gives way is the drive."""
 
@@ -119,7 +121,7 @@ class RobotHWSim(RobotHW):
         driven, watched = driven_and_watched(self._robot)
         for each in driven:
             self._joints[each.joint] = self._drive(each, described, limits, root)
-        self._warn_of_massless()
+        self._warn_of_massless(described)
         self._passive = [joint for name, joint in described.items() if name not in self._joints]
         self._couple(described)
         self._watch([name for name in watched if name in described])
@@ -182,9 +184,17 @@ class RobotHWSim(RobotHW):
                 ", ".join(f"'{name}'" for name in free),
             )
 
-    def _warn_of_massless(self) -> None:
+    def _warn_of_massless(self, described: Dict[str, UrdfJoint]) -> None:
         """Warn of joints whose first command would be infinitely fast, or nearly."""
-        for name in massless_joints(self._robot):
+        massless = massless_joints(self._robot)
+        followed = {
+            joint.mimic.joint
+            for name, joint in described.items()
+            if joint.mimic and name not in massless
+        }
+        for name in massless:
+            if name in followed:
+                continue
             drive = self._joints.get(name)
             if drive and drive.takes_effort and not self._hardware(name).armature:
                 _log.warning(
@@ -376,7 +386,7 @@ class RobotHWSim(RobotHW):
             )
             pybullet.changeConstraint(
                 gear,
-                gearRatio=-mimic.multiplier,
+                gearRatio=-(mimic.multiplier or _NO_RATIO),
                 relativePositionTarget=mimic.offset,
                 erp=_GEAR_ERP,
                 maxForce=_GEAR_FORCE,
