@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import rospkg
 
+_packages = rospkg.RosPack()  # which remembers what it has found
+
 
 def get_package_share_directory(package_name: str) -> str:
     """Return the folder of a ROS package.
@@ -14,6 +16,6 @@ def get_package_share_directory(package_name: str) -> str:
         ROS_PACKAGE_PATH has no such package.
     """
     try:
-        return str(rospkg.RosPack().get_path(package_name))
+        return str(_packages.get_path(package_name))
     except rospkg.ResourceNotFound:
         raise LookupError(f"ROS_PACKAGE_PATH has no package '{package_name}'") from None
