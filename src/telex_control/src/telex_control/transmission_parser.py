@@ -101,7 +101,8 @@ def interfaces(robot: ElementTree.Element) -> Dict[str, str]:
 
 def _read(robot: ElementTree.Element) -> Tuple[List[TransmissionInfo], List[Tuple[int, str]]]:
     """Transmissions, and what is to be logged of them, with its level."""
-    found, complaints = [], []
+    found: List[TransmissionInfo] = []
+    complaints: List[Tuple[int, str]] = []
     for element in robot.findall("transmission"):
         if _is_old(element):
             continue
