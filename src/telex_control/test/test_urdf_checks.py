@@ -20,9 +20,9 @@ def link(name, mass="1", moments="1 0 0 1 0 1", rest=""):
     )
 
 
-def joint(parent, child, rest=""):
+def joint(parent, child, rest="", kind="fixed"):
     return (
-        f'<joint name="{parent}_{child}" type="fixed"><parent link="{parent}"/>'
+        f'<joint name="{parent}_{child}" type="{kind}"><parent link="{parent}"/>'
         f'<child link="{child}"/>{rest}</joint>'
     )
 
@@ -83,7 +83,11 @@ def test_links_that_are_no_tree_are_refused(text, said):
             "joint 'a_b': <origin xyz> has the value 20000; at most 10000 is possible",
         ),
         (
-            robot(link("a"), link("b"), joint("a", "b").replace("fixed", "planar")),
+            robot(link("a"), link("b"), joint("a", "b", "<origin xyz='0 0 x'/>", "prismatic")),
+            "joint 'a_b': <origin xyz=.0 0 x.>; 3 finite numbers are needed",
+        ),
+        (
+            robot(link("a"), link("b"), joint("a", "b", kind="planar")),
             "joint 'a_b' has the type 'planar'; simulated are fixed, revolute, cont",
         ),
         (robot(link("a"), link("a")), "robot_description has 2 links of the name 'a'"),
@@ -130,7 +134,7 @@ def test_what_foreign_robots_have_is_taken():
                 link("nothing", "0", "0 0 0 0 0 0"),
                 link("rod", "1", "0 0 0 1 0 1"),
                 joint("frame", "nothing"),
-                joint("frame", "rod", '<origin xyz="0  0 .1" rpy="1 2 3"/>'),
+                joint("frame", "rod", '<origin xyz="0 0 x"/>'),
             )
         )
     )

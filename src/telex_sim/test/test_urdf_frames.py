@@ -115,12 +115,13 @@ def test_what_is_seen_of_a_frame_goes_to_its_carrier():
 @pytest.mark.parametrize(
     ("old", "new"),
     [
-        # Solid, or heavy.
+        # Solid, heavy, carrying something, or placed by what only PyBullet makes sense of.
         ('<link name="lens"/>', '<link name="lens"><collision/></link>'),
         (
             '<link name="lens"/>',
             '<link name="lens"><inertial><mass value="0.1"/></inertial></link>',
         ),
+        ('xyz="0.05 0.02 0"', 'xyz="$(arg x) 0 0"'),
     ],
 )
 def test_what_counts_stays_with_all_that_carries_it(old, new):

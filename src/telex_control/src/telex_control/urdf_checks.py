@@ -133,7 +133,9 @@ def check_bodies(robot: ElementTree.Element) -> None:
         for which in ("parent", "child"):
             if end(joint, which) not in links:
                 raise UrdfError(f"{owner}: its {which} is '{end(joint, which)}', which is no link")
-        _check_place(owner, joint.find("origin"))
+        bare = joint.get("type") == "fixed" and links[end(joint, "child")].find("collision") is None
+        if not (bare and _is_unfilled(joint.find("origin"))):
+            _check_place(owner, joint.find("origin"))
         if joint.get("type", "") not in _KINDS:
             raise UrdfError(
                 f"{owner} has the type '{joint.get('type', '')}'; simulated are {', '.join(_KINDS)}"
@@ -165,6 +167,16 @@ def _check_inertia(owner: str, inertia: Optional[ElementTree.Element]) -> None:
             f"{owner}: inertia has the principal moment {moments[0]:g} kg m2 ({said}); none may be "
             "below 0"
         )
+
+
+def _is_unfilled(origin: Optional[ElementTree.Element]) -> bool:
+    """Whether its place is a macro's words: published files have such frames; PyBullet takes 0."""
+    words = [] if origin is None else f"{origin.get('xyz', '')} {origin.get('rpy', '')}".split()
+    try:
+        list(map(float, words))
+    except ValueError:
+        return True
+    return False
 
 
 def _check_place(owner: str, origin: Optional[ElementTree.Element]) -> None:

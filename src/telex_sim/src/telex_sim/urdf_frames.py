@@ -19,6 +19,7 @@ from .urdf_masses import (
     Quaternion,
     add_mass,
     carried_joints,
+    is_placed,
     mass_of,
     pose_of,
     set_pose,
@@ -72,7 +73,7 @@ def take_out_wheels(root: ElementTree.Element, joints: Collection[str]) -> Dict[
         wheel, carrier = links.get(name), links.get(parent)
         if joint.get("name") not in joints or name in carried or wheel is None or carrier is None:
             continue
-        if wheel.find("collision") is None:
+        if wheel.find("collision") is None and is_placed(joint, wheel, carrier):
             pose = pose_of(joint)
             axis = vector(
                 joint.find("axis"), "xyz", f"joint '{joint.get('name')}'", (1.0, 0.0, 0.0)
@@ -108,6 +109,7 @@ def take_out_frames(root: ElementTree.Element) -> Dict[str, Frame]:
         return (
             joint.get("type") == "fixed"
             and link is not None
+            and is_placed(joint, link)
             and link.find("collision") is None
             and mass_of(link) <= NO_MASS
             and all(is_bare(each) for each in carried.get(name, ()))

@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pybullet
 
-from telex_control.urdf import Vector, by_name, end, number, origin, root_links
+from telex_control.urdf import UrdfError, Vector, by_name, end, number, origin, root_links
 
 Quaternion = Tuple[float, float, float, float]
 Pose = Tuple[Vector, Quaternion]
@@ -150,10 +150,13 @@ def _fixed_to(
     carried: Dict[str, List[ElementTree.Element]],
     pose: Pose = IDENTITY,
 ) -> Iterator[Tuple[ElementTree.Element, Pose]]:
-    """Yield all links that fixed joints hold at a link, and their poses in its frame."""
+    """Yield all links that fixed joints hold at a link, and their poses in its frame.
+
+    One whose place is no numbers stays as it is, and what it carries.
+    """
     for joint in carried.get(name, ()):
         child = end(joint, "child")
-        if joint.get("type") == "fixed" and child in links:
+        if joint.get("type") == "fixed" and child in links and is_placed(joint, links[child]):
             place = pybullet.multiplyTransforms(*pose, *pose_of(joint))
             yield links[child], place
             yield from _fixed_to(child, links, carried, place)
@@ -170,6 +173,16 @@ def carried_joints(root: ElementTree.Element) -> Dict[str, List[ElementTree.Elem
     for joint in root.findall("joint"):
         carried.setdefault(end(joint, "parent"), []).append(joint)
     return carried
+
+
+def is_placed(joint: ElementTree.Element, *links: ElementTree.Element) -> bool:
+    """Whether all origins of a joint and of links have the numbers that they should have."""
+    try:
+        for element in (joint, *(part for link in links for part in link)):
+            pose_of(element)
+    except UrdfError:
+        return False
+    return True
 
 
 def pose_of(element: Optional[ElementTree.Element]) -> Pose:
