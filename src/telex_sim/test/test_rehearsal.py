@@ -11,6 +11,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -18,14 +19,14 @@ import rospkg
 
 from telex_control.params import ConfigError
 from telex_control.urdf_joints import UrdfError
-from telex_sim import rehearsal_client
+from telex_sim import rehearsal_client, rehearsal_process
 from telex_sim.config import RobotConfig
 from telex_sim.offline import shipped_config
 from telex_sim.rehearsal_client import RehearsalClient
 from telex_sim.rehearsal_frames import read_values
-from telex_sim.rehearsal_process import _perform, _Stage
+from telex_sim.rehearsal_process import ListingRequest, _perform, _Stage
 from telex_sim.robot_body import RobotBody
-from telex_sim.scene.catalog import scenes
+from telex_sim.scene.catalog import PATH_VARIABLE, scenes
 from telex_sim.scene.model import Floor, Start
 from telex_sim.scene.scene_file import SceneError
 
@@ -155,8 +156,37 @@ def test_it_is_an_ordinary_process_that_steps_back(rehearsal):
 
 def test_all_scenes_are_listed(rehearsal):
     listed = rehearsal.listing()
-    assert [name for name, *_ in listed] == list(scenes())
-    assert all(description and not problem for _, _, description, problem in listed)
+    assert [scene.name for scene in listed] == list(scenes())
+    assert all(scene.description and not scene.problem for scene in listed)
+
+
+def test_a_scene_that_is_listed_is_read_again_when_its_file_has_changed(tmp_path, monkeypatch):
+    monkeypatch.setenv(PATH_VARIABLE, str(tmp_path))
+    first, second, broken = (tmp_path / f"{name}.yaml" for name in ("a", "b", "c"))
+    first.write_text("description: one\n")
+    second.write_text("description: two\n")
+    broken.write_text("[")
+    stage = mock.Mock()
+
+    def listing():
+        with mock.patch.object(rehearsal_process, "read_description", wraps=read) as reading:
+            listed = list(ListingRequest(known).answer(stage))
+        known.clear()
+        known.update({scene.path: scene for scene in listed})
+        own = [scene for scene in listed if Path(scene.path).parent == tmp_path]
+        told = [(scene.name, scene.description, bool(scene.problem)) for scene in own]
+        return told, {call.args[0] for call in reading.call_args_list}
+
+    read, known = rehearsal_process.read_description, {}
+    before = [("a", "one", False), ("b", "two", False), ("c", "", True)]
+    told, files = listing()
+    assert told == before
+    assert files >= {first, second, broken}
+    assert listing() == (before, set())
+    second.write_text("description: three\n")
+    assert listing() == ([before[0], ("b", "three", False), before[2]], {second})
+    first.unlink()
+    assert listing() == ([("b", "three", False), before[2]], set())
 
 
 def test_an_answer_that_cannot_be_read_does_not_spoil_the_next(rehearsal, monkeypatch):

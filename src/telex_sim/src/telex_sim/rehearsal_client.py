@@ -9,7 +9,7 @@ import subprocess
 import sys
 import threading
 from dataclasses import replace
-from typing import Any, List, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Optional, Sequence
 
 from telex_control.params import ConfigError
 
@@ -18,6 +18,7 @@ from .rehearsal_frames import read_values, write_values
 from .rehearsal_process import (
     MOST_WAITING,
     EntryRequest,
+    ListedScene,
     ListingRequest,
     RobotRequest,
     SceneRequest,
@@ -48,6 +49,7 @@ class RehearsalClient:
         self._lock = threading.Lock()
         self._process: Optional[subprocess.Popen] = None
         self._connection: Optional[socket.socket] = None
+        self._listed: Dict[str, ListedScene] = {}
         self._start()
 
     def scene(self, world: str, robots: Sequence[RobotBody]) -> PlannedScene:
@@ -96,14 +98,16 @@ class RehearsalClient:
         """
         return self._ask(RobotRequest(robot, start))
 
-    def listing(self) -> List[Tuple[str, str, str, str]]:
-        """Name, path, description and problem of all scenes that have a name.
+    def listing(self) -> List[ListedScene]:
+        """Describe all scenes that have a name; a file is read again when it has changed.
 
         Raises
         ------
         ConfigError
         """
-        return self._ask(ListingRequest())
+        listed = self._ask(ListingRequest(self._listed))
+        self._listed = {scene.path: scene for scene in listed}
+        return listed
 
     def close(self) -> None:
         """End the process; who waits for an answer is told that it has ended."""

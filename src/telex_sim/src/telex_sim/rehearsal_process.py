@@ -16,7 +16,8 @@ import signal
 import socket
 import time
 from dataclasses import dataclass, replace
-from typing import Any, BinaryIO, Callable, Iterator, List, Sequence, Tuple
+from pathlib import Path
+from typing import Any, BinaryIO, Callable, Iterator, List, Mapping, Optional, Sequence, Tuple
 
 import rospkg
 
@@ -115,8 +116,24 @@ class RobotRequest:
 
 
 @dataclass(frozen=True)
+class ListedScene:
+    """What the list of scenes tells of one, and the time and size of its file when it was read."""
+
+    name: str
+    path: str
+    description: str
+    problem: str
+    state: Optional[Tuple[int, int]]
+
+
+@dataclass(frozen=True)
 class ListingRequest:
-    """All scenes that have a name; the answer is name, path, description and problem of each."""
+    """All scenes that have a name; the answer is a `ListedScene` for each.
+
+    Those that are known already, by their paths, are read again only where the file has changed.
+    """
+
+    known: Mapping[str, ListedScene]
 
     what = "the list of scenes"
 
@@ -124,12 +141,25 @@ class ListingRequest:
         """Read what they say of themselves."""
         for name, path in scenes().items():
             stage.begin_reading()
+            known, state = self.known.get(str(path)), _state(path)
+            if known is not None and state is not None and known.state == state:
+                yield known
+                continue
             description = problem = ""
             try:
                 description = read_description(path)
             except SceneError as error:
                 problem = str(error)
-            yield name, str(path), description, problem
+            yield ListedScene(name, str(path), description, problem, state)
+
+
+def _state(path: Path) -> Optional[Tuple[int, int]]:
+    """Time (ns) and size (bytes) of a file; the time is that of any change, rights included."""
+    try:
+        status = path.stat()
+    except OSError:
+        return None
+    return status.st_ctime_ns, status.st_size
 
 
 class _Stage:

@@ -179,12 +179,17 @@ class SimulatorNode:
 
     def _on_list_scenes(self, _request: Any) -> ListScenesResponse:
         try:
-            told = self._rehearsal.listing()
+            scenes = self._rehearsal.listing()
         except ConfigError as error:
             raise rospy.ServiceException(str(error)) from error
         listed = [
-            SceneFile(name=name, path=path, description=description, problem=problem)
-            for name, path, description, problem in told
+            SceneFile(
+                name=scene.name,
+                path=scene.path,
+                description=scene.description,
+                problem=scene.problem,
+            )
+            for scene in scenes
         ]
         return ListScenesResponse(scenes=listed, current=str(self._simulation.scene_path))
 
