@@ -313,15 +313,23 @@ def test_only_so_many_different_pictures_are_encoded(tmp_path):
         async with bench.http.ws_connect(bench.url) as socket:
             other = Client(socket)
             await other.hear()
-            boxes = [{"camera": name, "width": 32} for name in ("front", "rear")]
-            await client.say(show=boxes)
-            await client.nothing_comes()
+            front, rear = ({"camera": name, "width": 32} for name in ("front", "rear"))
+            await client.say(show=[front, rear])
+            assert "1 different pictures are made for this client" in (await client.hear())["error"]
             await other.say(show=[{"camera": "front", "width": 40}, {"camera": "rear"}])
-            assert "2 different pictures are made already" in (await other.hear())["error"]
+            await other.nothing_comes()
             await bench.feed(REAR, jpeg(90, two_halves(640, 480)))
             assert (await other.picture())[0] == 1  # what needs no encoding comes all the same
-            await other.say(show=boxes)  # what is made for another client, too
+            await client.say(show=[front, {"camera": "rear", "width": 40}])
+            assert "2 different pictures are made already" in (await client.hear())["error"]
+            await bench.feed(FRONT, jpeg(90, two_halves(640, 480)))
+            assert simplejpeg.decode_jpeg_header((await client.picture())[3])[1] == 32
+            assert simplejpeg.decode_jpeg_header((await other.picture())[3])[1] == 40
+            await other.say(show=[front])  # what is made for another client, too
             assert simplejpeg.decode_jpeg_header((await other.picture())[3])[1] == 32
+            await client.say(show=[{"camera": "rear", "width": 40}])
+            await bench.feed(REAR, jpeg(90, two_halves(640, 480)))
+            assert simplejpeg.decode_jpeg_header((await client.picture())[3])[1] == 40
             page = bench.url.replace("/video", "/snapshot?type=png&topic=") + FRONT
             async with bench.http.get(page) as reply:
                 assert reply.status == 503

@@ -137,7 +137,8 @@ class VideoServer:
             max_in_flight=self._config.max_in_flight,
             stall_timeout=self._config.stall_timeout,
         )
-        self.hubs.require_room(topic, wish.variant)  # while there is still time for an error's head
+        # While there is still time for an error's head.
+        self.hubs.require_room(topic, viewer.client, wish.variant)
         viewer.start()
         self.hubs.join(topic, viewer, wish.variant)
         try:

@@ -7,7 +7,7 @@ import contextlib
 import dataclasses
 import functools
 import threading
-from typing import Callable, Dict, KeysView, Optional, Protocol, Set, Tuple
+from typing import Callable, Collection, Dict, Hashable, KeysView, Optional, Protocol, Set, Tuple
 
 from ..workers import NewestWorker, OrderedWorker
 from .pictures import JPEG, PNG, EncodedPicture, Picture, UnusablePictureError, Variant, kept
@@ -93,6 +93,10 @@ class PictureHub:
         """All who watch, in whatever variant."""
         return set().union(*self._viewers.values()) if self._viewers else set()
 
+    def clients(self, variant: Variant) -> Set[Hashable]:
+        """Return whose pictures those of a variant are."""
+        return {viewer.client for viewer in self._viewers.get(variant, ())}
+
     def newest(self, variant: Variant) -> Optional[EncodedPicture]:
         """Return the last picture in a variant that is being watched."""
         entry = self._newest.get(variant)
@@ -127,7 +131,7 @@ class PictureHub:
             The variant has to be encoded, and too many others are already.
         """
         if not (variant in self._viewers or self.passes(variant, likely=likely_passes)):
-            self._encoders.take_place((self, variant))
+            self._encoders.take_place((self, variant), {viewer.client})
         self._viewers.setdefault(variant, set()).add(viewer)
         if not show_newest or self._last is None:
             return
@@ -173,7 +177,7 @@ class PictureHub:
         clients = {viewer.client for viewer in self._viewers[variant] if viewer.wants()}
         if clients:
             try:
-                self._encoders.take_place((self, variant))
+                self._encoders.take_place((self, variant), clients)
             except EncoderFullError:  # it comes as soon as there is room
                 return
             work = functools.partial(self._encode_and_post, number, picture, variant)
@@ -236,6 +240,10 @@ def _post(loop: asyncio.AbstractEventLoop, call: Callable[..., None], *arguments
         loop.call_soon_threadsafe(call, *arguments)
 
 
+_Place = Tuple[PictureHub, Variant]
+"""What is made of the pictures of a topic."""
+
+
 class EncoderFullError(Exception):
     """As many different pictures are encoded as may be; the text says so."""
 
@@ -252,12 +260,13 @@ class Encoders:
     ----------
     most
         Different pictures, by topic and variant, that may be made at a time; at most half of them
-        PNG. What passes unchanged, or would be made in any case, is not counted.
+        PNG. What passes unchanged, or would be made in any case, is not counted. A client gets no
+        more of these places than it leaves free, so that there is one for whoever comes next.
     """
 
     def __init__(self, most: int) -> None:
         self._most = most
-        self._made: Set[Tuple[object, Variant]] = set()
+        self._made: Set[_Place] = set()
         self._workers = {
             JPEG: NewestWorker("JPEG encoder"),
             PNG: NewestWorker("PNG encoder", niceness=10),
@@ -272,33 +281,40 @@ class Encoders:
         """How many pictures wait to be encoded."""
         return sum(worker.backlog for worker in self._workers.values())
 
-    def require_room(self, variant: Variant) -> None:
-        """Raise EncoderFullError unless one more variant may be made."""
+    def require_room(self, variant: Variant, clients: Collection[Hashable]) -> None:
+        """Raise EncoderFullError unless one more variant may be made for one of some clients."""
         if not variant.has_wishes:
             return
-        pngs = sum(made.mime == PNG for _, made in self._made)
-        if variant.mime == PNG and pngs >= self._most // 2:
-            raise EncoderFullError(f"{pngs} different PNGs are made already, which {_ASK}")
-        if len(self._made) >= self._most:
-            raise EncoderFullError(
-                f"{len(self._made)} different pictures are made already, which {_ASK}"
-            )
+        _require_room("pictures", self._made, self._most, clients)
+        if variant.mime == PNG:
+            pngs = [place for place in self._made if place[1].mime == PNG]
+            _require_room("PNGs", pngs, self._most // 2, clients)
 
-    def take_place(self, key: Tuple[object, Variant]) -> None:
-        """Count a hub's variant among those that are made; raises EncoderFullError."""
-        variant = key[1]
-        if variant.has_wishes and key not in self._made:
-            self.require_room(variant)
-            self._made.add(key)
+    def take_place(self, place: _Place, clients: Collection[Hashable]) -> None:
+        """Count a hub's variant among those that are made; see `require_room`."""
+        if place[1].has_wishes and place not in self._made:
+            self.require_room(place[1], clients)
+            self._made.add(place)
 
-    def leave_place(self, key: Tuple[object, Variant]) -> None:
+    def leave_place(self, place: _Place) -> None:
         """Count a hub's variant no longer."""
-        self._made.discard(key)
+        self._made.discard(place)
+
+
+def _require_room(
+    what: str, made: Collection[_Place], most: int, clients: Collection[Hashable]
+) -> None:
+    if len(made) >= most:
+        raise EncoderFullError(f"{len(made)} different {what} are made already, {_ASK}")
+    watched = [hub.clients(variant) for hub, variant in made]
+    own = min(sum(client in each for each in watched) for client in clients)
+    if own >= most - len(made):
+        raise EncoderFullError(f"{own} different {what} are made for this client already, {_ASK}")
 
 
 _ASK = (
-    "is as many as may be (the parameter ~max_encoded); ask for a size, quality and format that "
-    "another client has, or for the pictures as they are published."
+    "which is as many as may be (the parameter ~max_encoded); ask for a size, quality and format "
+    "that another client has, or for the pictures as they are published."
 )
 
 
@@ -355,7 +371,7 @@ class PictureHubs:
         EncoderFullError
             The variant would have to be encoded, and too many others are already.
         """
-        self.require_room(topic, variant, likely_passes=likely_passes)
+        self.require_room(topic, viewer.client, variant, likely_passes=likely_passes)
         hub = self._hubs.get(topic)
         if hub is None:
             hub = PictureHub(
@@ -367,14 +383,19 @@ class PictureHubs:
         return hub
 
     def require_room(
-        self, topic: PictureTopic, variant: Variant, *, likely_passes: bool = False
+        self,
+        topic: PictureTopic,
+        client: Hashable,
+        variant: Variant,
+        *,
+        likely_passes: bool = False,
     ) -> None:
         """Raise EncoderFullError if `join` would."""
         hub = self._hubs.get(topic)
         if hub is not None and variant in hub.variants:
             return
         if not (likely_passes if hub is None else hub.passes(variant, likely=likely_passes)):
-            self._encoders.require_room(variant)
+            self._encoders.require_room(variant, {client})
 
     def leave(self, topic: PictureTopic, viewer: Viewer, variant: Variant) -> None:
         """Let a viewer go; with the last one the subscription ends."""

@@ -194,12 +194,14 @@ class VideoClient:
         """Let the feeds be those of the views; return why one of them cannot be had yet."""
         complaint: Optional[str] = None
         wanted = {view.camera: view for view in self._views}
-        outdated = [
-            name
-            for name, feed in self._feeds.items()
+        outdated = {
+            name: self._feeds.pop(name)
+            for name, feed in tuple(self._feeds.items())
             if wanted.get(name) != feed.view or self._cameras.find(name) != feed.camera
-        ]
-        ended = [self._feeds.pop(name) for name in outdated]
+        }
+        # One by one, so that old and new views together take no more room than there is.
+        for name in outdated.keys() - wanted.keys():
+            self._leave(outdated.pop(name))
         for view in self._views:
             camera = self._cameras.find(view.camera)
             if camera is not None and view.camera not in self._feeds:
@@ -209,9 +211,9 @@ class VideoClient:
                     self._begin(camera, view, preview or camera.source)
                 except EncoderFullError as error:
                     complaint = str(error)
-        # After the new ones, so that a topic that goes on being watched stays subscribed.
-        for feed in ended:
-            self._hubs.leave(feed.source, feed, feed.variant)
+            # After the new one, so that a topic that goes on being watched stays subscribed.
+            if view.camera in outdated:
+                self._leave(outdated.pop(view.camera))
         return complaint
 
     def _begin(self, camera: Camera, view: View, source: PictureTopic) -> None:
@@ -241,7 +243,9 @@ class VideoClient:
                 self._begin(feed.camera, feed.view, feed.camera.source)
 
     def _end(self, name: str) -> None:
-        feed = self._feeds.pop(name)
+        self._leave(self._feeds.pop(name))
+
+    def _leave(self, feed: Feed) -> None:
         self._hubs.leave(feed.source, feed, feed.variant)
 
     def _lost(self, feed: Feed) -> None:
