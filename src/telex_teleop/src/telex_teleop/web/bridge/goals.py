@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from typing import Any, Dict, Optional, Tuple
+from typing import Any, Dict, Optional
 
 import genpy
 from actionlib_msgs.msg import GoalID
@@ -17,6 +17,9 @@ from .ros import Ros
 MAX_GOALS = 100
 """Goals that a client may have at an action without their results; all are cancelled when it goes.
 """
+
+MAX_ID = 1000
+"""Characters in the id of a goal, which is kept until the result has come."""
 
 CONNECTION_POLL = 0.02
 """Period (s) at which an action's servers are asked whether they are connected."""
@@ -41,23 +44,33 @@ class GoalDesk:
         self.pool = pool
         self.feeds = feeds
         self.ros = ros
-        self._clients: Dict[Tuple[str, str], str] = {}  # by action and id
+        self._clients: Dict[str, Dict[str, str]] = {}  # by action and id
 
     def enter(self, action: str, goal_id: str, client: str) -> None:
         """Note a goal; raises OperationError if it has the id of another client's."""
-        if self._clients.setdefault((action, goal_id), client) != client:
+        if self._clients.setdefault(action, {}).setdefault(goal_id, client) != client:
             raise OperationError("another client's goal has this id; goals need ids of their own")
 
     def strike(self, action: str, goal_id: str) -> None:
         """Forget a goal."""
-        self._clients.pop((action, goal_id), None)
+        goals = self._clients[action]
+        del goals[goal_id]
+        if not goals:
+            del self._clients[action]
 
     def check_cancel(self, topic: str, message: genpy.Message, client: str) -> None:
         """Raise OperationError if a message would cancel the goal of another client."""
-        if isinstance(message, GoalID) and topic.endswith(_CANCEL):
-            owner = self._clients.get((topic[: -len(_CANCEL)], message.id), client)
-            if owner != client:
-                raise OperationError("this goal is another client's, who alone may cancel it")
+        if not (isinstance(message, GoalID) and topic.endswith(_CANCEL)):
+            return
+        goals = self._clients.get(topic[: -len(_CANCEL)], {})
+        if goals.get(message.id, client) != client:
+            raise OperationError("this goal is another client's, who alone may cancel it")
+        # As actionlib has it: without an id all goals, with a time all that are older.
+        if (message.stamp or not message.id) and set(goals.values()) - {client}:
+            raise OperationError(
+                "this would cancel goals of other clients as well; name one by its id, without a "
+                "stamp"
+            )
 
 
 class Goals:
@@ -128,12 +141,15 @@ class Goals:
         Raises
         ------
         OperationError
-            Too many are under way, or its id is that of another client's goal.
+            Too many are under way, or its id is too long, or that of another client's goal.
         """
         if not goal.goal_id.id:
             self._count += 1
             now = self._desk.ros.now().to_sec()
             goal.goal_id.id = f"bridge client {self._client}, {self._count}, {now:.6f}"
+        length = len(goal.goal_id.id)
+        if length > MAX_ID:
+            raise OperationError(f"the goal's id has {length} characters; at most {MAX_ID} fit")
         if len(self._ids) >= MAX_GOALS and goal.goal_id.id not in self._ids:
             raise OperationError(
                 f"the results of {MAX_GOALS} goals of this client have not come, which is as many "
@@ -144,10 +160,12 @@ class Goals:
 
     def cancel(self) -> None:
         """Cancel the goals that have not ended; raises OperationError if that cannot be done."""
-        for goal_id in tuple(self._ids):
-            if self._canceller is not None:
-                self._canceller.publish(GoalID(id=goal_id))
+        goals = tuple(self._ids)
+        for goal_id in goals:
             self._forget(goal_id)
+        if self._canceller is not None:
+            for goal_id in goals:
+                self._canceller.publish(GoalID(id=goal_id))
 
     def close(self) -> None:
         """Give back what was opened."""
