@@ -121,6 +121,20 @@ class Page:
             ".map(({dataset}) => [dataset.camera, dataset.state])"
         )
 
+    def wait_until_all_is_shown(self):
+        """Wait for what the robot says and shows when no test has changed it.
+
+        A page that was left, and keeps its connection for a while, may have control until then.
+        """
+        script = """
+            const text = (id) => document.getElementById(id).textContent;
+            const state = (id) => document.getElementById(id).dataset.state;
+            return [text("speed"), text("sim-state"), state("control") !== "watching", state("view"),
+              ...[...document.querySelectorAll(".thumbnail")].map(({dataset}) => dataset.state)];
+        """
+        shown = ["40 %", "running", True, *["live"] * 6]
+        wait_until(lambda: self.script(script) == shown, 20.0)
+
     def all_live(self):
         return all(state == "live" for _, state in self.thumbnails())
 
@@ -183,12 +197,33 @@ def page(ros, robot, tmp_path_factory):
         page.driver.quit()
 
 
+@pytest.fixture(scope="module")
+def told(robot, page):
+    """The page has been told what the robot can do, and its tour has been seen."""
+    robot.publish_node_status()
+    page.element("#tour-skip").click()
+
+
 @pytest.fixture(autouse=True)
-def clean(robot):
+def clean(told, robot, page):
+    if page.driver.current_url.rstrip("/") != page.url.rstrip("/"):
+        page.load()
+    page.wait_until_all_is_shown()
     robot.forget()
 
 
+@pytest.fixture
+def untold(clean, robot, page):
+    """Nobody has told the page what the robot can do."""
+    robot.silence_nodes()
+    page.load()
+    yield
+    robot.publish_node_status()
+
+
 def test_the_tour_is_shown_once_and_goes_on_by_what_is_done(robot, page):
+    page.script("localStorage.clear()")
+    page.load()
     assert page.text("tour-count") == "1 of 4"
     with page.hold("w"):
         wait_until(lambda: page.text("tour-count") == "2 of 4")
@@ -206,6 +241,7 @@ def test_the_tour_is_shown_once_and_goes_on_by_what_is_done(robot, page):
     assert not page.element("#tour").is_displayed()
 
 
+@pytest.mark.usefixtures("untold")
 def test_nothing_moves_before_the_nodes_have_said_how_fast(robot, page):
     with page.hold("w", "j", "r", "."):
         time.sleep(0.3)
@@ -217,9 +253,7 @@ def test_nothing_moves_before_the_nodes_have_said_how_fast(robot, page):
 
 
 def test_the_page_shows_picture_joints_and_status(robot, page, tmp_path):
-    robot.publish_node_status()
-    wait_until(lambda: page.attribute("view", "data-state") == "live")
-    wait_until(lambda: page.text("speed") == "40 %")
+    assert page.text("speed") == "40 %"
     wait_until(lambda: page.element('[data-joint="turret_joint"]').text == "28.6°")
     assert page.element('[data-joint="telescope_joint"]').text == "120 mm"
     assert page.element('[data-joint="gripper"]').text == "17.2°"
@@ -283,7 +317,6 @@ def test_heading_gripper_and_link_stand_over_the_picture(robot, page):
     contact.update(object="", slipping=False)
     robot.probe.publish(CONTACT, "telex_msgs/GripperContact", contact, rate=10)
     wait_until(lambda: page.text("grip") == "114 mm open, force 14 N")
-    robot.publish_node_status()
     wait_until(lambda: page.text("drive-hud") == "+0.25 m/s 0 °/s")
 
 
@@ -340,6 +373,7 @@ def test_the_heading_follows_as_often_as_pictures_come(robot, page):
 
 
 def test_slow_pictures_are_not_blamed_on_the_link(robot, page):
+    wait_until(lambda: page.text("link-quality") == "link good", 20.0)
     robot.publish_camera("front", rate=2)
     wait_until(lambda: page.text("picture-quality") == "picture poor")
     assert page.text("link-quality") == "link good"
@@ -362,7 +396,7 @@ def test_an_answer_that_is_still_to_come_makes_the_link_poor(page):
         };
     """)
     wait_until(lambda: page.text("link-quality") == "link poor")
-    assert float(page.text("link-text").split()[1]) > 500.0
+    assert float(page.text("link-text").split()[1]) >= 500.0  # it is rounded
     page.script("answer()")
     wait_until(lambda: page.text("link-quality") == "link good", 20.0)
 
@@ -374,7 +408,7 @@ def test_what_moves_and_what_moves_it(robot, page):
     def parts():
         return set(moves()[0].split(", "))
 
-    assert moves() == (NOTHING, NOTHING)
+    wait_until(lambda: moves() == (NOTHING, NOTHING), 3.0)
     robot.publish_node_status(commanders=["/telex/rosbridge"])
     with page.hold("w"):
         wait_until(lambda: "tracks ahead" in moves()[0] and moves()[1] == "you (keys)")
@@ -648,6 +682,8 @@ def test_another_who_has_control_lets_this_page_watch_only(ros, robot, page):
 
 
 def test_the_stream_viewer_shows_a_stream(page):
+    console = page.driver.current_window_handle
+    page.driver.switch_to.new_window("tab")
     page.driver.get(f"{page.url}/stream_viewer?topic=/telex/cameras/front/image_raw")
     image = page.element("img")
     wait_until(lambda: image.get_property("naturalWidth") == 640)
@@ -659,6 +695,9 @@ def test_the_stream_viewer_shows_a_stream(page):
     )
     page.script(drawn)
     assert np.abs(np.subtract(page.pixel("canvas", 0.25, 0.42), (90, 140, 130))).max() < 12
+    page.driver.close()
+    page.driver.switch_to.window(console)
+    page.errors()  # this page has no icon
 
 
 def test_without_the_websocket_pictures_come_another_way(page, robot, tmp_path):
@@ -1083,3 +1122,4 @@ def test_closing_the_page_stops(robot, page):
     page.driver.get("about:blank")
     wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, 2.0)
     assert robot.is_quiet(DRIVE)
+    page.up("w")

@@ -115,7 +115,7 @@ class Robot:
 
     def publish_joint(self, name, position):
         """Publish another position of one joint."""
-        self._publish_joints(position=_replaced(POSITIONS, name, position))
+        self._publish_joints(position=_replaced(POSITIONS, name, position), effort=EFFORTS)
 
     def publish_effort(self, name, effort):
         """Publish another effort of one joint."""
@@ -152,6 +152,14 @@ class Robot:
         drive = {"max_linear": 1.2, "max_angular": 1.0, "command": {"linear": {"x": 0.25}}}
         topic = "/telex/track_teleop/status"
         self.probe.publish(topic, "telex_msgs/TrackTeleopStatus", {**drive, **speed}, rate=10)
+
+    def silence_nodes(self):
+        """Publish once more what the nodes say, and then no more; there are no presets."""
+        for node in NODES[:-1]:
+            self.probe.publish(f"/telex/{node}/status", "telex_msgs/JointTeleopStatus")
+        self.probe.publish("/telex/track_teleop/status", "telex_msgs/TrackTeleopStatus")
+        topic = "/telex/flipper_teleop/presets"
+        self.probe.publish(topic, "telex_msgs/FlipperPresets", latch=True)
 
     def heard(self, topic):
         return self.probe.messages(topic)
