@@ -10,6 +10,7 @@ import pytest
 from geometry_msgs.msg import Twist
 from std_msgs.msg import Float64
 
+from telex_sim.offline import OfflineSimulation
 from telex_sim.stability import force_angle
 from telex_sim.stability_monitor import StabilityMonitor
 from telex_sim.world import GRAVITY
@@ -293,3 +294,45 @@ def test_an_emergency_stop_is_not_stuck(watched):
     tested.simulation.request_e_stop(True)
     drive(monitor, tested, 0.3, 0.0, 4.0)
     assert not monitor.stuck
+
+
+@pytest.mark.parametrize(
+    ("shape", "margin", "reach"),
+    [('<box size="0.6 0.06 0.2"/>', 1.0, 0.3), ('<sphere radius="0.1"/>', 0.0, 0.0)],
+)
+def test_belts_of_a_shape_without_a_mesh_bear_where_they_touch(shape, margin, reach):
+    offline = OfflineSimulation(
+        _belts_round(shape),
+        {},
+        start={"place": (0.0, 0.0, 0.1, 0.0)},
+        tracks={"belts": {"left_belt": 0.1, "right_belt": 0.1}},
+        **{name: {} for name in ("hardware", "self_collision", "proximity", "gripper_contact")},
+    )
+    try:
+        found = look(StabilityMonitor(offline.simulation.robots[0]), offline)
+    finally:
+        offline.simulation.close()
+    assert found.margin == pytest.approx(margin, abs=0.05)
+    assert max(x for x, _, _ in found.support) == pytest.approx(reach, abs=0.01)
+
+
+def _belts_round(shape):
+    """Describe a robot on two belts of one collision shape."""
+    inertia = '<inertia ixx="0.2" iyy="0.2" izz="0.2" ixy="0" ixz="0" iyz="0"/>'
+    parts = "".join(
+        f"""<link name="{side}_track"><inertial><mass value="2"/>{inertia}</inertial>
+          <collision><geometry>{shape}</geometry></collision></link>
+          <joint name="{side}_mount" type="fixed"><parent link="base_link"/>
+          <child link="{side}_track"/><origin xyz="0 {y} 0"/></joint>
+          <link name="{side}_drum"><inertial><mass value="0.1"/>{inertia}</inertial></link>
+          <joint name="{side}_belt" type="continuous"><parent link="{side}_track"/>
+          <child link="{side}_drum"/><axis xyz="0 1 0"/></joint>
+          <transmission name="{side}_drive"><type>transmission_interface/SimpleTransmission</type>
+          <joint name="{side}_belt"><hardwareInterface>hardware_interface/VelocityJointInterface
+          </hardwareInterface></joint>
+          <actuator name="{side}_motor"><mechanicalReduction>1</mechanicalReduction></actuator>
+          </transmission>"""
+        for side, y in (("left", 0.2), ("right", -0.2))
+    )
+    return f"""<robot name="belts"><link name="base_link"><inertial><mass value="20"/>{inertia}
+      </inertial></link>{parts}</robot>"""

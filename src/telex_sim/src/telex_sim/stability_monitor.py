@@ -132,7 +132,7 @@ class StabilityMonitor:
         self._moments = np.array([each[2] for each in info])
         tracks = {body.links[body.parents[joint]] for joint, _ in self._belts}
         self._rows = {index: row for row, index in enumerate((-1, *self._links))}
-        # None of a shape that PyBullet has no mesh of, such as a sphere.
+        # None of a shape that PyBullet has no mesh of, such as a box or a sphere.
         self._corners: Dict[int, np.ndarray] = {
             link: np.reshape(
                 pybullet.getMeshData(body.uid, link, physicsClientId=client)[1], (-1, 3)
@@ -143,11 +143,13 @@ class StabilityMonitor:
         self._slots = {link: slot for slot, link in enumerate(self._corners)}
         most = max(map(len, self._corners.values()))
         self._outlines = np.full((len(self._corners), most, 3), math.nan)
-        for slot, corners in enumerate(self._corners.values()):
-            self._outlines[slot, : len(corners)] = corners
         # A bit outside of the belt, across it: a ray that begins in the robot would end there.
-        middles = np.nanmean(self._outlines, axis=1, keepdims=True)
-        self._outwards = np.sign(self._outlines - middles) * (0.0, _OUTSIDE, 0.0)
+        self._outwards = np.zeros_like(self._outlines)
+        for slot, corners in enumerate(self._corners.values()):
+            if len(corners):
+                aside = np.sign(corners - corners.mean(axis=0)) * (0.0, _OUTSIDE, 0.0)
+                self._outlines[slot, : len(corners)] = corners
+                self._outwards[slot, : len(corners)] = aside
         self._footholds = FootholdFinder(
             body,
             {
@@ -355,7 +357,12 @@ class StabilityMonitor:
         corners, begins, ends : ndarray, shape (n, 3)
             As `Supports.add_likely` takes them.
         """
-        faces = [(link, *face) for link, found in planes.items() for face in found]
+        faces = [
+            (link, *face)
+            for link, found in planes.items()
+            if len(self._corners[link])
+            for face in found
+        ]
         if not faces:
             return NO_PLACES, NO_PLACES, NO_PLACES
         links, points, normals = ([*column] for column in zip(*faces))
