@@ -59,7 +59,7 @@ class Start:
     Attributes
     ----------
     heading : float
-        Uphill or onto the plate is 0 (rad).
+        Uphill or onto the plate is 0; at the edge it counts twice (rad).
     aside : float
         Of base_link, along x and y alike (m).
     drop : float
@@ -421,7 +421,7 @@ def _pose(ground: str, start: Start) -> Tuple[Sequence[float], Sequence[float]]:
         origin = _SLOPE.pose(4.0, start.heading)
     else:
         height = AXLE_HEIGHT + (_PLATE if ground == "edge" else 0.0)
-        # Once more on the edge: it runs across under all headings.
+        # Twice the heading at the edge, which no belt stands along then.
         half = start.heading if ground == "edge" else 0.5 * start.heading
         origin = [0.0, 0.0, height], [0.0, 0.0, math.sin(half), math.cos(half)]
     tilt = pybullet.getQuaternionFromEuler((start.tilt, start.tilt, 0.0))

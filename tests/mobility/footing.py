@@ -10,6 +10,7 @@ from .robot import (
     BELLY,
     BELT_INNER,
     BELT_OUTER,
+    DROOP,
     FLIPPER_LENGTH,
     HALF_LENGTH,
     PIVOT,
@@ -32,8 +33,6 @@ _HUB_BACK = [(back, math.sqrt(AXLE_HEIGHT**2 - back**2)) for back in (0.06, 0.10
 
 So that the rear is let down an edge slowly, as its hubs roll off it.
 """
-_DROOP = math.asin((AXLE_HEIGHT - TIP_RADIUS) / FLIPPER_LENGTH)
-"""How far the line from axle to axle points down when the flipper is flat (rad)."""
 
 
 def settings(ground: Ground, x: float, y: float, clearance: float) -> Dict[str, float]:
@@ -119,7 +118,7 @@ def _outlines() -> List[Tuple[float, List[Tuple[float, float]]]]:
     found = []
     for step in range(round((_UP - _DOWN) / _FINENESS) + 1):
         angle = _UP - _FINENESS * step
-        line = angle - _DROOP
+        line = angle - DROOP
         along, up = FLIPPER_LENGTH * math.cos(line), FLIPPER_LENGTH * math.sin(line)
         found.append(
             (

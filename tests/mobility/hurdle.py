@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Dict, List
 
 from . import step as stepping
-from .robot import AXLE_HEIGHT, BELLY, FLIPPER_LENGTH, PIVOT, TIP_RADIUS
+from .robot import BELLY, DROOP, FLIPPER_LENGTH, PIVOT, TIP_RADIUS
 from .scripted_operator import FlipperAngles, Operator
 
 SLOW, SPEED = 0.15, 0.30  # m/s
@@ -20,8 +20,6 @@ AWAY = (0.40, 0.40)
 _SHORT = 2.0 * PIVOT
 """Length (m) up to which the front leaves a hurdle before its rear is up, and pulls no more."""
 _CLEARANCE = 0.04  # m, under the belly
-_FLUSH = math.asin((AXLE_HEIGHT - TIP_RADIUS) / FLIPPER_LENGTH)
-"""How far a flipper at 0 rad points down."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +59,7 @@ class Hurdle:
 def _astride(height: float) -> FlipperAngles:
     """Angles at which all tips stand on the floor, and the belly is clear of a hurdle."""
     axles = height + BELLY + _CLEARANCE
-    angle = _FLUSH - math.asin(min(1.0, (axles - TIP_RADIUS) / FLIPPER_LENGTH))
+    angle = DROOP - math.asin(min(1.0, (axles - TIP_RADIUS) / FLIPPER_LENGTH))
     return (angle, angle)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 AXLE_HEIGHT = 0.110
 """Of the hubs' axles, and so of base_link, over level ground; also the hubs' radius."""
 
@@ -15,6 +17,9 @@ FLIPPER_LENGTH = 0.440
 """From a flipper's pivot to the middle of its tip."""
 
 TIP_RADIUS = 0.070
+
+DROOP = math.asin((AXLE_HEIGHT - TIP_RADIUS) / FLIPPER_LENGTH)
+"""How far the line from axle to axle of a flipper points down at 0, flush with the floor (rad)."""
 
 BELT_INNER, BELT_OUTER = 0.145, 0.200
 """From the robot's middle to the inner and the outer edge of the belts."""

@@ -94,12 +94,12 @@ class StabilityConfig:
 
 @dataclass(frozen=True)
 class ForceAngle:
-    """The weakest edge of a support polygon.
+    """An edge of a support polygon, over which a robot may tip.
 
     Attributes
     ----------
     measure : float
-        Force-angle measure (N m rad); below 0 the robot tips.
+        Force-angle measure (N m rad); below 0 the robot tips over it.
     angle : float
         By how much the net force may turn before it passes the edge (rad); negative beyond it.
     outward : tuple of 2 floats

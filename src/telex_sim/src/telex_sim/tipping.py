@@ -154,7 +154,7 @@ def _turned(edge: ForceAngle, direction: Sequence[float]) -> Tuple[float, float]
     return along, direction[2]
 
 
-def _rotated(place: Tuple[float, float], angle: float) -> tuple[float, float]:
+def _rotated(place: Tuple[float, float], angle: float) -> Tuple[float, float]:
     """Rotate over the edge by so much (rad)."""
     outer, height = place
     sine, cosine = math.sin(angle), math.cos(angle)
