@@ -108,9 +108,17 @@ def test_each_flipper_goes_to_the_ground_under_it() -> None:
 
     angles = footing.settings(block_at_the_front_left, 0.0, 0.0, clearance=0.02)
     raised = angles.pop("front_left_flipper")
-    # A tip of radius 0.07 m over the block, its pivot 0.11 m over the floor, 0.44 m from it.
-    assert raised == pytest.approx(math.asin(0.06 / 0.44) + math.asin(0.04 / 0.44), abs=0.05)
+    # The run lies on the block's edge, 0.22 m before the pivot and 0.01 m under it.
+    assert 0.22 * math.sin(raised) + 0.01 * math.cos(raised) == pytest.approx(0.11, abs=0.02)
     assert list(angles.values()) == pytest.approx([0.0] * 3, abs=0.05)
+
+
+def test_a_tip_keeps_clear_of_what_its_round_side_would_meet() -> None:
+    edge, height = 0.77, 0.2
+    angles = footing.settings(lambda x, y: height if x > edge else 0.0, 0.0, 0.0, clearance=0.02)
+    line = angles["front_left_flipper"] - math.asin(0.04 / 0.44)
+    x, z = 0.28 + 0.44 * math.cos(line), 0.11 + 0.44 * math.sin(line)
+    assert math.hypot(x - edge, z - height) == pytest.approx(0.07, abs=0.02)
 
 
 def test_flippers_reach_down_where_something_lies_under_the_belly() -> None:

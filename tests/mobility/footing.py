@@ -26,8 +26,14 @@ _SPREAD = (0.0, 0.5, 1.0)
 """Where the ground is looked at under a belt, as shares of its width."""
 _UP, _DOWN, _FINENESS = 0.80, -1.00, 0.04
 """Angles that a flipper is tried at, from the top (rad)."""
-_LOWER_TIP = (-0.6, -0.3, 0.0, 0.3, 0.6)
-"""Places on the lower side of the tip: angle from straight down (rad)."""
+_TIP = (-1.2, -0.8, -0.4, 0.0, 0.4, 0.8, 1.2)
+"""Places round the lower side of the tip: angle from straight down (rad).
+
+As far as that, or a tip is let down between posts that it does not fit between, and has to climb
+out of there.
+"""
+_RUN = (0.2, 0.35, 0.5, 0.65, 0.8)
+"""Places on the belt's lower run, as shares of the way from hub to tip."""
 _HUB_BACK = [(back, math.sqrt(AXLE_HEIGHT**2 - back**2)) for back in (0.06, 0.10)]
 """Lower side of a rear hub: how far behind its axle, and how far under it (m).
 
@@ -114,21 +120,19 @@ def _level(middle: _Strip, sides: Dict[str, _Strip], clearance: float) -> float:
 
 
 def _outlines() -> List[Tuple[float, List[Tuple[float, float]]]]:
-    """Lower side of the tip from its pivot, outwards and upwards (m), at every angle tried."""
+    """Lower side of a flipper from its pivot, outwards and upwards (m), at every angle tried."""
     found = []
     for step in range(round((_UP - _DOWN) / _FINENESS) + 1):
         angle = _UP - _FINENESS * step
         line = angle - DROOP
         along, up = FLIPPER_LENGTH * math.cos(line), FLIPPER_LENGTH * math.sin(line)
-        found.append(
-            (
-                angle,
-                [
-                    (along + TIP_RADIUS * math.sin(at), up - TIP_RADIUS * math.cos(at))
-                    for at in _LOWER_TIP
-                ],
-            )
-        )
+        tip = [(along + TIP_RADIUS * math.sin(at), up - TIP_RADIUS * math.cos(at)) for at in _TIP]
+        run = [
+            (share * along + radius * math.sin(angle), share * up - radius * math.cos(angle))
+            for share in _RUN
+            for radius in (AXLE_HEIGHT + share * (TIP_RADIUS - AXLE_HEIGHT),)
+        ]
+        found.append((angle, tip + run))
     return found
 
 
