@@ -129,8 +129,10 @@ class Page:
         script = """
             const text = (id) => document.getElementById(id).textContent;
             const state = (id) => document.getElementById(id).dataset.state;
-            return [text("speed"), text("sim-state"), state("control") !== "watching", state("view"),
-              ...[...document.querySelectorAll(".thumbnail")].map(({dataset}) => dataset.state)];
+            return [
+              text("speed"), text("sim-state"), state("control") !== "watching", state("view"),
+              ...[...document.querySelectorAll(".thumbnail")].map(({dataset}) => dataset.state),
+            ];
         """
         shown = ["40 %", "running", True, *["live"] * 6]
         wait_until(lambda: self.script(script) == shown, 20.0)
