@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
-import signal
 import subprocess
 from pathlib import Path
 
 import pytest
+
+from telex_control.private_master import end_tree
 
 pytestmark = [pytest.mark.ros, pytest.mark.real_time]
 
@@ -34,10 +35,7 @@ def test_suite(suite, tmp_path):
         try:
             status = rostest.wait(LONGEST)
         finally:
-            if rostest.poll() is None:
-                # As Ctrl-C does: then it ends its nodes.
-                os.killpg(rostest.pid, signal.SIGINT)
-                rostest.wait(60.0)
+            end_tree(rostest, 60.0)
     if status != 0:
         # What a test found stands in its results or, where it could not begin, in its log.
         told = [*logs.rglob("*_test-*-stdout.log"), *results.rglob("rosunit-*.xml"), written]
