@@ -25,7 +25,7 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64
 from telex_msgs.msg import TrackTeleopStatus
 
-from telex_control.private_master import end_tree
+from telex_control.private_master import KILLED_WITH_US, end_tree
 from telex_sim.offline import package_file
 
 SPEED = 1.0
@@ -251,9 +251,8 @@ class Stops:
         else:
             message = f"{{linear: {{x: {speed!r}}}}}"
             command = ["rostopic", "pub", "-r", "50", DRIVE, "geometry_msgs/Twist", message]
-        # One that is stopped would keep any other signal for later.
         return subprocess.Popen(
-            ["setpriv", "--pdeathsig", "KILL", *command],
+            [*KILLED_WITH_US, *command],
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
             start_new_session=True,

@@ -22,6 +22,9 @@ STOP_TIMEOUT = 10.0
 DIES_WITH_US = ("setpriv", "--pdeathsig", "TERM")
 """Put before a command: it is asked to end, too, when its starter is killed."""
 
+KILLED_WITH_US = ("setpriv", "--pdeathsig", "KILL")
+"""The same for one that may be stopped (SIGSTOP) then: it would keep any other signal for later."""
+
 
 class PrivateMasterError(RuntimeError):
     """The master did not come up; the message holds the end of its output."""
