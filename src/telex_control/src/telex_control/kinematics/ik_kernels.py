@@ -11,14 +11,13 @@ is: a change of a callee elsewhere would go unnoticed.
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, NamedTuple, Tuple, TypeVar
+from typing import NamedTuple, Tuple
 
 import numba
 import numpy as np
 
+from .compiled import Function, compiled
 from .ik_task import AT_LIMIT, DISTANCE, GoalFunction, Task
-
-Function = TypeVar("Function", bound=Callable[..., Any])
 
 _TURN = 2.0 * math.pi
 _KEEN = 1e-2
@@ -33,15 +32,6 @@ _STIFF = 1e9
 def _inner(function: Function) -> Function:
     """Compile what only kernels call: without the wrappers that calls from Python need."""
     return numba.njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)(function)
-
-
-def _kernel(function: Function) -> Function:
-    """Compile what Python calls, or load it from the cache."""
-    try:
-        return numba.njit(error_model="numpy", no_cfunc_wrapper=True, cache=True)(function)
-    except RuntimeError:
-        # Neither this folder nor the user's cache can be written.
-        return numba.njit(error_model="numpy", no_cfunc_wrapper=True)(function)
 
 
 class Model(NamedTuple):
@@ -469,7 +459,7 @@ def _unwind(
             q[i] = moved
 
 
-@_kernel
+@compiled
 def solve(
     model: Model,
     task: Task,
@@ -531,7 +521,7 @@ def _push(
             pushed[i] = -1.0
 
 
-@_kernel
+@compiled
 def descend(
     model: Model,
     task: Task,
@@ -617,7 +607,7 @@ def _goal(
     return value
 
 
-@_kernel
+@compiled
 def goal_value(model: Model, task: Task, goal: GoalFunction, q: np.ndarray) -> float:
     """Value of a goal."""
     work = _workspace(q.size)
@@ -649,7 +639,7 @@ def _slope(
             slope[i] = (above - below) / 2e-5
 
 
-@_kernel
+@compiled
 def slide(
     model: Model,
     task: Task,
@@ -794,7 +784,7 @@ def _condition(
     return math.sqrt(max(gram[least, least], 0.0))
 
 
-@_kernel
+@compiled
 def tick(
     model: Model,
     task: Task,
@@ -832,7 +822,7 @@ def tick(
     return converged, place, turn, used, sigma
 
 
-@_kernel
+@compiled
 def forward(model: Model, task: Task, q: np.ndarray, pose: np.ndarray) -> None:
     """Fill the pose, shape (4, 4), of the tip in the frame of the task's target."""
     work = _workspace(q.size)
@@ -843,7 +833,7 @@ def forward(model: Model, task: Task, q: np.ndarray, pose: np.ndarray) -> None:
             pose[row, column] = work.pose[row, column]
 
 
-@_kernel
+@compiled
 def jacobian(model: Model, task: Task, q: np.ndarray, out: np.ndarray) -> None:
     """Fill the Jacobian, shape (6, n), in the frame of the task's target, weighted."""
     work = _workspace(q.size)

@@ -10,16 +10,11 @@ All kernels stand in one file, as in `ik_kernels`; without numba they run as the
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, Tuple, TypeVar
+from typing import Tuple
 
 import numpy as np
 
-try:
-    from numba import njit
-except ImportError:
-    njit = None
-
-Function = TypeVar("Function", bound=Callable[..., Any])
+from .compiled import compiled
 
 _ROUNDING = 1e-9
 """Share of an acceleration limit that is left to rounding."""
@@ -33,17 +28,7 @@ _TICKS = 10000
 """Beyond which braking counts as endless."""
 
 
-def _compiled(function: Function) -> Function:
-    if njit is None:
-        return function
-    try:
-        return njit(error_model="numpy", no_cfunc_wrapper=True, cache=True)(function)
-    except RuntimeError:
-        # Neither this folder nor the user's cache can be written.
-        return njit(error_model="numpy", no_cfunc_wrapper=True)(function)
-
-
-@_compiled
+@compiled
 def _scan(
     path: np.ndarray,
     first: int,
@@ -85,7 +70,7 @@ def _scan(
     return least, most
 
 
-@_compiled
+@compiled
 def _put(path: np.ndarray, place: float, out: np.ndarray) -> Tuple[int, float]:
     """Fill in the posture at a place; return its segment and share."""
     s = min(int(place), len(path) - 2)
@@ -98,7 +83,7 @@ def _put(path: np.ndarray, place: float, out: np.ndarray) -> Tuple[int, float]:
     return s, share
 
 
-@_compiled
+@compiled
 def _braked(
     path: np.ndarray,
     begin: np.ndarray,
@@ -132,7 +117,7 @@ def _braked(
     return -1.0
 
 
-@_compiled
+@compiled
 def _advance(
     path: np.ndarray,
     step: np.ndarray,

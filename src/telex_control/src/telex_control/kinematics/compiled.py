@@ -1,0 +1,23 @@
+"""Functions that numba compiles, where it is there."""
+
+from __future__ import annotations
+
+from typing import Any, Callable, TypeVar
+
+try:
+    from numba import njit
+except ImportError:
+    njit = None
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def compiled(function: Function) -> Function:
+    """Compile what Python calls, or load it from the cache; without numba it stays as it is."""
+    if njit is None:
+        return function
+    try:
+        return njit(error_model="numpy", no_cfunc_wrapper=True, cache=True)(function)
+    except RuntimeError:
+        # Neither this folder nor the user's cache can be written.
+        return njit(error_model="numpy", no_cfunc_wrapper=True)(function)
