@@ -9,13 +9,23 @@ from __future__ import annotations
 
 import logging
 from dataclasses import dataclass
-from typing import Dict, List, Tuple
+from typing import Dict, List, Tuple, Type
 from xml.etree import ElementTree
 
+from .hardware_interface import (
+    EffortJointInterface,
+    JointCommandInterface,
+    PositionJointInterface,
+    VelocityJointInterface,
+)
 from .urdf import UrdfError
 
-SIMULATED = ("EffortJointInterface", "VelocityJointInterface", "PositionJointInterface")
-"""Interfaces through which a simulation's joints are commanded."""
+SIMULATED: Dict[str, Type[JointCommandInterface]] = {
+    "EffortJointInterface": EffortJointInterface,
+    "VelocityJointInterface": VelocityJointInterface,
+    "PositionJointInterface": PositionJointInterface,
+}
+"""Interfaces through which a simulation's joints are commanded; the first is the usual one."""
 _PREFIX = "hardware_interface/"
 _STATE = ("JointStateInterface", _PREFIX + "JointStateInterface")
 """What every joint has, and needs not be asked for; one with nothing else is not driven."""
@@ -244,7 +254,7 @@ def _driven(joint: str, offered: List[Tuple[str, str]]) -> DrivenJoint:
             f"transmission '{name}' has '{interface}' for joint '{joint}'; simulated are "
             f'{", ".join(SIMULATED)}: write <transmission name="{name}">'
             "<type>transmission_interface/SimpleTransmission</type>"
-            f'<joint name="{joint}"><hardwareInterface>{_PREFIX}{SIMULATED[0]}'
+            f'<joint name="{joint}"><hardwareInterface>{_PREFIX}{next(iter(SIMULATED))}'
             f'</hardwareInterface></joint><actuator name="{joint}_motor"/></transmission>'
         )
     transmission, interface = found[0]

@@ -20,13 +20,6 @@ from telex_control.joint_limits_interface import JointLimitsHandle, limits_handl
 from telex_control.pid import Pid
 from telex_control.urdf_joints import CONTINUOUS, UrdfJoint
 
-INTERFACES: Dict[str, Type[JointCommandInterface]] = {
-    "EffortJointInterface": EffortJointInterface,
-    "VelocityJointInterface": VelocityJointInterface,
-    "PositionJointInterface": PositionJointInterface,
-}
-"""What a transmission may ask for, without the prefix ``hardware_interface/``."""
-
 
 class Mode(enum.Enum):
     """How the commands of a joint are carried out.

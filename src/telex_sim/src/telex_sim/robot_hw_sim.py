@@ -30,12 +30,12 @@ from telex_control.node_handle import NodeHandle
 from telex_control.params import ConfigError
 from telex_control.pid import Pid
 from telex_control.pid_reconfigure import PidSet
-from telex_control.transmission_parser import DrivenJoint, driven_and_watched
+from telex_control.transmission_parser import SIMULATED, DrivenJoint, driven_and_watched
 from telex_control.urdf import by_name
 from telex_control.urdf_joints import CONTINUOUS, PRISMATIC, UrdfError, UrdfJoint, joints
 
 from .config import HardwareConfig, JointHardware
-from .drives import INTERFACES, Drive, Mode
+from .drives import Drive, Mode
 from .imu import Imu
 from .link_surfaces import LinkSurfaces
 from .urdf_masses import massless_joints
@@ -144,7 +144,7 @@ class RobotHWSim(RobotHW):
         params: Mapping[str, Any],
         root: NodeHandle,
     ) -> Drive:
-        interface = INTERFACES[driven.hardware_interface]
+        interface = SIMULATED[driven.hardware_interface]
         if driven.joint not in described:
             raise UrdfError(
                 f"transmission '{driven.transmission}': joint '{driven.joint}' cannot move"
@@ -246,7 +246,7 @@ class RobotHWSim(RobotHW):
     def _register(self) -> None:
         states, imus = JointStateInterface(), ImuSensorInterface()
         commands: Dict[Type[JointCommandInterface], JointCommandInterface] = {
-            kind: kind() for kind in INTERFACES.values()
+            kind: kind() for kind in SIMULATED.values()
         }
         for drive in self._all:
             states.register_handle(drive.state)
