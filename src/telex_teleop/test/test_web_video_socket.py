@@ -328,6 +328,7 @@ def test_only_so_many_different_pictures_are_encoded(tmp_path):
             await other.say(show=[front])  # what is made for another client, too
             assert simplejpeg.decode_jpeg_header((await other.picture())[3])[1] == 32
             await client.say(show=[{"camera": "rear", "width": 40}])
+            await client.nothing_comes()  # it is heard before the picture is
             await bench.feed(REAR, jpeg(90, two_halves(640, 480)))
             assert simplejpeg.decode_jpeg_header((await client.picture())[3])[1] == 40
             page = bench.url.replace("/video", "/snapshot?type=png&topic=") + FRONT
