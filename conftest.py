@@ -1,8 +1,9 @@
-"""How the tests share the machine when pytest-xdist distributes them (``-n 2 --dist loadgroup``).
+"""How the tests share the machine when pytest-xdist distributes them (``-n 3 --dist loadgroup``).
 
-What needs a ROS master, a browser or wall time runs one after the other in one worker. The other
-workers meanwhile run what depends on no clock, at low priority: that may wait, and the rest may
-not. Without ``-n``, all tests run one after the other.
+What needs a ROS master, a browser or wall time and works the machine hard runs one after the other
+in one worker; what needs them and mostly waits, in a second one. The other workers meanwhile run
+what depends on no clock, at low priority: that may wait, and the rest may not. Without ``-n``, all
+tests run one after the other.
 """
 
 from __future__ import annotations
@@ -25,7 +26,30 @@ settings.load_profile("telex")
 ROOT = Path(__file__).resolve().parent
 NEEDS_THE_MACHINE = ("ros", "browser", "real_time")
 """Markers of tests that others may not hold up."""
-GROUP = "real_time"
+HEAVY, LIGHT = "real_time", "waiting"
+"""Lanes of such tests: one after the other in each."""
+WAITING = (
+    "src/telex_control/test/test_node_start.py",
+    "src/telex_control/test/test_private_master.py",
+    "src/telex_control/test/test_scheduling.py",
+    "src/telex_control/test/test_xmlrpc_guard.py",
+    "src/telex_description/test/test_no_warnings.py",
+    "src/telex_teleop/test/test_arm_teleop_ros.py",
+    "src/telex_teleop/test/test_joy_ros.py",
+    "src/telex_teleop/test/test_keyboard_pty.py",
+    "src/telex_teleop/test/test_teleop_ros.py",
+    "src/telex_teleop/test/test_web_bridge_clients.py",
+    "src/telex_teleop/test/test_web_bridge_server.py",
+    "src/telex_teleop/test/test_web_deadman.py",
+    "src/telex_teleop/test/test_web_ros.py",
+    "src/telex_teleop/test/test_web_video.py",
+    "tests/test_kinematics_agreement.py",
+    "tests/test_paper_report.py",
+    "tests/test_robot_state_publisher.py",
+)
+"""Files of such tests that start small nodes and mostly wait for them."""
+WAITING_SUITES = ("controller_manager", "controllers")
+"""Suites of ``tests/rostest`` of that kind."""
 SLOW = (
     "src/telex_control/test/test_ik_properties.py",
     "src/telex_control/test/test_ik_solver.py",
@@ -56,7 +80,9 @@ SLOW = (
     "src/telex_teleop/test/test_arm_telex.py",
     "src/telex_teleop/test/test_arm_tool_motion.py",
     "src/telex_teleop/test/test_teleop_reference.py",
+    "tests/test_benchmarks_smoke.py",
     "tests/test_mobility.py",
+    "tests/test_paper_lockstep.py",
     "tests/test_stopping.py",
 )
 """Files of more than 3 s of CPU time, which ``test.sh --fast`` leaves out; its closing table of
@@ -79,21 +105,30 @@ def needs_the_machine(item: pytest.Item) -> bool:
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: List[pytest.Item]) -> None:
     """Mark the slow tests; keep those together that may not run side by side."""
-    gone = [name for name in SLOW if not (ROOT / name).is_file()]
+    gone = [name for name in (*WAITING, *SLOW) if not (ROOT / name).is_file()]
     if gone:
-        raise pytest.UsageError(f"conftest.py: SLOW names what is not there: {', '.join(gone)}")
-    slow = {ROOT / name for name in SLOW}
+        raise pytest.UsageError(f"conftest.py names what is not there: {', '.join(gone)}")
+    slow, waiting = ({ROOT / name for name in names} for names in (SLOW, WAITING))
+    suites = {f"tests/test_rostests.py::test_suite[{name}]" for name in WAITING_SUITES}
     for item in items:
         if item.path in slow:
             item.add_marker(pytest.mark.slow)
         if needs_the_machine(item):
-            item.add_marker(pytest.mark.xdist_group(GROUP))
+            mostly_waits = item.path in waiting or item.nodeid in suites
+            item.add_marker(pytest.mark.xdist_group(LIGHT if mostly_waits else HEAVY))
 
 
 @lru_cache(maxsize=None)
 def step_back() -> None:
-    """Lower the priority of this process, once: it cannot be raised again."""
-    os.nice(PATIENCE)
+    """Lower the priority of this process, once: it cannot be raised again.
+
+    It gets a session of its own: the nodes of a launch have theirs, and Linux shares the processors
+    among sessions first.
+    """
+    from telex_control.common.scheduling import step_back as lower
+
+    os.setsid()
+    lower(PATIENCE)
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -106,8 +141,9 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtest_logreport(report: pytest.TestReport) -> None:
     """Name tests without the group that xdist appends: so they can be run again by that name."""
-    if not in_a_worker() and report.nodeid.endswith(f"@{GROUP}"):
-        report.nodeid = report.nodeid[: -len(f"@{GROUP}")]
+    for lane in (HEAVY, LIGHT):
+        if not in_a_worker() and report.nodeid.endswith(f"@{lane}"):
+            report.nodeid = report.nodeid[: -len(f"@{lane}")]
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -120,16 +156,16 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> LoadGroup
 
         def _split_scope(self, nodeid: str) -> str:
             group = super()._split_scope(nodeid)
-            return GROUP if group == GROUP else nodeid.split("::", 1)[0]
+            return group if group in {HEAVY, LIGHT} else nodeid.split("::", 1)[0]
 
         def _assign_work_unit(self, node: object) -> None:
             order = {self._split_scope(nodeid): None for nodeid in self.collection}
             ranks = {scope: rank for rank, scope in enumerate(order)}
 
-            def rank(scope: str) -> Tuple[bool, int]:
-                return scope != GROUP, ranks[scope]
+            def rank(scope: str) -> Tuple[bool, bool, int]:
+                return scope != HEAVY, scope != LIGHT, ranks[scope]
 
-            # A worker that has once stepped back cannot come forward again for that group.
+            # A worker that has once stepped back cannot come forward again for these.
             self.workqueue.move_to_end(min(self.workqueue, key=rank), last=False)
             super()._assign_work_unit(node)
 

@@ -3,7 +3,7 @@
 #   source env.sh
 #
 # rosrun, roslaunch, rostopic and rostest then work in this shell. A ROS_MASTER_URI that is already set is kept, and so are
-# ROS_IP and ROS_HOSTNAME; with neither, nodes of this shell are for this machine alone if its master is (docs/network.md).
+# ROS_IP and ROS_HOSTNAME; with neither, nodes of this shell are for this machine alone if its master is (docs/engineer/network.md).
 
 _telex_root="$(CDPATH= cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)"
 if [ ! -f "$_telex_root/devel/setup.bash" ] || [ ! -x "$_telex_root/.venv/bin/python" ]; then

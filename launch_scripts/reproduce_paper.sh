@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # Sets everything up, repeats the paper's results on the running system, and writes results/report.html.
 #
-#   ./launch_scripts/reproduce_paper.sh [--quick] [--only NAME ...] [--out DIR] [--seed N] [--list]
+#   ./launch_scripts/reproduce_paper.sh [--quick] [--only NAME ...] [--out DIR] [--seed N] [--repeat N] [--list]
 #
 # --quick: a coarse answer in some minutes. --only: these experiments only (--list names them).
 # --out: where the results go, in place of results/. Exit status 1: a result misses its bar.
+# --repeat: the paths of figure 8 so often, every second time beside hogs, and their joint states compared.
 # Ctrl-C ends everything.
 set -uo pipefail
 
@@ -12,7 +13,7 @@ root="$(CDPATH= cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)"
 for argument in "$@"; do
   case "$argument" in
     -h | --help)
-      sed -n '2,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
+      sed -n '2,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
       exit 0
       ;;
   esac

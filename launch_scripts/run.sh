@@ -4,7 +4,7 @@
 #   ./launch_scripts/run.sh [roslaunch arguments, e.g. world:=stairs video_port:=8081]
 #
 # Without world:= it starts in the training hall, without speed:= with 35 % of the speed.
-# ros_address:=NAME_OR_ADDRESS opens ROS to other machines, which know this one by it (docs/network.md).
+# ros_address:=NAME_OR_ADDRESS opens ROS to other machines, which know this one by it (docs/engineer/network.md).
 # Ctrl-C ends it all. A running ROS master (ROS_MASTER_URI) is used; without one, one is started.
 set -uo pipefail
 
@@ -68,7 +68,7 @@ case "${ROS_HOSTNAME:-${ROS_IP:-$(hostname)}}" in
   *)
     cat >&2 <<END
 run.sh: ROS is open: who reaches this machine at ${ROS_HOSTNAME:-${ROS_IP:-$(hostname)}} can drive the robot, change and end everything,
-  without a token and past the bridge. Only for a network on which you trust everybody (docs/network.md).
+  without a token and past the bridge. Only for a network on which you trust everybody (docs/engineer/network.md).
 END
     ;;
 esac

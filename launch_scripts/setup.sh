@@ -169,6 +169,21 @@ compile_kinematics() {
   printf '%s' "$wanted" >"$stamp"
 }
 
+# Textures, meshes and shaders of the shipped scenes, which are kept in the user's cache folder: seconds
+# that the cameras are not to spend when a scene is wanted. What changes later is made when it is shown.
+prepare_scenes() {
+  local stamp="$state/scenes" cache="${XDG_CACHE_HOME:-${HOME-}/.cache}" sources=(
+    "$root"/src/telex_sim/{src/telex_sim/rendering,src/telex_sim/scene,scenes} "$root"/src/telex_description/{config,meshes,urdf})
+  [ "$(cat "$stamp" 2>/dev/null)" = "$cache" ] && [ -d "$cache/telex_sim/content" ] &&
+    [ -z "$(find "${sources[@]}" -type f -newer "$stamp" -not -name '*.pyc' -print -quit)" ] && return 0
+  mkdir -p "$cache/telex_sim/content" 2>/dev/null && [ -w "$cache/telex_sim/content" ] || return 0
+  rm -f "$stamp"
+  # Where it fails, they are prepared whenever they are shown: no reason to end here, nor to try it at every start.
+  (step "Pictures of the scenes" "the simulator starts without them" \
+    bash -c '. "$1/env.sh" && exec python -m telex_sim.scene.prepare' bash "$root") || [ $? -ne 130 ] || exit 130
+  printf '%s' "$cache" >"$stamp"
+}
+
 # The bridge is tried with npm's roslib, too; where it cannot be had, those tests are skipped.
 install_roslib() {
   local folder="$root/src/telex_teleop/test/bridge_clients" stamp="$state/roslib" wanted
@@ -205,4 +220,5 @@ install_system_packages
 make_venv
 build_workspace
 compile_kinematics
+prepare_scenes
 [ -z "$with_tests" ] || install_roslib

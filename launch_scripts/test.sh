@@ -72,10 +72,11 @@ if [ -n "$fast" ]; then
   pytest_arguments=(-m "not (ros or browser or real_time or slow)" --durations=5 "${pytest_arguments[@]}")
 fi
 
-# Tests that need no wall time run beside those that do, at low priority; conftest.py says which.
-workers="$(nproc)"
-[ "$workers" -le 4 ] || workers=4
-[ "$workers" -eq 1 ] || pytest_arguments=(-n "$workers" --dist loadgroup "${pytest_arguments[@]}")
+# What works hard in wall time, what waits in wall time, and, at low priority, what needs none: each
+# has workers of its own; conftest.py says which.
+workers=$(($(nproc) + 1))
+[ "$workers" -le 5 ] || workers=5
+[ "$workers" -eq 2 ] || pytest_arguments=(-n "$workers" --dist loadgroup "${pytest_arguments[@]}")
 
 # pytest comes last, so that its closing line counts the tests.
 if [ ${#failed[@]} -gt 0 ]; then printf '\nFailed so far: %s\n' "${failed[*]}"; fi

@@ -21,8 +21,8 @@ import rosgraph
 import rospy
 from controller_manager_msgs.srv import ListControllers
 
-from telex_control.node_start import init_node
-from telex_control.params import ConfigError
+from telex_control.common.params import ConfigError
+from telex_control.ros.node_start import init_node
 from telex_teleop.web.token_files import read_token
 
 _NODE_START = 20.0
@@ -32,6 +32,9 @@ _ONE_CAMERA = 5.0
 """Time (s) for which the picture of one camera is waited for before others are asked for theirs."""
 
 _COMPRESSED = "/compressed"
+
+_TELEOP = ("arm_teleop", "flipper_teleop", "gripper_teleop", "track_teleop")
+"""Nodes that a key goes through before the robot moves."""
 
 _NO_HEAD = 405
 """Status of the bridge's answer to a HEAD request, which it does not take for a client's."""
@@ -238,6 +241,9 @@ def main() -> None:
 
     waiter.wait("ROS master", master)
     waiter.wait("robot controllable", lambda: controllers_run(namespace))
+    waiter.wait(
+        "teleoperation", lambda: all(node_answers(f"{namespace}/{name}") for name in _TELEOP)
+    )
     shown = "  Console   (not started)"
     if not options.no_console:
         waiter.need(f"{namespace}/video_server", _SERVER_ADVICE.format("video_port:=8081"))

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import importlib.machinery
 import importlib.util
+import math
 from pathlib import Path
+from unittest import mock
 
-from telex_control.controller import ControllerState
+from telex_control.manager.controller import ControllerState
+from telex_sim.rendering.addresses import resolve_address
 
 BENCHMARKS = Path(__file__).resolve().parents[1] / "benchmarks"
 
@@ -30,3 +33,68 @@ def test_the_control_benchmark_runs_all_shipped_controllers(monkeypatch):
     running = [info.name for info, state in listed if state is ControllerState.RUNNING]
     assert sorted(running) == sorted(names)
     assert len(names) > 20
+
+
+def test_a_gap_without_a_clock_is_not_a_number(monkeypatch):
+    scene = load("scene", monkeypatch)
+    now = [0.0]
+    monkeypatch.setattr(scene.time, "sleep", lambda seconds: None)
+    monkeypatch.setattr(scene.time, "monotonic", lambda: now[0])
+    parameters = {"/telex/simulator/publish/clock_rate": 100.0}
+    with mock.patch.object(scene, "rospy") as rospy:
+        rospy.get_param.side_effect = lambda name: parameters.get(name, 0.001)
+        gaps = scene.Gaps()
+        (_, _, on_clock), _ = rospy.Subscriber.call_args
+
+        def clocks(*times):
+            for now[0] in times:
+                on_clock(None)
+
+        clocks(1.0)
+        assert math.isnan(gaps.during(lambda: None))
+        assert math.isclose(gaps.during(lambda: clocks(1.01, 1.06, 1.07)), 0.041)
+        assert math.isclose(gaps.during(lambda: (clocks(1.08), now.__setitem__(0, 1.38))), 0.291)
+    missed = scene.Figure("gap", math.nan, "ms", at_most=math.nan)
+    assert not missed.ok
+
+
+def test_thread_times_tell_what_each_thread_did_since_the_last_look(monkeypatch, tmp_path):
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    times = importlib.import_module("thread_times").ThreadTimes(str(tmp_path))
+
+    def write(ticks, *threads):
+        process = tmp_path / "7"
+        (process / "task").mkdir(parents=True, exist_ok=True)
+        (process / "stat").write_text(f"7 (a ) b) S {' '.join('0' * 10)} {ticks} 0 0")
+        for number, (ran, waited) in enumerate(threads, 7):
+            task = process / "task" / str(number)
+            task.mkdir(exist_ok=True)
+            (task / "comm").write_text(f"thread{number}\n")
+            (task / "schedstat").write_text(f"{ran} {waited} 1\n")
+
+    (tmp_path / "version").mkdir()
+    write(100, (9_000_000_000, 9_000_000_000))
+    times.look()
+    assert "ran" not in times.table()
+    write(101, (9_010_000_000, 9_500_000_000), (20_000_000, 0))
+    times.look()
+    (tmp_path / "7" / "task" / "8" / "schedstat").unlink()
+    times.look()
+    told = [line.strip() for line in times.table().splitlines() if "ran" in line]
+    assert told == [
+        "ran    10 ms, waited   500 ms: a ) b 7, thread7 7",
+        "ran    20 ms, waited     0 ms: a ) b 7, thread8 8",
+    ]
+
+
+def test_the_recorded_scene_can_still_be_drawn(monkeypatch):
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    renderer = importlib.import_module("cameras_renderer")
+    recording = renderer.hall()
+    assert recording.frames_in_world.shape == (len(recording.scene.frames), 4, 4)
+    meshes = {visual.mesh for visual in recording.scene.visuals if visual.mesh}
+    assert len(meshes) > 20
+    lost = [m for m in meshes if not Path(resolve_address(m, renderer.package_path)).is_file()]
+    assert not lost, "record anew: python benchmarks/cameras_renderer.py"
+    for name in renderer.NAMES:
+        assert 0.0 < recording.camera(name)[2, 3] < 3.0

@@ -25,9 +25,10 @@ from tf2_msgs.msg import TFMessage
 from tf2_py import BufferCore
 
 from telex_control.kinematics import Chain, UrdfTree, dh_chain
-from telex_control.private_master import PrivateMaster
-from telex_control.urdf_joints import joints, parse_urdf
-from telex_sim.offline import robot_description
+from telex_control.ros.private_master import PrivateMaster
+from telex_control.ros.publisher_updates import miss_no_publisher
+from telex_control.urdf.joints import joints, parse_urdf
+from telex_sim.offline.simulation import robot_description
 
 BASE, TOOL = "base_link", "tool_link"
 POSES = 1000
@@ -142,7 +143,9 @@ def test_the_drawing_is_that_of_the_model(chain):
 def test_the_documented_joints_are_those_of_the_model(urdf):
     robot = parse_urdf(urdf)
     limits, above = joints(robot), {j.name: j for j in UrdfTree(robot).joint_above.values()}
-    page = (Path(__file__).parents[1] / "docs" / "kinematics.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[1] / "docs" / "engineer" / "kinematics.md").read_text(
+        encoding="utf-8"
+    )
     rows = [line.split("|")[1:-1] for line in page.splitlines() if "_joint` |" in line]
     assert len(rows) == 15
     for cells in rows:
@@ -213,6 +216,7 @@ def walk(positions):
         if message.transforms[0].header.stamp == stamp:
             moved.set()
 
+    miss_no_publisher()
     rospy.init_node("walk", disable_signals=True)
     rospy.Subscriber("/tf_static", TFMessage, on_fixed)
     rospy.Subscriber("/tf", TFMessage, on_moved, tcp_nodelay=True)

@@ -222,7 +222,7 @@ def test_the_robot_slides_where_friction_does_not_hold_it() -> None:
 
 
 def test_statics_say_what_the_front_must_bear_on_a_step() -> None:
-    """By the centres of mass with the arm folded and forward; docs/mobility.md has the figures."""
+    """By the centres of mass, arm folded and forward; docs/operator/mobility.md has the figures."""
     folded, forward = (0.013, 0.0, 0.136), (0.068, 0.0, 0.152)
     needed = [quasi_static.share_needed_at_edge(height, 1.0) for height in (0.50, 0.55)]
     assert needed == pytest.approx([0.41, 0.65], abs=0.01)

@@ -30,8 +30,8 @@ from sensor_msgs.msg import CompressedImage, JointState
 from telex_msgs.msg import FlipperPresetHold, TrackTeleopStatus
 
 from telex_control.kinematics import Chain
-from telex_control.local_node_handle import LocalNodeHandle
-from telex_sim.offline import robot_description
+from telex_control.ros.local_node_handle import LocalNodeHandle
+from telex_sim.offline.simulation import robot_description
 from telex_sim.scene.library.maze import perfect_maze
 from telex_sim.scene.scene_file import load_scene
 

@@ -27,8 +27,9 @@ from paper.one import carry_out  # noqa: E402
 from paper.page import Run, number, page  # noqa: E402
 from paper.recorder import Throttle, rates  # noqa: E402
 from paper.schedule import Outcome, Schedule, planned  # noqa: E402
+from paper.session import Session  # noqa: E402
 
-from telex_control.private_master import PrivateMaster, end_tree  # noqa: E402
+from telex_control.ros.private_master import PrivateMaster, end_tree  # noqa: E402
 
 RUN = Run("2026-01-01 12:00", "a processor", "commit abc", False, 1, 90.0)
 VOID = {"meta", "link", "img", "br"}
@@ -310,6 +311,7 @@ def test_experiments_are_chosen_by_name_or_group():
     assert [each.name for each in registry.select(["fig8", "fig3"])] == [
         "fig3_kinematics",
         "fig8_trajectories",
+        "fig8_live",
     ]
     with pytest.raises(registry.UnknownExperimentError, match="no experiment 'fig99'; there are"):
         registry.select(["fig99"])
@@ -515,9 +517,10 @@ def test_what_computes_runs_beside_what_drives():
     both = [experiment("a"), experiment("b"), experiment("c", in_wall_time=False, seconds=15.0)]
     assert planned(both, quick=False) == 20.0
     assert planned(both, quick=True) == 4.0
+    assert planned([experiment("a"), experiment("b", repeatable=True)], True, 10) == 22.0
 
 
-@pytest.mark.parametrize("arguments", [["--seed", "-1"], ["--only"], ["--fast"]])
+@pytest.mark.parametrize("arguments", [["--seed", "-1"], ["--only"], ["--fast"], ["--repeat", "0"]])
 def test_a_wrong_command_line_ends_the_program(arguments, capsys):
     with pytest.raises(SystemExit) as ended:
         program.parse(arguments)
@@ -550,6 +553,17 @@ def test_a_recording_holds_commands_states_frames_and_the_asked_cameras():
         assert topic in found
     assert found["/telex/cameras/front/image_raw/compressed"] == 2.0
     assert not any("rear" in topic for topic in found)
+
+
+def test_cameras_are_drawn_as_often_as_they_are_recorded(tmp_path, monkeypatch):
+    session = Session("one", tmp_path, False, 1, print)
+    drawn = {}
+    monkeypatch.setattr(
+        session, "configure_camera", lambda name, **settings: drawn.update({name: settings})
+    )
+    session.record("run", ("front",), rate=1.0)
+    session.record("console", ("rear",), watched=True)
+    assert drawn == {"front": {"rate": 1.0, "priority": 0}}
 
 
 LATE_CLOCK = """

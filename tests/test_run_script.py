@@ -21,7 +21,7 @@ from xml.etree import ElementTree
 import pytest
 import rosgraph
 
-from telex_control.private_master import free_port
+from telex_control.ros.private_master import free_port
 
 ROOT = Path(__file__).resolve().parents[1]
 OPENS_ROS = ("ROS_IP", "ROS_HOSTNAME")
@@ -173,11 +173,13 @@ def test_run_starts_everything_and_ctrl_c_leaves_nothing(private):
         with urllib.request.urlopen(url, timeout=10.0) as answer:
             assert b"<html" in answer.read()
         assert re.search(r"robot controllable: ", terminal.text)
+        assert re.search(r"teleoperation: ", terminal.text)
         assert re.search(r"first camera picture: ", terminal.text)
         names = " ".join(processes_of(marker.encode()))
         for node in ("simulator", "cameras", "arm_teleop", "video_server", "rosmaster"):
             assert node in names
-        # roscpp has no setting for its XML-RPC servers; docs/network.md says what these let do.
+        # roscpp has no setting for its XML-RPC servers; docs/engineer/network.md says what these
+        # let do.
         sockets = listening(marker.encode())
         open_ones = [command for address, command in sockets if address != LOOPBACK]
         assert len(sockets) > 15

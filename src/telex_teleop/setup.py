@@ -8,9 +8,15 @@ setup(
     **generate_distutils_setup(
         packages=[
             "telex_teleop",
+            "telex_teleop.arm",
+            "telex_teleop.flippers",
+            "telex_teleop.joints",
             "telex_teleop.joy",
             "telex_teleop.keyboard",
+            "telex_teleop.motion",
             "telex_teleop.operating",
+            "telex_teleop.ros",
+            "telex_teleop.tracks",
             "telex_teleop.web",
             "telex_teleop.web.bridge",
             "telex_teleop.web.transforms",

@@ -19,13 +19,13 @@ from geometry_msgs.msg import Point, PoseStamped, Quaternion, Twist
 from mobility.scripted_operator import Operator
 from trajectory_msgs.msg import JointTrajectoryPoint
 
+from telex_control.common.params import read_config
 from telex_control.controllers.parallel_gripper_controller import FingerGeometry
 from telex_control.follow_trajectory import TrajectoryError
 from telex_control.kinematics import Chain, IKSolver, Tolerance
-from telex_control.params import read_config
-from telex_sim.config import TUNED_PERIOD
-from telex_sim.gripper_contact import GripperContact
-from telex_sim.offline import OfflineSimulation, package_file, robot_description
+from telex_sim.engine.config import TUNED_PERIOD
+from telex_sim.offline.simulation import OfflineSimulation, package_file, robot_description
+from telex_sim.robot.gripper_contact import GripperContact
 
 PLACE = (1.0, 0.0, 0.6)
 """Where the tool starts, in base_link (m): from here it can be shaken however the hand points."""
@@ -85,7 +85,7 @@ class Rig:
     start : dict
         Of the scene file.
     **changes
-        Of the simulator's configuration, see `telex_sim.offline.shipped_config`.
+        Of the simulator's configuration, see `telex_sim.offline.simulation.shipped_config`.
 
     Attributes
     ----------

@@ -11,10 +11,10 @@ import numpy as np
 import pybullet
 import yaml
 
-from telex_sim.contacts import contacts
-from telex_sim.offline import package_file
-from telex_sim.simulation import Simulation
-from telex_sim.world import GRAVITY
+from telex_sim.engine.contacts import contacts
+from telex_sim.engine.simulation import Simulation
+from telex_sim.engine.world import GRAVITY
+from telex_sim.offline.simulation import package_file
 
 from . import quasi_static
 from .offline import Trial

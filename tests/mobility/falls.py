@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from time import process_time
 from typing import Any, Dict, List, Optional, Tuple
 
-from telex_sim.stability_monitor import Margin, StabilityMonitor
+from telex_sim.stability.monitor import Margin, StabilityMonitor
 
 from .offline import Trial
 from .robot import AXLE_HEIGHT

@@ -12,7 +12,7 @@ from sensor_msgs.msg import JointState
 from std_srvs.srv import Empty
 from telex_msgs.srv import Step
 
-from telex_control.ros_node_handle import RosNodeHandle
+from telex_control.ros.ros_node_handle import RosNodeHandle
 
 from .scripted_operator import TICK, Operator
 

@@ -13,8 +13,8 @@ import pybullet
 import yaml
 from geometry_msgs.msg import Point, PoseStamped, Quaternion
 
-from telex_sim.config import TUNED_PERIOD
-from telex_sim.offline import OfflineSimulation, package_file, robot_description
+from telex_sim.engine.config import TUNED_PERIOD
+from telex_sim.offline.simulation import OfflineSimulation, package_file, robot_description
 
 from .scripted_operator import TICK, Operator
 
@@ -69,7 +69,7 @@ class Trial:
     load : float
         Mass held in the gripper (kg).
     **changes
-        Of the simulator's configuration, see `telex_sim.offline.shipped_config`.
+        Of the simulator's configuration, see `telex_sim.offline.simulation.shipped_config`.
 
     Attributes
     ----------

@@ -10,7 +10,7 @@ from geometry_msgs.msg import PoseStamped, Twist
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
-from telex_control.node_handle import NodeHandle, Publisher
+from telex_control.ros.node_handle import NodeHandle, Publisher
 
 TICK = 0.04
 """Sim time from one look at the robot to the next (s): a whole number of its messages' periods."""
@@ -93,9 +93,13 @@ class Operator:
         Sim time since the script began (s).
     pose : Pose
         Of ``sim/base_pose``, as an instructor sees it.
+    longest_wait : float
+        How long anything is waited for at most (s), as if it came then: where it is short, scripts
+        only show that they still run.
     """
 
     pose: Pose
+    longest_wait = math.inf
 
     def __init__(
         self,
@@ -197,7 +201,7 @@ class Operator:
 
     def wait(self, seconds: float) -> None:
         """Go on for so much sim time (s)."""
-        for _ in range(round(seconds / TICK)):
+        for _ in range(round(min(seconds, self.longest_wait) / TICK)):
             self.tick()
 
     def until(
@@ -224,9 +228,11 @@ class Operator:
         NotManagedError
             It is not reached within `timeout`.
         """
-        end = self.time + timeout
+        end = self.time + min(timeout, self.longest_wait)
         while not reached():
             if self.time >= end:
+                if timeout > self.longest_wait:
+                    return
                 raise NotManagedError(f"not within {timeout:g} s: {what}; {self.where()}")
             if meanwhile is not None:
                 meanwhile()
@@ -263,11 +269,13 @@ class Operator:
             It is not reached within `timeout`.
         """
         come = way or (lambda: self.pose.x)
-        end, turn = self.time + timeout, 0
+        end, turn = self.time + min(timeout, self.longest_wait), 0
         best, since = come(), self.time
         self.flippers(*settings[0])
         while not reached():
             if self.time >= end:
+                if timeout > self.longest_wait:
+                    return
                 raise NotManagedError(f"not within {timeout:g} s: {what}; {self.where()}")
             if come() > best + _PROGRESS:
                 best, since = come(), self.time

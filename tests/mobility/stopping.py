@@ -9,8 +9,8 @@ from typing import Callable, Dict, List, Optional, Tuple
 import numpy as np
 import pybullet
 
-from telex_sim.stability_monitor import StabilityMonitor
-from telex_sim.world import GRAVITY
+from telex_sim.engine.world import GRAVITY
+from telex_sim.stability.monitor import StabilityMonitor
 
 from .flat import FLAT
 from .load import POSE, hold_forward

@@ -9,7 +9,7 @@ from typing import List, Tuple
 import numpy as np
 import pybullet
 
-from telex_sim.world import GRAVITY
+from telex_sim.engine.world import GRAVITY
 
 from .offline import Trial
 

@@ -15,7 +15,7 @@ import numpy as np
 import yaml
 from geometry_msgs.msg import Twist
 
-from telex_sim.offline import OfflineSimulation
+from telex_sim.offline.simulation import OfflineSimulation
 
 from . import quasi_static
 from .bearing import Bearing, ground_objects, springs, touched

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from telex_control.controller import Controller
-from telex_control.hardware_interface import (
+from telex_control.hardware.hardware_interface import (
     EffortJointInterface,
     PositionJointInterface,
     VelocityJointInterface,
 )
+from telex_control.manager.controller import Controller
 
 KINDS = {
     "effort": EffortJointInterface,

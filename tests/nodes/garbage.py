@@ -27,7 +27,7 @@ import rosservice
 import rostest
 from robot import Robot, eventually
 
-from telex_control.urdf_joints import joints, parse_urdf
+from telex_control.urdf.joints import joints, parse_urdf
 
 SPARED_TOPICS = re.compile(r"/clock$|/tf(_static)?$|/rosout(_agg)?$|/e_stop$|/sim/|/joint_states$")
 """What only the simulator says, and the emergency stop, under which nothing could move."""

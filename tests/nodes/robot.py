@@ -16,6 +16,10 @@ from geometry_msgs.msg import PoseStamped, Twist
 from sensor_msgs.msg import JointState
 from telex_msgs.msg import JointTeleopStatus, SimStatus, TrackTeleopStatus
 
+from telex_control.ros.publisher_updates import miss_no_publisher
+
+miss_no_publisher()
+
 TELEOP_NODES = {
     "arm_teleop": JointTeleopStatus,
     "gripper_teleop": JointTeleopStatus,

@@ -2,8 +2,8 @@
 
 from std_msgs.msg import Float64
 
-from telex_control.controller import Controller
-from telex_control.hardware_interface import EffortJointInterface
+from telex_control.hardware.hardware_interface import EffortJointInterface
+from telex_control.manager.controller import Controller
 
 
 class SpringController(Controller):

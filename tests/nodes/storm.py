@@ -14,7 +14,7 @@ from typing import Any, Dict
 import rospy
 from std_srvs.srv import Trigger
 
-from telex_control.controller_manager_client import BEST_EFFORT, STRICT, ControllerManagerClient
+from telex_control.manager.client import BEST_EFFORT, STRICT, ControllerManagerClient
 
 CLIENTS = 4
 STUCK_AFTER = 20.0
@@ -37,7 +37,7 @@ def storm(duration: float) -> Dict[str, Any]:
         much (s) its longest period was too long, and that of a process which only sleeps.
     """
     manager = ControllerManagerClient()
-    rospy.wait_for_service("control_loop/worst_gap", timeout=30.0)
+    rospy.wait_for_service("control_loop/worst_gap", timeout=120.0)
     worst_gap = rospy.ServiceProxy("control_loop/worst_gap", Trigger)
     worst_gap()
     end = time.monotonic() + duration

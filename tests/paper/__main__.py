@@ -60,10 +60,20 @@ def parse(arguments: Optional[Sequence[str]] = None) -> argparse.Namespace:
         help="where the results go (results)",
     )
     parser.add_argument("--seed", type=int, default=1, help="of all that is random (1)")
+    parser.add_argument(
+        "--repeat",
+        type=int,
+        default=1,
+        metavar="N",
+        help="lead the paths of fig8_trajectories so often, every second time while something "
+        "keeps all processors busy, and compare the joint states of the runs (1)",
+    )
     parser.add_argument("--list", action="store_true", help="say which experiments there are")
     options = parser.parse_args(arguments)
     if options.seed < 0:
         parser.error(f"--seed {options.seed} is below 0")
+    if options.repeat < 1:
+        parser.error(f"--repeat {options.repeat} is below 1")
     return options
 
 
@@ -96,10 +106,11 @@ def reproduce(options: argparse.Namespace) -> int:
     folder: Path = options.out.resolve()
     clear(folder, chosen)
     clock = Clock()
-    expected = planned(chosen, options.quick)
+    expected = planned(chosen, options.quick, options.repeat)
     clock.say(f"{len(chosen)} experiments, about {max(1, round(expected / 60.0))} min; in {folder}")
     when = time.strftime("%Y-%m-%d %H:%M")
-    outcomes = Schedule(folder, options.quick, options.seed, clock.say).run(chosen)
+    schedule = Schedule(folder, options.quick, options.seed, clock.say, options.repeat)
+    outcomes = schedule.run(chosen)
     run = Run(when, machine(), version(), options.quick, options.seed, clock.elapsed())
     target = folder / "report.html"
     target.write_text(page(run, outcomes, folder), encoding="utf-8")

@@ -185,6 +185,8 @@ class Experiment:
         only, without ROS, runs beside them at low priority.
     alone : bool
         Whether what only computes stands still while it runs.
+    repeatable : bool
+        Whether it has as many runs as ``--repeat`` says.
     groups : tuple of str
         Further names by which ``--only`` finds it, such as "fig9".
     """
@@ -200,6 +202,7 @@ class Experiment:
     quick_seconds: float
     in_wall_time: bool = True
     alone: bool = False
+    repeatable: bool = False
     groups: Tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -210,9 +213,10 @@ class Experiment:
             if not (math.isfinite(value) and value > 0.0):
                 raise ValueError(f"experiment {self.name}: {key} is {value}, not above 0")
 
-    def expected(self, quick: bool) -> float:
+    def expected(self, quick: bool, repeat: int = 1) -> float:
         """Wall time that it is expected to take (s)."""
-        return self.quick_seconds if quick else self.seconds
+        seconds = self.quick_seconds if quick else self.seconds
+        return seconds * repeat if self.repeatable else seconds
 
     def called(self, name: str) -> bool:
         """Whether a name of the command line means it."""

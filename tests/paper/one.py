@@ -1,7 +1,7 @@
 """Carries out one experiment, in a process of its own.
 
-``python -m paper.one NAME FOLDER SEED [--quick]``: what it says goes to standard output, a line at
-a time; what it yields to ``result.json`` in the folder.
+``python -m paper.one NAME FOLDER SEED [--quick] [--repeat N]``: what it says goes to standard
+output, a line at a time; what it yields to ``result.json`` in the folder.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import traceback
 from pathlib import Path
 from typing import Any, TextIO
 
-from telex_control.scheduling import step_back
+from telex_control.common.scheduling import step_back
 
 from .experiment import Experiment, Result, missing
 from .registry import by_name
@@ -48,6 +48,7 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("seed", type=int)
     parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--repeat", type=int, default=1)
     options = parser.parse_args()
     # A shell starts background jobs deaf to SIGINT; this one must hear it, and end what it started.
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
@@ -67,6 +68,7 @@ def _work(options: argparse.Namespace, progress: TextIO) -> int:
         options.quick,
         options.seed,
         lambda line: print(line, file=progress, flush=True),
+        options.repeat,
     )
     if not experiment.in_wall_time:
         step_back(NICENESS)

@@ -19,8 +19,9 @@ import roslib.message
 import rospy
 from rosbag import Bag, Compression
 
-from telex_control.private_master import DIES_WITH_US, end_tree
-from telex_control.scheduling import step_back
+from telex_control.common.scheduling import step_back
+from telex_control.ros.private_master import DIES_WITH_US, end_tree
+from telex_control.ros.publisher_updates import miss_no_publisher
 
 TOPICS: Tuple[str, ...] = (
     "joint_states",
@@ -260,6 +261,7 @@ def main() -> None:
         signal.signal(number, lambda *_: ended.set())
     # Where the processor is short, what is recorded may come late; what drives the robot may not.
     step_back(_NICENESS)
+    miss_no_publisher()
     rospy.init_node("recorder", anonymous=True, disable_signals=True)
     _await_clock(ended)
     writer = Writer(

@@ -12,6 +12,7 @@ MODULES: Tuple[str, ...] = (
     "paper.experiments.kinematics",
     "paper.experiments.model",
     "paper.experiments.step_response",
+    "paper.experiments.lockstep",
     "paper.experiments.trajectory",
     "paper.operators",
     "paper.experiments.views",

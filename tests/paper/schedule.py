@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Callable, Dict, Iterator, List, Optional, Sequence, Set, TextIO
 
-from telex_control.private_master import DIES_WITH_US, end_tree
+from telex_control.ros.private_master import DIES_WITH_US, end_tree
 
 from .experiment import Experiment, Result, missing
 from .one import RESULT
@@ -44,11 +44,11 @@ class Outcome:
     seconds: float
 
 
-def planned(experiments: Sequence[Experiment], quick: bool) -> float:
+def planned(experiments: Sequence[Experiment], quick: bool, repeat: int = 1) -> float:
     """Wall time (s) that experiments are expected to take: the longer one of the two lanes."""
     lanes = {True: 0.0, False: 0.0}
     for experiment in experiments:
-        lanes[experiment.in_wall_time] += experiment.expected(quick)
+        lanes[experiment.in_wall_time] += experiment.expected(quick, repeat)
     return max(lanes.values())
 
 
@@ -63,13 +63,16 @@ class Schedule:
     seed : int
     say : callable
         Takes a line of progress.
+    repeat : int
+        Runs of experiments that are `repeatable`.
     """
 
-    def __init__(self, folder: Path, quick: bool, seed: int, say: Say) -> None:
+    def __init__(self, folder: Path, quick: bool, seed: int, say: Say, repeat: int = 1) -> None:
         self._folder = folder
         self._quick = quick
         self._seed = seed
         self._say = say
+        self._repeat = repeat
         self._stopped = threading.Event()
         self._running: Dict[str, subprocess.Popen] = {}
         # What only computes, while it runs; and whether it has to stand still.
@@ -126,7 +129,7 @@ class Schedule:
     def _run_one(self, experiment: Experiment) -> Outcome:
         folder = self._folder / experiment.name
         folder.mkdir(parents=True, exist_ok=True)
-        expected = experiment.expected(self._quick)
+        expected = experiment.expected(self._quick, self._repeat)
         self._say(f"{experiment.name}: {experiment.title} (about {_minutes(expected)})")
         began = time.monotonic()
         with self._quiet() if experiment.alone else contextlib.nullcontext():
@@ -140,7 +143,8 @@ class Schedule:
 
     def _carry_out(self, experiment: Experiment, folder: Path, timeout: float) -> Result:
         command = [*DIES_WITH_US, sys.executable, "-m", "paper.one", experiment.name, str(folder)]
-        command += [str(self._seed), *(["--quick"] if self._quick else [])]
+        command += [str(self._seed), "--repeat", str(self._repeat)]
+        command += ["--quick"] if self._quick else []
         with open(folder / "log.txt", "w") as log, self._lock:
             if self._stopped.is_set():
                 return missing("interrupted")

@@ -15,7 +15,8 @@ from sensor_msgs.msg import CompressedImage
 from telex_msgs.msg import SceneDescription
 from telex_msgs.srv import ConfigureCamera
 
-from telex_control.private_master import PrivateMaster
+from telex_control.ros.private_master import PrivateMaster
+from telex_control.ros.publisher_updates import miss_no_publisher
 
 from .recorder import PICTURES, Recorder
 from .simulator import Argument, Simulator
@@ -40,6 +41,8 @@ class Session:
         Of all that is random.
     say : callable
         Takes a line of progress.
+    repeat : int
+        Runs of an experiment that is `repeatable`.
 
     Attributes
     ----------
@@ -52,13 +55,20 @@ class Session:
     namespace = "/telex"
 
     def __init__(
-        self, name: str, folder: Path, quick: bool, seed: int, say: Callable[[str], None]
+        self,
+        name: str,
+        folder: Path,
+        quick: bool,
+        seed: int,
+        say: Callable[[str], None],
+        repeat: int = 1,
     ) -> None:
         self.name = name
         self.folder = folder
         self.quick = quick
         self.seed = seed
         self.say = say
+        self.repeat = repeat
         self.log = folder / "log.txt"
         self._master = PrivateMaster()
 
@@ -68,6 +78,7 @@ class Session:
         os.environ.update(self._master.environment())
         os.environ.pop("ROS_NAMESPACE", None)
         rospy.set_param("/use_sim_time", True)
+        miss_no_publisher()
         rospy.init_node(f"paper_{self.name}", disable_signals=True)
         return self
 
@@ -90,8 +101,16 @@ class Session:
         cameras: Sequence[str] = (),
         topics: Sequence[str] = (),
         rate: float = PICTURES,
+        watched: bool = False,
     ) -> Recorder:
-        """Return a recorder, to be entered, that writes ``<name>.bag``; see `Recorder`."""
+        """Return a recorder, to be entered, that writes ``<name>.bag``; see `Recorder`.
+
+        The cameras are drawn as often as they are recorded from then on, and none before another:
+        more would take the processor from the physics and from what leads the robot. Where somebody
+        else watches them (`watched`), they stay as they are.
+        """
+        for camera in () if watched else cameras:
+            self.configure_camera(camera, rate=rate, priority=0)
         return Recorder(
             self.folder / f"{name}.bag", self.namespace, self.log, topics, cameras, rate
         )

@@ -10,7 +10,7 @@ from typing import Dict, List, Optional, Union
 
 import rospy
 
-from telex_control.private_master import DIES_WITH_US, PrivateMaster, end_tree
+from telex_control.ros.private_master import DIES_WITH_US, PrivateMaster, end_tree
 
 Argument = Union[str, float, bool]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 from typing import Callable, List
 
-from telex_control.private_master import DIES_WITH_US, end_tree
+from telex_control.ros.private_master import DIES_WITH_US, end_tree
 
 
 class ToolError(RuntimeError):

@@ -7,8 +7,7 @@ from typing import Any, Dict, List
 
 import pytest
 
-from telex_control.controller_manager import ControllerManager
-from telex_control.hardware_interface import (
+from telex_control.hardware.hardware_interface import (
     EffortJointInterface,
     JointHandle,
     JointStateHandle,
@@ -17,7 +16,8 @@ from telex_control.hardware_interface import (
     RobotHW,
     VelocityJointInterface,
 )
-from telex_control.local_node_handle import LocalNodeHandle
+from telex_control.manager.controller_manager import ControllerManager
+from telex_control.ros.local_node_handle import LocalNodeHandle
 
 # The tests of this package import the modules that they share from this directory.
 sys.path.insert(0, str(Path(__file__).resolve().parent))

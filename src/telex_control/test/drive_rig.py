@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from geometry_msgs.msg import Twist
 
-from telex_control.controller_manager import ControllerManager
+from telex_control.manager.controller_manager import ControllerManager
 
 
 class DriveRig:

@@ -7,11 +7,11 @@ from types import SimpleNamespace
 
 import pytest
 
-from telex_control.braking import BrakingConfig, BrakingLimit
-from telex_control.hardware_interface import JointStateHandle
+from telex_control.base.braking import BrakingConfig, BrakingLimit
+from telex_control.common.params import ConfigError, read_config
+from telex_control.hardware.hardware_interface import JointStateHandle
 from telex_control.kinematics import KinematicsError
-from telex_control.params import ConfigError, read_config
-from telex_control.urdf_joints import parse_urdf
+from telex_control.urdf.joints import parse_urdf
 
 G = 9.81
 HULL, ARM, REACH = 80.0, 10.0, 1.0  # kg, kg, m

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 
-from telex_control.calm_log import BURST, LONGEST, CalmLog
+from telex_control.common.calm_log import BURST, LONGEST, CalmLog
 
 
 def record(text, *arguments, level=logging.WARNING, line=7):

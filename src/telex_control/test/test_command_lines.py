@@ -8,8 +8,8 @@ import pytest
 from controller_manager_msgs.msg import ControllerState, HardwareInterfaceResources
 
 from telex_control.command_lines import controller_group, controller_manager, spawner, unspawner
-from telex_control.controller_manager_client import STRICT
-from telex_control.params import ConfigError
+from telex_control.common.params import ConfigError
+from telex_control.manager.client import STRICT
 
 
 class FakeManager:

@@ -6,12 +6,12 @@ import time
 
 import pytest
 
-from telex_control.controller import Controller
-from telex_control.hardware_interface import (
+from telex_control.hardware.hardware_interface import (
     EffortJointInterface,
     SwitchState,
     VelocityJointInterface,
 )
+from telex_control.manager.controller import Controller
 
 
 class Recorder(Controller):
@@ -82,7 +82,7 @@ def recorders(bench):
             "untyped": {"joint": "elbow"},
             "unknown_type": {"type": "effort_controllers/NoSuchController"},
             "unknown_path": {"type": "telex_control.no_such_module.Controller"},
-            "no_controller": {"type": "telex_control.pid.Pid"},
+            "no_controller": {"type": "telex_control.laws.pid.Pid"},
             "bad_constructor": {"type": f"{__name__}.BadConstructor"},
             "two": {
                 "type": RECORDER,
@@ -494,7 +494,7 @@ def test_users_types_are_listed_once_they_are_known(recorders):
 
 def test_a_changed_module_is_imported_anew(bench, tmp_path, monkeypatch):
     source = (
-        "from telex_control.controller import Controller\n"
+        "from telex_control.manager.controller import Controller\n"
         "class MyController(Controller):\n"
         "    version = {}\n"
         "    def init(self, hw, root, node): pass\n"

@@ -5,7 +5,7 @@ import math
 import pytest
 from std_msgs.msg import Float64, Float64MultiArray
 
-from telex_control.hardware_interface import (
+from telex_control.hardware.hardware_interface import (
     EffortJointInterface,
     PositionJointInterface,
     VelocityJointInterface,

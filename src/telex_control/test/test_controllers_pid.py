@@ -6,13 +6,13 @@ import pytest
 from control_msgs.msg import JointControllerState, PidState
 from std_msgs.msg import Float64, Float64MultiArray
 
-from telex_control.hardware_interface import EffortJointInterface, VelocityJointInterface
-from telex_control.joint_limits import JointLimits
-from telex_control.joint_limits_interface import EffortJointSaturationHandle
-from telex_control.local_node_handle import LocalNodeHandle
-from telex_control.params import ConfigError
-from telex_control.pid import PidGains
-from telex_control.pid_reconfigure import PARAMETERS, PidSet
+from telex_control.common.params import ConfigError
+from telex_control.hardware.hardware_interface import EffortJointInterface, VelocityJointInterface
+from telex_control.hardware.joint_limits import JointLimits
+from telex_control.hardware.joint_limits_interface import EffortJointSaturationHandle
+from telex_control.laws.pid import PidGains
+from telex_control.laws.pid_reconfigure import PARAMETERS, PidSet
+from telex_control.ros.local_node_handle import LocalNodeHandle
 
 PID = {"p": 10.0, "i": 0.0, "d": 0.0}
 

@@ -6,9 +6,9 @@ import textwrap
 import pytest
 from std_msgs.msg import Float64
 
-from telex_control.controller import Controller, ControllerInitError
 from telex_control.controllers import controller_class, type_names
-from telex_control.hardware_interface import EffortJointInterface
+from telex_control.hardware.hardware_interface import EffortJointInterface
+from telex_control.manager.controller import Controller, ControllerInitError
 
 MODULE = '''
 from std_msgs.msg import Float64

@@ -4,7 +4,7 @@ import pytest
 from geometry_msgs.msg import WrenchStamped
 from sensor_msgs.msg import Imu, JointState
 
-from telex_control.hardware_interface import (
+from telex_control.hardware.hardware_interface import (
     ForceTorqueSensorHandle,
     ForceTorqueSensorInterface,
     ImuSensorHandle,

@@ -12,12 +12,12 @@ from control_msgs.msg import (
 from control_msgs.srv import QueryTrajectoryStateRequest
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from telex_control.hardware_interface import (
+from telex_control.hardware.hardware_interface import (
     EffortJointInterface,
     PositionJointInterface,
     VelocityJointInterface,
 )
-from telex_control.node_handle import ServiceError
+from telex_control.ros.node_handle import ServiceError
 from telex_control.trajectory import spline
 
 NAMES = ("elbow", "slide", "wheel")

@@ -10,15 +10,15 @@ from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
 from tf2_msgs.msg import TFMessage
 
-from telex_control.hardware_interface import (
+from telex_control.hardware.hardware_interface import (
     JointHandle,
     JointStateHandle,
     JointStateInterface,
     RobotHW,
     VelocityJointInterface,
 )
-from telex_control.urdf_joints import parse_urdf
-from telex_control.wheel_geometry import wheel_separation
+from telex_control.urdf.joints import parse_urdf
+from telex_control.urdf.wheel_geometry import wheel_separation
 
 WHEELS = ("front_left", "front_right", "rear_left", "rear_right")
 

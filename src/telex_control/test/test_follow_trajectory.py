@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import math
 import struct
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from telex_msgs.msg import Proximity, ProximityPair, SimStatus
 
 from telex_control.follow_trajectory import TrajectoryError, command_line, report, table
-from telex_control.follow_trajectory.analysis import Recording, Result, analyse
+from telex_control.follow_trajectory.analysis import Recording, Result, analyse, overdue
 from telex_control.follow_trajectory.command_line import parse, tool_path
 from telex_control.follow_trajectory.follower import approach, follow
 from telex_control.follow_trajectory.paths import (
@@ -292,6 +293,30 @@ def test_figures_are_those_of_the_distance_at_each_time():
     assert figures.rms == pytest.approx(math.sqrt(5e-6 + 16e-6 / 501), rel=1e-6)
     assert figures.delay == pytest.approx(0.02)
     assert (figures.length, figures.duration) == pytest.approx((0.5, 10.0))
+
+
+def test_a_reference_is_overdue_from_when_it_was_due_until_it_is_held():
+    due = [0.00, 0.01, 0.02, 0.03, 0.04, 0.05]
+    sent = [0.1, 0.2, 0.3, 0.4, 0.4, 0.4]
+    looks = [
+        (-0.01, 0.0),  # before the begin
+        (0.002, 0.0),
+        (0.006, 0.1),  # nothing before it, so nothing is known of motion
+        (0.020, 0.2),  # the next is due in this very cycle
+        (0.028, 0.2),
+        (0.038, 0.2),  # since 0.02
+        (0.040, 0.4),
+        (0.060, 0.4),  # it rests
+    ]
+    assert overdue(due, sent, looks) == pytest.approx([0.0, 0.008, 0.018, 0.0])
+    assert overdue([], [], looks) == []
+
+
+def test_how_late_references_were_is_told_where_it_is_known():
+    assert result().figures.overdue is None
+    late = replace(result(), overdue=np.array([0.0] * 98 + [0.02, 0.06]))
+    assert late.figures.overdue == pytest.approx((0.0, 0.0204, 0.06))
+    assert json.loads(table.as_json([late]))[0]["overdue"][2] == pytest.approx(0.06)
 
 
 def test_too_little_recorded_is_refused(chain):

@@ -4,13 +4,13 @@ import math
 
 import pytest
 
-from telex_control.gravity import GRAVITY, HOLD, GravityError, GravityModel, gravity_of
-from telex_control.hardware_interface import (
+from telex_control.hardware.hardware_interface import (
     EffortJointInterface,
     ImuSensorHandle,
     ImuSensorInterface,
     JointStateHandle,
 )
+from telex_control.laws.gravity import GRAVITY, HOLD, GravityError, GravityModel, gravity_of
 
 
 def body(mass, x):

@@ -5,9 +5,9 @@ import math
 import pytest
 from control_msgs.msg import GripperCommandGoal
 
-from telex_control.controller_manager import ControllerManager
+from telex_control.common.params import ConfigError
 from telex_control.controllers.parallel_gripper_controller import FingerGeometry
-from telex_control.hardware_interface import (
+from telex_control.hardware.hardware_interface import (
     EffortJointInterface,
     JointHandle,
     JointStateHandle,
@@ -15,8 +15,8 @@ from telex_control.hardware_interface import (
     PositionJointInterface,
     RobotHW,
 )
-from telex_control.local_node_handle import LocalGoal
-from telex_control.params import ConfigError
+from telex_control.manager.controller_manager import ControllerManager
+from telex_control.ros.local_node_handle import LocalGoal
 
 
 def send(tested, position, max_effort=0.0):

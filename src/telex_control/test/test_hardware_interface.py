@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from telex_control.hardware_interface import (
+from telex_control.hardware.hardware_interface import (
     ActuatorHandle,
     ActuatorStateHandle,
     ActuatorStateInterface,

@@ -9,6 +9,7 @@ import time
 import numpy as np
 import pytest
 
+from telex_control.common.params import ConfigError, read_config
 from telex_control.kinematics import (
     FREE,
     Chain,
@@ -21,7 +22,6 @@ from telex_control.kinematics import (
     Tolerance,
     make_pose,
 )
-from telex_control.params import ConfigError, read_config
 
 
 def joint(index, kind, xyz, axis, lower, upper):

@@ -6,9 +6,14 @@ import math
 
 import pytest
 
-from telex_control.joint_limits import JointLimits, JointLimitsError, SoftJointLimits, joint_limits
-from telex_control.params import ConfigError
-from telex_control.urdf_joints import SoftLimits, UrdfJoint
+from telex_control.common.params import ConfigError
+from telex_control.hardware.joint_limits import (
+    JointLimits,
+    JointLimitsError,
+    SoftJointLimits,
+    joint_limits,
+)
+from telex_control.urdf.joints import SoftLimits, UrdfJoint
 
 
 def described(kind="revolute", **changes):

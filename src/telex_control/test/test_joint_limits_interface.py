@@ -7,7 +7,7 @@ import math
 
 import pytest
 
-from telex_control.hardware_interface import (
+from telex_control.hardware.hardware_interface import (
     EffortJointInterface,
     HardwareInterfaceError,
     JointHandle,
@@ -15,8 +15,13 @@ from telex_control.hardware_interface import (
     PositionJointInterface,
     VelocityJointInterface,
 )
-from telex_control.joint_limits import JointLimits, JointLimitsError, SoftJointLimits, clamp
-from telex_control.joint_limits_interface import (
+from telex_control.hardware.joint_limits import (
+    JointLimits,
+    JointLimitsError,
+    SoftJointLimits,
+    clamp,
+)
+from telex_control.hardware.joint_limits_interface import (
     EffortJointSaturationHandle,
     EffortJointSoftLimitsHandle,
     JointLimitsInterface,

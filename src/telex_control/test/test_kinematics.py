@@ -16,7 +16,7 @@ from telex_control.kinematics import (
     dh_chain,
     kdl_tree,
 )
-from telex_control.urdf_joints import UrdfError
+from telex_control.urdf.joints import UrdfError
 
 LIMIT = '<limit lower="-3" upper="3" velocity="1" effort="1"/>'
 

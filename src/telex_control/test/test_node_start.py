@@ -10,9 +10,10 @@ import sys
 import pytest
 import rospy
 
-from telex_control import interpreter, node_start
-from telex_control.node_start import until_shutdown
-from telex_control.private_master import PrivateMaster
+from telex_control.common import interpreter
+from telex_control.ros import node_start
+from telex_control.ros.node_start import until_shutdown
+from telex_control.ros.private_master import PrivateMaster
 
 # Is told to end while it talks to the master: rospy's lock of that connection is taken.
 NODE = """

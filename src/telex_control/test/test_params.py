@@ -5,8 +5,7 @@ from typing import Dict, Optional, Tuple
 
 import pytest
 
-from telex_control.local_node_handle import LocalNodeHandle
-from telex_control.params import (
+from telex_control.common.params import (
     ConfigError,
     read_config,
     read_struct,
@@ -17,6 +16,7 @@ from telex_control.params import (
     require_text,
     required,
 )
+from telex_control.ros.local_node_handle import LocalNodeHandle
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from telex_control.periodic import Periodic
+from telex_control.common.periodic import Periodic
 
 
 @pytest.mark.parametrize("rate", [1.0, 50.0, 60.0, 250.0, 499.0, 500.0])

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from telex_control.pid import Pid, PidGains
+from telex_control.laws.pid import Pid, PidGains
 
 
 def test_proportional_integral_and_derivative_terms():

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from telex_control.plausible import effort_problem, position_problem, speed_problem
+from telex_control.common.plausible import effort_problem, position_problem, speed_problem
 
 HUGE = (1e308, -1e308, 1e39, 1e17, -1e5, math.inf, math.nan)
 

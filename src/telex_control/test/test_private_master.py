@@ -6,17 +6,20 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
+from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
 import rosgraph
 
-from telex_control import private_master
-from telex_control.private_master import (
+from telex_control.ros import private_master
+from telex_control.ros.private_master import (
     PrivateMaster,
     PrivateMasterError,
     descendants,
     end_tree,
+    free_port,
 )
 
 # Starts a child in a session of its own, as roslaunch does, says its id, and waits.
@@ -82,9 +85,39 @@ def test_master_that_does_not_come_up_says_why(monkeypatch, tmp_path):
         pass
 
 
+def test_another_server_is_not_taken_for_the_master(monkeypatch, tmp_path):
+    program = tmp_path / "roscore"
+    program.write_text("#!/bin/sh\nexec sleep 60\n")
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
+    asked = threading.Event()
+    with SimpleXMLRPCServer(("127.0.0.1", 0), logRequests=False) as server:
+        server.register_function(lambda *_: (1, "", "http://127.0.0.1:1/"), "lookupNode")
+        server.register_function(lambda *_: (asked.set(), (1, "", os.getpid()))[1], "getPid")
+        monkeypatch.setattr(private_master, "free_port", lambda: server.server_address[1])
+        monkeypatch.setattr(private_master, "START_TIMEOUT", 3.0)
+        serving = threading.Thread(target=server.serve_forever)
+        serving.start()
+        try:
+            with pytest.raises(PrivateMasterError, match="no ROS master at"), PrivateMaster():
+                pass
+        finally:
+            server.shutdown()
+            serving.join()
+    assert asked.is_set()
+
+
+def test_a_free_port_is_none_that_a_connection_may_be_given():
+    with open("/proc/sys/net/ipv4/ip_local_port_range") as file:
+        below = int(file.read().split()[0])
+    ports = {free_port() for _ in range(5)}
+    assert len(ports) > 1
+    assert max(ports) < below or below <= private_master._LEAST_PORT
+
+
 STARTER = """
 import sys, time
-from telex_control.private_master import PrivateMaster
+from telex_control.ros.private_master import PrivateMaster
 with PrivateMaster() as master:
     print(master.uri, flush=True)
     time.sleep(60)

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from telex_control.reference_filter import ReferenceFilter
+from telex_control.laws.reference_filter import ReferenceFilter
 
 
 def test_it_goes_to_the_set_point_without_overshoot():

@@ -6,8 +6,8 @@ import time
 import pytest
 import rospy
 
-from telex_control import ros_publisher
-from telex_control.ros_publisher import RosPublisher
+from telex_control.ros import publisher as ros_publisher
+from telex_control.ros.publisher import RosPublisher
 
 
 class FakePublisher:

@@ -7,7 +7,7 @@ import stat
 
 import pytest
 
-from telex_control.run_memory import RunMemory
+from telex_control.ros.run_memory import RunMemory
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ pytestmark = pytest.mark.real_time
 
 START = """
 import ctypes, os, struct, sys, threading, time
-from telex_control import scheduling
+from telex_control.common import scheduling
 
 ended = threading.Event()
 def thread():
@@ -119,7 +119,7 @@ print(why_not)
 STEP_BACK = """
 import os
 from pathlib import Path
-from telex_control.scheduling import step_back
+from telex_control.common.scheduling import step_back
 
 expected = min(os.nice(0) + 7, 19)
 step_back(7)

@@ -10,7 +10,8 @@ import pytest
 import rospy
 
 from telex_control.command_lines.spawner import Spawner, SpawnerError, parse, read_file
-from telex_control.controller_joints import controller_joints
+from telex_control.common.yaml_files import load_yaml
+from telex_control.manager.controller_joints import controller_joints
 
 PARAMETERS = {
     "arm/states": {"type": "joint_state_controller/JointStateController"},
@@ -328,11 +329,24 @@ def test_angles_in_degrees_are_read_as_roslaunch_does(tmp_path):
     )
 
 
-@pytest.mark.parametrize("bad", ["!degrees x", "!radians x", "!metres 1", "["])
+@pytest.mark.parametrize(
+    "bad", ["!degrees x", "!radians x", "!metres 1", "[", "[" * 4000, "&a [*a]"]
+)
 def test_a_file_that_cannot_be_read_is_named(tmp_path, bad):
     file = tmp_path / "arm.yaml"
     file.write_text(f"arm: {{type: a/B, rest: {bad}}}")
     with pytest.raises(SpawnerError, match=f"^{file}: "):
+        read_file(str(file))
+
+
+def test_a_file_with_an_anchor_may_be_large_but_holds_nothing_of_itself(tmp_path):
+    file = tmp_path / "arm.yaml"
+    levels = "".join(f"l{n}: &l{n} [*l{n - 1}, *l{n - 1}]\n" for n in range(1, 60))
+    file.write_text("l0: &l0 [1]\n" + levels)
+    with file.open() as text:
+        assert load_yaml(text)["l1"] == [[1], [1]]
+    file.write_text("top: &top\n  type: a/B\n  more: [{gains: *top}]\n")
+    with pytest.raises(SpawnerError, match=f"^{file}: 'gains' is an alias .* cannot hold itself"):
         read_file(str(file))
 
 

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from telex_control.speed_limiter import Range, SpeedLimiter
+from telex_control.laws.speed_limiter import Range, SpeedLimiter
 
 
 def test_without_limits_nothing_changes():

@@ -13,12 +13,12 @@ import pytest
 import rospkg
 import yaml
 
-from telex_control.params import ConfigError
+from telex_control.common.params import ConfigError
 from telex_control.step_response import command_line, report, table
 from telex_control.step_response.analysis import Recording, RecordingError, analyse
 from telex_control.step_response.plan import CURRENT, Plan
 from telex_control.step_response.runner import Runner, StepError, fitted_step
-from telex_control.urdf_joints import UrdfJoint
+from telex_control.urdf.joints import UrdfJoint
 
 CONFIG = Path(rospkg.RosPack().get_path("telex_control")) / "config"
 

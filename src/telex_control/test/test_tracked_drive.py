@@ -12,7 +12,7 @@ from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
 from tf2_msgs.msg import TFMessage
 
-from telex_control.hardware_interface import (
+from telex_control.hardware.hardware_interface import (
     ImuSensorHandle,
     ImuSensorInterface,
     JointHandle,

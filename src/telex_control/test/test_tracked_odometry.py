@@ -8,12 +8,12 @@ import random
 import numpy as np
 import pytest
 
-from telex_control.base_imu import BaseImu, BaseImuConfig, sensor_mount
-from telex_control.hardware_interface import ImuSensorHandle
+from telex_control.base.imu import BaseImu, BaseImuConfig, sensor_mount
+from telex_control.base.tracked_odometry import OdometryErrors, TrackedOdometry
+from telex_control.common.params import ConfigError, read_config
+from telex_control.hardware.hardware_interface import ImuSensorHandle
 from telex_control.kinematics.urdf_tree import KinematicsError
-from telex_control.params import ConfigError, read_config
-from telex_control.tracked_odometry import OdometryErrors, TrackedOdometry
-from telex_control.urdf_joints import parse_urdf
+from telex_control.urdf.joints import parse_urdf
 
 PERIOD = 0.01
 LEVEL = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))

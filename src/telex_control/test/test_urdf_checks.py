@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from telex_control.urdf import UrdfError, by_name, root_links
-from telex_control.urdf_checks import check_bodies
-from telex_control.urdf_joints import parse_urdf
+from telex_control.urdf.checks import check_bodies
+from telex_control.urdf.elements import UrdfError, by_name, root_links
+from telex_control.urdf.joints import parse_urdf
 
 MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 BOX = '<box size="1 -1 1"/>'

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from telex_control.urdf_joints import UrdfError, joints, parse_urdf
+from telex_control.urdf.joints import UrdfError, joints, parse_urdf
 
 
 def robot(body):

@@ -350,7 +350,7 @@ def test_camera_table_is_complete_and_sound(robot: URDF) -> None:
     table = read_yaml("cameras.yaml")["cameras"]
     assert sorted(table) == sorted(CAMERAS)
     for name, camera in table.items():
-        assert set(camera) - {"priority", "zoom_max"} == {
+        assert set(camera) - {"zoom_max"} == {
             "frame",
             "width",
             "height",
@@ -365,7 +365,6 @@ def test_camera_table_is_complete_and_sound(robot: URDF) -> None:
             "noise",
         }
         assert ("zoom_max" in camera) is (name == "turret")
-        assert ("priority" in camera) is (name == "front")
         assert camera["frame"] == f"{name}_camera_optical_frame"
         assert camera["frame"] in robot.link_map
         assert 0 < camera["horizontal_fov"] < math.pi

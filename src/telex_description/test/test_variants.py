@@ -214,6 +214,8 @@ def test_other_figures_make_another_robot(tmp_path: Path) -> None:
         ("colour: blue", "unknown key 'colour'; there are robot, telescope, stroke,"),
         ("[tool, probe]", "keys with values are needed, e.g. tool: probe"),
         ("tool: [", "no YAML"),
+        ("tool: " + "[" * 4000, "no YAML: it is nested too deeply"),
+        ("cameras: &a [*a]", "cameras is"),
     ],
 )
 def test_bad_file_is_refused_with_file_key_and_value(

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from telex_control.params import ConfigError, read_config
+from telex_control.common.params import ConfigError, read_config
 from telex_sim.rendering import cameras_node
 from telex_sim.rendering.camera_parameters import as_yaml, changed
 from telex_sim.rendering.cameras_config import CamerasConfig
@@ -26,8 +26,7 @@ def test_shipped_cameras_are_accepted():
     for name, camera in config.cameras.items():
         assert camera.frame == f"{name}_camera_optical_frame"
         assert any(camera.distortion)
-    priorities = {name: camera.priority for name, camera in config.cameras.items()}
-    assert max(priorities, key=priorities.get) == "front"
+    assert {camera.priority for camera in config.cameras.values()} == {0}
     assert config.overview.follow == "base_link"
 
 
@@ -104,6 +103,8 @@ def test_bad_camera(changes, complaint):
         ({"tiny_detail": 0.0}, "tiny_detail is 0"),
         ({"max_pose_age": math.nan}, "max_pose_age is nan"),
         ({"shadow_period": -1.0}, "shadow_period is -1"),
+        ({"smallest": 0.0}, "smallest is 0"),
+        ({"smallest": 1.5}, "smallest is 1.5"),
         ({"seed": -1}, "seed is -1"),
         ({"cameras": {"overview": FRONT}}, "'overview', which is the instructor's camera"),
         ({"overview": {"width": 640}}, "/telex/cameras/overview/"),
@@ -249,8 +250,8 @@ def test_bad_name_of_a_lamp():
 @pytest.mark.parametrize(
     ("simulator", "granted", "niceness"),
     [
-        ({}, True, 5),
-        ({"paused": True, "timing": {"realtime_priority": 3}}, True, 5),
+        ({}, True, 0),
+        ({"paused": True, "timing": {"realtime_priority": 3}}, True, 0),
         ({}, False, 10),
         ({"timing": {"realtime_priority": 0}}, True, 10),
         ({"timing": {"real_time_factor": 2.0}}, True, 10),
@@ -258,7 +259,7 @@ def test_bad_name_of_a_lamp():
         ({"gui": "perhaps"}, True, 10),
     ],
 )
-def test_cameras_step_back_more_where_the_simulator_does_not_come_first(
+def test_cameras_step_back_where_the_simulator_does_not_come_first(
     monkeypatch, simulator, granted, niceness
 ):
     monkeypatch.setattr(cameras_node.rospy, "resolve_name", lambda name: f"/telex/{name}")

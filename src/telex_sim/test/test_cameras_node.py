@@ -17,7 +17,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from telex_control.private_master import PrivateMaster, end_tree
+from telex_control.ros.private_master import PrivateMaster, end_tree
+from telex_control.ros.publisher_updates import miss_no_publisher
 
 NODE = Path(__file__).parents[1] / "nodes" / "cameras"
 SIZE = (160, 120)
@@ -503,6 +504,7 @@ def drill():
     from sensor_msgs.msg import CameraInfo, CompressedImage, Image
     from std_msgs.msg import Float64
 
+    miss_no_publisher()
     rospy.init_node("drill")
     seen = {"topics_before": camera_topics()}
     simulator = Simulator()
@@ -688,6 +690,7 @@ def look():
     import rospy
     from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
+    miss_no_publisher()
     rospy.init_node("look")
     Simulator().describe(RED)
     kinds = {"image_raw/compressed": CompressedImage, "camera_info": CameraInfo, "depth": Image}
@@ -698,6 +701,8 @@ def look():
 
 class CountingRenderer:
     """Counts pictures by the direction in which the camera looks."""
+
+    repeats = False
 
     def __init__(self):
         self.counts = {"ahead": 0, "back": 0}
@@ -731,10 +736,12 @@ def count():
     import rospy
     from sensor_msgs.msg import CameraInfo, CompressedImage
 
-    from telex_control.params import read_config
+    from telex_control.common.params import read_config
+    from telex_control.ros.node_start import until_shutdown
     from telex_sim.rendering.cameras_config import CamerasConfig
     from telex_sim.rendering.cameras_node import CamerasNode
 
+    miss_no_publisher()
     rospy.init_node("count")
     renderer = CountingRenderer()
     node = CamerasNode(read_config(CamerasConfig, PARAMS, "count"), lambda config: renderer)
@@ -789,7 +796,8 @@ def count():
 
     watcher = threading.Thread(target=watch)
     watcher.start()
-    node.run()
+    with until_shutdown():  # a picture may be under way
+        node.run()
     watcher.join()
     print(json.dumps(counted))
 

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pybullet
 import pytest
 
-from telex_sim.contacts import contacts, directed_contacts
+from telex_sim.engine.contacts import contacts, directed_contacts
 
 WEIGHT, PUSH = 20.0, 6.0  # N
 

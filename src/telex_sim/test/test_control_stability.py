@@ -10,8 +10,8 @@ import pybullet
 import pytest
 import yaml
 
-from telex_control.urdf_joints import joints, parse_urdf
-from telex_sim.offline import OfflineSimulation, package_file
+from telex_control.urdf.joints import joints, parse_urdf
+from telex_sim.offline.simulation import OfflineSimulation, package_file
 
 ARM = (
     "turret_joint",

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from telex_control.run_memory import RunMemory
-from telex_sim.crash_recovery import CrashRecovery
+from telex_control.ros.run_memory import RunMemory
+from telex_sim.ros.crash_recovery import CrashRecovery
 
 
 @pytest.fixture
@@ -65,3 +65,18 @@ def test_what_makes_no_sense_is_not_restored(robot, memory):
     recovery = CrashRecovery(memory())
     recovery.restore(simulation)
     assert (recovery.happened, simulation.steps) == (False, 0)
+
+
+def test_a_change_is_noted_at_once_and_the_time_twice_a_second(robot, memory):
+    simulation = robot().simulation
+    recovery = CrashRecovery(memory())
+
+    def noted(steps):
+        simulation.steps = steps
+        recovery.note(simulation, resets=0)
+        return memory().recall()["steps"]
+
+    assert [noted(steps) for steps in (5, 10, 254, 255, 260)] == [5, 5, 5, 255, 255]
+    simulation.request_e_stop(True)
+    assert noted(265) == 265
+    assert memory().recall()["e_stop"] is True

@@ -9,9 +9,9 @@ import pytest
 from drive_on_bench import STEP, DriveOnBench
 from std_msgs.msg import Float64
 
-from telex_control.hardware_interface import ControllerInfo
-from telex_control.urdf_joints import joints, parse_urdf
-from telex_sim.offline import OfflineSimulation
+from telex_control.hardware.hardware_interface import ControllerInfo
+from telex_control.urdf.joints import joints, parse_urdf
+from telex_sim.offline.simulation import OfflineSimulation
 
 INERTIA = 0.5  # kg m2; kg of the sliding joint
 EFFORT = 10.0

@@ -10,8 +10,8 @@ import pybullet
 import pytest
 from std_msgs.msg import Float64
 
-from telex_control.urdf_joints import joints, parse_urdf
-from telex_sim.offline import OfflineSimulation, shipped_config
+from telex_control.urdf.joints import joints, parse_urdf
+from telex_sim.offline.simulation import OfflineSimulation, shipped_config
 
 STEP = 0.002
 RATE = 1.0

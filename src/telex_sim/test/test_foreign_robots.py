@@ -13,14 +13,14 @@ import rospkg
 from geometry_msgs.msg import Twist
 from std_msgs.msg import Float64, Float64MultiArray
 
-from telex_control.hardware_interface import EffortJointInterface
-from telex_control.local_node_handle import LocalNodeHandle
-from telex_control.params import ConfigError, read_config
-from telex_control.urdf_joints import MOVABLE, UrdfError, joints, parse_urdf
-from telex_sim.config import RobotConfig, SimulatorConfig
+from telex_control.common.params import ConfigError, read_config
+from telex_control.hardware.hardware_interface import EffortJointInterface
+from telex_control.ros.local_node_handle import LocalNodeHandle
+from telex_control.urdf.joints import MOVABLE, UrdfError, joints, parse_urdf
+from telex_sim.engine.config import RobotConfig, SimulatorConfig
+from telex_sim.engine.simulation import Simulation
 from telex_sim.rendering.addresses import resolve_address
-from telex_sim.robot_model import robot_model
-from telex_sim.simulation import Simulation
+from telex_sim.robot.model import robot_model
 
 DATA = Path(pybullet_data.getDataPath())
 TRANSMISSION = """

@@ -8,10 +8,10 @@ import pybullet
 import pytest
 from std_msgs.msg import Float64
 
+from telex_control.common.params import ConfigError, read_config
 from telex_control.controllers.parallel_gripper_controller import FingerGeometry
-from telex_control.params import ConfigError, read_config
-from telex_sim.gripper_contact import GripperContacts
-from telex_sim.gripper_contact_config import GripperContactConfig
+from telex_sim.robot.gripper_contact import GripperContacts
+from telex_sim.robot.gripper_contact_config import GripperContactConfig
 
 PADS = ["left_tip", "right_tip"]
 

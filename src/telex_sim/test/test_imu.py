@@ -10,15 +10,15 @@ import pybullet
 import pytest
 from sensor_msgs.msg import Imu as ImuMessage
 
-from telex_control.hardware_interface import ImuSensorInterface
-from telex_control.local_node_handle import LocalNodeHandle
-from telex_control.params import ConfigError, read_config
-from telex_control.urdf_joints import parse_urdf
-from telex_sim.config import HardwareConfig
-from telex_sim.imu import Imu
-from telex_sim.imu_noise import ImuNoise
-from telex_sim.robot_hw_sim import RobotHWSim
-from telex_sim.world import GRAVITY, World
+from telex_control.common.params import ConfigError, read_config
+from telex_control.hardware.hardware_interface import ImuSensorInterface
+from telex_control.ros.local_node_handle import LocalNodeHandle
+from telex_control.urdf.joints import parse_urdf
+from telex_sim.engine.config import HardwareConfig
+from telex_sim.engine.world import GRAVITY, World
+from telex_sim.robot.imu import Imu
+from telex_sim.robot.imu_noise import ImuNoise
+from telex_sim.robot.robot_hw_sim import RobotHWSim
 
 STEP = 0.002
 ARM = """

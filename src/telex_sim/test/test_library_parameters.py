@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from telex_control.params import ConfigError
-from telex_sim.offline import package_file
+from telex_control.common.params import ConfigError
+from telex_sim.offline.simulation import package_file
 from telex_sim.scene.library import object_types
 from telex_sim.scene.library.mesh_shapes import shape_files
 from telex_sim.scene.mass_properties import rotation_matrix
@@ -172,7 +172,7 @@ def test_a_cube_weighs_as_hardwood_unless_it_is_said():
 
 @pytest.mark.parametrize("kind", OWN)
 def test_the_catalogue_names_every_type_with_its_parameters(kind):
-    catalogue = package_file("telex_sim").parent.parent / "docs" / "scene_objects.md"
+    catalogue = package_file("telex_sim").parent.parent / "docs" / "instructor" / "scene_objects.md"
     rows = [line.split(" | ") for line in catalogue.read_text().splitlines()]
     (listed,) = [row[2] for row in rows if row[0] == f"| `{kind}`"]
     fields = {field.name: field.default for field in dataclasses.fields(object_types()[kind])}

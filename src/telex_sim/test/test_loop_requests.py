@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 
-from telex_sim.loop_requests import LoopRequests
+from telex_sim.engine.loop_requests import LoopRequests
 
 
 def test_the_loop_makes_up_for_each_part_before_the_next():

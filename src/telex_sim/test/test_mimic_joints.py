@@ -6,11 +6,11 @@ import pybullet
 import pytest
 from drive_on_bench import STEP, DriveOnBench
 
-from telex_control.hardware_interface import JointStateInterface
-from telex_control.params import ConfigError, read_config
-from telex_control.urdf_joints import UrdfError, joints, parse_urdf
-from telex_sim.config import RobotConfig
-from telex_sim.robot_body import RobotBody
+from telex_control.common.params import ConfigError, read_config
+from telex_control.hardware.hardware_interface import JointStateInterface
+from telex_control.urdf.joints import UrdfError, joints, parse_urdf
+from telex_sim.engine.config import RobotConfig
+from telex_sim.robot.body import RobotBody
 from telex_sim.scene.model import Start
 
 LINK = """<link name="{0}"><inertial><origin xyz="0.05 0 0"/><mass value="0.1"/>

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from telex_control.follow_trajectory import TrajectoryError
 from telex_control.follow_trajectory.paths import Shape
-from telex_sim.offline_arm import OfflineArm, plan_circle
+from telex_sim.offline.arm import OfflineArm, plan_circle
 
 JOINTS = ("turret_joint", "shoulder_joint")
 STEP = 0.002
@@ -46,6 +47,13 @@ def test_it_streams_references_and_records_each_cycle(robot, rate):
     filters = OfflineArm(simulation.simulation, simulation.node, JOINTS).lag()
     assert 0.0 < filters < 0.2
     assert arm.lag() - filters == pytest.approx(0.5 * (period - STEP))
+
+
+def test_a_reference_that_the_controller_does_not_hold_ends_the_stream(robot):
+    simulation = robot(start__pose="look_front")
+    arm = OfflineArm(simulation.simulation, simulation.node, JOINTS)
+    with pytest.raises(TrajectoryError, match="shoulder_joint was sent to 50.0 at 0.004 s"):
+        arm.stream(lambda time: {"shoulder_joint": 50.0 if time > 0.003 else 0.0}, 1.0)
 
 
 def test_a_way_begins_where_the_pose_can_reach_and_keeps_its_orientation():

@@ -10,13 +10,13 @@ import pybullet
 import pytest
 from std_msgs.msg import Float64
 
-from telex_control.params import ConfigError, read_config
-from telex_control.urdf_joints import joints, parse_urdf
-from telex_sim.offline import shipped_config
-from telex_sim.proximity import ProximityGuard
-from telex_sim.proximity_config import ProximityConfig
-from telex_sim.self_collision import SelfCollisionConfig
-from telex_sim.world import World
+from telex_control.common.params import ConfigError, read_config
+from telex_control.urdf.joints import joints, parse_urdf
+from telex_sim.engine.world import World
+from telex_sim.offline.simulation import shipped_config
+from telex_sim.proximity.config import ProximityConfig
+from telex_sim.proximity.guard import ProximityGuard
+from telex_sim.robot.self_collision import SelfCollisionConfig
 
 ARM = """
 <robot name="arm">

@@ -144,9 +144,8 @@ def test_batches_give_the_same_picture_as_single_visuals(still, monkeypatch):
 
 def test_what_stays_is_kept_when_the_scene_changes(still, monkeypatch):
     merged, generated = [], []
-    monkeypatch.setattr(
-        gpu_scene, "merge", lambda parts: merged.append(len(parts)) or batching.merge(parts)
-    )
+    merge = batching.merge
+    monkeypatch.setattr(batching, "merge", lambda parts: merged.append(len(parts)) or merge(parts))
     original = gpu_scene.generate_texture
     monkeypatch.setattr(
         gpu_scene, "generate_texture", lambda name: generated.append(name) or original(name)

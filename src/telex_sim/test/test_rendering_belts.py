@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from telex_control.urdf import UrdfError
+from telex_control.urdf.elements import UrdfError
 from telex_sim.rendering.batching import VERTEX
-from telex_sim.rendering.belts import belt_outline, carried, moved, subdivided, wheel_radius
+from telex_sim.rendering.belts import Riders, belt_outline, carried, subdivided, wheel_radius
 from telex_sim.rendering.camera import PinholeCamera
 from telex_sim.rendering.lighting import Lighting
 from telex_sim.rendering.quality import TIERS
@@ -68,26 +68,26 @@ class TestOutline:
     def test_without_travel_everything_stays_where_it_is(self):
         points = positions(-0.01)
         outline = belt_outline(positions())
-        there, _ = moved(outline, carried(outline, points), points, None, 0.0)
+        there, _ = Riders(outline, carried(outline, points), points).at(0.0)
         assert there == pytest.approx(points, abs=1e-6)
 
     def test_the_top_runs_forwards_and_over_the_tip_downwards(self):
         outline = belt_outline(positions())
         point = np.array([[0.1, 0.0, RADIUS]])
         up = np.array([[0.0, 0.0, 1.0]])
-        place = carried(outline, point)
-        there, normal = moved(outline, place, point, up, 0.2)
+        riders = Riders(outline, carried(outline, point), point, up)
+        there, normal = riders.at(0.2)
         assert there[0] == pytest.approx((0.3, 0.0, RADIUS), abs=2e-3)
         assert normal[0] == pytest.approx((0.0, 0.0, 1.0), abs=0.02)
         # On by half of the wheel.
-        there, normal = moved(outline, place, point, up, 0.3 + math.pi * RADIUS)
+        there, normal = riders.at(0.3 + math.pi * RADIUS)
         assert there[0] == pytest.approx((LENGTH, 0.0, -RADIUS), abs=4e-3)
         assert normal[0] == pytest.approx((0.0, 0.0, -1.0), abs=0.1)
 
     def test_once_around_it_is_where_it_was(self):
         outline = belt_outline(positions())
         points = positions()
-        there, _ = moved(outline, carried(outline, points), points, None, -outline.length)
+        there, _ = Riders(outline, carried(outline, points), points).at(-outline.length)
         assert there == pytest.approx(points, abs=1e-5)
 
     def test_a_sheet_is_no_belt(self):

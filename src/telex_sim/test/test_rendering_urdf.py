@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from telex_control.urdf import UrdfError
+from telex_control.urdf.elements import UrdfError
 from telex_sim.rendering.scene import Shape
 from telex_sim.rendering.urdf_visuals import DEFAULT_COLOR, urdf_visuals
 

@@ -8,7 +8,7 @@ import simplejpeg
 from rospy import Time
 from sensor_msgs.msg import CompressedImage
 
-from telex_sim.replay_images_node import unpacked
+from telex_sim.ros.replay_images_node import unpacked
 
 
 def test_a_picture_keeps_its_content_size_and_stamp():

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from telex_control.params import ConfigError
-from telex_sim import robot_meshes
-from telex_sim.robot_meshes import check_meshes
-from telex_sim.world import World
+from telex_control.common.params import ConfigError
+from telex_sim.engine.world import World
+from telex_sim.robot import meshes as robot_meshes
+from telex_sim.robot.meshes import check_meshes
 
 ROBOT = """<robot name="r"><link name="base">{}<visual><geometry><mesh filename="{}"/></geometry>
 </visual></link></robot>"""

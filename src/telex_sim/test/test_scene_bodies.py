@@ -8,7 +8,7 @@ import numpy as np
 import pybullet
 import pytest
 
-from telex_control.params import ConfigError
+from telex_control.common.params import ConfigError
 from telex_sim.scene import mass_properties
 from telex_sim.scene.convex_hull import MOST_VERTICES, FlatError, convex_hull
 from telex_sim.scene.model import (

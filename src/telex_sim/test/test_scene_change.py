@@ -10,8 +10,8 @@ import pybullet
 import pytest
 from geometry_msgs.msg import Twist
 
-from telex_control.local_node_handle import LocalNodeHandle
-from telex_sim.offline import shipped_config
+from telex_control.ros.local_node_handle import LocalNodeHandle
+from telex_sim.offline.simulation import shipped_config
 from telex_sim.scene.catalog import scenes
 from telex_sim.scene.scene_file import SceneError
 

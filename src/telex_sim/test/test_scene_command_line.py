@@ -11,7 +11,7 @@ from typing import Tuple
 
 import pytest
 
-from telex_control.params import required
+from telex_control.common.params import required
 from telex_sim.scene.command_line import main
 from telex_sim.scene.library import object_types
 from telex_sim.scene.library.object_type import ObjectType

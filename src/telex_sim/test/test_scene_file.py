@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 import pytest
 
-from telex_control.params import ConfigError
+from telex_control.common.params import ConfigError
 from telex_sim.scene.assets import Assets
 from telex_sim.scene.catalog import find_scene, scenes
 from telex_sim.scene.library import RESERVED, object_types
@@ -354,7 +354,7 @@ def test_types_keep_the_rules_of_the_library():
 
 
 def test_the_examples_of_the_documentation_are_right(folder):
-    text = (Path(__file__).parents[3] / "docs" / "scenes.md").read_text()
+    text = (Path(__file__).parents[3] / "docs" / "instructor" / "scenes.md").read_text()
     examples = re.findall(r"```yaml\n(.*?)```", text, re.DOTALL)
     assert len(examples) == 3
     (folder / "part.obj").write_text(TETRAHEDRON)

@@ -7,7 +7,7 @@ import math
 import pybullet
 import pytest
 
-from telex_control.params import ConfigError
+from telex_control.common.params import ConfigError
 from telex_sim.scene.latches import wake
 from telex_sim.scene.model import (
     Closer,

@@ -8,6 +8,7 @@ import pytest
 from genpy import Time
 from telex_msgs.msg import SceneVisual
 
+from telex_sim.ros.scene_messages import SceneMessages
 from telex_sim.scene.model import (
     Floor,
     Fog,
@@ -26,7 +27,6 @@ from telex_sim.scene.model import (
     Sun,
     Surface,
 )
-from telex_sim.scene_messages import SceneMessages
 
 HALF = math.sqrt(0.5)
 URDF = '<robot name="r"><link name="base_link"/></robot>'

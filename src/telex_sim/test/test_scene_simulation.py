@@ -9,7 +9,7 @@ import pybullet
 import pytest
 from geometry_msgs.msg import Twist
 
-from telex_control.params import ConfigError
+from telex_control.common.params import ConfigError
 from telex_sim.scene.scene_file import SceneError
 
 BLOCK = "{{type: custom, name: {name}, position: {at}, links: [{{name: body, mass: {mass},\

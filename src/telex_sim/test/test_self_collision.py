@@ -11,10 +11,10 @@ import pytest
 from geometry_msgs.msg import Twist
 from std_msgs.msg import Float64
 
-from telex_control.params import ConfigError, read_config
-from telex_control.urdf_joints import joints, parse_urdf
-from telex_sim.offline import OfflineSimulation, shipped_config
-from telex_sim.self_collision import SelfCollisionConfig
+from telex_control.common.params import ConfigError, read_config
+from telex_control.urdf.joints import joints, parse_urdf
+from telex_sim.offline.simulation import OfflineSimulation, shipped_config
+from telex_sim.robot.self_collision import SelfCollisionConfig
 
 CORNERS = [f"{end}_{side}" for end in ("front", "rear") for side in ("left", "right")]
 PADS = frozenset(("left_finger_tip_link", "right_finger_tip_link"))

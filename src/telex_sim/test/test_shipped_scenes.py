@@ -9,7 +9,7 @@ import numpy as np
 import pybullet
 import pytest
 
-from telex_sim.offline import package_file
+from telex_sim.offline.simulation import package_file
 from telex_sim.scene.scene_file import load_scene
 
 TRAINING = [

@@ -9,8 +9,8 @@ import pytest
 import yaml
 from geometry_msgs.msg import Twist
 
-from telex_sim.offline import OfflineSimulation, package_file
-from telex_sim.world import WorldError
+from telex_sim.engine.world import WorldError
+from telex_sim.offline.simulation import OfflineSimulation, package_file
 
 SCRIPT = package_file("telex_description", "scripts", "robot_description")
 with open(package_file("telex_description", "config", "variants.yaml")) as file:

@@ -2,13 +2,13 @@ from __future__ import annotations
 
 import pytest
 
-from telex_control.local_node_handle import LocalNodeHandle
-from telex_control.params import ConfigError
-from telex_control.urdf_joints import UrdfError, parse_urdf
-from telex_sim.config import HardwareConfig, JointHardware, read_simulator_config
-from telex_sim.offline import shipped_config
-from telex_sim.robot_hw_sim import RobotHWSim
-from telex_sim.world import World, WorldError
+from telex_control.common.params import ConfigError
+from telex_control.ros.local_node_handle import LocalNodeHandle
+from telex_control.urdf.joints import UrdfError, parse_urdf
+from telex_sim.engine.config import HardwareConfig, JointHardware, read_simulator_config
+from telex_sim.engine.world import World, WorldError
+from telex_sim.offline.simulation import shipped_config
+from telex_sim.robot.robot_hw_sim import RobotHWSim
 
 
 def test_the_shipped_configuration_is_valid():

@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from telex_sim.pacing import RealTimeFactor, RealTimePacer
-from telex_sim.phase_timer import PHASES, PhaseTimer
+from telex_sim.engine.pacing import RealTimeFactor, RealTimePacer
+from telex_sim.engine.phase_timer import PHASES, SAMPLED, PhaseTimer
 
 
 class FakeTime:
@@ -92,3 +92,20 @@ def test_phase_means_are_per_cycle_and_start_anew():
     assert means["step"] > 0.0
     assert means["read"] == 0.0
     assert dict(timer.take_means())["step"] == 0.0
+
+
+def test_phases_are_measured_in_one_step_of_several():
+    timer = PhaseTimer()
+    for step in range(2 * SAMPLED):
+        timer.begin()
+        if step % SAMPLED:
+            sum(range(200_000))
+        timer.end("step")
+        timer.count_cycle()
+    assert timer._cycles == 2
+    measured = dict(timer.take_means())["step"]
+    timer.begin()
+    sum(range(200_000))
+    timer.end("step")
+    timer.count_cycle()
+    assert dict(timer.take_means())["step"] > measured

@@ -11,8 +11,8 @@ from geometry_msgs.msg import Twist
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
-from telex_control.params import ConfigError
-from telex_sim.offline import OfflineSimulation
+from telex_control.common.params import ConfigError
+from telex_sim.offline.simulation import OfflineSimulation
 
 ARM = (
     "turret_joint",

@@ -8,7 +8,7 @@ import pybullet
 import pytest
 from std_msgs.msg import Float64
 
-from telex_control.urdf_joints import CONTINUOUS, PRISMATIC, joints, parse_urdf
+from telex_control.urdf.joints import CONTINUOUS, PRISMATIC, joints, parse_urdf
 
 UP, DOWN = -math.pi / 2.0, math.radians(60.0)  # of the shoulder
 FOLDED = {"elbow_joint": 0.0, "wrist_pitch_joint": 0.0}

@@ -6,9 +6,9 @@ import math
 
 import pytest
 
-from telex_control.params import ConfigError, read_config
-from telex_sim.mobility_watch import StuckDetector, TipOverDetector
-from telex_sim.stability import StabilityConfig, force_angle, support_polygon
+from telex_control.common.params import ConfigError, read_config
+from telex_sim.stability.force_angle import StabilityConfig, force_angle, support_polygon
+from telex_sim.stability.mobility_watch import StuckDetector, TipOverDetector
 
 SQUARE = [(-0.3, -0.2, 0.0), (0.3, -0.2, 0.0), (0.3, 0.2, 0.0), (-0.3, 0.2, 0.0)]
 WIDE = [(x, 3.0 * y, z) for x, y, z in SQUARE]

@@ -10,10 +10,10 @@ import pytest
 from geometry_msgs.msg import Twist
 from std_msgs.msg import Float64
 
-from telex_sim.offline import OfflineSimulation
-from telex_sim.stability import force_angle
-from telex_sim.stability_monitor import StabilityMonitor
-from telex_sim.world import GRAVITY
+from telex_sim.engine.world import GRAVITY
+from telex_sim.offline.simulation import OfflineSimulation
+from telex_sim.stability.force_angle import force_angle
+from telex_sim.stability.monitor import StabilityMonitor
 
 
 def put(tested, position, roll=0.0, pitch=0.0):

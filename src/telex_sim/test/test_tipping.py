@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from telex_sim.mobility_watch import TipOverWarning
-from telex_sim.stability import StabilityConfig, force_angles, support_polygon
-from telex_sim.tipping import NO_FOOTHOLDS, Footholds, TippingAngle, tipping_angle
+from telex_sim.stability.force_angle import StabilityConfig, force_angles, support_polygon
+from telex_sim.stability.mobility_watch import TipOverWarning
+from telex_sim.stability.tipping import NO_FOOTHOLDS, Footholds, TippingAngle, tipping_angle
 
 UP = (0.0, 0.0, 1.0)
 WEIGHT = (0.0, 0.0, -1000.0)

@@ -9,18 +9,18 @@ import numpy as np
 import pybullet
 import pytest
 
-from telex_control.hardware_interface import VelocityJointInterface
-from telex_control.joint_limits import JointLimits
-from telex_control.params import ConfigError
-from telex_control.urdf_joints import joints, parse_urdf
-from telex_sim.config import TrackConfig
-from telex_sim.drives import Drive
-from telex_sim.footholds import FootholdFinder
+from telex_control.common.params import ConfigError
+from telex_control.hardware.hardware_interface import VelocityJointInterface
+from telex_control.hardware.joint_limits import JointLimits
+from telex_control.urdf.joints import joints, parse_urdf
+from telex_sim.engine.config import TrackConfig
+from telex_sim.engine.world import GRAVITY, World
+from telex_sim.robot.drives import Drive
 from telex_sim.scene.bodies import SceneBodies
 from telex_sim.scene.model import Floor
+from telex_sim.stability.footholds import FootholdFinder
 from telex_sim.tracks.belt_drive import BeltDriveConfig
 from telex_sim.tracks.tracks import Tracks
-from telex_sim.world import GRAVITY, World
 
 MASS = 20.0
 URDF = f"""

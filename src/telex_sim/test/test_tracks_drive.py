@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from telex_control.params import ConfigError
+from telex_control.common.params import ConfigError
 from telex_sim.tracks.belt_drive import BeltDrive, BeltDriveConfig
 from telex_sim.tracks.law import Patch, TractionLaw
 

@@ -9,8 +9,8 @@ import numpy as np
 import pybullet
 import pytest
 
-from telex_sim.urdf_frames import take_out_frames, take_out_wheels
-from telex_sim.world import World
+from telex_sim.engine.world import World
+from telex_sim.robot.urdf_frames import take_out_frames, take_out_wheels
 
 LINKS = """
 <robot name="cart">

@@ -8,8 +8,8 @@ import numpy as np
 import pybullet
 import pytest
 
-from telex_sim.urdf_masses import complete_masses, massless_joints
-from telex_sim.world import World
+from telex_sim.engine.world import World
+from telex_sim.robot.urdf_masses import complete_masses, massless_joints
 
 
 @pytest.fixture

@@ -7,9 +7,9 @@ from xml.etree import ElementTree
 
 import pytest
 
-from telex_control.params import ConfigError
-from telex_control.urdf_joints import UrdfError
-from telex_sim.offline import OfflineSimulation, shipped_config
+from telex_control.common.params import ConfigError
+from telex_control.urdf.joints import UrdfError
+from telex_sim.offline.simulation import OfflineSimulation, shipped_config
 
 FINGER = re.compile(r"(left|right)_finger_(base|middle|tip)")
 

@@ -8,12 +8,12 @@ import pybullet
 import pytest
 from geometry_msgs.msg import Twist
 
-from telex_control.params import ConfigError, read_config
-from telex_control.urdf_joints import UrdfError, parse_urdf
-from telex_sim.config import HardwareConfig
-from telex_sim.contacts import contacts
-from telex_sim.link_surfaces import frictions, wheels
-from telex_sim.offline import OfflineSimulation
+from telex_control.common.params import ConfigError, read_config
+from telex_control.urdf.joints import UrdfError, parse_urdf
+from telex_sim.engine.config import HardwareConfig
+from telex_sim.engine.contacts import contacts
+from telex_sim.offline.simulation import OfflineSimulation
+from telex_sim.robot.link_surfaces import frictions, wheels
 
 WHEELS = ("front_left", "front_right", "rear_left", "rear_right")
 MASS = 50.0

@@ -9,8 +9,8 @@ import subprocess
 import pytest
 import yaml
 
-from telex_control.urdf_joints import UrdfError, joints, parse_urdf
-from telex_sim.robot_model import robot_model
+from telex_control.urdf.joints import UrdfError, joints, parse_urdf
+from telex_sim.robot.model import robot_model
 
 ARM = """<?xml version="1.0"?>
 <robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">

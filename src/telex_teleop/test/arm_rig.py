@@ -7,16 +7,16 @@ import math
 import numpy as np
 
 from telex_control.kinematics import make_pose, quaternion_of
-from telex_teleop.arm_teleop import ArmTeleop, Carrier
-from telex_teleop.axis import AxisSettings
-from telex_teleop.base_pose import BasePose
-from telex_teleop.proximity import ProximityGuard, ProximitySettings
-from telex_teleop.reference import MotionLimits
-from telex_teleop.rigid_motion import advanced
-from telex_teleop.speed import SpeedScale
-from telex_teleop.tool_command import FrameNames
-from telex_teleop.tool_motion import ToolMotion
-from telex_teleop.tool_settings import ToolSettings
+from telex_teleop.arm.arm_teleop import ArmTeleop, Carrier
+from telex_teleop.arm.base_pose import BasePose
+from telex_teleop.arm.proximity import ProximityGuard, ProximitySettings
+from telex_teleop.arm.tool_command import FrameNames
+from telex_teleop.arm.tool_motion import ToolMotion
+from telex_teleop.arm.tool_settings import ToolSettings
+from telex_teleop.motion.axis import AxisSettings
+from telex_teleop.motion.reference import MotionLimits
+from telex_teleop.motion.rigid_motion import advanced
+from telex_teleop.motion.speed import SpeedScale
 
 TICK = 0.01
 JOINTS = ("x", "y", "z", "yaw", "pitch", "roll")

@@ -7,7 +7,7 @@ import json
 
 from web_fakes import FakeRos
 
-from telex_control.params import read_config, read_struct
+from telex_control.common.params import read_config, read_struct
 from telex_teleop.web.bridge.access import Roles
 from telex_teleop.web.bridge.control import Control, Member
 from telex_teleop.web.bridge.control_services import ControlServices

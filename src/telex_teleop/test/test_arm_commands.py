@@ -8,13 +8,13 @@ import pytest
 import yaml
 from arm_rig import FRAMES, JOINTS, LIMITS
 
-from telex_control.params import ConfigError, read_config
-from telex_teleop.arm_settings import ArmTeleopSettings, carrier_of
-from telex_teleop.axis import AxisSettings
-from telex_teleop.joint_follower import JointFollower
-from telex_teleop.joint_jog import InvalidCommand
-from telex_teleop.reference import MotionLimits
-from telex_teleop.tool_command import Frame
+from telex_control.common.params import ConfigError, read_config
+from telex_teleop.arm.settings import ArmTeleopSettings, carrier_of
+from telex_teleop.arm.tool_command import Frame
+from telex_teleop.motion.axis import AxisSettings
+from telex_teleop.motion.joint_follower import JointFollower
+from telex_teleop.motion.joint_jog import InvalidCommand
+from telex_teleop.motion.reference import MotionLimits
 
 SOURCE = Path(__file__).parents[2]
 CONFIG = yaml.safe_load((SOURCE / "telex_teleop" / "config" / "arm_teleop.yaml").read_text())

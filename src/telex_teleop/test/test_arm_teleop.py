@@ -4,12 +4,17 @@ import numpy as np
 import pytest
 from arm_rig import JOINTS, LIMITS, POSES, TICK, Rig, base_at, pose, tool_motion, twist
 
-from telex_teleop.arm_teleop import ArmTeleop, Carrier, ModeError
-from telex_teleop.axis import AxisSettings
-from telex_teleop.base_pose import BasePose
-from telex_teleop.joint_jog import InvalidCommand, JogCommand
-from telex_teleop.proximity import ProximityGuard, ProximityPair, ProximitySettings, ProximityState
-from telex_teleop.speed import SpeedScale
+from telex_teleop.arm.arm_teleop import ArmTeleop, Carrier, ModeError
+from telex_teleop.arm.base_pose import BasePose
+from telex_teleop.arm.proximity import (
+    ProximityGuard,
+    ProximityPair,
+    ProximitySettings,
+    ProximityState,
+)
+from telex_teleop.motion.axis import AxisSettings
+from telex_teleop.motion.joint_jog import InvalidCommand, JogCommand
+from telex_teleop.motion.speed import SpeedScale
 
 AHEAD = twist("base", 0.1, 0.0, 0.0)
 

@@ -19,8 +19,9 @@ import yaml
 from teleop_drill import PACKAGE, FakeRobot, Held, Node, repeat, wait_for
 
 from telex_control.kinematics import Chain, quaternion_of
-from telex_control.private_master import PrivateMaster
-from telex_teleop.rigid_motion import advanced, pose_error
+from telex_control.ros.private_master import PrivateMaster
+from telex_control.ros.publisher_updates import miss_no_publisher
+from telex_teleop.motion.rigid_motion import advanced, pose_error
 
 DESCRIPTION = PACKAGE.parent / "telex_description"
 READY = yaml.safe_load((DESCRIPTION / "config" / "poses.yaml").read_text())["poses"]["ready"]
@@ -194,7 +195,7 @@ class World:
         from geometry_msgs.msg import PoseStamped
         from telex_msgs.msg import Proximity, ProximityPair
 
-        from telex_teleop.ros_arm_teleop import fill_pose
+        from telex_teleop.ros.arm_teleop import fill_pose
 
         self.x += self.speed * 0.01
         message = PoseStamped()
@@ -518,7 +519,7 @@ def twist(frame="base_link", axis=0, rate=SPEED):
 def pose_message(pose, frame="base_link"):
     from geometry_msgs.msg import PoseStamped
 
-    from telex_teleop.ros_arm_teleop import fill_pose
+    from telex_teleop.ros.arm_teleop import fill_pose
 
     message = PoseStamped()
     message.header.frame_id = frame
@@ -534,6 +535,7 @@ def play():
         [sys.executable, str(script)], capture_output=True, text=True, check=True
     ).stdout
     rospy.set_param("/use_sim_time", True)
+    miss_no_publisher()
     rospy.init_node("drill", disable_signals=True)
     rospy.set_param("robot_description", urdf)
     for file in (PACKAGE / "config" / "arm_teleop.yaml", DESCRIPTION / "config" / "poses.yaml"):

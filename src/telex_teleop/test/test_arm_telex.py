@@ -13,11 +13,11 @@ from arm_rig import TICK
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from telex_control.params import read_config
-from telex_teleop.arm_settings import ArmTeleopSettings, carrier_of
-from telex_teleop.ik_kinematics import IKKinematics
-from telex_teleop.limits import limits_from_urdf
-from telex_teleop.tool_motion import ToolMotion
+from telex_control.common.params import read_config
+from telex_teleop.arm.ik_kinematics import IKKinematics
+from telex_teleop.arm.settings import ArmTeleopSettings, carrier_of
+from telex_teleop.arm.tool_motion import ToolMotion
+from telex_teleop.motion.limits import limits_from_urdf
 
 SOURCE = Path(__file__).parents[2]
 DESCRIPTION = SOURCE / "telex_description"

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from telex_control.params import ConfigError
+from telex_control.common.params import ConfigError
 from telex_teleop.joy.maps import ButtonBinding, JoyMap, StickBinding
 from telex_teleop.joy.pads import BUTTONS, STICKS, InvalidJoy, Pads, Source
 from telex_teleop.operating.actions import Command, Drive, Jog, Lamps, Preset, ToPose
@@ -220,6 +220,7 @@ modes:
         ({"more": "  - {name: DRIVE}"}, "their names must differ"),
         ({"more": "  - {name: ARM, arm_mode: joint}"}, "arm_mode is 'joint'; , JOINT"),
         ({"more": "]"}, "cannot be read"),
+        ({"more": "x: &x {y: *x}"}, "cannot be read: 'y' is an alias"),
     ],
 )
 def test_a_wrong_map_is_refused_with_file_key_and_value(tmp_path, change, says):

@@ -17,7 +17,8 @@ from pathlib import Path
 import pytest
 from teleop_drill import wait_for
 
-from telex_control.private_master import PrivateMaster
+from telex_control.ros.private_master import PrivateMaster
+from telex_control.ros.publisher_updates import miss_no_publisher
 
 NODES = Path(__file__).parents[1] / "nodes"
 ROBOT = "/robot7"
@@ -305,5 +306,6 @@ class Drill:
 if __name__ == "__main__":
     import rospy
 
+    miss_no_publisher()
     rospy.init_node("drill", anonymous=True)
     print(json.dumps(Drill().run()))

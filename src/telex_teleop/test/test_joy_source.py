@@ -8,7 +8,7 @@ import os
 
 import pytest
 
-from telex_control.params import ConfigError, read_config
+from telex_control.common.params import ConfigError, read_config
 from telex_teleop.joy import device as device_module
 from telex_teleop.joy.device import Joystick, JoystickError, find_joystick
 from telex_teleop.joy.events import EVENT, JoystickState

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from telex_control.params import read_config
+from telex_control.common.params import read_config
 from telex_teleop.joy.core import JoyTeleop
 from telex_teleop.joy.maps import JoyMap
 from telex_teleop.joy.pads import BUTTONS, STICKS, InvalidJoy, Pads

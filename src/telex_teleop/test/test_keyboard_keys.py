@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from telex_control.params import ConfigError, read_config
+from telex_control.common.params import ConfigError, read_config
 from telex_teleop.keyboard.decoding import KeyEvent, KeyKind
 from telex_teleop.keyboard.held import HeldKeys
 from telex_teleop.keyboard.map import KeyboardSettings, KeyMap
@@ -33,7 +33,7 @@ from telex_teleop.operating.actions import (
 )
 from telex_teleop.operating.commander import Commander, FixedRates, PresetCommand
 from telex_teleop.operating.zoom import ZoomFactor
-from telex_teleop.track_drive import Velocity
+from telex_teleop.tracks.track_drive import Velocity
 
 FILE = Path(__file__).parents[1] / "config" / "keyboard_teleop.yaml"
 PRESETS = FILE.with_name("flipper_presets.yaml")

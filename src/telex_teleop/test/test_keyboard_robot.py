@@ -16,7 +16,7 @@ from telex_msgs.msg import (
 from telex_teleop.keyboard.robot import ShownRobot
 from telex_teleop.operating.commander import Commands, PresetCommand
 from telex_teleop.operating.robot import Robot
-from telex_teleop.track_drive import Velocity
+from telex_teleop.tracks.track_drive import Velocity
 
 
 class Graph:

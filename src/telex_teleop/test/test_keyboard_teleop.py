@@ -5,7 +5,7 @@ import pytest
 from telex_teleop.keyboard.decoding import FocusEvent, KeyDecoder, KittyReply
 from telex_teleop.keyboard.map import KeyboardSettings
 from telex_teleop.keyboard.teleop import KeyboardTeleop
-from telex_teleop.track_drive import Velocity
+from telex_teleop.tracks.track_drive import Velocity
 
 KEYS = {
     "w": "tracks forward",

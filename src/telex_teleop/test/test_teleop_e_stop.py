@@ -4,7 +4,7 @@ import itertools
 
 import pytest
 
-from telex_teleop.e_stop_state import EStopState
+from telex_teleop.motion.e_stop_state import EStopState
 
 
 @pytest.fixture

@@ -6,15 +6,15 @@ from pathlib import Path
 import pytest
 import yaml
 
-from telex_control.params import ConfigError, read_config
-from telex_teleop.axis import AxisSettings
-from telex_teleop.flipper_presets import GoalEnd, GoalRules, Preset
-from telex_teleop.flipper_settings import FlipperTeleopSettings
-from telex_teleop.flipper_teleop import FlipperTeleop
-from telex_teleop.joint_jog import InvalidCommand, JogCommand
-from telex_teleop.limits import JointLimits
-from telex_teleop.reference import MotionLimits
-from telex_teleop.speed import SpeedScale
+from telex_control.common.params import ConfigError, read_config
+from telex_teleop.flippers.flipper_teleop import FlipperTeleop
+from telex_teleop.flippers.presets import GoalEnd, GoalRules, Preset
+from telex_teleop.flippers.settings import FlipperTeleopSettings
+from telex_teleop.motion.axis import AxisSettings
+from telex_teleop.motion.joint_jog import InvalidCommand, JogCommand
+from telex_teleop.motion.limits import JointLimits
+from telex_teleop.motion.reference import MotionLimits
+from telex_teleop.motion.speed import SpeedScale
 
 DT = 0.01
 TIMEOUT = 0.28

@@ -2,11 +2,11 @@
 
 import pytest
 
-from telex_teleop.axis import AxisSettings
-from telex_teleop.coupled_teleop import CoupledTeleop, Coupling
-from telex_teleop.joint_jog import InvalidCommand, JogCommand
-from telex_teleop.reference import MotionLimits
-from telex_teleop.speed import SpeedScale
+from telex_teleop.joints.coupled_teleop import CoupledTeleop, Coupling
+from telex_teleop.motion.axis import AxisSettings
+from telex_teleop.motion.joint_jog import InvalidCommand, JogCommand
+from telex_teleop.motion.reference import MotionLimits
+from telex_teleop.motion.speed import SpeedScale
 
 DT = 0.01
 RATIOS = {

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from telex_teleop.joint_jog import InvalidCommand, parse_joint_jog
+from telex_teleop.motion.joint_jog import InvalidCommand, parse_joint_jog
 
 KNOWN = ("turret_joint", "elbow_joint")
 

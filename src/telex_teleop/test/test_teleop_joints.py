@@ -2,11 +2,11 @@
 
 import pytest
 
-from telex_teleop.axis import AxisSettings
-from telex_teleop.joint_jog import InvalidCommand, JogCommand
-from telex_teleop.joint_teleop import JointTeleop
-from telex_teleop.reference import MotionLimits
-from telex_teleop.speed import SpeedScale
+from telex_teleop.joints.joint_teleop import JointTeleop
+from telex_teleop.motion.axis import AxisSettings
+from telex_teleop.motion.joint_jog import InvalidCommand, JogCommand
+from telex_teleop.motion.reference import MotionLimits
+from telex_teleop.motion.speed import SpeedScale
 
 DT = 0.01
 TIMEOUT = 0.28
@@ -401,3 +401,20 @@ def test_state_says_that_the_simulation_stands_still(robot):
 def test_state_names_limited_joints(robot):
     robot.hold(6.0, b=0.6)
     assert [axis.limited for axis in robot.core.state(robot.wall).axes] == [False, True]
+
+
+def test_a_motion_begins_as_slowly_after_a_rest_of_its_node(robot):
+    assert robot.core.idle
+    robot.time += 0.04  # joint states that the node has slept through
+    robot.send(a=0.6)
+    robot.step()
+    assert not robot.core.idle
+    assert robot.positions["a"] == pytest.approx(2.0 * DT**2)
+
+
+def test_a_rest_of_the_node_takes_nothing_from_a_short_command(robot):
+    robot.time += 0.04
+    robot.send(validity=0.03, a=0.3)
+    robot.time += 0.01
+    robot.step()
+    assert robot.last["a"] > 0.0

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from telex_teleop.reference import MotionLimits, ReferenceGenerator
+from telex_teleop.motion.reference import MotionLimits, ReferenceGenerator
 
 DT = 0.01
 

@@ -6,14 +6,14 @@ from pathlib import Path
 import pytest
 import yaml
 
-from telex_control.params import ConfigError, read_config
-from telex_control.urdf_joints import UrdfError
-from telex_teleop.arm_settings import ArmTeleopSettings
-from telex_teleop.flipper_settings import FlipperTeleopSettings
-from telex_teleop.limits import JointLimits, limits_from_urdf
-from telex_teleop.motion_settings import GripperTeleopSettings, JointTeleopSettings
-from telex_teleop.speed import SpeedScale
-from telex_teleop.track_drive import TrackSettings
+from telex_control.common.params import ConfigError, read_config
+from telex_control.urdf.joints import UrdfError
+from telex_teleop.arm.settings import ArmTeleopSettings
+from telex_teleop.flippers.settings import FlipperTeleopSettings
+from telex_teleop.joints.settings import GripperTeleopSettings, JointTeleopSettings
+from telex_teleop.motion.limits import JointLimits, limits_from_urdf
+from telex_teleop.motion.speed import SpeedScale
+from telex_teleop.tracks.track_drive import TrackSettings
 
 CONFIG = Path(__file__).parents[1] / "config"
 

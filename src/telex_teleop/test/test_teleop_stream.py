@@ -2,7 +2,7 @@
 
 import pytest
 
-from telex_teleop.stream import Clocks, CommandStream, SimTicks, StartingTime, Tick
+from telex_teleop.motion.stream import Clocks, CommandStream, SimTicks, StartingTime, Tick
 
 TIMEOUT = 0.28
 

@@ -4,10 +4,10 @@ import math
 
 import pytest
 
-from telex_control.params import ConfigError, read_config
-from telex_teleop.joint_jog import InvalidCommand
-from telex_teleop.speed import SpeedScale
-from telex_teleop.track_drive import TrackDrive, TrackSettings, Velocity, parse_twist
+from telex_control.common.params import ConfigError, read_config
+from telex_teleop.motion.joint_jog import InvalidCommand
+from telex_teleop.motion.speed import SpeedScale
+from telex_teleop.tracks.track_drive import TrackDrive, TrackSettings, Velocity, parse_twist
 
 DT = 0.01
 STOP = Velocity(0.0, 0.0)
@@ -228,3 +228,12 @@ def test_bad_track_settings_are_refused(settings):
     (name,) = settings
     with pytest.raises(ConfigError, match=f"{name} is .*; it must be"):
         read_config(TrackSettings, settings, "f")
+
+
+def test_a_drive_leaves_nothing_to_do_when_its_stop_has_been_repeated(base):
+    assert base.core.idle
+    base.hold(0.1, 0.5)
+    base.run(0.3)
+    assert not base.core.idle
+    base.run(0.3)
+    assert base.core.idle

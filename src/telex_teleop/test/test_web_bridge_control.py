@@ -19,6 +19,7 @@ from telex_teleop.web.bridge.command_age import CommandAge
 from telex_teleop.web.bridge.control import Control, ControlError, Member
 from telex_teleop.web.bridge.goals import MAX_GOALS
 from telex_teleop.web.bridge.operations import OperationError
+from telex_teleop.web.bridge.publications import MAX_HELD
 from telex_teleop.web.bridge.publishers import SharedPublisher
 from telex_teleop.web.bridge.stop import stop_for
 from telex_teleop.web.rights import Rights
@@ -460,9 +461,7 @@ async def test_goals_are_cancelled_with_their_client():
         (CANCEL, "g1"),
         (CANCEL, second.goal_id.id),
     ]
-    await asyncio.sleep(0.1)
-    await bench.settle()
-    assert len(bench.publishers) == 0
+    await becomes(lambda: len(bench.publishers) == 0)
 
 
 @on_loop
@@ -559,6 +558,23 @@ async def test_a_goal_waits_until_its_answers_can_come_back():
     bench.ros.action_ready = True
     await becomes(lambda: len(bench.ros.published) == 2)
     assert [message.goal.preset for _, message in bench.ros.published] == ["high", "low"]
+
+
+@on_loop
+async def test_of_more_goals_than_can_wait_each_that_is_dropped_is_told():
+    bench = Bench(action_timeout=5.0)
+    bench.ros.action_ready = False
+    client = Client(bench)
+    for number in range(MAX_HELD + 2):
+        goal = {"goal": {"preset": f"p{number}"}}
+        client.say("publish", topic=GOAL, type=GOAL_TYPE, id=f"op{number}", msg=goal)
+    for number in range(2):
+        status = await client.hear()
+        assert (status["op"], status["id"]) == ("status", f"op{number}")
+        assert f"publish to {GOAL}: dropped; {MAX_HELD} newer goals wait" in status["msg"]
+    bench.ros.action_ready = True
+    await becomes(lambda: len(bench.ros.published) == MAX_HELD)
+    assert bench.ros.published[0][1].goal.preset == "p2"
 
 
 @on_loop

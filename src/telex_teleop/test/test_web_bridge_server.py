@@ -135,7 +135,8 @@ async def test_a_client_that_stops_reading_costs_bounded_memory_and_delays_nobod
         stalled._response.connection.transport.pause_reading()
         async with client.ws_connect(url) as reader:
             await reader.send_json({"op": "subscribe", "topic": "/known", "queue_length": 1})
-            await asyncio.sleep(0.1)
+            await reader.send_json({"op": "call_service", "service": "/rosapi/nodes"})
+            assert (await reader.receive_json(timeout=5))["op"] == "service_response"
             for number in range(200):
                 text = f"{number:05d}" + "x" * 20000
                 bench.ros.receivers["/known"](type("S", (), {"data": text})(), None)

@@ -38,6 +38,8 @@ from telex_teleop import headless_chromium
 
 pytestmark = [pytest.mark.ros, pytest.mark.browser]
 
+CLIENTS = "/telex/bridge/clients"
+PICTURE = "/telex/cameras/front/image_raw/compressed"
 NOTHING = "\N{EN DASH}"  # in place of a figure that is not known
 
 
@@ -300,6 +302,17 @@ def test_six_views_are_live_and_a_click_makes_one_large(page):
     assert page.errors() == []
 
 
+def test_pictures_that_are_smaller_than_the_cameras_own_are_explained(ros, robot, page):
+    ros.master.setParam("/telex/cameras/cameras/front/width", 640)
+    robot.publish_camera("front", camera_picture(480, 360), rate=15)
+    wait_until(lambda: page.text("picture-size") == "smaller pictures: the machine is busy", 20.0)
+    sentence, modes = page.element("#picture-size").rect, page.element(".modes").rect
+    right, below = modes["x"] + modes["width"], modes["y"] + modes["height"]
+    assert sentence["x"] > right or sentence["y"] > below
+    robot.publish_camera("front", rate=15)
+    wait_until(lambda: "fps" in page.text("camera-rate") and not page.text("picture-size"), 20.0)
+
+
 def test_heading_gripper_and_link_stand_over_the_picture(robot, page):
     wait_until(lambda: page.text("heading") == "090°")  # clockwise
     wait_until(lambda: page.text("link-quality") == "link good", 20.0)
@@ -538,6 +551,7 @@ def test_camera_mode_pans_zooms_and_switches_lamps(robot, page):
         robot.probe.subscribe(topic, "std_msgs/Float64")
     page.press(Keys.ENTER)
     assert in_mode(page, "CAMERA")
+    assert page.text("camera-name") == "turret"  # what is moved is seen
     with page.hold("j"):
         # Only the turret's camera turns, and arm_teleop has not said how fast it may.
         wait_until(lambda: "turret_camera_pan_joint" in page.text("warning"))
@@ -553,6 +567,15 @@ def test_camera_mode_pans_zooms_and_switches_lamps(robot, page):
     page.element('[data-mode="JOINT"]').click()
     assert in_mode(page, "JOINT")
     assert not page.element("#camera-rows").is_displayed()
+    assert page.text("camera-name") == "front"
+
+
+def test_a_camera_that_was_chosen_in_camera_mode_stays(page):
+    page.press(Keys.ENTER)
+    page.thumbnail("rear").click()
+    page.element('[data-mode="JOINT"]').click()
+    assert page.text("camera-name") == "rear"
+    page.thumbnail("front").click()
 
 
 def test_keys_are_listed_and_changed_and_stay_so(robot, page):
@@ -959,7 +982,6 @@ def test_a_button_moves_while_the_pointer_holds_it(robot, page):
 
 LOSSES = {
     "blur": "window.dispatchEvent(new Event('blur'))",
-    "pagehide": "window.dispatchEvent(new Event('pagehide'))",
     "freeze": "document.dispatchEvent(new Event('freeze'))",
     "hang": "const end = performance.now() + 400; while (performance.now() < end);",
 }
@@ -982,13 +1004,47 @@ def test_losing_the_operator_stops_and_only_a_new_press_moves(robot, page, loss)
         assert robot.wait_for(DRIVE)[-1]["linear"]["x"] == 1.2
 
 
-def test_another_tab_in_front_stops(robot, page):
+def test_a_page_that_is_left_gives_its_connections_up_until_it_is_shown_again(ros, robot, page):
+    robot.probe.subscribe(CLIENTS, "telex_msgs/BridgeClients")
+
+    def names():
+        return [client["id"] for client in robot.probe.messages(CLIENTS)[-1]["clients"]]
+
+    wait_until(lambda: len(names()) == 1, 20.0)
+    (before,) = names()
+    with page.hold("w"):
+        robot.wait_for(DRIVE, 5)
+        page.script("window.dispatchEvent(new Event('pagehide'))")
+        wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, 5.0)
+        assert "released: the page was left" in page.text("warning")
+        # Whoever opens the page anew does not find that this one has control.
+        wait_until(lambda: names() == [], 20.0)
+        wait_until(lambda: ros.subscribers(PICTURE) == [], 20.0)
+    page.script("window.dispatchEvent(new Event('pageshow'))")
+    wait_until(lambda: len(names()) == 1 and names() != [before], 20.0)
+    wait_until(lambda: page.attribute("link", "data-state") == "up", 20.0)
+    page.wait_until_all_is_shown()
+    robot.forget()
+    with page.hold("w"):
+        assert robot.wait_for(DRIVE)[-1]["linear"]["x"] == 1.2
+
+
+def test_a_page_that_comes_back_from_the_history_is_connected(robot, page):
+    page.driver.get("about:blank")
+    page.driver.back()
+    wait_until(lambda: page.attribute("link", "data-state") == "up", 30.0)
+    page.wait_until_all_is_shown()
+
+
+def test_another_tab_in_front_stops(ros, robot, page):
     first = page.driver.current_window_handle
     page.down("w")
     robot.wait_for(DRIVE, 5)
     page.driver.switch_to.new_window("tab")
     wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, 2.0)
     assert robot.is_quiet(DRIVE)
+    # Nobody sees the pictures: the cameras need not draw them.
+    wait_until(lambda: ros.subscribers(PICTURE) == [], 20.0)
     page.driver.close()
     page.driver.switch_to.window(first)
     assert robot.is_quiet(DRIVE)

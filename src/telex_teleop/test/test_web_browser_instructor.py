@@ -241,6 +241,18 @@ def test_a_scene_that_is_refused_says_why(simulator, page):
     assert page.text("scene-note") == "refused"
 
 
+def test_the_first_picture_of_another_scene_is_awaited(simulator, page):
+    simulator.serve("load_scene", "telex_msgs/LoadScene", **LOADED)
+    simulator.robot.publish_camera("overview")  # once, and then no more
+    wait_until(lambda: page.element("#no-picture").is_displayed())
+    page.element('[data-scene="yard"] button').click()
+    answer(page, "yes")
+    wait_until(lambda: page.text("no-picture-why").startswith("drawing the new scene"))
+    simulator.robot.publish_camera("overview", rate=5)
+    wait_until(lambda: "fps" in page.text("camera-rate"))
+    simulator.robot.publish_camera("overview", rate=1)
+
+
 def test_the_e_stop_is_set_at_once_and_released_once_that_is_confirmed(simulator, robot, page):
     page.press(Keys.ESCAPE)
     assert robot.wait_for(ESTOP)[-1] == {"data": True}

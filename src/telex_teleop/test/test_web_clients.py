@@ -250,7 +250,7 @@ def test_opencv_captures_a_stream(server):
 
 
 def test_the_documented_client_receives_pictures(server, tmp_path):
-    text = (DOCS / "video.md").read_text()
+    text = (DOCS / "engineer" / "video.md").read_text()
     (code,) = [part.split("```")[0] for part in text.split("```python\n")[1:]]
     assert code.count("\n") <= 30
     script = tmp_path / "client.py"

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from telex_control.params import ConfigError
+from telex_control.common.params import ConfigError
 from telex_teleop.web import serving
 from telex_teleop.web.config import RosbridgeConfig, VideoServerConfig, read_server_config
 from telex_teleop.web.rights import Rights

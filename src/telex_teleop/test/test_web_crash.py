@@ -9,6 +9,7 @@ import pytest
 from web_fakes import FakeRos, becomes, on_loop, served
 
 from telex_teleop.web.bridge.app import Rosbridge
+from telex_teleop.web.bridge.node_watch import LOOKS_PER_LIST, NodeWatch
 from telex_teleop.web.config import RosbridgeConfig
 from telex_teleop.web.serving import bind, bind_again, url_of
 
@@ -89,3 +90,17 @@ async def test_nodes_elsewhere_are_none_of_its_business():
     ros.crashed.update(ros.nodes())
     async with bridge(ros):
         await becomes(lambda: ros.missing == [["/telex/cameras"]])
+
+
+def test_the_master_is_seldom_asked_which_nodes_there_are():
+    ros = FakeRos()
+    asked = []
+    ros.nodes = lambda: asked.append("list") or ["/telex/a", "/other/b"]
+    watch = NodeWatch(ros, None)
+    found = [watch._missing() for _ in range(LOOKS_PER_LIST)]
+    ros.crashed.add("/telex/a")
+    found.append(watch._missing())
+    ros.crashed.clear()
+    found.append(watch._missing())
+    assert found == [[]] * LOOKS_PER_LIST + [["/telex/a"], []]
+    assert len(asked) == 2

@@ -7,7 +7,7 @@ import pytest
 from aiohttp import web
 from web_fakes import on_loop, served
 
-from telex_control.params import ConfigError
+from telex_control.common.params import ConfigError
 from telex_teleop.web.maps import add_joy_map
 
 

@@ -19,7 +19,7 @@ import pytest
 import simplejpeg
 from web_harness import Ros, wait_until
 
-from telex_control.private_master import free_port
+from telex_control.ros.private_master import free_port
 
 pytestmark = pytest.mark.ros
 
@@ -67,6 +67,13 @@ def get(url):
             return reply.status, reply.read().decode()
     except urllib.error.HTTPError as error:
         return error.code, error.read().decode()
+
+
+def answers(url):
+    """Whether a server has begun its work: one that is bound only does not answer."""
+    with contextlib.suppress(OSError):
+        return bool(get(url)[0])
+    return False
 
 
 def open_stream(url, target, receive_buffer=None):
@@ -373,7 +380,7 @@ def test_tokens_that_the_bridge_made_stand_in_files_of_its_user_alone(ros, bridg
     ros.stop(process, signal.SIGKILL)
     process = ros.start_node("rosbridge", "_port:=0", "_address:=0.0.0.0", "__name:=open")
     host, port = url[len("ws://") :].split(":")
-    wait_until(lambda: socket.socket().connect_ex((host, int(port))) == 0, 20.0)
+    wait_until(lambda: answers(f"http://{host}:{port}/"), 60.0)
     assert [file.read_text().strip() for file in files] == [client, instructor]
     ros.stop(process)
     assert get(streams)[0] == 401

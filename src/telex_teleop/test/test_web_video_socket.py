@@ -511,11 +511,13 @@ async def test_the_rate_is_what_was_asked_for(bench, client):
             await client.ack(camera, number)
 
     taking = asyncio.ensure_future(take())
+    begun = time.monotonic()
     for _ in range(25):
         await bench.feed(FRONT, jpeg())
         await asyncio.sleep(0.01)
+    took = time.monotonic() - begun
     taking.cancel()
-    assert 3 <= len(came) <= 9
+    assert 3 <= len(came) <= 5 * took + 3
 
 
 @on_bench
@@ -564,6 +566,7 @@ async def test_a_ping_tells_the_time_and_what_was_measured(bench, client):
     figures = (await client.hear())["views"]["rear"]
     assert 0.5 <= figures["age"] < 2.0
     assert 0.0 <= figures["round_trip"] < 1.0
+    assert 0.5 <= figures["made"] <= figures["age"]
     assert figures["rate"] > 1.0
 
 

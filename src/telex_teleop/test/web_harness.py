@@ -15,7 +15,7 @@ from pathlib import Path
 
 import rosgraph
 
-from telex_control.private_master import DIES_WITH_US, PrivateMaster
+from telex_control.ros.private_master import DIES_WITH_US, PrivateMaster
 
 PACKAGE = Path(__file__).resolve().parents[1]
 SOURCE = PACKAGE / "src"

@@ -25,6 +25,8 @@ import rospy
 import yaml
 from telex_msgs.msg import FlipperPresetAction, FlipperPresetFeedback, FlipperPresetResult
 
+from telex_control.ros.publisher_updates import miss_no_publisher
+
 
 class Probe:
     def __init__(self):
@@ -110,6 +112,7 @@ class Probe:
 
 
 def main():
+    miss_no_publisher()
     rospy.init_node("probe", anonymous=True, disable_signals=True)
     probe = Probe()
     probe.say(answer="ready")

@@ -14,12 +14,12 @@ from mobility.obstacles import attempt, step_up
 from mobility.offline import Trial
 from mobility.step import Step
 
-from telex_control.figure_files import save
+from telex_control.common.figure_files import save
 from telex_control.follow_trajectory.analysis import analyse
 from telex_control.follow_trajectory.follower import approach, follow
 from telex_control.follow_trajectory.paths import Shape
 from telex_control.follow_trajectory.reference import Motion
-from telex_sim.offline_arm import OfflineArm, plan_circle
+from telex_sim.offline.arm import OfflineArm, plan_circle
 
 from ..experiment import Cell, Experiment, Figure, Picture, Result, Table
 from ..session import Session
@@ -321,8 +321,8 @@ def explanation(found: Sequence[Measured], chosen: Measured) -> List[str]:
         )
         notes.append(
             "At rest the number of iterations hardly matters. It was chosen by how far a thing "
-            "moves in the hand while the robot turns, which docs/grasping.md has for the worst "
-            "case: about fifteen times less at 50 iterations than at 10."
+            "moves in the hand while the robot turns, which docs/operator/grasping.md has for the "
+            "worst case: about fifteen times less at 50 iterations than at 10."
         )
     notes.append(
         "This runs the simulator's loop with all controllers in one process, without ROS, because "

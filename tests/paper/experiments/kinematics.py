@@ -21,7 +21,7 @@ from tf2_msgs.msg import TFMessage
 from tf2_py import BufferCore
 
 from telex_control.kinematics import Chain, DHChain, dh_chain
-from telex_control.urdf_joints import parse_urdf
+from telex_control.urdf.joints import parse_urdf
 
 from ..chromium import screenshot
 from ..driving import Jogger
@@ -217,7 +217,6 @@ def run(session: Session) -> Result:
     """Draw the arm, list its parameters, compare the accounts of where its tool is."""
     count = 200 if session.quick else 1000
     with session.simulator(console=False, pose="ready"):
-        session.configure_camera("front", rate=FEW_PICTURES)
         urdf = rospy.get_param(f"{session.namespace}/robot_description")
         chain = Chain(parse_urdf(urdf), BASE, TOOL)
         parameters = dh_chain(chain)

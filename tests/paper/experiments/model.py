@@ -13,8 +13,8 @@ from controller_manager_msgs.srv import ListControllers
 from sensor_msgs.msg import CameraInfo, JointState
 
 from telex_control.kinematics import UrdfTree
-from telex_control.transmission_parser import driven_joints
-from telex_control.urdf_joints import joints, parse_urdf
+from telex_control.urdf.joints import joints, parse_urdf
+from telex_control.urdf.transmission_parser import driven_joints
 
 from ..experiment import Cell, Experiment, Figure, Result, Table
 from ..session import Session

@@ -8,7 +8,7 @@ from typing import Any, Dict, List
 
 import yaml
 
-from telex_sim.offline import package_file
+from telex_sim.offline.simulation import package_file
 
 from ..experiment import Cell, Experiment, Figure, Picture, Result, Table
 from ..recorder import ARM_COMMANDS, FEW_PICTURES
@@ -101,10 +101,10 @@ def run(session: Session) -> Result:
     plan = session.folder / "plan.yaml"
     plan.write_text(hurried(), encoding="utf-8")
     arguments = ["arm", "--pose", *postures, "--plan", str(plan), "--out", str(session.folder)]
-    with session.simulator(console=False, pose="ready", real_time_factor=SPEED):
-        session.configure_camera("front", rate=FEW_PICTURES)
-        with session.record("steps", ("front",), ARM_COMMANDS, FEW_PICTURES):
-            rosrun("telex_control", "step_response", *arguments, say=session.say)
+    with session.simulator(console=False, pose="ready", real_time_factor=SPEED), session.record(
+        "steps", ("front",), ARM_COMMANDS, FEW_PICTURES
+    ):
+        rosrun("telex_control", "step_response", *arguments, say=session.say)
     rows = json.loads((session.folder / "steps.json").read_text(encoding="utf-8"))
     figures = [figure for row in rows if row["reference"] == "shaped" for figure in bars(row)]
     head = (

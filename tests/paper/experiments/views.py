@@ -271,7 +271,7 @@ def sit_at_the_console(session: Session) -> Result:
     with session.simulator(world="training_hall", pose="look_front") as simulator:
         assert simulator.video_url is not None
         with opened(f"{simulator.video_url}/", CONSOLE_SIZE) as console, session.record(
-            "console", cameras=("front",)
+            "console", cameras=("front",), watched=True
         ):
             console.wait_until_live()
             session.say("the console is live; holding W")

@@ -10,7 +10,7 @@ from mobility.scripted_operator import NotManagedError
 from telex_msgs.msg import SceneDescription, ScenePoses
 
 from telex_control.kinematics import make_pose
-from telex_control.node_handle import NodeHandle
+from telex_control.ros.node_handle import NodeHandle
 
 
 class GroundTruth:

@@ -12,7 +12,7 @@ from geometry_msgs.msg import PoseStamped
 from mobility.scripted_operator import NotManagedError
 from sensor_msgs.msg import JointState
 
-from telex_control.ros_node_handle import RosNodeHandle
+from telex_control.ros.ros_node_handle import RosNodeHandle
 
 from .station import Link
 

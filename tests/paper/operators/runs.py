@@ -92,7 +92,6 @@ class TaskRuns:
         things = task.lay_out(session.rng("run", number))
         first = number == 1
         bag, rate = f"run_{number:02d}", PICTURES if first else self._later
-        _draw(session, self._cameras, rate)
         with contextlib.ExitStack() as stack:
             try:
                 self._prepare(station, truth, things, task.subject)
@@ -189,7 +188,6 @@ def drive_course(session: Session) -> Result:
         world=str(SCENES / WORLD), pose="drive", real_time_factor=1.5, console=False
     ), _station(session.namespace) as station, contextlib.closing(Film(station)) as film:
         session.configure_camera("overview", **_FILM)
-        _draw(session, ("front",), PICTURES)
         with session.record("course", cameras=("front",)):
             failed = ""
             for section in SECTIONS:
@@ -241,12 +239,6 @@ def _station(namespace: str) -> Iterator[Station]:
         yield Station(link)
     finally:
         link.close()
-
-
-def _draw(session: Session, cameras: Sequence[str], rate: float) -> None:
-    """Have cameras drawn as often as they are recorded (Hz): more is left to the physics."""
-    for camera in cameras:
-        session.configure_camera(camera, rate=rate, priority=0)
 
 
 def _ask(station: Station, service: str, kind: Any, **request: Any) -> None:

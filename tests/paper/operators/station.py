@@ -16,7 +16,7 @@ from telex_msgs.msg import FlipperPresetHold, JointTeleopStatus, TrackTeleopStat
 from telex_msgs.srv import SetMode
 
 from telex_control.kinematics import Chain, make_pose, quaternion_of
-from telex_control.node_handle import NodeHandle, Publisher
+from telex_control.ros.node_handle import NodeHandle, Publisher
 
 FLIPPERS = tuple(
     f"{end}_{side}_flipper_joint" for end in ("front", "rear") for side in ("left", "right")

@@ -1,4 +1,4 @@
-"""What the parts of the hull are fitted to. Lengths in m, in base_link: x forward, z up."""
+"""Dimensions that the parts of the hull are fitted to (m), in base_link: x forward, z up."""
 
 from __future__ import annotations
 

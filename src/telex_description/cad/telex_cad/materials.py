@@ -1,4 +1,4 @@
-"""What the robot is made of: colours for the eye, densities for the mass properties."""
+"""Materials of the robot: colours, and densities for the mass properties."""
 
 from __future__ import annotations
 

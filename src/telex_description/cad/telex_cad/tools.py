@@ -1,4 +1,4 @@
-"""What the wrist carries instead of the gripper: an inspection probe, or a bare flange.
+"""Tools that the wrist carries instead of the gripper: an inspection probe, or a bare flange.
 
 Lengths in m. The frame lies on the flange of the wrist, x forward. Both carry the gripper's camera.
 """

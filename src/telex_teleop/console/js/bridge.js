@@ -44,6 +44,10 @@ export class Bridge {
     this._lastWord = 0;
     /** Wall time less performance.now() (ms) since the connection was opened. */
     this._skew = 0;
+    /** Whether the page has been left; it may come back as it was. */
+    this._isLeft = false;
+    /** The next attempt to connect. @type {ReturnType<typeof setTimeout> | undefined} */
+    this._retry = undefined;
     this._pingSent = 0;
     this._pingNumber = 0;
     /** The last round trips to the bridge (ms), the newest last. @type {number[]} */
@@ -53,6 +57,21 @@ export class Bridge {
   /** Connect, and stay connected. */
   start() {
     setInterval(() => this._watch(), PING_PERIOD);
+    // A browser may keep a page that was left, and its connection with the control of the robot.
+    window.addEventListener("pagehide", () => this._leave());
+    window.addEventListener("pageshow", () => this._comeBack());
+    this._connect();
+  }
+
+  _leave() {
+    this._isLeft = true;
+    clearTimeout(this._retry);
+    if (this._socket !== null) this._giveUp("the page was left");
+  }
+
+  _comeBack() {
+    if (!this._isLeft) return;
+    this._isLeft = false;
     this._connect();
   }
 
@@ -173,9 +192,12 @@ export class Bridge {
   async _connect() {
     let socket;
     try {
-      socket = new WebSocket(await this._locate());
+      const url = await this._locate();
+      // It may have been left meanwhile, and even be connected anew.
+      if (this._isLeft || this._socket !== null) return;
+      socket = new WebSocket(url);
     } catch {
-      setTimeout(() => this._connect(), RETRY_AFTER);
+      this._connectLater();
       return;
     }
     this._socket = socket;
@@ -236,6 +258,11 @@ export class Bridge {
     socket?.close();
     for (const answer of [...this._calls.values()]) answer({ result: false, values: "the connection was lost" });
     this._events.lost(reason);
-    setTimeout(() => this._connect(), RETRY_AFTER);
+    this._connectLater();
+  }
+
+  _connectLater() {
+    clearTimeout(this._retry);
+    if (!this._isLeft) this._retry = setTimeout(() => this._connect(), RETRY_AFTER);
   }
 }

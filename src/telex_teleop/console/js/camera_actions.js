@@ -10,6 +10,9 @@
  * @typedef {import("./robot.js").JointMotion} JointMotion
  */
 
+/** The camera that can be moved. */
+export const MOVED_CAMERA = "turret";
+
 const PAN = "turret_camera_pan_joint";
 const TILT = "turret_camera_tilt_joint";
 

@@ -6,6 +6,7 @@ import { setText } from "./panels.js";
 export const STALLED_AFTER = 1000; // ms without a new picture after which a view counts as stalled
 
 const THUMBNAIL_WIDTH = 208; // CSS px; they are hardly ever shown larger
+const SCENE_WITHIN = 10_000; // ms after which nobody waits for the first picture of another scene
 
 /** @typedef {import("./video.js").ViewReport} ViewReport */
 /** @typedef {import("./video_source.js").VideoConfig} VideoConfig */
@@ -32,7 +33,7 @@ export class ViewState {
    */
   turn(camera, report) {
     this.camera = camera;
-    this._report = report;
+    this._report = report && { ...report, width: null };
   }
 
   get report() {
@@ -52,6 +53,11 @@ export class ViewState {
   /** How old the scene was (ms) when it was drawn; null where only its picture's arrival is known. */
   get latency() {
     return this._report?.latency ?? null;
+  }
+
+  /** Width (px) of the pictures that come; null while none has. */
+  get width() {
+    return this._report?.width ?? null;
   }
 
   /** Pictures per second. */
@@ -127,6 +133,10 @@ export class Cameras {
     this.main = new ViewState();
     /** @type {Thumbnail[]} */
     this._thumbnails = [];
+    /** The camera that was large before the one that is for a while. @type {string | null} */
+    this._lent = null;
+    /** When another scene was loaded whose first picture is awaited (Date.now()). */
+    this._sceneLoaded = -Infinity;
     this._giveCanvas(canvas);
     const camera = config.cameras.find(({ name }) => name === config.main_camera) ?? config.cameras[0];
     this.main.camera = camera?.name ?? config.main_camera;
@@ -139,11 +149,31 @@ export class Cameras {
     const url = `${scheme}//${location.host}/video`;
     this._worker.postMessage({ start: { url, access: this._access, config: this._config } });
     this._tell();
+    // Like the bridge's: a browser may keep a page that was left.
+    let isLeft = false;
+    const leave = (/** @type {boolean} */ left) => {
+      if (left !== isLeft) this._worker.postMessage({ left });
+      isLeft = left;
+    };
+    window.addEventListener("pagehide", () => leave(true));
+    window.addEventListener("pageshow", () => leave(false));
+    // What nobody sees need not be drawn, neither here nor by the robot's cameras.
+    document.addEventListener("visibilitychange", () => this._tell());
   }
 
   /** Show which views are live. */
   refresh() {
     for (const thumbnail of this._thumbnails) thumbnail.refresh();
+  }
+
+  /** Another scene is loaded: pictures that were taken before are not of it. */
+  newScene() {
+    this._sceneLoaded = Date.now();
+  }
+
+  /** Whether the large view still has to show the scene that was loaded. */
+  get awaitsScene() {
+    return Date.now() - this._sceneLoaded < SCENE_WITHIN && !((this.main.report?.captured ?? -Infinity) > this._sceneLoaded);
   }
 
   /** Show the next camera large. */
@@ -159,6 +189,7 @@ export class Cameras {
   choose(camera, last = false) {
     const thumbnail = this._thumbnails.find(({ state }) => state.camera === camera);
     if (thumbnail === undefined) return;
+    this._lent = null;
     const names = this._thumbnails.map(({ state }) => state.camera);
     const before = this.main.camera;
     const reports = new Map(this._states().map((state) => [state.camera, state.report]));
@@ -169,6 +200,21 @@ export class Cameras {
     this.refresh();
     this._named(camera);
     this._tell();
+  }
+
+  /**
+   * Show a camera large for a while.
+   * @param {string | null} camera  Null: the one that was large before, unless another one has been chosen meanwhile.
+   */
+  borrow(camera) {
+    if (camera !== null) {
+      if (camera === this.main.camera) return;
+      const before = this.main.camera;
+      this.choose(camera);
+      if (this.main.camera === camera) this._lent = before;
+    } else if (this._lent !== null) {
+      this.choose(this._lent);
+    }
   }
 
   /** @param {any} message  From the worker. */
@@ -207,6 +253,6 @@ export class Cameras {
   }
 
   _tell() {
-    this._worker.postMessage({ show: this._states().map(({ camera }) => camera) });
+    this._worker.postMessage({ show: this._states().map(({ camera }) => camera), hidden: document.hidden });
   }
 }

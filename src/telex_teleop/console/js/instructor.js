@@ -11,6 +11,7 @@ import { FadingTexts } from "./fading.js";
 import { ODOMETRY, headingOf } from "./hud.js";
 import { OVERVIEW, OverviewControl } from "./overview.js";
 import { byId, fixed, setText } from "./panels.js";
+import { PictureSize } from "./picture_size.js";
 import { JOINT_NODES, TRACK_NODE, TYPES } from "./robot.js";
 import { Roster } from "./roster.js";
 import { SceneChooser } from "./scenes.js";
@@ -71,8 +72,10 @@ async function start() {
     refused: (sentence) => status.warn(`bridge: ${sentence}`),
   });
   const roster = new Roster(bridge, topic, log, warn);
-  const scenes = new SceneChooser(bridge, topic, log, warn);
+  const scenes = new SceneChooser(bridge, topic, log, warn, () => cameras.newScene());
   const overview = new OverviewControl(bridge, topic, () => cameras.main.camera);
+
+  const size = new PictureSize(bridge, topic);
 
   /** What is known of the robot. */
   const facts = new FadingTexts();
@@ -119,6 +122,7 @@ async function start() {
   ) => bridge.subscribe({ topic: topic(name), type, throttle, heard });
   listen("sim/status", TYPES.simStatus, (message) => {
     sim = message;
+    if (status.isOtherWorld(message)) cameras.newScene();
     status.setSim(message);
     scenes.setStatus(message);
     setText(byId("pause"), message.paused ? "▶ continue" : "❚❚ pause");
@@ -157,7 +161,7 @@ async function start() {
   setInterval(() => {
     status.showLink(bridge);
     status.showSim();
-    status.showVideo(cameras.main);
+    status.showVideo(cameras, size.isReduced(cameras.main));
     status.fade();
     attitude.fade();
     facts.fade();

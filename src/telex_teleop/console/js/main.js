@@ -5,6 +5,7 @@ import { AttitudeView, STABILITY } from "./attitude.js";
 import { Avatar } from "./avatar.js";
 import { Bridge } from "./bridge.js";
 import { onClick } from "./buttons.js";
+import { MOVED_CAMERA } from "./camera_actions.js";
 import { CameraCommander } from "./camera_panel.js";
 import { Cameras } from "./cameras.js";
 import { MissionClock } from "./clock.js";
@@ -27,6 +28,7 @@ import { Motion } from "./motion.js";
 import { fetchPadMap } from "./pad_map.js";
 import { getParameter } from "./parameters.js";
 import { Panels, byId, setText, showTwist } from "./panels.js";
+import { PictureSize } from "./picture_size.js";
 import { ACTIONS, FLIPPER_NODE, JOINT_NODES, TRACK_NODE, TYPES } from "./robot.js";
 import { SILENT_AFTER, StatusView } from "./status.js";
 import { TOOL_TYPES, ToolCommander, ToolPanel } from "./tool.js";
@@ -155,6 +157,7 @@ async function start() {
   const tool = new ToolPanel(toolCommander, call, letGo, warn);
   const modes = new ModeSwitch(tool, letGo);
   tool.changed = () => modes.show();
+  modes.chosen = (mode) => cameras.borrow(mode === "CAMERA" ? MOVED_CAMERA : null);
   modes.show();
   const control = new ControlView(bridge, topic, letGo, warn);
   const motion = new Motion(control, (device) => status.log(`${device} moves the robot`, "warning"));
@@ -162,6 +165,7 @@ async function start() {
     held.sources.map(({ source, name }) => ({ source, name, action: ACTIONS[name] })), commander.presets, (joint) => panels.format(joint),
     commander.sideOf(heldActions()),
   );
+  const size = new PictureSize(bridge, topic);
   const health = new Health(status, letGo);
   const keyDialog = new KeyDialog(keymap, relabel);
   keymap.changed = relabel;
@@ -268,6 +272,7 @@ async function start() {
   }, JOINTS_PERIOD);
   listen("sim/status", TYPES.simStatus, (sim) => {
     const wasPaused = status.paused;
+    if (status.isOtherWorld(sim)) cameras.newScene();
     status.setSim(sim);
     // What was held before must not go on after it.
     if (status.paused && !wasPaused) letGo("the simulation is paused");
@@ -305,7 +310,7 @@ async function start() {
     status.showLink(bridge);
     status.showSim();
     status.showSpeed(commander.speeds);
-    status.showVideo(cameras.main);
+    status.showVideo(cameras, size.isReduced(cameras.main));
     cameras.refresh();
     hud.showLink(bridge, cameras.main);
     hud.showSpeed(status.stuck);

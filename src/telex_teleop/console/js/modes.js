@@ -21,6 +21,8 @@ export class ModeSwitch {
   constructor(tool, letGo) {
     this._tool = tool;
     this._letGo = letGo;
+    /** Called with the mode that an operator has chosen. @type {(mode: Mode) => void} */
+    this.chosen = () => {};
     /** Instead of the arm's mode. @type {"DRIVE" | "CAMERA" | null} */
     this._own = null;
   }
@@ -40,6 +42,7 @@ export class ModeSwitch {
       // Even where the page shows this mode already the arm is asked: only it knows.
       this._tool.setMode(mode);
     }
+    this.chosen(mode);
     this.show();
   }
 

@@ -14,12 +14,14 @@ export class SceneChooser {
    * @param {(name: string) => string} topic
    * @param {(sentence: string) => void} log
    * @param {(sentence: string) => void} warn
+   * @param {() => void} loaded  Called when another scene is there.
    */
-  constructor(bridge, topic, log, warn) {
+  constructor(bridge, topic, log, warn, loaded) {
     this._bridge = bridge;
     this._topic = topic;
     this._log = log;
     this._warn = warn;
+    this._loaded = loaded;
     this._isLoading = false;
     /** What the simulator said last. */
     this._world = "";
@@ -80,8 +82,12 @@ export class SceneChooser {
     const timer = setInterval(showProgress, PROGRESS_PERIOD);
     try {
       const answer = await this._bridge.call(this._topic("sim/load_scene"), { world: name }, WITHIN);
-      if (answer.success) this._log(answer.message);
-      else this._warn(answer.message);
+      if (answer.success) {
+        this._loaded();
+        this._log(answer.message);
+      } else {
+        this._warn(answer.message);
+      }
       this._note(answer.success ? answer.message : "refused");
     } catch (error) {
       const { name: kind, message } = /** @type {Error} */ (error);

@@ -42,6 +42,11 @@ export class StatusView {
     return performance.now() - this._simHeard > SIM_SILENT_AFTER;
   }
 
+  /** Whether another scene was loaded since the last word. @param {any} status  telex_msgs/SimStatus */
+  isOtherWorld({ world }) {
+    return this._sim !== null && this._sim.world !== world;
+  }
+
   /** @param {any} status  telex_msgs/SimStatus */
   setSim(status) {
     const before = this._sim;
@@ -106,14 +111,21 @@ export class StatusView {
     setText(byId("speed"), percent.length === 0 ? "–" : percent.length === 1 ? `${percent[0]} %` : `${percent[0]}–${percent.at(-1)} %`);
   }
 
-  /** @param {import("./cameras.js").ViewState} video */
-  showVideo(video) {
+  /**
+   * @param {import("./cameras.js").Cameras} cameras
+   * @param {boolean} isReduced  Whether pictures are smaller than the camera's own.
+   */
+  showVideo(cameras, isReduced) {
+    const { main: video } = cameras;
     byId("view").dataset.state = video.live ? "live" : "stalled";
     const age = video.latency === null ? "" : ` · ${Math.max(0, Math.round(video.latency))} ms`;
-    setText(byId("camera-rate"), video.live ? `${video.rate.toFixed(0)} fps${age}` : "");
+    const news = cameras.awaitsScene ? "drawing the new scene" : "";
+    setText(byId("camera-rate"), video.live ? news || `${video.rate.toFixed(0)} fps${age}` : "");
+    setText(byId("picture-size"), video.live && isReduced ? "smaller pictures: the machine is busy" : "");
     if (video.live) return;
     const since = Number.isFinite(video.age) ? ` for ${(video.age / 1000).toFixed(1)} s` : "";
-    setText(byId("no-picture-why"), this.paused ? `the simulation is paused${since}` : `${video.trouble}${since}`);
+    const why = news || (this.paused ? "the simulation is paused" : video.trouble);
+    setText(byId("no-picture-why"), `${why}${since}`);
   }
 
   /**

@@ -10,6 +10,7 @@ const LIVE_FOR = 1000; // ms
  * @property {number | null} drawn     When its last picture was drawn; null: none was.
  * @property {number | null} captured  When the scene of that picture was; null: not known.
  * @property {number | null} latency   How old the scene was when it was drawn (ms); null: not known.
+ * @property {number | null} width     Of its last picture (px), as it came; null: none has come to this view.
  * @property {number} rate             Pictures per second.
  * @property {string} trouble          Why there is no picture.
  */
@@ -61,6 +62,8 @@ export class VideoView {
     this._captured = null;
     /** @type {number | null} */
     this._latency = null;
+    /** @type {number | null} */
+    this._width = null;
     this.trouble = "waiting for the camera";
   }
 
@@ -84,6 +87,7 @@ export class VideoView {
     this._drawn = shown?.drawn ?? [];
     this._captured = shown?.captured ?? null;
     this._latency = shown?.latency ?? null;
+    this._width = null;
     this.trouble = shown?.trouble ?? "waiting for the camera";
     if (shown === undefined) this._context.fillRect(0, 0, this._canvas.width, this._canvas.height);
     else this._paint(shown.picture, shown.picture.width, shown.picture.height);
@@ -94,8 +98,9 @@ export class VideoView {
    * @param {number | null} captured  When its scene was (ms, performance.now()); null: not known.
    */
   draw(picture, captured) {
-    if ("displayWidth" in picture) this._paint(picture, picture.displayWidth, picture.displayHeight);
-    else this._paint(picture, picture.width, picture.height);
+    const [width, height] = "displayWidth" in picture ? [picture.displayWidth, picture.displayHeight] : [picture.width, picture.height];
+    this._paint(picture, width, height);
+    this._width = width;
     const now = performance.now();
     this._captured = captured;
     this._latency = captured === null ? null : now - captured;
@@ -133,6 +138,7 @@ export class VideoView {
       drawn: toDate(this._drawn.at(-1)),
       captured: toDate(this._captured),
       latency: this._latency,
+      width: this._width,
       rate: (this._drawn.filter((time) => time > now - RATE_WINDOW).length / RATE_WINDOW) * 1000,
       trouble: this.trouble,
     };

@@ -1,5 +1,5 @@
 // @ts-check
-/** All cameras over one WebSocket; docs/video.md describes the protocol. */
+/** All cameras over one WebSocket; docs/engineer/video.md describes the protocol. */
 
 const HEADER = 16; // bytes before the picture
 const VERSION = 1;
@@ -64,6 +64,8 @@ export class VideoLink {
     this._shown = new Map();
     /** Pictures (camera's index, number) whose acknowledgement has not been sent. @type {[number, number][]} */
     this._used = [];
+    /** What the server says of each camera's pictures. @type {Record<string, object>} */
+    this.served = {};
     /** Pings since something came: a page that stood still has not been waiting meanwhile. */
     this._unanswered = 0;
     this._socket = new WebSocket(url);
@@ -82,13 +84,18 @@ export class VideoLink {
     this._send({ show: wishes });
   }
 
-  /** @param {string} reason */
-  _end(reason) {
-    if (this._timer === 0) return;
+  /** End it without a word to the listener. */
+  close() {
     clearInterval(this._timer);
     this._timer = 0;
     this._socket.onclose = this._socket.onmessage = this._socket.onopen = null;
     this._socket.close();
+  }
+
+  /** @param {string} reason */
+  _end(reason) {
+    if (this._timer === 0) return;
+    this.close();
     this._listener.closed(reason);
   }
 
@@ -122,6 +129,7 @@ export class VideoLink {
       this._listener.cameras(message.cameras);
     } else if (message.pong !== undefined) {
       this._clock.add(message.pong, now, message.time * 1000);
+      this.served = message.views;
     } else if (message.error !== undefined) {
       console.warn(`video server: ${message.error}`);
     }

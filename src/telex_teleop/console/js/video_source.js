@@ -45,8 +45,12 @@ export class VideoSource {
     this._topics = new Map(config.cameras.map(({ name, topic }) => [name, topic]));
     /** What is shown, the large view first. @type {string[]} */
     this._shown = [];
-    /** @type {VideoLink | null} */
+    /** Once the server has said which cameras there are. @type {VideoLink | null} */
     this._link = null;
+    /** The connection, or the attempt at one. @type {VideoLink | null} */
+    this._attempt = null;
+    /** @type {ReturnType<typeof setTimeout> | undefined} */
+    this._retry = undefined;
     this._refusals = 0;
     /** While pictures come another way than by the link. @type {AbortController | null} */
     this._fallback = null;
@@ -56,7 +60,7 @@ export class VideoSource {
 
   start() {
     let wasAnnounced = false;
-    const link = new VideoLink(this._url, {
+    const link = this._attempt = new VideoLink(this._url, {
       cameras: (cameras) => {
         wasAnnounced = true;
         this._refusals = 0;
@@ -68,13 +72,26 @@ export class VideoSource {
       },
       picture: (camera, picture, captured) => this._listener.picture(camera, picture, captured),
       closed: (reason) => {
-        this._link = null;
+        this._link = this._attempt = null;
         this._listener.complain(null, reason);
         if (!wasAnnounced) this._refusals += 1;
         if (this._refusals >= REFUSALS && this._fallback === null) this._startFallback();
-        setTimeout(() => this.start(), this._fallback === null ? RETRY_AFTER : RETRY_WEBSOCKET_AFTER);
+        this._retry = setTimeout(() => this.start(), this._fallback === null ? RETRY_AFTER : RETRY_WEBSOCKET_AFTER);
       },
     });
+  }
+
+  /** Give up every connection, until `start`. */
+  stop() {
+    clearTimeout(this._retry);
+    this._attempt?.close();
+    this._link = this._attempt = null;
+    this._endFallback();
+  }
+
+  /** What the server said last of the pictures that it has sent, by camera. */
+  get served() {
+    return this._link?.served ?? {};
   }
 
   /** @param {string[]} cameras  Of all views, the large one first. */

@@ -3,11 +3,12 @@
  * Gets, decodes and draws the pictures of all cameras on a thread of its own: whatever they cost, the page's thread is
  * free for keys and commands.
  *
- * From the page: `{start: {url, access, config}}` once; `{view: number, canvas, maxWidth}` for each view, once; `{show: camera[]}`, the camera of
- * each view, the large one first. To the page: `{cameras}` whenever there are others, `{views}` every REPORT_PERIOD; times as
+ * From the page: `{start: {url, access, config}}` once; `{view: number, canvas, maxWidth}` for each view, once; `{show: camera[], hidden}`, the camera of
+ * each view, the large one first, and whether nobody sees them; `{left}`, whether the page was left. To the page: `{cameras}` whenever there are others, `{views}` every REPORT_PERIOD; times as
  * Date.now() counts, since the two threads' performance.now() do not start at the same time.
  */
 
+import { Tally } from "./tally.js";
 import { VideoSource } from "./video_source.js";
 import { VideoView, decode } from "./video.js";
 
@@ -15,9 +16,10 @@ const REPORT_PERIOD = 200; // ms
 
 /**
  * Time (ms) that a small picture waits for the next large one, or for other small ones. All are composited at once then, which
- * is the dearest part where there is no GPU; waiting longer would save more, but show older pictures.
+ * is the dearest part where there is no GPU. Longer than the time between two large ones at their full rate, shorter than that between two
+ * small ones of a camera.
  */
-const PATIENCE = 12;
+const PATIENCE = 45;
 
 /** @type {VideoView[]} */
 const views = [];
@@ -27,6 +29,9 @@ const waiting = [];
 let timer = null;
 /** @type {VideoSource | null} */
 let source = null;
+const tally = new Tally();
+// Asked for in the worker itself: no page needs it.
+Object.assign(self, { takeTally: () => ({ ...tally.take(), served: source?.served ?? {} }) });
 
 function drawAll() {
   if (timer !== null) clearTimeout(timer);
@@ -43,6 +48,7 @@ const viewOf = (camera) => views.find((each) => each.camera === camera);
  * @param {number | null} captured
  */
 async function showPicture(camera, bytes, captured) {
+  const received = performance.now();
   if (viewOf(camera) === undefined) return;
   /** @type {ImageBitmap | VideoFrame} */
   let picture;
@@ -53,9 +59,14 @@ async function showPicture(camera, bytes, captured) {
     if (view !== undefined) view.trouble = "the camera's picture cannot be decoded";
     return;
   }
+  const decoded = performance.now();
   await new Promise((resolve) => {
     waiting.push(() => {
-      viewOf(camera)?.draw(picture, captured);
+      const view = viewOf(camera);
+      if (view !== undefined) {
+        view.draw(picture, captured);
+        tally.add(camera, { captured, received, decoded, painted: performance.now() });
+      }
       picture.close();
       resolve(null);
     });
@@ -84,9 +95,12 @@ self.onmessage = ({ data }) => {
     source.start();
   } else if (data.canvas !== undefined) {
     views[data.view] = new VideoView(data.canvas, data.maxWidth);
+  } else if (data.left !== undefined) {
+    if (data.left) source?.stop();
+    else source?.start();
   } else if (data.show !== undefined) {
     turn(data.show);
-    source?.show(data.show);
+    source?.show(data.hidden ? [] : data.show);
   }
 };
 

@@ -12,11 +12,11 @@ from typing import Any, Collection, Dict, List
 
 import rospy
 
-from ..controller_joints import controller_joints
-from ..controller_manager_client import ControllerManagerClient
-from ..params import ConfigError
-from ..transmission_parser import driven_joints
-from ..urdf_joints import UrdfError, parse_urdf
+from ..common.params import ConfigError
+from ..manager.client import ControllerManagerClient
+from ..manager.controller_joints import controller_joints
+from ..urdf.joints import UrdfError, parse_urdf
+from ..urdf.transmission_parser import driven_joints
 from . import program
 from .controller_manager import load, switch
 

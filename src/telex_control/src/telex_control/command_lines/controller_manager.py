@@ -8,7 +8,7 @@ from __future__ import annotations
 import sys
 from typing import Callable, Dict, List, Sequence
 
-from ..controller_manager_client import BEST_EFFORT, ControllerManagerClient
+from ..manager.client import BEST_EFFORT, ControllerManagerClient
 from . import program
 
 USAGE = """Usage: controller_manager COMMAND [NAME...]

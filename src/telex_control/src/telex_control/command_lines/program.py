@@ -1,4 +1,4 @@
-"""What the command lines share: how they begin, and how they end when ROS does not answer."""
+"""Common parts of the command lines: start, and end when ROS does not answer."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Callable, List, Type
 import rosgraph
 import rospy
 
-from ..node_start import init_node
+from ..ros.node_start import init_node
 
 SIGINT_STATUS = 130
 """Exit status of a program that was ended by SIGINT, by convention of shells."""
@@ -21,7 +21,7 @@ def run(name: str, work: Callable[[], int]) -> None:
     A manager that goes while it is asked is one line of error and status 1, not a traceback.
     """
     try:
-        init_node(name, anonymous=True)
+        init_node(name, anonymous=True, coarse_clock=True)
         status = work()
     except rospy.ROSInterruptException:
         status = 0

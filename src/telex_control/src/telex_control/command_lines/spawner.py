@@ -15,14 +15,14 @@ from typing import Any, Collection, Dict, List, Optional, Tuple
 import rosgraph
 import rosparam  # noqa: F401
 import rospy
-import yaml
 from controller_manager_msgs.msg import ControllerState
 from std_msgs.msg import Bool
 
-from ..controller_joints import controller_joints, without_joints
-from ..controller_manager_client import ControllerManagerClient
-from ..transmission_parser import driven_joints
-from ..urdf_joints import UrdfError, parse_urdf
+from ..common.yaml_files import load_yaml
+from ..manager.client import ControllerManagerClient
+from ..manager.controller_joints import controller_joints, without_joints
+from ..urdf.joints import UrdfError, parse_urdf
+from ..urdf.transmission_parser import driven_joints
 from . import program
 
 _WATCH_PERIOD = 0.5
@@ -120,7 +120,7 @@ def read_file(path: str, namespace: str = "") -> Dict[str, Any]:
     try:
         with open(path) as file:
             # rosparam has taught it angles (!degrees 90, deg(90)), which roslaunch reads, too.
-            params = yaml.safe_load(file)
+            params = load_yaml(file)
     except Exception as error:  # angles are evaluated as Python: the file can raise anything
         raise SpawnerError(f"{path}: {error}") from error
     if not isinstance(params, dict) or not _holds_controllers(params):

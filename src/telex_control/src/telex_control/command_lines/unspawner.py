@@ -9,7 +9,7 @@ from typing import Dict, List
 
 import rospy
 
-from ..controller_manager_client import BEST_EFFORT, ControllerManagerClient
+from ..manager.client import BEST_EFFORT, ControllerManagerClient
 from . import program
 
 PERIOD = 3.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 from typing import Dict, List, Type
 
-from ..controller import Controller, ControllerInitError
+from ..manager.controller import Controller, ControllerInitError
 
 _MODULES: Dict[str, str] = {
     "diff_drive_controller/DiffDriveController": "diff_drive_controller.DiffDriveController",

@@ -12,16 +12,16 @@ from nav_msgs.msg import Odometry
 from tf2_msgs.msg import TFMessage
 from trajectory_msgs.msg import JointTrajectoryPoint
 
-from ..controller import Controller, ControllerInitError
-from ..hardware_interface import JointHandle, RobotHW, VelocityJointInterface
-from ..node_handle import NodeHandle, Publisher, ReconfigurableParameter, Subscription
-from ..odometry import DifferentialOdometry
-from ..periodic import Periodic
-from ..plausible import speed_problem
-from ..ros_time import stamp
-from ..speed_limiter import SpeedLimiter
-from ..urdf_joints import UrdfError, parse_urdf
-from ..wheel_geometry import wheel_radius, wheel_separation
+from ..base.odometry import DifferentialOdometry
+from ..common.periodic import Periodic
+from ..common.plausible import speed_problem
+from ..hardware.hardware_interface import JointHandle, RobotHW, VelocityJointInterface
+from ..laws.speed_limiter import SpeedLimiter
+from ..manager.controller import Controller, ControllerInitError
+from ..ros.node_handle import NodeHandle, Publisher, ReconfigurableParameter, Subscription
+from ..ros.sim_time import stamp
+from ..urdf.joints import UrdfError, parse_urdf
+from ..urdf.wheel_geometry import wheel_radius, wheel_separation
 
 RECONFIGURABLE = (
     ReconfigurableParameter(

@@ -7,15 +7,15 @@ from typing import List, NamedTuple, Optional, Tuple
 
 from std_msgs.msg import Float64MultiArray
 
-from ..controller import Controller
-from ..gravity import JointGravity
-from ..hardware_interface import EffortJointInterface, JointHandle, RobotHW
-from ..joint_limits import clamp
-from ..node_handle import NodeHandle
-from ..pid import Pid
-from ..pid_reconfigure import PidSet
-from ..plausible import position_problem
-from ..urdf_joints import CONTINUOUS
+from ..common.plausible import position_problem
+from ..hardware.hardware_interface import EffortJointInterface, JointHandle, RobotHW
+from ..hardware.joint_limits import clamp
+from ..laws.gravity import JointGravity
+from ..laws.pid import Pid
+from ..laws.pid_reconfigure import PidSet
+from ..manager.controller import Controller
+from ..ros.node_handle import NodeHandle
+from ..urdf.joints import CONTINUOUS
 from .joint_description import joint_description
 from .joint_gravity import joint_gravity
 

@@ -7,16 +7,16 @@ from typing import Optional, Type
 
 from std_msgs.msg import Float64
 
-from ..controller import Controller
-from ..gravity import JointGravity
-from ..hardware_interface import EffortJointInterface, JointCommandInterface, RobotHW
-from ..joint_limits import clamp
-from ..node_handle import NodeHandle
-from ..params import read_config
-from ..pid_reconfigure import PidSet
-from ..plausible import position_problem
-from ..reference_filter import ReferenceFilter, ReferenceLimiter, ReferenceLimits
-from ..urdf_joints import CONTINUOUS
+from ..common.params import read_config
+from ..common.plausible import position_problem
+from ..hardware.hardware_interface import EffortJointInterface, JointCommandInterface, RobotHW
+from ..hardware.joint_limits import clamp
+from ..laws.gravity import JointGravity
+from ..laws.pid_reconfigure import PidSet
+from ..laws.reference_filter import ReferenceFilter, ReferenceLimiter, ReferenceLimits
+from ..manager.controller import Controller
+from ..ros.node_handle import NodeHandle
+from ..urdf.joints import CONTINUOUS
 from .joint_controller_state import JointControllerStatePublisher
 from .joint_description import joint_description
 from .joint_gravity import joint_gravity

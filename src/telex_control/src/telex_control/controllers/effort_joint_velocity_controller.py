@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from std_msgs.msg import Float64
 
-from ..controller import Controller
-from ..hardware_interface import EffortJointInterface, RobotHW
-from ..node_handle import NodeHandle
-from ..pid_reconfigure import PidSet
-from ..plausible import speed_problem
+from ..common.plausible import speed_problem
+from ..hardware.hardware_interface import EffortJointInterface, RobotHW
+from ..laws.pid_reconfigure import PidSet
+from ..manager.controller import Controller
+from ..ros.node_handle import NodeHandle
 from .joint_controller_state import JointControllerStatePublisher
 
 

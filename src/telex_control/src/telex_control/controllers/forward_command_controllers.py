@@ -6,8 +6,8 @@ from typing import Callable, Dict, List, Sequence, Tuple, Type
 
 from std_msgs.msg import Float64, Float64MultiArray
 
-from ..controller import Controller
-from ..hardware_interface import (
+from ..common.plausible import effort_problem, position_problem, speed_problem
+from ..hardware.hardware_interface import (
     EffortJointInterface,
     JointCommandInterface,
     JointHandle,
@@ -15,8 +15,8 @@ from ..hardware_interface import (
     RobotHW,
     VelocityJointInterface,
 )
-from ..node_handle import NodeHandle
-from ..plausible import effort_problem, position_problem, speed_problem
+from ..manager.controller import Controller
+from ..ros.node_handle import NodeHandle
 
 _PROBLEMS: Dict[Type[JointCommandInterface], Callable[[float], str]] = {
     EffortJointInterface: effort_problem,

@@ -8,13 +8,13 @@ from typing import Any, Deque, NamedTuple, Optional, Tuple
 
 from control_msgs.msg import GripperCommandAction, GripperCommandFeedback, GripperCommandResult
 
-from ..controller import Controller
-from ..hardware_interface import EffortJointInterface, PositionJointInterface, RobotHW
-from ..joint_limits import clamp
-from ..node_handle import ActionGoal, NodeHandle
-from ..periodic import Periodic
-from ..pid_reconfigure import PidSet
-from ..plausible import effort_problem, position_problem
+from ..common.periodic import Periodic
+from ..common.plausible import effort_problem, position_problem
+from ..hardware.hardware_interface import EffortJointInterface, PositionJointInterface, RobotHW
+from ..hardware.joint_limits import clamp
+from ..laws.pid_reconfigure import PidSet
+from ..manager.controller import Controller
+from ..ros.node_handle import ActionGoal, NodeHandle
 from .joint_description import joint_description
 from .pending import drain
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from control_msgs.msg import JointControllerState
 
-from ..hardware_interface import JointHandle
-from ..node_handle import NodeHandle
-from ..pid import Pid
-from ..ros_time import stamp
+from ..hardware.hardware_interface import JointHandle
+from ..laws.pid import Pid
+from ..ros.node_handle import NodeHandle
+from ..ros.sim_time import stamp
 
 STATE_DIVIDER = 10
 """The state is published in every tenth cycle, as upstream does."""

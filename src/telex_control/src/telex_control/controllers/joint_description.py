@@ -5,9 +5,9 @@ from __future__ import annotations
 import functools
 from typing import Dict
 
-from ..controller import ControllerInitError
-from ..node_handle import NodeHandle
-from ..urdf_joints import UrdfError, UrdfJoint, joints, parse_urdf
+from ..manager.controller import ControllerInitError
+from ..ros.node_handle import NodeHandle
+from ..urdf.joints import UrdfError, UrdfJoint, joints, parse_urdf
 
 
 def joint_description(root: NodeHandle, name: str) -> UrdfJoint:

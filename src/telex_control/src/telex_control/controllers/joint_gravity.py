@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ..controller import ControllerInitError
-from ..gravity import GravityError, JointGravity, gravity_of
-from ..hardware_interface import RobotHW
-from ..node_handle import NodeHandle
+from ..hardware.hardware_interface import RobotHW
+from ..laws.gravity import GravityError, JointGravity, gravity_of
+from ..manager.controller import ControllerInitError
+from ..ros.node_handle import NodeHandle
 
 
 def joint_gravity(hw: RobotHW, root: NodeHandle, name: str) -> JointGravity:

@@ -7,12 +7,12 @@ from typing import List
 
 from sensor_msgs.msg import JointState
 
-from ..controller import Controller
-from ..hardware_interface import JointStateHandle, JointStateInterface, RobotHW
-from ..node_handle import NodeHandle
-from ..params import ConfigError, read_config, require_text
-from ..periodic import Periodic
-from ..ros_time import stamp
+from ..common.params import ConfigError, read_config, require_text
+from ..common.periodic import Periodic
+from ..hardware.hardware_interface import JointStateHandle, JointStateInterface, RobotHW
+from ..manager.controller import Controller
+from ..ros.node_handle import NodeHandle
+from ..ros.sim_time import stamp
 
 
 @dataclass(frozen=True)

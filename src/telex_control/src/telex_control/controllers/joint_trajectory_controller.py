@@ -16,9 +16,8 @@ from control_msgs.msg import FollowJointTrajectoryResult as Result
 from control_msgs.srv import QueryTrajectoryState, QueryTrajectoryStateResponse
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from ..controller import Controller
-from ..gravity import JointGravity
-from ..hardware_interface import (
+from ..common.periodic import Periodic
+from ..hardware.hardware_interface import (
     EffortJointInterface,
     JointCommandInterface,
     JointHandle,
@@ -26,17 +25,18 @@ from ..hardware_interface import (
     RobotHW,
     VelocityJointInterface,
 )
-from ..joint_limits import clamp
-from ..node_handle import ActionGoal, NodeHandle, ServiceError
-from ..periodic import Periodic
-from ..pid import Pid
-from ..pid_reconfigure import PidSet
-from ..ros_time import stamp
+from ..hardware.joint_limits import clamp
+from ..laws.gravity import JointGravity
+from ..laws.pid import Pid
+from ..laws.pid_reconfigure import PidSet
+from ..manager.controller import Controller
+from ..ros.node_handle import ActionGoal, NodeHandle, ServiceError
+from ..ros.sim_time import stamp
 from ..trajectory.path import JointPath, Track
 from ..trajectory.spline import Sample
 from ..trajectory.tolerances import Tolerances, read_tolerances, with_goal
 from ..trajectory.waypoints import Bounds, TrajectoryError, check_joints, read_tracks
-from ..urdf_joints import CONTINUOUS
+from ..urdf.joints import CONTINUOUS
 from .joint_description import joint_description
 from .joint_gravity import joint_gravity
 from .pending import drain

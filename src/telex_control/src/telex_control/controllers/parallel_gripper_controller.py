@@ -6,12 +6,12 @@ import math
 from dataclasses import dataclass
 from typing import List, Optional, Tuple
 
-from ..controller import ControllerInitError
-from ..gravity import JointGravity
-from ..hardware_interface import EffortJointInterface, JointHandle, RobotHW
-from ..joint_limits import clamp
-from ..node_handle import NodeHandle
-from ..params import read_config, require, require_range
+from ..common.params import read_config, require, require_range
+from ..hardware.hardware_interface import EffortJointInterface, JointHandle, RobotHW
+from ..hardware.joint_limits import clamp
+from ..laws.gravity import JointGravity
+from ..manager.controller import ControllerInitError
+from ..ros.node_handle import NodeHandle
 from .gripper_action_controller import GripperCommandController, GripperState
 from .joint_description import joint_description
 from .joint_gravity import joint_gravity

@@ -1,4 +1,4 @@
-"""What callbacks leave for the control loop."""
+"""Values that callbacks hand over to the control loop."""
 
 from __future__ import annotations
 

@@ -7,8 +7,8 @@ from typing import Any, List, Optional, Sequence, Tuple, Type
 from geometry_msgs.msg import Quaternion, Vector3, WrenchStamped
 from sensor_msgs.msg import Imu
 
-from ..controller import Controller
-from ..hardware_interface import (
+from ..common.periodic import Periodic
+from ..hardware.hardware_interface import (
     ForceTorqueSensorHandle,
     ForceTorqueSensorInterface,
     HardwareInterface,
@@ -16,9 +16,9 @@ from ..hardware_interface import (
     ImuSensorInterface,
     RobotHW,
 )
-from ..node_handle import NodeHandle, Publisher
-from ..periodic import Periodic
-from ..ros_time import stamp
+from ..manager.controller import Controller
+from ..ros.node_handle import NodeHandle, Publisher
+from ..ros.sim_time import stamp
 
 _NOT_MEASURED = (-1.0, *(0.0,) * 8)
 """What sensor_msgs/Imu wants as the covariance of a quantity that is not measured."""

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from typing import Any, List, Optional, Sequence, Tuple
 
-from ..base_imu import BaseImu, BaseImuConfig, sensor_mount
-from ..braking import BrakingConfig, BrakingLimit
-from ..controller import ControllerInitError
-from ..gravity import GravityError, gravity_of, joint_states
-from ..hardware_interface import (
+from ..base.braking import BrakingConfig, BrakingLimit
+from ..base.imu import BaseImu, BaseImuConfig, sensor_mount
+from ..base.tracked_odometry import OdometryErrors, TrackedOdometry
+from ..base.yaw_rate_loop import YawRateLoop, YawRateLoopConfig
+from ..common.params import read_config
+from ..hardware.hardware_interface import (
     HardwareInterfaceError,
     ImuSensorHandle,
     ImuSensorInterface,
@@ -17,11 +18,10 @@ from ..hardware_interface import (
     RobotHW,
 )
 from ..kinematics.urdf_tree import KinematicsError
-from ..node_handle import NodeHandle
-from ..params import read_config
-from ..tracked_odometry import OdometryErrors, TrackedOdometry
-from ..urdf_joints import UrdfError, parse_urdf
-from ..yaw_rate_loop import YawRateLoop, YawRateLoopConfig
+from ..laws.gravity import GravityError, gravity_of, joint_states
+from ..manager.controller import ControllerInitError
+from ..ros.node_handle import NodeHandle
+from ..urdf.joints import UrdfError, parse_urdf
 from .diff_drive_controller import DiffDriveController
 
 _STANDS = 1e-3

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ..hardware_interface import VelocityJointInterface
-from ..node_handle import NodeHandle
+from ..hardware.hardware_interface import VelocityJointInterface
+from ..ros.node_handle import NodeHandle
 from . import effort_joint_position_controller
 
 

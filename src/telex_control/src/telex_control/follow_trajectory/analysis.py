@@ -1,9 +1,9 @@
-"""How far the tool was from where it was to be."""
+"""Errors of the tool on its path."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Tuple
+from dataclasses import dataclass, field
+from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -23,10 +23,49 @@ class Recording:
         Since the begin of the path, rising (s).
     positions : ndarray, shape (n, joints)
         Measured (rad, m), in the order of the chain.
+    overdue : ndarray, shape (m,)
+        By how long the next reference was overdue, whenever a controller told what it holds (s);
+        empty where nobody asked.
     """
 
     times: np.ndarray
     positions: np.ndarray
+    overdue: np.ndarray = field(default_factory=lambda: np.empty(0))
+
+
+def overdue(
+    due: Sequence[float], sent: Sequence[float], looks: Sequence[Tuple[float, float]]
+) -> List[float]:
+    """Tell how long a controller had been waiting for a reference, each time that it told its own.
+
+    Parameters
+    ----------
+    due : sequence of float
+        When references were wanted, rising (s): a controller uses one from the cycle after.
+    sent : sequence of float
+        The references (rad, m).
+    looks : sequence of tuple
+        Time, rising, and what the controller then held (s; rad, m).
+
+    Returns
+    -------
+    list of float
+        Since when the reference after the one that it held was due, or 0 (s). A look at a joint
+        that rests tells nothing and has no entry.
+    """
+    found: List[float] = []
+    held, newest = -1, -1
+    for time, value in looks:
+        while newest + 1 < len(due) and due[newest + 1] < time:
+            newest += 1
+        at = next((i for i in range(newest, max(held, 0) - 1, -1) if sent[i] == value), None)
+        if at is None:
+            continue
+        held = at
+        moves = held < newest or (held > 0 and sent[held] != sent[held - 1])
+        if moves:
+            found.append(time - due[held + 1] if held < newest else 0.0)
+    return found
 
 
 @dataclass(frozen=True)
@@ -41,12 +80,15 @@ class Result:
         s.
     desired, measured : ndarray, shape (n, 3)
         Places at these times (m).
+    overdue : ndarray, shape (m,)
+        See `Recording`.
     """
 
     name: str
     times: np.ndarray
     desired: np.ndarray
     measured: np.ndarray
+    overdue: np.ndarray = field(default_factory=lambda: np.empty(0))
 
     @property
     def error(self) -> np.ndarray:
@@ -66,6 +108,9 @@ class Result:
             delay=self._delay(),
             length=float(np.linalg.norm(np.diff(self.desired, axis=0), axis=1).sum()),
             duration=float(self.times[-1] - self.times[0]),
+            overdue=_three(np.percentile(self.overdue, (50, 99, 100)))
+            if len(self.overdue)
+            else None,
         )
 
     def _delay(self) -> float:
@@ -90,6 +135,9 @@ class Figures:
         Of the path (m).
     duration : float
         s.
+    overdue : tuple of 3 floats, optional
+        By how long the next reference was overdue at the controllers: in the median, the 99th
+        percentile and at most (s).
     """
 
     rms: float
@@ -99,6 +147,7 @@ class Figures:
     delay: float
     length: float
     duration: float
+    overdue: Optional[Tuple[float, float, float]] = None
 
 
 def _three(values: np.ndarray) -> Tuple[float, float, float]:
@@ -123,4 +172,4 @@ def analyse(name: str, motion: Motion, recording: Recording) -> Result:
             f"last at {last:.1f} s; more are needed"
         )
     measured = np.array([motion.chain.forward(q)[:3, 3] for q in recording.positions[inside]])
-    return Result(name, times, motion.tool(times), measured)
+    return Result(name, times, motion.tool(times), measured, recording.overdue)

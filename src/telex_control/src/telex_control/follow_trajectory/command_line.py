@@ -20,10 +20,10 @@ from ..command_lines import program
 from ..kinematics import Chain, IKSolver, KinematicsError
 from ..step_response.ros_session import find_namespace
 from ..step_response.runner import StepError
-from ..urdf_joints import UrdfError
+from ..urdf.joints import UrdfError
 from . import TrajectoryError, report, table
 from .analysis import Result, analyse
-from .follower import approach, follow
+from .follower import Rig, approach, follow
 from .paths import PLANES, SHAPES, Shape, from_csv
 from .paths import Path as ToolPath
 from .reference import Motion, plan
@@ -141,7 +141,7 @@ def tool_path(options: argparse.Namespace, tool: np.ndarray) -> ToolPath:
 
 
 def measure(options: argparse.Namespace) -> Result:
-    """Plan, lead the arm along the path and back, and write what it did.
+    """Carry it out on the running simulator; see `lead`.
 
     Raises
     ------
@@ -155,7 +155,25 @@ def measure(options: argparse.Namespace) -> Result:
         raise TrajectoryError(f"parameter {namespace}/robot_description is missing") from error
     chain = Chain.from_urdf(urdf, options.base, options.tip)
     watch = Watch(options.clearance)
-    rig = TrajectoryRig(namespace, chain.joint_names, options.rate, watch)
+    return lead(options, chain, TrajectoryRig(namespace, chain.joint_names, options.rate, watch))
+
+
+def lead(options: argparse.Namespace, chain: Chain, rig: Rig) -> Result:
+    """Plan, lead the arm along the path and back, and write what it did.
+
+    Parameters
+    ----------
+    options : Namespace
+        See `parse`.
+    chain : Chain
+        Of the arm.
+    rig : Rig
+        Of a robot at rest.
+
+    Raises
+    ------
+    TrajectoryError, StepError, KinematicsError
+    """
     home = [rig.reference(name) for name in chain.joint_names]
     tool = chain.forward(home)
     path = tool_path(options, tool[:3, 3])
@@ -168,6 +186,9 @@ def measure(options: argparse.Namespace) -> Result:
     recording = follow(rig, motion)
     result = analyse(options.shape or options.csv.stem, motion, recording)
     print("\n" + table.text([result]))
+    if result.figures.overdue is not None:
+        shown = " / ".join(f"{1000.0 * late:.0f}" for late in result.figures.overdue)
+        print(f"\nreferences overdue at the controllers (median / 99 % / most): {shown} ms")
     for file in report.write(options.out, result):
         print(file)
     print("moving back ...", flush=True)

@@ -13,7 +13,7 @@ from typing import List, Optional, Sequence
 import numpy as np
 
 from ..kinematics import Chain, IKSolver
-from ..urdf_joints import PRISMATIC
+from ..urdf.joints import PRISMATIC
 from . import TrajectoryError
 from .paths import Path
 from .speed_profile import SpeedProfile

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 from typing import List
 
-from ..figure_files import save
+from ..common.figure_files import save
 from . import figure, table
 from .analysis import Result
 

@@ -6,12 +6,13 @@ from typing import Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 import rospy
+from control_msgs.msg import JointControllerState
 from sensor_msgs.msg import JointState
 from telex_msgs.msg import Proximity, SimStatus
 
 from ..step_response.ros_session import RosRig
 from . import TrajectoryError
-from .analysis import Recording
+from .analysis import Recording, overdue
 from .watch import Watch
 
 References = Callable[[float], Mapping[str, float]]
@@ -51,8 +52,11 @@ class TrajectoryRig(RosRig):
         self._begin: Optional[float] = None
         self._next = 0.0
         self._samples_of_arm: List[Tuple[float, List[float]]] = []
+        # Of a stream: when references were due, and which; what controllers held, and when.
+        self._sent: List[Tuple[float, Mapping[str, float]]] = []
+        self._held: Dict[str, List[Tuple[float, float]]] = {joint: [] for joint in joints}
         self._watch = watch
-        super().__init__(namespace)
+        super().__init__(namespace, self._arm)
         rospy.Subscriber(f"{namespace}/sim/proximity", Proximity, watch.on_proximity)
         rospy.Subscriber(f"{namespace}/sim/status", SimStatus, watch.on_status)
         without = [joint for joint in self._arm if joint not in self._controllers]
@@ -88,7 +92,8 @@ class TrajectoryRig(RosRig):
 
     def stream(self, references: References, end: float) -> Recording:
         """See `Rig`."""
-        self._samples_of_arm = []
+        self._samples_of_arm, self._sent = [], []
+        self._held = {joint: [] for joint in self._arm}
         self._begin, self._next = None, 0.0
         self._references = references
         try:
@@ -104,7 +109,25 @@ class TrajectoryRig(RosRig):
         finally:
             self._references = None
         times, positions = zip(*self._samples_of_arm)
-        return Recording(np.array(times), np.array(positions))
+        return Recording(np.array(times), np.array(positions), self._overdue())
+
+    def _overdue(self) -> np.ndarray:
+        due = [time for time, _ in self._sent]
+        late: List[float] = []
+        for joint, looks in self._held.items():
+            late += overdue(due, [references[joint] for _, references in self._sent], looks)
+        return np.array(late)
+
+    def _keeper(self, joint: str) -> Callable[[JointControllerState], None]:
+        keep = super()._keeper(joint)
+
+        def keep_all(message: JointControllerState) -> None:
+            keep(message)
+            if self._references is not None and self._begin is not None:
+                time = message.header.stamp.to_sec() - self._begin
+                self._held[joint].append((time, message.set_point))
+
+        return keep_all
 
     def _on_joint_states(self, message: JointState) -> None:
         super()._on_joint_states(message)
@@ -121,5 +144,7 @@ class TrajectoryRig(RosRig):
         self._samples_of_arm.append((time, [measured[joint] for joint in self._arm]))
         if time >= self._next - 1e-6:
             self._next += self._period * max(1.0, np.floor((time - self._next) / self._period) + 1)
-            for joint, position in references(time).items():
+            wanted = references(time)
+            self._sent.append((time, wanted))
+            for joint, position in wanted.items():
                 self.command(joint, position)

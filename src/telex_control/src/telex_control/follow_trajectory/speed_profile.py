@@ -1,4 +1,4 @@
-"""How fast a path is run along: from rest to rest, with limited speed and acceleration."""
+"""Speed along a path: from rest to rest, with limited speed and acceleration."""
 
 from __future__ import annotations
 

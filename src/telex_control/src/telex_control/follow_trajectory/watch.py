@@ -1,4 +1,4 @@
-"""What ends a motion of the arm early: something that it would run into, a reset."""
+"""Reasons to end a motion of the arm early: an obstacle ahead, a reset."""
 
 from __future__ import annotations
 

@@ -9,8 +9,8 @@ from xml.etree import ElementTree
 import numpy as np
 import PyKDL
 
-from telex_control.urdf import by_name
-from telex_control.urdf_joints import CONTINUOUS, UrdfJoint, joints, parse_urdf
+from telex_control.urdf.elements import by_name
+from telex_control.urdf.joints import CONTINUOUS, UrdfJoint, joints, parse_urdf
 
 from .kdl_tree import kdl_tree
 from .poses import Floats
@@ -42,7 +42,7 @@ class Chain:
 
     Raises
     ------
-    KinematicsError, telex_control.urdf_joints.UrdfError
+    KinematicsError, telex_control.urdf.joints.UrdfError
     """
 
     def __init__(self, robot: ElementTree.Element, base: str, tip: str) -> None:

@@ -13,7 +13,7 @@ from typing import List, Sequence, Tuple
 
 import numpy as np
 
-from telex_control.urdf_joints import PRISMATIC
+from telex_control.urdf.joints import PRISMATIC
 
 from .chain import Chain
 from .urdf_tree import FIXED, KinematicsError

@@ -14,7 +14,7 @@ from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Optional, Tu
 import numpy as np
 import PyKDL
 
-from telex_control.urdf_joints import PRISMATIC
+from telex_control.urdf.joints import PRISMATIC
 
 from .chain import Chain, matrix
 from .ik_options import IKOptions

@@ -1,8 +1,8 @@
 """Compiled numerics of the inverse kinematics: one chain, one thread, no allocation in the loop.
 
-The method stands in docs/inverse_kinematics.md. Everything is computed in the target's frame: the
-first constant of the chain is multiplied by the target's inverse once a call, after which the
-target is the identity, and tolerances along its axes are those of single components.
+The method stands in docs/engineer/inverse_kinematics.md. Everything is computed in the target's
+frame: the first constant of the chain is multiplied by the target's inverse once a call, after
+which the target is the identity, and tolerances along its axes are those of single components.
 
 All kernels stand in one file, because numba takes a cached kernel for fresh as long as its own file
 is: a change of a callee elsewhere would go unnoticed.

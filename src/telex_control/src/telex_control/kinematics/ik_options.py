@@ -1,4 +1,4 @@
-"""What may be asked of the inverse kinematics."""
+"""Options of the inverse kinematics."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Optional, Tuple
 
-from telex_control.params import require, require_choice, require_range
+from telex_control.common.params import require, require_choice, require_range
 
 FREE = math.inf
 _NONE = (0.0, 0.0, 0.0)
@@ -91,7 +91,7 @@ class Tolerance:
 
 @dataclass(frozen=True)
 class IKOptions:
-    """Options of the inverse kinematics; `telex_control.params.read_config` reads them too.
+    """Options of the inverse kinematics; `telex_control.common.params.read_config` reads them too.
 
     Attributes
     ----------

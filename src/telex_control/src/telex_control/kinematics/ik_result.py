@@ -1,4 +1,4 @@
-"""What the inverse kinematics answers."""
+"""Results of the inverse kinematics."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from typing import Any, Deque, Dict, List, Optional, Tuple
 
 import numpy as np
 
-from telex_control.plausible import LARGEST_POSITION, LARGEST_SPEED, LONGEST
+from telex_control.common.plausible import LARGEST_POSITION, LARGEST_SPEED, LONGEST
 
 from .chain import Chain
 from .ik_options import Goal, IKOptions, Mode, Tolerance
@@ -195,7 +195,7 @@ class IKSolver:
             Of the tip in the base frame (m).
         seed : sequence of float, shape (n,), optional
             Where to begin (rad, m), and what to stay near to; may lie outside the limits, up to
-            `telex_control.plausible.LARGEST_POSITION`. The middle of the joints' ranges without it.
+            `plausible.LARGEST_POSITION`. The middle of the joints' ranges without it.
         tolerance : Tolerance, optional
             Instead of that of the options.
 

@@ -1,4 +1,4 @@
-"""What both backends of the inverse kinematics work on and answer."""
+"""Tasks and results that both backends of the inverse kinematics share."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ from typing import List, Tuple
 
 import numpy as np
 
-from telex_control.urdf_joints import PRISMATIC
+from telex_control.urdf.joints import PRISMATIC
 
 from .chain import Chain, matrix
 from .kdl_tree import kdl_frame

@@ -7,8 +7,8 @@ from typing import Optional
 import numpy as np
 import PyKDL
 
-from telex_control.urdf import Origin
-from telex_control.urdf_joints import PRISMATIC
+from telex_control.urdf.elements import Origin
+from telex_control.urdf.joints import PRISMATIC
 
 from .urdf_tree import FIXED, Inertial, TreeJoint, UrdfTree
 

@@ -7,7 +7,7 @@ from typing import Sequence, Union
 
 import numpy as np
 
-from telex_control.plausible import LARGEST_POSITION
+from telex_control.common.plausible import LARGEST_POSITION
 
 from .urdf_tree import KinematicsError
 

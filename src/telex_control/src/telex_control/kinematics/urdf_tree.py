@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Dict, Iterator, List, Optional, Tuple
 from xml.etree import ElementTree
 
-from telex_control.urdf import (
+from telex_control.urdf.elements import (
     Origin,
     UrdfError,
     Vector,
@@ -18,7 +18,7 @@ from telex_control.urdf import (
     root_links,
     vector,
 )
-from telex_control.urdf_joints import MOVABLE
+from telex_control.urdf.joints import MOVABLE
 
 FIXED = "fixed"
 
@@ -87,7 +87,7 @@ class UrdfTree:
 
     Raises
     ------
-    KinematicsError, telex_control.urdf.UrdfError
+    KinematicsError, telex_control.urdf.elements.UrdfError
         The links form no tree, a joint is of another kind, or a number is wrong.
     """
 

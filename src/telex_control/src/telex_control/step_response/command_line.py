@@ -14,7 +14,8 @@ import rospkg
 import yaml
 
 from ..command_lines import program
-from ..params import ConfigError
+from ..common.params import ConfigError
+from ..common.yaml_files import load_yaml
 from . import report, table
 from .plan import CURRENT, Plan
 from .ros_session import RosRig, find_namespace, require_running
@@ -43,7 +44,7 @@ def read_plan(path: Path) -> Plan:
 
 def _yaml(path: Path) -> Any:
     with open(path, encoding="utf-8") as file:
-        return yaml.safe_load(file)
+        return load_yaml(file)
 
 
 def _size(text: str) -> float:

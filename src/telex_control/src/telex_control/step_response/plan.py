@@ -1,11 +1,11 @@
-"""Which joint is stepped from where to where."""
+"""Plan of a step response: joints, start and target positions."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from typing import Any, Dict, List, Mapping, Sequence, Tuple
 
-from ..params import ConfigError, read_struct, require, require_range, require_text
+from ..common.params import ConfigError, read_struct, require, require_range, require_text
 
 CURRENT = "current"
 """The posture in which the robot is."""

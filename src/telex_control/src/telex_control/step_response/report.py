@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Dict, List, Sequence, Tuple
 
-from ..figure_files import save
+from ..common.figure_files import save
 from . import figure, table
 from .plan import Plan
 from .runner import StepResult

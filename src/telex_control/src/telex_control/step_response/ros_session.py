@@ -14,8 +14,8 @@ from rosgraph import Master
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
 
-from ..controller_manager_client import ControllerManagerClient
-from ..urdf_joints import UrdfError, UrdfJoint, joints, parse_urdf
+from ..manager.client import ControllerManagerClient
+from ..urdf.joints import UrdfError, UrdfJoint, joints, parse_urdf
 from .analysis import Recording, RecordingError
 from .runner import StepError
 
@@ -62,6 +62,9 @@ class RosRig:
     ----------
     namespace : str
         Of the robot, without a slash at its end.
+    only : sequence of str, optional
+        Joints whose controllers are wanted; those of others are not listened to, which would cost
+        simulator and client some hundred messages a second. Left out: all.
 
     Raises
     ------
@@ -70,7 +73,7 @@ class RosRig:
         stop is pressed; or no position controller runs.
     """
 
-    def __init__(self, namespace: str) -> None:
+    def __init__(self, namespace: str, only: Optional[Sequence[str]] = None) -> None:
         self._namespace = namespace
         self._manager = ControllerManagerClient(namespace)
         self._stopped = False
@@ -79,7 +82,10 @@ class RosRig:
         self._samples: List[Tuple[float, float, float]] = []
         self._recorded: Optional[str] = None
         self._lock = threading.Lock()
-        self._controllers = self._running_controllers()
+        running = self._running_controllers()
+        self._controllers = {
+            joint: name for joint, name in running.items() if only is None or joint in only
+        }
         rospy.Subscriber(f"{namespace}/e_stop", Bool, self._on_e_stop)
         rospy.Subscriber(
             f"{namespace}/joint_states", JointState, self._on_joint_states, tcp_nodelay=True

@@ -18,7 +18,7 @@ from typing import (
     Sequence,
 )
 
-from ..urdf_joints import PRISMATIC, UrdfJoint
+from ..urdf.joints import PRISMATIC, UrdfJoint
 from .analysis import Recording, StepFigures, analyse
 from .plan import CURRENT, Plan
 

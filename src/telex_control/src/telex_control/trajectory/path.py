@@ -1,4 +1,4 @@
-"""What one joint is to do from now on: pieces in the order of time, which can be replaced."""
+"""The motion ahead of one joint: pieces in order of time, which can be replaced."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How exactly a trajectory has to be followed."""
+"""Tolerances of trajectories."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any, Dict, Iterable, Sequence
 
 from control_msgs.msg import FollowJointTrajectoryResult as Result
 
-from ..params import ConfigError
+from ..common.params import ConfigError
 from .waypoints import TrajectoryError
 
 

@@ -7,7 +7,7 @@ from typing import Any, Collection, Dict, List, Mapping, NamedTuple, Sequence
 
 from control_msgs.msg import FollowJointTrajectoryResult as Result
 
-from ..plausible import (
+from ..common.plausible import (
     LARGEST_ACCELERATION,
     LONGEST,
     number_problem,

@@ -1,4 +1,4 @@
-"""Where the files of a scene lie."""
+"""Addresses of the files of a scene."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which visuals are drawn together, and their common mesh.
+"""Groups of visuals that are drawn together, and their common mesh.
 
 A draw call costs as much as some hundred triangles. What is fixed to the same frame and has the
 same texture needs only one; colours stand at the vertices.
@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import dataclass, replace
-from typing import Callable, Dict, Iterable, List, NamedTuple, Sequence, Tuple
+from functools import cached_property
+from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
-from .meshes import Mesh
+from .meshes import Mesh, primitive_mesh
 from .scene import Shape, Visual
 from .texture_mapping import box_mapped
 from .transforms import pose_matrices
@@ -69,7 +70,7 @@ class Batch:
         """Whether they belong in the shadow map."""
         return self.visuals[0].casts_shadow
 
-    @property
+    @cached_property
     def content(self) -> Tuple[Visual, ...]:
         """What tells its mesh from others: the same for frames with the same visuals.
 
@@ -121,6 +122,26 @@ def _chunks(
         else:
             cells[tuple(np.floor(position / CHUNK_SIZE).astype(int))].append(visual)
     return [*cells.values(), *alone]
+
+
+def merge_visuals(
+    visuals: Sequence[Visual], files: Sequence[Optional[Mesh]]
+) -> Tuple[np.ndarray, np.ndarray]:
+    """Make one mesh of visuals, as `merge` does.
+
+    Parameters
+    ----------
+    visuals
+        Of one frame.
+    files
+        For each of them what its file contains, or None for a primitive.
+    """
+    return merge(
+        [
+            Part(visual, primitive_mesh(visual) if file is None else file.scaled(visual.size))
+            for visual, file in zip(visuals, files)
+        ]
+    )
 
 
 def merge(parts: Sequence[Part]) -> Tuple[np.ndarray, np.ndarray]:

@@ -105,14 +105,10 @@ def carried(outline: Outline, positions: np.ndarray) -> Carried:
     return Carried(sample, np.stack([along, _outwards(beside, tangents)], axis=1))
 
 
-def moved(
-    outline: Outline,
-    places: Carried,
-    positions: np.ndarray,
-    normals: Optional[np.ndarray],
-    travel: float,
-) -> Tuple[np.ndarray, Optional[np.ndarray]]:
-    """Carry vertices along an outline.
+class Riders:
+    """Vertices that are carried along an outline.
+
+    In the plane of x and z, points are complex numbers x + iz: to turn one is to multiply it.
 
     Parameters
     ----------
@@ -120,39 +116,66 @@ def moved(
         Of the belt.
     positions, normals
         At rest, shape (V, 3); normals may be left out.
-    travel
-        How far (m).
-
-    Returns
-    -------
-    tuple of numpy.ndarray
-        Positions and, if given, normals; shape (V, 3), float32.
     """
-    shift = (travel / outline.length) % 1.0 * _SAMPLES
-    whole = int(shift)
-    points, tangents = (
-        _between(curve, whole, shift - whole) for curve in (outline.points, outline.tangents)
-    )
-    tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
-    new = tangents[places.sample]
-    along, outwards = places.offset.T
-    there = np.array(positions, dtype=np.float32)
-    point = points[places.sample]
-    there[:, 0] = point[:, 0] + along * new[:, 0] - outwards * new[:, 1]
-    there[:, 2] = point[:, 1] + along * new[:, 1] + outwards * new[:, 0]
-    if normals is None:
-        return there, None
-    old = outline.tangents[places.sample]
-    cos, sin = np.einsum("ij,ij->i", old, new), old[:, 0] * new[:, 1] - old[:, 1] * new[:, 0]
-    turned = np.array(normals, dtype=np.float32)
-    turned[:, 0] = cos * normals[:, 0] - sin * normals[:, 2]
-    turned[:, 2] = sin * normals[:, 0] + cos * normals[:, 2]
-    return there, turned
+
+    def __init__(
+        self,
+        outline: Outline,
+        places: Carried,
+        positions: np.ndarray,
+        normals: Optional[np.ndarray] = None,
+    ) -> None:
+        points, tangents = _plane(outline.points), _plane(outline.tangents)
+        self._points, self._tangents = _twice(points), _twice(tangents)
+        self._length = outline.length
+        self._sample = places.sample
+        self._offset = _plane(places.offset).astype(np.complex64)
+        self._positions = np.array(positions, dtype=np.float32)
+        self._normals = None if normals is None else np.array(normals, dtype=np.float32)
+        if normals is not None:
+            # As they would be where the tangent is along x.
+            self._upright = (_plane(normals[:, [0, 2]]) * tangents[places.sample].conj()).astype(
+                np.complex64
+            )
+
+    def at(self, travel: float) -> Tuple[np.ndarray, Optional[np.ndarray]]:
+        """Carry them so far (m) from their rest.
+
+        Returns
+        -------
+        tuple of numpy.ndarray
+            Positions and, if there are any, normals; shape (V, 3), float32. They hold until the
+            next call.
+        """
+        shift = (travel / self._length) % 1.0 * _SAMPLES
+        whole = int(shift)
+        points, tangents = (
+            _between(curve, whole, shift - whole) for curve in (self._points, self._tangents)
+        )
+        tangents /= np.abs(tangents)
+        tangent, place = tangents[self._sample], points[self._sample]
+        place += self._offset * tangent
+        self._positions[:, 0], self._positions[:, 2] = place.real, place.imag
+        if self._normals is not None:
+            tangent *= self._upright
+            self._normals[:, 0], self._normals[:, 2] = tangent.real, tangent.imag
+        return self._positions, self._normals
 
 
-def _between(curve: np.ndarray, whole: int, part: float) -> np.ndarray:
+def _plane(vectors: np.ndarray) -> np.ndarray:
+    """Complex numbers of vectors (x, z), shape (N, 2)."""
+    return vectors[:, 0] + 1j * vectors[:, 1]
+
+
+def _twice(curve: np.ndarray) -> np.ndarray:
+    """Go around a closed curve twice, so that each shift of it is a part."""
+    return np.concatenate([curve, curve, curve[:1]]).astype(np.complex64)
+
+
+def _between(twice: np.ndarray, whole: int, part: float) -> np.ndarray:
     """Shift a closed curve by whole samples and part of one."""
-    return (1.0 - part) * np.roll(curve, -whole, axis=0) + part * np.roll(curve, -whole - 1, axis=0)
+    here, following = (twice[first : first + _SAMPLES] for first in (whole, whole + 1))
+    return here + np.float32(part) * (following - here)
 
 
 def _outwards(beside: np.ndarray, tangents: np.ndarray) -> np.ndarray:

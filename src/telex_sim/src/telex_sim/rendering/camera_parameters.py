@@ -7,7 +7,7 @@ from typing import Any, Collection, Dict, Mapping, TypeVar
 
 import yaml
 
-from telex_control.params import ConfigError, read_struct
+from telex_control.common.params import ConfigError, read_struct
 
 from ..scene.yaml_text import read_yaml
 

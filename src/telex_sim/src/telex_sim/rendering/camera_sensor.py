@@ -1,8 +1,8 @@
-"""What a camera makes of the renderer's pictures: lens, exposure, noise."""
+"""Model of a camera: lens, exposure and noise of the renderer's pictures."""
 
 from __future__ import annotations
 
-from typing import Iterable, Iterator, Tuple
+from typing import Iterable, Iterator, Optional, Tuple
 
 import numpy as np
 
@@ -53,6 +53,8 @@ class CameraSensor:
         self._control = control
         self._lens = LensMap(self.camera, config.detail * detail)
         self._noise = SensorNoise(config.width, config.height, seed)
+        # By the lens, while the renderer repeats its picture.
+        self._bent: Optional[np.ndarray] = None
 
     @property
     def moments(self) -> Tuple[float, ...]:
@@ -85,11 +87,21 @@ class CameraSensor:
         picture = _mean(pictures, len(self.moments))
         if self.config.exposure.auto:
             self._control.meter(picture)
-        picture = self._lens.bend(picture)
+        picture = self._bend(picture, renderer.repeats)
         # What is amplified twice as much is sqrt(2) times as noisy, because half the light came.
         self._noise.add(picture, self.config.noise * exposure_factor(0.5 * max(ev, 0.0)), stamp)
         self._noise.irradiate(picture, self.config.radiation, stamp)
         return picture
+
+    def _bend(self, picture: np.ndarray, repeated: bool) -> np.ndarray:
+        if not repeated:
+            self._bent = None
+        if self._bent is None:
+            bent = self._lens.bend(picture)
+            if not repeated or bent is picture:
+                return bent
+            self._bent = bent
+        return self._bent.copy()  # for what follows writes into it
 
     def depth(self, renderer: SceneRenderer) -> np.ndarray:
         """Return depths along z (m, inf for none) of what `take` took last.

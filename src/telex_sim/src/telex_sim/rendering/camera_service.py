@@ -12,7 +12,7 @@ from telex_msgs.srv import (
     ConfigureCameraResponse,
 )
 
-from telex_control.params import ConfigError
+from telex_control.common.params import ConfigError
 
 from .camera_parameters import as_yaml, changed, plain
 from .camera_stream import CameraStream

@@ -29,9 +29,10 @@ Locate = Callable[[np.ndarray, float], np.ndarray]
 camera depends, and of the monotonic time (s)."""
 
 
-PREVIEW_WEIGHT = 2.0
-"""What previews count for when there is too little time: as much as the camera for driving, so that
-both fall behind alike. Counting less, they starved: it is always due again before they are."""
+LARGE_WEIGHT = 3.0
+"""What pictures of full size count for beside previews when there is too little time: they keep
+their rate until previews have fallen to a third of theirs, whichever camera somebody looks through.
+"""
 
 Setting = Tuple[OpticsConfig, float]
 """How a camera is set, and its zoom."""
@@ -45,7 +46,7 @@ class PictureSize:
     stream
         The camera's topics.
     make_sensor
-        Makes what takes the pictures, of a setting.
+        Makes what takes the pictures, of a setting and a scale.
     pacer
         Says when they are due.
     """
@@ -53,13 +54,13 @@ class PictureSize:
     def __init__(
         self,
         stream: CameraStream,
-        make_sensor: Callable[[Setting], CameraSensor],
+        make_sensor: Callable[[Setting, float], CameraSensor],
         pacer: FramePacer,
     ) -> None:
         self.stream = stream
         self.pacer = pacer
         self._make_sensor = make_sensor
-        self._made_for: Optional[Setting] = None
+        self._made_for: Optional[Tuple[Setting, float]] = None
         self._sensor: Optional[CameraSensor] = None
 
     @property
@@ -67,13 +68,18 @@ class PictureSize:
         """By which its rate counts, when there is too little time for all."""
         return self.stream.weight_of(self)
 
+    @property
+    def is_preview(self) -> bool:
+        """Whether it is that of the previews."""
+        return self.stream.is_preview(self)
+
     def sensor(self) -> CameraSensor:
         """Return the camera as it is set now; ask once for each picture."""
-        setting = self.stream.setting
-        if self._sensor is None or setting is not self._made_for:
-            self._sensor = self._make_sensor(setting)
+        wanted = (self.stream.setting, 1.0 if self.is_preview else self.stream.scale)
+        if self._sensor is None or wanted != self._made_for:
+            self._sensor = self._make_sensor(*wanted)
             self.pacer.rate = self._sensor.config.rate
-            self._made_for = setting
+            self._made_for = wanted
         return self._sensor
 
 
@@ -118,10 +124,12 @@ class CameraStream:
         # Of both sizes: it is one camera.
         exposure = ExposureControl()
 
-        def full_size(setting: Setting) -> CameraSensor:
-            return CameraSensor(*setting, seed, exposure, detail)
+        def full_size(setting: Setting, scale: float) -> CameraSensor:
+            config, zoom = setting
+            reduced = config.reduced(max(round(scale * config.width), config.small().width))
+            return CameraSensor(reduced, zoom, seed, exposure, detail)
 
-        def small_size(setting: Setting) -> CameraSensor:
+        def small_size(setting: Setting, scale: float) -> CameraSensor:
             return CameraSensor(setting[0].small(), setting[1], seed, exposure, detail)
 
         self._full = PictureSize(self, full_size, FramePacer(config.rate, repeat_rate))
@@ -130,6 +138,7 @@ class CameraStream:
         # Replaced as a whole by ROS's threads, read once a picture by the one that renders.
         self._writing = threading.Lock()
         self._setting: Setting = (config, 1.0)
+        self._scale = 1.0
         self._publishers: List[rospy.Publisher] = []
         self._depth: Optional[rospy.Publisher] = None
         self._zoom: Optional[rospy.Subscriber] = None
@@ -208,9 +217,13 @@ class CameraStream:
             self._depth.unregister()
             self._depth = None
 
+    def is_preview(self, size: PictureSize) -> bool:
+        """Whether a size is that of the previews."""
+        return size is self._small
+
     def weight_of(self, size: PictureSize) -> float:
         """How much a size's rate counts, when there is too little time for all."""
-        return 1.0 + self.config.priority if size is self._full else PREVIEW_WEIGHT
+        return LARGE_WEIGHT * (1.0 + self.config.priority) if size is self._full else 1.0
 
     @property
     def wanted(self) -> List[PictureSize]:
@@ -279,6 +292,16 @@ class CameraStream:
             shape = (small.config.width, small.config.height)
             reduced = cv2.resize(picture, shape, interpolation=cv2.INTER_AREA)
             self._publish_preview(small, reduced, stamp)
+
+    def scale_by(self, scale: float) -> None:
+        """Make pictures of full size smaller by a factor, where `scale` lets that be."""
+        self._scale = scale
+
+    @property
+    def scale(self) -> float:
+        """Factor on the size of full pictures: 1 where others than eyes have use of them."""
+        used = _is_heard(self._raw) or _is_heard(self._info) or self._wants_depth
+        return 1.0 if used else self._scale
 
     def _publish_preview(
         self, sensor: CameraSensor, picture: np.ndarray, stamp: rospy.Time

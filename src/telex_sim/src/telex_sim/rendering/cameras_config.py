@@ -7,7 +7,7 @@ import re
 from dataclasses import dataclass, field, replace
 from typing import Dict, Optional, Tuple, TypeVar
 
-from telex_control.params import (
+from telex_control.common.params import (
     ConfigError,
     require,
     require_choice,
@@ -55,7 +55,7 @@ class PreviewConfig:
 
     Raises
     ------
-    telex_control.params.ConfigError
+    telex_control.common.params.ConfigError
     """
 
     width: int = 320
@@ -87,7 +87,8 @@ class OpticsConfig:
     rate
         Pictures per second of wall time while somebody looks.
     priority
-        When there is not enough time for all, pictures are shared out by rate times (1 + priority).
+        When there is not enough time for all, pictures of full size are shared out by rate times
+        (1 + priority).
     jpeg_quality
         1 to 100.
     exposure
@@ -109,7 +110,7 @@ class OpticsConfig:
 
     Raises
     ------
-    telex_control.params.ConfigError
+    telex_control.common.params.ConfigError
     """
 
     width: int
@@ -160,20 +161,18 @@ class OpticsConfig:
         return replace(wide, focal_length=zoom * wide.focal_length)
 
     def small(self: Optics) -> Optics:
-        """Return the same camera as its previews show it.
+        """Return the same camera as its previews show it."""
+        reduced = self.reduced(min(self.preview.width, self.width))
+        return replace(reduced, rate=self.preview.rate, jpeg_quality=self.preview.jpeg_quality)
+
+    def reduced(self: Optics, width: int) -> Optics:
+        """Return the same camera with smaller pictures, so many pixels wide.
 
         Reducing a picture takes the mean of pixels, and noise from it in proportion.
         """
-        width = min(self.preview.width, self.width)
         scale = width / self.width
-        return replace(
-            self,
-            width=width,
-            height=max(round(scale * self.height), _MIN_SIZE),
-            rate=self.preview.rate,
-            jpeg_quality=self.preview.jpeg_quality,
-            noise=scale * self.noise,
-        )
+        height = max(round(scale * self.height), _MIN_SIZE)
+        return replace(self, width=width, height=height, noise=scale * self.noise)
 
     def pinhole(self, zoom: float = 1.0) -> PinholeCamera:
         """Return a camera without distortion that has the same field of view."""
@@ -192,7 +191,7 @@ class CameraConfig(OpticsConfig):
 
     Raises
     ------
-    telex_control.params.ConfigError
+    telex_control.common.params.ConfigError
     """
 
     frame: str = field(default_factory=required)
@@ -227,7 +226,7 @@ class ViewConfig:
 
     Raises
     ------
-    telex_control.params.ConfigError
+    telex_control.common.params.ConfigError
     """
 
     mode: str = FOLLOW
@@ -266,7 +265,7 @@ class OverviewConfig(OpticsConfig):
 
     Raises
     ------
-    telex_control.params.ConfigError
+    telex_control.common.params.ConfigError
     """
 
     follow: str = "base_link"
@@ -300,7 +299,7 @@ class LampConfig:
 
     Raises
     ------
-    telex_control.params.ConfigError
+    telex_control.common.params.ConfigError
     """
 
     frame: str
@@ -372,12 +371,16 @@ class CamerasConfig:
         share poses share what these cost.
     shadow_period
         Time between the shadows of moving things (s), as far as newer ones are needed: when
-        pictures follow each other closely, several share them.
+        pictures follow each other closely, several share them. Longer while full pictures are
+        smaller, by the inverse of their area.
+    smallest
+        While somebody watches previews and they fall behind for want of time, pictures of full size
+        become smaller, at least by this factor of width and height; 1: they keep their size.
     seed
         Of all noise.
     niceness
         By how much the process steps back for others, above all for the physics, 0 to 19. Left out,
-        it is 5, or 10 where the simulator does not come before ordinary processes.
+        it is 0, or 10 where the simulator does not come before ordinary processes.
     software_threads
         Further threads for rendering without a graphics card. More give each picture sooner and
         take the cores from the physics; with 0 the node never uses more than one.
@@ -386,7 +389,7 @@ class CamerasConfig:
 
     Raises
     ------
-    telex_control.params.ConfigError
+    telex_control.common.params.ConfigError
     """
 
     cameras: Dict[str, CameraConfig]
@@ -399,7 +402,8 @@ class CamerasConfig:
     shadow_radius: float = 9.0
     repeat_rate: float = 5.0
     max_pose_age: float = 0.004
-    shadow_period: float = 0.035
+    shadow_period: float = 0.05
+    smallest: float = 1.0
     seed: int = 0
     niceness: Optional[int] = None
     software_threads: int = 0
@@ -425,6 +429,7 @@ class CamerasConfig:
         require_range(self, "repeat_rate", above=0.0)
         require_range(self, "max_pose_age", 0.0, 1.0)
         require_range(self, "shadow_period", 0.0, 1.0)
+        require_range(self, "smallest", maximum=1.0, above=0.0)
         require_range(self, "seed", 0)
         if self.niceness is not None:
             require_range(self, "niceness", 0, 19)

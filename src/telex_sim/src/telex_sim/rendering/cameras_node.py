@@ -15,14 +15,15 @@ import rospkg
 import rospy
 from telex_msgs.msg import SceneDescription, ScenePoses
 
-from telex_control.node_start import init_node, until_shutdown
-from telex_control.params import ConfigError, read_config
-from telex_control.scheduling import may_come_first, step_back
+from telex_control.common.params import ConfigError, read_config
+from telex_control.common.scheduling import may_come_first, step_back
+from telex_control.ros.node_start import init_node, until_shutdown
 
-from ..config import read_simulator_config
+from ..engine.config import read_simulator_config
 from .camera_service import CameraService
 from .camera_stream import CameraStream, PictureSize
 from .cameras_config import OPENGL, TINY, CamerasConfig
+from .content_store import shared_store
 from .frame_pacer import next_due
 from .gl_context import NoContextError, create_context
 from .lamp_switches import LampSwitches
@@ -33,9 +34,10 @@ from .renderer import Renderer
 from .scene_inbox import Arrival, SceneInbox
 from .scene_mirror import SceneMirror
 from .scene_renderer import SceneRenderer
+from .size_by_load import SizeByLoad
 from .tiny_renderer import TinyRenderer
 
-_NICENESS, _NICENESS_BESIDE_ORDINARY = 5, 10
+_NICENESS, _NICENESS_BESIDE_ORDINARY = 0, 10
 """Of this process beside a simulator that comes first, and beside one that does not."""
 
 # Longest wait for the simulator before looking at who listens again (s).
@@ -95,6 +97,7 @@ class CamerasNode:
             [lamp.lamp(name, config.model) for name, lamp in config.lamps.items()],
             [stream.scene_frame for stream in self._streams],
         )
+        self._sizes = SizeByLoad(config.smallest)
         self._inbox = SceneInbox()
         self._placed: Optional[Arrival] = None
         # Of which poses the shadows are, and since when.
@@ -114,10 +117,12 @@ class CamerasNode:
             now = time.monotonic()
             wanted = [size for stream in self._streams for size in stream.wanted]
             self._follow_poses(bool(wanted), now)
+            self._choose_sizes(wanted, now)
             # News come first after every picture: when there is more to show than time, one is
             # always due.
             if not self._show_next(wanted, now):
                 self._inbox.wait(_PATIENCE)
+                self._sizes.rested(time.monotonic() - now)
 
     def release(self) -> None:
         """Free what draws."""
@@ -143,6 +148,15 @@ class CamerasNode:
         self._renderer = self._make_renderer(config)
         self._mirror.change_renderer(self._renderer)
         self._placed = None
+
+    def _choose_sizes(self, wanted: List[PictureSize], now: float) -> None:
+        """Make full pictures smaller where there is no time for previews beside them."""
+        before = self._sizes.scale
+        self._sizes.judge(now, sum(size.pacer.rate for size in wanted if size.is_preview))
+        if self._sizes.scale != before:
+            rospy.loginfo("pictures of full size are scaled by %g", self._sizes.scale)
+            for stream in self._streams:
+                stream.scale_by(self._sizes.scale)
 
     def _follow_poses(self, wanted: bool, now: float) -> None:
         """Listen to the poses only while somebody looks: they come many times a second."""
@@ -175,7 +189,8 @@ class CamerasNode:
 
     def _place(self, newest: Arrival, size: PictureSize, now: float) -> bool:
         """Have poses placed that a camera may be shown; returns whether there are any."""
-        recast = now - self._cast_time >= self._config.shadow_period
+        period = self._config.shadow_period * self._sizes.shadow_spacing
+        recast = now - self._cast_time >= period
         placed = self._placed
         if placed is not None:
             if placed.poses is newest.poses:
@@ -198,6 +213,8 @@ class CamerasNode:
         """Take a camera's picture of the poses that are placed, and publish it."""
         assert self._placed is not None
         stream = size.stream
+        if size.is_preview:
+            self._sizes.shown()
 
         def moments(times: Sequence[float]) -> Iterator[np.ndarray]:
             return self._moments(stream, times, now)
@@ -282,4 +299,5 @@ def make_renderer(config: CamerasConfig) -> SceneRenderer:
         choose_quality(config.quality, name),
         replace(Lighting(), shadow_radius=config.shadow_radius),
         package_path,
+        shared_store(),
     )

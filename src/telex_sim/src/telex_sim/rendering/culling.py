@@ -1,4 +1,4 @@
-"""What a view can see at all, by bounding spheres and by the cones of lamps."""
+"""Culling by bounding spheres, against views and cones of lamps."""
 
 from __future__ import annotations
 

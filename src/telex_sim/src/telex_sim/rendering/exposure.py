@@ -1,4 +1,4 @@
-"""How long a camera exposes: by hand, or by how bright its last pictures were."""
+"""Exposure of a camera: by hand, or by the brightness of its last pictures."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Optional
 
 import numpy as np
 
-from telex_control.params import require, require_range
+from telex_control.common.params import require, require_range
 
 _MAX_EV = 16.0
 
@@ -44,7 +44,7 @@ class ExposureConfig:
 
     Raises
     ------
-    telex_control.params.ConfigError
+    telex_control.common.params.ConfigError
     """
 
     auto: bool = False

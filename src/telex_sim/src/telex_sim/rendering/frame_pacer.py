@@ -1,9 +1,12 @@
-"""When a camera's next picture is due, and which camera's comes first."""
+"""Order in which cameras are served, and the time of each one's next picture."""
 
 from __future__ import annotations
 
 import math
-from typing import Optional, Protocol, Sequence, TypeVar
+from typing import Optional, Protocol, Sequence, Tuple, TypeVar
+
+OLDEST = 0.6
+"""Time since its last picture (s) from which a camera comes before all that have waited less."""
 
 
 class FramePacer:
@@ -91,7 +94,7 @@ def next_due(cameras: Sequence[Camera], now: float, stamp: int) -> Optional[Came
     """Choose the camera whose picture comes next, or None when none is due.
 
     When there is not enough time for all, each gets pictures in the proportion of its rate times
-    its weight: the operator's eyes see most, and none goes blind.
+    its weight: those with less weight give way first, and evenly. But none is left to grow old.
 
     Parameters
     ----------
@@ -101,9 +104,10 @@ def next_due(cameras: Sequence[Camera], now: float, stamp: int) -> Optional[Came
         As for `FramePacer.is_due`.
     """
 
-    def urgency(camera: Camera) -> float:
+    def urgency(camera: Camera) -> Tuple[float, float]:
         pacer = camera.pacer
-        return pacer.waited(now) * pacer.rate * camera.weight
+        waited = pacer.waited(now)
+        return (waited if waited > OLDEST else 0.0, waited * pacer.rate * camera.weight)
 
     due = [camera for camera in cameras if camera.pacer.is_due(now, stamp)]
     return max(due, key=urgency) if due else None

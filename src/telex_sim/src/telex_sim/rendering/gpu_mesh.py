@@ -8,7 +8,16 @@ from typing import Dict, Optional
 import moderngl
 import numpy as np
 
-from .belts import belt_angle, belt_outline, carried, moved, subdivided, wheel_radius
+from .belts import (
+    Carried,
+    Riders,
+    belt_angle,
+    belt_outline,
+    carried,
+    subdivided,
+    wheel_radius,
+)
+from .content_store import ContentStore
 from .simplification import simplified
 
 # The fields of `batching.VERTEX` as OpenGL takes them: form, bytes, name.
@@ -31,6 +40,8 @@ class GpuMesh:
         As `batching.merge` returns them.
     shadow_detail
         What is smaller need not show in shadows (m).
+    store
+        Where coarser shapes are kept.
 
     Attributes
     ----------
@@ -44,12 +55,13 @@ class GpuMesh:
         vertices: np.ndarray,
         triangles: np.ndarray,
         shadow_detail: float,
+        store: ContentStore,
     ) -> None:
         self._context = context
         self._vertices = context.buffer(vertices.tobytes())
         self._triangles = context.buffer(np.ascontiguousarray(triangles).tobytes())
         positions = vertices["position"]
-        outline = simplified(positions, triangles, shadow_detail)
+        outline = store.get(simplified, positions, triangles, shadow_detail)
         self._outline = tuple(context.buffer(np.ascontiguousarray(part)) for part in outline)
         self._arrays: Dict[moderngl.Program, moderngl.VertexArray] = {}
         self.center = 0.5 * (positions.min(axis=0) + positions.max(axis=0)).astype(np.float64)
@@ -95,7 +107,7 @@ class BeltMesh(GpuMesh):
 
     Parameters
     ----------
-    context, vertices, triangles, shadow_detail
+    context, vertices, triangles, shadow_detail, store
         As for `GpuMesh`.
 
     Raises
@@ -110,16 +122,24 @@ class BeltMesh(GpuMesh):
         vertices: np.ndarray,
         triangles: np.ndarray,
         shadow_detail: float,
+        store: ContentStore,
     ) -> None:
-        self._at_rest, triangles = subdivided(vertices, triangles)
-        super().__init__(context, self._at_rest, triangles, shadow_detail)
-        self._silhouette = np.frombuffer(self._outline[0].read(), dtype=np.float32).reshape(-1, 3)
-        self._path = belt_outline(self._at_rest["position"])
-        self._places = carried(self._path, self._at_rest["position"])
-        self._silhouette_places = carried(self._path, self._silhouette)
+        rest, triangles = store.get(subdivided, vertices, triangles)
+        super().__init__(context, rest, triangles, shadow_detail, store)
+        self._running = rest.copy()
+        self._path = belt_outline(rest["position"])
+        self._surface = self._riders(store, rest["position"], rest["normal"])
+        silhouette = np.frombuffer(self._outline[0].read(), dtype=np.float32).reshape(-1, 3)
+        self._silhouette = self._riders(store, silhouette)
         self._radius: Optional[float] = None
         self._angle = 0.0
         self._shown = 0.0
+
+    def _riders(
+        self, store: ContentStore, positions: np.ndarray, normals: Optional[np.ndarray] = None
+    ) -> Riders:
+        places = Carried(*store.get(carried, self._path, positions))
+        return Riders(self._path, places, positions, normals)
 
     def run(self, belt_in_world: np.ndarray, wheel_in_world: np.ndarray) -> None:
         """Move to where the wheel that drives it has turned; poses have the shape (4, 4)."""
@@ -133,11 +153,8 @@ class BeltMesh(GpuMesh):
         if abs(travel - self._shown) < _STILL:
             return
         self._shown = travel
-        rest = self._at_rest
-        vertices = rest.copy()
-        vertices["position"], vertices["normal"] = moved(
-            self._path, self._places, rest["position"], rest["normal"], travel
-        )
-        self._vertices.write(vertices.tobytes())
-        silhouette, _ = moved(self._path, self._silhouette_places, self._silhouette, None, travel)
-        self._outline[0].write(silhouette.tobytes())
+        vertices = self._running
+        vertices["position"], vertices["normal"] = self._surface.at(travel)
+        self._vertices.write(vertices)
+        silhouette, _ = self._silhouette.at(travel)
+        self._outline[0].write(silhouette)

@@ -11,10 +11,11 @@ import moderngl
 import numpy as np
 
 from .addresses import AddressError, PackagePath, resolve_address
-from .batching import Batch, Part, batches, bounding_radius, merge
+from .batching import Batch, batches, bounding_radius, merge_visuals
+from .content_store import ContentStore
 from .gpu_mesh import BeltMesh, GpuMesh
 from .mesh_files import MeshFileError, MeshPart, load_mesh, load_parts
-from .meshes import Mesh, primitive_mesh
+from .meshes import Mesh
 from .procedural_textures import TextureNameError, generate_texture, is_generated
 from .programs import PICTURE_UNIT, LitProgram
 from .renewed_cache import RenewedCache
@@ -54,6 +55,8 @@ class GpuScene:
         What is smaller need not show in shadows (m).
     package_path
         Gives the directory of a ROS package.
+    store
+        Where content is kept from one start to the next.
 
     Attributes
     ----------
@@ -73,8 +76,10 @@ class GpuScene:
         anisotropy: float,
         shadow_detail: float,
         package_path: PackagePath,
+        store: ContentStore,
     ) -> None:
         self._context = context
+        self._store = store
         self._anisotropy = anisotropy
         self._shadow_detail = shadow_detail
         self._package_path = package_path
@@ -200,7 +205,9 @@ class GpuScene:
         if visual.part >= 0:
             return self._file_parts(visual)[visual.part].mesh
         path = self._path(visual)
-        return self._files.get((path, _last_change(path)), lambda: load_mesh(path))
+        return self._files.get(
+            (path, _last_change(path)), lambda: Mesh(*self._store.get(load_mesh, path))
+        )
 
     def _path(self, visual: Visual) -> Path:
         return Path(resolve_address(visual.mesh, self._package_path))
@@ -217,20 +224,20 @@ class GpuScene:
         )
 
         def upload() -> GpuMesh:
-            merged = merge([self._part(item) for item in batch.visuals])
+            files = [
+                self._file(visual) if visual.shape is Shape.MESH else None
+                for visual in batch.visuals
+            ]
+            vertices, triangles = self._store.get(merge_visuals, batch.content, files)
+            what = (self._context, vertices, triangles, self._shadow_detail, self._store)
             if batch.drive:
                 try:
-                    return BeltMesh(self._context, *merged, self._shadow_detail)
+                    return BeltMesh(*what)
                 except ValueError as error:
                     problems.add(f"{batch.visuals[0].label} does not run: {error}")
-            return GpuMesh(self._context, *merged, self._shadow_detail)
+            return GpuMesh(*what)
 
         return self._meshes.get((batch.content, files), upload)
-
-    def _part(self, visual: Visual) -> Part:
-        if visual.shape is Shape.MESH:
-            return Part(visual, self._file(visual).scaled(visual.size))
-        return Part(visual, primitive_mesh(visual))
 
     def _texture_or_none(self, batch: Batch, problems: Set[str]) -> Optional[moderngl.Texture]:
         if not batch.texture:
@@ -245,7 +252,8 @@ class GpuScene:
     def _texture(self, address: str) -> moderngl.Texture:
         if is_generated(address):
             return self._textures.get(
-                address, lambda: self._upload_texture(generate_texture(address))
+                address,
+                lambda: self._upload_texture(self._store.get(generate_texture, address)),
             )
         path = Path(resolve_address(address, self._package_path))
         key: Hashable = (path, _last_change(path))

@@ -15,6 +15,7 @@ import numpy as np
 from .culling import spheres_in_view
 from .gpu_scene import GpuScene
 from .lamps import LampRig
+from .transforms import is_still
 
 # What is nearer to a lamp is its housing, which throws no shadow (m).
 _NEAREST_CASTER = 0.06
@@ -22,9 +23,6 @@ _NEAREST_CASTER = 0.06
 # A tile shows a little more than the cone, so that no look-up at its edge falls beside the tile;
 # lamps that shine all around have shadows in front of them, up to this angle (rad).
 _BESIDE_CONE, _WIDEST = 0.06, 2.5
-
-# What moves less than this does not change a shadow that anybody could see (m, or rad at 1 m).
-_STILL = 1e-4
 
 # Slope factor and constant of OpenGL's polygon offset: against surfaces that shade themselves.
 _POLYGON_OFFSET = (2.0, 4.0)
@@ -47,9 +45,10 @@ class _Tile:
         return (
             self.pose is not None
             and self.casters is not None
-            and float(np.abs(pose - self.pose).max()) < _STILL
+            and self.model is not None
+            and is_still(pose, self.pose)
             and np.array_equal(casters, self.casters)
-            and float(np.abs(model - self.model).max(initial=0.0)) < _STILL
+            and is_still(model, self.model)
         )
 
 

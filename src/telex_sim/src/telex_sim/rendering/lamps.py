@@ -1,4 +1,4 @@
-"""Which of a scene's lamps light a picture, and how the shaders hear of them."""
+"""Choice of the lamps that light a picture, and their uniforms."""
 
 from __future__ import annotations
 

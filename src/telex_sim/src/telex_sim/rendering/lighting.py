@@ -1,4 +1,4 @@
-"""What the light does to a picture, and the sun's view that its shadow map shows."""
+"""Light of a scene, and the sun's view that its shadow map shows."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What mesh files say of their parts: corners, colour and texture; and libraries of materials."""
+"""Appearance of parts of mesh files: corners, colour, texture; libraries of materials."""
 
 from __future__ import annotations
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import rospy
 from telex_msgs.msg import OverviewView
 
-from telex_control.params import ConfigError
+from telex_control.common.params import ConfigError
 
 from .camera_stream import CameraStream
 from .cameras_config import OVERVIEW, OverviewConfig, ViewConfig

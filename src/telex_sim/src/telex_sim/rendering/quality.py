@@ -1,4 +1,4 @@
-"""How much work a picture may cost, by what does the work."""
+"""Tiers of quality, by what renders."""
 
 from __future__ import annotations
 

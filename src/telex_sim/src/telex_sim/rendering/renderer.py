@@ -11,9 +11,11 @@ import numpy as np
 
 from .addresses import PackagePath
 from .camera import PinholeCamera
+from .content_store import ContentStore
 from .culling import spheres_in_view, spheres_in_world
 from .frame_target import FrameTarget
-from .gpu_scene import GpuScene
+from .gpu_scene import Drawable, GpuScene
+from .kept_pictures import KeptPictures
 from .lamp_shadows import LampShadows
 from .lamps import NEAREST, LampRig
 from .lighting import Lighting, light_uniforms
@@ -44,7 +46,8 @@ class Renderer:
 
     All calls must come from the thread that made the context. For each set of pictures of the same
     poses: ``place``, then ``render`` for each camera. Shadows are cast by the first picture of a
-    set, for all of it; nothing is drawn for poses that nobody looks at.
+    set, for all of it; nothing is drawn for poses that nobody looks at, nor anew where nothing has
+    moved.
 
     Parameters
     ----------
@@ -54,6 +57,13 @@ class Renderer:
         What to draw with.
     package_path
         Gives the directory of a ROS package, for package:// addresses.
+    store
+        Where content of scenes is kept; None: nowhere.
+
+    Attributes
+    ----------
+    repeats : bool
+        As `SceneRenderer` has it.
     """
 
     def __init__(
@@ -62,6 +72,7 @@ class Renderer:
         quality: Quality,
         lighting: Lighting,
         package_path: PackagePath,
+        store: Optional[ContentStore] = None,
     ) -> None:
         self._context = context
         self._quality = quality
@@ -70,7 +81,13 @@ class Renderer:
         self._programs = LitPrograms(context, quality.shadow_lookups, lamp_lookups)
         self._skies = {fog: SkyProgram(context, fog) for fog in (False, True)}
         depth = depth_program(context)
-        self._scene = GpuScene(context, quality.anisotropy, quality.shadow_detail, package_path)
+        self._scene = GpuScene(
+            context,
+            quality.anisotropy,
+            quality.shadow_detail,
+            package_path,
+            store or ContentStore(),
+        )
         radius = lighting.shadow_radius
         self._shadows = ShadowMap(context, depth, radius, quality.shadow_map_size)
         self._lamp_shadows = LampShadows(
@@ -83,13 +100,19 @@ class Renderer:
         self._cover = SkyCover(context, depth)
         self._targets: OrderedDict[Tuple[int, int], FrameTarget] = OrderedDict()
         self._warm: Set[LitProgram] = set()
+        self._cold: List[Tuple[LitVariant, Drawable]] = []
+        self._shown = False
         self._model = np.zeros((0, 4, 4))
         self._centers = np.zeros((0, 3))
         self._focus = np.zeros(3)
         self._frames_in_world = np.zeros((0, 4, 4))
         self._belts_placed = True
         self._cast = False
+        self.repeats = False
+        self._kept = KeptPictures()
         self._depth_source: Optional[FrameTarget] = None
+        # Picture that was given again, as `_draw` takes it: its depths are those of another one.
+        self._not_drawn: Optional[Tuple[PinholeCamera, np.ndarray, float]] = None
         self._take_light(Scene(0, (), ()))
 
     def load_scene(self, scene: Scene) -> List[str]:
@@ -102,28 +125,39 @@ class Renderer:
         """
         self._take_light(scene)
         problems = self._scene.load(scene)
-        self._warm_up(len(scene.lamps))
+        self._cold = self._needed_programs(len(scene.lamps))
+        self._shown = False
         return problems
 
-    def _warm_up(self, lamps: int) -> None:
-        """Use each program that the scene can need once.
-
-        Drivers compile a program when it first draws; that would interrupt the pictures.
-        """
+    def _needed_programs(self, lamps: int) -> List[Tuple[LitVariant, Drawable]]:
+        """List the programs that the scene can need, each with something that it can draw."""
         rooms = [0]
         while rooms[-1] < _room_for(lamps, self._quality.lamps):
             rooms.append(_room_for(rooms[-1] + 1, self._quality.lamps))
-        self._begin_pass()
-        self._target(1, 1).begin()
-        self._use_maps()
         # Any surface does, but what its texture is like matters.
         samples = {drawable.texture is not None: drawable for drawable in self._scene.drawables}
-        for textured, drawable in samples.items():
-            for room in rooms:
-                program = self._programs.get(replace(self._base, textured=textured, lamps=room))
-                if program not in self._warm:
-                    self._warm.add(program)
-                    drawable.draw(program)
+        return [
+            (replace(self._base, textured=textured, lamps=room), drawable)
+            for room in rooms
+            for textured, drawable in samples.items()
+        ]
+
+    def _warm_up(self) -> None:
+        """Use the next program once that has not been used yet.
+
+        Drivers compile a program when it first draws; many at once would interrupt the pictures.
+        """
+        while self._cold:
+            variant, drawable = self._cold.pop()
+            program = self._programs.get(variant)
+            if program in self._warm:
+                continue
+            self._warm.add(program)
+            self._begin_pass()
+            self._target(1, 1).begin()
+            self._use_maps()
+            drawable.draw(program)
+            return
 
     def _take_light(self, scene: Scene) -> None:
         daylight: Daylight = scene.daylight
@@ -135,6 +169,7 @@ class Renderer:
         self._cover.invalidate()
         self._lamp_shadows.invalidate()
         self._cast = False
+        self._kept.forget()
         self._base = LitVariant(
             textured=False,
             sun=sun,
@@ -164,6 +199,7 @@ class Renderer:
         self._lamps.set_levels(levels)
         if not np.array_equal(before, self._lamps.levels):
             self._cast = False
+            self._kept.forget()
 
     def place(self, frames_in_world: np.ndarray, focus: np.ndarray, recast: bool = True) -> None:
         """Move everything to where it is now.
@@ -189,6 +225,7 @@ class Renderer:
         self._lamps.place(frames_in_world)
         self._focus = np.asarray(focus, dtype=np.float64)
         self._cast = self._cast and not recast
+        self._kept.place(frames_in_world, self._focus, recast)
 
     def _prepare(self) -> None:
         """Do what all pictures of these poses share: let belts run, and cast the shadows."""
@@ -233,7 +270,24 @@ class Renderer:
             RGBA, shape (height, width, 4), uint8, rows from above. The memory is the renderer's:
             the next picture of that size overwrites it.
         """
+        if self._shown:  # the first picture of a scene is not to wait for programs of others
+            self._warm_up()
+        self._shown = True
         self._prepare()
+        kept = self._kept.find(camera, optical_in_world, exposure)
+        self.repeats = kept is not None
+        if kept is not None:
+            self._not_drawn = (camera, optical_in_world, exposure)
+            return self._target(camera.width, camera.height).lend(kept)
+        picture = self._draw(camera, optical_in_world, exposure)
+        self._kept.keep(camera, optical_in_world, exposure, picture)
+        return picture
+
+    def _draw(
+        self, camera: PinholeCamera, optical_in_world: np.ndarray, exposure: float
+    ) -> np.ndarray:
+        """Draw what `render` returns."""
+        self._not_drawn = None
         clip_from_optical = camera.clip_from_optical()
         clip_from_world = clip_from_optical @ rigid_inverse(optical_in_world)
         eye = optical_in_world[:3, 3]
@@ -276,6 +330,8 @@ class Renderer:
         ValueError
             When the last picture was of another size, or there is none.
         """
+        if self._not_drawn is not None:
+            self._draw(*self._not_drawn)
         size = (camera.width, camera.height)
         if self._depth_source is None or self._depth_source is not self._targets.get(size):
             raise ValueError(f"the last picture was not of {camera.width}x{camera.height} pixels")

@@ -1,4 +1,4 @@
-"""What the ``cameras`` node needs of whatever renders."""
+"""Interface between the ``cameras`` node and a renderer."""
 
 from __future__ import annotations
 
@@ -11,7 +11,15 @@ from .scene import Scene
 
 
 class SceneRenderer(Protocol):
-    """Renders one scene for any number of cameras, in one thread."""
+    """Renders one scene for any number of cameras, in one thread.
+
+    Attributes
+    ----------
+    repeats : bool
+        Whether the last picture was what the view before it had shown: nothing has moved.
+    """
+
+    repeats: bool
 
     def load_scene(self, scene: Scene) -> List[str]:
         """Take over a scene; returns what could not be loaded, and why."""

@@ -9,7 +9,7 @@ from typing import Dict, Optional, Tuple
 import cv2
 import numpy as np
 
-from telex_control.params import require_range
+from telex_control.common.params import require_range
 
 # Pixels by which noise is moved about from picture to picture, along each axis: enough places for
 # nobody to see it come again.
@@ -42,7 +42,7 @@ class RadiationConfig:
 
     Raises
     ------
-    telex_control.params.ConfigError
+    telex_control.common.params.ConfigError
     """
 
     dose_rate: float = 0.0

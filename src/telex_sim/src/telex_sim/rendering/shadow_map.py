@@ -14,9 +14,7 @@ import numpy as np
 from .culling import spheres_in_view
 from .gpu_scene import GpuScene
 from .lighting import SunView, sun_axes, sun_view
-
-# What moves less than this does not change a shadow that anybody could see (m, or rad at 1 m).
-_STILL = 1e-4
+from .transforms import STILL, is_still
 
 # Pixels.
 _MARGIN = 1
@@ -49,8 +47,8 @@ class _Drawn(NamedTuple):
             place[-1] >= len(self.casters) or (self.casters[place] != casters).any()
         ):
             return False
-        moved = float(np.abs(model[casters] - self.model[place]).max(initial=0.0))
-        return moved < _STILL and float(np.abs(focus - self.focus).max()) < wander
+        stands = is_still(model[casters], self.model[place])
+        return stands and float(np.abs(focus - self.focus).max()) < wander
 
 
 class ShadowMap:
@@ -116,7 +114,7 @@ class ShadowMap:
         """
         casters = np.flatnonzero(scene.casts_shadow)
         sharp = self._drawn[0]
-        if sharp is None or not sharp.holds(casters, model, focus, _STILL):
+        if sharp is None or not sharp.holds(casters, model, focus, STILL):
             self._draw(0, scene, model, centers, casters, focus)
         axes = sun_axes(self._to_sun)[:2]
         beside = np.abs((centers[casters] - focus) @ axes.T).max(axis=1)

@@ -1,4 +1,4 @@
-"""How much of the light from above things take from what is below and beside them.
+"""Occlusion of the light from above (ambient occlusion).
 
 Where no sun shines, soft shadows at the foot of things tell where they stand. A map of heights, as
 seen from straight above, is blurred: a point is in the shade as far as the blurred map is above it.
@@ -15,6 +15,7 @@ import numpy as np
 from .culling import spheres_in_view
 from .gpu_scene import GpuScene
 from .programs import column_major
+from .transforms import is_still
 
 # Half the side of the square around the focus that the map shows, and side of its pixels (m).
 _RADIUS, _TEXEL = 4.0, 0.05
@@ -27,8 +28,6 @@ _HEADROOM, _DEPTH = 1.5, 4.0
 
 # Pixels along the map's edge in which the shade fades.
 _BORDER = 8
-
-_STILL = 1e-4
 
 
 class SkyCover:
@@ -71,7 +70,7 @@ class SkyCover:
         if (
             self._drawn_model is not None
             and (middle == self._drawn_corner).all()
-            and float(np.abs(model[solid] - self._drawn_model).max(initial=0.0)) < _STILL
+            and is_still(model[solid], self._drawn_model)
         ):
             return
         self._drawn_model, self._drawn_corner = model[solid].copy(), middle

@@ -1,4 +1,4 @@
-"""What procedural textures are made of: seamless noise, relief, cells.
+"""Parts of procedural textures: seamless noise, relief, cells.
 
 All arrays are square, float32, and repeat without a seam.
 """

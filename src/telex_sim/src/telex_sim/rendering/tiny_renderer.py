@@ -48,6 +48,8 @@ class TinyRenderer:
         Whether the sun casts shadows, faint ones, at three times the cost.
     """
 
+    repeats = False
+
     def __init__(self, package_path: PackagePath, shadows: bool = False) -> None:
         self._shadows = shadows
         self._package_path = package_path

@@ -9,6 +9,9 @@ import numpy as np
 
 Quaternion = Tuple[float, float, float, float]
 
+STILL = 1e-4
+"""Motion that changes neither a shadow nor a picture that anybody could see (m, or rad at 1 m)."""
+
 
 def pose_matrices(poses: np.ndarray) -> np.ndarray:
     """Homogeneous matrices of poses.
@@ -51,6 +54,11 @@ def pose_matrices(poses: np.ndarray) -> np.ndarray:
     matrices[:, :3, 3] = poses[:, :3]
     matrices[:, 3, 3] = 1.0
     return matrices
+
+
+def is_still(now: np.ndarray, before: np.ndarray) -> bool:
+    """Whether poses or points, of any shape, are so near to others that nobody could see it."""
+    return now.shape == before.shape and float(np.abs(now - before).max(initial=0.0)) < STILL
 
 
 def rigid_inverse(matrix: np.ndarray) -> np.ndarray:

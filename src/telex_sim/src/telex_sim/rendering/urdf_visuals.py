@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Dict, List, Optional, Tuple
 from xml.etree import ElementTree
 
-from telex_control.urdf import UrdfError, end, number, numbers, origin, vector
-from telex_control.urdf_joints import CONTINUOUS, parse_urdf
+from telex_control.urdf.elements import UrdfError, end, number, numbers, origin, vector
+from telex_control.urdf.joints import CONTINUOUS, parse_urdf
 
 from .scene import Color, Shape, Vector3
 from .transforms import Quaternion, quaternion_from_rpy

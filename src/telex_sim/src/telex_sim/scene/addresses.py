@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from urllib.parse import quote
 
-from telex_control.params import require
+from telex_control.common.params import require
 
 _WITH_SCHEME = ("package://", "file://", "generated:")
 

@@ -17,7 +17,7 @@ from typing import Dict, Hashable, List, Optional, Sequence, Tuple
 
 import numpy as np
 
-from telex_control.params import ConfigError, require
+from telex_control.common.params import ConfigError, require
 
 from . import mass_properties
 from .assets import Assets

@@ -9,7 +9,7 @@ from typing import Callable, Optional, Tuple
 import numpy as np
 import rospkg
 
-from telex_control.params import ConfigError
+from telex_control.common.params import ConfigError
 
 from ..rendering.addresses import AddressError, PackagePath, resolve_address
 from ..rendering.mesh_files import MeshFileError, load_mesh

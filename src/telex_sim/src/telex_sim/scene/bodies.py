@@ -10,9 +10,9 @@ from typing import Callable, Dict, Hashable, Iterator, List, Optional, Sequence,
 
 import pybullet
 
-from telex_control.params import ConfigError
+from telex_control.common.params import ConfigError
 
-from ..overlaps import DEEPEST, MOST_NAMED, overlaps
+from ..engine.overlaps import DEEPEST, MOST_NAMED, overlaps
 from .assembly import Assembly, BodyPlan, Segment, Shape
 from .latches import Latch, wake
 from .mechanisms import Mechanism

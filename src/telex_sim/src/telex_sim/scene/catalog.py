@@ -1,4 +1,4 @@
-"""Where scenes lie: the shipped ones, and those in the folders of ``TELEX_SCENE_PATH``."""
+"""Catalogue of scenes: the shipped ones, and the folders of ``TELEX_SCENE_PATH``."""
 
 from __future__ import annotations
 

@@ -8,8 +8,8 @@ import textwrap
 from pathlib import Path
 from typing import Callable, List, Optional, Sequence
 
-from telex_control.params import ConfigError
-from telex_control.urdf_joints import UrdfError
+from telex_control.common.params import ConfigError
+from telex_control.urdf.joints import UrdfError
 
 from .assets import Assets
 from .catalog import PATH_VARIABLE, find_scene, scenes
@@ -41,7 +41,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="scene",
-        description="Scenes of the simulator; docs/scenes.md describes their files.",
+        description="Scenes of the simulator; docs/instructor/scenes.md describes their files.",
         epilog=f"Scenes are also found by name in the folders of {PATH_VARIABLE} (separated by :).",
     )
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
@@ -81,8 +81,8 @@ def _check(options: argparse.Namespace) -> int:
 
 def _without_robot() -> Callable[[Path], Scene]:
     # Physics takes a moment to load, which the other commands do without.
-    from ..offline import shipped_config
-    from ..rehearsal import Rehearsal
+    from ..offline.simulation import shipped_config
+    from ..rehearsal.trial import Rehearsal
 
     config = shipped_config()
 
@@ -96,7 +96,7 @@ def _without_robot() -> Callable[[Path], Scene]:
 
 
 def _with_robot(options: argparse.Namespace) -> Callable[[Path], Scene]:
-    from ..world import WorldError
+    from ..engine.world import WorldError
     from .robot_in_scene import place_robot, robot_description
 
     urdf = robot_description(options.variant)

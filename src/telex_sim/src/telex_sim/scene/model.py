@@ -1,8 +1,8 @@
-"""What a scene consists of.
+"""Model of a scene.
 
 Scene files and the library of objects produce these values; the physics (`telex_sim.scene.bodies`)
-and the renderer's messages (`telex_sim.scene_messages`) read them. Everything here is plain data,
-checked where it is made: a scene that exists can be loaded.
+and the renderer's messages (`telex_sim.ros.scene_messages`) read them. Everything here is plain
+data, checked where it is made: a scene that exists can be loaded.
 
 Units are SI; orientations are quaternions x y z w; colours are sRGB, 0 to 1.
 """
@@ -15,7 +15,7 @@ import re
 from dataclasses import dataclass, field
 from typing import Dict, Optional, Sequence, Tuple
 
-from telex_control.params import require, require_range
+from telex_control.common.params import require, require_range
 
 Vector3 = Tuple[float, float, float]
 Quaternion = Tuple[float, float, float, float]

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Collection, List, Mapping, Tuple
 
-from telex_control.params import ConfigError, require
+from telex_control.common.params import ConfigError, require
 
 from .assembly import Assembly, assemble
 from .assets import Assets

@@ -16,10 +16,11 @@ import rospkg
 import yaml
 from genpy import Time
 
-from telex_control.params import ConfigError, read_config
-from telex_control.urdf_joints import UrdfError
+from telex_control.common.params import ConfigError, read_config
+from telex_control.urdf.joints import UrdfError
 
-from ..offline import package_file
+from ..engine.world import WorldError
+from ..offline.simulation import package_file
 from ..rendering.batching import bounding_radius
 from ..rendering.camera import PinholeCamera
 from ..rendering.cameras_config import CameraConfig, CamerasConfig
@@ -29,8 +30,7 @@ from ..rendering.messages import frames_from_message, scene_from_message
 from ..rendering.quality import STILL, TIERS, Quality
 from ..rendering.scene import Scene, Shape, Visual
 from ..rendering.still import Still, looking
-from ..scene_messages import SceneMessages
-from ..world import WorldError
+from ..ros.scene_messages import SceneMessages
 from .catalog import find_scene
 from .model import View
 from .robot_in_scene import place_robot, robot_description
@@ -239,7 +239,7 @@ def robot_camera(subject: Subject, name: str) -> Tuple[CameraConfig, np.ndarray]
     PreviewError
         When there is no such camera, or this variant of the robot lacks it.
     """
-    cameras = _cameras_config().cameras
+    cameras = shipped_cameras().cameras
     if name not in cameras:
         raise PreviewError(f"camera is '{name}'; there are {', '.join(sorted(cameras))}")
     pose = subject.frame(f"{subject.model}/{cameras[name].frame}")
@@ -252,13 +252,14 @@ def with_lamps(subject: Subject, level: float) -> Subject:
     """Switch the robot's lamps on, 0 to 1."""
     lamps = tuple(
         replace(config, intensity=level * config.intensity).lamp(name, subject.model)
-        for name, config in _cameras_config().lamps.items()
+        for name, config in shipped_cameras().lamps.items()
         if f"{subject.model}/{config.frame}" in subject.scene.frames
     )
     return replace(subject, scene=replace(subject.scene, lamps=subject.scene.lamps + lamps))
 
 
-def _cameras_config() -> CamerasConfig:
+def shipped_cameras() -> CamerasConfig:
+    """Read the shipped configuration of the cameras and lamps."""
     params: Mapping[str, Any] = {
         **_shipped("cameras.yaml"),
         **_shipped("lamps.yaml"),

@@ -11,12 +11,12 @@ from typing import Sequence
 
 import rospkg
 
-from telex_control.local_node_handle import LocalNodeHandle
-from telex_control.params import ConfigError
+from telex_control.common.params import ConfigError
+from telex_control.ros.local_node_handle import LocalNodeHandle
 
-from ..offline import package_file, shipped_config
+from ..engine.simulation import Simulation
+from ..offline.simulation import package_file, shipped_config
 from ..rendering.addresses import resolve_address
-from ..simulation import Simulation
 
 
 def robot_description(variant: str, options: Sequence[str] = ()) -> str:

@@ -1,4 +1,4 @@
-"""Scene files: YAML in, a checked `Scene` out. docs/scenes.md describes the schema."""
+"""Scene files: YAML in, a checked `Scene` out. docs/instructor/scenes.md describes the schema."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Set, Tuple
 
-from telex_control.params import ConfigError, read_struct, require
+from telex_control.common.params import ConfigError, read_struct, require
 
 from ..rendering.transforms import quaternion_from_rpy
 from .addresses import absolute

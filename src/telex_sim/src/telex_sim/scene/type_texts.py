@@ -1,4 +1,4 @@
-"""What the types of the library say of themselves, for people."""
+"""Descriptions of the library's types, for people."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import inspect
 import re
 from typing import Any, Dict, List, Tuple, Type
 
-from telex_control.params import required
+from telex_control.common.params import required
 
 from .library.object_type import ObjectType
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import yaml
 
-from telex_control.params import ConfigError
+from telex_control.common.params import ConfigError
 
 MOST_BYTES = 1_000_000
 """A longer file is refused before it is read."""

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import Callable
 
-from telex_control.joint_limits import clamp
-from telex_control.params import require_range
+from telex_control.common.params import require_range
+from telex_control.hardware.joint_limits import clamp
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Dict, List, Tuple
 
-from telex_control.params import require, require_range
+from telex_control.common.params import require, require_range
 
 from .belt_drive import BeltDriveConfig
 

@@ -1,4 +1,4 @@
-"""What the tracks touch: the bodies of PyBullet as the traction law sees them."""
+"""Surfaces under the tracks: PyBullet's bodies as the traction law sees them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 import pybullet
 
-from ..world import GRAVITY
+from ..engine.world import GRAVITY
 from .config import TrackConfig
 from .law import Vector
 

@@ -6,8 +6,8 @@ from typing import Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import pybullet
 
-from ..drives import Drive
-from ..world import Body, Vector
+from ..engine.world import Body, Vector
+from ..robot.drives import Drive
 from .belt_drive import BeltDrive
 from .config import TrackConfig
 from .law import Patch, TractionLaw, belt_directions, edge_share

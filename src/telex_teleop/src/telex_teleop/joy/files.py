@@ -8,7 +8,8 @@ from typing import Type, TypeVar
 import rospkg
 import yaml
 
-from telex_control.params import ConfigError, read_struct
+from telex_control.common.params import ConfigError, read_struct
+from telex_control.common.yaml_files import load_yaml
 
 __all__ = ["read_file", "shipped_file"]
 
@@ -20,12 +21,12 @@ def read_file(kind: Type[Config], path: str) -> Config:
 
     Raises
     ------
-    telex_control.params.ConfigError
+    telex_control.common.params.ConfigError
         When it cannot be read or is wrong; the message begins with the path.
     """
     try:
         with open(path, encoding="utf-8") as file:
-            content = yaml.safe_load(file)
+            content = load_yaml(file)
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
         raise ConfigError(f"{path}: cannot be read: {error}") from error
     try:

@@ -1,4 +1,4 @@
-"""What the controls of a gamepad do: modes, layers and actions, read from YAML.
+"""Maps of a gamepad's controls: modes, layers and actions, read from YAML.
 
 The file knows controls of the standard layout only (`pads.CONTROLS`), so that one description
 serves every pad, and the browser's console as well as joy_teleop.
@@ -10,7 +10,13 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Dict, Iterator, List, Mapping, Optional, Tuple, Union
 
-from telex_control.params import ConfigError, require, require_choice, require_range, require_text
+from telex_control.common.params import (
+    ConfigError,
+    require,
+    require_choice,
+    require_range,
+    require_text,
+)
 from telex_teleop.joy.files import read_file
 from telex_teleop.joy.pads import BUTTONS, STICKS, Pad
 from telex_teleop.operating.actions import (
@@ -272,7 +278,7 @@ class JoyMap:
 
         Raises
         ------
-        telex_control.params.ConfigError
+        telex_control.common.params.ConfigError
             When it cannot be read or is wrong.
         """
         return read_file(cls, path)
@@ -304,7 +310,7 @@ class JoyMap:
 
         Raises
         ------
-        telex_control.params.ConfigError
+        telex_control.common.params.ConfigError
             When it lacks one.
         """
         require(

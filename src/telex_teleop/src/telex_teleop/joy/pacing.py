@@ -1,4 +1,4 @@
-"""When a joystick's state is published."""
+"""Times at which a joystick's state is published."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ import re
 from dataclasses import dataclass, field
 from typing import Dict, Iterable, Optional, Sequence, Tuple
 
-from telex_control.params import ConfigError, require, require_range
+from telex_control.common.params import ConfigError, require, require_range
 from telex_teleop.joy.files import read_file
 
 __all__ = ["BUTTONS", "CONTROLS", "STICKS", "InvalidJoy", "Pad", "Pads", "Source"]
@@ -174,7 +174,7 @@ class Pads:
 
         Raises
         ------
-        telex_control.params.ConfigError
+        telex_control.common.params.ConfigError
             When it cannot be read or is wrong.
         """
         return read_file(cls, path)
@@ -184,7 +184,7 @@ class Pads:
 
         Raises
         ------
-        telex_control.params.ConfigError
+        telex_control.common.params.ConfigError
             When there is none.
         """
         require(
@@ -198,7 +198,7 @@ class Pads:
 
         Raises
         ------
-        telex_control.params.ConfigError
+        telex_control.common.params.ConfigError
             When no pad recognizes it.
         """
         for name, pad in self.pads.items():

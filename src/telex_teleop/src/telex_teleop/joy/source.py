@@ -6,7 +6,7 @@ import time
 from dataclasses import dataclass
 from typing import Callable, List
 
-from telex_control.params import require_range
+from telex_control.common.params import require_range
 from telex_teleop.joy.device import Joystick, JoystickError
 from telex_teleop.joy.events import JoystickState
 from telex_teleop.joy.pacing import Pacer
@@ -37,7 +37,7 @@ class JoySettings:
 
     Raises
     ------
-    telex_control.params.ConfigError
+    telex_control.common.params.ConfigError
         When one is out of range.
     """
 

@@ -9,11 +9,11 @@ from rospy.core import is_shutdown_requested
 from sensor_msgs.msg import Joy
 from std_msgs.msg import String
 
-from telex_control.node_start import init_node, until_shutdown
-from telex_control.params import ConfigError
+from telex_control.common.params import ConfigError
+from telex_control.ros.node_start import init_node, until_shutdown
 from telex_teleop.joy.device import find_joystick
 from telex_teleop.joy.source import JoySettings, JoySource
-from telex_teleop.ros_common import private_settings
+from telex_teleop.ros.common import private_settings
 
 __all__ = ["joy_main"]
 

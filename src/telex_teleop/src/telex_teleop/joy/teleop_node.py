@@ -12,8 +12,8 @@ from rospy.core import is_shutdown_requested
 from sensor_msgs.msg import Joy
 from std_msgs.msg import String
 
-from telex_control.node_start import init_node, until_shutdown
-from telex_control.params import ConfigError, require_range, require_text
+from telex_control.common.params import ConfigError, require_range, require_text
+from telex_control.ros.node_start import init_node, until_shutdown
 from telex_teleop.joy.core import JoyTeleop
 from telex_teleop.joy.files import shipped_file
 from telex_teleop.joy.maps import JoyMap
@@ -22,7 +22,7 @@ from telex_teleop.joy.source_node import DEVICE_TOPIC
 from telex_teleop.operating.actions import Action, Command, Lamps
 from telex_teleop.operating.commander import Commander
 from telex_teleop.operating.robot import Robot
-from telex_teleop.ros_common import WARNING_PERIOD, private_settings, warn_dropped
+from telex_teleop.ros.common import WARNING_PERIOD, private_settings, warn_dropped
 
 __all__ = ["JoyTeleopNode", "JoyTeleopSettings", "joy_teleop_main"]
 
@@ -57,7 +57,7 @@ class JoyTeleopSettings:
 
     Raises
     ------
-    telex_control.params.ConfigError
+    telex_control.common.params.ConfigError
         When one is out of range.
     """
 
@@ -110,7 +110,7 @@ class JoyTeleopNode:
 
     Raises
     ------
-    telex_control.params.ConfigError
+    telex_control.common.params.ConfigError
         When the pad is unknown, or lacks what the map needs.
     """
 

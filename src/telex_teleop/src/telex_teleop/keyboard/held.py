@@ -1,4 +1,4 @@
-"""Which keys are held, on terminals that say so and on terminals that do not.
+"""Held keys, on terminals that report releases and on terminals that do not.
 
 With the kitty protocol presses and releases are exact. Other terminals only type: once when a key
 goes down, again after the repeat delay, then at the repeat rate, and nothing when it goes up. There

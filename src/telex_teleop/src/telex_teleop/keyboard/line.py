@@ -1,4 +1,4 @@
-"""Whether the line to a terminal is alive while it says nothing.
+"""Check that the line to a silent terminal is alive.
 
 A key that is held by exact reports is silent until it goes up. If the connection to the terminal
 has died meanwhile, its release never comes; so the terminal is asked something it must answer.

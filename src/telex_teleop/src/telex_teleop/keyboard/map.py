@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Dict, List, Mapping, Optional, Tuple
 
-from telex_control.params import ConfigError, require, require_names, require_range
+from telex_control.common.params import ConfigError, require, require_names, require_range
 from telex_teleop.operating.actions import GRAMMAR, Action, Command, Lamps, parse_action
 
 __all__ = ["KeyMap", "KeyboardSettings"]
@@ -51,7 +51,7 @@ class KeyMap:
 
         Raises
         ------
-        telex_control.params.ConfigError
+        telex_control.common.params.ConfigError
             When an action is unknown, or no key stops, quits or sets off the emergency stop.
         """
         actions: Dict[str, Action] = {}
@@ -102,7 +102,7 @@ class KeyboardSettings:
 
     Raises
     ------
-    telex_control.params.ConfigError
+    telex_control.common.params.ConfigError
         When one is out of range, or an action is unknown.
     """
 

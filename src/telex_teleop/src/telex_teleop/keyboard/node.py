@@ -14,8 +14,9 @@ import rospkg
 import rospy
 import yaml
 
-from telex_control.node_start import init_node
-from telex_control.params import ConfigError, read_config
+from telex_control.common.params import ConfigError, read_config
+from telex_control.common.yaml_files import load_yaml
+from telex_control.ros.node_start import init_node
 from telex_teleop.keyboard.map import KeyboardSettings
 from telex_teleop.keyboard.robot import ShownRobot
 from telex_teleop.keyboard.teleop import KeyboardTeleop
@@ -99,7 +100,7 @@ def _read_settings() -> KeyboardSettings:
     path = str(rospy.get_param("~config", default))
     try:
         with open(path, encoding="utf-8") as file:
-            return read_config(KeyboardSettings, yaml.safe_load(file), path)
+            return read_config(KeyboardSettings, load_yaml(file), path)
     except (OSError, yaml.YAMLError) as error:
         raise ConfigError(f"{path}: cannot be read: {error}") from error
 

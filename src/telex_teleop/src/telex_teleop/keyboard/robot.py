@@ -9,7 +9,7 @@ from telex_msgs.msg import GripperContact
 
 from telex_teleop.keyboard.screen import JointView, NodeView, ToolView, roll_pitch_yaw
 from telex_teleop.operating.robot import Robot
-from telex_teleop.track_drive import STANDSTILL, Velocity
+from telex_teleop.tracks.track_drive import STANDSTILL, Velocity
 
 __all__ = ["ShownRobot"]
 

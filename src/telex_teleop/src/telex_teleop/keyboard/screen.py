@@ -23,7 +23,7 @@ from telex_teleop.operating.actions import (
     ToPose,
     Zoom,
 )
-from telex_teleop.track_drive import STANDSTILL, Velocity
+from telex_teleop.tracks.track_drive import STANDSTILL, Velocity
 
 __all__ = [
     "JointView",

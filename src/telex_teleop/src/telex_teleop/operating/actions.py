@@ -1,4 +1,4 @@
-"""What an operator can do, as YAML names it.
+"""Actions of an operator, as YAML names them.
 
 An action is a short text. What lasts as long as a key or button is held: ``tracks forward``,
 ``arm turret_joint +``, ``flipper JOINT JOINT -``, ``side left`` (only the flippers of that side

@@ -1,4 +1,4 @@
-"""What the operator demands, turned into commands for the teleoperation nodes."""
+"""Conversion of an operator's demands into commands for the teleoperation nodes."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Dict, Iterable, List, Mapping, Optional, Protocol, Tuple, Union
 
 from telex_teleop.operating.actions import Action, Drive, Jog, Preset, Side, Tool, ToPose, Zoom
-from telex_teleop.track_drive import STANDSTILL, Velocity
+from telex_teleop.tracks.track_drive import STANDSTILL, Velocity
 
 __all__ = ["NO_NAME", "Commander", "Commands", "Demands", "FixedRates", "PresetCommand", "Rates"]
 

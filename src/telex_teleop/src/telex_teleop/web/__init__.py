@@ -1,1 +1,1 @@
-"""What the operator's browser speaks with: the video server, the rosbridge and what both share."""
+"""Servers for the operator's browser: video server and rosbridge, and what they share."""

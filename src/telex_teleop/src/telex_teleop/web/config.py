@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Mapping, Tuple, Type, TypeVar
 
-from telex_control.params import (
+from telex_control.common.params import (
     read_config,
     require,
     require_choice,
@@ -38,7 +38,7 @@ def read_server_config(kind: Type[Config], params: Any, name: str) -> Config:
 
     Raises
     ------
-    telex_control.params.ConfigError
+    telex_control.common.params.ConfigError
         A parameter is unknown, or its value cannot be used.
     """
     if isinstance(params, Mapping):

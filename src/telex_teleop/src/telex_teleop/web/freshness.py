@@ -1,4 +1,4 @@
-"""How much of what was sent to a client has not arrived yet.
+"""Data that was sent to a client and has not arrived yet.
 
 A server that only watches its own buffer still feeds a slow client with old data, because the
 kernel's send buffer holds seconds of video. Linux tells how many bytes of a socket are not

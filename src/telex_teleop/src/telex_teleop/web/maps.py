@@ -49,7 +49,7 @@ def add_joy_map(app: web.Application, path: str) -> None:
 
     Raises
     ------
-    telex_control.params.ConfigError
+    telex_control.common.params.ConfigError
         When it cannot be read or is wrong.
     """
     described = describe(JoyMap.read(path or shipped_file("twin_stick.yaml")))

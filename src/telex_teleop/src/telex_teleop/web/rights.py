@@ -1,4 +1,4 @@
-"""Who may use what through the bridge: the lists of `config/bridge_rights.yaml`."""
+"""The lists of rights of `config/bridge_rights.yaml`."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Tuple
 
 import rospkg
 
-from telex_control.params import require
+from telex_control.common.params import require
 
 from ..joy.files import read_file
 
@@ -63,7 +63,7 @@ class Rights:
 
         Raises
         ------
-        telex_control.params.ConfigError
+        telex_control.common.params.ConfigError
             It cannot be read or is wrong.
         """
         shipped = os.path.join(

@@ -17,8 +17,8 @@ import rospy
 from aiohttp import web
 from aiohttp.http_exceptions import HttpProcessingError
 
-from telex_control.node_start import init_node
-from telex_control.params import ConfigError
+from telex_control.common.params import ConfigError
+from telex_control.ros.node_start import init_node
 
 from .config import read_server_config
 
@@ -180,7 +180,11 @@ async def _serve_until_signal(
 
 
 def run_node(
-    name: str, scheme: str, config_class: Type[Config], make_app: Callable[[Any], web.Application]
+    name: str,
+    scheme: str,
+    config_class: Type[Config],
+    make_app: Callable[[Any], web.Application],
+    coarse_clock: bool = False,
 ) -> int:
     """Run a server as a ROS node and return its exit status.
 
@@ -196,20 +200,26 @@ def run_node(
         Configuration dataclass with the fields `address` and `port`.
     make_app
         Makes the application from the configuration, on the loop's thread; may raise a ConfigError.
+    coarse_clock
+        See `telex_control.ros.node_start.init_node`.
     """
     try:
-        return _run_node(name, scheme, config_class, make_app)
+        return _run_node(name, scheme, config_class, make_app, coarse_clock)
     except KeyboardInterrupt:  # before the loop handles it: there are no clients yet
         rospy.signal_shutdown("interrupted")
         return 130
 
 
 def _run_node(
-    name: str, scheme: str, config_class: Type[Config], make_app: Callable[[Any], web.Application]
+    name: str,
+    scheme: str,
+    config_class: Type[Config],
+    make_app: Callable[[Any], web.Application],
+    coarse_clock: bool,
 ) -> int:
     try:
         # The loop handles the signals: it has clients to take leave of first.
-        init_node(name, own_signals=True)
+        init_node(name, own_signals=True, coarse_clock=coarse_clock)
     except rospy.ROSException as error:
         print(f"{name}: {error}", file=sys.stderr)
         return 1

@@ -9,7 +9,7 @@ import secrets
 import stat
 import tempfile
 
-from telex_control.params import ConfigError
+from telex_control.common.params import ConfigError
 
 TOKEN_BYTES = 12
 """Random bytes of a token that is made."""
@@ -31,7 +31,7 @@ def read_or_make_token(path: str, where: str) -> str:
 
     Raises
     ------
-    telex_control.params.ConfigError
+    telex_control.common.params.ConfigError
         Others may read the file, it holds no token, or it cannot be read or made.
     """
     try:
@@ -57,7 +57,7 @@ def read_token(path: str, where: str) -> str:
     ------
     FileNotFoundError
         There is no such file.
-    telex_control.params.ConfigError
+    telex_control.common.params.ConfigError
         Others may read the file, it holds no token, or it cannot be read.
     """
     full = os.path.expanduser(path)

@@ -1,4 +1,4 @@
-"""Who may connect: what a client has to know when a server listens to more than its machine."""
+"""Tokens of clients, where a server listens to more than its own machine."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Dict, Mapping, Optional, Protocol
 
 from aiohttp import web
 
-from telex_control.params import require
+from telex_control.common.params import require
 
 from .token_files import read_or_make_token
 
@@ -89,7 +89,7 @@ def read_tokens(files: Mapping[str, str], where: str) -> Tokens:
 
     Raises
     ------
-    telex_control.params.ConfigError
+    telex_control.common.params.ConfigError
         A file cannot be used, or both hold the same.
     """
     read = {name: read_or_make_token(path, f"{where}/{name}") for name, path in files.items()}

@@ -1,4 +1,4 @@
-"""How bridge and video server open a client's WebSocket, and how they close all of them."""
+"""Opening and closing of clients' WebSockets, for bridge and video server."""
 
 from __future__ import annotations
 

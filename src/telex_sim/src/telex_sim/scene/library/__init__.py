@@ -24,9 +24,9 @@ new module::
 Rules:
 
 * A key of ``TYPES`` is the type's name in scene files: lower case, words joined by underscores.
-* Fields may be of the types that `telex_control.params` reads: float, int, str, bool, tuple, dict,
-  Optional, and frozen dataclasses of these. None may have a name that every entry has already:
-  `RESERVED`. A field without a default must be given.
+* Fields may be of the types that `telex_control.common.params` reads: float, int, str, bool,
+  tuple, dict, Optional, and frozen dataclasses of these. None may have a name that every entry has
+  already: `RESERVED`. A field without a default must be given.
 * The first line of the docstring and its section ``Attributes`` are what ``scene types`` prints;
   say the unit there.
 * A relative address (mesh, texture) goes through `telex_sim.scene.addresses.absolute`, with

@@ -1,4 +1,4 @@
-"""What the elements of a beam line share; the beam runs along x."""
+"""Common parts of the elements of a beam line; the beam runs along x."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Callable, Dict, Tuple, Union
 
-from telex_control.params import require, require_range
+from telex_control.common.params import require, require_range
 
 from ..model import SceneObject
 from .beam_parts import BEAM_HEIGHT

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from telex_control.params import require, require_range
+from telex_control.common.params import require, require_range
 
 
 def require_each(

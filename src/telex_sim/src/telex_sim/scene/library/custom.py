@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Optional, Tuple
 
-from telex_control.params import ConfigError, require, required
+from telex_control.common.params import ConfigError, require, required
 
 from ...rendering.transforms import quaternion_from_rpy
 from ..addresses import absolute

@@ -1,4 +1,4 @@
-"""What stands, hangs and lies about: cones, lamps, trays, hoses, rails, racks."""
+"""Fixtures and loose objects: cones, lamps, trays, hoses, rails, racks."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Tuple
 
-from telex_control.params import require_choice, require_range
+from telex_control.common.params import require_choice, require_range
 
 from ..model import SceneObject, Vector3
 from . import materials as look

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Optional, Tuple
 
-from telex_control.params import require, require_range
+from telex_control.common.params import require, require_range
 
 from ..model import SceneObject, Surface, Vector3
 from . import materials as look

@@ -1,4 +1,4 @@
-"""How the library's objects look."""
+"""Appearance of the library's objects."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import FrozenSet, List, Set, Tuple
 
-from telex_control.params import require_choice, require_range
+from telex_control.common.params import require_choice, require_range
 
 from ..model import SceneObject
 from . import materials as look

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Tuple
 
-from telex_control.params import require, require_choice, require_range
+from telex_control.common.params import require, require_choice, require_range
 
 from ..model import Detents, Joint, Link, Motion, ObjectModel, SceneObject, Vector3
 from ..poses import rotate

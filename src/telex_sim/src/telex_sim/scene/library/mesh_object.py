@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Tuple
 
-from telex_control.params import require, require_range, required
+from telex_control.common.params import require, require_range, required
 
 from ..addresses import absolute
 from ..model import (

@@ -1,4 +1,4 @@
-"""What holds valves, sockets and task panels: a plate on a wall or on a post.
+"""Mounts of valves, sockets and task panels: a plate on a wall or on a post.
 
 Everything mounted looks towards -x; the back of its plate lies at x = 0, its front at
 -`PLATE`.

@@ -1,4 +1,4 @@
-"""What every type of object in the library offers."""
+"""Base class of the library's types."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ class ObjectType:
     """Base of the library's types.
 
     A type is a frozen dataclass; its fields are the parameters that a scene file may set, with
-    defaults, checked in ``__post_init__`` by `telex_control.params.require`.
+    defaults, checked in ``__post_init__`` by `telex_control.common.params.require`.
     """
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:

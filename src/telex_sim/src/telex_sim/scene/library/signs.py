@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Tuple
 from urllib.parse import quote_plus
 
-from telex_control.params import require, require_choice, require_range
+from telex_control.common.params import require, require_choice, require_range
 
 from ..model import SceneObject, Surface
 from . import materials as look

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Tuple
 
-from telex_control.params import require, require_choice, require_range
+from telex_control.common.params import require, require_choice, require_range
 
 from ..model import Joint, Link, Motion, ObjectModel, SceneObject
 from . import materials as look

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Tuple
 
-from telex_control.params import require_range
+from telex_control.common.params import require_range
 
 from ..model import SceneObject
 from . import materials as look

@@ -1,4 +1,4 @@
-"""Which topics, services and parameters a client may use, and which of them command the robot."""
+"""Rights of clients: topics, services and parameters, and which of them command the robot."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How old a command is when it arrives, told by the clock of the client that sent it."""
+"""Age of a command on arrival, by the clock of the client that sent it."""
 
 from __future__ import annotations
 

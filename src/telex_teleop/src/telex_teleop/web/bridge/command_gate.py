@@ -1,4 +1,4 @@
-"""Which commands of one client are obeyed."""
+"""Admission of one client's commands."""
 
 from __future__ import annotations
 

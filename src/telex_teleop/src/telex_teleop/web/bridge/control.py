@@ -1,4 +1,4 @@
-"""Who is connected to the bridge, and who of them holds control of the robot."""
+"""Clients of the bridge, and which of them has control of the robot."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What goals of an action need beside a publisher: a way back for the answers, and an end."""
+"""Goals of actions: the way back for their answers, and their end."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the parts of a client's session share: replies, complaints, and work under way."""
+"""Common parts of a client's session: replies, complaints, and work under way."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ from typing import Mapping
 import rospy
 from aiohttp import web
 
-from telex_control.run_memory import run_path
+from telex_control.ros.run_memory import run_path
 
 from ..config import RosbridgeConfig
 from ..serving import run_node
@@ -62,4 +62,4 @@ def _sharing(own: Mapping[str, str], app: web.Application) -> web.Application:
 
 def main() -> int:
     """Run the node and return its exit status."""
-    return run_node("rosbridge", "ws", RosbridgeConfig, _make_app)
+    return run_node("rosbridge", "ws", RosbridgeConfig, _make_app, coarse_clock=True)

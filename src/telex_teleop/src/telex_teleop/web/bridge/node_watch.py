@@ -18,6 +18,10 @@ from .ros import Ros
 PERIOD = 0.5
 """Time (s) between two looks."""
 
+LOOKS_PER_LIST = 4
+"""So often the nodes are looked at before the master is asked again which there are: its answer
+names every topic and service."""
+
 TOPIC = "bridge/missing_nodes"
 
 
@@ -40,6 +44,8 @@ class NodeWatch:
         self._pool = pool
         self._topic = ros.resolve(TOPIC)
         self._namespace = self._topic[: -len(TOPIC)]
+        self._nodes: List[str] = []
+        self._looks = 0
 
     async def run(self) -> None:
         """Look and publish until cancelled."""
@@ -60,8 +66,7 @@ class NodeWatch:
 
     def _missing(self) -> List[str]:
         """Return the nodes that do not answer; blocks."""
-        return [
-            node
-            for node in self._ros.nodes()
-            if node.startswith(self._namespace) and not self._ros.node_answers(node)
-        ]
+        if self._looks % LOOKS_PER_LIST == 0:
+            self._nodes = [node for node in self._ros.nodes() if node.startswith(self._namespace)]
+        self._looks += 1
+        return [node for node in self._nodes if not self._ros.node_answers(node)]

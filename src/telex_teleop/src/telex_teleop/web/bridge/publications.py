@@ -1,4 +1,4 @@
-"""What one client publishes on one topic."""
+"""One client's publication on one topic."""
 
 from __future__ import annotations
 
@@ -171,6 +171,9 @@ class Publication:
         """Publish a message, now or as soon as that is possible."""
         publisher = self._publisher if self._ready else self._settled_by_others()
         if publisher is None:
+            if len(self._held) == MAX_HELD and Goals.go_to(self.topic):
+                sentence = f"dropped; {MAX_HELD} newer goals wait for the action's servers"
+                self._report(f"publish to {self.topic}: {sentence}", self._held[0].id, "error")
             self._held.append(outgoing)
             self._holds.set()
         else:

@@ -1,4 +1,4 @@
-"""What one client publishes: advertise, publish, unadvertise."""
+"""Publishing operations of one client: advertise, publish, unadvertise."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the bridge asks of ROS; behind this interface it can be tested without a master."""
+"""Interface between the bridge and ROS, so that it can be tested without a master."""
 
 from __future__ import annotations
 

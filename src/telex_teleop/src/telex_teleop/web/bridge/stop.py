@@ -1,4 +1,4 @@
-"""What stops a thing that a client drove, when the client is no longer there to do it."""
+"""Stop messages for what a client drove, once the client is gone."""
 
 from __future__ import annotations
 

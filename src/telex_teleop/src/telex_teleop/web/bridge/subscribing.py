@@ -1,4 +1,4 @@
-"""What one client listens to: subscribe, unsubscribe."""
+"""Subscription operations of one client: subscribe, unsubscribe."""
 
 from __future__ import annotations
 

@@ -1,9 +1,10 @@
-"""What one client wants to hear of one topic."""
+"""One client's subscriptions to one topic."""
 
 from __future__ import annotations
 
 import asyncio
 import dataclasses
+import math
 from typing import Callable, Dict, Optional
 
 from .compression import COMPRESSIONS, Encoded
@@ -27,7 +28,8 @@ class Subscription:
     """The messages of a topic for one client, no more often than it asked for.
 
     A message that comes too early waits until it is due, and a newer one replaces it: what the
-    client saw last is never old news for longer than the throttle period.
+    client saw last is never old news for longer than the throttle period. Of several that come at
+    once the newest counts, too.
 
     Parameters
     ----------
@@ -54,7 +56,7 @@ class Subscription:
         self._feed: Optional[Feed] = None
         self._loop = asyncio.get_running_loop()
         self._wishes: Dict[Id, Wish] = {}
-        self._due = 0.0
+        self._sent = -math.inf
         self._pending: Optional[TopicMessage] = None
         self._timer: Optional[asyncio.TimerHandle] = None
 
@@ -79,6 +81,10 @@ class Subscription:
         if subscription_id not in self._wishes and len(self._wishes) >= limit:
             return False
         self._wishes[subscription_id] = wish
+        if self._timer is not None:
+            # What waits for another wish may be due sooner for this one.
+            self._timer.cancel()
+            self._timer = self._loop.call_at(self._sent + self._throttle(), self._send_pending)
         return True
 
     def remove(self, subscription_id: Id) -> None:
@@ -99,12 +105,15 @@ class Subscription:
         """Send a message now, or when it is due."""
         if not self._wishes:
             return
-        if self._loop.time() >= self._due:
+        throttle = self._throttle()
+        if throttle == 0.0:
             self._send_now(message)
             return
         self._pending = message
         if self._timer is None:
-            self._timer = self._loop.call_at(self._due, self._send_pending)
+            # Also where it is due already: not before the last one that has come by now.
+            due = max(self._sent + throttle, self._loop.time())
+            self._timer = self._loop.call_at(due, self._send_pending)
 
     def close(self) -> None:
         """Stop listening."""
@@ -116,9 +125,12 @@ class Subscription:
             self._feeds.leave(self._topic, self._feed, self)
             self._feed = None
 
+    def _throttle(self) -> float:
+        return min(wish.throttle for wish in self._wishes.values())
+
     def _send_now(self, message: TopicMessage) -> None:
         self._pending = None
-        self._due = self._loop.time() + min(wish.throttle for wish in self._wishes.values())
+        self._sent = self._loop.time()
         depth = min(wish.depth for wish in self._wishes.values())
         compression = max(
             (wish.compression for wish in self._wishes.values()), key=COMPRESSIONS.index

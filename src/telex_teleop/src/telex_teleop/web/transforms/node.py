@@ -16,8 +16,8 @@ from geometry_msgs.msg import Transform, TransformStamped
 from tf2_web_republisher.msg import TFArray, TFSubscriptionAction, TFSubscriptionFeedback
 from tf2_web_republisher.srv import RepublishTFs, RepublishTFsResponse
 
-from telex_control.node_start import init_node
-from telex_control.params import ConfigError, read_config
+from telex_control.common.params import ConfigError, read_config
+from telex_control.ros.node_start import init_node
 
 from .watch import Audience, TransformsConfig, Watch, WishError
 
@@ -229,7 +229,7 @@ def _is_offered(service: str) -> bool:
 
 def main() -> int:
     """Run the node and return its exit status."""
-    init_node("transforms")
+    init_node("transforms", coarse_clock=True)
     try:
         config = read_config(TransformsConfig, rospy.get_param("~", {}), rospy.get_name())
     except ConfigError as error:

@@ -1,4 +1,4 @@
-"""Which transforms a client watches, and when it has to hear of them."""
+"""Transforms that a client watches, and the times at which it is told of them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any, Callable, Dict, List, Optional, Protocol, Sequence
 
 from geometry_msgs.msg import Transform, TransformStamped
 
-from telex_control.params import require_range, require_text
+from telex_control.common.params import require_range, require_text
 
 MAX_FRAMES = 200
 """Frames that one client may watch."""

@@ -47,13 +47,14 @@ class Pacer:
 
 
 class _Sent:
-    """A picture under way: its number, when it was taken, when it went out (s, monotonic)."""
+    """A picture under way: its number, the picture, when it went out (s, monotonic)."""
 
-    __slots__ = ("captured", "number", "sent")
+    __slots__ = ("arrived", "captured", "number", "sent")
 
-    def __init__(self, number: int, captured: float, sent: float) -> None:
+    def __init__(self, number: int, picture: EncodedPicture, sent: float) -> None:
         self.number = number
-        self.captured = captured
+        self.captured = picture.captured
+        self.arrived = picture.arrived
         self.sent = sent
 
 
@@ -102,7 +103,7 @@ class Feed:
         self._pacer = Pacer(view.rate)
         self._newest: Optional[EncodedPicture] = None
         self._under_way: Deque[_Sent] = collections.deque()
-        self._acks: Deque[Tuple[float, float, float]] = collections.deque(maxlen=REMEMBERED)
+        self._acks: Deque[Tuple[float, float, float, float]] = collections.deque(maxlen=REMEMBERED)
 
     def wants(self) -> bool:
         """Tell whether a picture is due, for a client that uses those that it gets."""
@@ -137,7 +138,7 @@ class Feed:
         now = time.monotonic()
         self._pacer.sent(now)
         number = self._next_number()
-        self._under_way.append(_Sent(number, picture.captured, now))
+        self._under_way.append(_Sent(number, picture, now))
         return picture_header(self.camera.index, number, picture.captured), picture.data
 
     def acknowledge(self, number: int) -> bool:
@@ -147,7 +148,8 @@ class Feed:
         now, wall = time.monotonic(), time.time()
         while True:
             sent = self._under_way.popleft()
-            self._acks.append((now, wall - sent.captured, now - sent.sent))
+            made = sent.arrived - sent.captured
+            self._acks.append((now, wall - sent.captured, now - sent.sent, made))
             if sent.number == number:
                 break
         if self.is_sendable:
@@ -161,8 +163,8 @@ class Feed:
         -------
         figures
             `rate` (1/s) of the acknowledged pictures; `age` (s) of their scene, and `round_trip`
-            (s) since they were sent, when the acknowledgement came, both as median. Empty before
-            two have come.
+            (s) since they were sent, when the acknowledgement came, and `made`, the age (s) at
+            which they reached the server, all as median. Empty before two have come.
         """
         if len(self._acks) < 2:
             return {}
@@ -172,6 +174,7 @@ class Feed:
             "rate": round((len(times) - 1) / span, 2),
             "age": round(statistics.median(ack[1] for ack in self._acks), 5),
             "round_trip": round(statistics.median(ack[2] for ack in self._acks), 5),
+            "made": round(statistics.median(ack[3] for ack in self._acks), 5),
         }
 
 

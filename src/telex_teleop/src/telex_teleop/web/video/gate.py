@@ -1,4 +1,4 @@
-"""Who may see the pictures, and whose those of hidden cameras are."""
+"""Admission to pictures, and to those of hidden cameras."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Awaitable, Callable, Iterable, List, Optional
 
 from aiohttp import web
 
-from telex_control.params import ConfigError
+from telex_control.common.params import ConfigError
 
 from ..config import VideoServerConfig
 from ..token_files import read_token
@@ -40,7 +40,7 @@ class Gate:
 
     Raises
     ------
-    telex_control.params.ConfigError
+    telex_control.common.params.ConfigError
         A file that was given cannot be used.
     """
 

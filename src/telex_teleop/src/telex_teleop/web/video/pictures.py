@@ -51,11 +51,14 @@ class CompressedPicture:
         The encoded bytes.
     captured
         Wall time (s since 1970) of what it shows.
+    arrived
+        Wall time (s since 1970) at which it came.
     """
 
     stamp: float
     data: bytes
     captured: float = dataclasses.field(default_factory=time.time)
+    arrived: float = dataclasses.field(default_factory=time.time)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -78,6 +81,8 @@ class RawPicture:
         Wall time (s since 1970) of what it shows.
     big_endian
         Byte order of pixels of more than one byte.
+    arrived
+        Wall time (s since 1970) at which it came.
     """
 
     stamp: float
@@ -88,6 +93,7 @@ class RawPicture:
     data: bytes
     captured: float = dataclasses.field(default_factory=time.time)
     big_endian: bool = False
+    arrived: float = dataclasses.field(default_factory=time.time)
 
 
 Picture = Union[CompressedPicture, RawPicture]
@@ -131,12 +137,16 @@ class Variant:
 
 @dataclasses.dataclass(frozen=True)
 class EncodedPicture:
-    """A picture ready for a client: stamp (s), content type, bytes, wall time (s) of its scene."""
+    """A picture ready for a client.
+
+    Its stamp (s), content type, bytes, and the wall times (s) of its scene and of its arrival.
+    """
 
     stamp: float
     mime: str
     data: bytes
     captured: float = 0.0
+    arrived: float = 0.0
 
     @functools.cached_property
     def part(self) -> bytes:
@@ -166,7 +176,7 @@ def kept(picture: Picture, variant: Variant) -> Optional[EncodedPicture]:
         asked = (variant.width, variant.height)
         if asked != (None, None) and not _has_size(picture.data, mime, variant):
             return None
-    return EncodedPicture(picture.stamp, mime, picture.data, picture.captured)
+    return EncodedPicture(picture.stamp, mime, picture.data, picture.captured, picture.arrived)
 
 
 def encode(picture: Picture, variant: Variant, default_quality: int) -> EncodedPicture:
@@ -198,7 +208,7 @@ def encode(picture: Picture, variant: Variant, default_quality: int) -> EncodedP
         data = _png(pixels, colorspace, variant.quality)
     else:
         data = _jpeg(pixels, colorspace, variant.quality or default_quality)
-    return EncodedPicture(picture.stamp, variant.mime, data, picture.captured)
+    return EncodedPicture(picture.stamp, variant.mime, data, picture.captured, picture.arrived)
 
 
 def _mime(data: bytes) -> str:

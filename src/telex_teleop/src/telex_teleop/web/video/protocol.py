@@ -1,4 +1,4 @@
-"""The messages of `/video`, all cameras over one WebSocket; docs/video.md describes them."""
+"""The messages of `/video`, all cameras over one WebSocket; see docs/engineer/video.md."""
 
 from __future__ import annotations
 

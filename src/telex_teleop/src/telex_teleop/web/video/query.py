@@ -1,4 +1,4 @@
-"""What a client asks for in the address of a stream or a snapshot."""
+"""Queries in the address of a stream or a snapshot."""
 
 from __future__ import annotations
 

@@ -58,7 +58,7 @@ class VideoSockets:
         """Serve one client, an instructor with the hidden cameras."""
         websocket = new_websocket(self._config.ping_interval, MAX_MESSAGE_SIZE)
         if not websocket.can_prepare(request):
-            return upgrade_required("This address is a WebSocket; docs/video.md describes it.\n")
+            return upgrade_required("This address is a WebSocket; see docs/engineer/video.md\n")
         await self._look()
         await websocket.prepare(request)
         transport = request.transport

@@ -1,4 +1,4 @@
-"""Which of the published topics carry pictures."""
+"""Published topics that carry pictures."""
 
 from __future__ import annotations
 

@@ -1,0 +1,1 @@
+"""Odometry, turning and braking of a mobile base."""

@@ -1,0 +1,1 @@
+"""Parameters, files, figures and processes: what every part of the workspace needs."""

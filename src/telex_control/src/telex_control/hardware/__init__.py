@@ -1,0 +1,1 @@
+"""Handles, claims and joint limits between controllers and a robot."""

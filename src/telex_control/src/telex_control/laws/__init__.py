@@ -1,0 +1,1 @@
+"""Control laws and limits of single joints."""

@@ -1,0 +1,1 @@
+"""The ROS side of nodes: their start, publishers, services and master."""

@@ -1,0 +1,73 @@
+"""Start of the workspace's nodes: as rospy's, but signals always end them.
+
+Nor do web pages reach them.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import threading
+from types import FrameType
+from typing import Iterator, Optional
+
+import rospy
+from rospy.core import is_shutdown_requested
+
+from ..common.calm_log import calm_log
+from .coarse_clock import read_clock_seldom
+from .direct_sending import send_directly
+from .publisher_updates import miss_no_publisher
+from .xmlrpc_guard import guard_xmlrpc
+
+__all__ = ["init_node", "until_shutdown"]
+
+
+def init_node(
+    name: str, anonymous: bool = False, own_signals: bool = False, coarse_clock: bool = False
+) -> None:
+    """Start a node that SIGINT and SIGTERM shut down, and that refuses requests of web pages.
+
+    rospy shuts down inside the signal handler, which runs in the main thread between any two
+    instructions. When that thread is just asking the master (each log line may), it holds the lock
+    of that connection, and the handler, which asks too, waits for it without end. So another thread
+    shuts down here, and the main thread can let go of its lock.
+
+    Parameters
+    ----------
+    name : str
+    anonymous : bool
+        Whether to make the name unique.
+    own_signals : bool
+        Whether the program does itself what signals ask for.
+    coarse_clock : bool
+        Whether sim time may be some hundredths of a second late, which saves processor time.
+    """
+    guard_xmlrpc()
+    miss_no_publisher()
+    send_directly()
+    if coarse_clock:
+        read_clock_seldom()
+    rospy.init_node(name, anonymous=anonymous, disable_signals=True)
+    calm_log()
+    if own_signals:
+        return
+    signal.signal(signal.SIGTERM, _on_signal)
+    signal.signal(signal.SIGINT, _on_signal)
+
+
+@contextlib.contextmanager
+def until_shutdown() -> Iterator[None]:
+    """Let a loop end quietly that finds its topics closed because the node is shut down."""
+    try:
+        yield
+    except rospy.ROSException:
+        # rospy closes the topics before it says that it is shut down.
+        if not (rospy.is_shutdown() or is_shutdown_requested()):
+            raise
+
+
+def _on_signal(number: int, frame: Optional[FrameType]) -> None:
+    threading.Thread(
+        target=rospy.signal_shutdown, args=(f"signal {number}",), name="shutdown"
+    ).start()

@@ -1,0 +1,1 @@
+"""Robot descriptions: elements, joints, limits, transmissions, wheels."""

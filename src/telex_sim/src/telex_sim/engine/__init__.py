@@ -1,0 +1,1 @@
+"""The loop: physics, order of the steps, pace."""

@@ -1,0 +1,348 @@
+"""Configuration of the simulator and of the robots in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Dict, Mapping, Optional, Tuple
+
+from telex_control.common.params import read_config, require, require_range, require_text
+
+from ..proximity.config import ProximityConfig
+from ..robot.gripper_contact_config import GripperContactConfig
+from ..robot.imu_noise import ImuNoise
+from ..robot.self_collision import SelfCollisionConfig
+from ..stability.force_angle import StabilityConfig
+from ..tracks.config import TrackConfig
+
+TUNED_PERIOD = 0.002
+"""Longest control period that the shipped gains are tuned for (s)."""
+
+
+@dataclass(frozen=True)
+class TimingConfig:
+    """Step, control period and pace.
+
+    Attributes
+    ----------
+    step_size : float
+        Sim time of one physics step (s).
+    control_period : float
+        Sim time between control cycles (s); a whole multiple of the step.
+    real_time_factor : float
+        Sim time per wall time; 0 runs as fast as possible.
+    realtime_priority : int
+        Of the simulator among the machine's real-time processes, where its user may have one; 0
+        leaves it an ordinary process (`telex_control.common.scheduling`). With PyBullet's window,
+        or where `real_time_factor` is 0 or above 1, it always is one.
+    """
+
+    step_size: float = 0.002
+    control_period: float = 0.002
+    real_time_factor: float = 1.0
+    realtime_priority: int = 1
+
+    def __post_init__(self) -> None:
+        require(
+            1e-5 <= self.step_size <= 0.05,
+            f"step_size is {self.step_size} s; 1e-5 to 0.05 s is possible",
+        )
+        ratio = self.control_period / self.step_size
+        require(
+            ratio > 0.5 and abs(ratio - round(ratio)) < 1e-6,
+            "control_period must be a whole multiple of step_size: "
+            f"got {self.control_period} s and {self.step_size} s",
+        )
+        require(
+            self.control_period <= 0.1,
+            f"control_period is {self.control_period} s; at most 0.1 s is possible",
+        )
+        require(
+            self.real_time_factor >= 0.0,
+            f"real_time_factor is {self.real_time_factor}; 0 (as fast as possible) or more is "
+            "needed",
+        )
+        require_range(self, "realtime_priority", 0, 99)
+
+    @property
+    def steps_per_cycle(self) -> int:
+        """Physics steps in one control cycle."""
+        return round(self.control_period / self.step_size)
+
+
+@dataclass(frozen=True)
+class JointHardware:
+    """The drive of one joint, beyond what the URDF says.
+
+    Attributes
+    ----------
+    armature : float
+        Inertia of rotor and gear, seen at the joint (kg m2); a revolute joint's only.
+    overtravel : float
+        How far beyond the URDF's limits the end stops lie, and with them the soft limits (rad, m).
+        Towards a soft limit the effort falls, so that a drive whose soft limits lie within its
+        range cannot hold a load at the ends of it.
+    """
+
+    armature: float = 0.0
+    overtravel: float = 0.0
+
+    def __post_init__(self) -> None:
+        require(self.armature >= 0.0, f"armature is {self.armature} kg m2; 0 or more is needed")
+        require_range(self, "overtravel", 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class ContactConfig:
+    """What the surface of a link is like where it touches something.
+
+    Attributes
+    ----------
+    friction : float, optional
+        Friction coefficient on a surface of friction 1; without, that of the URDF (``<gazebo>``'s
+        mu1 and mu2), else PyBullet's 0.5.
+    stiffness, damping : float, optional
+        Of each contact along its normal (N/m, N s/m), both or neither. Without, wheels have those
+        of `HardwareConfig.wheel_contact`, other links are rigid.
+    spinning_friction : float
+        Against turning about the contact's normal, on a surface of friction 1: friction torque for
+        each newton of force (m).
+    friction_anchor : bool
+        Whether friction holds what sticks where it is, as dry friction does. Without it what is
+        held creeps, faster the lighter it is and the harder it is pressed.
+    """
+
+    friction: Optional[float] = None
+    stiffness: Optional[float] = None
+    damping: Optional[float] = None
+    spinning_friction: float = 0.0
+    friction_anchor: bool = False
+
+    def __post_init__(self) -> None:
+        if self.friction is not None:
+            require_range(self, "friction", 0.0, 10.0)
+        require(
+            (self.stiffness is None) is (self.damping is None),
+            f"stiffness is {self.stiffness} and damping {self.damping}; both or neither are needed",
+        )
+        if self.stiffness is not None:
+            require_range(self, "stiffness", 1.0, 1.0e9)
+            require_range(self, "damping", 1.0, 1.0e9)
+        require_range(self, "spinning_friction", 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class WheelContactConfig:
+    """How a wheel gives way where it touches something: a tyre that sinks in by some millimetres.
+
+    A stiffer one would bear now all and now nothing on ground that four wheels do not touch alike.
+
+    Attributes
+    ----------
+    stiffness, damping : float
+        Of each contact along its normal (N/m, N s/m).
+    """
+
+    stiffness: float = 3.0e4
+    damping: float = 1.0e3
+
+    def __post_init__(self) -> None:
+        require_range(self, "stiffness", 1.0, 1.0e9)
+        require_range(self, "damping", 1.0, 1.0e9)
+
+
+@dataclass(frozen=True)
+class HardwareConfig:
+    """The simulated drives.
+
+    Attributes
+    ----------
+    velocity_tolerance : float
+        Factor on the URDF's velocity limit at which a drive stops accelerating; above 1, so that
+        a joint can run at its limit.
+    position_gain : float
+        Share of a position joint's error that its motor takes away in one step.
+    joints : dict of str to JointHardware
+    contacts : dict of str to ContactConfig
+        By link; what they leave out is the URDF's, else PyBullet's.
+    wheel_contact : WheelContactConfig
+        Of wheels, see `link_surfaces.wheels`.
+    imus : dict of str to str
+        Inertial sensors: name, which is that of its topic, and the link whose motion it measures.
+    imu_noise : dict of str to ImuNoise
+        Errors of these sensors, by name; one that is not named is exact.
+    optional_joints : tuple of str
+        Joints that a variant of the robot may lack: `joints` and named poses may name them all the
+        same. Any other name that is not there is a mistake.
+    optional_links : tuple of str
+        Links that a variant may lack, although `contacts` names them.
+    """
+
+    velocity_tolerance: float = 1.05
+    position_gain: float = 0.2
+    joints: Dict[str, JointHardware] = field(default_factory=dict)
+    contacts: Dict[str, ContactConfig] = field(default_factory=dict)
+    wheel_contact: WheelContactConfig = field(default_factory=WheelContactConfig)
+    imus: Dict[str, str] = field(default_factory=dict)
+    imu_noise: Dict[str, ImuNoise] = field(default_factory=dict)
+    optional_joints: Tuple[str, ...] = ()
+    optional_links: Tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        require(
+            self.velocity_tolerance >= 1.0,
+            f"velocity_tolerance is {self.velocity_tolerance}; 1 or more is needed",
+        )
+        require_range(self, "position_gain", maximum=1.0, above=0.0)
+        for name in self.imu_noise:
+            require(
+                name in self.imus,
+                f"imu_noise/{name}: there is no such sensor; imus has: "
+                f"{', '.join(self.imus) or 'none'}",
+            )
+
+
+@dataclass(frozen=True)
+class StartConfig:
+    """How a robot starts.
+
+    Attributes
+    ----------
+    place : tuple of 4 floats, optional
+        Where its root link starts: x, y, z (m) and heading (rad), in the world. Without it, the
+        scene says where.
+    height : float
+        Of the root link above the scene's ground (m), without `place`; the robot settles from
+        there.
+    pose : str
+        Name of one of `poses`; empty leaves the choice to the scene.
+    default_pose : str
+        Where the scene does not choose either.
+    poses : dict
+        Named poses: joint positions (rad, m) by joint name; joints left out start at 0.
+    """
+
+    place: Optional[Tuple[float, float, float, float]] = None
+    height: float = 0.115
+    pose: str = ""
+    default_pose: str = ""
+    poses: Dict[str, Dict[str, float]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        require_range(self, "height", 0.0, 10.0)
+        for name in ("pose", "default_pose"):
+            value = getattr(self, name)
+            require(
+                not value or value in self.poses,
+                f"{name} is '{value}'; there are: {', '.join(sorted(self.poses)) or 'none'}",
+            )
+
+    def pose_name(self, of_scene: str = "") -> str:
+        """Name of the pose to start in, when the scene names `of_scene`; empty for none.
+
+        A robot without named poses is not the one that the scene's pose is for.
+        """
+        return self.pose or (of_scene if self.poses else "") or self.default_pose
+
+    def joint_positions(self, of_scene: str = "") -> Dict[str, float]:
+        """Joint positions of the pose to start in."""
+        name = self.pose_name(of_scene)
+        return self.poses[name] if name else {}
+
+
+@dataclass(frozen=True)
+class PublishConfig:
+    """How often the simulator tells the world about itself (Hz of sim time)."""
+
+    clock_rate: float = 100.0
+    poses_rate: float = 60.0
+    base_pose_rate: float = 50.0
+    stability_rate: float = 20.0
+
+    def __post_init__(self) -> None:
+        for name in ("clock_rate", "poses_rate", "base_pose_rate", "stability_rate"):
+            value = getattr(self, name)
+            require(value > 0.0, f"{name} is {value} Hz; it must be above 0")
+
+
+@dataclass(frozen=True)
+class RobotConfig:
+    """A simulated robot, beyond its URDF.
+
+    Attributes
+    ----------
+    model : str
+        Name in the scene; its frames are ``<model>/<link>``. Empty: the last part of its namespace.
+    fixed_base : bool
+        Whether the root link is fixed to the world, as one of the name ``world`` always is.
+    """
+
+    model: str = ""
+    fixed_base: bool = False
+    hardware: HardwareConfig = field(default_factory=HardwareConfig)
+    tracks: TrackConfig = field(default_factory=TrackConfig)
+    start: StartConfig = field(default_factory=StartConfig)
+    self_collision: SelfCollisionConfig = field(default_factory=SelfCollisionConfig)
+    stability: StabilityConfig = field(default_factory=StabilityConfig)
+    proximity: ProximityConfig = field(default_factory=ProximityConfig)
+    gripper_contact: GripperContactConfig = field(default_factory=GripperContactConfig)
+
+    def __post_init__(self) -> None:
+        require("/" not in self.model, f"model is '{self.model}'; it must not contain '/'")
+
+
+@dataclass(frozen=True)
+class SimulatorConfig(RobotConfig):
+    """Everything that the simulator is told, and the robot that it begins with.
+
+    Attributes
+    ----------
+    world : str
+        Name of the scene, or path of its file.
+    gui : bool
+        Open PyBullet's window.
+    solver_iterations : int
+        Of PyBullet's constraint solver.
+    """
+
+    model: str = "telex"
+    world: str = "floor"
+    gui: bool = False
+    solver_iterations: int = 50
+    timing: TimingConfig = field(default_factory=TimingConfig)
+    publish: PublishConfig = field(default_factory=PublishConfig)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require(
+            1 <= self.solver_iterations <= 1000,
+            f"solver_iterations is {self.solver_iterations}; 1 to 1000 is possible",
+        )
+        require_text(self, "model")
+        require_text(self, "world")
+
+    @property
+    def realtime_priority(self) -> int:
+        """Of the process, 0 where it has to be an ordinary one."""
+        # PyBullet's window computes without a rest, in threads of the process. And one that is to
+        # be quicker than the wall would outrun the nodes that command the robot.
+        rests = 0.0 < self.timing.real_time_factor <= 1.0 and not self.gui
+        return self.timing.realtime_priority if rests else 0
+
+
+def read_simulator_config(params: Mapping[str, Any], name: str) -> SimulatorConfig:
+    """Make the configuration of a ``simulator`` node's private parameters.
+
+    Parameters
+    ----------
+    params : mapping
+    name : str
+        Of the node, for messages.
+
+    Raises
+    ------
+    ConfigError
+    """
+    own = ("paused", "global_description")
+    return read_config(
+        SimulatorConfig, {key: value for key, value in params.items() if key not in own}, name
+    )

@@ -1,0 +1,434 @@
+"""The simulation of robots in a scene: the loop's order, reset and emergency stop, without ROS.
+
+One thread owns a `Simulation`; only `request_e_stop`, `plan`, `plan_scene` and `plan_robot` may be
+called from others.
+"""
+
+from __future__ import annotations
+
+import logging
+import time
+from pathlib import Path
+from typing import Callable, Dict, Iterator, List, Optional, Sequence, Tuple
+
+from telex_control.common.params import ConfigError
+from telex_control.manager.controller_manager import ControllerManager
+from telex_control.ros.node_handle import NodeHandle
+from telex_control.urdf.joints import UrdfError
+
+from ..proximity.guard import Proximity
+from ..rehearsal.trial import Rehearsal, check_names, check_scene
+from ..robot.gripper_contact import GripperContact
+from ..robot.meshes import check_meshes
+from ..robot.robot import Robot
+from ..robot.robot_hw_sim import RobotHWSim
+from ..scene.assembly import Assembly
+from ..scene.assets import Assets
+from ..scene.bodies import MeshLists, SceneBodies
+from ..scene.catalog import find_scene
+from ..scene.model import WORLD_FRAME, Scene
+from ..scene.planning import PlannedScene, Progress, plan_entry, plan_scene
+from ..scene.scene_file import SceneError
+from .config import TUNED_PERIOD, RobotConfig, SimulatorConfig
+from .phase_timer import PhaseTimer
+from .start_check import check_place, check_start
+from .world import Body, World, WorldError
+
+_log = logging.getLogger("rosout")
+
+FLOOR = "floor"
+"""Name of the ground among those that the arm is near to."""
+
+
+class Simulation:
+    """World, scene and robots, advanced step by step.
+
+    It begins with one robot; others may come and go.
+
+    Sim time never runs back: a reset restores the scene, not the clock, since tf, bags and
+    timers do not survive a clock that jumps.
+
+    Parameters
+    ----------
+    config : SimulatorConfig
+    urdf : str
+    node : NodeHandle
+        The robot's namespace, for the controllers.
+    resolve : callable
+        Turns a mesh address (``package://…``) into a path.
+
+    Attributes
+    ----------
+    scene : Scene
+        As its file says; what is spawned and deleted changes `objects` only. Another one comes by
+        `change_scene`.
+    scene_path : Path
+        Of its file.
+    objects : SceneBodies
+    robots : tuple of Robot
+        The one that it began with, then those that were added. Replaced as a whole.
+
+    Raises
+    ------
+    ConfigError, SceneError, UrdfError, WorldError
+        With a message for a person.
+    """
+
+    def __init__(
+        self,
+        config: SimulatorConfig,
+        urdf: str,
+        node: NodeHandle,
+        resolve: Callable[[str], str],
+    ) -> None:
+        self.config = config
+        _warn_of_long_period(config.timing.control_period)
+        self.timer = PhaseTimer()
+        self._resolve = resolve
+        self._step_size = config.timing.step_size
+        self._steps_per_cycle = config.timing.steps_per_cycle
+        self.steps = 0
+        self._assets = Assets()
+        self.robots: Tuple[Robot, ...] = ()
+        self._names: Dict[int, str] = {}
+        self._meshes = MeshLists()
+        self._planned = self.plan_scene(config.world)
+        step, pose = self._step_size, self.scene.start.pose
+        check_meshes(urdf, resolve, lambda problem: _log.warning("robot_description: %s", problem))
+        self.robots = (Robot(config, urdf, node, resolve, step, pose),)
+        self.world = World(self._step_size, config.solver_iterations, config.gui)
+        self.objects = SceneBodies(self.world.client, self._step_size, self._meshes)
+        self._fill_world()
+        try:
+            self._check_start()
+        except (ConfigError, WorldError) as error:
+            self.close()
+            raise WorldError(f"{self.scene_path}: {error}") from error
+
+    @property
+    def scene(self) -> Scene:
+        """What is loaded, as its file says."""
+        return self._planned.scene
+
+    @property
+    def scene_path(self) -> Path:
+        """Path of its file."""
+        return self._planned.path
+
+    @property
+    def hw(self) -> RobotHWSim:
+        """Hardware of the first robot."""
+        return self.robots[0].hw
+
+    @property
+    def controllers(self) -> ControllerManager:
+        """Controller manager of the first robot."""
+        return self.robots[0].controllers
+
+    @property
+    def body(self) -> Body:
+        """Body of the first robot."""
+        return self.robots[0].body
+
+    def plan_scene(self, world: str) -> PlannedScene:
+        """Prepare a scene for `change_scene`; may be called from any thread.
+
+        Parameters
+        ----------
+        world : str
+            Its name, or the path of its file.
+
+        Raises
+        ------
+        SceneError
+        """
+        began = time.monotonic()
+        planned = plan_scene(find_scene(world), self._assets, self._step_size)
+        check_scene(self.config, planned, self._models())
+        _log.info("scene %s: read in %.1f s", planned.scene.name, time.monotonic() - began)
+        return planned
+
+    def _models(self) -> List[str]:
+        return [robot.model for robot in self.robots] or [self.config.model]
+
+    def _fill_world(self) -> None:
+        """Put the scene and the robots into an empty world."""
+        self._load_scene()
+        for robot in self.robots:
+            robot.place(self.world, self.scene.start, self.objects.material)
+        self._name_bodies()
+
+    def _check_start(self) -> None:
+        """Refuse a start that would throw objects or the robot; a reset leads back to it.
+
+        Raises
+        ------
+        ConfigError, WorldError
+        """
+        self.objects.check_room()
+        if self.config.fixed_base:
+            return
+        owners = self._owners()
+        pose = self.config.start.pose_name(self.scene.start.pose)
+        check_start(self.body, pose, lambda uid: owners.get(uid, "the floor"))
+
+    def _load_scene(self) -> None:
+        name, began = self.scene.name, time.monotonic()
+        plans = self._planned.assemblies
+        try:
+            self.objects.load(self.scene.floor, plans, Progress(name, "in place"))
+        except ConfigError as error:
+            raise WorldError(f"{self._planned.path}: {error}") from error
+        _log.info("scene %s: %d objects in %.1f s", name, len(plans), time.monotonic() - began)
+
+    def change_scene(self, planned: PlannedScene) -> None:
+        """Try another scene, and put it in the place of this one; for the robots it is a reset.
+
+        Raises
+        ------
+        SceneError
+            There is no room for a robot in it, or PyBullet refuses it; nothing has changed.
+        """
+        check_scene(self.config, planned, self._models())
+        with Rehearsal(self.config, self._resolve, self._meshes) as rehearsal:
+            rehearsal.scene(planned, [robot.figure for robot in self.robots])
+        self.put_scene(planned)
+
+    def put_scene(self, planned: PlannedScene) -> None:
+        """Put a scene that was tried in the place of this one; for the robots it is a reset.
+
+        Raises
+        ------
+        SceneError
+            It is not for these robots; nothing has changed.
+        """
+        check_scene(self.config, planned, self._models())
+        first = self.robots[0]
+        try:
+            positions = first.figure.start_positions(planned.scene.start.pose)
+        except ConfigError as error:
+            raise SceneError(f"{planned.path}: {error}") from error
+        self._planned = planned
+        first.start_from(positions)
+        self.reset()
+
+    @property
+    def time(self) -> float:
+        """Sim time (s)."""
+        return self.steps * self._step_size
+
+    @property
+    def at_cycle_start(self) -> bool:
+        """Whether the next step begins a control cycle."""
+        return self.steps % self._steps_per_cycle == 0
+
+    def request_e_stop(self, active: bool) -> None:
+        """Set or release the first robot's emergency stop. May be called from any thread."""
+        self.robots[0].request_e_stop(active)
+
+    def step(self) -> None:
+        """Advance by one physics step, with a control cycle before it when one is due."""
+        timer = self.timer
+        timer.begin()
+        robots, now = self.robots, self.time
+        if self.at_cycle_start:
+            self._control(timer)
+        for robot in robots:
+            robot.hw.write(now, self._step_size)
+        timer.end("write")
+        for robot in robots:
+            robot.apply_traction()
+        timer.end("traction")
+        self.objects.apply()
+        timer.end("mechanisms")
+        self.world.step()
+        self.steps += 1
+        timer.end("step")
+
+    def _control(self, timer: PhaseTimer) -> None:
+        robots, now = self.robots, self.time
+        period = self.config.timing.control_period
+        released = [robot.obey_e_stop() for robot in robots]
+        for robot in robots:
+            robot.hw.read(now, period)
+        timer.end("read")
+        for robot, anew in zip(robots, released):
+            robot.controllers.update(now, period, reset_controllers=anew)
+        timer.end("update")
+        timer.count_cycle()
+
+    def idle(self) -> None:
+        """What goes on while paused: controllers are switched, and emergency stops are set."""
+        for robot in self.robots:
+            robot.idle(self.time)
+
+    def reset(self) -> None:
+        """Put everything back to where it began; time goes on."""
+        self.world.clear()
+        self._fill_world()
+        for robot in self.robots:
+            robot.controllers.reset(self.time)
+
+    def plan_robot(self, config: RobotConfig, urdf: str, node: NodeHandle) -> Robot:
+        """Prepare a robot for `add_robot`; may be called from any thread.
+
+        Raises
+        ------
+        ConfigError, UrdfError
+        """
+        return Robot(config, urdf, node, self._resolve, self._step_size)
+
+    def add_robot(self, robot: Robot) -> None:
+        """Put a further robot into the running world.
+
+        Raises
+        ------
+        ConfigError
+            Its namespace or name is taken, it would stand in something, or PyBullet refuses it.
+        """
+        taken = [item.name for item in self.objects.objects()]
+        taken += [WORLD_FRAME, *(each.model for each in self.robots)]
+        if not robot.model or robot.model in taken:
+            raise ConfigError(f"model is '{robot.model}'; another name is needed")
+        if any(robot.namespace == each.namespace for each in self.robots):
+            raise ConfigError(f"namespace is '{robot.namespace}'; there is a robot already")
+        before = self.world.bodies()
+        try:
+            robot.place(self.world, self.scene.start, self.objects.material)
+            check_place(self.world, robot.body, self._owners(), "it")
+        except (ConfigError, UrdfError, WorldError) as error:
+            self.world.remove_others(before)
+            raise ConfigError(str(error)) from error
+        self.robots = (*self.robots, robot)
+        self._bodies_changed()
+
+    def remove_robot(self, name: str) -> Robot:
+        """Take a robot that was added out of the running world.
+
+        Parameters
+        ----------
+        name : str
+            Its namespace.
+
+        Raises
+        ------
+        ConfigError
+            There is none, or it is the first.
+        """
+        for robot in self.robots[1:]:
+            if robot.namespace == name:
+                self.robots = tuple(each for each in self.robots if each is not robot)
+                self.world.remove(robot.body)
+                self._bodies_changed()
+                self.objects.wake_all()
+                return robot
+        there = ", ".join(robot.namespace for robot in self.robots[1:])
+        raise ConfigError(f"name is '{name}'; robots that were added: {there or 'none'}")
+
+    def _owners(self) -> Dict[int, str]:
+        """What each body is of, in the words of messages, by PyBullet's number; not the floor."""
+        robots = {each.body.uid: f"robot '{each.model}'" for each in self.robots}
+        return {**robots, **self.objects.owners()}
+
+    def _bodies_changed(self) -> None:
+        for robot in self.robots:
+            robot.forget_surfaces()
+        self._name_bodies()
+
+    def _name_bodies(self) -> None:
+        """Note the name of each robot and object by PyBullet's numbers."""
+        self._names = {each.body.uid: each.model for each in self.robots}
+        for item in self.objects.objects():
+            self._names.update(dict.fromkeys(self.objects.bodies_of(item.name), item.name))
+
+    def proximity(self, robot: Robot) -> Proximity:
+        """Return what a robot's arm is near to; what is no robot and no object is the floor."""
+        return robot.proximity.measure(lambda uid: self._names.get(uid, FLOOR))
+
+    def gripper_contact(self, robot: Robot) -> Optional[GripperContact]:
+        """Return what a robot's gripper holds, with names as in `proximity`; None without one."""
+        if robot.gripper_contacts is None:
+            return None
+        return robot.gripper_contacts.measure(lambda uid: self._names.get(uid, FLOOR))
+
+    def plan(self, text: str, name: str = "", folder: str = "") -> List[Assembly]:
+        """Prepare an entry for `spawn`; may be called from any thread.
+
+        Parameters
+        ----------
+        text : str
+            YAML of an entry of a scene file's ``objects``.
+        name : str
+            Of the entry; empty: its own, or else its type and a number.
+        folder : str
+            That relative addresses start from; empty allows none.
+
+        Raises
+        ------
+        ConfigError
+        """
+        taken = [item.name for item in self.objects.objects()]
+        plans = plan_entry(text, name, folder, taken, self._assets, self._step_size)
+        check_names(plans, self._models())
+        return plans
+
+    def spawn(self, plans: Sequence[Assembly]) -> None:
+        """Put objects into the running scene, all or none; parameters as of `spawn_gradually`."""
+        for _ in self.spawn_gradually(plans):
+            pass
+
+    def spawn_gradually(self, plans: Sequence[Assembly]) -> Iterator[None]:
+        """Put objects into the running scene, all or none.
+
+        Steps may be made, but nothing else be changed, before the next body of what stands fast;
+        what can move comes in one go.
+
+        Raises
+        ------
+        ConfigError
+            A name is taken, an object would stand in the robot, or there are too many.
+        """
+        yield from self.objects.add(plans, [robot.body.uid for robot in self.robots])
+        self._bodies_changed()
+
+    def delete(self, name: str) -> List[str]:
+        """Take an object, or all that one entry made, out of the running scene.
+
+        Raises
+        ------
+        ConfigError
+            There is nothing of this name.
+        """
+        gone = self.objects.remove(name)
+        if not gone:
+            raise ConfigError(f"name is '{name}'; there is no such object")
+        self._bodies_changed()
+        return gone
+
+    def link_poses(self) -> List[float]:
+        """Poses of all that moves, 7 numbers each.
+
+        Each robot's links come in the order of its ``body.link_names()``, then the objects' in that
+        of ``objects.frames()``.
+        """
+        poses: List[float] = []
+        for robot in self.robots:
+            poses += robot.body.link_poses()
+        return poses + self.objects.poses()
+
+    def close(self) -> None:
+        """Release the controllers' callers and PyBullet."""
+        for robot in self.robots:
+            robot.close()
+        self.world.close()
+
+
+def _warn_of_long_period(period: float) -> None:
+    """Say it where the control period (s) asks for other gains than the shipped ones."""
+    if period > TUNED_PERIOD:
+        _log.warning(
+            "timing/control_period is %g s: the shipped gains are tuned for %g s; with a longer "
+            "period joints chatter unless their gains are less",
+            period,
+            TUNED_PERIOD,
+        )

@@ -1,0 +1,137 @@
+"""The shipped robot in a simulation without ROS master: for tests, benchmarks and experiments."""
+
+from __future__ import annotations
+
+import subprocess
+import threading
+from pathlib import Path
+from typing import Any, Dict, List, Optional
+
+import rospkg
+import yaml
+
+from telex_control.common.params import read_config
+from telex_control.manager.controller_joints import controller_joints, without_joints
+from telex_control.ros.local_node_handle import LocalNodeHandle
+
+from ..engine.config import SimulatorConfig
+from ..engine.simulation import Simulation
+from ..rendering.addresses import resolve_address
+
+
+def package_file(package: str, *parts: str) -> Path:
+    """Path of a file of a ROS package."""
+    return Path(rospkg.RosPack().get_path(package)).joinpath(*parts)
+
+
+def robot_description() -> str:
+    """URDF text of the shipped robot."""
+    model = package_file("telex_description", "urdf", "telex.urdf.xacro")
+    return subprocess.run(
+        ["xacro", str(model)], check=True, stdout=subprocess.PIPE, text=True
+    ).stdout
+
+
+def shipped_config(**changes: Any) -> SimulatorConfig:
+    """The shipped configuration of the simulator node.
+
+    Parameters
+    ----------
+    **changes
+        Values to replace, by their path with two underscores for the slash, e.g.
+        ``timing__step_size=0.001``.
+    """
+    params = _yaml("telex_sim", "config", "simulator.yaml")
+    params["start"].update(_yaml("telex_description", "config", "poses.yaml"))
+    params["self_collision"] = _yaml("telex_description", "config", "self_collision.yaml")
+    for path, value in changes.items():
+        *parents, key = path.split("__")
+        target = params
+        for parent in parents:
+            target = target[parent]
+        target[key] = value
+    return read_config(SimulatorConfig, params, "simulator")
+
+
+class OfflineSimulation:
+    """The shipped robot, or a variant, with all its controllers, advanced by calls.
+
+    All of them run but those for actions, which are for the same joints as others.
+
+    Parameters
+    ----------
+    urdf : str
+    controllers : dict, optional
+        In place of the shipped ``telex_controllers.yaml``.
+    **changes
+        See `shipped_config`.
+
+    Attributes
+    ----------
+    simulation : Simulation
+    node : LocalNodeHandle
+        For topics and parameters, named as in the graph without the namespace.
+    """
+
+    def __init__(
+        self, urdf: str, controllers: Optional[Dict[str, Any]] = None, **changes: Any
+    ) -> None:
+        params = dict(controllers or _yaml("telex_control", "config", "telex_controllers.yaml"))
+        params["robot_description"] = urdf
+        self.node = LocalNodeHandle(params)
+        packages = rospkg.RosPack()
+        self.simulation = Simulation(
+            shipped_config(**changes),
+            urdf,
+            self.node,
+            lambda address: resolve_address(address, packages.get_path),
+        )
+        names = self._fit(params)
+        for name in names:
+            if not self.simulation.controllers.load_controller(name):
+                raise RuntimeError(f"controller '{name}' cannot be loaded; the log says why")
+        stopped = params["controller_groups"]["actions"]
+        self._start([name for name in names if name not in stopped])
+
+    def _fit(self, params: Dict[str, Any]) -> List[str]:
+        """Return the controllers with a joint, or without need of any; those gone are taken out."""
+        names = []
+        for name in [name for name, value in params.items() if _is_controller(value)]:
+            joints = controller_joints(params[name])
+            lacking = [joint for joint in joints if not self.simulation.hw.has_joint(joint)]
+            if lacking and len(lacking) == len(joints):
+                continue
+            params[name] = without_joints(params[name], lacking)
+            names.append(name)
+        return names
+
+    def _start(self, names: List[str]) -> None:
+        answer: List[bool] = []
+        manager = self.simulation.controllers
+        thread = threading.Thread(
+            target=lambda: answer.append(manager.switch_controller(names, []))
+        )
+        thread.start()
+        while thread.is_alive():
+            self.simulation.idle()
+            thread.join(0.001)
+        if answer != [True]:
+            raise RuntimeError("the controllers cannot be started; the log says why")
+
+    def run(self, seconds: float) -> None:
+        """Advance by `seconds` of sim time."""
+        for _ in range(round(seconds / self.simulation.config.timing.step_size)):
+            self.simulation.step()
+
+    def positions(self) -> Dict[str, float]:
+        """Measured position of every driven joint (rad, m)."""
+        return self.simulation.hw.joint_positions()
+
+
+def _yaml(package: str, *parts: str) -> Any:
+    with open(package_file(package, *parts)) as file:
+        return yaml.safe_load(file)
+
+
+def _is_controller(value: Any) -> bool:
+    return isinstance(value, dict) and "type" in value

@@ -1,0 +1,1 @@
+"""Distances between a robot's arm and its surroundings."""

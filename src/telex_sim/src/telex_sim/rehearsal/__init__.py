@@ -1,0 +1,1 @@
+"""A process in which what comes from outside is tried first."""

@@ -1,0 +1,107 @@
+"""Size of full pictures, by the load of the renderer."""
+
+from __future__ import annotations
+
+import math
+
+SCALES = (1.0, 0.75, 0.5)
+"""Of width and height."""
+
+# Time over which is judged (s), and how many of them in a row make pictures smaller, or larger.
+_PERIOD = 1.0
+_TOO_BUSY_FOR, _AT_EASE_FOR = 2, 5
+
+# Making pictures larger is tried ever more seldom where it was too much, at most after so many
+# periods.
+_MOST_PATIENCE = 80
+
+# Share of the time that is spent drawing: from the one on there is no time left, below the other
+# there is enough for larger pictures.
+_FULL, _EASY = 0.95, 0.75
+
+# Previews may fall to this share of their rate before full pictures become smaller.
+_LEAST_PREVIEWS = 0.8
+
+
+class SizeByLoad:
+    """Makes full pictures smaller while previews fall behind for want of time.
+
+    Parameters
+    ----------
+    smallest
+        Least scale of width and height; 1: they always keep their size.
+
+    Attributes
+    ----------
+    scale : float
+        Of full pictures at present.
+    """
+
+    def __init__(self, smallest: float) -> None:
+        self._scales = [scale for scale in SCALES if scale >= smallest]
+        self._number = 0
+        self._patience = _AT_EASE_FOR
+        self._since_larger = _MOST_PATIENCE
+        self._streak = 0
+        # Since when: time without work (s), previews, and the least rate that was asked.
+        self._began = -math.inf
+        self._rest, self._previews, self._asked = 0.0, 0, math.inf
+
+    @property
+    def scale(self) -> float:
+        """Of full pictures at present."""
+        return self._scales[self._number]
+
+    @property
+    def shadow_spacing(self) -> float:
+        """Factor on the time between shadows: the smaller pictures are, the more seldom."""
+        return self.scale**-2
+
+    def rested(self, seconds: float) -> None:
+        """Tell of time in which there was nothing to draw (s)."""
+        self._rest += seconds
+
+    def shown(self) -> None:
+        """Tell of a preview."""
+        self._previews += 1
+
+    def judge(self, now: float, asked: float) -> None:
+        """Choose anew; to be called often.
+
+        Parameters
+        ----------
+        now
+            Monotonic time (s).
+        asked
+            Previews per second that are wanted; 0 where nobody watches any.
+        """
+        self._asked = min(self._asked, asked)
+        passed = now - self._began
+        if passed < _PERIOD:
+            return
+        # After a long silence, this would tell nothing.
+        if passed < 2.0 * _PERIOD:
+            behind = self._previews < _LEAST_PREVIEWS * self._asked * passed
+            self._weigh(1.0 - self._rest / passed, behind)
+        self._begin(now)
+
+    def _begin(self, now: float) -> None:
+        self._began = now
+        self._rest, self._previews, self._asked = 0.0, 0, math.inf
+
+    def _weigh(self, busy: float, behind: bool) -> None:
+        self._since_larger += 1
+        verdict = 1 if busy > _FULL and behind else -1 if busy < _EASY else 0
+        if not verdict:
+            self._streak = 0
+            return
+        # So many periods in a row: too busy where positive, at ease where negative.
+        self._streak = verdict if self._streak * verdict < 0 else self._streak + verdict
+        if self._streak >= _TOO_BUSY_FOR and self._number < len(self._scales) - 1:
+            if self._since_larger < _MOST_PATIENCE:
+                self._patience = min(2 * self._patience, _MOST_PATIENCE)
+            self._number += 1
+            self._streak = 0
+        elif -self._streak >= self._patience and self._number:
+            self._number -= 1
+            self._streak = self._since_larger = 0

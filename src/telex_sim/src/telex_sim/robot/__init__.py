@@ -1,0 +1,1 @@
+"""One simulated robot: its body, hardware, drives and sensors."""

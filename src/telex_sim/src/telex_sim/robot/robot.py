@@ -1,0 +1,233 @@
+"""One robot in a simulation: its body, hardware, controllers and tracks, without ROS.
+
+One thread, the simulation's, owns a `Robot`; only `request_e_stop` may be called from others.
+"""
+
+from __future__ import annotations
+
+import logging
+from copy import deepcopy
+from typing import Callable, Dict, Mapping, Optional, Tuple
+from xml.etree import ElementTree
+
+from telex_control.common.params import ConfigError
+from telex_control.manager.controller_manager import ControllerManager
+from telex_control.ros.node_handle import NodeHandle
+from telex_control.urdf.checks import check_bodies
+from telex_control.urdf.elements import by_name, end
+from telex_control.urdf.joints import joints, parse_urdf
+
+from ..engine.config import RobotConfig
+from ..engine.world import Body, World
+from ..proximity.guard import ProximityGuard
+from ..scene.model import Start
+from ..tracks.tracks import Tracks
+from .body import RobotBody
+from .drives import Mode
+from .gripper_contact import GripperContacts
+from .robot_hw_sim import RobotHWSim
+from .urdf_masses import complete_masses
+
+_log = logging.getLogger("rosout")
+
+
+class Robot:
+    """A robot that can be placed in a world.
+
+    What can be wrong with it is found here, before a world is touched.
+
+    Parameters
+    ----------
+    config : RobotConfig
+    urdf : str
+    node : NodeHandle
+        Its namespace, for the hardware and the controllers.
+    resolve : callable
+        Turns a mesh address (``package://…``) into a path.
+    step_size : float
+        Sim time of one step (s).
+    asked_pose : str
+        Named pose that the scene asks for; empty for none.
+
+    Attributes
+    ----------
+    namespace : str
+        Full name, without a slash at its end.
+    figure : RobotBody
+        What of it becomes a body.
+    hw : RobotHWSim
+    controllers : ControllerManager
+    body : Body
+        Once it is placed.
+    proximity : ProximityGuard
+        Once it is placed.
+    gripper_contacts : GripperContacts, optional
+        Once it is placed; None without gripper.
+
+    Raises
+    ------
+    ConfigError, UrdfError
+        With a message for a person.
+    """
+
+    body: Body
+    proximity: ProximityGuard
+    gripper_contacts: Optional[GripperContacts]
+
+    def __init__(
+        self,
+        config: RobotConfig,
+        urdf: str,
+        node: NodeHandle,
+        resolve: Callable[[str], str],
+        step_size: float,
+        asked_pose: str = "",
+    ) -> None:
+        self.config = config
+        self.namespace = node.namespace
+        self._node = node
+        self.figure = RobotBody.of(urdf, config, node.namespace)
+        self._resolve = resolve
+        self._step_size = step_size
+        try:
+            self._make(parse_urdf(urdf), node, asked_pose)
+        except Exception:
+            node.shutdown()
+            raise
+
+    @property
+    def model(self) -> str:
+        """Name in the scene; its frames are ``<model>/<link>``."""
+        return self.figure.model
+
+    @property
+    def urdf(self) -> str:
+        """Its description."""
+        return self.figure.urdf
+
+    def _make(self, root: ElementTree.Element, node: NodeHandle, asked_pose: str) -> None:
+        config = self.config
+        check_bodies(root)
+        for remark in complete_masses(deepcopy(root), config.fixed_base).remarks:
+            _log.warning("%s: %s", self.model, remark)
+        self.hw = RobotHWSim(root, config.hardware, config.tracks.belts)
+        self.hw.init(node, node)
+        self.controllers = ControllerManager(self.hw, node)
+        self._check_belts(root)
+        self._positions = self.figure.start_positions(asked_pose)
+        config.proximity.check_joints(list(joints(root)), config.hardware.optional_joints)
+        links = list(by_name(root, "link"))
+        config.self_collision.check_links(links)
+        self._has_pads = config.gripper_contact.present(links, config.hardware.optional_links)
+        # What was asked for last, and how often a stop was: each one is obeyed for a cycle at
+        # least, even if its release follows at once.
+        self._e_stop_wanted = False
+        self._e_stop_presses = 0
+        self._e_stop_obeyed = 0
+
+    def _check_belts(self, root: ElementTree.Element) -> None:
+        carriers = {name: end(joint, "parent") for name, joint in by_name(root, "joint").items()}
+        solid = {
+            name
+            for name, link in by_name(root, "link").items()
+            if link.find("collision") is not None
+        }
+        for joint in self.config.tracks.belts:
+            if not self.hw.has_joint(joint):
+                raise ConfigError(f"tracks/belts/{joint}: the robot has no driven joint '{joint}'")
+            mode = self.hw.drive(joint).mode
+            if mode in (Mode.POSITION, Mode.POSITION_PID):
+                raise ConfigError(
+                    f"tracks/belts/{joint}: its transmission has PositionJointInterface; a belt "
+                    "needs VelocityJointInterface or EffortJointInterface"
+                )
+            if carriers[joint] not in solid:
+                raise ConfigError(
+                    f"tracks/belts/{joint}: the link '{carriers[joint]}', around which it runs, "
+                    "has no <collision>; a belt needs one to touch the ground"
+                )
+        self._check_carriers(carriers)
+
+    def _check_carriers(self, carriers: Mapping[str, str]) -> None:
+        """Refuse belts of several drives around one link: contacts could not tell them apart."""
+        known: Dict[str, Tuple[str, ...]] = {}
+        for belts in self.config.tracks.groups():
+            for joint in belts:
+                link = carriers[joint]
+                others = known.setdefault(link, tuple(belts))
+                if joint not in others:
+                    raise ConfigError(
+                        f"tracks/belts/{joint}: it runs around the link '{link}', as "
+                        f"{others[0]} does, and has another drive; a link of its own is needed"
+                    )
+
+    def place(
+        self, world: World, scene_start: Start, material_of: Callable[[int, int], str]
+    ) -> None:
+        """Put the robot into `world`, where its configuration or else the scene says.
+
+        Parameters
+        ----------
+        world : World
+        scene_start : Start
+        material_of : callable
+            Material of a link (PyBullet's numbers of body and link), for the grip of its tracks.
+
+        Raises
+        ------
+        WorldError
+            PyBullet refuses the URDF.
+        """
+        config = self.config
+        self.body = self.figure.load(world, scene_start, self._positions, self._resolve)
+        self.proximity = ProximityGuard(self.body, config.proximity, config.self_collision)
+        self.gripper_contacts = (
+            GripperContacts(self.body, config.gripper_contact) if self._has_pads else None
+        )
+        self.hw.attach(self.body)
+        drives = {joint: self.hw.drive(joint) for joint in config.tracks.belts}
+        self._tracks = Tracks(self.body, config.tracks, drives, self._step_size, material_of)
+
+    def start_from(self, positions: Dict[str, float]) -> None:
+        """Have the joints start from other positions the next time that it is placed."""
+        self._positions = positions
+
+    def apply_traction(self) -> None:
+        """Apply the forces of its tracks for the next step."""
+        self._tracks.step()
+
+    def forget_surfaces(self) -> None:
+        """Look at every surface anew, after bodies have come or gone."""
+        self._tracks.forget_surfaces()
+
+    @property
+    def e_stop_wanted(self) -> bool:
+        """Whether the last request was to set the emergency stop."""
+        return self._e_stop_wanted
+
+    def request_e_stop(self, active: bool) -> None:
+        """Set or release the emergency stop with the next cycle. From any thread."""
+        self._e_stop_wanted = active
+        if active:
+            self._e_stop_presses += 1
+
+    def obey_e_stop(self) -> bool:
+        """Carry out a request; returns whether the stop was released just now."""
+        presses, self._e_stop_obeyed = self._e_stop_obeyed, self._e_stop_presses
+        wanted = self._e_stop_wanted or presses != self._e_stop_obeyed
+        if wanted == self.hw.e_stop:
+            return False
+        self.hw.set_e_stop(wanted)
+        return not wanted
+
+    def idle(self, time: float) -> None:
+        """What goes on while paused: controllers are switched, and an emergency stop is set."""
+        if self.obey_e_stop():
+            # Without a cycle of their own, the controllers drop what they were told meanwhile.
+            self.controllers.restart_running(time)
+        self.controllers.apply_switch(time)
+
+    def close(self) -> None:
+        """Let whoever waits for its controllers return, and end what its hardware offers."""
+        self.controllers.close()
+        self._node.shutdown()

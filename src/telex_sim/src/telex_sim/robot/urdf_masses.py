@@ -1,0 +1,235 @@
+"""The masses and inertias of a URDF, made such that PyBullet can move the robot.
+
+PyBullet takes 1 kg for a link without ``<inertial>``, holds one of mass 0 fast in the world, and
+drops the whole of an inertia that no body can have.
+"""
+
+from __future__ import annotations
+
+from typing import Dict, Iterator, List, NamedTuple, Optional, Tuple
+from xml.etree import ElementTree
+
+import numpy as np
+import pybullet
+
+from telex_control.urdf.elements import UrdfError, Vector, by_name, end, number, origin, root_links
+
+Quaternion = Tuple[float, float, float, float]
+Pose = Tuple[Vector, Quaternion]
+
+IDENTITY: Pose = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+NO_MASS = 1.0e-5
+"""What mere frames are given for tools that demand a mass (kg), at most."""
+_WORLD_LINK = "world"
+"""A root link of this name means the world itself, as Gazebo has it."""
+_ROUNDING = 1.0e-6
+"""Share of the largest moment of inertia by which others may miss what a body can have."""
+_EDGE = 1.0e-9
+"""Share of it within which rounding decides whether PyBullet takes the inertia of a thin plate."""
+_THIN = 1.0e-4
+"""Share by which a mended inertia stays off what PyBullet might take for none."""
+_MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+
+
+class Masses(NamedTuple):
+    """What `complete_masses` found.
+
+    Attributes
+    ----------
+    fixed : bool
+        Whether the root is held fast.
+    remarks : list of str
+        What of the description does not count, for a person.
+    """
+
+    fixed: bool
+    remarks: List[str]
+
+
+def complete_masses(root: ElementTree.Element, fixed_base: bool) -> Masses:
+    """Give every link a mass and an inertia that PyBullet can move.
+
+    A root that is a mere frame gets the mass of the links that are fixed to it: a body moves as
+    well from there, and a root of next to no mass would turn at once by any rounding error. All
+    others without mass get one that does not count.
+
+    Parameters
+    ----------
+    root : Element
+        The robot; it is changed.
+    fixed_base : bool
+        Whether the root is to be held fast; one of the name ``world`` always is.
+    """
+    links = by_name(root, "link")
+    remarks = [remark for link in links.values() for remark in _mend_inertia(link)]
+    fixed = fixed_base or _WORLD_LINK in root_links(root)
+    for name in () if fixed else root_links(root):
+        carrier = links[name]
+        if mass_of(carrier) > NO_MASS:
+            continue
+        _remove_inertial(carrier)
+        for link, pose in _fixed_to(name, links, carried_joints(root)):
+            add_mass(carrier, link, pose)
+            _remove_inertial(link)
+        if mass_of(carrier) <= NO_MASS:
+            fixed = True
+            remarks.append(
+                f"link '{name}' is the root, and neither it nor what is fixed to it has a mass: it "
+                "is held fast where it stands; give it one if it is to move"
+            )
+    for link in links.values():
+        if not mass_of(link):
+            _remove_inertial(link)
+            inertial = ElementTree.SubElement(link, "inertial")
+            ElementTree.SubElement(inertial, "mass", value="1e-6")
+            _write_inertia(inertial, 1e-9 * np.eye(3))
+    return Masses(fixed, remarks)
+
+
+def massless_joints(root: ElementTree.Element) -> List[str]:
+    """Return the joints that move nothing with a mass."""
+    above = {end(joint, "child"): joint for joint in root.findall("joint")}
+    loaded = set()
+    for name, link in by_name(root, "link").items():
+        joint = above.get(name) if mass_of(link) > NO_MASS else None
+        while joint is not None and joint.get("name") not in loaded:
+            loaded.add(joint.get("name"))
+            joint = above.get(end(joint, "parent"))
+    return [name for name in by_name(root, "joint") if name not in loaded]
+
+
+def _mend_inertia(link: ElementTree.Element) -> Iterator[str]:
+    """Replace an inertia that no body can have by the nearest one; yields what to tell of it.
+
+    Some are in most robots that are made with CAD: PyBullet drops them, and says so in its own
+    words, those of thin plates too, which have a moment that is the sum of the others.
+    """
+    mass, _, inertia = _inertial(link, IDENTITY)
+    if not mass:
+        if inertia.any():
+            yield f"link '{link.get('name')}' has the mass 0, so its <inertia> does not count"
+        return
+    moments, axes = np.linalg.eigh(inertia)
+    largest = np.max(np.abs(moments))
+    # No moment of a body is larger than the sum of the other two.
+    low, high = -moments[0], moments[2] - max(moments[0], 0.0) - max(moments[1], 0.0)
+    if not largest or max(low / largest, high / largest) < -_EDGE:
+        return
+    possible = np.maximum(moments, _THIN * max(moments[2], 0.0))
+    excess = max(possible[2] - possible[0] - possible[1], 0.0)
+    possible = possible + excess / 3.0 * np.array([1.0, 1.0, -1.0])
+    possible[2] = min(possible[2], (1.0 - _THIN) * (possible[0] + possible[1]))
+    if max(low, high) > _ROUNDING * largest:
+        yield (
+            f"link '{link.get('name')}' has an inertia that no body can have: the principal "
+            f"moments {_listed(moments)} kg m2 count as {_listed(possible)}"
+        )
+    element = link.find("inertial")
+    assert element is not None
+    for old in element.findall("inertia"):
+        element.remove(old)
+    # Above, it was turned into the link's axes.
+    set_pose(element, (pose_of(element)[0], IDENTITY[1]))
+    _write_inertia(element, axes @ np.diag(possible) @ axes.T)
+
+
+def _listed(moments: np.ndarray) -> str:
+    return ", ".join(f"{moment:.3g}" for moment in moments)
+
+
+def _write_inertia(inertial: ElementTree.Element, moments: np.ndarray) -> None:
+    values = moments[np.triu_indices(3)]
+    ElementTree.SubElement(
+        inertial, "inertia", {key: repr(float(value)) for key, value in zip(_MOMENTS, values)}
+    )
+
+
+def _fixed_to(
+    name: str,
+    links: Dict[str, ElementTree.Element],
+    carried: Dict[str, List[ElementTree.Element]],
+    pose: Pose = IDENTITY,
+) -> Iterator[Tuple[ElementTree.Element, Pose]]:
+    """Yield all links that fixed joints hold at a link, and their poses in its frame.
+
+    One whose place is no numbers stays as it is, and what it carries.
+    """
+    for joint in carried.get(name, ()):
+        child = end(joint, "child")
+        if joint.get("type") == "fixed" and child in links and is_placed(joint, links[child]):
+            place = pybullet.multiplyTransforms(*pose, *pose_of(joint))
+            yield links[child], place
+            yield from _fixed_to(child, links, carried, place)
+
+
+def _remove_inertial(link: ElementTree.Element) -> None:
+    for inertial in link.findall("inertial"):
+        link.remove(inertial)
+
+
+def carried_joints(root: ElementTree.Element) -> Dict[str, List[ElementTree.Element]]:
+    """Joints on each link that has any."""
+    carried: Dict[str, List[ElementTree.Element]] = {}
+    for joint in root.findall("joint"):
+        carried.setdefault(end(joint, "parent"), []).append(joint)
+    return carried
+
+
+def is_placed(joint: ElementTree.Element, *links: ElementTree.Element) -> bool:
+    """Whether all origins of a joint and of links have the numbers that they should have."""
+    try:
+        for element in (joint, *(part for link in links for part in link)):
+            pose_of(element)
+    except UrdfError:
+        return False
+    return True
+
+
+def pose_of(element: Optional[ElementTree.Element]) -> Pose:
+    """Return the ``<origin>`` of an element."""
+    place = origin(element, "" if element is None else element.tag)
+    return place.xyz, pybullet.getQuaternionFromEuler(place.rpy)
+
+
+def set_pose(element: ElementTree.Element, pose: Pose) -> None:
+    """Replace the origin of an element."""
+    place = element.find("origin")
+    if place is None:
+        place = ElementTree.SubElement(element, "origin")
+    for key, values in (("xyz", pose[0]), ("rpy", pybullet.getEulerFromQuaternion(pose[1]))):
+        place.set(key, " ".join(repr(float(value)) for value in values))
+
+
+def mass_of(link: ElementTree.Element) -> float:
+    """Mass (kg); 0 where none is given."""
+    return number(link.find("inertial/mass"), "value", f"link '{link.get('name')}'", 0.0)
+
+
+def add_mass(link: ElementTree.Element, other: ElementTree.Element, pose: Pose) -> None:
+    """Add the mass of another link, which is at `pose` in this one's frame."""
+    parts = [_inertial(link, IDENTITY), _inertial(other, pose)]
+    mass = sum(part[0] for part in parts)
+    if mass <= 0.0:
+        return
+    centre: np.ndarray = np.add(*(part[0] * part[1] for part in parts)) / mass
+    moments = np.zeros((3, 3))
+    for share, place, own in parts:
+        # The parallel axis theorem.
+        away = place - centre
+        moments += own + share * (away @ away * np.eye(3) - np.outer(away, away))
+    _remove_inertial(link)
+    inertial = ElementTree.SubElement(link, "inertial")
+    ElementTree.SubElement(inertial, "mass", value=repr(mass))
+    set_pose(inertial, ((centre[0], centre[1], centre[2]), IDENTITY[1]))
+    _write_inertia(inertial, moments)
+
+
+def _inertial(link: ElementTree.Element, pose: Pose) -> Tuple[float, np.ndarray, np.ndarray]:
+    """Mass (kg), centre of mass (m) and inertia about it (kg m2), where the link is at `pose`."""
+    centre, turned = pybullet.multiplyTransforms(*pose, *pose_of(link.find("inertial")))
+    moments = np.zeros((3, 3))
+    inertia, where = link.find("inertial/inertia"), f"link '{link.get('name')}'"
+    moments[np.triu_indices(3)] = [number(inertia, key, where, 0.0) for key in _MOMENTS]
+    moments = moments + np.triu(moments, 1).T
+    rotation = np.reshape(pybullet.getMatrixFromQuaternion(turned), (3, 3))
+    return mass_of(link), np.array(centre), rotation @ moments @ rotation.T

@@ -1,0 +1,1 @@
+"""The simulator's nodes, services and messages."""

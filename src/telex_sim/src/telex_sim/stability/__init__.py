@@ -1,0 +1,1 @@
+"""Stability of a robot: tip-over margin, and whether it is stuck."""

@@ -1,0 +1,1 @@
+"""Teleoperation of the arm: joints, tool, poses, what is near."""

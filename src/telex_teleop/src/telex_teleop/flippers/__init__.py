@@ -1,0 +1,1 @@
+"""Teleoperation of the flippers, and their presets."""

@@ -1,0 +1,106 @@
+"""Parameters of the flippers' node, beside those of every joint node."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Dict, Mapping, Tuple
+
+from telex_control.common.params import require, require_range, require_text
+from telex_teleop.flippers.presets import GoalRules, Preset
+from telex_teleop.joints.settings import JointTeleopSettings
+from telex_teleop.motion.axis import AxisSettings
+
+__all__ = ["FlipperTeleopSettings", "PresetSettings"]
+
+
+@dataclass(frozen=True)
+class PresetSettings:
+    """One flipper preset.
+
+    Attributes
+    ----------
+    name
+        What operators and scripts call it.
+    positions
+        Joint to angle (rad); joints that are not named stay where they are.
+    description
+        What it is for; shown to the operator.
+    """
+
+    name: str
+    positions: Dict[str, float]
+    description: str = ""
+
+    def __post_init__(self) -> None:
+        require_text(self, "name")
+        require(
+            self.name.replace("_", "").isalnum(),
+            f"name is {self.name!r}; letters, digits and underscores are needed",
+        )
+        require(
+            len(self.positions) > 0, "positions is empty; an angle of at least one joint is needed"
+        )
+
+
+@dataclass(frozen=True)
+class FlipperTeleopSettings(JointTeleopSettings):
+    """Parameters of the flippers' node.
+
+    Attributes
+    ----------
+    presets
+        In the order of their keys.
+    goal_tolerance, stall_time
+        See `flipper_presets.GoalRules` (rad, s).
+    """
+
+    presets: Tuple[PresetSettings, ...] = ()
+    goal_tolerance: float = 0.01
+    stall_time: float = 2.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require_range(self, "goal_tolerance", above=0.0, maximum=0.1)
+        require_range(self, "stall_time", above=0.0)
+        names = [preset.name for preset in self.presets]
+        for index, preset in enumerate(self.presets):
+            require(
+                preset.name not in names[:index],
+                f"presets[{index}]/name is '{preset.name}' as of one before; names must differ",
+            )
+            for joint in preset.positions:
+                require(
+                    joint in self.joints,
+                    f"presets[{index}]/positions/{joint} is unknown; known are "
+                    f"{', '.join(self.joints)}",
+                )
+
+    def goal_rules(self) -> GoalRules:
+        """Return when a goal has been reached, and when it is given up."""
+        return GoalRules(self.goal_tolerance, self.stall_time)
+
+    def preset_table(self, axes: Mapping[str, AxisSettings]) -> Dict[str, Preset]:
+        """Return the presets of a robot by name, without the joints that it lacks.
+
+        Parameters
+        ----------
+        axes
+            Bounds of the joints that it has.
+
+        Raises
+        ------
+        telex_control.common.params.ConfigError
+            When a flipper cannot get where a preset wants it.
+        """
+        table = {}
+        for index, preset in enumerate(self.presets):
+            there = {joint: at for joint, at in preset.positions.items() if joint in axes}
+            for joint, angle in there.items():
+                motion = axes[joint].motion
+                require(
+                    motion.lower <= angle <= motion.upper,
+                    f"presets[{index}]/positions/{joint} is {angle:g} ({preset.name}); this robot "
+                    f"needs {motion.lower:g} to {motion.upper:g}",
+                )
+            table[preset.name] = Preset(preset.name, preset.description, there)
+        return table

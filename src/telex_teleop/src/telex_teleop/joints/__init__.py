@@ -1,0 +1,1 @@
+"""Teleoperation of joints one by one, or coupled."""

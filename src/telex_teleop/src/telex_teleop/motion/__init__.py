@@ -1,0 +1,1 @@
+"""References and command streams: what all joints share."""

@@ -1,0 +1,1 @@
+"""The teleoperation nodes: topics, services and parameters."""

@@ -1,0 +1,41 @@
+"""Figure 8 in lockstep: the same joint states, whoever else has the processors."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
+
+from paper.experiments.lockstep import Led, bars, follow, hogs
+from paper.experiments.trajectory import LARGEST, RMS, Way
+
+from telex_control.follow_trajectory.analysis import Figures
+
+PIECE = Way("circle", "A piece", ("--circle", "--here", "--radius", "0.05", "--turns", "0.2"))
+NONE = (0.0, 0.0, 0.0)
+GOOD = Led(Figures(5e-4, 2e-3, NONE, NONE, 0.0, 1.0, 20.0), "a")
+
+
+def test_runs_are_equal_beside_what_keeps_all_processors_busy(tmp_path):
+    alone = follow(PIECE, tmp_path)
+    assert 1e3 * alone.figures.rms <= RMS
+    assert 1e3 * alone.figures.largest <= LARGEST
+    assert (tmp_path / "circle.svg").is_file()
+    with hogs():
+        assert follow(PIECE, tmp_path) == alone
+
+
+@pytest.mark.parametrize(
+    ("second", "met"),
+    [
+        (GOOD, True),
+        (replace(GOOD, digest="b"), False),
+        (replace(GOOD, figures=replace(GOOD.figures, largest=4e-3)), False),
+    ],
+)
+def test_the_worst_run_counts_and_all_have_to_be_equal(second, met):
+    assert all(figure.ok for figure in bars({"Circle": [GOOD, second]})) == met
