@@ -20,7 +20,7 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 from private_simulator import cpu_seconds
 
-from telex_control.private_master import DIES_WITH_US, descendants
+from telex_control.ros.private_master import DIES_WITH_US, descendants
 from telex_teleop import headless_chromium
 
 ANSWER_WITHIN = 60.0
@@ -29,10 +29,19 @@ ANSWER_WITHIN = 60.0
 CLOCK_SAMPLES = 50
 """Questions for the page's clock, of which the quickest counts."""
 
-_FLAGS = (*headless_chromium.FLAGS, "--window-size=1280,720", "--remote-debugging-pipe")
+_FLAGS = (*headless_chromium.FLAGS, "--remote-debugging-pipe")
 
-_KEYS = {"KeyW": "w", "KeyS": "s", "KeyJ": "j", "KeyL": "l"}
+_KEYS = {
+    **{f"Key{sign.upper()}": sign for sign in "wasdijklopu"},
+    **{f"Digit{sign}": sign for sign in "134"},
+    "Minus": "-",
+    "Comma": ",",
+    "Period": ".",
+}
 """Keys by their position, with the sign that a US keyboard has there."""
+
+_VIRTUAL = {"Minus": 0xBD, "Comma": 0xBC, "Period": 0xBE}
+"""Virtual key codes of those that are neither letters nor digits."""
 
 
 class BrowserError(RuntimeError):
@@ -48,11 +57,15 @@ class Chromium:
         What the page shows.
     before
         Words before the command, such as ``("ip", "netns", "exec", NAME)``.
+    size
+        Width and height of the window (pixels).
 
     Use it as a context manager.
     """
 
-    def __init__(self, url: str, before: Sequence[str] = ()) -> None:
+    def __init__(
+        self, url: str, before: Sequence[str] = (), size: Tuple[int, int] = (1280, 720)
+    ) -> None:
         program = headless_chromium.chromium()
         if program is None:
             raise BrowserError("there is no Chromium: apt-get install chromium")
@@ -68,6 +81,7 @@ class Chromium:
                 *DIES_WITH_US,
                 program,
                 *_FLAGS,
+                "--window-size={},{}".format(*size),
                 f"--user-data-dir={self._profile}",
                 "about:blank",
             ],
@@ -83,6 +97,7 @@ class Chromium:
         self._news = os.fdopen(news_read, "rb")
         self._number = 0
         self._answers: Dict[int, Dict[str, Any]] = {}
+        self._workers: List[str] = []
         self._arrived = threading.Condition()
         self._ended = False
         threading.Thread(target=self._read, daemon=True).start()
@@ -128,6 +143,8 @@ class Chromium:
                     with self._arrived:
                         self._answers[news["id"]] = news
                         self._arrived.notify_all()
+                elif _target(news) == "worker":
+                    self._workers.append(news["params"]["sessionId"])
         with self._arrived:
             self._ended = True
             self._arrived.notify_all()
@@ -173,9 +190,27 @@ class Chromium:
 
     def evaluate(self, script: str) -> Any:
         """Return the value of an expression on the page."""
-        answer = self.call("Runtime.evaluate", expression=script, returnByValue=True)
+        return self._evaluate(script, self.session)
+
+    def evaluate_in_worker(self, script: str) -> Any:
+        """Return the value of an expression in the page's only worker."""
+        if not self._workers:
+            self.call(
+                "Target.setAutoAttach", autoAttach=True, waitForDebuggerOnStart=False, flatten=True
+            )
+            end = time.monotonic() + ANSWER_WITHIN
+            while not self._workers:
+                if time.monotonic() > end:
+                    raise BrowserError("the page has no worker")
+                time.sleep(0.05)
+        return self._evaluate(script, self._workers[0])
+
+    def _evaluate(self, script: str, session: str) -> Any:
+        method = "Runtime.evaluate"
+        number = self.tell(method, session, expression=script, returnByValue=True)
+        answer = self._answer(method, number)
         if "exceptionDetails" in answer:
-            raise BrowserError(f"{script[:80]}: {answer['exceptionDetails']['text']}")
+            raise BrowserError(f"{script[:80]}: {_told(answer)}")
         return answer["result"].get("value")
 
     def wait_for(self, what: str, script: str, timeout: float = ANSWER_WITHIN) -> Any:
@@ -210,7 +245,7 @@ class Chromium:
             type=kind,
             code=code,
             key=sign,
-            windowsVirtualKeyCode=ord(sign.upper()),
+            windowsVirtualKeyCode=_VIRTUAL.get(code, ord(sign.upper())),
             autoRepeat=repeats,
         )
 
@@ -284,3 +319,16 @@ def _words(pid: int) -> List[str]:
     except OSError:
         return []
     return command.replace("\0", " ").split()
+
+
+def _target(news: Dict[str, Any]) -> str:
+    """Return what the browser has attached us to, if that is what it tells."""
+    if news["method"] != "Target.attachedToTarget":
+        return ""
+    return str(news["params"]["targetInfo"]["type"])
+
+
+def _told(answer: Dict[str, Any]) -> str:
+    """Return what an expression has thrown."""
+    details = answer["exceptionDetails"]
+    return str(details.get("exception", {}).get("description", details["text"]))

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
+import json
 import os
 import time
-from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence
+from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
+import aiohttp
 import rosgraph
 import rospy
 from chromium import Chromium
@@ -25,7 +28,7 @@ SPEED = 1.0
 """Speed (m/s) at which the robot drives."""
 
 BELT, BELT_RADIUS = "front_left_track_joint", 0.110
-PATIENCE = 120.0
+PATIENCE = 400.0
 """Longest wait (s) for anything to begin, on a machine that is busy with something else."""
 
 REPEAT_PERIOD = 0.033
@@ -130,25 +133,31 @@ class Rig:
     ----------
     everywhere
         Whether bridge and video server listen on all networks, with a token, or on 127.0.0.1 alone.
+    one_browser
+        Whether whoever asks for a browser gets the same one.
 
-    Use it as a context manager; `rospy` is connected to it.
+    Use it as a context manager; `connect` connects `rospy` to it.
     """
 
-    def __init__(self, everywhere: bool) -> None:
+    def __init__(self, everywhere: bool, one_browser: bool = False) -> None:
         listen = ["address:=0.0.0.0"] if everywhere else []
         self._everywhere = everywhere
         self._query = ""
+        self._instructor = "?role=instructor"
+        self._is_connected = False
+        self._one_browser = one_browser
+        self._browser: Optional[Chromium] = None
         self.simulator = PrivateSimulator(f"world:={WORLD}", *listen)
 
     def __enter__(self) -> Rig:
         try:
-            self._connect()
+            self._find()
         except BaseException:
             self.__exit__()
             raise
         return self
 
-    def _connect(self) -> None:
+    def _find(self) -> None:
         simulator = self.simulator
         simulator.wait_for_master()
         video = simulator.wait_for_param("/telex/video_server/url")
@@ -157,19 +166,47 @@ class Rig:
         if self._everywhere:
             path = str(simulator.wait_for_param("/telex/rosbridge/token_file"))
             self._query = f"?token={read_token(path, 'token_file')}"
-        os.environ.update(ROS_MASTER_URI=simulator.master_uri, ROS_IP="127.0.0.1")
-        rospy.init_node("benchmark_console", disable_signals=True)
+            path = str(simulator.wait_for_param("/telex/rosbridge/instructor_token_file"))
+            token = read_token(path, "instructor_token_file")
+            self._instructor = f"?role=instructor&token={token}"
         self.master = rosgraph.Master("/benchmark_console", simulator.master_uri)
+
+    def connect(self) -> None:
+        """Connect `rospy`, and hear what is said; costs a part of a core from then on."""
+        if self._is_connected:
+            return
+        self._is_connected = True
+        os.environ.update(ROS_MASTER_URI=self.simulator.master_uri, ROS_IP="127.0.0.1")
+        rospy.init_node("benchmark_console", disable_signals=True)
         self.wire = Wire()
         self.wire.set_speed()
 
     def __exit__(self, *exception: object) -> None:
         rospy.signal_shutdown("the benchmark ends")
-        self.simulator.__exit__()
+        try:
+            if self._browser is not None:
+                self._browser.__exit__()
+        finally:
+            self.simulator.__exit__()
 
     def page(self, host: str = "127.0.0.1") -> str:
         """Address of the console."""
         return f"http://{host}:{self.video_port}/{self._query}"
+
+    @property
+    def instructor_page(self) -> str:
+        """Address of the instructor's page."""
+        return f"http://127.0.0.1:{self.video_port}/instructor{self._instructor}"
+
+    def ask(self, service: str, **arguments: Any) -> Any:
+        """Call a service as an instructor, over the bridge."""
+        url = f"{self.master.getParam('/telex/rosbridge/url')}/{self._instructor}"
+        return asyncio.run(_call(url, service, arguments))
+
+    def clock(self) -> Tuple[float, float]:
+        """Wait for the simulator's next status: the wall's time, and the sim time (s) in it."""
+        url = f"{self.master.getParam('/telex/rosbridge/url')}/{self._instructor}"
+        return asyncio.run(_next_status(url))
 
     @property
     def bridge_url(self) -> str:
@@ -207,9 +244,43 @@ class Rig:
     @contextlib.contextmanager
     def browser(self, before: Sequence[str] = (), host: str = "127.0.0.1") -> Iterator[Chromium]:
         """The console in a browser, once six views are live."""
-        with Chromium(self.page(host), before) as browser:
-            settle(browser)
-            yield browser
+        if not self._one_browser:
+            with Chromium(self.page(host), before) as browser:
+                settle(browser)
+                yield browser
+            return
+        if self._browser is None:
+            self._browser = Chromium(self.page(host), before)
+        settle(self._browser)
+        yield self._browser
+
+
+async def _call(url: str, service: str, arguments: Dict[str, Any]) -> Any:
+    call = {"op": "call_service", "id": "call", "service": service, "args": arguments}
+    async with aiohttp.ClientSession() as http, http.ws_connect(url, max_msg_size=0) as bridge:
+        await bridge.send_json(call)
+        async for message in bridge:
+            answer = json.loads(message.data)
+            if answer.get("id") == "call":
+                if not answer["result"]:
+                    raise MeasurementError(f"{service}: {answer['values']}")
+                return answer["values"]
+    raise MeasurementError(f"{service}: the bridge has closed the connection")
+
+
+async def _next_status(url: str) -> Tuple[float, float]:
+    wish = {"op": "subscribe", "topic": "/telex/sim/status", "type": "telex_msgs/SimStatus"}
+    async with aiohttp.ClientSession() as http, http.ws_connect(url, max_msg_size=0) as bridge:
+        await bridge.send_json(wish)
+        heard = 0
+        async for message in bridge:
+            answer = json.loads(message.data)
+            if answer.get("op") == "publish":
+                heard += 1
+            if heard == 2:  # the first is the last one that was said, nobody knows when
+                stamp = answer["msg"]["header"]["stamp"]
+                return time.monotonic(), stamp["secs"] + 1e-9 * stamp["nsecs"]
+    raise MeasurementError("sim/status: the bridge has closed the connection")
 
 
 def settle(browser: Chromium) -> None:

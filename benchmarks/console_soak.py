@@ -20,7 +20,7 @@ from console_rig import PATIENCE, MeasurementError, Rig
 from report import Figure
 from std_msgs.msg import Float64
 
-from telex_control.private_master import DIES_WITH_US, end_tree
+from telex_control.ros.private_master import DIES_WITH_US, end_tree
 
 WATCHERS = 8
 CLOCK_PERIOD = 0.02

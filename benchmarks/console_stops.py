@@ -25,8 +25,8 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64
 from telex_msgs.msg import TrackTeleopStatus
 
-from telex_control.private_master import KILLED_WITH_US, end_tree
-from telex_sim.offline import package_file
+from telex_control.ros.private_master import KILLED_WITH_US, end_tree
+from telex_sim.offline.simulation import package_file
 
 SPEED = 1.0
 """m/s."""
@@ -370,11 +370,17 @@ def told(stop: Stop) -> str:
     return f"{zero}stands after {stop.stood:.3f} s and {stop.way:.3f} m"
 
 
-def stop_figures(stops: Stops, times: int, names: Optional[List[str]] = None) -> List[Figure]:
-    """Do all drills, each some times: half in each pose, forwards and backwards in turn."""
+def stop_figures(
+    stops: Stops, times: int, names: Optional[List[str]] = None, posed: bool = True
+) -> List[Figure]:
+    """Do all drills, each some times: half in each pose, forwards and backwards in turn.
+
+    Without being `posed`, the robot stays in the pose that it has.
+    """
     found: Dict[str, List[Stop]] = {name: [] for name in (names or WAYS)}
     for number, pose in enumerate(POSES):
-        stops.take_pose(pose)
+        if posed:
+            stops.take_pose(pose)
         for name, done in found.items():
             for turn in range((times + 1 - number) // 2):
                 stop = stops.drill(WAYS[name], backwards=turn % 2 == 1)

@@ -15,8 +15,8 @@ from mobility.offline import Trial
 from telex_sim.rendering.camera import PinholeCamera
 from telex_sim.rendering.messages import frames_from_message, scene_from_message
 from telex_sim.rendering.still import looking
+from telex_sim.ros.scene_messages import SceneMessages
 from telex_sim.scene.preview import Subject, photograph
-from telex_sim.scene_messages import SceneMessages
 
 SIZE = (420, 300)
 _NEAR, _FAR, _FOV = 0.05, 100.0, 0.62

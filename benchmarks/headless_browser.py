@@ -7,7 +7,7 @@ import tempfile
 from pathlib import Path
 from typing import Any, Iterator, List
 
-from telex_control.private_master import descendants
+from telex_control.ros.private_master import descendants
 from telex_teleop import headless_chromium
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pybullet
 
-from telex_sim.world import Body
+from telex_sim.engine.world import Body
 
 _EDGE = 0.1  # m, of the cube that its inertia is that of
 _FORCE = 1.0e5  # N, that fixes it at most

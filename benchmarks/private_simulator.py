@@ -5,15 +5,17 @@ For benchmarks and scripted runs that must not meet whatever else runs on the ma
 
 from __future__ import annotations
 
+import contextlib
 import os
 import subprocess
 import tempfile
 import time
-from typing import Any, Callable, Dict, TypeVar
+from typing import Any, Callable, Dict, List, TypeVar
 
 import rosgraph
 
-from telex_control.private_master import DIES_WITH_US, descendants, end_tree, free_port
+from telex_control.ros.private_master import DIES_WITH_US, descendants, end_tree, free_port
+from telex_control.ros.publisher_updates import miss_no_publisher
 
 Value = TypeVar("Value")
 
@@ -30,11 +32,18 @@ class PrivateSimulator:
     *arguments : str
         roslaunch arguments, e.g. ``"pose:=drive"``; without others the operator's speed is full.
 
+    Attributes
+    ----------
+    began : float
+        When it was started (monotonic time, s).
+
     Use it as a context manager; `master_uri` belongs into ``ROS_MASTER_URI`` before
     ``rospy.init_node``.
     """
 
     def __init__(self, *arguments: str) -> None:
+        miss_no_publisher()
+        self.began = time.monotonic()
         port = free_port()
         self.master_uri = f"http://127.0.0.1:{port}"
         self._logs = tempfile.TemporaryDirectory(prefix="telex-")
@@ -60,6 +69,11 @@ class PrivateSimulator:
             start_new_session=True,
         )
 
+    @property
+    def pid(self) -> int:
+        """Process of roslaunch."""
+        return self._process.pid
+
     def environment(self) -> Dict[str, str]:
         """The environment for programs that are to talk to this simulator."""
         return {
@@ -78,7 +92,7 @@ class PrivateSimulator:
         self._output.close()
         self._logs.cleanup()
 
-    def wait_for(self, what: str, condition: Callable[[], Value], timeout: float = 60.0) -> Value:
+    def wait_for(self, what: str, condition: Callable[[], Value], timeout: float = 120.0) -> Value:
         """Return the first true value of `condition`.
 
         Raises
@@ -116,7 +130,9 @@ class PrivateSimulator:
         """Process ids of all nodes by node name, as their command lines tell."""
         found = {}
         for pid in descendants(self._process.pid):
-            with open(f"/proc/{pid}/cmdline", "rb") as file:
+            words: List[str] = []
+            # It may have ended since it was listed.
+            with contextlib.suppress(OSError), open(f"/proc/{pid}/cmdline", "rb") as file:
                 words = file.read().decode(errors="replace").split("\0")
             for word in words:
                 if word.startswith("__name:="):

@@ -1,11 +1,13 @@
-"""What the benchmarks share: their command line, their table and their JSON."""
+"""Common parts of the benchmarks: command line, table and JSON."""
 
 from __future__ import annotations
 
 import argparse
 import json
+import math
 import os
 import platform
+import signal
 import sys
 from dataclasses import dataclass
 from typing import List, Optional
@@ -21,6 +23,8 @@ class Figure:
     value : float
     at_least, at_most : float, optional
         What is required of it.
+    goal : float, optional
+        What it is to come to beyond that; nothing fails without it.
     """
 
     name: str
@@ -28,13 +32,15 @@ class Figure:
     unit: str = ""
     at_least: Optional[float] = None
     at_most: Optional[float] = None
+    goal: Optional[float] = None
 
     @property
     def required(self) -> str:
         """The requirement as text; empty when there is none."""
+        goal = "" if self.goal is None else f", goal {self.goal:.4g}"
         if self.at_least is not None:
-            return f">= {self.at_least:g}"
-        return f"<= {self.at_most:g}" if self.at_most is not None else ""
+            return f">= {self.at_least:.4g}{goal}"
+        return f"<= {self.at_most:.4g}{goal}" if self.at_most is not None else ""
 
     @property
     def ok(self) -> bool:
@@ -45,15 +51,29 @@ class Figure:
 
 
 def arguments(description: str) -> argparse.Namespace:
-    """Read the command line that all benchmarks have: --quick, --json FILE."""
+    """Read the command line that all benchmarks have: --quick, --smoke, --json FILE."""
     return read_arguments(argparse.ArgumentParser(description=description))
 
 
 def read_arguments(parser: argparse.ArgumentParser) -> argparse.Namespace:
-    """Add what all benchmarks have to a parser, and read the command line with it."""
+    """Add what all benchmarks have to a parser, and read the command line with it.
+
+    A benchmark that is asked to end (SIGTERM) ends what it has started.
+    """
     parser.add_argument("--quick", action="store_true", help="a coarse answer in under a minute")
+    parser.add_argument(
+        "--smoke", action="store_true", help="one sample of each part, none of them judged"
+    )
     parser.add_argument("--json", metavar="FILE", help="write the figures to FILE as well")
-    return parser.parse_args()
+    options = parser.parse_args()
+    options.quick = options.quick or options.smoke
+    signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
+    return options
+
+
+def quantile(values: List[float], share: float) -> float:
+    """Return the value that a share of all stay at or below; NaN if there are none."""
+    return sorted(values)[min(int(len(values) * share), len(values) - 1)] if values else math.nan
 
 
 def machine() -> str:
@@ -67,19 +87,24 @@ def machine() -> str:
     return f"{model}, {os.cpu_count()} cores, Python {platform.python_version()}"
 
 
-def finish(title: str, figures: List[Figure], json_file: Optional[str]) -> None:
-    """Print the table, write the JSON, and end with status 1 when a requirement is missed."""
+def finish(
+    title: str, figures: List[Figure], json_file: Optional[str], judged: bool = True
+) -> None:
+    """Print the table, write the JSON, and end with status 1 when a requirement is missed.
+
+    What is not `judged` was too short to tell anything.
+    """
     print(f"\n{title}\n{machine()}\n")
     print("| figure | measured | unit | required | |\n|---|---|---|---|---|")
     for figure in figures:
-        verdict = "" if not figure.required else ("ok" if figure.ok else "MISSED")
+        verdict = ("ok" if figure.ok else "MISSED") if judged and figure.required else ""
         cells = (figure.name, f"{figure.value:.4g}", figure.unit, figure.required, verdict)
         print(f"| {' | '.join(cells)} |")
     if json_file:
         content = {
             "figures": {
                 figure.name: {
-                    "value": figure.value,
+                    "value": figure.value if math.isfinite(figure.value) else None,
                     "unit": figure.unit,
                     "required": figure.required,
                     "ok": figure.ok,
@@ -90,4 +115,4 @@ def finish(title: str, figures: List[Figure], json_file: Optional[str]) -> None:
         }
         with open(json_file, "w") as file:
             json.dump(content, file, indent=2)
-    sys.exit(0 if all(figure.ok for figure in figures) else 1)
+    sys.exit(0 if not judged or all(figure.ok for figure in figures) else 1)
