@@ -22,7 +22,7 @@ from xml.sax.saxutils import escape
 import numpy as np
 
 from telex_control.kinematics import Chain, DHChain, dh_chain
-from telex_control.urdf_joints import parse_urdf
+from telex_control.urdf.joints import parse_urdf
 
 IMAGES = Path(__file__).parent / "images"
 MODEL = Path(__file__).parents[1] / "src" / "telex_description" / "urdf" / "telex.urdf.xacro"
