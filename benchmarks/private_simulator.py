@@ -15,7 +15,7 @@ from typing import Any, Callable, Dict, List, TypeVar
 import rosgraph
 
 from telex_control.ros.private_master import DIES_WITH_US, descendants, end_tree, free_port
-from telex_control.ros.publisher_updates import miss_no_publisher
+from telex_control.ros.publisher_updates import miss_nothing
 
 Value = TypeVar("Value")
 
@@ -42,7 +42,7 @@ class PrivateSimulator:
     """
 
     def __init__(self, *arguments: str) -> None:
-        miss_no_publisher()
+        miss_nothing()
         self.began = time.monotonic()
         port = free_port()
         self.master_uri = f"http://127.0.0.1:{port}"

@@ -26,7 +26,7 @@ from tf2_py import BufferCore
 
 from telex_control.kinematics import Chain, UrdfTree, dh_chain
 from telex_control.ros.private_master import PrivateMaster
-from telex_control.ros.publisher_updates import miss_no_publisher
+from telex_control.ros.publisher_updates import miss_nothing
 from telex_control.urdf.joints import joints, parse_urdf
 from telex_sim.offline.simulation import robot_description
 
@@ -216,7 +216,7 @@ def walk(positions):
         if message.transforms[0].header.stamp == stamp:
             moved.set()
 
-    miss_no_publisher()
+    miss_nothing()
     rospy.init_node("walk", disable_signals=True)
     rospy.Subscriber("/tf_static", TFMessage, on_fixed)
     rospy.Subscriber("/tf", TFMessage, on_moved, tcp_nodelay=True)

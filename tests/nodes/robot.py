@@ -16,9 +16,9 @@ from geometry_msgs.msg import PoseStamped, Twist
 from sensor_msgs.msg import JointState
 from telex_msgs.msg import JointTeleopStatus, SimStatus, TrackTeleopStatus
 
-from telex_control.ros.publisher_updates import miss_no_publisher
+from telex_control.ros.publisher_updates import miss_nothing
 
-miss_no_publisher()
+miss_nothing()
 
 TELEOP_NODES = {
     "arm_teleop": JointTeleopStatus,

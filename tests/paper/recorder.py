@@ -21,7 +21,7 @@ from rosbag import Bag, Compression
 
 from telex_control.common.scheduling import step_back
 from telex_control.ros.private_master import DIES_WITH_US, end_tree
-from telex_control.ros.publisher_updates import miss_no_publisher
+from telex_control.ros.publisher_updates import miss_nothing
 
 TOPICS: Tuple[str, ...] = (
     "joint_states",
@@ -261,7 +261,7 @@ def main() -> None:
         signal.signal(number, lambda *_: ended.set())
     # Where the processor is short, what is recorded may come late; what drives the robot may not.
     step_back(_NICENESS)
-    miss_no_publisher()
+    miss_nothing()
     rospy.init_node("recorder", anonymous=True, disable_signals=True)
     _await_clock(ended)
     writer = Writer(

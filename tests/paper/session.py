@@ -16,7 +16,7 @@ from telex_msgs.msg import SceneDescription
 from telex_msgs.srv import ConfigureCamera
 
 from telex_control.ros.private_master import PrivateMaster
-from telex_control.ros.publisher_updates import miss_no_publisher
+from telex_control.ros.publisher_updates import miss_nothing
 
 from .recorder import PICTURES, Recorder
 from .simulator import Argument, Simulator
@@ -78,7 +78,7 @@ class Session:
         os.environ.update(self._master.environment())
         os.environ.pop("ROS_NAMESPACE", None)
         rospy.set_param("/use_sim_time", True)
-        miss_no_publisher()
+        miss_nothing()
         rospy.init_node(f"paper_{self.name}", disable_signals=True)
         return self
 

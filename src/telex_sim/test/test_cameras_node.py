@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 from telex_control.ros.private_master import PrivateMaster, end_tree
-from telex_control.ros.publisher_updates import miss_no_publisher
+from telex_control.ros.publisher_updates import miss_nothing
 
 NODE = Path(__file__).parents[1] / "nodes" / "cameras"
 SIZE = (160, 120)
@@ -504,7 +504,7 @@ def drill():
     from sensor_msgs.msg import CameraInfo, CompressedImage, Image
     from std_msgs.msg import Float64
 
-    miss_no_publisher()
+    miss_nothing()
     rospy.init_node("drill")
     seen = {"topics_before": camera_topics()}
     simulator = Simulator()
@@ -690,7 +690,7 @@ def look():
     import rospy
     from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
-    miss_no_publisher()
+    miss_nothing()
     rospy.init_node("look")
     Simulator().describe(RED)
     kinds = {"image_raw/compressed": CompressedImage, "camera_info": CameraInfo, "depth": Image}
@@ -741,7 +741,7 @@ def count():
     from telex_sim.rendering.cameras_config import CamerasConfig
     from telex_sim.rendering.cameras_node import CamerasNode
 
-    miss_no_publisher()
+    miss_nothing()
     rospy.init_node("count")
     renderer = CountingRenderer()
     node = CamerasNode(read_config(CamerasConfig, PARAMS, "count"), lambda config: renderer)

@@ -20,7 +20,7 @@ from teleop_drill import PACKAGE, FakeRobot, Held, Node, repeat, wait_for
 
 from telex_control.kinematics import Chain, quaternion_of
 from telex_control.ros.private_master import PrivateMaster
-from telex_control.ros.publisher_updates import miss_no_publisher
+from telex_control.ros.publisher_updates import miss_nothing
 from telex_teleop.motion.rigid_motion import advanced, pose_error
 
 DESCRIPTION = PACKAGE.parent / "telex_description"
@@ -535,7 +535,7 @@ def play():
         [sys.executable, str(script)], capture_output=True, text=True, check=True
     ).stdout
     rospy.set_param("/use_sim_time", True)
-    miss_no_publisher()
+    miss_nothing()
     rospy.init_node("drill", disable_signals=True)
     rospy.set_param("robot_description", urdf)
     for file in (PACKAGE / "config" / "arm_teleop.yaml", DESCRIPTION / "config" / "poses.yaml"):

@@ -18,7 +18,7 @@ import pytest
 from teleop_drill import wait_for
 
 from telex_control.ros.private_master import PrivateMaster
-from telex_control.ros.publisher_updates import miss_no_publisher
+from telex_control.ros.publisher_updates import miss_nothing
 
 NODES = Path(__file__).parents[1] / "nodes"
 ROBOT = "/robot7"
@@ -306,6 +306,6 @@ class Drill:
 if __name__ == "__main__":
     import rospy
 
-    miss_no_publisher()
+    miss_nothing()
     rospy.init_node("drill", anonymous=True)
     print(json.dumps(Drill().run()))

@@ -16,7 +16,7 @@ import pytest
 from teleop_drill import PACKAGE, TICK, FakeRobot, Held, Node, description, repeat, wait_for
 
 from telex_control.ros.private_master import PrivateMaster
-from telex_control.ros.publisher_updates import miss_no_publisher
+from telex_control.ros.publisher_updates import miss_nothing
 
 LONGEST_SILENCE = 0.5  # s from the last message to the first sign of the stop
 BELT = "front_left_track_joint"
@@ -715,7 +715,7 @@ def main(role):
     if role == "flippers":
         settings.update(yaml.safe_load((PACKAGE / "config" / "flipper_presets.yaml").read_text()))
     rospy.set_param(f"/telex/{name}", settings)
-    miss_no_publisher()
+    miss_nothing()
     rospy.init_node("drill", disable_signals=True)
     robot = FakeRobot(joints)
     node = Node(name)

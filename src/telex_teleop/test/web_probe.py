@@ -25,7 +25,7 @@ import rospy
 import yaml
 from telex_msgs.msg import FlipperPresetAction, FlipperPresetFeedback, FlipperPresetResult
 
-from telex_control.ros.publisher_updates import miss_no_publisher
+from telex_control.ros.publisher_updates import miss_nothing
 
 
 class Probe:
@@ -112,7 +112,7 @@ class Probe:
 
 
 def main():
-    miss_no_publisher()
+    miss_nothing()
     rospy.init_node("probe", anonymous=True, disable_signals=True)
     probe = Probe()
     probe.say(answer="ready")

@@ -17,7 +17,7 @@ from rospy.core import is_shutdown_requested
 from ..common.calm_log import calm_log
 from .coarse_clock import read_clock_seldom
 from .direct_sending import send_directly
-from .publisher_updates import miss_no_publisher
+from .publisher_updates import miss_nothing
 from .xmlrpc_guard import guard_xmlrpc
 
 __all__ = ["init_node", "until_shutdown"]
@@ -44,7 +44,7 @@ def init_node(
         Whether sim time may be some hundredths of a second late, which saves processor time.
     """
     guard_xmlrpc()
-    miss_no_publisher()
+    miss_nothing()
     send_directly()
     if coarse_clock:
         read_clock_seldom()
