@@ -19,17 +19,17 @@ import yaml
 from report import Figure
 
 from telex_control.common.params import read_config
-from telex_sim.rendering.camera import PinholeCamera
-from telex_sim.rendering.camera_sensor import CameraSensor
-from telex_sim.rendering.cameras_config import CamerasConfig
-from telex_sim.rendering.exposure import ExposureControl
-from telex_sim.rendering.gl_context import create_context
-from telex_sim.rendering.lighting import Lighting
-from telex_sim.rendering.quality import choose_quality
-from telex_sim.rendering.renderer import Renderer
-from telex_sim.rendering.scene import Daylight, Lamp, Scene, Shape, Visual
-from telex_sim.rendering.scene_renderer import SceneRenderer
-from telex_sim.rendering.tiny_renderer import TinyRenderer
+from telex_sim.cameras.cameras_config import CamerasConfig
+from telex_sim.cameras.drawing.gl_context import create_context
+from telex_sim.cameras.drawing.light.daylight import Lighting
+from telex_sim.cameras.drawing.quality import choose_quality
+from telex_sim.cameras.drawing.renderer import Renderer
+from telex_sim.cameras.drawing.scene_renderer import SceneRenderer
+from telex_sim.cameras.drawing.tiny_renderer import TinyRenderer
+from telex_sim.cameras.optics.camera_sensor import CameraSensor
+from telex_sim.cameras.optics.exposure import ExposureControl
+from telex_sim.cameras.optics.pinhole import PinholeCamera
+from telex_sim.scene.visual_scene import Daylight, Lamp, Scene, Shape, Visual
 
 WORLD = "training_hall"
 NAMES = ("front", "rear", "arm", "gripper", "turret", "mast")
@@ -69,7 +69,7 @@ class Recording(NamedTuple):
 
 def record(path: Path = RECORDING) -> None:
     """Write the recording."""
-    from telex_sim.scene.preview import settled
+    from telex_sim.cameras.preview.scene_preview import settled
 
     subject = settled(WORLD)
     scene = json.dumps({"model": subject.model, **dataclasses.asdict(subject.scene)})

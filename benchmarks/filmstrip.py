@@ -12,11 +12,11 @@ from genpy import Time
 from mobility.obstacles import Obstacle, attempt
 from mobility.offline import Trial
 
-from telex_sim.rendering.camera import PinholeCamera
-from telex_sim.rendering.messages import frames_from_message, scene_from_message
-from telex_sim.rendering.still import looking
+from telex_sim.cameras.optics.pinhole import PinholeCamera
+from telex_sim.cameras.preview.scene_preview import Subject, photograph
+from telex_sim.cameras.preview.still import looking
+from telex_sim.cameras.ros.messages import frames_from_message, scene_from_message
 from telex_sim.ros.scene_messages import SceneMessages
-from telex_sim.scene.preview import Subject, photograph
 
 SIZE = (420, 300)
 _NEAR, _FAR, _FOV = 0.05, 100.0, 0.62

@@ -180,7 +180,7 @@ prepare_scenes() {
   rm -f "$stamp"
   # Where it fails, they are prepared whenever they are shown: no reason to end here, nor to try it at every start.
   (step "Pictures of the scenes" "the simulator starts without them" \
-    bash -c '. "$1/env.sh" && exec python -m telex_sim.scene.prepare' bash "$root") || [ $? -ne 130 ] || exit 130
+    bash -c '. "$1/env.sh" && exec python -m telex_sim.cameras.preview.prepare' bash "$root") || [ $? -ne 130 ] || exit 130
   printf '%s' "$cache" >"$stamp"
 }
 

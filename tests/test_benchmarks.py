@@ -9,7 +9,7 @@ from pathlib import Path
 from unittest import mock
 
 from telex_control.manager.controller import ControllerState
-from telex_sim.rendering.addresses import resolve_address
+from telex_sim.scene.addresses import resolve_address
 
 BENCHMARKS = Path(__file__).resolve().parents[1] / "benchmarks"
 

@@ -32,8 +32,8 @@ from telex_msgs.msg import FlipperPresetHold, TrackTeleopStatus
 from telex_control.kinematics import Chain
 from telex_control.ros.local_node_handle import LocalNodeHandle
 from telex_sim.offline.simulation import robot_description
-from telex_sim.scene.library.maze import perfect_maze
-from telex_sim.scene.scene_file import load_scene
+from telex_sim.scene.files.scene_file import load_scene
+from telex_sim.scene.library.terrain.maze import perfect_maze
 
 MATRIX = np.array([[417.0, 0.0, 320.0], [0.0, 417.0, 240.0], [0.0, 0.0, 1.0]])
 LENS = np.array([-0.14, 0.03, 0.0005, -0.0002, 0.0])

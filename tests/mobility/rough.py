@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, Dict, List
 
-from telex_sim.scene.library import stepfield
+from telex_sim.scene.library.terrain import stepfield
 
 from . import footing
 from .robot import AXLE_HEIGHT

@@ -7,10 +7,10 @@ import pytest
 
 from telex_sim.engine.world import World
 from telex_sim.offline.simulation import OfflineSimulation, robot_description
-from telex_sim.scene.assembly import assemble
 from telex_sim.scene.assets import Assets
-from telex_sim.scene.bodies import SceneBodies
 from telex_sim.scene.model import Floor
+from telex_sim.scene.objects.assembly import assemble
+from telex_sim.scene.objects.bodies import SceneBodies
 
 # The tests of this package import the modules that they share from this directory.
 sys.path.insert(0, str(Path(__file__).resolve().parent))

@@ -11,19 +11,19 @@ import pytest
 import rospkg
 from std_msgs.msg import Header
 
-from telex_sim.rendering.camera_sensor import CameraSensor
-from telex_sim.rendering.cameras_config import CameraConfig, OverviewConfig, ViewConfig
-from telex_sim.rendering.exposure import ExposureConfig, ExposureControl
-from telex_sim.rendering.gl_context import create_context
-from telex_sim.rendering.lens import DistortionError, LensCamera, LensMap
-from telex_sim.rendering.lighting import Lighting
-from telex_sim.rendering.messages import camera_info_message
-from telex_sim.rendering.overview_rig import OverviewRig
-from telex_sim.rendering.quality import TIERS
-from telex_sim.rendering.renderer import Renderer
-from telex_sim.rendering.scene import Daylight, Scene, Shape, Visual
-from telex_sim.rendering.sensor_noise import RadiationConfig, SensorNoise
-from telex_sim.rendering.tiny_renderer import TinyRenderer
+from telex_sim.cameras.cameras_config import CameraConfig, OverviewConfig, ViewConfig
+from telex_sim.cameras.drawing.gl_context import create_context
+from telex_sim.cameras.drawing.light.daylight import Lighting
+from telex_sim.cameras.drawing.quality import TIERS
+from telex_sim.cameras.drawing.renderer import Renderer
+from telex_sim.cameras.drawing.tiny_renderer import TinyRenderer
+from telex_sim.cameras.optics.camera_sensor import CameraSensor
+from telex_sim.cameras.optics.exposure import ExposureConfig, ExposureControl
+from telex_sim.cameras.optics.lens import DistortionError, LensCamera, LensMap
+from telex_sim.cameras.optics.noise import RadiationConfig, SensorNoise
+from telex_sim.cameras.ros.messages import camera_info_message
+from telex_sim.cameras.ros.overview_rig import OverviewRig
+from telex_sim.scene.visual_scene import Daylight, Scene, Shape, Visual
 
 SECOND = 10**9
 BARREL = (-0.12, 0.02, 0.002, -0.003, 0.0)

@@ -6,9 +6,9 @@ import pytest
 import yaml
 
 from telex_control.common.params import ConfigError, read_config
-from telex_sim.rendering import cameras_node
-from telex_sim.rendering.camera_parameters import as_yaml, changed
-from telex_sim.rendering.cameras_config import CamerasConfig
+from telex_sim.cameras.cameras_config import CamerasConfig
+from telex_sim.cameras.ros import cameras_node
+from telex_sim.cameras.ros.live_parameters import as_yaml, changed
 
 FRONT = {"frame": "front_camera_optical_frame", "width": 640, "height": 480, "horizontal_fov": 1.5}
 

@@ -738,8 +738,8 @@ def count():
 
     from telex_control.common.params import read_config
     from telex_control.ros.node_start import until_shutdown
-    from telex_sim.rendering.cameras_config import CamerasConfig
-    from telex_sim.rendering.cameras_node import CamerasNode
+    from telex_sim.cameras.cameras_config import CamerasConfig
+    from telex_sim.cameras.ros.cameras_node import CamerasNode
 
     miss_nothing()
     rospy.init_node("count")

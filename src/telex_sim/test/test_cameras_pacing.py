@@ -3,9 +3,9 @@ import threading
 import pytest
 from telex_msgs.msg import SceneDescription, ScenePoses
 
-from telex_sim.rendering.camera_stream import LARGE_WEIGHT
-from telex_sim.rendering.frame_pacer import OLDEST, FramePacer, next_due
-from telex_sim.rendering.scene_inbox import SceneInbox
+from telex_sim.cameras.ros.camera_topics import LARGE_WEIGHT
+from telex_sim.cameras.ros.frame_pacer import OLDEST, FramePacer, next_due
+from telex_sim.cameras.ros.scene_inbox import SceneInbox
 
 MILLISECOND = 10**6
 

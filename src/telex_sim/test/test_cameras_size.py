@@ -2,7 +2,7 @@
 
 import pytest
 
-from telex_sim.rendering.size_by_load import SizeByLoad
+from telex_sim.cameras.ros.size_by_load import SizeByLoad
 
 
 def run(sizes, seconds, previews, asked=50.0, busy=1.0, begin=0.0):

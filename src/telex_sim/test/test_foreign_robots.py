@@ -19,8 +19,8 @@ from telex_control.ros.local_node_handle import LocalNodeHandle
 from telex_control.urdf.joints import MOVABLE, UrdfError, joints, parse_urdf
 from telex_sim.engine.config import RobotConfig, SimulatorConfig
 from telex_sim.engine.simulation import Simulation
-from telex_sim.rendering.addresses import resolve_address
 from telex_sim.robot.model import robot_model
+from telex_sim.scene.addresses import resolve_address
 
 DATA = Path(pybullet_data.getDataPath())
 TRANSMISSION = """

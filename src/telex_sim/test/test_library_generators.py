@@ -12,12 +12,12 @@ from pathlib import Path
 import pybullet
 import pytest
 
-from telex_sim.scene.library.maze import Maze, perfect_maze
+from telex_sim.scene.files.scene_file import build_entry
+from telex_sim.scene.library.building.tunnel import Niche, Tunnel
 from telex_sim.scene.library.shapes import along_bend
-from telex_sim.scene.library.stairs import Stairs
-from telex_sim.scene.library.stepfield import Stepfield
-from telex_sim.scene.library.tunnel import Niche, Tunnel
-from telex_sim.scene.scene_file import build_entry
+from telex_sim.scene.library.terrain.maze import Maze, perfect_maze
+from telex_sim.scene.library.terrain.stairs import Stairs
+from telex_sim.scene.library.terrain.stepfield import Stepfield
 
 
 def build(type_name, **given):

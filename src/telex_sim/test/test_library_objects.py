@@ -8,9 +8,9 @@ from pathlib import Path
 import pybullet
 import pytest
 
-from telex_sim.scene.latches import wake
+from telex_sim.scene.files.scene_file import build_entry
+from telex_sim.scene.objects.latches import wake
 from telex_sim.scene.poses import rotate
-from telex_sim.scene.scene_file import build_entry
 
 
 def build(type_name, name="it", **given):

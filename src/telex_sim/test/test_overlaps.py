@@ -8,10 +8,10 @@ import pytest
 
 from telex_control.common.params import ConfigError
 from telex_sim.engine.world import WorldError
-from telex_sim.scene.assembly import MOST_AT_ONCE
 from telex_sim.scene.command_line import main as scene_command
+from telex_sim.scene.files.scene_file import SceneError
 from telex_sim.scene.library import object_types
-from telex_sim.scene.scene_file import SceneError
+from telex_sim.scene.objects.assembly import MOST_AT_ONCE
 
 NEED_MORE = ("custom", "mesh")
 CRATE = "{{type: crate, name: {name}, position: [{x}, {y}, {z}]}}"

@@ -28,8 +28,8 @@ from telex_sim.rehearsal.frames import read_values
 from telex_sim.rehearsal.process import ListingRequest, _perform, _Stage, _why_ended
 from telex_sim.robot.body import RobotBody
 from telex_sim.scene.catalog import PATH_VARIABLE, scenes
+from telex_sim.scene.files.scene_file import SceneError
 from telex_sim.scene.model import Floor, Start
-from telex_sim.scene.scene_file import SceneError
 
 LINK = """<link name="base"><inertial><mass value="{mass}"/>
 <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>

@@ -6,14 +6,21 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from telex_sim.rendering import batching, gpu_scene
-from telex_sim.rendering.batching import CHUNK_SIZE, Batch, Part, batches, bounding_radius, merge
-from telex_sim.rendering.camera import PinholeCamera
-from telex_sim.rendering.lighting import Lighting
-from telex_sim.rendering.meshes import primitive_mesh
-from telex_sim.rendering.quality import TIERS
-from telex_sim.rendering.scene import Daylight, Lamp, Scene, Shape, Visual
-from telex_sim.rendering.still import Still, looking
+from telex_sim.cameras.drawing.light.daylight import Lighting
+from telex_sim.cameras.drawing.meshes import batching, gpu_scene
+from telex_sim.cameras.drawing.meshes.batching import (
+    CHUNK_SIZE,
+    Batch,
+    Part,
+    batches,
+    bounding_radius,
+    merge,
+)
+from telex_sim.cameras.drawing.quality import TIERS
+from telex_sim.cameras.optics.pinhole import PinholeCamera
+from telex_sim.cameras.preview.still import Still, looking
+from telex_sim.scene.meshes.meshes import primitive_mesh
+from telex_sim.scene.visual_scene import Daylight, Lamp, Scene, Shape, Visual
 
 CRATE, STRIPES, TILES = "generated:crate", "generated:hazard_stripes", "generated:tiles"
 

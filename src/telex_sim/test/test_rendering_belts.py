@@ -6,15 +6,21 @@ import numpy as np
 import pytest
 
 from telex_control.urdf.elements import UrdfError
-from telex_sim.rendering.batching import VERTEX
-from telex_sim.rendering.belts import Riders, belt_outline, carried, subdivided, wheel_radius
-from telex_sim.rendering.camera import PinholeCamera
-from telex_sim.rendering.lighting import Lighting
-from telex_sim.rendering.quality import TIERS
-from telex_sim.rendering.scene import Daylight, Scene, Shape, Visual
-from telex_sim.rendering.still import Still, looking
-from telex_sim.rendering.transforms import pose_matrices
-from telex_sim.rendering.urdf_visuals import urdf_visuals
+from telex_sim.cameras.drawing.light.daylight import Lighting
+from telex_sim.cameras.drawing.meshes.batching import VERTEX
+from telex_sim.cameras.drawing.meshes.belts import (
+    Riders,
+    belt_outline,
+    carried,
+    subdivided,
+    wheel_radius,
+)
+from telex_sim.cameras.drawing.quality import TIERS
+from telex_sim.cameras.optics.pinhole import PinholeCamera
+from telex_sim.cameras.preview.still import Still, looking
+from telex_sim.robot.urdf_visuals import urdf_visuals
+from telex_sim.scene.transforms import pose_matrices
+from telex_sim.scene.visual_scene import Daylight, Scene, Shape, Visual
 
 RADIUS, LENGTH, WIDTH = 0.1, 0.4, 0.06
 STATIONS = 64

@@ -3,18 +3,18 @@ import math
 import numpy as np
 import pytest
 
-from telex_sim.rendering.camera import PinholeCamera
-from telex_sim.rendering.culling import (
+from telex_sim.cameras.drawing.culling import (
     Cones,
     cones_in_view,
     spheres_in_cones,
     spheres_in_view,
     spheres_in_world,
 )
-from telex_sim.rendering.gl_context import NEEDED_PACKAGES, NoContextError, create_context
-from telex_sim.rendering.lighting import sun_view
-from telex_sim.rendering.quality import TIERS, choose_quality
-from telex_sim.rendering.transforms import pose_matrices
+from telex_sim.cameras.drawing.gl_context import NEEDED_PACKAGES, NoContextError, create_context
+from telex_sim.cameras.drawing.light.daylight import sun_view
+from telex_sim.cameras.drawing.quality import TIERS, choose_quality
+from telex_sim.cameras.optics.pinhole import PinholeCamera
+from telex_sim.scene.transforms import pose_matrices
 
 CAMERA = PinholeCamera(640, 480, 1.2, 0.1, 50.0)
 

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from telex_sim.rendering import content_store
-from telex_sim.rendering.batching import merge_visuals
-from telex_sim.rendering.content_store import ContentStore, cache_folder, shared_store, sources
-from telex_sim.rendering.mesh_files import MeshFileError, load_mesh
-from telex_sim.rendering.procedural_textures import generate_texture
-from telex_sim.rendering.scene import Shape, Visual
+from telex_sim.cameras.drawing.meshes.batching import merge_visuals
+from telex_sim.scene import content_store
+from telex_sim.scene.content_store import ContentStore, cache_folder, shared_store, sources
+from telex_sim.scene.meshes.mesh_files import MeshFileError, load_mesh
+from telex_sim.scene.textures.procedural import generate_texture
+from telex_sim.scene.visual_scene import Shape, Visual
 
 TEXTURE = "generated:concrete?seed=77"
 
@@ -126,11 +126,11 @@ def test_every_argument_counts(tmp_path):
 
 
 def test_the_sources_are_those_along_the_imports():
-    package = "telex_sim.rendering."
-    found = sources("telex_sim.rendering.procedural_textures")
+    package = "telex_sim.scene.textures."
+    found = sources("telex_sim.scene.textures.procedural")
     short = {name[len(package) :] for name in found if name.startswith(package)}
-    assert {"procedural_textures", "optotypes", "texture_noise", "texture_pictures"} <= short
-    assert not short & {"shaders", "cameras_node", "belts"}
+    assert {"procedural", "optotypes", "noise_patterns", "labels"} <= short
+    assert not [name for name in found if name.startswith("telex_sim.cameras")]
 
 
 def test_other_sources_are_other_content(tmp_path, monkeypatch):

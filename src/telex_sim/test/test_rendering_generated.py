@@ -5,19 +5,19 @@ import hashlib
 import numpy as np
 import pytest
 
-from telex_sim.rendering.camera import PinholeCamera
-from telex_sim.rendering.lighting import Lighting
-from telex_sim.rendering.optotypes import DIRECTIONS, PER_ROW, ROW_STEP
-from telex_sim.rendering.procedural_textures import (
+from telex_sim.cameras.drawing.light.daylight import Lighting
+from telex_sim.cameras.drawing.quality import TIERS
+from telex_sim.cameras.optics.pinhole import PinholeCamera
+from telex_sim.cameras.preview.still import Still, looking
+from telex_sim.scene.textures.optotypes import DIRECTIONS, PER_ROW, ROW_STEP
+from telex_sim.scene.textures.procedural import (
     TextureNameError,
     chart_answers,
     check_texture,
     generate_texture,
     texture_names,
 )
-from telex_sim.rendering.quality import TIERS
-from telex_sim.rendering.scene import Daylight, Scene, Shape, Visual
-from telex_sim.rendering.still import Still, looking
+from telex_sim.scene.visual_scene import Daylight, Scene, Shape, Visual
 
 PICTURES = ("sign", "label", "chart", "optotype")
 NOT_TILED = (*PICTURES, "crate")

@@ -3,18 +3,18 @@
 import numpy as np
 import pytest
 
-from telex_sim.rendering.camera import PinholeCamera
-from telex_sim.rendering.camera_sensor import CameraSensor
-from telex_sim.rendering.cameras_config import CameraConfig
-from telex_sim.rendering.exposure import ExposureControl
-from telex_sim.rendering.gl_context import create_context
-from telex_sim.rendering.kept_pictures import KeptPictures
-from telex_sim.rendering.lighting import Lighting
-from telex_sim.rendering.quality import TIERS
-from telex_sim.rendering.renderer import Renderer
-from telex_sim.rendering.scene import Daylight, Lamp, Scene, Shape, Visual
-from telex_sim.rendering.still import looking
-from telex_sim.rendering.transforms import pose_matrices
+from telex_sim.cameras.cameras_config import CameraConfig
+from telex_sim.cameras.drawing.gl_context import create_context
+from telex_sim.cameras.drawing.kept_pictures import KeptPictures
+from telex_sim.cameras.drawing.light.daylight import Lighting
+from telex_sim.cameras.drawing.quality import TIERS
+from telex_sim.cameras.drawing.renderer import Renderer
+from telex_sim.cameras.optics.camera_sensor import CameraSensor
+from telex_sim.cameras.optics.exposure import ExposureControl
+from telex_sim.cameras.optics.pinhole import PinholeCamera
+from telex_sim.cameras.preview.still import looking
+from telex_sim.scene.transforms import pose_matrices
+from telex_sim.scene.visual_scene import Daylight, Lamp, Scene, Shape, Visual
 
 CAMERA = PinholeCamera(64, 48, 1.2, 0.05, 60.0)
 OTHER = PinholeCamera(64, 48, 1.1, 0.05, 60.0)

@@ -6,15 +6,15 @@ import re
 import numpy as np
 import pytest
 
-from telex_sim.rendering import shaders
-from telex_sim.rendering.camera import PinholeCamera
-from telex_sim.rendering.cameras_config import CameraConfig
-from telex_sim.rendering.lamps import LampRig
-from telex_sim.rendering.lighting import Lighting
-from telex_sim.rendering.quality import TIERS
-from telex_sim.rendering.scene import Daylight, Lamp, Scene, Shape, Visual
-from telex_sim.rendering.shaders import EXPOSURE, LitVariant, lit_source
-from telex_sim.rendering.still import Still, looking
+from telex_sim.cameras.cameras_config import CameraConfig
+from telex_sim.cameras.drawing import shaders
+from telex_sim.cameras.drawing.light.daylight import Lighting
+from telex_sim.cameras.drawing.light.lamps import LampRig
+from telex_sim.cameras.drawing.quality import TIERS
+from telex_sim.cameras.drawing.shaders import EXPOSURE, LitVariant, lit_source
+from telex_sim.cameras.optics.pinhole import PinholeCamera
+from telex_sim.cameras.preview.still import Still, looking
+from telex_sim.scene.visual_scene import Daylight, Lamp, Scene, Shape, Visual
 
 CAMERA = PinholeCamera(320, 240, 1.2, 0.05, 200.0)
 NIGHT = Daylight(sun=(0.0, 0.0, 0.0), ambient=0.0)

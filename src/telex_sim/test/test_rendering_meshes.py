@@ -4,12 +4,12 @@ import struct
 import numpy as np
 import pytest
 
-from telex_sim.rendering import mesh_files
-from telex_sim.rendering.mesh_files import MeshFileError, load_mesh
-from telex_sim.rendering.mesh_normals import mesh_from_corners
-from telex_sim.rendering.meshes import Mesh, box_mesh, cylinder_mesh, plane_mesh, sphere_mesh
-from telex_sim.rendering.simplification import simplified
-from telex_sim.rendering.texture_mapping import box_mapped
+from telex_sim.cameras.drawing.meshes.simplification import simplified
+from telex_sim.scene.meshes import mesh_files
+from telex_sim.scene.meshes.mesh_files import MeshFileError, load_mesh
+from telex_sim.scene.meshes.meshes import Mesh, box_mesh, cylinder_mesh, plane_mesh, sphere_mesh
+from telex_sim.scene.meshes.normals import mesh_from_corners
+from telex_sim.scene.meshes.texture_mapping import box_mapped
 
 CUBE = """
 # a cube without normals

@@ -8,8 +8,8 @@ from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
 from std_msgs.msg import ColorRGBA, Header
 from telex_msgs.msg import SceneDescription, SceneLamp, ScenePoses, SceneVisual
 
-from telex_sim.rendering.lens import LensCamera
-from telex_sim.rendering.messages import (
+from telex_sim.cameras.optics.lens import LensCamera
+from telex_sim.cameras.ros.messages import (
     camera_info_message,
     compressed_image_message,
     depth_message,
@@ -17,7 +17,7 @@ from telex_sim.rendering.messages import (
     image_message,
     scene_from_message,
 )
-from telex_sim.rendering.scene import Daylight, Lamp, Shape
+from telex_sim.scene.visual_scene import Daylight, Lamp, Shape
 
 
 def visual(**changes):

@@ -6,12 +6,12 @@ import cv2
 import numpy as np
 import pytest
 
-from telex_sim.rendering.camera import PinholeCamera
-from telex_sim.rendering.lighting import Lighting
-from telex_sim.rendering.quality import TIERS
-from telex_sim.rendering.scene import Daylight, Scene, Shape, Visual
-from telex_sim.rendering.still import Still, looking
-from telex_sim.rendering.transforms import pose_matrices
+from telex_sim.cameras.drawing.light.daylight import Lighting
+from telex_sim.cameras.drawing.quality import TIERS
+from telex_sim.cameras.optics.pinhole import PinholeCamera
+from telex_sim.cameras.preview.still import Still, looking
+from telex_sim.scene.transforms import pose_matrices
+from telex_sim.scene.visual_scene import Daylight, Scene, Shape, Visual
 
 CAMERA = PinholeCamera(320, 240, 1.2, 0.05, 60.0)
 RED, GREEN, BLUE = (0.9, 0.05, 0.05, 1.0), (0.05, 0.8, 0.05, 1.0), (0.05, 0.1, 0.9, 1.0)

@@ -3,9 +3,9 @@ import math
 import numpy as np
 import pytest
 
-from telex_sim.rendering.addresses import AddressError, resolve_address
-from telex_sim.rendering.scene import Daylight, Lamp, Scene, Shape, Visual
-from telex_sim.rendering.transforms import pose_matrices, quaternion_from_rpy, rigid_inverse
+from telex_sim.scene.addresses import AddressError, resolve_address
+from telex_sim.scene.transforms import pose_matrices, quaternion_from_rpy, rigid_inverse
+from telex_sim.scene.visual_scene import Daylight, Lamp, Scene, Shape, Visual
 
 
 def package_path(name):

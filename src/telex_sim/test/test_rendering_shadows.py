@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from telex_sim.rendering.camera import PinholeCamera
-from telex_sim.rendering.lighting import Lighting
-from telex_sim.rendering.quality import TIERS
-from telex_sim.rendering.scene import Daylight, Lamp, Scene, Shape, Visual
-from telex_sim.rendering.still import Still, looking
-from telex_sim.rendering.transforms import pose_matrices
+from telex_sim.cameras.drawing.light.daylight import Lighting
+from telex_sim.cameras.drawing.quality import TIERS
+from telex_sim.cameras.optics.pinhole import PinholeCamera
+from telex_sim.cameras.preview.still import Still, looking
+from telex_sim.scene.transforms import pose_matrices
+from telex_sim.scene.visual_scene import Daylight, Lamp, Scene, Shape, Visual
 
 CAMERA = PinholeCamera(320, 240, 1.2, 0.05, 60.0)
 GRAY = (0.5, 0.5, 0.5, 1.0)

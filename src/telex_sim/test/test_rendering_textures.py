@@ -2,12 +2,8 @@ import cv2
 import numpy as np
 import pytest
 
-from telex_sim.rendering.smoothing import smooth_edges
-from telex_sim.rendering.textures import (
-    MAX_TEXTURE_SIZE,
-    TextureFileError,
-    load_texture,
-)
+from telex_sim.cameras.drawing.smoothing import smooth_edges
+from telex_sim.scene.textures.picture_files import MAX_TEXTURE_SIZE, TextureFileError, load_texture
 
 
 class TestLoading:

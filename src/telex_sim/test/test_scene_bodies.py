@@ -9,8 +9,8 @@ import pybullet
 import pytest
 
 from telex_control.common.params import ConfigError
-from telex_sim.scene import mass_properties
-from telex_sim.scene.convex_hull import MOST_VERTICES, FlatError, convex_hull
+from telex_sim.scene.meshes import mass_properties
+from telex_sim.scene.meshes.convex_hull import MOST_VERTICES, FlatError, convex_hull
 from telex_sim.scene.model import (
     MOST_OBJECTS,
     Floor,
@@ -427,7 +427,7 @@ def test_an_object_that_pybullet_refuses_leaves_nothing_behind(stage, monkeypatc
 
 def test_no_more_objects_than_the_limit(stage, monkeypatch):
     assert MOST_OBJECTS == 1000
-    monkeypatch.setattr("telex_sim.scene.bodies.MOST_OBJECTS", 3)
+    monkeypatch.setattr("telex_sim.scene.objects.bodies.MOST_OBJECTS", 3)
     tested = stage(cube("a", (0, 0, 0)), cube("b", (1, 0, 0)))
     with pytest.raises(ConfigError, match="there are 2 objects; at most 3 are possible"):
         tested.add(cube("c", (2, 0, 0)), cube("d", (3, 0, 0)))

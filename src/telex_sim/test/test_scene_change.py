@@ -13,7 +13,7 @@ from geometry_msgs.msg import Twist
 from telex_control.ros.local_node_handle import LocalNodeHandle
 from telex_sim.offline.simulation import shipped_config
 from telex_sim.scene.catalog import scenes
-from telex_sim.scene.scene_file import SceneError
+from telex_sim.scene.files.scene_file import SceneError
 
 PAGE = resource.getpagesize()
 BLOCK = "{{type: platform, name: {name}, length: 0.4, width: 0.4, height: 0.4, position: {at}}}"

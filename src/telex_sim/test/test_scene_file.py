@@ -13,11 +13,11 @@ import pytest
 from telex_control.common.params import ConfigError
 from telex_sim.scene.assets import Assets
 from telex_sim.scene.catalog import find_scene, scenes
+from telex_sim.scene.files.scene_file import SceneError, load_scene
+from telex_sim.scene.files.yaml_text import read_yaml
 from telex_sim.scene.library import RESERVED, object_types
 from telex_sim.scene.model import MOST_OBJECTS
 from telex_sim.scene.planning import plan_entry, plan_scene
-from telex_sim.scene.scene_file import SceneError, load_scene
-from telex_sim.scene.yaml_text import read_yaml
 
 CUSTOM = "{type: custom, links: [{name: rock, mass: 2, parts: [{sphere: 0.2}]}]}"
 PICTURE = cv2.imencode(".png", np.arange(3072, dtype=np.uint8).reshape(32, 32, 3))[1].tobytes()

@@ -8,7 +8,6 @@ import pybullet
 import pytest
 
 from telex_control.common.params import ConfigError
-from telex_sim.scene.latches import wake
 from telex_sim.scene.model import (
     Closer,
     Detents,
@@ -21,6 +20,7 @@ from telex_sim.scene.model import (
     Part,
     SceneObject,
 )
+from telex_sim.scene.objects.latches import wake
 
 WIDTH, MASS = 0.9, 25.0
 LEAF_INERTIA = MASS * (WIDTH**2 / 3.0 + 0.04**2 / 12.0)

@@ -4,10 +4,9 @@ import cv2
 import numpy as np
 import pytest
 
-from telex_sim.rendering.camera import PinholeCamera
-from telex_sim.rendering.quality import TIERS
-from telex_sim.rendering.still import looking
-from telex_sim.scene.preview import (
+from telex_sim.cameras.drawing.quality import TIERS
+from telex_sim.cameras.optics.pinhole import PinholeCamera
+from telex_sim.cameras.preview.scene_preview import (
     framed,
     main,
     photograph,
@@ -15,6 +14,7 @@ from telex_sim.scene.preview import (
     settled,
     with_lamps,
 )
+from telex_sim.cameras.preview.still import looking
 
 SCENE = """
 floor: {surface: {color: [0.5, 0.5, 0.5, 1.0], texture: ""}}

@@ -10,7 +10,7 @@ import pybullet
 import pytest
 
 from telex_sim.offline.simulation import package_file
-from telex_sim.scene.scene_file import load_scene
+from telex_sim.scene.files.scene_file import load_scene
 
 TRAINING = [
     "accelerator_tunnel", "manipulation_bench", "mobility_lane", "stairs", "training_hall",

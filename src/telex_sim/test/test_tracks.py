@@ -16,8 +16,8 @@ from telex_control.urdf.joints import joints, parse_urdf
 from telex_sim.engine.config import TrackConfig
 from telex_sim.engine.world import GRAVITY, World
 from telex_sim.robot.drives import Drive
-from telex_sim.scene.bodies import SceneBodies
 from telex_sim.scene.model import Floor
+from telex_sim.scene.objects.bodies import SceneBodies
 from telex_sim.stability.footholds import FootholdFinder
 from telex_sim.tracks.belt_drive import BeltDriveConfig
 from telex_sim.tracks.tracks import Tracks

@@ -12,7 +12,7 @@ from mobility.scripted_operator import NotManagedError
 from mobility.stairs import Stairs
 from mobility.step import Step
 
-from telex_sim.scene.library.maze import Cell, Maze, perfect_maze
+from telex_sim.scene.library.terrain.maze import Cell, Maze, perfect_maze
 
 from . import driving
 from .film import View

@@ -22,13 +22,13 @@ from ..robot.gripper_contact import GripperContact
 from ..robot.meshes import check_meshes
 from ..robot.robot import Robot
 from ..robot.robot_hw_sim import RobotHWSim
-from ..scene.assembly import Assembly
 from ..scene.assets import Assets
-from ..scene.bodies import MeshLists, SceneBodies
 from ..scene.catalog import find_scene
+from ..scene.files.scene_file import SceneError
 from ..scene.model import WORLD_FRAME, Scene
+from ..scene.objects.assembly import Assembly
+from ..scene.objects.bodies import MeshLists, SceneBodies
 from ..scene.planning import PlannedScene, Progress, plan_entry, plan_scene
-from ..scene.scene_file import SceneError
 from .config import TUNED_PERIOD, RobotConfig, SimulatorConfig
 from .phase_timer import PhaseTimer
 from .start_check import check_place, check_start

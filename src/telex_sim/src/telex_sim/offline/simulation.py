@@ -16,7 +16,7 @@ from telex_control.ros.local_node_handle import LocalNodeHandle
 
 from ..engine.config import SimulatorConfig
 from ..engine.simulation import Simulation
-from ..rendering.addresses import resolve_address
+from ..scene.addresses import resolve_address
 
 
 def package_file(package: str, *parts: str) -> Path:

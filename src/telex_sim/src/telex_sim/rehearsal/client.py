@@ -14,10 +14,10 @@ from typing import Any, Dict, List, Optional, Sequence
 from telex_control.common.params import ConfigError
 
 from ..engine.config import SimulatorConfig
-from ..rendering.urdf_visuals import UrdfVisual
 from ..robot.body import RobotBody
-from ..scene.assembly import Assembly
+from ..robot.urdf_visuals import UrdfVisual
 from ..scene.model import Floor, Start
+from ..scene.objects.assembly import Assembly
 from ..scene.planning import PlannedScene
 from .frames import read_values, write_values
 from .process import (

@@ -24,15 +24,15 @@ import rospkg
 from telex_control.common.params import ConfigError
 
 from ..engine.config import SimulatorConfig
-from ..rendering.addresses import resolve_address
-from ..rendering.urdf_visuals import urdf_visuals
 from ..robot.body import RobotBody
+from ..robot.urdf_visuals import urdf_visuals
+from ..scene.addresses import resolve_address
 from ..scene.assets import Assets
 from ..scene.catalog import find_scene, scenes
+from ..scene.files.scene_file import SceneError, read_description
 from ..scene.library import object_types
 from ..scene.model import Floor, Start
 from ..scene.planning import plan_entry, plan_scene
-from ..scene.scene_file import SceneError, read_description
 from .frames import read_values, write_values
 from .trial import Rehearsal, check_names, check_scene
 

@@ -21,11 +21,11 @@ from ..engine.start_check import check_place, check_start
 from ..engine.world import World, WorldError
 from ..robot.body import RobotBody
 from ..robot.meshes import check_meshes
-from ..scene.assembly import Assembly
-from ..scene.bodies import MeshLists, SceneBodies
+from ..scene.files.scene_file import SceneError
 from ..scene.model import LARGEST, WORLD_FRAME, Floor, Start
+from ..scene.objects.assembly import Assembly
+from ..scene.objects.bodies import MeshLists, SceneBodies
 from ..scene.planning import PlannedScene, Progress
-from ..scene.scene_file import SceneError
 
 _TIME = 0.1
 """Sim time (s) for which it is stepped."""

@@ -10,8 +10,8 @@ from telex_control.common.params import ConfigError
 from telex_control.urdf.elements import by_name
 from telex_control.urdf.joints import parse_urdf
 
-from ..rendering.mesh_files import MeshFileError, load_mesh
 from ..scene.assets import MOST_BYTES, MOST_TRIANGLES
+from ..scene.meshes.mesh_files import MeshFileError, load_mesh
 
 MOST_COLLISION_TRIANGLES = 60_000
 """Of all meshes that a robot collides by: the loop stands while PyBullet reads them."""

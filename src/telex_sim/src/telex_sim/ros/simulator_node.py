@@ -47,12 +47,12 @@ from ..engine.pacing import RealTimeFactor, RealTimePacer
 from ..engine.simulation import Simulation
 from ..engine.world import WorldError
 from ..rehearsal.client import RehearsalClient
-from ..rendering.addresses import resolve_address
-from ..rendering.urdf_visuals import UrdfVisual
 from ..robot.body import RobotBody
 from ..robot.robot import Robot
+from ..robot.urdf_visuals import UrdfVisual
+from ..scene.addresses import resolve_address
+from ..scene.files.scene_file import SceneError
 from ..scene.planning import PlannedScene
-from ..scene.scene_file import SceneError
 from .crash_recovery import CrashRecovery
 from .robot_presence import RobotPresence
 from .scene_messages import SceneMessages

@@ -11,12 +11,12 @@ import rospkg
 
 from telex_control.common.params import ConfigError
 
-from ..rendering.addresses import AddressError, PackagePath, resolve_address
-from ..rendering.mesh_files import MeshFileError, load_mesh
-from ..rendering.procedural_textures import TextureNameError, check_texture, is_generated
-from ..rendering.textures import TextureFileError, load_texture
-from .convex_hull import FlatError, convex_hull
+from .addresses import AddressError, PackagePath, resolve_address
+from .meshes.convex_hull import FlatError, convex_hull
+from .meshes.mesh_files import MeshFileError, load_mesh
 from .model import Vector3
+from .textures.picture_files import TextureFileError, load_texture
+from .textures.procedural import TextureNameError, check_texture, is_generated
 
 MOST_BYTES = 64 * 1024 * 1024
 """A larger file of a mesh or a texture is refused unread."""

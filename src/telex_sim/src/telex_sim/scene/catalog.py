@@ -9,7 +9,7 @@ from typing import Dict, List
 
 import rospkg
 
-from .scene_file import SUFFIX, SceneError
+from .files.scene_file import SUFFIX, SceneError
 
 PATH_VARIABLE = "TELEX_SCENE_PATH"
 """Environment variable with further folders, separated by colons; they come first."""

@@ -13,10 +13,10 @@ from telex_control.urdf.joints import UrdfError
 
 from .assets import Assets
 from .catalog import PATH_VARIABLE, find_scene, scenes
+from .files.scene_file import SceneError, load_scene
 from .library import object_types
 from .model import Scene
 from .planning import plan_scene
-from .scene_file import SceneError, load_scene
 from .type_texts import parameters, summary
 
 _WIDTH = 100
@@ -27,7 +27,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     words = list(sys.argv[1:] if arguments is None else arguments)
     if words[:1] == ["preview"]:
         # Drawing takes a graphics library, which the other commands do without.
-        from .preview import main as preview
+        from ..cameras.preview.scene_preview import main as preview
 
         return preview(words[1:])
     options = _parser().parse_args(words)

@@ -1,8 +1,8 @@
 """Model of a scene.
 
-Scene files and the library of objects produce these values; the physics (`telex_sim.scene.bodies`)
-and the renderer's messages (`telex_sim.ros.scene_messages`) read them. Everything here is plain
-data, checked where it is made: a scene that exists can be loaded.
+Scene files and the library of objects produce these values; the physics
+(`telex_sim.scene.objects.bodies`) and the renderer's messages (`telex_sim.ros.scene_messages`) read
+them. Everything here is plain data, checked where it is made: a scene that exists can be loaded.
 
 Units are SI; orientations are quaternions x y z w; colours are sRGB, 0 to 1.
 """
@@ -131,7 +131,7 @@ class Surface:
     color : tuple of 4 floats
         Multiplies the texture.
     texture : str
-        Empty, ``generated:NAME`` with a name of `telex_sim.rendering.procedural_textures`
+        Empty, ``generated:NAME`` with a name of `telex_sim.scene.textures.procedural`
         (parameters as in a query: ``generated:chart?kind=E&seed=3``), or the address of an image.
     texture_scale : float
         Length that one repetition of the texture covers (m). 0 stretches it once over each face,

@@ -14,11 +14,11 @@ from typing import Collection, List, Mapping, Tuple
 
 from telex_control.common.params import ConfigError, require
 
-from .assembly import Assembly, assemble
 from .assets import Assets
+from .files.scene_file import SceneError, build_entry, free_name, load_scene
+from .files.yaml_text import read_yaml
 from .model import Scene, SceneObject
-from .scene_file import SceneError, build_entry, free_name, load_scene
-from .yaml_text import read_yaml
+from .objects.assembly import Assembly, assemble
 
 _log = logging.getLogger("rosout")
 

@@ -16,7 +16,7 @@ from telex_control.ros.local_node_handle import LocalNodeHandle
 
 from ..engine.simulation import Simulation
 from ..offline.simulation import package_file, shipped_config
-from ..rendering.addresses import resolve_address
+from .addresses import resolve_address
 
 
 def robot_description(variant: str, options: Sequence[str] = ()) -> str:

@@ -1,7 +1,7 @@
 """The objects that scene files name by their type.
 
-Every module of this package that has a dict ``TYPES`` adds to them; nothing else needs to know of a
-new module::
+Every module in a room of this package that has a dict ``TYPES`` adds to them; nothing else needs to
+know of a new module::
 
     @dataclass(frozen=True)
     class Crate(ObjectType):
@@ -57,8 +57,8 @@ def object_types() -> Dict[str, Type[ObjectType]]:
         A module breaks the rules above.
     """
     found: Dict[str, Type[ObjectType]] = {}
-    for module in pkgutil.iter_modules(__path__):
-        offered = getattr(importlib.import_module(f"{__name__}.{module.name}"), "TYPES", {})
+    for module in pkgutil.walk_packages(__path__, f"{__name__}."):
+        offered = getattr(importlib.import_module(module.name), "TYPES", {})
         for name, kind in offered.items():
             if name in found:
                 raise TypeError(f"{module.name}: type '{name}' exists already")

@@ -8,7 +8,6 @@ from typing import Optional, Tuple
 
 from telex_control.common.params import ConfigError, require, required
 
-from ...rendering.transforms import quaternion_from_rpy
 from ..addresses import absolute
 from ..model import (
     ORIGIN,
@@ -25,6 +24,7 @@ from ..model import (
     Surface,
     Vector3,
 )
+from ..transforms import quaternion_from_rpy
 from .object_type import ObjectType, single
 
 

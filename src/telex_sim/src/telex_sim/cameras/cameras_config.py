@@ -1,0 +1,437 @@
+"""Parameters of the ``cameras`` node."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass, field, replace
+from typing import Dict, Optional, Tuple, TypeVar
+
+from telex_control.common.params import (
+    ConfigError,
+    require,
+    require_choice,
+    require_range,
+    require_text,
+    required,
+)
+
+from ..scene.visual_scene import Lamp
+from .drawing.quality import AUTO, TIERS
+from .optics.exposure import ExposureConfig
+from .optics.lens import NO_DISTORTION, Distortion, DistortionError, LensCamera
+from .optics.noise import RadiationConfig
+from .optics.pinhole import PinholeCamera
+
+# What draws: OpenGL, or PyBullet's TinyRenderer, which needs nothing but is slow and plain.
+OPENGL, TINY = "opengl", "tiny"
+
+# Name of the instructor's camera, and how it may go about.
+OVERVIEW = "overview"
+FOLLOW, ORBIT, FIXED = VIEW_MODES = ("follow", "orbit", "fixed")
+
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*\Z")
+_MIN_SIZE, _MAX_SIZE = 16, 4096
+_MAX_FOV = 3.0
+_MAX_RATE = 240.0
+_MAX_ZOOM = 100.0
+_FAR_AWAY = 1e4
+
+Optics = TypeVar("Optics", bound="OpticsConfig")
+
+
+@dataclass(frozen=True)
+class PreviewConfig:
+    """The small pictures of a camera that stands beside the one the operator looks at.
+
+    Attributes
+    ----------
+    width
+        Pixels, if the camera's own pictures are not smaller; the height follows.
+    rate
+        Pictures per second of wall time while somebody looks.
+    jpeg_quality
+        1 to 100.
+
+    Raises
+    ------
+    telex_control.common.params.ConfigError
+    """
+
+    width: int = 320
+    rate: float = 10.0
+    jpeg_quality: int = 75
+
+    def __post_init__(self) -> None:
+        require_range(self, "width", _MIN_SIZE, _MAX_SIZE)
+        require_range(self, "rate", above=0.0, maximum=_MAX_RATE)
+        require_range(self, "jpeg_quality", 1, 100)
+
+
+@dataclass(frozen=True)
+class OpticsConfig:
+    """Lens, sensor and pictures of a camera.
+
+    Attributes
+    ----------
+    width, height
+        Size of the picture (pixels).
+    horizontal_fov
+        Full angle of view across the width (rad), with the distortion.
+    near, far
+        What is drawn lies between these distances (m).
+    distortion
+        k1, k2, p1, p2, k3 of the lens, as in sensor_msgs/CameraInfo ("plumb_bob").
+    detail
+        Pixels that are drawn for one of the picture, along each axis; fewer take less time.
+    rate
+        Pictures per second of wall time while somebody looks.
+    priority
+        When there is not enough time for all, pictures of full size are shared out by rate times
+        (1 + priority).
+    jpeg_quality
+        1 to 100.
+    exposure
+        By hand or automatic.
+    noise
+        Of the sensor: standard deviation at the exposure of a bright day (grey levels of 255).
+    radiation
+        What it does to the pictures.
+    shutter
+        Time for which a picture is exposed, in which motion blurs it (s of sim time); 0: none.
+    shutter_samples
+        Moments of that time that are drawn; a blurred picture takes as much more time.
+    depth
+        Whether depths are offered as well.
+    preview
+        Small pictures of the same field.
+    zoom_max
+        Largest zoom, a factor on the focal length; 1: the camera cannot zoom.
+
+    Raises
+    ------
+    telex_control.common.params.ConfigError
+    """
+
+    width: int
+    height: int
+    horizontal_fov: float
+    near: float = 0.03
+    far: float = 60.0
+    distortion: Distortion = NO_DISTORTION
+    detail: float = 1.0
+    rate: float = 25.0
+    priority: int = 0
+    jpeg_quality: int = 80
+    exposure: ExposureConfig = field(default_factory=ExposureConfig)
+    noise: float = 0.0
+    radiation: RadiationConfig = field(default_factory=RadiationConfig)
+    shutter: float = 0.0
+    shutter_samples: int = 4
+    depth: bool = False
+    preview: PreviewConfig = field(default_factory=PreviewConfig)
+    zoom_max: float = 1.0
+
+    def __post_init__(self) -> None:
+        require_range(self, "width", _MIN_SIZE, _MAX_SIZE)
+        require_range(self, "height", _MIN_SIZE, _MAX_SIZE)
+        require_range(self, "horizontal_fov", 0.05, _MAX_FOV)
+        require_range(self, "near", 0.001)
+        require(
+            self.far > self.near, f"far is {self.far}; it must be beyond near, which is {self.near}"
+        )
+        require_range(self, "detail", 0.1, 4.0)
+        require_range(self, "rate", above=0.0, maximum=_MAX_RATE)
+        require_range(self, "priority", 0, 100)
+        require_range(self, "jpeg_quality", 1, 100)
+        require_range(self, "noise", 0.0, 64.0)
+        require_range(self, "shutter", 0.0, 1.0)
+        require_range(self, "shutter_samples", 2, 64)
+        require_range(self, "zoom_max", 1.0, _MAX_ZOOM)
+        try:
+            self.optics()
+        except DistortionError as error:
+            raise ConfigError(str(error)) from None
+
+    def optics(self, zoom: float = 1.0) -> LensCamera:
+        """Return how the camera maps what it sees, zoomed in by a factor."""
+        wide = LensCamera.of_field(
+            self.width, self.height, self.horizontal_fov, self.distortion, self.near, self.far
+        )
+        return replace(wide, focal_length=zoom * wide.focal_length)
+
+    def small(self: Optics) -> Optics:
+        """Return the same camera as its previews show it."""
+        reduced = self.reduced(min(self.preview.width, self.width))
+        return replace(reduced, rate=self.preview.rate, jpeg_quality=self.preview.jpeg_quality)
+
+    def reduced(self: Optics, width: int) -> Optics:
+        """Return the same camera with smaller pictures, so many pixels wide.
+
+        Reducing a picture takes the mean of pixels, and noise from it in proportion.
+        """
+        scale = width / self.width
+        height = max(round(scale * self.height), _MIN_SIZE)
+        return replace(self, width=width, height=height, noise=scale * self.noise)
+
+    def pinhole(self, zoom: float = 1.0) -> PinholeCamera:
+        """Return a camera without distortion that has the same field of view."""
+        fov = 2.0 * math.atan(math.tan(0.5 * self.horizontal_fov) / zoom)
+        return PinholeCamera(self.width, self.height, fov, self.near, self.far)
+
+
+@dataclass(frozen=True)
+class CameraConfig(OpticsConfig):
+    """A camera of the robot.
+
+    Attributes
+    ----------
+    frame
+        Its optical frame, a link of the model: z forward, x right, y down.
+
+    Raises
+    ------
+    telex_control.common.params.ConfigError
+    """
+
+    frame: str = field(default_factory=required)
+
+    def __post_init__(self) -> None:
+        _require_link(self.frame)
+        super().__post_init__()
+
+
+@dataclass(frozen=True)
+class ViewConfig:
+    """Where the instructor's camera is: on a sphere about a point at which it looks.
+
+    Attributes
+    ----------
+    mode
+        "follow": about the robot, turning with it. "orbit": about the robot, turning with nothing.
+        "fixed": about a point of the world.
+    azimuth
+        Of the camera as seen from the point (rad): from the robot's x axis to "follow", otherwise
+        from the world's, counter-clockwise; pi is behind the robot.
+    elevation
+        Above the horizontal (rad).
+    distance
+        From the point (m).
+    turn_rate
+        By which the azimuth goes on by itself (rad/s of wall time).
+    center
+        The point (m): in the world for "fixed"; otherwise from the link that is followed, along
+        the robot's heading, to its left and upwards for "follow", along the world's axes for
+        "orbit".
+
+    Raises
+    ------
+    telex_control.common.params.ConfigError
+    """
+
+    mode: str = FOLLOW
+    azimuth: float = 2.6
+    elevation: float = 0.45
+    distance: float = 3.0
+    turn_rate: float = 0.0
+    center: Tuple[float, float, float] = (0.0, 0.0, 0.3)
+
+    def __post_init__(self) -> None:
+        require_choice(self, "mode", VIEW_MODES)
+        require_range(self, "azimuth", -100.0, 100.0)
+        # Straight from above, nothing would say where the top of the picture is.
+        require_range(self, "elevation", -1.55, 1.55)
+        require_range(self, "distance", 0.1, 1000.0)
+        require_range(self, "turn_rate", -10.0, 10.0)
+        require(
+            all(abs(number) <= _FAR_AWAY for number in self.center),
+            f"center is {list(self.center)}; finite numbers up to {_FAR_AWAY:g} m are needed",
+        )
+
+
+@dataclass(frozen=True)
+class OverviewConfig(OpticsConfig):
+    """The instructor's camera, which flies about the robot.
+
+    Attributes
+    ----------
+    follow
+        Link of the model that it looks at.
+    start
+        Where it is at first.
+    smoothing
+        Time constant with which it follows, and goes where it is sent (s of wall time, because it
+        can be moved while the simulation is paused).
+
+    Raises
+    ------
+    telex_control.common.params.ConfigError
+    """
+
+    follow: str = "base_link"
+    start: ViewConfig = field(default_factory=ViewConfig)
+    smoothing: float = 0.25
+
+    def __post_init__(self) -> None:
+        _require_link(self.follow)
+        require_range(self, "smoothing", 0.0, 60.0)
+        super().__post_init__()
+
+
+@dataclass(frozen=True)
+class LampConfig:
+    """A lamp of the robot; it can be dimmed while the node runs.
+
+    Attributes
+    ----------
+    frame
+        Link of the model; the lamp is at its origin and shines along its x.
+    angle
+        Full angle of the cone (rad).
+    intensity
+        At full level; 1: a surface 1 m away that faces it is lit like by a bright day's sun.
+    reach
+        Distance at which its light has faded to nothing (m).
+    color
+        Red, green, blue, each 0 to 1, sRGB.
+    level
+        With which it starts: 0 is off, 1 full.
+
+    Raises
+    ------
+    telex_control.common.params.ConfigError
+    """
+
+    frame: str
+    angle: float = 1.2
+    intensity: float = 4.0
+    reach: float = 10.0
+    color: Tuple[float, float, float] = (1.0, 0.97, 0.92)
+    level: float = 0.0
+
+    def __post_init__(self) -> None:
+        _require_link(self.frame)
+        require_range(self, "angle", maximum=2.0 * math.pi + 0.01, above=0.0)
+        require_range(self, "intensity", 0.0, 1.0e4)
+        require_range(self, "reach", maximum=1.0e4, above=0.0)
+        require(
+            all(0.0 <= component <= 1.0 for component in self.color),
+            f"color is {list(self.color)}; numbers from 0 to 1 are needed",
+        )
+        require_range(self, "level", 0.0, 1.0)
+
+    def lamp(self, name: str, model: str) -> Lamp:
+        """Return the lamp as a part of a scene in which the robot is called ``model``."""
+        return Lamp(
+            frame=f"{model}/{self.frame}",
+            position=(0.0, 0.0, 0.0),
+            direction=(1.0, 0.0, 0.0),
+            angle=self.angle,
+            intensity=self.intensity,
+            reach=self.reach,
+            color=self.color,
+            name=name,
+        )
+
+
+def _require_link(frame: str) -> None:
+    require(
+        bool(frame) and not frame.startswith("/"),
+        f"frame is '{frame}'; the name of a link is needed",
+    )
+
+
+@dataclass(frozen=True)
+class CamerasConfig:
+    """All parameters of the node.
+
+    Attributes
+    ----------
+    cameras
+        By name; topics and messages use it.
+    lamps
+        Of the robot, by name.
+    overview
+        The instructor's camera; None: there is none.
+    model
+        Name of the robot in the scene; its frames are "<model>/<link>".
+    renderer
+        "opengl", "tiny" (PyBullet's TinyRenderer: slow and plain), or "auto": OpenGL where there is
+        any.
+    tiny_detail
+        Factor on the detail of all cameras where TinyRenderer draws.
+    quality
+        Tier of quality, or "auto" to choose it by what renders.
+    shadow_radius
+        Distance from the robot up to which the sun casts shadows (m).
+    repeat_rate
+        Pictures per second while the simulation is paused.
+    max_pose_age
+        How old poses may be that a picture is drawn of while newer ones wait (s): cameras that
+        share poses share what these cost.
+    shadow_period
+        Time between the shadows of moving things (s), as far as newer ones are needed: when
+        pictures follow each other closely, several share them. Longer while full pictures are
+        smaller, by the inverse of their area.
+    smallest
+        While somebody watches previews and they fall behind for want of time, pictures of full size
+        become smaller, at least by this factor of width and height; 1: they keep their size.
+    seed
+        Of all noise.
+    niceness
+        By how much the process steps back for others, above all for the physics, 0 to 19. Left out,
+        it is 0, or 10 where the simulator does not come before ordinary processes.
+    software_threads
+        Further threads for rendering without a graphics card. More give each picture sooner and
+        take the cores from the physics; with 0 the node never uses more than one.
+    egl_device
+        Which graphics card, as EGL numbers them.
+
+    Raises
+    ------
+    telex_control.common.params.ConfigError
+    """
+
+    cameras: Dict[str, CameraConfig]
+    lamps: Dict[str, LampConfig] = field(default_factory=dict)
+    overview: Optional[OverviewConfig] = None
+    model: str = "telex"
+    renderer: str = AUTO
+    tiny_detail: float = 0.5
+    quality: str = AUTO
+    shadow_radius: float = 9.0
+    repeat_rate: float = 5.0
+    max_pose_age: float = 0.004
+    shadow_period: float = 0.05
+    smallest: float = 1.0
+    seed: int = 0
+    niceness: Optional[int] = None
+    software_threads: int = 0
+    egl_device: int = 0
+
+    def __post_init__(self) -> None:
+        require(bool(self.cameras), "cameras is empty; at least one camera is needed")
+        for group, names in (("cameras", self.cameras), ("lamps", self.lamps)):
+            for name in names:
+                require(
+                    bool(_NAME.match(name)),
+                    f"{group} has the key '{name}'; letters, digits and _ make a name",
+                )
+        require(
+            OVERVIEW not in self.cameras,
+            f"cameras has the key '{OVERVIEW}', which is the instructor's camera",
+        )
+        require_text(self, "model")
+        require_choice(self, "renderer", (AUTO, OPENGL, TINY))
+        require_range(self, "tiny_detail", 0.1, 4.0)
+        require_choice(self, "quality", (AUTO, *TIERS))
+        require_range(self, "shadow_radius", above=0.0)
+        require_range(self, "repeat_rate", above=0.0)
+        require_range(self, "max_pose_age", 0.0, 1.0)
+        require_range(self, "shadow_period", 0.0, 1.0)
+        require_range(self, "smallest", maximum=1.0, above=0.0)
+        require_range(self, "seed", 0)
+        if self.niceness is not None:
+            require_range(self, "niceness", 0, 19)
+        require_range(self, "software_threads", 0, 16)
+        require_range(self, "egl_device", 0)

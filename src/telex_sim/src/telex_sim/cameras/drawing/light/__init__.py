@@ -1,0 +1,1 @@
+"""Light of a scene: sky, sun and lamps, and their shadows."""

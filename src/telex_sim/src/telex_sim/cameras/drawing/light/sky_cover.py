@@ -1,0 +1,107 @@
+"""Occlusion of the light from above (ambient occlusion).
+
+Where no sun shines, soft shadows at the foot of things tell where they stand. A map of heights, as
+seen from straight above, is blurred: a point is in the shade as far as the blurred map is above it.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Optional
+
+import cv2
+import moderngl
+import numpy as np
+
+from ....scene.transforms import is_still
+from ..culling import spheres_in_view
+from ..meshes.gpu_scene import GpuScene
+from ..programs import column_major
+
+# Half the side of the square around the focus that the map shows, and side of its pixels (m).
+_RADIUS, _TEXEL = 4.0, 0.05
+
+# Standard deviation of the blur (m): about as wide as such shadows are.
+_BLUR = 0.15
+
+# What is this far above the focus, as a ceiling is, hides nothing; nor does what is far below (m).
+_HEADROOM, _DEPTH = 1.5, 4.0
+
+# Pixels along the map's edge in which the shade fades.
+_BORDER = 8
+
+
+class SkyCover:
+    """A blurred map of heights around a point.
+
+    Parameters
+    ----------
+    context, program
+        To draw with; the program writes depth alone.
+    """
+
+    def __init__(self, context: moderngl.Context, program: moderngl.Program) -> None:
+        self._context = context
+        self._program = program
+        self._clip_from_model: Any = program["clip_from_model"]
+        self._size = round(2.0 * _RADIUS / _TEXEL)
+        side = (self._size, self._size)
+        self._framebuffer = context.framebuffer(depth_attachment=context.depth_renderbuffer(side))
+        self._heights = context.texture(side, 1, dtype="f4")
+        self._heights.filter = (moderngl.LINEAR, moderngl.LINEAR)
+        self._heights.repeat_x = self._heights.repeat_y = False
+        edge = np.minimum(np.arange(self._size), np.arange(self._size)[::-1])
+        inside = np.clip(np.minimum.outer(edge, edge) / _BORDER, 0.0, 1.0)
+        self._sunk = ((1.0 - inside) * _DEPTH).astype(np.float32)
+        self._middle = np.zeros(2)
+        self._drawn_model: Optional[np.ndarray] = None
+        self._drawn_corner = np.zeros(3)
+
+    def invalidate(self) -> None:
+        """Have the next update draw even if nothing has moved: the scene is another one."""
+        self._drawn_model = None
+
+    def update(
+        self, scene: GpuScene, model: np.ndarray, centers: np.ndarray, focus: np.ndarray
+    ) -> None:
+        """Draw the map, unless everything stands where it stood; parameters as for `ShadowMap`."""
+        # By whole pixels, so that soft edges do not crawl as the robot drives.
+        middle = np.round(focus / _TEXEL) * _TEXEL
+        solid = np.flatnonzero(~scene.transparent)
+        if (
+            self._drawn_model is not None
+            and (middle == self._drawn_corner).all()
+            and is_still(model[solid], self._drawn_model)
+        ):
+            return
+        self._drawn_model, self._drawn_corner = model[solid].copy(), middle
+        self._middle = middle[:2]
+        half, top = 0.5 * self._size * _TEXEL, middle[2] + _HEADROOM
+        scale = np.array([1.0 / half, 1.0 / half, -2.0 / _DEPTH])
+        clip = np.diag([*scale, 1.0])
+        clip[:3, 3] = -scale * (middle[0], middle[1], top - 0.5 * _DEPTH)
+        seen = solid[spheres_in_view(clip, centers[solid], scene.radii[solid])]
+        self._framebuffer.use()
+        self._framebuffer.clear(depth=1.0)
+        # Whether a surface shows its back does not matter for its height.
+        self._context.disable(moderngl.CULL_FACE)
+        for number, matrix in zip(seen, column_major(clip @ model[seen])):
+            self._clip_from_model.write(matrix.tobytes())
+            scene.drawables[number].mesh.outline(self._program).render()
+        self._context.enable(moderngl.CULL_FACE)
+        depths = np.frombuffer(
+            self._framebuffer.read(components=1, attachment=-1, dtype="f4"), dtype=np.float32
+        ).reshape(self._size, self._size)
+        heights = np.float32(top) - depths * np.float32(_DEPTH)
+        soft: np.ndarray = np.asarray(
+            cv2.GaussianBlur(heights, (0, 0), _BLUR / _TEXEL, borderType=cv2.BORDER_REPLICATE)
+        )
+        self._heights.write((soft - self._sunk).astype(np.float32).tobytes())
+
+    def place(self) -> np.ndarray:
+        """Offset along x and y, and scale, that lead from the world to the map; float32."""
+        scale = 1.0 / (self._size * _TEXEL)
+        return np.array([*(0.5 - scale * self._middle), scale], dtype=np.float32)
+
+    def use(self, unit: int) -> None:
+        """Bind the map to a texture unit."""
+        self._heights.use(unit)

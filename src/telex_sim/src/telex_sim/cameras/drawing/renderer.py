@@ -1,0 +1,485 @@
+"""Draws the scene as a camera sees it."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from dataclasses import replace
+from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
+
+import moderngl
+import numpy as np
+
+from ...scene.addresses import PackagePath
+from ...scene.content_store import ContentStore
+from ...scene.transforms import rigid_inverse
+from ...scene.visual_scene import Daylight, Scene
+from ..optics.pinhole import PinholeCamera
+from .culling import spheres_in_view, spheres_in_world
+from .frame_target import FrameTarget
+from .kept_pictures import KeptPictures
+from .light.daylight import Lighting, light_uniforms
+from .light.lamp_shadows import LampShadows
+from .light.lamps import NEAREST, LampRig
+from .light.sky_cover import SkyCover
+from .light.sun_shadows import ShadowMap
+from .meshes.gpu_scene import Drawable, GpuScene
+from .programs import (
+    COVER_MAP_UNIT,
+    LAMP_MAP_UNIT,
+    SHADOW_MAP_UNIT,
+    LitProgram,
+    LitPrograms,
+    SkyProgram,
+    column_major,
+    depth_program,
+)
+from .quality import Quality
+from .shaders import LitVariant
+from .smoothing import smooth_edges
+
+# Sizes of pictures whose memory is kept.
+_MOST_TARGETS = 12
+
+
+class Renderer:
+    """Renders one scene for any number of cameras.
+
+    All calls must come from the thread that made the context. For each set of pictures of the same
+    poses: ``place``, then ``render`` for each camera. Shadows are cast by the first picture of a
+    set, for all of it; nothing is drawn for poses that nobody looks at, nor anew where nothing has
+    moved.
+
+    Parameters
+    ----------
+    context
+        OpenGL 3.3 or later; it is the renderer's alone.
+    quality, lighting
+        What to draw with.
+    package_path
+        Gives the directory of a ROS package, for package:// addresses.
+    store
+        Where content of scenes is kept; None: nowhere.
+
+    Attributes
+    ----------
+    repeats : bool
+        As `SceneRenderer` has it.
+    """
+
+    def __init__(
+        self,
+        context: moderngl.Context,
+        quality: Quality,
+        lighting: Lighting,
+        package_path: PackagePath,
+        store: Optional[ContentStore] = None,
+    ) -> None:
+        self._context = context
+        self._quality = quality
+        self._lighting = lighting
+        lamp_lookups = quality.lamp_lookups if quality.lamp_shadows else 0
+        self._programs = LitPrograms(context, quality.shadow_lookups, lamp_lookups)
+        self._skies = {fog: SkyProgram(context, fog) for fog in (False, True)}
+        depth = depth_program(context)
+        self._scene = GpuScene(
+            context,
+            quality.anisotropy,
+            quality.shadow_detail,
+            package_path,
+            store or ContentStore(),
+        )
+        radius = lighting.shadow_radius
+        self._shadows = ShadowMap(context, depth, radius, quality.shadow_map_size)
+        self._lamp_shadows = LampShadows(
+            context,
+            depth,
+            max(quality.lamp_shadows, 1),
+            quality.lamp_map_size,
+            quality.shadow_softness,
+        )
+        self._cover = SkyCover(context, depth)
+        self._targets: OrderedDict[Tuple[int, int], FrameTarget] = OrderedDict()
+        self._warm: Set[LitProgram] = set()
+        self._cold: List[Tuple[LitVariant, Drawable]] = []
+        self._shown = False
+        self._model = np.zeros((0, 4, 4))
+        self._centers = np.zeros((0, 3))
+        self._focus = np.zeros(3)
+        self._frames_in_world = np.zeros((0, 4, 4))
+        self._belts_placed = True
+        self._cast = False
+        self.repeats = False
+        self._kept = KeptPictures()
+        self._depth_source: Optional[FrameTarget] = None
+        # Picture that was given again, as `_draw` takes it: its depths are those of another one.
+        self._not_drawn: Optional[Tuple[PinholeCamera, np.ndarray, float]] = None
+        self._take_light(Scene(0, (), ()))
+
+    def load_scene(self, scene: Scene) -> List[str]:
+        """Take over a scene; ``place`` must follow before the next picture.
+
+        Returns
+        -------
+        list of str
+            What could not be loaded, and why; the rest is there.
+        """
+        self._take_light(scene)
+        problems = self._scene.load(scene)
+        self._cold = self._needed_programs(len(scene.lamps))
+        self._shown = False
+        return problems
+
+    def _needed_programs(self, lamps: int) -> List[Tuple[LitVariant, Drawable]]:
+        """List the programs that the scene can need, each with something that it can draw."""
+        rooms = [0]
+        while rooms[-1] < _room_for(lamps, self._quality.lamps):
+            rooms.append(_room_for(rooms[-1] + 1, self._quality.lamps))
+        # Any surface does, but what its texture is like matters.
+        samples = {drawable.texture is not None: drawable for drawable in self._scene.drawables}
+        return [
+            (replace(self._base, textured=textured, lamps=room), drawable)
+            for room in rooms
+            for textured, drawable in samples.items()
+        ]
+
+    def _warm_up(self) -> None:
+        """Use the next program once that has not been used yet.
+
+        Drivers compile a program when it first draws; many at once would interrupt the pictures.
+        """
+        while self._cold:
+            variant, drawable = self._cold.pop()
+            program = self._programs.get(variant)
+            if program in self._warm:
+                continue
+            self._warm.add(program)
+            self._begin_pass()
+            self._target(1, 1).begin()
+            self._use_maps()
+            drawable.draw(program)
+            return
+
+    def _take_light(self, scene: Scene) -> None:
+        daylight: Daylight = scene.daylight
+        sun = any(daylight.sun)
+        # Lamps that can be switched are the robot's, and do not shine from above.
+        light_above = daylight.ambient > 0.0 or not all(lamp.name for lamp in scene.lamps)
+        if sun:
+            self._shadows.invalidate(daylight.to_sun)
+        self._cover.invalidate()
+        self._lamp_shadows.invalidate()
+        self._cast = False
+        self._kept.forget()
+        self._base = LitVariant(
+            textured=False,
+            sun=sun,
+            cover=light_above and not sun,
+            fog=daylight.visibility > 0.0,
+            lamps=0,
+        )
+        self._sky = self._skies[self._base.fog]
+        self._lamps = LampRig(scene.lamps, scene.frames, self._lighting.sun)
+        light = light_uniforms(self._lighting, daylight)
+        self._sky.set(light)
+        self._uniforms = {name: light.pop(name) for name in ("sky_ambient", "ground_ambient")}
+        # Half the width of soft edges, as a share of the shadow map's side.
+        softness = self._quality.shadow_softness / self._quality.shadow_map_size
+        self._programs.take_light(
+            {
+                **{name: tuple(np.atleast_1d(value).tolist()) for name, value in light.items()},
+                "lamp_nearest2": (NEAREST**2,),
+                "lamp_tile": self._lamp_shadows.tile(),
+                "shadow_softness": (softness,),
+            }
+        )
+
+    def set_lamp_levels(self, levels: Mapping[str, float]) -> None:
+        """Dim the lamps that have names: 0 is off, 1 full."""
+        before = self._lamps.levels
+        self._lamps.set_levels(levels)
+        if not np.array_equal(before, self._lamps.levels):
+            self._cast = False
+            self._kept.forget()
+
+    def place(self, frames_in_world: np.ndarray, focus: np.ndarray, recast: bool = True) -> None:
+        """Move everything to where it is now.
+
+        Parameters
+        ----------
+        frames_in_world
+            Poses of the scene's frames, shape (frames, 4, 4).
+        focus
+            Point in the world around which shadows matter (m), shape (3,).
+        recast
+            Whether shadows move as well; those that the scene does not have yet come anyway.
+
+        Raises
+        ------
+        ValueError
+            When the number of frames is not the scene's.
+        """
+        self._model = self._scene.model_matrices(frames_in_world)
+        self._centers = spheres_in_world(self._model, self._scene.centers)
+        self._frames_in_world = frames_in_world
+        self._belts_placed = False
+        self._lamps.place(frames_in_world)
+        self._focus = np.asarray(focus, dtype=np.float64)
+        self._cast = self._cast and not recast
+        self._kept.place(frames_in_world, self._focus, recast)
+
+    def _prepare(self) -> None:
+        """Do what all pictures of these poses share: let belts run, and cast the shadows."""
+        if not self._belts_placed:
+            self._belts_placed = True
+            self._scene.run_belts(self._frames_in_world)
+        if self._cast:
+            return
+        self._cast = True
+        self._begin_pass()
+        what = (self._scene, self._model, self._centers)
+        if self._base.cover:
+            self._cover.update(*what, self._focus)
+            self._uniforms["cover_place"] = self._cover.place()
+        if self._quality.lamp_shadows:
+            self._lamp_shadows.choose(self._lamps, self._focus)
+        if not self._base.sun:
+            return
+        self._shadows.update(*what, self._focus)
+        # No look-up of the ring, nor the pixel that it falls into, may dip into the surface itself.
+        offset = (1.0 + self._quality.shadow_softness) * self._shadows.texel
+        self._uniforms["normal_offset"] = np.array(offset, dtype=np.float32)
+        self._uniforms.update(self._shadows.uniforms())
+
+    def render(
+        self, camera: PinholeCamera, optical_in_world: np.ndarray, exposure: float = 1.0
+    ) -> np.ndarray:
+        """Take a picture.
+
+        Parameters
+        ----------
+        camera
+            Optics and size.
+        optical_in_world
+            Pose of the optical frame, shape (4, 4).
+        exposure
+            Factor on all light; 1 suits a bright day.
+
+        Returns
+        -------
+        numpy.ndarray
+            RGBA, shape (height, width, 4), uint8, rows from above. The memory is the renderer's:
+            the next picture of that size overwrites it.
+        """
+        if self._shown:  # the first picture of a scene is not to wait for programs of others
+            self._warm_up()
+        self._shown = True
+        self._prepare()
+        kept = self._kept.find(camera, optical_in_world, exposure)
+        self.repeats = kept is not None
+        if kept is not None:
+            self._not_drawn = (camera, optical_in_world, exposure)
+            return self._target(camera.width, camera.height).lend(kept)
+        picture = self._draw(camera, optical_in_world, exposure)
+        self._kept.keep(camera, optical_in_world, exposure, picture)
+        return picture
+
+    def _draw(
+        self, camera: PinholeCamera, optical_in_world: np.ndarray, exposure: float
+    ) -> np.ndarray:
+        """Draw what `render` returns."""
+        self._not_drawn = None
+        clip_from_optical = camera.clip_from_optical()
+        clip_from_world = clip_from_optical @ rigid_inverse(optical_in_world)
+        eye = optical_in_world[:3, 3]
+        solid, transparent = self._visible(clip_from_world, eye)
+        drawing = self._drawing(
+            clip_from_world, eye, exposure, np.concatenate([solid, transparent])
+        )
+        target = self._target(camera.width, camera.height)
+        self._begin_pass()
+        framebuffer = target.begin()
+        self._use_maps()
+        drawing.draw(solid)
+        self._sky.draw(clip_from_optical, optical_in_world, exposure)
+        if transparent.size:
+            self._context.enable(moderngl.BLEND)
+            framebuffer.depth_mask = False
+            drawing.draw(transparent)
+            framebuffer.depth_mask = True
+        self._depth_source = target
+        picture = target.read()
+        return smooth_edges(picture) if self._quality.edge_smoothing else picture
+
+    def depth(self, camera: PinholeCamera) -> np.ndarray:
+        """Measure how far what the last picture shows is; to be called directly after `render`.
+
+        Parameters
+        ----------
+        camera
+            With which the picture was taken.
+
+        Returns
+        -------
+        numpy.ndarray
+            Distances along the optical axis (m), shape (height, width), float32; infinite where
+            nothing is nearer than the camera's ``far`` (REP 118). What is transparent is seen
+            through.
+
+        Raises
+        ------
+        ValueError
+            When the last picture was of another size, or there is none.
+        """
+        if self._not_drawn is not None:
+            self._draw(*self._not_drawn)
+        size = (camera.width, camera.height)
+        if self._depth_source is None or self._depth_source is not self._targets.get(size):
+            raise ValueError(f"the last picture was not of {camera.width}x{camera.height} pixels")
+        return self._depth_source.read_depth(camera.near, camera.far)
+
+    def release(self) -> None:
+        """Free everything, the context included."""
+        self._context.release()
+
+    def _begin_pass(self) -> None:
+        context = self._context
+        context.enable_only(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
+        # Cameras and sun look along +z with y down, which turns the triangles' winding round.
+        context.front_face = "cw"
+        # The sky lies at the greatest depth, where the depth buffer begins.
+        context.depth_func = "<="
+
+    def _use_maps(self) -> None:
+        self._shadows.use(SHADOW_MAP_UNIT)
+        self._lamp_shadows.use(LAMP_MAP_UNIT)
+        self._cover.use(COVER_MAP_UNIT)
+
+    def _target(self, width: int, height: int) -> FrameTarget:
+        size = (width, height)
+        if size not in self._targets:
+            if len(self._targets) >= _MOST_TARGETS:
+                _, oldest = self._targets.popitem(last=False)
+                oldest.release()
+            samples = min(self._quality.samples, self._context.max_samples)
+            self._targets[size] = FrameTarget(self._context, width, height, samples)
+        self._targets.move_to_end(size)
+        return self._targets[size]
+
+    def _visible(
+        self, clip_from_world: np.ndarray, eye: np.ndarray
+    ) -> Tuple[np.ndarray, np.ndarray]:
+        """Numbers of the drawables in view: the solid from near to far, the transparent from far.
+
+        What is behind something solid then costs little.
+        """
+        scene = self._scene
+        seen = np.flatnonzero(spheres_in_view(clip_from_world, self._centers, scene.radii))
+        distances = np.linalg.norm(self._centers[seen] - eye, axis=1)
+        radii = scene.radii[seen]
+        # A sphere around the eye says nothing of where its surface is, only that what is as large
+        # as a floor is probably behind everything.
+        nearest = np.where(distances > radii, distances - radii, radii)
+        solid = ~scene.transparent[seen]
+        return (
+            seen[solid][np.argsort(nearest[solid])],
+            seen[~solid][np.argsort(-distances[~solid])],
+        )
+
+    def _drawing(
+        self, clip_from_world: np.ndarray, eye: np.ndarray, exposure: float, numbers: np.ndarray
+    ) -> _Drawing:
+        """Prepare to draw some of the drawables as a camera sees them."""
+        chosen = self._lamps.choose(clip_from_world, eye, self._quality.lamps)
+        if self._quality.lamp_shadows:
+            self._begin_pass()
+            self._lamp_shadows.update(
+                self._scene, self._model, self._centers, self._lamps, chosen.numbers
+            )
+        uniforms = dict(self._uniforms)
+        uniforms["clip_from_world"] = column_major(clip_from_world)
+        uniforms["eye"] = eye.astype(np.float32)
+        uniforms["exposure"] = np.array(exposure, dtype=np.float32)
+        for name in ("sky_ambient", "ground_ambient"):
+            uniforms[name] = uniforms[name] + chosen.rest.astype(np.float32)
+        # Each surface is drawn with the lamps that reach it alone: every one takes time.
+        radii = self._scene.radii[numbers]
+        reached = self._lamps.reach(chosen.numbers, self._centers[numbers], radii)
+        masks, mask_of = np.unique(reached, axis=0, return_inverse=True)
+        groups = []
+        for mask in masks:
+            room = _room_for(int(mask.sum()), self._quality.lamps)
+            lamps = chosen.numbers[mask]
+            values = {
+                **self._lamps.uniforms(lamps, chosen.levels[mask], room),
+                **self._lamp_shadows.uniforms(self._lamps, lamps, room),
+            }
+            variants = tuple(
+                replace(self._base, textured=textured, lamps=room) for textured in (False, True)
+            )
+            groups.append(_LampGroup(variants, values if room else {}))
+        group_of = dict(zip(numbers.tolist(), mask_of.reshape(-1).tolist()))
+        return _Drawing(self._scene, self._model, self._programs, uniforms, groups, group_of)
+
+
+class _LampGroup(NamedTuple):
+    """What surfaces are drawn with that the same lamps light.
+
+    Attributes
+    ----------
+    variants
+        Of the program, without and with texture.
+    uniforms
+        That describe the lamps.
+    """
+
+    variants: Tuple[LitVariant, ...]
+    uniforms: Mapping[str, np.ndarray]
+
+
+class _Drawing:
+    """Draws surfaces for one picture; programs learn of the picture when they are first used."""
+
+    def __init__(
+        self,
+        scene: GpuScene,
+        model: np.ndarray,
+        programs: LitPrograms,
+        uniforms: Mapping[str, np.ndarray],
+        groups: Sequence[_LampGroup],
+        group_of: Mapping[int, int],
+    ) -> None:
+        self._scene = scene
+        self._model = model
+        self._programs = programs
+        self._uniforms = uniforms
+        self._groups = groups
+        self._group_of = group_of
+        # The group whose lamps each program has at present.
+        self._current: Dict[LitVariant, int] = {}
+
+    def draw(self, numbers: np.ndarray) -> None:
+        """Draw surfaces in the given order."""
+        matrices = column_major(self._model[numbers])
+        for number, matrix in zip(numbers.tolist(), matrices):
+            drawable = self._scene.drawables[number]
+            program = self._program(self._group_of[number], drawable.texture is not None)
+            program.world_from_model.write(matrix.tobytes())
+            drawable.draw(program)
+
+    def _program(self, number: int, textured: bool) -> LitProgram:
+        group = self._groups[number]
+        variant = group.variants[textured]
+        program = self._programs.get(variant)
+        if variant not in self._current:
+            program.set(self._uniforms)
+        if self._current.get(variant) != number:
+            program.set(group.uniforms)
+            self._current[variant] = number
+        return program
+
+
+def _room_for(lamps: int, most: int) -> int:
+    """Round a number of lamps up, so that only a few variants have to be compiled."""
+    if not lamps:
+        return 0
+    return next((room for room in (1, 2, 3, 4, 6, 8) if lamps <= room <= most), most)

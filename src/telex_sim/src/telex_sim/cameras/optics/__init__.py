@@ -1,0 +1,1 @@
+"""Optics of a camera: pinhole, lens, exposure, noise of the sensor."""

@@ -1,0 +1,1 @@
+"""Single pictures of scenes, without ROS: for authors, documents and tests."""

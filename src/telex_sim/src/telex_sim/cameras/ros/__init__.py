@@ -1,0 +1,1 @@
+"""The ``cameras`` node: scene and poses in, pictures out."""

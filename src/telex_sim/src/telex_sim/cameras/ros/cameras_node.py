@@ -1,0 +1,303 @@
+"""The ``cameras`` node: shows the simulator's scene as the robot's cameras see it."""
+
+from __future__ import annotations
+
+import math
+import os
+import sys
+import time
+from dataclasses import replace
+from typing import Callable, Iterator, List, Optional, Sequence
+
+import cv2
+import numpy as np
+import rospkg
+import rospy
+from telex_msgs.msg import SceneDescription, ScenePoses
+
+from telex_control.common.params import ConfigError, read_config
+from telex_control.common.scheduling import may_come_first, step_back
+from telex_control.ros.node_start import init_node, until_shutdown
+
+from ...engine.config import read_simulator_config
+from ...scene.content_store import shared_store
+from ..cameras_config import OPENGL, TINY, CamerasConfig
+from ..drawing.gl_context import NoContextError, create_context
+from ..drawing.light.daylight import Lighting
+from ..drawing.quality import choose_quality
+from ..drawing.renderer import Renderer
+from ..drawing.scene_renderer import SceneRenderer
+from ..drawing.tiny_renderer import TinyRenderer
+from .camera_topics import CameraStream, PictureSize
+from .frame_pacer import next_due
+from .lamp_switches import LampSwitches
+from .overview import Overview
+from .parameter_service import CameraService
+from .scene_inbox import Arrival, SceneInbox
+from .scene_mirror import SceneMirror
+from .size_by_load import SizeByLoad
+
+_NICENESS, _NICENESS_BESIDE_ORDINARY = 0, 10
+"""Of this process beside a simulator that comes first, and beside one that does not."""
+
+# Longest wait for the simulator before looking at who listens again (s).
+_PATIENCE = 0.1
+
+# How long poses are still followed when nobody looks any more (s): whoever takes a snapshot now and
+# then need not wait for a new connection each time.
+_FOLLOW_ON = 5.0
+
+# More than the largest message, so that rospy reads on to the newest of those that wait.
+_BUFFER_SIZE = 2**24
+
+MakeRenderer = Callable[[CamerasConfig], SceneRenderer]
+
+
+class CamerasNode:
+    """Renders the cameras that somebody looks at, in the thread that calls ``run``.
+
+    ROS's own threads only leave messages in an inbox, because OpenGL belongs to one thread.
+
+    Parameters
+    ----------
+    config
+        Of the node.
+    make_renderer
+        Makes what draws; called by the thread that constructs the node, which must be the one that
+        calls ``run``, and again when what it depends on is changed.
+    """
+
+    def __init__(self, config: CamerasConfig, make_renderer: MakeRenderer) -> None:
+        self._config = config
+        self._make_renderer = make_renderer
+        self._renderer = make_renderer(config)
+        detail = config.tiny_detail if isinstance(self._renderer, TinyRenderer) else 1.0
+        self._streams = [
+            CameraStream(
+                name,
+                camera,
+                optical_frame=camera.frame,
+                scene_frame=f"{config.model}/{camera.frame}",
+                locate=_itself,
+                repeat_rate=config.repeat_rate,
+                seed=config.seed + number,
+                detail=detail,
+            )
+            for number, (name, camera) in enumerate(sorted(config.cameras.items()))
+        ]
+        camera_frames = [stream.scene_frame for stream in self._streams]
+        if config.overview is not None:
+            seed = config.seed + len(self._streams)
+            self._overview = Overview(config.overview, config.model, seed, detail)
+            self._streams.append(self._overview.stream)
+        self._lamps = LampSwitches(config.lamps)
+        self._mirror = SceneMirror(
+            self._renderer,
+            camera_frames,
+            [lamp.lamp(name, config.model) for name, lamp in config.lamps.items()],
+            [stream.scene_frame for stream in self._streams],
+        )
+        self._sizes = SizeByLoad(config.smallest)
+        self._inbox = SceneInbox()
+        self._placed: Optional[Arrival] = None
+        # Of which poses the shadows are, and since when.
+        self._cast: Optional[Arrival] = None
+        self._cast_time = -math.inf
+        self._service = CameraService(config, self._streams)
+        self._scene_subscriber = rospy.Subscriber(
+            "sim/scene", SceneDescription, self._inbox.put_scene, queue_size=1
+        )
+        self._poses_subscriber: Optional[rospy.Subscriber] = None
+        self._last_wanted = -math.inf
+
+    def run(self) -> None:
+        """Serve until ROS shuts down."""
+        while not rospy.is_shutdown():
+            self._take_news()
+            now = time.monotonic()
+            wanted = [size for stream in self._streams for size in stream.wanted]
+            self._follow_poses(bool(wanted), now)
+            self._choose_sizes(wanted, now)
+            # News come first after every picture: when there is more to show than time, one is
+            # always due.
+            if not self._show_next(wanted, now):
+                self._inbox.wait(_PATIENCE)
+                self._sizes.rested(time.monotonic() - now)
+
+    def release(self) -> None:
+        """Free what draws."""
+        self._renderer.release()
+
+    def _take_news(self) -> None:
+        config = self._service.config
+        if config is not self._config:
+            self._configure(config)
+        scene = self._inbox.take_scene()
+        if scene is not None:
+            self._mirror.load(scene)
+            self._placed = None
+        for stream in self._streams:
+            stream.advertise(self._mirror.has(stream.scene_frame))
+
+    def _configure(self, config: CamerasConfig) -> None:
+        """Take over parameters that all cameras have in common."""
+        before, self._config = self._config, config
+        if (config.quality, config.shadow_radius) == (before.quality, before.shadow_radius):
+            return
+        self._renderer.release()
+        self._renderer = self._make_renderer(config)
+        self._mirror.change_renderer(self._renderer)
+        self._placed = None
+
+    def _choose_sizes(self, wanted: List[PictureSize], now: float) -> None:
+        """Make full pictures smaller where there is no time for previews beside them."""
+        before = self._sizes.scale
+        self._sizes.judge(now, sum(size.pacer.rate for size in wanted if size.is_preview))
+        if self._sizes.scale != before:
+            rospy.loginfo("pictures of full size are scaled by %g", self._sizes.scale)
+            for stream in self._streams:
+                stream.scale_by(self._sizes.scale)
+
+    def _follow_poses(self, wanted: bool, now: float) -> None:
+        """Listen to the poses only while somebody looks: they come many times a second."""
+        if wanted:
+            self._last_wanted = now
+            if self._poses_subscriber is None:
+                self._poses_subscriber = rospy.Subscriber(
+                    "sim/poses",
+                    ScenePoses,
+                    self._inbox.put_poses,
+                    queue_size=1,
+                    buff_size=_BUFFER_SIZE,
+                    tcp_nodelay=True,
+                )
+        elif self._poses_subscriber is not None and now - self._last_wanted > _FOLLOW_ON:
+            self._poses_subscriber.unregister()
+            self._poses_subscriber = None
+            self._inbox.drop_poses()
+
+    def _show_next(self, wanted: List[PictureSize], now: float) -> bool:
+        """Take the picture that is due first, if any, of poses that are fresh enough."""
+        newest = self._inbox.newest_poses()
+        if newest is None:
+            return False
+        size = next_due(wanted, now, newest.poses.header.stamp.to_nsec())
+        if size is None or not self._place(newest, size, now):
+            return False
+        self._take(size, now)
+        return True
+
+    def _place(self, newest: Arrival, size: PictureSize, now: float) -> bool:
+        """Have poses placed that a camera may be shown; returns whether there are any."""
+        period = self._config.shadow_period * self._sizes.shadow_spacing
+        recast = now - self._cast_time >= period
+        placed = self._placed
+        if placed is not None:
+            if placed.poses is newest.poses:
+                if self._cast is placed or not recast:
+                    return True
+            elif (
+                now - placed.time <= self._config.max_pose_age
+                and placed.poses.header.stamp.to_nsec() != size.pacer.stamp
+            ):
+                return True
+        if not self._mirror.place(newest.poses, recast=recast):
+            return False
+        self._renderer.set_lamp_levels(self._lamps.levels())
+        self._placed = newest
+        if recast:
+            self._cast, self._cast_time = newest, now
+        return True
+
+    def _take(self, size: PictureSize, now: float) -> None:
+        """Take a camera's picture of the poses that are placed, and publish it."""
+        assert self._placed is not None
+        stream = size.stream
+        if size.is_preview:
+            self._sizes.shown()
+
+        def moments(times: Sequence[float]) -> Iterator[np.ndarray]:
+            return self._moments(stream, times, now)
+
+        stamp = self._placed.poses.header.stamp
+        stream.serve(size, self._renderer, moments, stamp, now)
+
+    def _moments(
+        self, stream: CameraStream, times: Sequence[float], now: float
+    ) -> Iterator[np.ndarray]:
+        """Place the scene for times before its stamp (s), and give the camera's pose at each."""
+        assert self._placed is not None
+        for back in times:
+            if len(times) > 1:
+                self._mirror.place(self._placed.poses, self._placed.earlier, back)
+            yield stream.locate(self._mirror.frame_in_world(stream.scene_frame), now)
+
+
+def _itself(frame_in_world: np.ndarray, now: float) -> np.ndarray:
+    """Pose of a camera whose optical frame is part of the scene."""
+    return frame_in_world
+
+
+def _niceness(config: CamerasConfig) -> int:
+    if config.niceness is not None:
+        return config.niceness
+    name = rospy.resolve_name("simulator")
+    try:
+        priority = read_simulator_config(rospy.get_param(name, {}), name).realtime_priority
+    except ConfigError:  # about which that node says more
+        priority = 0
+    return _NICENESS if may_come_first(priority) else _NICENESS_BESIDE_ORDINARY
+
+
+def main() -> None:
+    """Run the node; a mistake in the configuration ends it with one line that says what to do."""
+    init_node("cameras")
+    try:
+        config = read_config(CamerasConfig, rospy.get_param("~", {}), rospy.get_name())
+        step_back(_niceness(config))
+        # OpenCV and Mesa would otherwise start a thread for each core, which the physics needs.
+        cv2.setNumThreads(1)
+        os.environ.setdefault("LP_NUM_THREADS", str(config.software_threads))
+        node = CamerasNode(config, make_renderer)
+    except (ConfigError, NoContextError) as error:
+        rospy.logfatal("%s", error)
+        sys.exit(1)
+    try:
+        with until_shutdown():
+            node.run()
+    finally:
+        node.release()
+
+
+def make_renderer(config: CamerasConfig) -> SceneRenderer:
+    """Make what draws, by the configuration and by what the machine has.
+
+    Raises
+    ------
+    NoContextError
+        OpenGL is asked for, and there is none.
+    """
+    package_path = rospkg.RosPack().get_path
+    if config.renderer == TINY:
+        rospy.loginfo("rendering with PyBullet's TinyRenderer")
+        return TinyRenderer(package_path)
+    try:
+        context = create_context(config.egl_device)
+    except NoContextError as error:
+        if config.renderer == OPENGL:
+            raise
+        rospy.logwarn(
+            "%s. Until then PyBullet's TinyRenderer draws: slowly, with neither textures nor"
+            " shadows",
+            error,
+        )
+        return TinyRenderer(package_path)
+    name = context.info["GL_RENDERER"]
+    rospy.loginfo("rendering with %s, quality %s", name, config.quality)
+    return Renderer(
+        context,
+        choose_quality(config.quality, name),
+        replace(Lighting(), shadow_radius=config.shadow_radius),
+        package_path,
+        shared_store(),
+    )

@@ -1,0 +1,79 @@
+"""The service that changes parameters while the node runs."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any, Dict, Iterable
+
+import rospy
+from telex_msgs.srv import (
+    ConfigureCamera,
+    ConfigureCameraRequest,
+    ConfigureCameraResponse,
+)
+
+from telex_control.common.params import ConfigError
+
+from ..cameras_config import OVERVIEW, CamerasConfig
+from .camera_topics import CameraStream
+from .live_parameters import as_yaml, changed, plain
+
+# Of what all cameras have in common.
+_COMMON = ("max_pose_age", "quality", "shadow_period", "shadow_radius")
+
+# Of a camera: what its topics or its place in the scene depend on.
+_FIXED = ("follow", "frame", "smoothing", "start", "zoom_max")
+
+
+class CameraService:
+    """Serves ``cameras/configure``, and keeps the parameter server as things are.
+
+    Parameters
+    ----------
+    config
+        Of the node.
+    streams
+        The cameras.
+
+    Attributes
+    ----------
+    config : CamerasConfig
+        With what has been changed of what all cameras have in common; replaced as a whole.
+    """
+
+    def __init__(self, config: CamerasConfig, streams: Iterable[CameraStream]) -> None:
+        self.config = config
+        self._streams = {stream.name: stream for stream in streams}
+        self._service = rospy.Service("cameras/configure", ConfigureCamera, self._serve)
+
+    def _serve(self, request: ConfigureCameraRequest) -> ConfigureCameraResponse:
+        try:
+            values = self._configure(request.camera, request.parameters)
+        except ConfigError as error:
+            rospy.logwarn("cameras/configure: %s", error)
+            return ConfigureCameraResponse(False, str(error), "")
+        return ConfigureCameraResponse(True, "", as_yaml(values))
+
+    def _configure(self, name: str, text: str) -> Dict[str, Any]:
+        if not name:
+            names = {field.name for field in dataclasses.fields(self.config)}
+            self.config = changed(self.config, text, names.difference(_COMMON))
+            values = {key: getattr(self.config, key) for key in _COMMON}
+            self._store("", values)
+            return values
+        if name not in self._streams:
+            raise ConfigError(
+                f"camera is '{name}'; {', '.join(sorted(self._streams))} are possible, or nothing"
+                " for what all have in common"
+            )
+        stream = self._streams[name]
+        stream.configure(changed(stream.config, text, _FIXED))
+        values = dataclasses.asdict(stream.config)
+        self._store("overview/" if name == OVERVIEW else f"cameras/{name}/", values)
+        return values
+
+    @staticmethod
+    def _store(prefix: str, values: Dict[str, Any]) -> None:
+        # A node that is started anew, because it died, goes on as it was.
+        for key, value in plain(values).items():
+            rospy.set_param(f"~{prefix}{key}", value)

@@ -1,1 +1,0 @@
-"""Renders what the robot's cameras see, with moderngl; the ROS node ``cameras`` is around it."""

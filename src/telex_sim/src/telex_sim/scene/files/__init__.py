@@ -1,0 +1,1 @@
+"""Scene files: YAML that nobody has checked, and what is made of it."""

@@ -1,0 +1,1 @@
+"""Parts of an accelerator: beam lines, magnets, vacuum, a source."""

@@ -1,0 +1,1 @@
+"""Objects to work on: to be carried, turned, switched, plugged."""

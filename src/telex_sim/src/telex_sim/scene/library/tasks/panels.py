@@ -1,0 +1,388 @@
+"""Task panels of the dexterity tests (after ASTM E3408 and its relatives).
+
+They look towards -x, as everything mounted (`telex_sim.scene.library.tasks.mounts`); their height
+is that of the panel's middle. The tests use 0.1, 0.8 and 1.5 m.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from dataclasses import dataclass
+from pathlib import Path
+from typing import List, Tuple
+
+from telex_control.common.params import require, require_choice, require_range
+
+from ...model import Joint, Link, Motion, ObjectModel, SceneObject, Vector3
+from ...poses import product, rotate
+from .. import materials as look
+from ..object_type import ObjectType, single
+from ..shapes import (
+    LYING_X,
+    TOWARDS_US,
+    Parts,
+    box,
+    cylinder,
+    placed,
+    seen_only,
+    standing,
+    staves,
+    tube,
+    yawed,
+)
+from .mounts import MOUNTS, PLATE, mount
+
+_PIPE_RADIUS = 0.025
+
+
+@dataclass(frozen=True)
+class InspectionPipes(ObjectType):
+    """Pipes of 50 mm to look into, with a Landolt ring at the bottom of each.
+
+    Attributes
+    ----------
+    layout : str
+        row: five side by side; star: one straight on, four at 45 degrees round it.
+    length : float
+        Of the pipes (m).
+    height : float
+        Of the middle over the floor (m); a star's pipes need room below.
+    seed : int
+        Which way the rings are open.
+    mounting : str
+        stand or wall.
+    """
+
+    layout: str = "star"
+    length: float = 0.6
+    height: float = 0.8
+    seed: int = 1
+    mounting: str = "stand"
+
+    def __post_init__(self) -> None:
+        require_choice(self, "layout", ("row", "star"))
+        require_range(self, "length", 0.05, 1.0)
+        require_range(self, "height", 0.05, 2.5)
+        require_range(self, "seed", 0, 2**31 - 1)
+        require_choice(self, "mounting", MOUNTS)
+        lowest = 0.1 + math.sqrt(0.5) * self.length
+        require(
+            self.layout == "row" or self.height >= lowest,
+            f"height is {self.height}; the lowest pipe of a star needs at least {lowest:.2f}",
+        )
+
+    def build(self, folder: Path) -> Tuple[SceneObject, ...]:
+        """Make it; see `ObjectType.build`."""
+        numbers = random.Random(self.seed)
+        parts: List = list(mount(self.mounting, self.height, 0.62, 0.3, look.PLYWOOD))
+        centre = (-PLATE, 0.0, self.height)
+        for offset, turn in self._places():
+            # Pipes stand on z = 0 and point along z, towards us; those of the star lean outwards.
+            gap = 45 * int(8.0 * numbers.random())
+            pipe = self._pipe(gap)
+            parts.extend(placed(placed(pipe, offset, turn), centre, TOWARDS_US))
+        if self.layout == "star":
+            parts.append(box((0.06, 0.1, 0.1), (-PLATE - 0.03, 0.0, self.height), look.PLYWOOD))
+        return standing("pipes", tuple(parts))
+
+    def _places(self) -> List[Tuple[Vector3, Tuple[float, float, float, float]]]:
+        upright = (0.0, 0.0, 0.0, 1.0)
+        if self.layout == "row":
+            return [((0.0, (index - 2) * 0.12, 0.0), upright) for index in range(5)]
+        places: List[Tuple[Vector3, Tuple[float, float, float, float]]] = []
+        places.append(((0.0, 0.0, 0.06), upright))
+        for quarter in range(4):
+            around = yawed(0.5 * math.pi * quarter)
+            lean = rotate(around, (0.052, 0.0, 0.028))
+            # About y, z turns towards x.
+            places.append((lean, product(around, _LEANING)))
+        return places
+
+    def _pipe(self, gap: int) -> Parts:
+        length = self.length
+        edge = 1.5 * _PIPE_RADIUS
+        ring = look.picture(f"optotype?kind=C&angle={gap}", glow=0.35)
+        return (
+            cylinder(_PIPE_RADIUS, length, (0.0, 0.0, 0.5 * length)),
+            tube(_PIPE_RADIUS, length, (0.0, 0.0, 0.5 * length), look.LIGHT_PAINT),
+            *seen_only(
+                (
+                    cylinder(0.9 * _PIPE_RADIUS, 0.004, (0.0, 0.0, 0.002), look.WHITE),
+                    box((edge, edge, 0.002), (0.0, 0.0, 0.006), ring),
+                    tube(1.12 * _PIPE_RADIUS, 0.02, (0.0, 0.0, length - 0.01), look.BLUE_PAINT),
+                )
+            ),
+        )
+
+
+_LEANING = (0.0, math.sin(math.pi / 8.0), 0.0, math.cos(math.pi / 8.0))
+"""45 degrees about y."""
+
+
+@dataclass(frozen=True)
+class TouchPanel(ObjectType):
+    """Blocks with dots to touch.
+
+    Attributes
+    ----------
+    count : int
+        Blocks side by side.
+    dot : float
+        Diameter of a dot (m); the tests allow 0.01 of error.
+    height : float
+        Of the middle over the floor (m).
+    mounting : str
+        stand or wall.
+    """
+
+    count: int = 5
+    dot: float = 0.02
+    height: float = 0.8
+    mounting: str = "stand"
+
+    def __post_init__(self) -> None:
+        require_range(self, "count", 1, 10)
+        require_range(self, "dot", 0.004, 0.08)
+        require_range(self, "height", 0.08, 2.5)
+        require_choice(self, "mounting", MOUNTS)
+
+    def build(self, folder: Path) -> Tuple[SceneObject, ...]:
+        """Make it; see `ObjectType.build`."""
+        parts: List = list(mount(self.mounting, self.height, _row(self.count), 0.26, look.PLYWOOD))
+        for at in _columns(self.count):
+            block = 0.1
+            parts.append(
+                box((block, block, block), (-PLATE - 0.5 * block, at, self.height), look.WOOD)
+            )
+            face = -PLATE - block
+            for radius, thick, surface in (
+                (0.040, 0.001, look.BLACK),
+                (0.034, 0.002, look.WHITE),
+                (0.5 * self.dot, 0.003, look.RED_PAINT),
+            ):
+                dot = cylinder(
+                    radius, thick, (face - 0.5 * thick, at, self.height), surface, LYING_X
+                )
+                parts.extend(seen_only((dot,)))
+        return standing("panel", tuple(parts))
+
+
+@dataclass(frozen=True)
+class RotatePanel(ObjectType):
+    """Caps to turn by half a turn.
+
+    Attributes
+    ----------
+    count : int
+        Caps side by side.
+    width : float
+        Of a cap's grip (m).
+    friction : float
+        Torque below which a cap does not turn (N m).
+    height : float
+        Of the middle over the floor (m).
+    mounting : str
+        stand or wall.
+    """
+
+    count: int = 5
+    width: float = 0.05
+    friction: float = 0.5
+    height: float = 0.8
+    mounting: str = "stand"
+
+    def __post_init__(self) -> None:
+        require_range(self, "count", 1, 10)
+        require_range(self, "width", 0.02, 0.1)
+        require_range(self, "friction", 0.0, 100.0)
+        require_range(self, "height", 0.08, 2.5)
+        require_choice(self, "mounting", MOUNTS)
+
+    def build(self, folder: Path) -> Tuple[SceneObject, ...]:
+        """Make it; see `ObjectType.build`."""
+        panel: List = list(mount(self.mounting, self.height, _row(self.count), 0.26, look.PLYWOOD))
+        links, joints = [], []
+        base = 0.05
+        for index, at in enumerate(_columns(self.count)):
+            middle = (-PLATE - 0.5 * base, at, self.height)
+            panel.append(cylinder(0.045, base, middle, look.LIGHT_PAINT, LYING_X))
+            for mark, surface in ((0.055, look.GREEN_PAINT), (-0.055, look.RED_PAINT)):
+                panel.append(
+                    box(
+                        (0.002, 0.008, 0.016),
+                        (-PLATE - 0.001, at, self.height + mark),
+                        surface,
+                        solid=False,
+                    )
+                )
+            name = f"cap_{index + 1}"
+            links.append(Link(name, 0.3, self._cap()))
+            joints.append(
+                Joint(
+                    f"{name}_hinge",
+                    Motion.HINGE,
+                    "panel",
+                    name,
+                    position=(-PLATE - base - 0.001, at, self.height),
+                    orientation=TOWARDS_US,
+                    upper=math.pi,
+                    friction=self.friction,
+                    damping=0.01,
+                )
+            )
+        model = ObjectModel((Link("panel", 0.0, tuple(panel)), *links), tuple(joints), static=True)
+        return single(model)
+
+    def _cap(self) -> Parts:
+        """Cap that points along z, with a bar across and a mark at one end of it."""
+        half = 0.042
+        return (
+            cylinder(half, 0.02, (0.0, 0.0, 0.01), look.BLUE_PAINT),
+            box((2.0 * half, 0.45 * self.width, 0.045), (0.0, 0.0, 0.0425), look.BLUE_PAINT),
+            box((0.016, 0.008, 0.001), (half - 0.012, 0.0, 0.0655), look.WHITE, solid=False),
+        )
+
+
+@dataclass(frozen=True)
+class ExtractPanel(ObjectType):
+    """Caps that stick in holes, to be pulled out towards -x.
+
+    Attributes
+    ----------
+    count : int
+        Side by side.
+    radius : float
+        Of a cap (m).
+    hold : float
+        Pull at which one comes out (N).
+    height : float
+        Of the middle over the floor (m).
+    mounting : str
+        stand or wall.
+    """
+
+    count: int = 5
+    radius: float = 0.025
+    hold: float = 15.0
+    height: float = 0.8
+    mounting: str = "stand"
+
+    def __post_init__(self) -> None:
+        require_range(self, "count", 1, 10)
+        require_range(self, "radius", 0.01, 0.04)
+        require_range(self, "hold", 3.0, 1000.0)
+        require_range(self, "height", 0.08, 2.5)
+        require_choice(self, "mounting", MOUNTS)
+
+    def build(self, folder: Path) -> Tuple[SceneObject, ...]:
+        """Make it; see `ObjectType.build`."""
+        panel: List = list(mount(self.mounting, self.height, _row(self.count), 0.26, look.PLYWOOD))
+        links, joints = [], []
+        deep, gap = 0.04, 0.003
+        for index, at in enumerate(_columns(self.count)):
+            middle = (-PLATE - 0.5 * deep, at, self.height)
+            hole = staves(self.radius + gap, self.radius + 0.012, deep, 8, look.DARK_STEEL)
+            panel.extend(placed(hole, middle, TOWARDS_US))
+            name = f"cap_{index + 1}"
+            links.append(Link(name, 0.2, self._cap(deep - 0.005)))
+            joints.append(
+                Joint(
+                    f"{name}_latch",
+                    Motion.LATCH,
+                    "panel",
+                    name,
+                    position=(-PLATE - deep, at, self.height),
+                    orientation=TOWARDS_US,
+                    hold=self.hold,
+                )
+            )
+        model = ObjectModel((Link("panel", 0.0, tuple(panel)), *links), tuple(joints), static=True)
+        return single(model)
+
+    def _cap(self, inside: float) -> Parts:
+        """Cap that points along z, out of its hole; z = 0 is the rim."""
+        out = 0.08
+        length = inside + out
+        return (
+            cylinder(self.radius, length, (0.0, 0.0, 0.5 * (out - inside)), look.ORANGE),
+            cylinder(1.01 * self.radius, 0.012, (0.0, 0.0, out - 0.02), look.WHITE, solid=False),
+        )
+
+
+@dataclass(frozen=True)
+class PlacePanel(ObjectType):
+    """Tray with holes from above, to put cylinders or caps in.
+
+    Attributes
+    ----------
+    count : int
+        Holes side by side.
+    radius : float
+        Of a hole (m).
+    depth : float
+        Of a hole (m).
+    height : float
+        Of the tray's upper side over the floor (m).
+    """
+
+    count: int = 5
+    radius: float = 0.035
+    depth: float = 0.06
+    height: float = 0.8
+
+    def __post_init__(self) -> None:
+        require_range(self, "count", 1, 10)
+        require_range(self, "radius", 0.01, 0.06)
+        require_range(self, "depth", 0.01, 0.2)
+        require_range(self, "height", self.depth + 0.02, 2.5)
+
+    def build(self, folder: Path) -> Tuple[SceneObject, ...]:
+        """Make it; see `ObjectType.build`."""
+        wide, deep, thick = _row(self.count), 0.2, 0.015
+        bottom = self.height - self.depth
+        parts: List = [
+            box((deep, wide, thick), (0.0, 0.0, bottom - 0.5 * thick), look.PLYWOOD),
+        ]
+        for at in _columns(self.count):
+            middle = (0.0, at, bottom + 0.5 * self.depth)
+            parts.extend(
+                placed(
+                    staves(self.radius, self.radius + 0.008, self.depth, 8, look.LIGHT_PAINT),
+                    middle,
+                )
+            )
+            parts.append(
+                cylinder(
+                    self.radius, 0.002, (0.0, at, bottom + 0.001), look.GREEN_PAINT, solid=False
+                )
+            )
+        post = bottom - thick
+        if post > 0.03:
+            parts.append(box((0.08, 0.08, post), (0.0, 0.0, 0.5 * post), look.GRAY_PAINT))
+            parts.append(box((0.4, 0.45, 0.012), (0.0, 0.0, 0.006), look.DARK_STEEL))
+        else:
+            parts.append(box((deep, wide, post), (0.0, 0.0, 0.5 * post), look.DARK_STEEL))
+        return standing("tray", tuple(parts))
+
+
+_SPACING = 0.13
+
+
+def _row(count: int) -> float:
+    """Width of a panel with so many places (m)."""
+    return count * _SPACING + 0.02
+
+
+def _columns(count: int) -> List[float]:
+    """Where the places lie along y (m)."""
+    return [(index - 0.5 * (count - 1)) * _SPACING for index in range(count)]
+
+
+TYPES = {
+    "inspection_pipes": InspectionPipes,
+    "touch_panel": TouchPanel,
+    "rotate_panel": RotatePanel,
+    "extract_panel": ExtractPanel,
+    "place_panel": PlacePanel,
+}

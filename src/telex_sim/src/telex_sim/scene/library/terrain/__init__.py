@@ -1,0 +1,1 @@
+"""Terrain to be driven over: slopes, stairs, gaps, fields of posts, mazes."""

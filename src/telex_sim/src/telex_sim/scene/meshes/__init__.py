@@ -1,0 +1,1 @@
+"""Triangle meshes: their files, normals, materials, hulls and masses."""

@@ -1,0 +1,88 @@
+"""Reads COLLADA files (.dae) with pycollada."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, List, Optional
+from urllib.parse import unquote
+
+import numpy as np
+
+from .appearance import Corners, FilePart, Look
+
+
+def read_collada(path: Path) -> List[FilePart]:
+    """Read the triangles of a file's scene, in metres with z up, with their materials.
+
+    Raises
+    ------
+    ValueError
+        When the file cannot be read, has no triangles, or pycollada is not installed.
+    """
+    try:
+        from collada import Collada
+        from collada.common import DaeUnsupportedError
+    except ImportError as error:
+        raise ValueError("COLLADA needs the Python package pycollada (requirements.txt)") from error
+    try:
+        document = Collada(str(path), ignore=[DaeUnsupportedError])
+        bound = list(document.scene.objects("geometry")) if document.scene else []
+        upright = _upright(document)
+        parts = [
+            part
+            for geometry in bound
+            for primitive in geometry.primitives()
+            for part in _parts(primitive, upright, path.parent)
+        ]
+    except OSError:
+        raise
+    except Exception as error:  # the parser raises whatever fails first
+        raise ValueError(f"no COLLADA that can be read: {error!r}") from error
+    if not parts:
+        raise ValueError("its scene has no triangle")
+    return parts
+
+
+def _upright(document: Any) -> np.ndarray:
+    """Rotation and scale to metres with z up, shape (3, 3)."""
+    info = document.assetInfo
+    metres = info.unitmeter if info.unitmeter else 1.0
+    axes = {
+        "X_UP": [[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]],
+        "Y_UP": [[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]],
+    }.get(info.upaxis, np.eye(3).tolist())
+    upright: np.ndarray = metres * np.array(axes)
+    return upright
+
+
+def _parts(primitive: Any, upright: np.ndarray, folder: Path) -> List[FilePart]:
+    if hasattr(primitive, "triangleset"):
+        primitive = primitive.triangleset()
+    index = getattr(primitive, "vertex_index", None)
+    if index is None or not len(index) or np.shape(index)[1:] != (3,):
+        # Lines and points have no surface.
+        return []
+    positions = np.asarray(primitive.vertex, dtype=np.float64)[index] @ upright.T
+    normals = None
+    if primitive.normal is not None and primitive.normal_index is not None:
+        normals = np.asarray(primitive.normal, dtype=np.float64)[primitive.normal_index]
+        normals = normals @ upright.T
+    uvs = None
+    if primitive.texcoordset:
+        chosen = np.asarray(primitive.texcoordset[0], dtype=np.float64)
+        uvs = chosen[primitive.texcoord_indexset[0]][..., :2]
+    return [FilePart(Corners(positions, normals, uvs), _look(primitive.material, folder))]
+
+
+def _look(material: Optional[Any], folder: Path) -> Look:
+    effect = getattr(material, "effect", None)
+    diffuse = getattr(effect, "diffuse", None)
+    if diffuse is None:
+        return Look()
+    sampler = getattr(diffuse, "sampler", None)
+    if sampler is not None:
+        image = unquote(sampler.surface.image.path)
+        image = image[len("file://") :] if image.startswith("file://") else image
+        return Look((1.0, 1.0, 1.0, 1.0), folder / image)
+    red, green, blue = (min(max(float(share), 0.0), 1.0) for share in diffuse[:3])
+    return Look((red, green, blue, 1.0))

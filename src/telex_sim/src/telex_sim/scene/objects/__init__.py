@@ -1,0 +1,1 @@
+"""Objects of a scene as PyBullet bodies, with their latches and mechanisms."""

@@ -1,0 +1,529 @@
+"""The objects of a scene as PyBullet bodies.
+
+Only the thread that owns the PyBullet client may use what is here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Callable, Dict, Hashable, Iterator, List, Optional, Sequence, Tuple
+
+import pybullet
+
+from telex_control.common.params import ConfigError
+
+from ...engine.overlaps import DEEPEST, MOST_NAMED, overlaps
+from ..model import MOST_OBJECTS, Floor, Form, Motion, SceneObject
+from ..poses import Pose, compose
+from .assembly import Assembly, BodyPlan, Segment, Shape
+from .latches import Latch, wake
+from .mechanisms import Mechanism
+
+_SLEEP_THRESHOLD = 1e-5
+"""Sum of the squared speeds (m2/s2, rad2/s2) below which a body falls asleep after 2 s. PyBullet's
+own stops things that creep with centimetres per second."""
+_TOUCH = 1e-3
+"""Depth (m) to which a new object may be in the robot."""
+_JOINT_TYPES = {Motion.HINGE: pybullet.JOINT_REVOLUTE, Motion.SLIDE: pybullet.JOINT_PRISMATIC}
+
+Progress = Callable[[int, int], None]
+"""Told how many objects of how many are in the world."""
+
+
+@dataclass(frozen=True)
+class _Placed:
+    """An object in the world.
+
+    Attributes
+    ----------
+    bodies : tuple of int
+        PyBullet's, in the order of the assembly.
+    tracked : tuple
+        Links whose poses are told: body, link index and the inverse of the inertial frame.
+    """
+
+    assembly: Assembly
+    bodies: Tuple[int, ...]
+    mechanisms: Tuple[Mechanism, ...]
+    latches: Tuple[Latch, ...]
+    tracked: Tuple[Tuple[int, int, Pose], ...]
+    movable: Tuple[int, ...]
+
+
+class MeshLists:
+    """Vertices and indices of meshes as PyBullet wants them, each mesh once.
+
+    PyBullet keeps the lists that it is given for ever, over a reset of its world and the end of a
+    client: new ones for every load would grow without end.
+    """
+
+    def __init__(self) -> None:
+        self._lists: Dict[Hashable, Tuple[List[Tuple[float, ...]], List[int]]] = {}
+
+    def of(self, shape: Shape, key: Hashable) -> Tuple[List[Tuple[float, ...]], List[int]]:
+        """Return vertices and indices, the same objects whenever they are asked for."""
+        if key not in self._lists:
+            assert shape.vertices is not None
+            indices = [] if shape.triangles is None else shape.triangles.reshape(-1).tolist()
+            # Tuples: unlike lists of numbers, they cost the garbage collector nothing in the end.
+            self._lists[key] = (list(zip(*shape.vertices.T.tolist())), indices)
+        return self._lists[key]
+
+
+class SceneBodies:
+    """Whatever stands around the robots.
+
+    Parameters
+    ----------
+    client : int
+        PyBullet's.
+    step_size : float
+        Time between calls of `apply` (s).
+    meshes : MeshLists, optional
+        Those of other worlds of this program.
+    """
+
+    def __init__(self, client: int, step_size: float, meshes: Optional[MeshLists] = None) -> None:
+        self._client = client
+        self._step_size = step_size
+        self._placed: Dict[str, _Placed] = {}
+        self._ground = (-1, "")
+        self._active: List[Mechanism] = []
+        self._latches: List[Latch] = []
+        # By what they are made of: PyBullet never lets go of a shape that a body has had, so a
+        # scene where the same things come and go would grow without end.
+        self._shapes: Dict[Hashable, int] = {}
+        self._meshes = meshes or MeshLists()
+
+    def objects(self) -> List[SceneObject]:
+        """All objects, in the order in which they came; may be called from any thread."""
+        return [placed.assembly.source for placed in list(self._placed.values())]
+
+    def load(self, floor: Floor, plans: Sequence[Assembly], progress: Progress) -> None:
+        """Fill an empty world."""
+        self._placed.clear()
+        self._active.clear()
+        self._latches.clear()
+        self._shapes.clear()
+        plane = pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=self._client)
+        ground = pybullet.createMultiBody(0.0, plane, physicsClientId=self._client)
+        pybullet.changeDynamics(
+            ground, -1, lateralFriction=floor.friction, physicsClientId=self._client
+        )
+        self._ground = (ground, floor.surface.material)
+        for number, plan in enumerate(plans, 1):
+            for _ in self._place(plan):
+                pass
+            progress(number, len(plans))
+
+    def check_room(self, bodies: Optional[Sequence[int]] = None) -> None:
+        """Refuse objects that stand in each other, or in the floor, where one of them can move.
+
+        Parameters
+        ----------
+        bodies : sequence of int, optional
+            Bodies of objects that are looked at (PyBullet's numbers); by default all.
+
+        Raises
+        ------
+        ConfigError
+            It names the first ten pairs.
+        """
+        objects = self.owners()
+        owners = {self._ground[0]: "the floor", **objects}
+        moving = {
+            (uid, index - 1)
+            for placed in self._placed.values()
+            for uid, plan in zip(placed.bodies, placed.assembly.bodies)
+            for index in plan.moving_segments()
+        }
+        looked_at = list(objects) if bodies is None else bodies
+
+        def matter(a: int, b: int) -> bool:
+            # Bodies of one object fit into each other by design.
+            return a in owners and b in owners and owners[a] != owners[b]
+
+        found = overlaps(
+            self._client, looked_at, matter, lambda uid, link: (uid, link) in moving, MOST_NAMED + 1
+        )
+        if not found:
+            return
+        pairs = [
+            f"{owners[pair.first]} and {owners[pair.second]} ({1000.0 * pair.depth:.0f} mm)"
+            for pair in found[:MOST_NAMED]
+        ]
+        more = " and more" if len(found) > MOST_NAMED else ""
+        raise ConfigError(
+            f"objects stand in each other: {', '.join(pairs)}{more}; where one of two can move, "
+            f"at most {1000.0 * DEEPEST:.0f} mm are possible"
+        )
+
+    def add(self, plans: Sequence[Assembly], robots: Sequence[int]) -> Iterator[None]:
+        """Put further objects into the running world, all or none.
+
+        What stands fast comes first, body by body: the world may be stepped, but not changed,
+        before the next one. What can move comes in one go, whole and tried before it is stepped.
+
+        Parameters
+        ----------
+        plans : sequence of Assembly
+        robots : sequence of int
+            Bodies in which no object may stand.
+
+        Raises
+        ------
+        ConfigError
+            A name is taken, an object would stand in a robot or another object, there are too
+            many, or PyBullet refuses one.
+        """
+        names = [plan.source.name for plan in plans]
+        for name in names:
+            if name in self._placed:
+                raise ConfigError(f"name is '{name}'; an object of this name exists already")
+        if len(self._placed) + len(plans) > MOST_OBJECTS:
+            raise ConfigError(
+                f"there are {len(self._placed)} objects; at most {MOST_OBJECTS} are possible"
+            )
+        try:
+            made: List[int] = []
+            for plan in sorted(plans, key=_can_move):
+                for uid in self._place(plan):
+                    if _can_move(plan):
+                        made.append(uid)
+                    else:
+                        self._check_place([uid], robots)
+                        yield
+            self._check_place(made, robots)
+        except ConfigError:
+            for name in names:
+                if name in self._placed:
+                    self._take(name)
+            raise
+
+    def remove(self, name: str) -> List[str]:
+        """Take an object out of the world, or all that one entry made.
+
+        Returns
+        -------
+        list of str
+            The names of what went; empty when there was nothing of this name.
+        """
+        names = [
+            placed.assembly.source.name
+            for placed in self._placed.values()
+            if name in (placed.assembly.source.name, placed.assembly.source.entry)
+        ]
+        for gone in names:
+            self._take(gone)
+        if names:
+            self.wake_all()
+        return names
+
+    def wake_all(self) -> None:
+        """Wake everything: PyBullet leaves asleep what has lost its support."""
+        for placed in self._placed.values():
+            for uid in placed.movable:
+                wake(self._client, uid)
+
+    def apply(self) -> None:
+        """Apply what springs, dampers, notches and latches do in the next step."""
+        for mechanism in self._active:
+            mechanism.apply()
+        for latch in self._latches:
+            latch.apply()
+
+    def frames(self) -> List[str]:
+        """Names of the links that can move, ``<object>/<link>``, in the order of `poses`."""
+        return [
+            f"{placed.assembly.source.name}/{link.name}"
+            for placed in self._placed.values()
+            for link in placed.assembly.source.model.moving_links()
+        ]
+
+    def poses(self) -> List[float]:
+        """Poses of these links: 7 numbers each (m, quaternion x y z w)."""
+        client = self._client
+        poses: List[float] = []
+        for placed in self._placed.values():
+            for uid, link, from_inertial in placed.tracked:
+                if link >= 0:
+                    state = pybullet.getLinkState(
+                        uid, link, computeForwardKinematics=1, physicsClientId=client
+                    )
+                    poses.extend(state[4])
+                    poses.extend(state[5])
+                    continue
+                position, orientation = pybullet.multiplyTransforms(
+                    *pybullet.getBasePositionAndOrientation(uid, physicsClientId=client),
+                    *from_inertial,
+                )
+                poses.extend(position)
+                poses.extend(orientation)
+        return poses
+
+    def joint_position(self, name: str, joint: str) -> float:
+        """Where a joint of an object is (rad, m).
+
+        Raises
+        ------
+        KeyError
+            No such object or joint.
+        """
+        placed = self._placed[name]
+        for uid, plan in zip(placed.bodies, placed.assembly.bodies):
+            for number, segment in enumerate(plan.segments):
+                if segment.joint is not None and segment.joint.name == joint:
+                    return pybullet.getJointState(uid, number - 1, physicsClientId=self._client)[0]
+        raise KeyError(joint)
+
+    def latch(self, name: str, joint: str) -> Latch:
+        """A latch of an object.
+
+        Raises
+        ------
+        KeyError
+            No such object or latch.
+        """
+        placed = self._placed[name]
+        for latch, plan in zip(placed.latches, placed.assembly.latches):
+            if plan.joint.name == joint:
+                return latch
+        raise KeyError(joint)
+
+    def bodies_of(self, name: str) -> Tuple[int, ...]:
+        """PyBullet's bodies of an object; the first carries its root.
+
+        Raises
+        ------
+        KeyError
+            No such object.
+        """
+        return self._placed[name].bodies
+
+    def owners(self) -> Dict[int, str]:
+        """Of which object each body is, in words, by PyBullet's number."""
+        return {uid: f"'{name}'" for name, placed in self._placed.items() for uid in placed.bodies}
+
+    def material(self, uid: int, link: int) -> str:
+        """What a link of PyBullet's body `uid` looks to be made of; empty where nothing says it.
+
+        It is the material of the first part that has one, see `Surface.material`.
+        """
+        ground, material = self._ground
+        if uid == ground:
+            return material
+        for placed in self._placed.values():
+            if uid not in placed.bodies:
+                continue
+            segments = placed.assembly.bodies[placed.bodies.index(uid)].segments
+            segment = segments[link + 1]
+            while not segment.link and segment.parent >= 0:
+                segment = segments[segment.parent]
+            for item in placed.assembly.source.model.links:
+                if item.name == segment.link:
+                    found = [part.surface.material for part in item.parts if part.surface]
+                    return next(filter(None, found), "")
+        return ""
+
+    # --- PyBullet ----------------------------------------------------------------------------
+
+    def _place(self, assembly: Assembly) -> Iterator[int]:
+        """Make an object; tells each body when it is made."""
+        bodies: List[int] = []
+        try:
+            yield from self._create(assembly, bodies)
+        except pybullet.error as error:
+            self._placed.pop(assembly.source.name, None)
+            for uid in bodies:
+                pybullet.removeBody(uid, physicsClientId=self._client)
+            raise ConfigError(
+                f"object '{assembly.source.name}': PyBullet cannot make it: {error}"
+            ) from error
+
+    def _create(self, assembly: Assembly, bodies: List[int]) -> Iterator[int]:
+        """Make an object; `bodies` tells what of it is in the world when something fails.
+
+        One that stands fast is known from its first body on, as the world may be stepped then.
+        """
+        source = assembly.source
+        mechanisms: List[Mechanism] = []
+        movable: List[int] = []
+        of_link: Dict[str, Tuple[int, int, Pose]] = {}
+        for plan in assembly.bodies:
+            shapes = [self._shape(segment.shapes) for segment in plan.segments]
+            uid = self._create_body(plan, shapes, (source.position, source.orientation))
+            bodies.append(uid)
+            self._set_dynamics(uid, plan)
+            if len(plan.segments) > 1:
+                mechanism = Mechanism(self._client, uid, plan, self._step_size)
+                if not mechanism.idle:
+                    mechanisms.append(mechanism)
+            if not plan.static or plan.inertias:
+                movable.append(uid)
+            base = pybullet.invertTransform(plan.segments[0].center, plan.segments[0].axes)
+            of_link.update(
+                {s.link: (uid, index - 1, base) for index, s in enumerate(plan.segments) if s.link}
+            )
+            if not _can_move(assembly):
+                self._placed[source.name] = _Placed(assembly, tuple(bodies), (), (), (), ())
+            yield uid
+        latches = tuple(
+            Latch(
+                self._client,
+                plan.joint,
+                (bodies[plan.parent_body], plan.parent_segment - 1),
+                bodies[plan.child_body],
+                self._step_size,
+            )
+            for plan in assembly.latches
+        )
+        self._placed[source.name] = _Placed(
+            assembly,
+            tuple(bodies),
+            tuple(mechanisms),
+            latches,
+            tuple(of_link[link.name] for link in source.model.moving_links()),
+            tuple(movable),
+        )
+        self._active += mechanisms
+        self._latches += latches
+
+    def _take(self, name: str) -> None:
+        placed = self._placed.pop(name)
+        self._active = [m for m in self._active if m not in placed.mechanisms]
+        self._latches = [latch for latch in self._latches if latch not in placed.latches]
+        for latch in placed.latches:
+            latch.release()
+        for uid in placed.bodies:
+            pybullet.removeBody(uid, physicsClientId=self._client)
+
+    def _check_place(self, bodies: Sequence[int], robots: Sequence[int]) -> None:
+        """Refuse bodies that stand in a robot or in other objects."""
+        for uid in bodies:
+            if any(
+                contact[8] < -_TOUCH
+                for robot in robots
+                for contact in pybullet.getClosestPoints(
+                    robot, uid, 0.0, physicsClientId=self._client
+                )
+            ):
+                owner = self.owners()[uid]
+                raise ConfigError(f"{owner} would stand in the robot; it needs another place")
+        self.check_room(bodies)
+
+    def _shape(self, shapes: Sequence[Shape]) -> int:
+        """PyBullet's shape for all shapes of a segment; -1 for none."""
+        if not shapes:
+            return -1
+        key = tuple(shape.key() for shape in shapes)
+        if key not in self._shapes:
+            self._shapes[key] = self._create_shape(shapes, key)
+        return self._shapes[key]
+
+    def _create_shape(self, shapes: Sequence[Shape], key: Hashable) -> int:
+        client = self._client
+        first = shapes[0]
+        if first.vertices is not None:
+            vertices, indices = self._meshes.of(first, key)
+            exact: Dict[str, object] = {}
+            if first.triangles is not None:
+                exact["indices"] = indices
+                exact["flags"] = pybullet.GEOM_FORCE_CONCAVE_TRIMESH
+            return pybullet.createCollisionShape(
+                pybullet.GEOM_MESH,
+                vertices=vertices,
+                collisionFramePosition=first.pose[0],
+                collisionFrameOrientation=first.pose[1],
+                physicsClientId=client,
+                **exact,
+            )
+        return pybullet.createCollisionShapeArray(
+            shapeTypes=[_GEOMETRY[shape.form] for shape in shapes],
+            halfExtents=[[edge / 2.0 for edge in shape.size] for shape in shapes],
+            radii=[shape.size[0] for shape in shapes],
+            lengths=[shape.size[2] for shape in shapes],
+            collisionFramePositions=[shape.pose[0] for shape in shapes],
+            collisionFrameOrientations=[shape.pose[1] for shape in shapes],
+            physicsClientId=client,
+        )
+
+    def _create_body(self, plan: BodyPlan, shapes: Sequence[int], origin: Pose) -> int:
+        base, *links = plan.segments
+        position, orientation = compose(origin, base.pose)
+        uid = pybullet.createMultiBody(
+            base.mass,
+            shapes[0],
+            -1,
+            basePosition=position,
+            baseOrientation=orientation,
+            baseInertialFramePosition=base.center,
+            baseInertialFrameOrientation=base.axes,
+            linkMasses=[link.mass for link in links],
+            linkCollisionShapeIndices=list(shapes[1:]),
+            linkVisualShapeIndices=[-1] * len(links),
+            linkPositions=[link.pose[0] for link in links],
+            linkOrientations=[link.pose[1] for link in links],
+            linkInertialFramePositions=[link.center for link in links],
+            linkInertialFrameOrientations=[link.axes for link in links],
+            # PyBullet counts from the base, which is 0 here and -1 everywhere else.
+            linkParentIndices=[link.parent for link in links],
+            linkJointTypes=[_joint_type(link) for link in links],
+            linkJointAxis=[link.joint.axis if link.joint else (0.0, 0.0, 1.0) for link in links],
+            physicsClientId=self._client,
+        )
+        for index, link in enumerate(links):
+            if link.joint is not None:
+                pybullet.resetJointState(uid, index, link.joint.start, physicsClientId=self._client)
+        return uid
+
+    def _set_dynamics(self, uid: int, plan: BodyPlan) -> None:
+        client = self._client
+        for index, segment in enumerate(plan.segments, -1):
+            pybullet.changeDynamics(
+                uid,
+                index,
+                lateralFriction=segment.friction,
+                rollingFriction=segment.rolling_friction,
+                spinningFriction=segment.rolling_friction,
+                linearDamping=0.0,
+                angularDamping=0.0,
+                jointDamping=0.0,
+                physicsClientId=client,
+            )
+            if segment.mass > 0.0:
+                pybullet.changeDynamics(
+                    uid, index, localInertiaDiagonal=segment.moments, physicsClientId=client
+                )
+            if segment.joint is not None:
+                pybullet.changeDynamics(
+                    uid,
+                    index,
+                    jointLowerLimit=segment.joint.lower,
+                    jointUpperLimit=segment.joint.upper,
+                    physicsClientId=client,
+                )
+        if not plan.static or plan.inertias:
+            pybullet.changeDynamics(
+                uid,
+                -1,
+                activationState=pybullet.ACTIVATION_STATE_ENABLE_SLEEPING,
+                sleepThreshold=_SLEEP_THRESHOLD,
+                physicsClientId=client,
+            )
+
+
+_GEOMETRY = {
+    Form.BOX: pybullet.GEOM_BOX,
+    Form.SPHERE: pybullet.GEOM_SPHERE,
+    Form.CYLINDER: pybullet.GEOM_CYLINDER,
+}
+
+
+def _can_move(assembly: Assembly) -> bool:
+    return bool(assembly.source.model.moving_links())
+
+
+def _joint_type(segment: Segment) -> int:
+    if segment.joint is None:
+        return pybullet.JOINT_FIXED
+    return _JOINT_TYPES[segment.joint.motion]

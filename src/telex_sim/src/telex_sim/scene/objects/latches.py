@@ -1,0 +1,169 @@
+"""Latches: what is held in its place until it is pulled away, and again when it is put back.
+
+A latch is a fixed constraint between two bodies. PyBullet tells the force that it carries, so it is
+let go by a threshold; a limit on the constraint's own force would act on each axis alone, and let
+the body creep instead of coming loose.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Optional, Sequence, Tuple
+
+import pybullet
+
+from ..model import Joint
+from ..poses import Pose, compose, conjugate, invert, rotate, twist
+
+_SMOOTHING = 0.02
+"""Time over which the force is averaged (s): a knock is no pull."""
+_TILT = 0.1
+"""Angle (rad) between the axes within which the body is taken again."""
+_SLOW = 0.1
+"""Speed (m/s) below which it is taken again."""
+_RIGID = 100.0
+"""What the constraint can carry, over what lets it go; it must not give way before."""
+_FEEL_EVERY = 2
+"""Steps between two looks at the force."""
+_LOOK_EVERY = 5
+"""Steps between two looks at whether a body is back in place."""
+
+
+class Latch:
+    """One latch.
+
+    Parameters
+    ----------
+    client : int
+        PyBullet's.
+    joint : Joint
+        A latch.
+    parent : tuple of int
+        Body and link that it is fixed to.
+    child : int
+        Body that it holds by its base.
+    step_size : float
+        Time between calls of `apply` (s).
+    """
+
+    def __init__(
+        self, client: int, joint: Joint, parent: Tuple[int, int], child: int, step_size: float
+    ) -> None:
+        self._client = client
+        self._joint = joint
+        self._parent = parent
+        self._child = child
+        self._share = 1.0 - math.exp(-_FEEL_EVERY * step_size / _SMOOTHING)
+        self._place: Pose = (joint.position, joint.orientation)
+        self._in_parent = compose(invert(_inertial(client, *parent)), self._place)
+        self._inertial = invert(_inertial(client, child, -1))
+        self._constraint: Optional[int] = None
+        self._force = 0.0
+        self._until_look = 0
+        self._left = False
+        self._hold((0.0, 0.0, 0.0, 1.0))
+
+    @property
+    def holds(self) -> bool:
+        """Whether it holds its body."""
+        return self._constraint is not None
+
+    def apply(self) -> None:
+        """Let go of what is pulled away, and take what is back in place."""
+        self._until_look -= 1
+        if self._until_look > 0:
+            return
+        if self._constraint is not None:
+            self._until_look = _FEEL_EVERY
+            force = pybullet.getConstraintState(self._constraint, physicsClientId=self._client)
+            pull = math.sqrt(force[0] ** 2 + force[1] ** 2 + force[2] ** 2)
+            self._force += self._share * (pull - self._force)
+            if self._force > self._joint.hold:
+                self.release()
+            return
+        self._until_look = _LOOK_EVERY
+        self._look()
+
+    def release(self) -> None:
+        """Let go."""
+        if self._constraint is not None:
+            pybullet.removeConstraint(self._constraint, physicsClientId=self._client)
+            self._constraint = None
+            self._left = False
+            self._let_collide(True)
+            for uid in (self._parent[0], self._child):
+                wake(self._client, uid)
+
+    def _look(self) -> None:
+        """Take the body when it has been away and is back, at rest."""
+        client = self._client
+        parent = _frame_pose(client, *self._parent)
+        child = compose(
+            pybullet.getBasePositionAndOrientation(self._child, physicsClientId=client),
+            self._inertial,
+        )
+        off = compose(invert(compose(parent, self._place)), child)
+        distance = math.sqrt(sum(number * number for number in off[0]))
+        axis = self._joint.axis
+        cosine = sum(a * b for a, b in zip(rotate(off[1], axis), axis))
+        if distance > 2.0 * self._joint.capture:
+            self._left = True
+        if not self._left or distance > self._joint.capture or cosine < math.cos(_TILT):
+            return
+        velocity = pybullet.getBaseVelocity(self._child, physicsClientId=client)[0]
+        if math.sqrt(sum(number * number for number in velocity)) <= _SLOW:
+            self._hold(twist(off[1], axis))
+
+    def _hold(self, turned: Sequence[float]) -> None:
+        """Fix the body in place, turned about the latch's axis as it came."""
+        x, y, z, w = turned
+        child = compose(self._inertial, ((0.0, 0.0, 0.0), conjugate((x, y, z, w))))
+        self._constraint = pybullet.createConstraint(
+            self._parent[0],
+            self._parent[1],
+            self._child,
+            -1,
+            pybullet.JOINT_FIXED,
+            (0.0, 0.0, 0.0),
+            self._in_parent[0],
+            child[0],
+            self._in_parent[1],
+            child[1],
+            physicsClientId=self._client,
+        )
+        pybullet.changeConstraint(
+            self._constraint, maxForce=_RIGID * self._joint.hold, physicsClientId=self._client
+        )
+        self._force = 0.0
+        # Contacts inside a fit would strain the constraint, and so spoil what it can hold.
+        self._let_collide(False)
+
+    def _let_collide(self, collide: bool) -> None:
+        client = self._client
+        for link in range(-1, pybullet.getNumJoints(self._parent[0], physicsClientId=client)):
+            for other in range(-1, pybullet.getNumJoints(self._child, physicsClientId=client)):
+                pybullet.setCollisionFilterPair(
+                    self._parent[0], self._child, link, other, int(collide), physicsClientId=client
+                )
+
+
+def wake(client: int, uid: int) -> None:
+    """Wake a sleeping body."""
+    pybullet.changeDynamics(
+        uid, -1, activationState=pybullet.ACTIVATION_STATE_WAKE_UP, physicsClientId=client
+    )
+
+
+def _inertial(client: int, uid: int, link: int) -> Pose:
+    """Centre-of-mass frame of a link in the link's frame."""
+    info = pybullet.getDynamicsInfo(uid, link, physicsClientId=client)
+    return info[3], info[4]
+
+
+def _frame_pose(client: int, uid: int, link: int) -> Pose:
+    """Pose of a link's frame in the world."""
+    if link >= 0:
+        state = pybullet.getLinkState(uid, link, computeForwardKinematics=1, physicsClientId=client)
+        return state[4], state[5]
+    pose = pybullet.getBasePositionAndOrientation(uid, physicsClientId=client)
+    return compose(pose, invert(_inertial(client, uid, -1)))

@@ -1,0 +1,1 @@
+"""Textures: picture files, and pictures that are drawn by code."""
