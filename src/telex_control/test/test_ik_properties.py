@@ -22,7 +22,6 @@ from telex_control.kinematics import (
 from telex_control.kinematics.poses import rotation_about
 
 DT = 0.02
-BACKENDS = ("compiled", "kdl")
 QUIET = settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
 SHORT = settings(QUIET, max_examples=12)
 
@@ -82,11 +81,10 @@ def angle_apart(chain, q, target):
 # ---- any chain
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
 @QUIET
 @given(chain=chains(), seed=seeds)
-def test_both_backends_move_the_tip_as_kdl_does(backend, chain, seed):
-    numerics = IKSolver(chain, backend=backend)._numerics
+def test_the_tip_moves_as_kdl_moves_it(chain, seed):
+    numerics = IKSolver(chain)._numerics
     for q in postures(chain, seed, 3):
         assert abs(numerics.forward(q) - chain.forward(q)).max() < 1e-12
         assert abs(numerics.jacobian(q) - chain.jacobian(q)).max() < 1e-12
@@ -106,16 +104,15 @@ def test_the_jacobian_is_the_derivative(chain, seed):
         assert jacobian[:, index] == pytest.approx([*shift, *turn], abs=1e-7)
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
 @QUIET
 @given(chain=chains(), seed=seeds)
-def test_forward_after_inverse_is_the_target(backend, chain, seed):
-    solver = IKSolver(chain, backend=backend)
+def test_forward_after_inverse_is_the_target(chain, seed):
+    solver = IKSolver(chain)
     for q in postures(chain, seed, 2):
         target = chain.forward(q)
         # From near by: on a chain that is singular all over, from afar may lead elsewhere.
         found = solver.solve(target, q + 1e-3)
-        again = IKSolver(chain, backend=backend).solve(target, q + 1e-3)
+        again = IKSolver(chain).solve(target, q + 1e-3)
         assert_within(chain, found.q)
         assert found.converged
         assert position_apart(chain, found.q, target) < 1.01e-5
@@ -123,11 +120,10 @@ def test_forward_after_inverse_is_the_target(backend, chain, seed):
         assert np.array_equal(found.q, again.q)
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
 @SHORT
 @given(chain=chains(), seed=seeds, place=st.tuples(*[st.floats(-9.0, 9.0)] * 3))
-def test_any_pose_has_an_answer_within_the_limits(backend, chain, seed, place):
-    solver = IKSolver(chain, backend=backend)
+def test_any_pose_has_an_answer_within_the_limits(chain, seed, place):
+    solver = IKSolver(chain)
     generator = np.random.default_rng(seed)
     quaternion = generator.normal(0.0, 1.0, 4)
     target = make_pose(place, quaternion / np.linalg.norm(quaternion))
@@ -140,13 +136,12 @@ def test_any_pose_has_an_answer_within_the_limits(backend, chain, seed, place):
     assert position.orientation_error == 0.0
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
 @SHORT
 @given(chain=chains(), seed=seeds, far=st.floats(0.0, 5.0), slow=st.floats(0.01, 1.0))
-def test_tracking_is_continuous(backend, chain, seed, far, slow):
+def test_tracking_is_continuous(chain, seed, far, slow):
     """Whatever the target does, jumps included: no joint is faster than it may be."""
     limits = np.full(len(chain.joints), slow)
-    solver = IKSolver(chain, velocity_limits=limits, backend=backend)
+    solver = IKSolver(chain, velocity_limits=limits)
     generator = np.random.default_rng(seed)
     q, goal = postures(chain, seed, 2)
     target = chain.forward(goal)

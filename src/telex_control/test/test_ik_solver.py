@@ -1,4 +1,4 @@
-"""Solving at once, on both backends: what is found, what is kept, what is refused."""
+"""Solving at once: what is found, what is kept, what is refused."""
 
 from __future__ import annotations
 
@@ -21,7 +21,9 @@ from telex_control.kinematics import (
     Mode,
     Tolerance,
     make_pose,
+    rotation_vector,
 )
+from telex_control.kinematics.ik_task import SINGULARITY
 
 
 def joint(index, kind, xyz, axis, lower, upper):
@@ -54,17 +56,11 @@ PLANAR = urdf(
 )
 CHAIN = Chain.from_urdf(ARM, "l0", "l7")
 BENT = np.array([0.3, -1.2, 0.1, 1.9, 0.4, 0.8, -0.5])
-BACKENDS = ("compiled", "kdl")
-
-
-@pytest.fixture(params=BACKENDS)
-def backend(request):
-    return request.param
 
 
 @pytest.fixture
-def solver(backend):
-    return IKSolver(CHAIN, backend=backend)
+def solver():
+    return IKSolver(CHAIN)
 
 
 def postures(count, seed=0):
@@ -94,43 +90,72 @@ def assert_within(q):
     assert (q <= CHAIN.upper).all()
 
 
-# ---- what both backends compute with
+# ---- what it computes with
 
 
-def test_compiled_kinematics_are_those_of_kdl(backend):
-    numerics = IKSolver(CHAIN, backend=backend)._numerics
+def test_compiled_kinematics_are_those_of_kdl(solver):
+    numerics = solver._numerics
     for q in postures(50):
         assert abs(numerics.forward(q) - CHAIN.forward(q)).max() < 1e-12
         assert abs(numerics.jacobian(q) - CHAIN.jacobian(q)).max() < 1e-12
 
 
-def test_both_backends_measure_the_same():
-    compiled, kdl = (IKSolver(CHAIN, backend=name) for name in BACKENDS)
-    for tolerance in (
+def errors_by_kdl(task, q):
+    """Distance (m) and angle (rad) from the target, along its axes, beyond the task's bounds."""
+    there, here = task.target, CHAIN.forward(q)
+    shift = there[:3, :3].T @ (there[:3, 3] - here[:3, 3])
+    if task.free_axis >= 0:
+        axes = there[:3, task.free_axis], here[:3, task.free_axis]
+        turn = np.array([math.atan2(np.linalg.norm(np.cross(*axes)), np.dot(*axes)), 0.0, 0.0])
+        bounds = np.array([*task.bounds[:3], 0.0, 0.0, 0.0])
+    else:
+        turn, bounds = rotation_vector(here[:3, :3].T @ there[:3, :3]), task.bounds
+    beyond = np.maximum(abs(np.concatenate([shift, turn])) - bounds, 0.0)
+    return np.linalg.norm(beyond[:3]), np.linalg.norm(beyond[3:])
+
+
+def jacobian_by_kdl(task, q):
+    """Weighted Jacobian along the target's axes, of the directions that a task asks for."""
+    into = task.target[:3, :3].T
+    made = CHAIN.jacobian(q)
+    made[:3] = task.length_weight * (into @ made[:3])
+    made[3:] = into @ made[3:]
+    return made[~np.isinf(task.bounds)]
+
+
+@pytest.mark.parametrize(
+    "tolerance",
+    [
         Tolerance(),
         Tolerance.position_only(),
         Tolerance.free_roll("y"),
         Tolerance(position_bounds=(0.3, 0.0, FREE), rotation_bounds=(0.5, FREE, FREE)),
-    ):
-        for q, other in zip(postures(20, 1), postures(20, 2)):
-            task = compiled._task(CHAIN.forward(other), tolerance)
-            one, two = (each._numerics.descend(task, q, (q, q), 0) for each in (compiled, kdl))
-            assert one.position_error == pytest.approx(two.position_error, abs=1e-12)
-            assert one.orientation_error == pytest.approx(two.orientation_error, abs=1e-7)
-            still = np.zeros(7)
-            first, second = (
-                each._numerics.tick(task, q, each._box, still, 0) for each in (compiled, kdl)
-            )
-            assert first.sigma == pytest.approx(second.sigma, abs=1e-9)
-            assert abs(first.direction @ second.direction) == pytest.approx(1.0, abs=1e-6)
-            for kind in (0, 1):
-                goal = compiled._goal(other)._replace(kind=kind)
-                values = [each._numerics.goal_value(task, q, goal) for each in (compiled, kdl)]
-                assert values[0] == pytest.approx(values[1], abs=1e-9)
+    ],
+)
+def test_it_measures_what_kdl_and_numpy_do(solver, tolerance):
+    numerics = solver._numerics
+    for q, other in zip(postures(20, 1), postures(20, 2)):
+        task = solver._task(CHAIN.forward(other), tolerance)
+        measured = numerics.descend(task, q, (q, q), 0)
+        place, turn = errors_by_kdl(task, q)
+        assert measured.position_error == pytest.approx(place, abs=1e-12)
+        assert measured.orientation_error == pytest.approx(turn, abs=1e-7)
+        left, values, _ = np.linalg.svd(jacobian_by_kdl(task, q), full_matrices=False)
+        tick = numerics.tick(task, q, solver._box, np.zeros(7), 0)
+        assert tick.sigma == pytest.approx(values[-1], abs=1e-9)
+        worst = np.zeros(6)
+        worst[~np.isinf(task.bounds)] = left[:, -1]
+        worst = np.concatenate([task.target[:3, :3] @ part for part in (worst[:3], worst[3:])])
+        assert abs(tick.direction @ worst) == pytest.approx(1.0, abs=1e-6)
+        away = solver._goal(other)
+        distance = 0.5 * np.sum(((q - away.reference) / away.scale) ** 2)
+        assert numerics.goal_value(task, q, away) == pytest.approx(distance, abs=1e-9)
+        singularity = numerics.goal_value(task, q, away._replace(kind=SINGULARITY))
+        assert singularity == pytest.approx(-np.log(values).sum(), abs=1e-9)
 
 
-def test_half_a_turn_is_measured(backend):
-    solver = IKSolver(CHAIN, backend=backend)
+def test_half_a_turn_is_measured():
+    solver = IKSolver(CHAIN)
     for axis in np.eye(4)[:3]:
         target = CHAIN.forward(BENT) @ make_pose((0, 0, 0), axis)
         found = solver._numerics.descend(solver._task(target, None), BENT, (BENT, BENT), 0)
@@ -148,21 +173,18 @@ def test_reachable_poses_are_reached(solver, given):
         assert_reaches(solver.solve(target, seed if given else None), target)
 
 
-def test_the_same_question_has_the_same_answer(backend):
-    solver, other = (IKSolver(CHAIN, backend=backend) for _ in range(2))
+def test_the_same_question_has_the_same_answer():
+    solver, other = (IKSolver(CHAIN) for _ in range(2))
     targets = [CHAIN.forward(q) for q in postures(20, 5)]
     answers = [solver.solve(target).q for target in targets]
     for target, answer in zip(reversed(targets), reversed(answers)):
         assert np.array_equal(other.solve(target).q, answer)
 
 
-def test_another_random_seed_restarts_elsewhere(backend):
+def test_another_random_seed_restarts_elsewhere():
     target = CHAIN.forward(BENT)
     target[0, 3] += 4.0
-    one, two = (
-        IKSolver(CHAIN, IKOptions(random_seed=seed, iterations=200), backend=backend)
-        for seed in (1, 2)
-    )
+    one, two = (IKSolver(CHAIN, IKOptions(random_seed=seed, iterations=200)) for seed in (1, 2))
     assert not np.array_equal(one.solve(target).q, two.solve(target).q)
 
 
@@ -204,10 +226,10 @@ def test_a_seed_beyond_the_limits_is_taken(solver):
     assert_reaches(solver.solve(target, [9, 9, 9, 9, 9, 9, 9]), target)
 
 
-def test_limits_of_ones_own_are_kept(backend):
+def test_limits_of_ones_own_are_kept():
     lower = np.array([-0.5, -2, 0.05, 0, -1, -1, -1])
     upper = np.array([0.5, 0, 0.2, 2.5, 1, 1, 1])
-    solver = IKSolver(CHAIN, backend=backend, position_limits=(lower, upper))
+    solver = IKSolver(CHAIN, position_limits=(lower, upper))
     for q in np.random.default_rng(8).uniform(lower, upper, (30, 7)):
         found = solver.solve(CHAIN.forward(q))
         assert_reaches(found, CHAIN.forward(q))
@@ -215,10 +237,10 @@ def test_limits_of_ones_own_are_kept(backend):
         assert (found.q <= upper).all()
 
 
-def test_a_joint_without_room_stays(backend):
+def test_a_joint_without_room_stays():
     lower, upper = CHAIN.lower.copy(), CHAIN.upper.copy()
     lower[2] = upper[2] = 0.1
-    solver = IKSolver(CHAIN, backend=backend, position_limits=(lower, upper))
+    solver = IKSolver(CHAIN, position_limits=(lower, upper))
     q = BENT.copy()
     q[2] = 0.1
     found = solver.solve(CHAIN.forward(q), q + 0.2)
@@ -270,9 +292,9 @@ def test_bounds_are_along_the_targets_axes(solver):
         assert apart(CHAIN.forward(found.q)[:3], np.c_[asked[:3, :3], [0, 0, 0]])[1] < 0.18
 
 
-def test_fewer_joints_than_directions(backend):
+def test_fewer_joints_than_directions():
     chain = Chain.from_urdf(PLANAR, "l0", "l3")
-    solver = IKSolver(chain, backend=backend)
+    solver = IKSolver(chain)
     target = np.eye(4)
     target[:3, 3] = (0.3, 0.6, 0.0)
     assert solver.solve(target).status is IKStatus.BEST_EFFORT
@@ -291,10 +313,10 @@ def goal_value(solver, target, q, seed):
 
 
 @pytest.mark.parametrize("goal", [Goal.SEED, Goal.MID_RANGE, Goal.MANIPULABILITY])
-def test_a_goal_is_followed_and_the_target_kept(backend, goal):
-    plain = IKSolver(CHAIN, backend=backend)
-    fast = IKSolver(CHAIN, IKOptions(goal=goal), backend=backend)
-    best = IKSolver(CHAIN, IKOptions(goal=goal, mode=Mode.BEST, iterations=200), backend=backend)
+def test_a_goal_is_followed_and_the_target_kept(goal):
+    plain = IKSolver(CHAIN)
+    fast = IKSolver(CHAIN, IKOptions(goal=goal))
+    best = IKSolver(CHAIN, IKOptions(goal=goal, mode=Mode.BEST, iterations=200))
     gained = 0
     for q, seed in zip(postures(4, 12), postures(4, 13)):
         target = CHAIN.forward(q)
@@ -308,8 +330,8 @@ def test_a_goal_is_followed_and_the_target_kept(backend, goal):
     assert gained >= 2
 
 
-def test_the_goal_is_at_a_minimum_along_the_self_motion(backend):
-    solver = IKSolver(CHAIN, IKOptions(goal=Goal.MID_RANGE), backend=backend)
+def test_the_goal_is_at_a_minimum_along_the_self_motion():
+    solver = IKSolver(CHAIN, IKOptions(goal=Goal.MID_RANGE))
     target = CHAIN.forward(BENT)
     q = solver.solve(target, BENT).q
     motion = np.linalg.svd(CHAIN.jacobian(q))[2][-1]
@@ -322,12 +344,12 @@ def test_the_goal_is_at_a_minimum_along_the_self_motion(backend):
         assert goal_value(solver, target, moved.q, BENT) > least
 
 
-def test_the_best_of_many_is_hardly_worse_than_the_best_of_very_many(backend):
-    def solver(iterations, which):
+def test_the_best_of_many_is_hardly_worse_than_the_best_of_very_many():
+    def solver(iterations):
         options = IKOptions(goal=Goal.SEED, mode=Mode.BEST, iterations=iterations)
-        return IKSolver(CHAIN, options, backend=which)
+        return IKSolver(CHAIN, options)
 
-    solvers = IKSolver(CHAIN, backend=backend), solver(1000, backend), solver(10_000, "compiled")
+    solvers = IKSolver(CHAIN), solver(1000), solver(10_000)
     moves = np.zeros(3)
     for q, seed in zip(postures(10, 14), postures(10, 15)):
         target = CHAIN.forward(q)
@@ -340,17 +362,17 @@ def test_the_best_of_many_is_hardly_worse_than_the_best_of_very_many(backend):
 # ---- budgets
 
 
-def test_iterations_are_kept(backend):
+def test_iterations_are_kept():
     target = CHAIN.forward(BENT)
     target[0, 3] += 5.0
-    found = IKSolver(CHAIN, IKOptions(iterations=100), backend=backend).solve(target)
+    found = IKSolver(CHAIN, IKOptions(iterations=100)).solve(target)
     assert found.iterations <= 100
     assert found.restarts > 0
 
 
-def test_a_time_limit_ends_a_search(backend):
+def test_a_time_limit_ends_a_search():
     options = IKOptions(iterations=10**9, time_limit=0.02)
-    solver = IKSolver(CHAIN, options, backend=backend)
+    solver = IKSolver(CHAIN, options)
     solver.warm_up()
     target = CHAIN.forward(BENT)
     assert_reaches(solver.solve(target), target)
@@ -426,61 +448,32 @@ def test_what_is_no_posture_is_refused(solver, seed, message):
         solver.solve(np.eye(4), seed)
 
 
-def test_chains_that_cannot_move_are_refused(backend):
+def test_chains_that_cannot_move_are_refused():
     with pytest.raises(KinematicsError, match="no joint from l3 to l3 can move"):
-        IKSolver(Chain.from_urdf(ARM, "l3", "l3"), backend=backend)
+        IKSolver(Chain.from_urdf(ARM, "l3", "l3"))
     stuck = urdf(joint(0, "revolute", "0 0 1", "0 0 1", 0.5, 0.5))
     with pytest.raises(KinematicsError, match="no joint from l0 to l1 can move"):
-        IKSolver(Chain.from_urdf(stuck, "l0", "l1"), backend=backend)
+        IKSolver(Chain.from_urdf(stuck, "l0", "l1"))
 
 
 def test_limits_that_are_wrong_are_refused():
     wide = (CHAIN.lower, CHAIN.upper + 0.1)
     with pytest.raises(KinematicsError, match="position_limits of j0 are -3.5 to 3.6"):
-        IKSolver(CHAIN, position_limits=wide, backend="kdl")
+        IKSolver(CHAIN, position_limits=wide)
     with pytest.raises(KinematicsError, match="7 numbers"):
-        IKSolver(CHAIN, position_limits=([0.0], [1.0]), backend="kdl")
+        IKSolver(CHAIN, position_limits=([0.0], [1.0]))
     for limits in (1.0, (CHAIN.lower,), (CHAIN.lower, ["high"] * 7)):
         with pytest.raises(KinematicsError, match="lower and upper limits are needed"):
-            IKSolver(CHAIN, position_limits=limits, backend="kdl")
+            IKSolver(CHAIN, position_limits=limits)
     with pytest.raises(KinematicsError, match="velocity_limits is"):
-        IKSolver(CHAIN, velocity_limits=[0.0] * 7, backend="kdl")
+        IKSolver(CHAIN, velocity_limits=[0.0] * 7)
 
 
-def test_an_unknown_backend_is_refused():
-    with pytest.raises(KinematicsError, match="auto, compiled and kdl are possible"):
-        IKSolver(CHAIN, backend="fast")
-
-
-def test_without_numba_the_other_backend_is_taken_and_said(monkeypatch, caplog):
-    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
-    assert IKSolver(CHAIN).backend == "kdl"
-    assert "there is no numba; inverse kinematics takes PyKDL" in caplog.text
-    with pytest.raises(KinematicsError, match="there is no numba"):
-        IKSolver(CHAIN, backend="compiled")
-
-
-def test_a_numba_that_does_not_load_is_none(monkeypatch, caplog):
+def test_a_numba_that_does_not_load_is_told(monkeypatch):
     # None in sys.modules: its import fails.
-    monkeypatch.setitem(sys.modules, "telex_control.kinematics.ik_compiled", None)
-    assert IKSolver(CHAIN).backend == "kdl"
-    assert "numba does not load" in caplog.text
-    with pytest.raises(KinematicsError, match="numba does not load"):
-        IKSolver(CHAIN, backend="compiled")
-
-
-def test_a_far_seed_begins_near_the_target_and_stays_near_the_seed():
-    """Without a compiler, known postures are tried in the order of their distance from the seed."""
-    solver = IKSolver(CHAIN, backend="kdl")
-    moves, plain, iterations = 0.0, 0.0, 0
-    for q, seed in zip(postures(40, 16), postures(40, 17)):
-        found = solver.solve(CHAIN.forward(q), seed)
-        assert_reaches(found, CHAIN.forward(q))
-        moves += abs(found.q - seed).max()
-        plain += abs(q - seed).max()
-        iterations += found.iterations
-    assert moves < plain
-    assert iterations < 40 * 10
+    monkeypatch.setitem(sys.modules, "telex_control.kinematics.ik_numerics", None)
+    with pytest.raises(KinematicsError, match=r"needs numba, which does not load: .*setup\.sh"):
+        IKSolver(CHAIN)
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Tracking tick by tick, on both backends: speed limits, boundaries, statuses, twists."""
+"""Tracking tick by tick: speed limits, boundaries, statuses, twists."""
 
 from __future__ import annotations
 
@@ -50,9 +50,9 @@ CHAIN = chain(*ARM)
 BENT = np.array([0.3, -1.2, 0.1, 1.9, 0.4, 0.8, -0.5])
 
 
-@pytest.fixture(params=["compiled", "kdl"])
-def solver(request):
-    return IKSolver(CHAIN, backend=request.param)
+@pytest.fixture
+def solver():
+    return IKSolver(CHAIN)
 
 
 def assert_kept(result, before, reach=CHAIN.velocity_limits * DT):
@@ -192,7 +192,7 @@ def test_a_target_for_another_posture_needs_reconfiguring(solver):
         joint(1, "revolute", "0.5 0 0", "0 0 1", -2.5, 2.5),
         joint(2, "prismatic", "0.5 0 0", "1 0 0", 0, 0.01),
     )
-    tracker = IKSolver(two, IKOptions(reconfigure_after=None), backend=solver.backend)
+    tracker = IKSolver(two, IKOptions(reconfigure_after=None))
     goal = np.array([-0.9, 2.3, 0.0])
     target = two.forward(goal)
     q = np.array([0.5, -2.4, 0.0])
@@ -221,7 +221,7 @@ def test_it_walks_to_the_other_posture_while_the_target_is_still(solver, moving)
         joint(1, "revolute", "0.5 0 0", "0 0 1", -2.5, 2.5),
         joint(2, "prismatic", "0.5 0 0", "1 0 0", 0, 0.01),
     )
-    tracker = IKSolver(two, backend=solver.backend)
+    tracker = IKSolver(two)
     target = two.forward([-0.9, 2.3, 0.0])
     q = np.array([0.5, -2.4, 0.0])
     for tick in range(500):
@@ -238,7 +238,7 @@ def test_it_walks_to_the_other_posture_while_the_target_is_still(solver, moving)
 
 def test_the_same_ticks_end_the_same(solver):
     def run():
-        tracker = IKSolver(CHAIN, backend=solver.backend)
+        tracker = IKSolver(CHAIN)
         q, ends = BENT, []
         for tick in range(60):
             result = tracker.track(offset(CHAIN.forward(BENT), 0.05 * tick, 0.0, 0.0), q, DT)
@@ -263,7 +263,7 @@ def test_joints_beyond_their_limits_come_back_at_the_speed_limit(solver):
 
 
 def test_what_the_target_leaves_open_goes_to_the_goal(solver):
-    centred = IKSolver(CHAIN, IKOptions(goal=Goal.MID_RANGE), backend=solver.backend)
+    centred = IKSolver(CHAIN, IKOptions(goal=Goal.MID_RANGE))
     target = CHAIN.forward(BENT)
     q = BENT
     for _ in range(100):
@@ -342,7 +342,7 @@ def test_a_target_that_jumps_is_reached_on_a_straight_line(solver):
 @pytest.mark.parametrize("dt", [0.008, 0.002])
 def test_two_jumps_at_once_are_two_straight_lines_at_any_rate(dt):
     """The second comes while the first line is hardly begun."""
-    tracker = IKSolver(CHAIN, backend="compiled")
+    tracker = IKSolver(CHAIN)
     start = CHAIN.forward(BENT)
     ends = [offset(start, 0.1, 0.05, -0.1), offset(start, 0.1, -0.05, 0.0)]
     q, postures = BENT, [BENT]
@@ -555,9 +555,9 @@ def test_joints_without_speed_limit_are_named(speed):
         "</joint></robot>"
     )
     made = Chain.from_urdf(text, "l0", "l1")
-    solver = IKSolver(made, backend="kdl")
+    solver = IKSolver(made)
     with pytest.raises(KinematicsError, match="no speed limit above 0 for hinge"):
         solver.track(np.eye(4), [0.0], DT)
     assert solver.solve(np.eye(4), [0.3]).converged
-    given = IKSolver(made, velocity_limits=[1.0], backend="kdl")
+    given = IKSolver(made, velocity_limits=[1.0])
     assert given.track(make_pose((0, 0, 0), (0, 0, 0, 1)), [0.001], DT).converged

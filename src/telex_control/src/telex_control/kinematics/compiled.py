@@ -1,21 +1,16 @@
-"""Functions that numba compiles, where it is there."""
+"""Functions that numba compiles."""
 
 from __future__ import annotations
 
 from typing import Any, Callable, TypeVar
 
-try:
-    from numba import njit
-except ImportError:
-    njit = None
+from numba import njit
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def compiled(function: Function) -> Function:
-    """Compile what Python calls, or load it from the cache; without numba it stays as it is."""
-    if njit is None:
-        return function
+    """Compile what Python calls, or load it from the cache."""
     try:
         return njit(error_model="numpy", no_cfunc_wrapper=True, cache=True)(function)
     except RuntimeError:

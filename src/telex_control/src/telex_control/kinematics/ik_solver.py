@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import importlib.util
-import logging
 import math
 import time
 from collections import deque
-from typing import Any, Deque, Dict, List, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Deque, Dict, List, Optional, Tuple
 
 import numpy as np
 
@@ -21,7 +19,6 @@ from .ik_task import (
     AT_SPEED,
     DISTANCE,
     SINGULARITY,
-    Backend,
     GoalFunction,
     Outcome,
     Task,
@@ -43,9 +40,9 @@ from .poses import (
 from .reconfiguration import PostureSearch
 from .urdf_tree import KinematicsError
 
-_log = logging.getLogger("rosout")
+if TYPE_CHECKING:
+    from .ik_numerics import ChainNumerics
 
-AUTO, COMPILED, KDL = "auto", "compiled", "kdl"
 _SLICE = 100
 """Iterations between two looks at the clock."""
 _SLIDES = 20
@@ -73,11 +70,6 @@ _FULL = 1.0 - 1e-6
 _FINE = 1e-9
 """Tolerance (m, rad) of a twist's tick: its error must not add up over a minute."""
 
-_SLOWER = (
-    "inverse kinematics takes PyKDL and numpy instead, ten times slower; install the numba that "
-    "requirements.txt names"
-)
-
 Box = Tuple[np.ndarray, np.ndarray]
 Bounds = Tuple[Floats, Floats]
 
@@ -96,21 +88,16 @@ class IKSolver:
         Replace the URDF's (rad/s, m/s) in tracking.
     position_limits : pair of sequences of float, shape (n,), optional
         Lower and upper limits (rad, m) inside those of the URDF, which they replace.
-    backend : str
-        ``compiled`` (numba), ``kdl`` (PyKDL and numpy, without compiler), or ``auto``: the first
-        that there is.
 
     Attributes
     ----------
     chain : Chain
     options : IKOptions
-    backend : str
-        ``compiled`` or ``kdl``.
 
     Raises
     ------
     KinematicsError
-        No joint of the chain can move, limits are wrong, or the backend is not there.
+        No joint of the chain can move, limits are wrong, or numba does not load.
     """
 
     def __init__(
@@ -120,7 +107,6 @@ class IKSolver:
         *,
         velocity_limits: Optional[Floats] = None,
         position_limits: Optional[Bounds] = None,
-        backend: str = AUTO,
     ) -> None:
         self.chain = chain
         self.options = options or IKOptions()
@@ -145,14 +131,13 @@ class IKSolver:
         self._bounded = np.isfinite(lower) & np.isfinite(upper)
         self._middle = np.zeros(self._count)
         self._middle[self._bounded] = 0.5 * (lower[self._bounded] + upper[self._bounded])
-        self._numerics = _backend(backend, chain, self.options, self._box)
-        self.backend = self._numerics.name
+        self._numerics = _numerics(chain, self.options)
         self._iterations = int(self.options.iterations or self._numerics.default_iterations)
         self._shapes: Dict[Optional[Tolerance], TaskShape] = {}
         for tolerance in (None, self.options.tolerance):
             self._shapes[tolerance] = self._shape(self.options.tolerance)
         self._search = PostureSearch(self._numerics, self._box, self.options)
-        # Imported where numba is by now, if at all: see `_backend`.
+        # Not imported before numba is needed: see `_numerics`.
         from .joint_path import JointPath
 
         self._way = JointPath(self._count)
@@ -165,7 +150,6 @@ class IKSolver:
 
     def warm_up(self) -> None:
         """Compile, or load from the cache, what will be needed. Takes seconds the first time."""
-        self._numerics.warm_up()
         target = self._numerics.forward(self._middle)
         task = self._shapes[None].at(target)
         middle = self._middle.copy()
@@ -713,30 +697,15 @@ class _Slices:
         return best._replace(iterations=self.iterations, restarts=self.restarts)
 
 
-def _backend(name: str, chain: Chain, options: IKOptions, box: Box) -> Backend:
+def _numerics(chain: Chain, options: IKOptions) -> ChainNumerics:
     # Imported only when asked for: numba takes half a second and 115 MB, which a process that
     # computes no inverse kinematics should not pay.
-    if name not in (AUTO, COMPILED, KDL):
-        raise KinematicsError(f"backend is {name!r}; {AUTO}, {COMPILED} and {KDL} are possible")
-    there = importlib.util.find_spec("numba") is not None
-    if name == COMPILED and not there:
+    try:
+        from .ik_numerics import ChainNumerics
+    except ImportError as error:
+        # There is none, or it was made for another version of numpy.
         raise KinematicsError(
-            f"backend is {COMPILED!r} and there is no numba; install it, or take {KDL!r}"
-        )
-    if name == COMPILED or (name == AUTO and there):
-        try:
-            from .ik_compiled import CompiledBackend
-        except ImportError as error:
-            # Another version of numpy than numba was made for, say.
-            if name == COMPILED:
-                raise KinematicsError(
-                    f"backend is {COMPILED!r} and numba does not load: {error}"
-                ) from error
-            _log.warning("numba does not load (%s); %s", error, _SLOWER)
-        else:
-            return CompiledBackend(chain, options)
-    elif name == AUTO:
-        _log.warning("there is no numba; %s", _SLOWER)
-    from .ik_kdl import KdlBackend
-
-    return KdlBackend(chain, options, box)
+            f"inverse kinematics needs numba, which does not load: {error}; "
+            "./launch_scripts/setup.sh installs what requirements.txt names"
+        ) from error
+    return ChainNumerics(chain, options)

@@ -1,9 +1,9 @@
-"""Tasks and results that both backends of the inverse kinematics share."""
+"""Tasks and results of the inverse kinematics, as plain data."""
 
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple, Tuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -128,112 +128,3 @@ class Tick(NamedTuple):
 
 AT_LIMIT, AT_SPEED = 2.0, 1.0
 """What holds a joint, in `Tick.held`."""
-
-
-class Backend:
-    """Numerics of the inverse kinematics of one chain. Not for several threads at once.
-
-    All joint vectors are float64 of shape (n,), all boxes are (lower, upper) with lower <= upper;
-    what is answered is within the box.
-    """
-
-    name: str
-    default_iterations: int
-    """Of a solve."""
-    search_slice: int
-    """Iterations of a tick that a search for another posture may take."""
-
-    def warm_up(self) -> None:
-        """Prepare what is made once."""
-
-    def random(self, seed: int) -> Any:
-        """Return the state of a random number generator, for `solve`."""
-        raise NotImplementedError
-
-    def forward(self, q: np.ndarray) -> np.ndarray:
-        """Return the pose of the tip, shape (4, 4)."""
-        raise NotImplementedError
-
-    def jacobian(self, q: np.ndarray) -> np.ndarray:
-        """Return the Jacobian in the base frame, shape (6, n)."""
-        raise NotImplementedError
-
-    def solve(
-        self,
-        task: Task,
-        seed: np.ndarray,
-        box: Tuple[np.ndarray, np.ndarray],
-        random: Any,
-        iterations: int,
-        *,
-        restart: bool = False,
-    ) -> Outcome:
-        """Descend from the seed, then from elsewhere, until the target or the budget is reached.
-
-        Parameters
-        ----------
-        restart : bool
-            Begin elsewhere at once.
-        """
-        raise NotImplementedError
-
-    def descend(
-        self,
-        task: Task,
-        q: np.ndarray,
-        box: Tuple[np.ndarray, np.ndarray],
-        iterations: int,
-        damping: float = 0.0,
-    ) -> Outcome:
-        """Descend from `q` to the next minimum of the error in the box.
-
-        Parameters
-        ----------
-        damping : float
-            Of each step, in the square of the weighted Jacobian's unit.
-        """
-        raise NotImplementedError
-
-    def slide(
-        self,
-        task: Task,
-        q: np.ndarray,
-        box: Tuple[np.ndarray, np.ndarray],
-        goal: GoalFunction,
-        rounds: int,
-    ) -> Tuple[np.ndarray, int]:
-        """Move a solution `q` of the task to where the goal is less, the target kept.
-
-        Returns
-        -------
-        q : ndarray, shape (n,)
-        iterations : int
-            That took as long.
-        """
-        raise NotImplementedError
-
-    def goal_value(self, task: Task, q: np.ndarray, goal: GoalFunction) -> float:
-        """Return the value of a goal."""
-        raise NotImplementedError
-
-    def tick(
-        self,
-        task: Task,
-        q: np.ndarray,
-        limits: Tuple[np.ndarray, np.ndarray],
-        reach: np.ndarray,
-        iterations: int,
-        damping: float = 0.0,
-        *,
-        measured: bool = True,
-    ) -> Tick:
-        """Descend from `q`, no joint moving farther than `reach`.
-
-        Joints outside of the limits come back as far as they reach.
-
-        Parameters
-        ----------
-        measured : bool
-            Find out how near to singular the end is; else sigma and direction mean nothing.
-        """
-        raise NotImplementedError

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import Optional, Tuple
+from typing import TYPE_CHECKING, Optional, Tuple
 
 import numpy as np
 
 from .ik_options import IKOptions
-from .ik_task import Backend, Task
+from .ik_task import Task
+
+if TYPE_CHECKING:
+    from .ik_numerics import ChainNumerics
 
 _MOVED = 0.02
 """Weighted change of the target (rad) after which the search has a new budget."""
@@ -25,14 +28,14 @@ class PostureSearch:
 
     Parameters
     ----------
-    numerics : Backend
+    numerics : ChainNumerics
     box : pair of ndarray, shape (n,)
         Position limits.
     options : IKOptions
     """
 
     def __init__(
-        self, numerics: Backend, box: Tuple[np.ndarray, np.ndarray], options: IKOptions
+        self, numerics: ChainNumerics, box: Tuple[np.ndarray, np.ndarray], options: IKOptions
     ) -> None:
         self._numerics = numerics
         self._box = box

@@ -1,4 +1,4 @@
-"""Backend of the inverse kinematics that is compiled by numba."""
+"""Numerics of the inverse kinematics of one chain, over kernels that numba compiles."""
 
 from __future__ import annotations
 
@@ -9,14 +9,17 @@ import numpy as np
 from . import ik_kernels as kernels
 from .chain import Chain
 from .ik_options import IKOptions, Tolerance
-from .ik_task import Backend, GoalFunction, Outcome, Task, TaskShape, Tick
+from .ik_task import GoalFunction, Outcome, Task, TaskShape, Tick
 from .joint_frames import joint_frames
 
 _ODD = 0x9E3779B97F4A7C15
 
 
-class CompiledBackend(Backend):
-    """Calls `ik_kernels`.
+class ChainNumerics:
+    """Numerics of one chain. Not for several threads at once.
+
+    All joint vectors are float64 of shape (n,), all boxes are (lower, upper) with lower <= upper;
+    what is answered is within the box.
 
     Parameters
     ----------
@@ -24,9 +27,10 @@ class CompiledBackend(Backend):
     options : IKOptions
     """
 
-    name = "compiled"
     default_iterations = 6000
+    """Of a solve."""
     search_slice = 15
+    """Iterations of a tick that a search for another posture may take."""
 
     def __init__(self, chain: Chain, options: IKOptions) -> None:
         self._model = kernels.Model(*joint_frames(chain))
@@ -36,18 +40,18 @@ class CompiledBackend(Backend):
         self._base = TaskShape.of(Tolerance(), 1.0).at(np.eye(4))
 
     def random(self, seed: int) -> Any:
-        """See `Backend`."""
+        """Return the state of a random number generator, for `solve`."""
         # The generator must not start at 0, and neighbouring seeds should not begin alike.
         return np.array([((seed + 1) * _ODD) % 2**64 or _ODD], dtype=np.uint64)
 
     def forward(self, q: np.ndarray) -> np.ndarray:
-        """See `Backend`."""
+        """Return the pose of the tip, shape (4, 4)."""
         pose = np.eye(4)
         kernels.forward(self._model, self._base, q, pose)
         return pose
 
     def jacobian(self, q: np.ndarray) -> np.ndarray:
-        """See `Backend`."""
+        """Return the Jacobian in the base frame, shape (6, n)."""
         made = np.empty((6, q.size))
         kernels.jacobian(self._model, self._base, q, made)
         return made
@@ -62,7 +66,13 @@ class CompiledBackend(Backend):
         *,
         restart: bool = False,
     ) -> Outcome:
-        """See `Backend`."""
+        """Descend from the seed, then from elsewhere, until the target or the budget is reached.
+
+        Parameters
+        ----------
+        restart : bool
+            Begin elsewhere at once.
+        """
         q = np.empty(seed.size)
         converged, place, turn, used, restarts = kernels.solve(
             self._model,
@@ -87,7 +97,13 @@ class CompiledBackend(Backend):
         iterations: int,
         damping: float = 0.0,
     ) -> Outcome:
-        """See `Backend`."""
+        """Descend from `q` to the next minimum of the error in the box.
+
+        Parameters
+        ----------
+        damping : float
+            Of each step, in the square of the weighted Jacobian's unit.
+        """
         moved = q.copy()
         converged, place, turn, used = kernels.descend(
             self._model, task, box[0], box[1], iterations, damping, moved
@@ -102,13 +118,20 @@ class CompiledBackend(Backend):
         goal: GoalFunction,
         rounds: int,
     ) -> Tuple[np.ndarray, int]:
-        """See `Backend`."""
+        """Move a solution `q` of the task to where the goal is less, the target kept.
+
+        Returns
+        -------
+        q : ndarray, shape (n,)
+        iterations : int
+            That took as long.
+        """
         moved = q.copy()
         used = kernels.slide(self._model, task, goal, box[0], box[1], rounds, moved)
         return moved, used
 
     def goal_value(self, task: Task, q: np.ndarray, goal: GoalFunction) -> float:
-        """See `Backend`."""
+        """Return the value of a goal."""
         return kernels.goal_value(self._model, task, goal, q)
 
     def tick(
@@ -122,7 +145,15 @@ class CompiledBackend(Backend):
         *,
         measured: bool = True,
     ) -> Tick:
-        """See `Backend`."""
+        """Descend from `q`, no joint moving farther than `reach`.
+
+        Joints outside of the limits come back as far as they reach.
+
+        Parameters
+        ----------
+        measured : bool
+            Find out how near to singular the end is; else sigma and direction mean nothing.
+        """
         moved, held, direction = q.copy(), np.empty(q.size), np.zeros(6)
         converged, place, turn, used, sigma = kernels.tick(
             self._model,
