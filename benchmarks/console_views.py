@@ -18,7 +18,7 @@ from report import Figure
 from thread_times import Share, Thread, idle_seconds, thread_name, threads, used
 
 from telex_control.ros.private_master import descendants
-from telex_teleop.web.video.feed import REMEMBERED
+from telex_teleop.web.video.websocket.feed import REMEMBERED
 
 WINDOW = 10
 """Length (s) of the windows over which pictures are counted."""

@@ -160,12 +160,12 @@ build_workspace() {
 # numba compiles inverse kinematics once for a machine and keeps it beside the source: 15 s that no
 # node is to spend when it starts.
 compile_kinematics() {
-  local stamp="$state/kinematics" wanted kernels="$root/src/telex_control/src/telex_control/kinematics"
-  wanted="$(cat "$root/requirements.txt" "$kernels"/ik_*.py | sha256sum)"
+  local stamp="$state/kinematics" wanted kernels="$root/src/telex_control/src/telex_control/kinematics/inverse"
+  wanted="$(cat "$root/requirements.txt" "$kernels"/*.py | sha256sum)"
   [ "$(cat "$stamp" 2>/dev/null)" = "$wanted" ] && [ -n "$(ls "$kernels"/__pycache__/*.nbi 2>/dev/null)" ] && return 0
   rm -f "$stamp"
   step "Inverse kinematics (numba)" "read the messages above; without it, nodes compile at their first start" \
-    env PYTHONPATH="$root/src/telex_control/src:${PYTHONPATH-}" "$root/.venv/bin/python" -m telex_control.kinematics.compile
+    env PYTHONPATH="$root/src/telex_control/src:${PYTHONPATH-}" "$root/.venv/bin/python" -m telex_control.kinematics.inverse.compile
   printf '%s' "$wanted" >"$stamp"
 }
 
@@ -173,7 +173,7 @@ compile_kinematics() {
 # that the cameras are not to spend when a scene is wanted. What changes later is made when it is shown.
 prepare_scenes() {
   local stamp="$state/scenes" cache="${XDG_CACHE_HOME:-${HOME-}/.cache}" sources=(
-    "$root"/src/telex_sim/{src/telex_sim/rendering,src/telex_sim/scene,scenes} "$root"/src/telex_description/{config,meshes,urdf})
+    "$root"/src/telex_sim/{src/telex_sim/cameras,src/telex_sim/scene,scenes} "$root"/src/telex_description/{config,meshes,urdf})
   [ "$(cat "$stamp" 2>/dev/null)" = "$cache" ] && [ -d "$cache/telex_sim/content" ] &&
     [ -z "$(find "${sources[@]}" -type f -newer "$stamp" -not -name '*.pyc' -print -quit)" ] && return 0
   mkdir -p "$cache/telex_sim/content" 2>/dev/null && [ -w "$cache/telex_sim/content" ] || return 0

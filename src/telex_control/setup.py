@@ -15,6 +15,7 @@ setup(
             "telex_control.follow_trajectory",
             "telex_control.hardware",
             "telex_control.kinematics",
+            "telex_control.kinematics.inverse",
             "telex_control.laws",
             "telex_control.manager",
             "telex_control.ros",

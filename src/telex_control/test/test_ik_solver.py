@@ -23,7 +23,7 @@ from telex_control.kinematics import (
     make_pose,
     rotation_vector,
 )
-from telex_control.kinematics.ik_task import SINGULARITY
+from telex_control.kinematics.inverse.task import SINGULARITY
 
 
 def joint(index, kind, xyz, axis, lower, upper):
@@ -471,7 +471,7 @@ def test_limits_that_are_wrong_are_refused():
 
 def test_a_numba_that_does_not_load_is_told(monkeypatch):
     # None in sys.modules: its import fails.
-    monkeypatch.setitem(sys.modules, "telex_control.kinematics.ik_numerics", None)
+    monkeypatch.setitem(sys.modules, "telex_control.kinematics.inverse.numerics", None)
     with pytest.raises(KinematicsError, match=r"needs numba, which does not load: .*setup\.sh"):
         IKSolver(CHAIN)
 

@@ -8,15 +8,15 @@ import json
 from web_fakes import FakeRos
 
 from telex_control.common.params import read_config, read_struct
-from telex_teleop.web.bridge.access import Roles
-from telex_teleop.web.bridge.control import Control, Member
-from telex_teleop.web.bridge.control_services import ControlServices
-from telex_teleop.web.bridge.feeds import FeedPool
-from telex_teleop.web.bridge.goals import GoalDesk
+from telex_teleop.web.bridge.control.access import Roles
+from telex_teleop.web.bridge.control.clients import Control, Member
+from telex_teleop.web.bridge.control.control_services import ControlServices
 from telex_teleop.web.bridge.outbox import Outbox
-from telex_teleop.web.bridge.publishers import PublisherPool
-from telex_teleop.web.bridge.services import ServiceDesk
+from telex_teleop.web.bridge.publish.publishers import PublisherPool
+from telex_teleop.web.bridge.service.goals import GoalDesk
+from telex_teleop.web.bridge.service.services import ServiceDesk
 from telex_teleop.web.bridge.session import ClientSession, Shared
+from telex_teleop.web.bridge.subscribe.feeds import FeedPool
 from telex_teleop.web.config import RosbridgeConfig
 from telex_teleop.web.rights import Rights
 from telex_teleop.web.workers import OrderedWorker

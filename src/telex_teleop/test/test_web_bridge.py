@@ -13,8 +13,8 @@ from std_msgs.msg import Header, String
 from telex_msgs.msg import FlipperPresetHold
 from web_fakes import becomes, on_loop
 
-from telex_teleop.web.bridge.operations import MAX_DIGITS
-from telex_teleop.web.bridge.stop import stop_for
+from telex_teleop.web.bridge.protocol.operations import MAX_DIGITS
+from telex_teleop.web.bridge.publish.stop import stop_for
 
 # Publishing
 

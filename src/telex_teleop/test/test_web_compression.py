@@ -17,7 +17,7 @@ from sensor_msgs.msg import CompressedImage, JointState
 from std_msgs.msg import Header, Int8MultiArray, String, UInt32MultiArray
 from web_fakes import on_loop
 
-from telex_teleop.web.bridge.compression import ENCODERS, to_cbor, to_cbor_raw, to_png
+from telex_teleop.web.bridge.protocol.compression import ENCODERS, to_cbor, to_cbor_raw, to_png
 
 
 def cbor(message):

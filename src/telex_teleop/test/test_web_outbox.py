@@ -8,10 +8,10 @@ import pytest
 from std_msgs.msg import Int32
 from web_fakes import becomes
 
-from telex_teleop.web.bridge.feeds import TopicMessage
-from telex_teleop.web.bridge.message_json import codec_of
 from telex_teleop.web.bridge.outbox import Outbox, OutboxFullError
-from telex_teleop.web.bridge.subscriptions import Subscription, Wish
+from telex_teleop.web.bridge.protocol.message_json import codec_of
+from telex_teleop.web.bridge.subscribe.feeds import TopicMessage
+from telex_teleop.web.bridge.subscribe.subscriptions import Subscription, Wish
 
 
 def run(coroutine):

@@ -13,16 +13,16 @@ import simplejpeg
 from test_web_pictures import jpeg, two_halves
 from web_fakes import FakePictures, becomes, served
 
-import telex_teleop.web.video.sockets as video_sockets
 from telex_teleop.web.config import VideoServerConfig
-from telex_teleop.web.video import protocol
 from telex_teleop.web.video.app import VideoServer
 from telex_teleop.web.video.cameras import CameraList
-from telex_teleop.web.video.feed import Pacer
-from telex_teleop.web.video.frames import binary_frame_head
 from telex_teleop.web.video.pictures import CompressedPicture
-from telex_teleop.web.video.protocol import Ack, Ping, ProtocolError, Show, View
 from telex_teleop.web.video.ros_source import captured_at
+from telex_teleop.web.video.websocket import messages as protocol
+from telex_teleop.web.video.websocket import sockets as video_sockets
+from telex_teleop.web.video.websocket.feed import Pacer
+from telex_teleop.web.video.websocket.frames import binary_frame_head
+from telex_teleop.web.video.websocket.messages import Ack, Ping, ProtocolError, Show, View
 
 FRONT, REAR, OVERVIEW = (
     f"/telex/cameras/{name}/image_raw/compressed" for name in ("front", "rear", "overview")

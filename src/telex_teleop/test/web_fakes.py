@@ -10,7 +10,7 @@ import time
 import genpy
 from std_srvs.srv import SetBoolResponse
 
-from telex_teleop.web.bridge.operations import OperationError
+from telex_teleop.web.bridge.protocol.operations import OperationError
 from telex_teleop.web.serving import bind, serve, url_of
 from telex_teleop.web.video.topics import find_topic
 

@@ -2,9 +2,9 @@
 
 from .chain import Chain
 from .denavit_hartenberg import DHChain, DHRow, dh_chain
-from .ik_options import FREE, Goal, IKOptions, Mode, Tolerance
-from .ik_result import IKResult, IKStatus, TrackResult
-from .ik_solver import ACCELERATION_TIME, IKSolver
+from .inverse.options import FREE, Goal, IKOptions, Mode, Tolerance
+from .inverse.result import IKResult, IKStatus, TrackResult
+from .inverse.solver import ACCELERATION_TIME, IKSolver
 from .kdl_tree import kdl_tree
 from .poses import make_pose, move_pose, quaternion_of, rotation_vector
 from .urdf_tree import KinematicsError, UrdfTree

@@ -16,20 +16,20 @@ from ..rights import Rights
 from ..tokens import ForbiddenError, Tokens, is_instructor
 from ..websockets import new_websocket, take_leave, upgrade_required
 from ..workers import OrderedWorker
-from .access import Roles
-from .control import MAX_NAME, Control, Member
-from .control_services import ControlServices
-from .feeds import FeedPool
-from .goals import GoalDesk
+from .control.access import Roles
+from .control.clients import MAX_NAME, Control, Member
+from .control.control_services import ControlServices
+from .control.origins import origin_allowed
+from .control.roster import Roster
 from .node_watch import NodeWatch
-from .operations import OperationError
-from .origins import origin_allowed
 from .outbox import Outbox
-from .publishers import PublisherPool
+from .protocol.operations import OperationError
+from .publish.publishers import PublisherPool
 from .ros import Ros
-from .roster import Roster
-from .services import ServiceDesk
+from .service.goals import GoalDesk
+from .service.services import ServiceDesk
 from .session import ClientSession, Shared
+from .subscribe.feeds import FeedPool
 
 BACKLOG_POLL = 0.005
 """Period (s) at which a client that has not taken its messages yet is looked at."""

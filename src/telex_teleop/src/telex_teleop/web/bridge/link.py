@@ -17,8 +17,8 @@ from typing import (
     TypeVar,
 )
 
-from .operations import Id, Operation
 from .outbox import Outbox, OutboxFullError
+from .protocol.operations import Id, Operation
 
 LEVELS = ("none", "error", "warning", "info")
 """What a client can ask to hear, rising."""

@@ -11,8 +11,8 @@ import genpy
 from telex_msgs.msg import MissingNodes
 
 from ..workers import in_own_thread
-from .operations import OperationError
-from .publishers import PublisherPool
+from .protocol.operations import OperationError
+from .publish.publishers import PublisherPool
 from .ros import Ros
 
 PERIOD = 0.5

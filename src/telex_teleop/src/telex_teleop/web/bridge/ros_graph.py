@@ -16,7 +16,7 @@ import rosgraph.names
 import rospy
 import rosservice
 
-from .operations import OperationError
+from .protocol.operations import OperationError
 from .ros import Answer, Publisher, Receive
 
 _ONLY_NEWEST_COUNTS = (

@@ -8,22 +8,22 @@ from typing import Callable, Dict, Optional
 
 from ..config import RosbridgeConfig
 from ..workers import OrderedWorker
-from .access import Roles
-from .calling import Calling
-from .command_age import CommandAge
-from .command_gate import CommandGate
-from .control import Control, Member
-from .feeds import FeedPool
-from .goals import GoalDesk
+from .control.access import Roles
+from .control.clients import Control, Member
 from .link import LEVELS, Link
-from .offering import Offering
-from .operations import Operation, OperationError
 from .outbox import Outbox
-from .publishers import PublisherPool
-from .publishing import Publishing
+from .protocol.operations import Operation, OperationError
+from .publish.command_age import CommandAge
+from .publish.command_gate import CommandGate
+from .publish.publishers import PublisherPool
+from .publish.publishing import Publishing
 from .ros import Ros
-from .services import Caller, ServiceDesk
-from .subscribing import Subscribing
+from .service.calling import Calling
+from .service.goals import GoalDesk
+from .service.offering import Offering
+from .service.services import Caller, ServiceDesk
+from .subscribe.feeds import FeedPool
+from .subscribe.subscribing import Subscribing
 
 
 @dataclasses.dataclass(frozen=True)

@@ -6,7 +6,7 @@ import asyncio
 from typing import Callable, Dict, Generic, Hashable, Optional, Protocol, TypeVar
 
 from ..workers import OrderedWorker
-from .operations import OperationError
+from .protocol.operations import OperationError
 
 MAX_BACKLOG = 1000
 """Calls to ROS that may wait; more come only from a client that has gone wild."""

@@ -18,9 +18,9 @@ from . import mjpeg, pages, query
 from .gate import Gate
 from .hub import EncoderFullError, Encoders, PictureHubs, PictureSource
 from .pictures import EncodedPicture, UnusablePictureError, encode
-from .sockets import VideoSockets
 from .topics import PictureTopic, Topics, base_topics, find_cameras
 from .viewers import SnapshotViewer, StreamViewer, client_of
+from .websocket.sockets import VideoSockets
 
 CHECK_PERIOD = 1.0
 """Time (s) between two looks at whether viewers still read."""

@@ -1,0 +1,1 @@
+"""Inverse kinematics of one chain, inside the limits of its joints."""

@@ -1,0 +1,150 @@
+"""Clients of the bridge, and which of them has control of the robot."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Callable, List, Optional
+
+from ..protocol.operations import OperationError
+
+MAX_NAME = 40
+"""Characters of the longest name that a client may give itself."""
+
+
+class ControlError(OperationError):
+    """The client does not hold control and cannot have it now; the text says who does."""
+
+
+@dataclasses.dataclass(eq=False)
+class Member:
+    """A client as others see it.
+
+    Attributes
+    ----------
+    id
+        Tells it from the others of this bridge.
+    address
+        From where it is connected.
+    instructor
+        It may take control from others and give it to them.
+    connected_since
+        Wall time (s).
+    name
+        What it calls itself; empty until it says so.
+    dropped
+        How many of its commands were not obeyed.
+    stop
+        Ends all motion that it commands.
+    """
+
+    id: str
+    address: str
+    instructor: bool
+    connected_since: float
+    name: str = ""
+    dropped: int = 0
+    stop: Callable[[], None] = lambda: None
+
+    @property
+    def shown(self) -> str:
+        """What to call it in a sentence."""
+        return f"{self.name} (client {self.id})" if self.name else f"client {self.id}"
+
+
+class Control:
+    """At most one client holds control; whoever loses it stops first.
+
+    Parameters
+    ----------
+    changed
+        Called when anything has changed that `members` and `holder` tell.
+    """
+
+    def __init__(self, changed: Callable[[], None] = lambda: None) -> None:
+        self.changed = changed
+        self.holder: Optional[Member] = None
+        self._members: List[Member] = []
+
+    @property
+    def members(self) -> List[Member]:
+        """All clients, in order of connection."""
+        return list(self._members)
+
+    def join(self, member: Member) -> None:
+        """Take in a client."""
+        self._members.append(member)
+        self.changed()
+
+    def leave(self, member: Member) -> None:
+        """Forget a client; control is free if it was the one that held it."""
+        self._members.remove(member)
+        if self.holder is member:
+            self.holder = None
+        self.changed()
+
+    def require(self, member: Member) -> None:
+        """Let a client command: it holds control, or gets it because nobody does.
+
+        Raises
+        ------
+        ControlError
+            Another one holds control.
+        """
+        if self.holder is None:
+            self._give(member)
+        elif self.holder is not member:
+            raise ControlError(
+                f"{self.holder.shown} holds control; it can release it, or an instructor take it"
+            )
+
+    def take(self, member: Member) -> None:
+        """Give control to a client that asks for it; raises ControlError if it cannot have it."""
+        if member.instructor and self.holder is not member:
+            self._give(member)
+        else:
+            self.require(member)
+
+    def release(self, member: Member) -> None:
+        """Let a client give control up; raises ControlError if it has none."""
+        if self.holder is not member:
+            raise ControlError(f"{member.shown} does not hold control")
+        self._give(None)
+
+    def hand_over(self, member: Member, receiver: str) -> None:
+        """Let an instructor give control to the client of an id.
+
+        Raises
+        ------
+        ControlError
+            Who asks is no instructor.
+        OperationError
+            There is no such client.
+        """
+        if not member.instructor:
+            raise ControlError("only an instructor can hand control over")
+        for other in self._members:
+            if other.id == receiver:
+                if self.holder is not other:
+                    self._give(other)
+                return
+        known = ", ".join(other.id for other in self._members)
+        raise OperationError(f"there is no client {receiver[:80]!r}; connected are {known}")
+
+    def rename(self, member: Member, name: str) -> None:
+        """Let a client say what to call it; raises OperationError for an unreadable name."""
+        if len(name) > MAX_NAME or not name.isprintable():
+            raise OperationError(
+                f"a name is one line of printable text, {MAX_NAME} characters at most"
+            )
+        member.name = name
+        self.changed()
+
+    def count_dropped(self, member: Member) -> None:
+        """Note that a command of a client was not obeyed."""
+        member.dropped += 1
+
+    def _give(self, member: Optional[Member]) -> None:
+        if self.holder is not None:
+            self.holder.stop()
+        self.holder = member
+        self.changed()

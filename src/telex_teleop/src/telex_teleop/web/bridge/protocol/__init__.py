@@ -1,0 +1,1 @@
+"""rosbridge v2: operations, and ROS messages as JSON."""

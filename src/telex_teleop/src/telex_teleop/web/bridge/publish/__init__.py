@@ -1,0 +1,1 @@
+"""Clients' publications: commands that are admitted, and the stops that follow a client's end."""

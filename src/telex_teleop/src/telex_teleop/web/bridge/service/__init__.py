@@ -1,0 +1,1 @@
+"""Services that clients call and offer, and the goals of actions."""

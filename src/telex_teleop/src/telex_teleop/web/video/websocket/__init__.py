@@ -1,0 +1,1 @@
+"""``/video``: all cameras over one WebSocket."""
