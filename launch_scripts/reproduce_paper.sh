@@ -25,5 +25,4 @@ done
 # Whatever master the user has running is not to be disturbed: each experiment starts its own.
 export ROS_MASTER_URI=http://127.0.0.1:9
 unset ROS_HOSTNAME ROS_IP ROS_NAMESPACE
-export PYTHONPATH="$root/tests:$root/benchmarks${PYTHONPATH:+:$PYTHONPATH}"
-exec python -m paper "$@"
+exec python -m telex_experiments.paper "$@"

@@ -9,21 +9,22 @@ from pathlib import Path
 from unittest import mock
 
 from telex_control.manager.controller import ControllerState
+from telex_experiments.cameras import renderer
+from telex_experiments.rigs.thread_times import ThreadTimes
 from telex_sim.scene.addresses import resolve_address
 
 BENCHMARKS = Path(__file__).resolve().parents[1] / "benchmarks"
 
 
-def load(name, monkeypatch):
-    monkeypatch.syspath_prepend(str(BENCHMARKS))
+def load(name):
     loader = importlib.machinery.SourceFileLoader(f"benchmark_{name}", str(BENCHMARKS / name))
     module = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
     loader.exec_module(module)
     return module
 
 
-def test_the_control_benchmark_runs_all_shipped_controllers(monkeypatch):
-    control = load("control", monkeypatch)
+def test_the_control_benchmark_runs_all_shipped_controllers():
+    control = load("control")
     urdf, params = control.shipped()
     names = control.controllers_of(params)
     loop = control.local(urdf, params)
@@ -36,7 +37,7 @@ def test_the_control_benchmark_runs_all_shipped_controllers(monkeypatch):
 
 
 def test_a_gap_without_a_clock_is_not_a_number(monkeypatch):
-    scene = load("scene", monkeypatch)
+    scene = load("scene")
     now = [0.0]
     monkeypatch.setattr(scene.time, "sleep", lambda seconds: None)
     monkeypatch.setattr(scene.time, "monotonic", lambda: now[0])
@@ -58,9 +59,8 @@ def test_a_gap_without_a_clock_is_not_a_number(monkeypatch):
     assert not missed.ok
 
 
-def test_thread_times_tell_what_each_thread_did_since_the_last_look(monkeypatch, tmp_path):
-    monkeypatch.syspath_prepend(str(BENCHMARKS))
-    times = importlib.import_module("thread_times").ThreadTimes(str(tmp_path))
+def test_thread_times_tell_what_each_thread_did_since_the_last_look(tmp_path):
+    times = ThreadTimes(str(tmp_path))
 
     def write(ticks, *threads):
         process = tmp_path / "7"
@@ -87,14 +87,12 @@ def test_thread_times_tell_what_each_thread_did_since_the_last_look(monkeypatch,
     ]
 
 
-def test_the_recorded_scene_can_still_be_drawn(monkeypatch):
-    monkeypatch.syspath_prepend(str(BENCHMARKS))
-    renderer = importlib.import_module("cameras_renderer")
+def test_the_recorded_scene_can_still_be_drawn():
     recording = renderer.hall()
     assert recording.frames_in_world.shape == (len(recording.scene.frames), 4, 4)
     meshes = {visual.mesh for visual in recording.scene.visuals if visual.mesh}
     assert len(meshes) > 20
     lost = [m for m in meshes if not Path(resolve_address(m, renderer.package_path)).is_file()]
-    assert not lost, "record anew: python benchmarks/cameras_renderer.py"
+    assert not lost, "record anew: telex_experiments.cameras.renderer.record()"
     for name in renderer.NAMES:
         assert 0.0 < recording.camera(name)[2, 3] < 3.0

@@ -2,20 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
 
-@pytest.fixture(autouse=True)
-def benchmarks(monkeypatch):
-    folder = Path(__file__).resolve().parents[1] / "benchmarks"
-    monkeypatch.syspath_prepend(str(folder))
-
-
 def test_rates_are_those_of_every_window():
-    from console_views import rates, slowest
+    from telex_experiments.console.views import rates, slowest
 
     assert rates([20] * 12, 12.3) == [20.0] * 3
     # A second without a picture counts in all windows that it is part of, the last ones as well.
@@ -28,14 +21,14 @@ def test_rates_are_those_of_every_window():
 
 
 def test_the_browser_knows_all_keys_that_are_held():
-    from chromium import _KEYS
-    from console_views import PHASES
+    from telex_experiments.console.views import PHASES
+    from telex_experiments.rigs.chromium import _KEYS
 
     assert {code for phase in PHASES for codes, _ in phase.keys for code in codes} <= set(_KEYS)
 
 
 def test_the_way_of_a_picture_is_cut_into_stages():
-    from console_views import stages_of
+    from telex_experiments.console.views import stages_of
 
     picture = {"captured": 100.0, "received": 150.0, "decoded": 155.0, "painted": 165.0}
     served = {"made": 0.03, "age": 0.07, "round_trip": 0.03, "rate": 25.0}
@@ -55,8 +48,8 @@ def test_the_way_of_a_picture_is_cut_into_stages():
     ],
 )
 def test_the_first_picture_that_shows_a_motion(moves_at, end):
-    from console_picture import first_picture
-    from console_rig import Heard
+    from telex_experiments.console.first_picture import first_picture
+    from telex_experiments.console.rig import Heard
 
     still, moving = Heard(moves_at - 0.01, 0.01), Heard(moves_at, 0.03)
     stamps = SimpleNamespace(

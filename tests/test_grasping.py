@@ -7,10 +7,19 @@ from dataclasses import replace
 from typing import Tuple
 
 import pytest
-from grasping import statics, suite, tasks
-from grasping.holding import LOST, at_limit, block, force_error, hold, rig_for, sway
-from grasping.rig import OBLIQUE, TOP, Rig
-from grasping.things import PAD_FRICTION, THINGS
+
+from telex_experiments.grasping import statics, suite, tasks
+from telex_experiments.grasping.holding import (
+    LOST,
+    at_limit,
+    block,
+    force_error,
+    hold,
+    rig_for,
+    sway,
+)
+from telex_experiments.grasping.rig import OBLIQUE, TOP, Rig
+from telex_experiments.grasping.things import PAD_FRICTION, THINGS
 
 
 def test_the_pads_press_as_they_are_told_and_let_go() -> None:

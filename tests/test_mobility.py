@@ -9,31 +9,22 @@ from xml.etree import ElementTree
 import numpy as np
 import pybullet
 import pytest
-from mobility import (
-    bearing,
-    by_presets,
-    flat,
-    footing,
-    hold,
-    novice,
-    quasi_static,
-    random_commands,
-    rough,
-    stairs,
-    wheeled,
-)
-from mobility.falls import FallWatch, slow_falls
-from mobility.obstacles import Obstacle, all_obstacles, attempt
-from mobility.offline import Trial
-from mobility.scripted_operator import (
+
+from telex_experiments.mobility import by_presets, novice, random_commands
+from telex_experiments.mobility.balance import bearing, quasi_static, wheeled
+from telex_experiments.mobility.balance.falls import FallWatch, slow_falls
+from telex_experiments.mobility.offline import Trial
+from telex_experiments.mobility.scripted_operator import (
     FRONT_FLIPPERS,
     REAR_FLIPPERS,
     NotManagedError,
     Operator,
 )
-from mobility.stairs import Stairs
-from mobility.step import Step
-from mobility.watch import Watch
+from telex_experiments.mobility.suite import Obstacle, all_obstacles, attempt
+from telex_experiments.mobility.terrain import flat, footing, hold, rough, stairs
+from telex_experiments.mobility.terrain.stairs import Stairs
+from telex_experiments.mobility.terrain.step import Step
+from telex_experiments.mobility.watch import Watch
 
 OBSTACLES: Dict[str, Obstacle] = {obstacle.name: obstacle for obstacle in all_obstacles()}
 

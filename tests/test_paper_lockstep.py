@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
-
-from paper.experiments.lockstep import Led, bars, follow, hogs
-from paper.experiments.trajectory import LARGEST, RMS, Way
-
 from telex_control.follow_trajectory.analysis import Figures
+from telex_experiments.paper.experiments.lockstep import Led, bars, follow, hogs
+from telex_experiments.paper.experiments.trajectory import LARGEST, RMS, Way
 
 PIECE = Way("circle", "A piece", ("--circle", "--here", "--radius", "0.05", "--turns", "0.2"))
 NONE = (0.0, 0.0, 0.0)

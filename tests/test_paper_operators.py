@@ -4,33 +4,29 @@ from __future__ import annotations
 
 import contextlib
 import math
-import sys
 from pathlib import Path
 from typing import Any, Dict, List
 
 import cv2
 import numpy as np
 import pytest
+import rospy
 import yaml
 from geometry_msgs.msg import PoseStamped, Twist
-from mobility.scripted_operator import NotManagedError
-
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "benchmarks"))
-
-import rospy
-from paper.operators import EXPERIMENTS, course, cube, driving, vision
-from paper.operators.briefcase import Briefcase
-from paper.operators.cube import BLUE, EDGE, GREEN, RED, CubeToBox
-from paper.operators.film import WIDTH, Film
-from paper.operators.handling import aimed
-from paper.operators.pallet import PalletSide
-from paper.operators.runs import SCENES
-from paper.operators.station import FLIPPERS, Keys, Link, Station
 from sensor_msgs.msg import CompressedImage, JointState
 from telex_msgs.msg import FlipperPresetHold, TrackTeleopStatus
 
 from telex_control.kinematics import Chain
 from telex_control.ros.local_node_handle import LocalNodeHandle
+from telex_experiments.mobility.scripted_operator import NotManagedError
+from telex_experiments.operators import EXPERIMENTS, course, cube, driving, vision
+from telex_experiments.operators.briefcase import Briefcase
+from telex_experiments.operators.cube import BLUE, EDGE, GREEN, RED, CubeToBox
+from telex_experiments.operators.film import WIDTH, Film
+from telex_experiments.operators.handling import aimed
+from telex_experiments.operators.pallet import PalletSide
+from telex_experiments.operators.runs import SCENES
+from telex_experiments.operators.station import FLIPPERS, Keys, Link, Station
 from telex_sim.offline.simulation import robot_description
 from telex_sim.scene.files.scene_file import load_scene
 from telex_sim.scene.library.terrain.maze import perfect_maze

@@ -17,19 +17,17 @@ from pathlib import Path
 
 import pytest
 
+from telex_control.ros.private_master import PrivateMaster, end_tree
+from telex_experiments.paper import __main__ as program
+from telex_experiments.paper import registry, schedule
+from telex_experiments.paper.experiment import Experiment, Figure, Picture, Result, Table, missing
+from telex_experiments.paper.one import carry_out
+from telex_experiments.paper.page import Run, number, page
+from telex_experiments.paper.recorder import Throttle, rates
+from telex_experiments.paper.schedule import Outcome, Schedule, planned
+from telex_experiments.paper.session import Session
+
 ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "benchmarks"))
-
-from paper import __main__ as program  # noqa: E402
-from paper import registry, schedule  # noqa: E402
-from paper.experiment import Experiment, Figure, Picture, Result, Table, missing  # noqa: E402
-from paper.one import carry_out  # noqa: E402
-from paper.page import Run, number, page  # noqa: E402
-from paper.recorder import Throttle, rates  # noqa: E402
-from paper.schedule import Outcome, Schedule, planned  # noqa: E402
-from paper.session import Session  # noqa: E402
-
-from telex_control.ros.private_master import PrivateMaster, end_tree  # noqa: E402
 
 RUN = Run("2026-01-01 12:00", "a processor", "commit abc", False, 1, 90.0)
 VOID = {"meta", "link", "img", "br"}
@@ -328,8 +326,8 @@ def test_the_whole_run_fits_its_time():
 
 FAKE = """
 import os, subprocess, sys, time
-from paper import registry
-from paper.experiment import Experiment, Figure, Result, Table
+from telex_experiments.paper import registry
+from telex_experiments.paper.experiment import Experiment, Figure, Result, Table
 
 def experiment(name, run, **more):
     words = dict.fromkeys(("paper", "title", "claim", "method", "bar"), name)
@@ -384,7 +382,7 @@ EXPERIMENTS = (
 
 NO_ROS = """
 import contextlib
-from paper import session
+from telex_experiments.paper import session
 session.Session.__enter__ = lambda self: self
 session.Session.__exit__ = lambda self, *exception: None
 """
@@ -400,16 +398,16 @@ def fakes(tmp_path, monkeypatch):
     (modules / "sitecustomize.py").write_text(
         "import sys\n"
         "def register():\n"
-        "    from paper import registry\n"
+        "    from telex_experiments.paper import registry\n"
         "    registry.MODULES = ('fakes',)\n"
         "class Finder:\n"
         "    def find_spec(self, name, path=None, target=None):\n"
-        "        if name == 'paper.one':\n"
+        "        if name == 'telex_experiments.paper.one':\n"
         "            sys.meta_path.remove(self)\n"
         "            register()\n"
         "sys.meta_path.insert(0, Finder())\n"
     )
-    paths = [modules, ROOT / "tests", ROOT / "benchmarks", os.environ.get("PYTHONPATH", "")]
+    paths = [modules, os.environ.get("PYTHONPATH", "")]
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join(map(str, paths)))
     monkeypatch.syspath_prepend(str(modules))
     monkeypatch.setattr(registry, "MODULES", ("fakes",))
@@ -463,8 +461,10 @@ def test_one_that_takes_too_long_is_ended_with_all_that_it_started(fakes, monkey
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_run_leaves_no_process_behind(fakes, number):
-    command = "import sys; from paper import registry; registry.MODULES = ('fakes',)\n"
-    command += "from paper.__main__ import main; sys.argv[0] = 'x'; main()"
+    command = (
+        "import sys; from telex_experiments.paper import registry; registry.MODULES = ('fakes',)\n"
+    )
+    command += "from telex_experiments.paper.__main__ import main; sys.argv[0] = 'x'; main()"
     process = subprocess.Popen(
         [sys.executable, "-c", command, "--only", "endless", "--out", str(fakes)],
         stdout=subprocess.PIPE,
@@ -590,11 +590,10 @@ def test_a_bag_begins_with_the_sim_time(tmp_path):
     import rosbag
 
     with PrivateMaster() as master:
-        paths = [*sys.path, str(ROOT / "tests")]
-        environment = master.environment(PYTHONPATH=os.pathsep.join(filter(None, paths)))
+        environment = master.environment(PYTHONPATH=os.pathsep.join(filter(None, sys.path)))
         subprocess.run(["rosparam", "set", "/use_sim_time", "true"], env=environment, check=True)
         path = tmp_path / "run.bag"
-        recorder = [sys.executable, "-m", "paper.recorder", str(path), "/telex"]
+        recorder = [sys.executable, "-m", "telex_experiments.paper.recorder", str(path), "/telex"]
         started = []
         try:
             for command in ([sys.executable, "-c", LATE_CLOCK], recorder):

@@ -12,12 +12,13 @@ FILES = sorted(SOURCES.glob("*/setup.py"))
 
 
 def named(path):
-    """Value of the keyword `packages` in a setup.py."""
-    keywords = [
-        node for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.keyword)
-    ]
-    (packages,) = [ast.literal_eval(each.value) for each in keywords if each.arg == "packages"]
-    return packages
+    """Folder and names of the packages of a setup.py."""
+    values = {
+        node.arg: ast.literal_eval(node.value)
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.keyword) and node.arg
+    }
+    return path.parent / values["package_dir"][""], values["packages"]
 
 
 def there(folder):
@@ -29,10 +30,14 @@ def there(folder):
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.parent.name)
 def test_every_package_is_named(path):
-    assert sorted(named(path)) == there(path.parent / "src")
+    folder, packages = named(path)
+    assert sorted(packages) == there(folder)
 
 
 def test_every_folder_of_packages_has_a_setup_file():
-    assert {path.parents[2] for path in SOURCES.glob("*/src/*/__init__.py")} == {
-        path.parent for path in FILES
+    found = {
+        path.parents[2]
+        for folder in ("src", "cad")
+        for path in SOURCES.glob(f"*/{folder}/*/__init__.py")
     }
+    assert found == {path.parent for path in FILES}

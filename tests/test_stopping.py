@@ -6,7 +6,8 @@ All ways of it, with their figures: ``benchmarks/mobility --only stopping``.
 from __future__ import annotations
 
 import pytest
-from mobility import stopping
+
+from telex_experiments.mobility.balance import stopping
 
 WAYS = {"silence": (stopping.fall_silent, 0.55, 0.45), "closed": (stopping.close, 0.30, 0.15)}
 

@@ -1,8 +1,6 @@
 from __future__ import annotations
 
-import sys
 import threading
-from pathlib import Path
 from typing import Any, Dict, List
 
 import pytest
@@ -20,7 +18,6 @@ from telex_control.manager.controller_manager import ControllerManager
 from telex_control.ros.local_node_handle import LocalNodeHandle
 
 # The tests of this package import the modules that they share from this directory.
-sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 URDF = """
 <robot name="bench">

@@ -1,8 +1,7 @@
-"""Lets the tests of this package import the modules that they share, and the generator's."""
+"""The model that the tests of this package share."""
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,7 +9,6 @@ import pytest
 from urdf_parser_py.urdf import URDF
 
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "cad")]
 
 if TYPE_CHECKING:
     from telex_cad.figures import Figures

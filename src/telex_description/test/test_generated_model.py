@@ -12,22 +12,20 @@ from typing import Dict, List, Tuple
 
 import numpy as np
 import pytest
+from manifold3d import Manifold
 from shipped_robot import PACKAGE, expanded
+from telex_cad import hull, running_gear
+from telex_cad.assembly import Assembly
+from telex_cad.figures import Figures
+from telex_cad.link_model import LinkModel, volume_moments
+from telex_cad.materials import MATERIALS
+from telex_cad.mesh_files import visual_obj
+from telex_cad.solids import box, cylinder, hose, outline_of, ring, warning_stripes
 from urdf_parser_py.urdf import URDF, Mesh
 
 SCRIPT = PACKAGE / "scripts" / "generate_model"
 MESH_ADDRESS = "package://telex_description"
 
-pytest.importorskip("manifold3d", reason="the generator needs requirements-test.txt")
-
-from manifold3d import Manifold  # noqa: E402
-from telex_cad import hull, running_gear  # noqa: E402
-from telex_cad.assembly import Assembly  # noqa: E402
-from telex_cad.figures import Figures  # noqa: E402
-from telex_cad.link_model import LinkModel, volume_moments  # noqa: E402
-from telex_cad.materials import MATERIALS  # noqa: E402
-from telex_cad.mesh_files import visual_obj  # noqa: E402
-from telex_cad.solids import box, cylinder, hose, outline_of, ring, warning_stripes  # noqa: E402
 
 TRIANGLES = 60_000
 HULL_AND_RUNNING_GEAR = 40_000

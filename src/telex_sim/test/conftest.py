@@ -1,8 +1,5 @@
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import pytest
 
 from telex_sim.engine.world import World
@@ -13,7 +10,6 @@ from telex_sim.scene.objects.assembly import assemble
 from telex_sim.scene.objects.bodies import SceneBodies
 
 # The tests of this package import the modules that they share from this directory.
-sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 
 @pytest.fixture(scope="session")

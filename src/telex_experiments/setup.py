@@ -1,0 +1,24 @@
+"""Tells catkin where the Python package lives; not meant to be run by hand."""
+
+from distutils.core import setup
+
+from catkin_pkg.python_setup import generate_distutils_setup
+
+setup(
+    **generate_distutils_setup(
+        packages=[
+            "telex_experiments",
+            "telex_experiments.cameras",
+            "telex_experiments.console",
+            "telex_experiments.grasping",
+            "telex_experiments.mobility",
+            "telex_experiments.mobility.balance",
+            "telex_experiments.mobility.terrain",
+            "telex_experiments.operators",
+            "telex_experiments.paper",
+            "telex_experiments.paper.experiments",
+            "telex_experiments.rigs",
+        ],
+        package_dir={"": "src"},
+    )
+)

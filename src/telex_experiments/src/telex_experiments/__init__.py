@@ -1,0 +1,1 @@
+"""Experiments with the simulator: programs over the product, neither product nor test."""

@@ -1,0 +1,280 @@
+"""Cost of a picture of a recorded scene: no ROS is needed, and no simulator.
+
+`record` makes the recording anew, with both.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import json
+import statistics
+import time
+from pathlib import Path
+from typing import Any, Dict, List, NamedTuple
+
+import numpy as np
+import simplejpeg
+import yaml
+
+from telex_control.common.params import read_config
+from telex_experiments.rigs.report import Figure
+from telex_sim.cameras.cameras_config import CamerasConfig
+from telex_sim.cameras.drawing.gl_context import create_context
+from telex_sim.cameras.drawing.light.daylight import Lighting
+from telex_sim.cameras.drawing.quality import choose_quality
+from telex_sim.cameras.drawing.renderer import Renderer
+from telex_sim.cameras.drawing.scene_renderer import SceneRenderer
+from telex_sim.cameras.drawing.tiny_renderer import TinyRenderer
+from telex_sim.cameras.optics.camera_sensor import CameraSensor
+from telex_sim.cameras.optics.exposure import ExposureControl
+from telex_sim.cameras.optics.pinhole import PinholeCamera
+from telex_sim.scene.visual_scene import Daylight, Lamp, Scene, Shape, Visual
+
+from ..workspace import ROOT
+
+WORLD = "training_hall"
+NAMES = ("front", "rear", "arm", "gripper", "turret", "mast")
+LARGE = {"width": 640, "height": 480}
+MAIN = {"width": 1280, "height": 720}
+RECORDING = Path(__file__).with_name(f"{WORLD}.npz")
+PACKAGES = ROOT / "src"
+QUALITY = 80
+"""Of JPEG, as the node's."""
+
+
+def package_path(name: str) -> str:
+    """Folder of one of this repository's packages."""
+    return str(PACKAGES / name)
+
+
+class Recording(NamedTuple):
+    """A scene with the robot at rest.
+
+    Attributes
+    ----------
+    scene : Scene
+    model : str
+        Name of the robot in it.
+    frames_in_world : ndarray, shape (frames, 4, 4)
+    """
+
+    scene: Scene
+    model: str
+    frames_in_world: np.ndarray
+
+    def camera(self, name: str) -> np.ndarray:
+        """Pose of a camera's optical frame, shape (4, 4)."""
+        index = self.scene.frames.index(f"{self.model}/{name}_camera_optical_frame")
+        return self.frames_in_world[index]
+
+
+def record(path: Path = RECORDING) -> None:
+    """Write the recording."""
+    from telex_sim.cameras.preview.scene_preview import settled
+
+    subject = settled(WORLD)
+    scene = json.dumps({"model": subject.model, **dataclasses.asdict(subject.scene)})
+    np.savez_compressed(path, scene=scene, frames_in_world=subject.frames_in_world)
+
+
+@functools.lru_cache(maxsize=None)
+def hall() -> Recording:
+    """Read the recording."""
+    with np.load(RECORDING) as file:
+        content, frames_in_world = json.loads(str(file["scene"])), file["frames_in_world"]
+    model = content.pop("model")
+    content["frames"] = tuple(content["frames"])
+    content["visuals"] = tuple(
+        Visual(**{**_tuples(each), "shape": Shape(each["shape"])}) for each in content["visuals"]
+    )
+    content["lamps"] = tuple(Lamp(**_tuples(each)) for each in content["lamps"])
+    content["daylight"] = Daylight(**_tuples(content["daylight"]))
+    return Recording(Scene(**content), model, frames_in_world)
+
+
+def _tuples(content: Dict[str, Any]) -> Dict[str, Any]:
+    return {
+        name: tuple(value) if isinstance(value, list) else value for name, value in content.items()
+    }
+
+
+class BarePicture:
+    """The front camera's 640x480 by getCameraImage, with nothing around it but an array."""
+
+    def __init__(self) -> None:
+        recording = hall()
+        self._renderer = TinyRenderer(package_path)
+        self._renderer.load_scene(recording.scene)
+        self._renderer.place(recording.frames_in_world, np.zeros(3))
+        self._pose = recording.camera("front")
+        self._camera = PinholeCamera(LARGE["width"], LARGE["height"], 1.5, 0.05, 100.0)
+
+    def cost(self) -> float:
+        """CPU time of a picture (s)."""
+        began = time.thread_time()
+        self._renderer.render(self._camera, self._pose)
+        return time.thread_time() - began
+
+
+@functools.lru_cache(maxsize=None)
+def bare_picture() -> BarePicture:
+    """The one of this process, and of those that are forked from it."""
+    return BarePicture()
+
+
+class Cost(NamedTuple):
+    """What a picture costs (s): CPU time and wall time with its JPEG; the JPEG alone, wall time."""
+
+    cpu: float
+    wall: float
+    encoding: float
+
+
+class Views:
+    """Some cameras of the recorded robot, which moves between rounds.
+
+    Parameters
+    ----------
+    names : tuple of str
+    size : dict
+        Width and height (pixels).
+    """
+
+    def __init__(self, names: tuple, size: Dict[str, int]) -> None:
+        recording = self._recording = hall()
+        path = f"{package_path('telex_description')}/config/cameras.yaml"
+        with open(path) as file:
+            config = read_config(CamerasConfig, yaml.safe_load(file), "cameras.yaml")
+        self._views = [
+            (
+                CameraSensor(
+                    dataclasses.replace(config.cameras[name], **size), 1.0, 0, ExposureControl()
+                ),
+                recording.camera(name),
+            )
+            for name in names
+        ]
+        robot = [frame.startswith(f"{recording.model}/") for frame in recording.scene.frames]
+        # So that its shadows have to be cast anew.
+        self._frames = [recording.frames_in_world, recording.frames_in_world.copy()]
+        self._frames[1][np.array(robot), 2, 3] += 0.001
+
+    def __len__(self) -> int:
+        """How many views there are."""
+        return len(self._views)
+
+    def load(self, renderer: SceneRenderer) -> None:
+        """Show the scene with a renderer."""
+        renderer.load_scene(self._recording.scene)
+        self.round(renderer, 0)
+
+    def round(self, renderer: SceneRenderer, number: int) -> Cost:
+        """Take a picture of each view at new poses; the mean of what they cost."""
+        focus = np.mean([pose[:3, 3] for _, pose in self._views], axis=0)
+        cpu, began, encoding = time.process_time(), time.perf_counter(), 0.0
+        renderer.place(self._frames[number % 2], focus)
+        for sensor, pose in self._views:
+            picture = sensor.take(renderer, [pose], number)
+            taken = time.perf_counter()
+            simplejpeg.encode_jpeg(
+                picture, QUALITY, colorspace="RGBA", colorsubsampling="420", fastdct=True
+            )
+            encoding += time.perf_counter() - taken
+        used = time.process_time() - cpu, time.perf_counter() - began, encoding
+        return Cost(*(each / len(self._views) for each in used))
+
+
+def told(figures: List[Figure]) -> List[Figure]:
+    """Print figures as soon as they are there."""
+    for figure in figures:
+        print(f"  {figure.name}: {figure.value:.4g} {figure.unit}", flush=True)
+    return figures
+
+
+def renderer_figures(rounds: int) -> List[Figure]:
+    """The same views by both renderers, in turn, so that both meet the same machine."""
+    views = Views(NAMES, LARGE)
+    context = create_context()
+    quality = choose_quality("auto", context.info["GL_RENDERER"])
+    own = Renderer(context, quality, Lighting(), package_path)
+    others = {"without": TinyRenderer(package_path), "with": TinyRenderer(package_path, True)}
+    for renderer in (own, *others.values()):
+        views.load(renderer)
+    costs: List[Cost] = []
+    times: Dict[str, List[float]] = {name: [] for name in others}
+    for number in range(1, rounds + 1):
+        costs.append(views.round(own, number))
+        for name, renderer in others.items():
+            times[name].append(views.round(renderer, number).cpu)
+        print(f"  {number} of {rounds} rounds", flush=True)
+    cpu = statistics.median(cost.cpu for cost in costs)
+    figures = [Figure("640x480 with JPEG, mean of six views: CPU", cpu * 1e3, "ms")]
+    for (name, found), least in zip(times.items(), (5.0, 12.0)):
+        other = statistics.median(found)
+        label = f"TinyRenderer {name} shadow"
+        figures += [
+            Figure(f"{label}: CPU", other * 1e3, "ms"),
+            Figure(f"{label} / ours", other / cpu, "times", at_least=least),
+        ]
+    figures += timed("six 640x480", views, own, context, rounds)
+    main = Views(NAMES[:1], MAIN)
+    main.load(own)
+    figures += timed("1280x720", main, own, context, rounds)
+    for renderer in (own, *others.values()):
+        renderer.release()
+    print(f"  OpenGL: {context.info['GL_RENDERER']}", flush=True)
+    return told(figures)
+
+
+class OnCard:
+    """A renderer whose pictures are timed on the graphics card.
+
+    Attributes
+    ----------
+    spent : float
+        On all pictures so far (s).
+    repeats : bool
+        As `Renderer` has it.
+    """
+
+    def __init__(self, renderer: Renderer, context: Any) -> None:
+        self._renderer = renderer
+        self.repeats = False
+        self._query = context.query(time=True)
+        self.spent = 0.0
+
+    def place(self, *arguments: Any) -> None:
+        """See `Renderer`."""
+        self._renderer.place(*arguments)
+
+    def render(self, *arguments: Any) -> np.ndarray:
+        """See `Renderer`."""
+        with self._query:
+            picture = self._renderer.render(*arguments)
+        self.spent += 1e-9 * self._query.elapsed
+        self.repeats = self._renderer.repeats
+        return picture
+
+
+def timed(name: str, views: Views, renderer: Renderer, context: Any, rounds: int) -> List[Figure]:
+    """Time each picture on the graphics card, in all, and its encoding."""
+    views.round(renderer, 0)
+    card, costs, on_card = OnCard(renderer, context), [], []
+    for number in range(1, 4 * rounds + 1):
+        before = card.spent
+        costs.append(views.round(card, number))
+        on_card.append(card.spent - before)
+    count = len(views)
+    wall = statistics.median(cost.wall for cost in costs)
+    encoding = statistics.median(cost.encoding for cost in costs)
+    return [
+        Figure(f"{name}: GPU time of a picture", statistics.median(on_card) / count * 1e3, "ms"),
+        Figure(f"{name}: encoding of a picture", encoding * 1e3, "ms"),
+        Figure(f"{name}: picture with JPEG", wall * 1e3, "ms"),
+        Figure(f"{name}: each view, one after the other", 1.0 / (count * wall), "fps"),
+    ]
+
+
+if __name__ == "__main__":
+    record()

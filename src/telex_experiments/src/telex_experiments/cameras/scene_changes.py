@@ -1,0 +1,94 @@
+"""Time from ``sim/load_scene`` to the first picture of the new scene."""
+
+from __future__ import annotations
+
+import threading
+import time
+import urllib.request
+from typing import List, Sequence, Tuple
+
+import rospy
+from telex_msgs.msg import SceneDescription
+from telex_msgs.srv import LoadScene
+
+from telex_experiments.rigs.private_simulator import PrivateSimulator
+from telex_experiments.rigs.report import Figure
+
+_CAMERA = "/telex/cameras/front/image_raw"
+_REST = 1.0
+"""Between two changes (s)."""
+
+_START = 8.0
+"""Time (s) from the first picture on in which other nodes still start, and take the processors."""
+
+
+class _Viewer:
+    """Reads an MJPEG stream; `arrivals` are the stamps of pictures and when they came (s)."""
+
+    def __init__(self, url: str) -> None:
+        self.arrivals: List[Tuple[float, float]] = []
+        self._answer = urllib.request.urlopen(f"{url}/stream?topic={_CAMERA}", timeout=30.0)
+        threading.Thread(target=self._read, daemon=True).start()
+
+    def _read(self) -> None:
+        stamp, length = 0.0, 0
+        for line in iter(self._answer.readline, b""):
+            name, _, value = line.lower().partition(b":")
+            if name == b"x-timestamp":
+                stamp = float(value)
+            elif name == b"content-length":
+                length = int(value)
+            elif length and not line.strip():
+                self._answer.read(length)
+                self.arrivals.append((stamp, time.monotonic()))
+                length = 0
+
+
+def change_figures(
+    simulator: PrivateSimulator, judged: bool, changing: Sequence[str]
+) -> List[Figure]:
+    """Load one scene after the other in the whole simulator, whose master is this node's.
+
+    Parameters
+    ----------
+    simulator : PrivateSimulator
+    judged : bool
+        Whether the scenes have been prepared, so that they have to come soon.
+    changing : sequence of str
+        Names of scenes.
+    """
+    stamps: List[float] = []
+    figures: List[Figure] = []
+    url = simulator.wait_for_param("/telex/video_server/url")
+    subscriber = rospy.Subscriber(
+        "/telex/sim/scene",
+        SceneDescription,
+        lambda scene: stamps.append(scene.header.stamp.to_sec()),
+    )
+    simulator.wait_for("scene", lambda: stamps)
+    simulator.wait_for("camera", _camera_is_there)
+    viewer = _Viewer(url)
+    simulator.wait_for("camera picture", lambda: viewer.arrivals)
+    load = rospy.ServiceProxy("/telex/sim/load_scene", LoadScene)
+    time.sleep(_START if judged else 0.0)
+    for scene in changing:
+        time.sleep(_REST)
+        before, asked = len(stamps), time.monotonic()
+        answer = load(scene)
+        answered = time.monotonic() - asked
+        if not answer.success:
+            raise RuntimeError(f"sim/load_scene {scene}: {answer.message}")
+        simulator.wait_for("scene", lambda before=before: len(stamps) > before)
+        # No picture of the old scene has a stamp as late as the new scene's.
+        came = simulator.wait_for(
+            "picture", lambda: [at for stamp, at in viewer.arrivals if stamp >= stamps[-1]]
+        )
+        most = 1.0 if judged else None
+        figures.append(Figure(f"{scene}: the call is answered", answered, "s"))
+        figures.append(Figure(f"{scene}: first picture", came[0] - asked, "s", at_most=most))
+    subscriber.unregister()
+    return figures
+
+
+def _camera_is_there() -> bool:
+    return f"{_CAMERA}/compressed" in {name for name, _ in rospy.get_published_topics()}

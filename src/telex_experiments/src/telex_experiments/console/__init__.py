@@ -1,0 +1,1 @@
+"""Measurements of the operator's console with a browser before it."""

@@ -1,0 +1,1 @@
+"""Loads, stopping and falling over."""

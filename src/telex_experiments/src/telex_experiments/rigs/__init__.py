@@ -1,0 +1,1 @@
+"""Rigs of the benchmarks: simulators and browsers of their own, viewers, reports."""
