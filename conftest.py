@@ -1,4 +1,4 @@
-"""How the tests share the machine when pytest-xdist distributes them (``-n 3 --dist loadgroup``).
+"""Distribution of the tests among pytest-xdist's workers (``-n 3 --dist loadgroup``).
 
 What needs a ROS master, a browser or wall time and works the machine hard runs one after the other
 in one worker; what needs them and mostly waits, in a second one. The other workers meanwhile run

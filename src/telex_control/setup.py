@@ -19,6 +19,7 @@ setup(
             "telex_control.laws",
             "telex_control.manager",
             "telex_control.ros",
+            "telex_control.ros.rospy_fixes",
             "telex_control.step_response",
             "telex_control.trajectory",
             "telex_control.urdf",

@@ -8,6 +8,9 @@ setup(
     **generate_distutils_setup(
         packages=[
             "telex_cad",
+            "telex_cad.files",
+            "telex_cad.hull_parts",
+            "telex_cad.upper",
         ],
         package_dir={"": "cad"},
     )

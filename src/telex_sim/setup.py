@@ -20,6 +20,8 @@ setup(
             "telex_sim.proximity",
             "telex_sim.rehearsal",
             "telex_sim.robot",
+            "telex_sim.robot.gripper",
+            "telex_sim.robot.urdf",
             "telex_sim.ros",
             "telex_sim.scene",
             "telex_sim.scene.files",

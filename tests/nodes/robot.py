@@ -16,7 +16,7 @@ from geometry_msgs.msg import PoseStamped, Twist
 from sensor_msgs.msg import JointState
 from telex_msgs.msg import JointTeleopStatus, SimStatus, TrackTeleopStatus
 
-from telex_control.ros.publisher_updates import miss_nothing
+from telex_control.ros.rospy_fixes.connecting import miss_nothing
 
 miss_nothing()
 

@@ -6,7 +6,7 @@ import rospy
 import rospy.impl.simtime
 from rosgraph_msgs.msg import Clock
 
-from telex_control.ros import coarse_clock
+from telex_control.ros.rospy_fixes import coarse_clock
 
 
 def test_the_reader_of_the_clock_rests_after_each_message(monkeypatch):

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from telex_control.ros.direct_sending import DirectConnection
+from telex_control.ros.rospy_fixes.direct_sending import DirectConnection
 
 SMALL = b"small message "
 LARGE = bytes(range(256)) * 40_000  # more than both sockets' buffers hold

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from types import SimpleNamespace as Namespace
 
-from telex_control.ros.connections import is_connected, open_publishers, sender_of
+from telex_control.ros.rospy_fixes.connections import is_connected, open_publishers, sender_of
 
 
 def test_a_publisher_without_a_name_is_known_as_rospy_calls_it():

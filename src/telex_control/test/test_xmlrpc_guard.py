@@ -18,7 +18,11 @@ import rosgraph
 import rosgraph.xmlrpc
 
 from telex_control.ros.private_master import DIES_WITH_US, PrivateMaster, end_tree
-from telex_control.ros.xmlrpc_guard import GuardedRequestHandler, guard_xmlrpc, is_own_host
+from telex_control.ros.rospy_fixes.xmlrpc_guard import (
+    GuardedRequestHandler,
+    guard_xmlrpc,
+    is_own_host,
+)
 
 XML = {"Content-Type": "text/xml"}
 NODE = """

@@ -9,10 +9,11 @@ from typing import Dict, List
 import numpy as np
 import pytest
 from shipped_robot import PACKAGE, expanded
-from telex_cad import arm, gripper, tools, turret
+from telex_cad import tools
 from telex_cad.assembly import Assembly, rotation_rpy
 from telex_cad.figures import Figures
 from telex_cad.link_model import LinkModel
+from telex_cad.upper import arm, gripper, turret
 from urdf_parser_py.urdf import URDF, Box, Collision, Cylinder
 
 SIDES = ("left", "right")

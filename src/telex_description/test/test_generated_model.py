@@ -17,9 +17,9 @@ from shipped_robot import PACKAGE, expanded
 from telex_cad import hull, running_gear
 from telex_cad.assembly import Assembly
 from telex_cad.figures import Figures
+from telex_cad.files.mesh_files import visual_obj
 from telex_cad.link_model import LinkModel, volume_moments
 from telex_cad.materials import MATERIALS
-from telex_cad.mesh_files import visual_obj
 from telex_cad.solids import box, cylinder, hose, outline_of, ring, warning_stripes
 from urdf_parser_py.urdf import URDF, Mesh
 

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 from telex_control.ros.private_master import PrivateMaster, end_tree
-from telex_control.ros.publisher_updates import miss_nothing
+from telex_control.ros.rospy_fixes.connecting import miss_nothing
 
 NODE = Path(__file__).parents[1] / "nodes" / "cameras"
 SIZE = (160, 120)

@@ -10,8 +10,8 @@ from std_msgs.msg import Float64
 
 from telex_control.common.params import ConfigError, read_config
 from telex_control.controllers.parallel_gripper_controller import FingerGeometry
-from telex_sim.robot.gripper_contact import GripperContacts
-from telex_sim.robot.gripper_contact_config import GripperContactConfig
+from telex_sim.robot.gripper.contact import GripperContacts
+from telex_sim.robot.gripper.contact_config import GripperContactConfig
 
 PADS = ["left_tip", "right_tip"]
 

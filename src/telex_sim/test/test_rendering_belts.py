@@ -18,7 +18,7 @@ from telex_sim.cameras.drawing.meshes.belts import (
 from telex_sim.cameras.drawing.quality import TIERS
 from telex_sim.cameras.optics.pinhole import PinholeCamera
 from telex_sim.cameras.preview.still import Still, looking
-from telex_sim.robot.urdf_visuals import urdf_visuals
+from telex_sim.robot.urdf.visuals import urdf_visuals
 from telex_sim.scene.transforms import pose_matrices
 from telex_sim.scene.visual_scene import Daylight, Scene, Shape, Visual
 

@@ -3,7 +3,7 @@ import math
 import pytest
 
 from telex_control.urdf.elements import UrdfError
-from telex_sim.robot.urdf_visuals import DEFAULT_COLOR, urdf_visuals
+from telex_sim.robot.urdf.visuals import DEFAULT_COLOR, urdf_visuals
 from telex_sim.scene.visual_scene import Shape
 
 ROBOT = """<?xml version="1.0" encoding="utf-8"?>

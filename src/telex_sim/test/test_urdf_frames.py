@@ -10,7 +10,7 @@ import pybullet
 import pytest
 
 from telex_sim.engine.world import World
-from telex_sim.robot.urdf_frames import take_out_frames, take_out_wheels
+from telex_sim.robot.urdf.frames import take_out_frames, take_out_wheels
 
 LINKS = """
 <robot name="cart">

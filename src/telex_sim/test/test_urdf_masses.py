@@ -9,7 +9,7 @@ import pybullet
 import pytest
 
 from telex_sim.engine.world import World
-from telex_sim.robot.urdf_masses import complete_masses, massless_joints
+from telex_sim.robot.urdf.masses import complete_masses, massless_joints
 
 
 @pytest.fixture

@@ -18,7 +18,7 @@ import pytest
 from teleop_drill import wait_for
 
 from telex_control.ros.private_master import PrivateMaster
-from telex_control.ros.publisher_updates import miss_nothing
+from telex_control.ros.rospy_fixes.connecting import miss_nothing
 
 NODES = Path(__file__).parents[1] / "nodes"
 ROBOT = "/robot7"

@@ -25,7 +25,7 @@ import rospy
 import yaml
 from telex_msgs.msg import FlipperPresetAction, FlipperPresetFeedback, FlipperPresetResult
 
-from telex_control.ros.publisher_updates import miss_nothing
+from telex_control.ros.rospy_fixes.connecting import miss_nothing
 
 
 class Probe:

@@ -1,4 +1,4 @@
 """The guard of XML-RPC servers, under the name that programs import."""
 
-from .ros.xmlrpc_guard import *  # noqa: F403
-from .ros.xmlrpc_guard import __all__  # noqa: F401
+from .ros.rospy_fixes.xmlrpc_guard import *  # noqa: F403
+from .ros.rospy_fixes.xmlrpc_guard import __all__  # noqa: F401

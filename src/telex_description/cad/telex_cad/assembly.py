@@ -14,10 +14,11 @@ import numpy as np
 from manifold3d import Manifold
 from urdf_parser_py.urdf import URDF, Joint
 
-from . import arm, gripper, hull, running_gear, tools, turret
+from . import hull, running_gear, tools
 from .figures import Figures
 from .link_model import LinkModel
 from .solids import union
+from .upper import arm, gripper, turret
 
 
 class Gap(NamedTuple):

@@ -9,12 +9,15 @@ from typing import List
 
 from manifold3d import JoinType
 
-from . import hull_deck, hull_ends, hull_sides, mast
 from .figures import Figures
-from .hull_deck import HATCHES
-from .hull_plan import HullPlan
+from .hull_parts import deck as hull_deck
+from .hull_parts import ends as hull_ends
+from .hull_parts import sides as hull_sides
+from .hull_parts.deck import HATCHES
+from .hull_parts.plan import HullPlan
 from .link_model import LinkModel
 from .solids import box, cylinder, outline_of, prism, slab, turned
+from .upper import mast
 
 WALL = 0.005
 # To the left, where batteries and electronics stand

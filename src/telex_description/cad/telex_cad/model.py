@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Dict, List, Sequence
 
-from . import arm, gripper, hull, running_gear, tools, turret
+from . import hull, running_gear, tools
 from .figures import Figures
-from .link_model import HullShape, LinkModel, MassProperties
-from .materials import MATERIALS
-from .mesh_files import LIBRARY, hull_obj, material_library, visual_obj
-from .xacro_files import (
+from .files.mesh_files import LIBRARY, hull_obj, material_library, visual_obj
+from .files.xacro_files import (
     body_macro,
     collision_mesh,
     document,
@@ -18,6 +16,9 @@ from .xacro_files import (
     material_element,
     visual_mesh,
 )
+from .link_model import HullShape, LinkModel, MassProperties
+from .materials import MATERIALS
+from .upper import arm, gripper, turret
 
 GENERATED = "urdf/generated"
 

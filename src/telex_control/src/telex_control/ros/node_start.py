@@ -15,10 +15,10 @@ import rospy
 from rospy.core import is_shutdown_requested
 
 from ..common.calm_log import calm_log
-from .coarse_clock import read_clock_seldom
-from .direct_sending import send_directly
-from .publisher_updates import miss_nothing
-from .xmlrpc_guard import guard_xmlrpc
+from .rospy_fixes.coarse_clock import read_clock_seldom
+from .rospy_fixes.connecting import miss_nothing
+from .rospy_fixes.direct_sending import send_directly
+from .rospy_fixes.xmlrpc_guard import guard_xmlrpc
 
 __all__ = ["init_node", "until_shutdown"]
 

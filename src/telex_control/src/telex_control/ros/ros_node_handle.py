@@ -12,7 +12,6 @@ import actionlib
 import rospy
 from dynamic_reconfigure.server import Server as ReconfigureServer
 
-from .connections import is_connected, sender_of
 from .node_handle import (
     ActionGoal,
     NodeHandle,
@@ -22,6 +21,7 @@ from .node_handle import (
     Subscription,
 )
 from .publisher import RosPublisher
+from .rospy_fixes.connections import is_connected, sender_of
 
 
 class RosSubscription(Subscription):

@@ -25,7 +25,7 @@ from telex_control.kinematics import Chain, IKSolver, Tolerance
 from telex_experiments.mobility.scripted_operator import Operator
 from telex_sim.engine.config import TUNED_PERIOD
 from telex_sim.offline.simulation import OfflineSimulation, package_file, robot_description
-from telex_sim.robot.gripper_contact import GripperContact
+from telex_sim.robot.gripper.contact import GripperContact
 
 PLACE = (1.0, 0.0, 0.6)
 """Where the tool starts, in base_link (m): from here it can be shaken however the hand points."""

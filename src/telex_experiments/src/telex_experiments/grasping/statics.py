@@ -1,4 +1,4 @@
-"""What statics say of a grip: nothing of the simulation."""
+"""Statics of a grip, computed without the simulation."""
 
 from __future__ import annotations
 

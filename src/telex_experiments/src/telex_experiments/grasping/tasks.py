@@ -1,4 +1,4 @@
-"""What the paper's operators did, and more: a briefcase, a pallet, a valve, stairs."""
+"""Grasping tasks: those of the paper (a briefcase, a pallet), a valve, stairs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is gripped: objects of the library, and where the hand takes them."""
+"""Objects of the library that are gripped, and the places where the hand takes them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an operator knows of the robot's size (m), from ``telex_description/config/robot.xacro``."""
+"""The robot's size (m) as an operator knows it, from ``telex_description/config/robot.xacro``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an operator sits at: commands to the teleoperation nodes, and what comes back."""
+"""An operator's station: commands to the teleoperation nodes, and their answers."""
 
 from __future__ import annotations
 

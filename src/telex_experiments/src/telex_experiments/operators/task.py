@@ -1,4 +1,4 @@
-"""What the tasks of figure 9 have in common: things put before the robot, work, and a verdict."""
+"""Base class of the tasks of figure 9: objects put before the robot, work, and a verdict."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What can be told from pictures: things of a colour, lines of sight, a cube's place and turn."""
+"""Measurements in pictures: things of a colour, lines of sight, the pose of a cube."""
 
 from __future__ import annotations
 

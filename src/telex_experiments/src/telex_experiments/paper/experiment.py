@@ -1,4 +1,4 @@
-"""What an experiment is, and what it yields."""
+"""Experiments and their results, as plain data."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ from rosbag import Bag, Compression
 
 from telex_control.common.scheduling import step_back
 from telex_control.ros.private_master import DIES_WITH_US, end_tree
-from telex_control.ros.publisher_updates import miss_nothing
+from telex_control.ros.rospy_fixes.connecting import miss_nothing
 
 TOPICS: Tuple[str, ...] = (
     "joint_states",

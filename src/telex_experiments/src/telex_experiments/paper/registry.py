@@ -1,4 +1,4 @@
-"""Which experiments there are, in the order of the paper."""
+"""List of the experiments, in the order of the paper."""
 
 from __future__ import annotations
 

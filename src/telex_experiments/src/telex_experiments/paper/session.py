@@ -1,4 +1,4 @@
-"""What an experiment works with: a ROS master of its own, the simulator, a folder, a seed."""
+"""An experiment's surroundings: a ROS master of its own, the simulator, a folder, a seed."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from telex_msgs.msg import SceneDescription
 from telex_msgs.srv import ConfigureCamera
 
 from telex_control.ros.private_master import PrivateMaster
-from telex_control.ros.publisher_updates import miss_nothing
+from telex_control.ros.rospy_fixes.connecting import miss_nothing
 
 from .recorder import PICTURES, Recorder
 from .simulator import Argument, Simulator

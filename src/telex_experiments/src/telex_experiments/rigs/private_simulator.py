@@ -15,7 +15,7 @@ from typing import Any, Callable, Dict, List, TypeVar
 import rosgraph
 
 from telex_control.ros.private_master import DIES_WITH_US, descendants, end_tree, free_port
-from telex_control.ros.publisher_updates import miss_nothing
+from telex_control.ros.rospy_fixes.connecting import miss_nothing
 
 Value = TypeVar("Value")
 

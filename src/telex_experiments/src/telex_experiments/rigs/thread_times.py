@@ -1,4 +1,4 @@
-"""Who had the processors: how long each thread of the machine ran, and how long it waited for one.
+"""Use of the processors: how long each thread of the machine ran, and waited for one.
 
 Read from /proc/*/task/*/schedstat, as far as it may be read.
 """

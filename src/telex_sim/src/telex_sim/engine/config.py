@@ -8,7 +8,7 @@ from typing import Any, Dict, Mapping, Optional, Tuple
 from telex_control.common.params import read_config, require, require_range, require_text
 
 from ..proximity.config import ProximityConfig
-from ..robot.gripper_contact_config import GripperContactConfig
+from ..robot.gripper.contact_config import GripperContactConfig
 from ..robot.imu_noise import ImuNoise
 from ..robot.self_collision import SelfCollisionConfig
 from ..stability.force_angle import StabilityConfig

@@ -18,7 +18,7 @@ from telex_control.urdf.joints import UrdfError
 
 from ..proximity.guard import Proximity
 from ..rehearsal.trial import Rehearsal, check_names, check_scene
-from ..robot.gripper_contact import GripperContact
+from ..robot.gripper.contact import GripperContact
 from ..robot.meshes import check_meshes
 from ..robot.robot import Robot
 from ..robot.robot_hw_sim import RobotHWSim

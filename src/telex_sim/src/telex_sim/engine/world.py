@@ -14,8 +14,8 @@ import pybullet
 
 from telex_control.urdf.elements import read_xml
 
-from ..robot.urdf_frames import Frame, take_out_frames, take_out_wheels
-from ..robot.urdf_masses import complete_masses
+from ..robot.urdf.frames import Frame, take_out_frames, take_out_wheels
+from ..robot.urdf.masses import complete_masses
 from .overlaps import neighbours
 
 GRAVITY = 9.81

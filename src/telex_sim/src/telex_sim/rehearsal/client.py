@@ -15,7 +15,7 @@ from telex_control.common.params import ConfigError
 
 from ..engine.config import SimulatorConfig
 from ..robot.body import RobotBody
-from ..robot.urdf_visuals import UrdfVisual
+from ..robot.urdf.visuals import UrdfVisual
 from ..scene.model import Floor, Start
 from ..scene.objects.assembly import Assembly
 from ..scene.planning import PlannedScene

@@ -25,7 +25,7 @@ from telex_control.common.params import ConfigError
 
 from ..engine.config import SimulatorConfig
 from ..robot.body import RobotBody
-from ..robot.urdf_visuals import urdf_visuals
+from ..robot.urdf.visuals import urdf_visuals
 from ..scene.addresses import resolve_address
 from ..scene.assets import Assets
 from ..scene.catalog import find_scene, scenes

@@ -24,9 +24,9 @@ from ..scene.model import Start
 from ..tracks.tracks import Tracks
 from .body import RobotBody
 from .drives import Mode
-from .gripper_contact import GripperContacts
+from .gripper.contact import GripperContacts
 from .robot_hw_sim import RobotHWSim
-from .urdf_masses import complete_masses
+from .urdf.masses import complete_masses
 
 _log = logging.getLogger("rosout")
 

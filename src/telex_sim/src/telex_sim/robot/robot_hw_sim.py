@@ -39,7 +39,7 @@ from ..engine.world import Body
 from .drives import Drive, Mode
 from .imu import Imu
 from .link_surfaces import LinkSurfaces
-from .urdf_masses import massless_joints
+from .urdf.masses import massless_joints
 
 PID_GAINS = ("pid_gains", "gazebo_ros_control/pid_gains")
 """Where the gains of position and velocity joints stand in the robot's namespace; the first counts.

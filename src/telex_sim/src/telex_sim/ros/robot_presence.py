@@ -23,7 +23,7 @@ from telex_control.manager.services import ControllerManagerServices
 
 from ..proximity.guard import NearPair
 from ..proximity.guard import Proximity as Near
-from ..robot.gripper_contact import GripperContact as Contact
+from ..robot.gripper.contact import GripperContact as Contact
 from ..robot.robot import Robot
 from ..scene.model import WORLD_FRAME
 from ..stability.monitor import StabilityMonitor

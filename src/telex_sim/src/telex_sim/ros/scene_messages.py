@@ -16,7 +16,7 @@ from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
 from std_msgs.msg import ColorRGBA
 from telex_msgs.msg import SceneDescription, SceneLamp, ScenePoses, SceneVisual
 
-from ..robot.urdf_visuals import UrdfVisual, urdf_visuals
+from ..robot.urdf.visuals import UrdfVisual, urdf_visuals
 from ..scene import poses
 from ..scene.model import (
     WORLD_FRAME,

@@ -49,7 +49,7 @@ from ..engine.world import WorldError
 from ..rehearsal.client import RehearsalClient
 from ..robot.body import RobotBody
 from ..robot.robot import Robot
-from ..robot.urdf_visuals import UrdfVisual
+from ..robot.urdf.visuals import UrdfVisual
 from ..scene.addresses import resolve_address
 from ..scene.files.scene_file import SceneError
 from ..scene.planning import PlannedScene

@@ -11,8 +11,8 @@ from std_msgs.msg import Bool, Float64
 from telex_msgs.msg import SimStatus
 
 from telex_control.common.params import ConfigError, read_config
-from telex_control.ros.connections import sender_of
 from telex_control.ros.node_start import init_node
+from telex_control.ros.rospy_fixes.connections import sender_of
 from telex_control.urdf.joints import UrdfError
 from telex_teleop.motion.e_stop_state import EStopState
 from telex_teleop.motion.teleop_core import TeleopCore

@@ -11,7 +11,7 @@ from geometry_msgs.msg import Twist
 from sensor_msgs.msg import JointState
 from telex_msgs.msg import TrackTeleopStatus
 
-from telex_control.ros.connections import open_publishers
+from telex_control.ros.rospy_fixes.connections import open_publishers
 from telex_teleop.motion.idle_rest import IdleRest
 from telex_teleop.motion.joint_jog import InvalidCommand
 from telex_teleop.ros.common import (

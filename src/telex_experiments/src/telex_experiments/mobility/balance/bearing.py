@@ -1,4 +1,4 @@
-"""What each belt bears, and where the robot turns: measured, and beside `quasi_static`."""
+"""Load on each belt and centre of rotation: measured, and compared with `quasi_static`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What statics say of a robot on belts: its loads, and where it turns. Nothing of the simulation.
+"""Statics of a robot on belts: its loads, and its centre of rotation, without the simulation.
 
 Loads: every place that a belt can bear in is a spring of the same stiffness, and the robot a rigid
 body on them, in balance of force and moment. Turning: each place slips with the whole of Coulomb's

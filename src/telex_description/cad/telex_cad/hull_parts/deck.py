@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from manifold3d import CrossSection, JoinType, Manifold
 
-from .fittings import bolts, gland
-from .hull_plan import HullPlan, Point
-from .solids import PROUD, box, cylinder, hose, ring, slab, turned, warning_stripes
+from ..fittings import bolts, gland
+from ..solids import PROUD, box, cylinder, hose, ring, slab, turned, warning_stripes
+from .plan import HullPlan, Point
 
 # Battery covers: middle along x, sizes
 HATCHES = (-0.166, -0.012)

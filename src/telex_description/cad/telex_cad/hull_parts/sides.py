@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from .fittings import bolt_circle, bolts
-from .hull_plan import HullPlan
-from .solids import box, cylinder, hose, prism, ring
+from ..fittings import bolt_circle, bolts
+from ..solids import box, cylinder, hose, prism, ring
+from .plan import HullPlan
 
 
 def add(plan: HullPlan) -> None:

@@ -9,8 +9,8 @@ from xml.etree import ElementTree
 from telex_control.urdf.elements import UrdfError, end, number, numbers, origin, vector
 from telex_control.urdf.joints import CONTINUOUS, parse_urdf
 
-from ..scene.transforms import Quaternion, quaternion_from_rpy
-from ..scene.visual_scene import Color, Shape, Vector3
+from ...scene.transforms import Quaternion, quaternion_from_rpy
+from ...scene.visual_scene import Color, Shape, Vector3
 
 # Name of visuals that run around wheels.
 _BELT = "belt"

@@ -12,11 +12,11 @@ from typing import List
 
 from manifold3d import Manifold
 
-from .figures import Figures
-from .fittings import Point, Vector, arc_points, bolt_circle, bolts
-from .link_model import LinkModel
-from .mounting import add_tool_camera
-from .solids import box, cylinder, prism, union, warning_stripes
+from ..figures import Figures
+from ..fittings import Point, Vector, arc_points, bolt_circle, bolts
+from ..link_model import LinkModel
+from ..mounting import add_tool_camera
+from ..solids import box, cylinder, prism, union, warning_stripes
 
 # Heights: the middle link runs between the two plates of the base link, these between the lugs.
 MIDDLE_HEIGHT = 0.018

@@ -12,12 +12,12 @@ from typing import List
 
 from manifold3d import Manifold
 
-from .figures import Figures
-from .fittings import arc_points, bolt_circle, bolts, cap, clip, finned_motor, gland
-from .housings import camera_housing
-from .link_model import LinkModel
-from .mounting import mount_at
-from .solids import box, cylinder, hose, prism, turned, union, warning_stripes
+from ..figures import Figures
+from ..fittings import arc_points, bolt_circle, bolts, cap, clip, finned_motor, gland
+from ..housings import camera_housing
+from ..link_model import LinkModel
+from ..mounting import mount_at
+from ..solids import box, cylinder, hose, prism, turned, union, warning_stripes
 
 # Outer tube of the telescope, and the slide in it with its play
 TUBE_WIDTH = 0.058

@@ -13,7 +13,7 @@ from rospy.impl.tcpros_pubsub import TCPROSHandler
 from rospy.topics import _PublisherImpl
 from std_msgs.msg import String
 
-from telex_control.ros.publisher_updates import miss_nothing
+from telex_control.ros.rospy_fixes.connecting import miss_nothing
 
 
 @pytest.fixture(autouse=True)

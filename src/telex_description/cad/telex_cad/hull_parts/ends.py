@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
-from .figures import Place
-from .fittings import bolts, connector
-from .housings import camera_housing, lamp_housing, mount
-from .hull_plan import HullPlan
-from .solids import box, cylinder, hose, prism, ring, warning_stripes
+from ..figures import Place
+from ..fittings import bolts, connector
+from ..housings import camera_housing, lamp_housing, mount
+from ..solids import box, cylinder, hose, prism, ring, warning_stripes
+from .plan import HullPlan
 
 
 def add(plan: HullPlan) -> None:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import List, Tuple
 
-from .figures import Figures
-from .link_model import LinkModel
+from ..figures import Figures
+from ..link_model import LinkModel
 
 Point = Tuple[float, float]
 

@@ -10,9 +10,9 @@ from typing import Callable, Dict, List, NamedTuple, Sequence, Tuple
 
 import pybullet
 
-from ..engine.contacts import contacts, directed_contacts
-from ..engine.world import Body, Vector
-from .gripper_contact_config import GripperContactConfig
+from ...engine.contacts import contacts, directed_contacts
+from ...engine.world import Body, Vector
+from .contact_config import GripperContactConfig
 
 _FURTHEST = 1.0
 """Distance (m) up to which the other pad is looked for."""

@@ -10,8 +10,8 @@ from typing import List
 
 from manifold3d import Manifold
 
-from .figures import Figures
-from .fittings import (
+from ..figures import Figures
+from ..fittings import (
     Vector,
     arc_points,
     bolt_circle,
@@ -22,8 +22,8 @@ from .fittings import (
     gland,
     row_of_boxes,
 )
-from .link_model import LinkModel
-from .solids import box, cylinder, hose, prism, ring, turned, warning_stripes
+from ..link_model import LinkModel
+from ..solids import box, cylinder, hose, prism, ring, turned, warning_stripes
 
 # The fork: gap for the hub of the upper arm, and its cheeks. Their outer faces decide how far the
 # turret stays from flippers that stand upright, so the outer cheek is as thin as it may be.

@@ -12,7 +12,7 @@ import pybullet
 
 from telex_control.urdf.elements import Vector, by_name, end, vector
 
-from .urdf_masses import (
+from .masses import (
     IDENTITY,
     NO_MASS,
     Pose,

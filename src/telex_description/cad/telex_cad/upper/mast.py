@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from .fittings import bolts
-from .housings import camera_housing, mount
-from .hull_plan import HullPlan
-from .solids import box, cylinder, hose, prism, ring, turned
+from ..fittings import bolts
+from ..housings import camera_housing, mount
+from ..hull_parts.plan import HullPlan
+from ..solids import box, cylinder, hose, prism, ring, turned
 
 
 def add(plan: HullPlan) -> None:

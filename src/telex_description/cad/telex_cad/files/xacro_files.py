@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Dict, Iterable, List, Mapping, Sequence
 
-from .link_model import BoxShape, CylinderShape, HullShape, LinkModel, MassProperties, Shape
+from ..link_model import BoxShape, CylinderShape, HullShape, LinkModel, MassProperties, Shape
 
 MESHES = "package://telex_description/meshes"
 _HEAD = (

@@ -1,0 +1,1 @@
+"""Files that the generator writes: meshes and xacro."""

@@ -1,0 +1,1 @@
+"""Links above the hull: mast, turret, arm, gripper."""

@@ -1,0 +1,1 @@
+"""Grasp state of a gripper, from the contacts of its pads."""

@@ -1,0 +1,1 @@
+"""URDF for the simulation: frames that PyBullet can do without, masses, visuals."""
