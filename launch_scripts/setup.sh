@@ -184,18 +184,26 @@ prepare_scenes() {
   printf '%s' "$cache" >"$stamp"
 }
 
-# The bridge is tried with npm's roslib, too; where it cannot be had, those tests are skipped.
-install_roslib() {
-  local folder="$root/src/telex_teleop/test/bridge_clients" stamp="$state/roslib" wanted
-  command -v npm >/dev/null || return 0
+# npm_packages TITLE FOLDER: what the package-lock.json of a folder names.
+npm_packages() {
+  local folder="$root/$2" stamp wanted
+  stamp="$state/npm_$(basename "$folder")"
   wanted="$(cat "$folder/package-lock.json" | sha256sum)"
   [ "$(cat "$stamp" 2>/dev/null)" = "$wanted" ] && [ -d "$folder/node_modules" ] && return 0
   rm -f "$stamp"
-  if ! (step "roslib (npm)" "the tests go on without it" env -C "$folder" npm ci --no-audit --no-fund); then
+  if ! (step "$1 (npm)" "the tests go on without it" env -C "$folder" npm ci --no-audit --no-fund); then
     rm -rf "$folder/node_modules"
     return 0
   fi
   printf '%s' "$wanted" >"$stamp"
+}
+
+# What only tests take from npm. Where roslib cannot be had, its tests are skipped; without TypeScript
+# test.sh says that the page's types were not checked.
+install_npm_packages() {
+  command -v npm >/dev/null || return 0
+  npm_packages roslib src/telex_teleop/test/bridge_clients
+  npm_packages TypeScript src/telex_teleop/test/javascript
 }
 
 command -v flock >/dev/null && command -v dpkg-query >/dev/null ||
@@ -221,4 +229,4 @@ make_venv
 build_workspace
 compile_kinematics
 prepare_scenes
-[ -z "$with_tests" ] || install_roslib
+[ -z "$with_tests" ] || install_npm_packages

@@ -68,6 +68,9 @@ check() {
 check "ruff (lint)" ruff check
 check "ruff (format)" ruff format --check --quiet
 check "mypy" mypy
+javascript="$root/src/telex_teleop/test/javascript"
+check "tsc (the page's JavaScript)" "$javascript/node_modules/.bin/tsc" --project "$javascript"
+check "node --test (the page's JavaScript)" env -C "$javascript" node --test --test-reporter=spec
 if [ -n "$fast" ]; then
   pytest_arguments=(-m "not (ros or browser or real_time or slow)" --durations=5 "${pytest_arguments[@]}")
 fi
