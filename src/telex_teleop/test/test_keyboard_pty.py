@@ -113,7 +113,7 @@ class TestKeyboard:
         assert drill["e_stop"] == [True, False]
 
     def test_speed(self, drill):
-        assert drill["speed"] == pytest.approx([0.4, 0.32])
+        assert drill["speed"] == pytest.approx([0.4, 0.3])
 
     def test_refused_mode_is_told(self, drill):
         assert drill["mode"] == {"asked": ["CARTESIAN"], "told": True}

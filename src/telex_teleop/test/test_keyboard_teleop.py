@@ -67,8 +67,8 @@ class Robot:
     def send(self, commands):
         self.sent.append(commands)
 
-    def change_speed(self, factor):
-        self.done.append(factor)
+    def change_speed(self, direction, step):
+        self.done.append((direction, step))
 
     def set_e_stop(self, active):
         self.done.append(active)
@@ -168,7 +168,7 @@ def test_commands_happen_once_per_press(keyboard, robot):
     for data in (b"+", b"-", b"\t", b"\x12"):
         press(keyboard, data, 1.0)
         press(keyboard, data, 1.05)
-    assert robot.done == [1.25, 0.8, "mode", False]
+    assert robot.done == [(1, 0.1), (-1, 0.1), "mode", False]
 
 
 class TestCartesian:

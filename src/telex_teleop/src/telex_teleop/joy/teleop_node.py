@@ -22,6 +22,7 @@ from telex_teleop.joy.source_node import DEVICE_TOPIC
 from telex_teleop.operating.actions import Action, Command, Lamps
 from telex_teleop.operating.commander import Commander
 from telex_teleop.operating.robot import Robot
+from telex_teleop.operating.speed import STEP, STEP_RANGE
 from telex_teleop.ros.common import WARNING_PERIOD, private_settings, warn_dropped
 
 __all__ = ["JoyTeleopNode", "JoyTeleopSettings", "joy_teleop_main"]
@@ -49,7 +50,7 @@ class JoyTeleopSettings:
     send_rate
         Commands per second while something moves.
     speed_step
-        Factor of one step of the speed scale.
+        One step of the speed scale, as a share of the full speed.
     zoom_rate
         How fast the camera zooms (1/s, of the factor's logarithm).
     max_zoom
@@ -68,7 +69,7 @@ class JoyTeleopSettings:
     joy_timeout: float = 0.3
     longest_gap: float = 0.2
     send_rate: float = 50.0
-    speed_step: float = 1.25
+    speed_step: float = STEP
     zoom_rate: float = 0.8
     max_zoom: float = 6.0
 
@@ -78,7 +79,7 @@ class JoyTeleopSettings:
             ("joy_timeout", 0.05, 0.3),
             ("longest_gap", 0.05, 1.0),
             ("send_rate", 10.0, 200.0),
-            ("speed_step", 1.01, 4.0),
+            ("speed_step", *STEP_RANGE),
             ("max_zoom", 1.0, 100.0),
         ):
             require_range(self, name, minimum, maximum)
@@ -246,9 +247,9 @@ class JoyTeleopNode:
         elif action is Command.RELEASE_E_STOP:
             robot.set_e_stop(False)
         elif action is Command.FASTER:
-            robot.change_speed(step)
+            robot.change_speed(1, step)
         elif action is Command.SLOWER:
-            robot.change_speed(1.0 / step)
+            robot.change_speed(-1, step)
         elif action is Command.FRAME:
             robot.next_frame()
         elif action is Command.HOLD_TOOL:

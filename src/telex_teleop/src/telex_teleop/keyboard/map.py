@@ -8,6 +8,7 @@ from typing import Dict, List, Mapping, Optional, Tuple
 
 from telex_control.common.params import ConfigError, require, require_names, require_range
 from telex_teleop.operating.actions import GRAMMAR, Action, Command, Lamps, parse_action
+from telex_teleop.operating.speed import STEP, STEP_RANGE
 
 __all__ = ["KeyMap", "KeyboardSettings"]
 
@@ -92,7 +93,7 @@ class KeyboardSettings:
     tool_linear, tool_angular
         The same of the tool.
     speed_step
-        Factor of one step of the speed scale.
+        One step of the speed scale, as a share of the full speed.
     zoom_rate
         How fast the camera zooms (1/s, of the factor's logarithm).
     max_zoom
@@ -118,7 +119,7 @@ class KeyboardSettings:
     angular: float = 1.0
     tool_linear: float = 10.0
     tool_angular: float = 10.0
-    speed_step: float = 1.25
+    speed_step: float = STEP
     zoom_rate: float = 0.8
     max_zoom: float = 6.0
     lengths: Tuple[str, ...] = ()
@@ -130,7 +131,7 @@ class KeyboardSettings:
             ("send_rate", 10.0, 200.0),
             ("redraw_rate", 1.0, 30.0),
             ("longest_gap", 0.05, 1.0),
-            ("speed_step", 1.01, 4.0),
+            ("speed_step", *STEP_RANGE),
             ("max_zoom", 1.0, 100.0),
         ):
             require_range(self, name, minimum, maximum)

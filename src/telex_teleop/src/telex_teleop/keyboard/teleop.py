@@ -201,9 +201,9 @@ class KeyboardTeleop:
         elif command is Command.RELEASE_E_STOP:
             self._robot.set_e_stop(False)
         elif command is Command.FASTER:
-            self._robot.change_speed(self._settings.speed_step)
+            self._robot.change_speed(1, self._settings.speed_step)
         elif command is Command.SLOWER:
-            self._robot.change_speed(1.0 / self._settings.speed_step)
+            self._robot.change_speed(-1, self._settings.speed_step)
         elif command is Command.MODE:
             self._robot.toggle_mode()
         elif command is Command.FRAME:

@@ -25,6 +25,7 @@ from telex_teleop.motion.e_stop_state import EStopState
 from telex_teleop.operating.actions import NODES
 from telex_teleop.operating.commander import NO_NAME, Commands, PresetCommand
 from telex_teleop.operating.requests import Requests
+from telex_teleop.operating.speed import stepped
 from telex_teleop.operating.zoom import ZoomFactor
 from telex_teleop.ros.common import caller_of
 from telex_teleop.tracks.track_drive import Velocity
@@ -190,14 +191,15 @@ class Robot:
             if factor != before:
                 self._zoom_publisher.publish(Float64(factor))
 
-    def change_speed(self, factor: float) -> None:
-        """Multiply the speed scale of all nodes, within their bounds."""
+    def change_speed(self, direction: int, step: float) -> None:
+        """Change the speed scale of all nodes by a step up (`direction` 1) or down (-1)."""
         present = self.speed_scale
         status = self._latest_status()
         if present is None or status is None:
             self.notice = "speed: no answer from the robot"
             return
-        wish = max(status.min_speed_scale, min(status.max_speed_scale, present * factor))
+        bounds = status.min_speed_scale, status.max_speed_scale
+        wish = stepped(present, direction, step, *bounds)
         self._speed_wish = (time.monotonic(), wish)
         for publisher in self._speeds:
             publisher.publish(Float64(wish))

@@ -88,17 +88,18 @@ def _layer(bindings: Mapping[str, Binding]) -> Dict[str, Any]:
 
 def _binding(binding: Binding) -> Dict[str, Any]:
     if not isinstance(binding, StickBinding):
-        return {"action": _action(binding.action), "deadzone": binding.deadzone}
+        return {"action": describe_action(binding.action), "deadzone": binding.deadzone}
     return {
-        "positive": _action(binding.positive),
-        "negative": _action(binding.negative),
+        "positive": describe_action(binding.positive),
+        "negative": describe_action(binding.negative),
         "deadzone": binding.deadzone,
         "expo": binding.expo,
         "scale": binding.scale,
     }
 
 
-def _action(action: Action) -> Dict[str, Any]:
+def describe_action(action: Action) -> Dict[str, Any]:
+    """Return an action as JSON has it: its ``kind`` and what it moves."""
     if isinstance(action, Command):
         return {"kind": "command", "name": action.value}
     values = asdict(action)
