@@ -5,7 +5,7 @@ from __future__ import annotations
 from telex_control.hardware.hardware_interface import ControllerInfo, InterfaceResources
 from telex_control.ros.local_node_handle import LocalNodeHandle
 from telex_control.urdf.joints import parse_urdf
-from telex_sim.engine.config import HardwareConfig
+from telex_sim.engine.simulator_config import HardwareConfig
 from telex_sim.engine.world import World
 from telex_sim.robot.robot_hw_sim import RobotHWSim
 

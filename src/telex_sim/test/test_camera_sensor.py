@@ -23,7 +23,7 @@ from telex_sim.cameras.optics.lens import DistortionError, LensCamera, LensMap
 from telex_sim.cameras.optics.noise import RadiationConfig, SensorNoise
 from telex_sim.cameras.ros.messages import camera_info_message
 from telex_sim.cameras.ros.overview_rig import OverviewRig
-from telex_sim.scene.visual_scene import Daylight, Scene, Shape, Visual
+from telex_sim.scene.visual_scene import Daylight, Visual, VisualScene, VisualShape
 
 SECOND = 10**9
 BARREL = (-0.12, 0.02, 0.002, -0.003, 0.0)
@@ -53,14 +53,18 @@ def renderer(request):
 
 def show(renderer, *visuals, daylight=None):
     """Put shapes into the camera's own frame: x right, y down, z forward."""
-    problems = renderer.load_scene(Scene(1, ("world",), visuals, daylight=daylight or Daylight()))
+    problems = renderer.load_scene(
+        VisualScene(1, ("world",), visuals, daylight=daylight or Daylight())
+    )
     assert problems == []
     renderer.place(np.eye(4)[None], np.zeros(3))
 
 
 def ball(point, radius=0.03):
     black = (0.0, 0.0, 0.0, 1.0)
-    return Visual("world", Shape.SPHERE, (radius, 0.0, 0.0), position=tuple(point), color=black)
+    return Visual(
+        "world", VisualShape.SPHERE, (radius, 0.0, 0.0), position=tuple(point), color=black
+    )
 
 
 def sensor(config=CONFIG, zoom=1.0, detail=1.0):
@@ -126,7 +130,7 @@ class TestProjection:
 
     def test_no_pixel_is_left_empty(self, renderer):
         red = (0.9, 0.1, 0.1, 1.0)
-        wall = Visual("world", Shape.BOX, (200.0, 200.0, 0.1), (0.0, 0.0, 10.0), color=red)
+        wall = Visual("world", VisualShape.BOX, (200.0, 200.0, 0.1), (0.0, 0.0, 10.0), color=red)
         show(renderer, wall, daylight=Daylight(to_sun=(0.0, 0.0, -1.0)))
         picture = take(renderer, sensor())
         assert picture.shape == (480, 640, 4)
@@ -138,7 +142,7 @@ class TestProjection:
 class TestDepth:
     def test_is_along_the_optical_axis(self, renderer):
         """A wall square to the axis has one depth, however far its corners are."""
-        wall = Visual("world", Shape.BOX, (30.0, 30.0, 0.2), (0.0, 0.0, 4.1))
+        wall = Visual("world", VisualShape.BOX, (30.0, 30.0, 0.2), (0.0, 0.0, 4.1))
         show(renderer, wall)
         camera = sensor()
         take(renderer, camera)
@@ -148,7 +152,7 @@ class TestDepth:
         np.testing.assert_allclose(depth, 4.0, atol=0.01)
 
     def test_edges_are_where_camera_info_says_and_behind_them_is_nothing(self, renderer):
-        box = Visual("world", Shape.BOX, (0.6, 0.4, 0.2), (0.9, -0.5, 2.1))
+        box = Visual("world", VisualShape.BOX, (0.6, 0.4, 0.2), (0.9, -0.5, 2.1))
         show(renderer, box)
         camera = sensor()
         take(renderer, camera)
@@ -164,8 +168,8 @@ class TestDepth:
         assert not seen[240, 100]
 
     def test_nothing_lies_between_near_and_far(self, renderer):
-        near = Visual("world", Shape.BOX, (0.5, 20.0, 0.2), (-0.75, 0.0, 2.1))
-        far = Visual("world", Shape.BOX, (40.0, 40.0, 0.2), (0.0, 0.0, 8.1))
+        near = Visual("world", VisualShape.BOX, (0.5, 20.0, 0.2), (-0.75, 0.0, 2.1))
+        far = Visual("world", VisualShape.BOX, (40.0, 40.0, 0.2), (0.0, 0.0, 8.1))
         show(renderer, near, far)
         camera = sensor()
         take(renderer, camera)
@@ -238,7 +242,7 @@ class TestExposure:
         assert control.expose(self.auto, SECOND) == control.expose(self.auto, 0) == 0.0
 
     def test_settles_at_a_medium_brightness(self, opengl):
-        wall = Visual("world", Shape.BOX, (200.0, 200.0, 0.1), (0.0, 0.0, 10.0), glow=1.0)
+        wall = Visual("world", VisualShape.BOX, (200.0, 200.0, 0.1), (0.0, 0.0, 10.0), glow=1.0)
         config = replace(CONFIG, exposure=replace(self.auto, min_ev=-8.0, max_ev=8.0))
         shown = []
         for color in ((0.2, 0.2, 0.2, 1.0), (0.9, 0.9, 0.9, 1.0)):
@@ -319,7 +323,7 @@ class TestRadiation:
 class TestShutter:
     def test_what_moves_is_smeared_over_its_way(self, opengl):
         """The scene is placed anew for each moment of the exposure."""
-        wall = Visual("world", Shape.BOX, (0.2, 0.2, 0.1), (0.0, 0.0, 2.0), glow=1.0)
+        wall = Visual("world", VisualShape.BOX, (0.2, 0.2, 0.1), (0.0, 0.0, 2.0), glow=1.0)
         show(opengl, wall, daylight=NIGHT)
         config = replace(CONFIG, distortion=(0.0,) * 5, shutter=0.02, shutter_samples=8)
         camera = sensor(config)
@@ -346,7 +350,9 @@ class TestShutter:
 
 class TestTinyRenderer:
     def test_colors_and_the_light_of_the_exposure(self, tiny):
-        wall = Visual("world", Shape.BOX, (9.0, 9.0, 0.1), (0, 0, 3.0), color=(0.1, 0.2, 0.9, 1.0))
+        wall = Visual(
+            "world", VisualShape.BOX, (9.0, 9.0, 0.1), (0, 0, 3.0), color=(0.1, 0.2, 0.9, 1.0)
+        )
         show(tiny, wall, daylight=Daylight(to_sun=(0.0, 0.0, -1.0)))
         plain = take(tiny, sensor())[240, 320].tolist()
         dim = take(tiny, sensor(replace(CONFIG, exposure=ExposureConfig(ev=-2.0))))[240, 320]
@@ -354,8 +360,10 @@ class TestTinyRenderer:
         assert dim[2] == pytest.approx(0.5 * plain[2], abs=2)
 
     def test_a_mesh_that_is_missing_is_named_and_the_rest_is_there(self, tiny):
-        lost = Visual("world", Shape.MESH, (1, 1, 1), mesh="package://telex_description/no.obj")
-        (problem,) = tiny.load_scene(Scene(1, ("world",), (lost, ball((0, 0, 2)))))
+        lost = Visual(
+            "world", VisualShape.MESH, (1, 1, 1), mesh="package://telex_description/no.obj"
+        )
+        (problem,) = tiny.load_scene(VisualScene(1, ("world",), (lost, ball((0, 0, 2)))))
         assert "no.obj" in problem
         tiny.place(np.eye(4)[None], np.zeros(3))
         assert len(balls_in(take(tiny, sensor()))) >= 1

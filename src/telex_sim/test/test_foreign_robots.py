@@ -17,8 +17,8 @@ from telex_control.common.params import ConfigError, read_config
 from telex_control.hardware.hardware_interface import EffortJointInterface
 from telex_control.ros.local_node_handle import LocalNodeHandle
 from telex_control.urdf.joints import MOVABLE, UrdfError, joints, parse_urdf
-from telex_sim.engine.config import RobotConfig, SimulatorConfig
 from telex_sim.engine.simulation import Simulation
+from telex_sim.engine.simulator_config import RobotConfig, SimulatorConfig
 from telex_sim.robot.model import robot_model
 from telex_sim.scene.addresses import resolve_address
 

@@ -10,7 +10,7 @@ from drive_on_bench import STEP, DriveOnBench
 
 from telex_control.common.params import ConfigError
 from telex_control.urdf.joints import UrdfError
-from telex_sim.engine.config import HardwareConfig, JointHardware
+from telex_sim.engine.simulator_config import HardwareConfig, JointHardware
 
 INERTIA = 0.5  # kg m2
 EFFORT = 10.0

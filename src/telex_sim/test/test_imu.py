@@ -14,7 +14,7 @@ from telex_control.common.params import ConfigError, read_config
 from telex_control.hardware.hardware_interface import ImuSensorInterface
 from telex_control.ros.local_node_handle import LocalNodeHandle
 from telex_control.urdf.joints import parse_urdf
-from telex_sim.engine.config import HardwareConfig
+from telex_sim.engine.simulator_config import HardwareConfig
 from telex_sim.engine.world import GRAVITY, World
 from telex_sim.robot.imu import Imu
 from telex_sim.robot.imu_noise import ImuNoise

@@ -9,7 +9,7 @@ from drive_on_bench import STEP, DriveOnBench
 from telex_control.common.params import ConfigError, read_config
 from telex_control.hardware.hardware_interface import JointStateInterface
 from telex_control.urdf.joints import UrdfError, joints, parse_urdf
-from telex_sim.engine.config import RobotConfig
+from telex_sim.engine.simulator_config import RobotConfig
 from telex_sim.robot.body import RobotBody
 from telex_sim.scene.model import Start
 

@@ -14,8 +14,8 @@ from telex_control.common.params import ConfigError, read_config
 from telex_control.urdf.joints import joints, parse_urdf
 from telex_sim.engine.world import World
 from telex_sim.offline.simulation import shipped_config
-from telex_sim.proximity.config import ProximityConfig
-from telex_sim.proximity.guard import ProximityGuard
+from telex_sim.proximity.monitor import ProximityMonitor
+from telex_sim.proximity.proximity_config import ProximityConfig
 from telex_sim.robot.self_collision import SelfCollisionConfig
 
 ARM = """
@@ -56,7 +56,7 @@ def bench():
         def make(self, **changes):
             params = {"joints": ["swing", "slide"], "near": 1.0, "range": 2.0, **changes}
             config = read_config(ProximityConfig, params, "proximity")
-            return ProximityGuard(body, config, SelfCollisionConfig())
+            return ProximityMonitor(body, config, SelfCollisionConfig())
 
         def put(self, name, size, position, orientation=(0.0, 0.0, 0.0, 1.0)):
             shape = pybullet.createCollisionShape(
@@ -251,7 +251,7 @@ def test_gradients_of_the_shipped_robot_are_those_of_its_distances(robot, descri
     def look(pose):
         arm.pose(pose)
         # A guard of its own: distances that are really taken anew.
-        return ProximityGuard(arm.body, config.proximity, config.self_collision).measure(str)
+        return ProximityMonitor(arm.body, config.proximity, config.self_collision).measure(str)
 
     rng = random.Random(6)
     compared, step = 0, 2e-4
@@ -287,7 +287,7 @@ def test_cached_distances_are_those_of_a_fresh_look(robot, described):
             pose[name] = min(max(value, described[name].lower), described[name].upper)
         arm.pose({**pose, **{name: rng.uniform(0.0, 0.3) for name in flippers}})
         told = nearest(arm.measure())
-        fresh = ProximityGuard(
+        fresh = ProximityMonitor(
             arm.body, arm.robot.config.proximity, arm.robot.config.self_collision
         )
         for pair, distance in nearest(fresh.measure(lambda uid: "floor")).items():

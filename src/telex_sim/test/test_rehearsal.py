@@ -19,7 +19,7 @@ import rospkg
 
 from telex_control.common.params import ConfigError
 from telex_control.urdf.joints import UrdfError
-from telex_sim.engine.config import RobotConfig
+from telex_sim.engine.simulator_config import RobotConfig
 from telex_sim.offline.simulation import shipped_config
 from telex_sim.rehearsal import client as rehearsal_client
 from telex_sim.rehearsal import process as rehearsal_process

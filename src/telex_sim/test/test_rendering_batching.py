@@ -20,14 +20,14 @@ from telex_sim.cameras.drawing.quality import TIERS
 from telex_sim.cameras.optics.pinhole import PinholeCamera
 from telex_sim.cameras.preview.still import Still, looking
 from telex_sim.scene.meshes.meshes import primitive_mesh
-from telex_sim.scene.visual_scene import Daylight, Lamp, Scene, Shape, Visual
+from telex_sim.scene.visual_scene import Daylight, Visual, VisualLamp, VisualScene, VisualShape
 
 CRATE, STRIPES, TILES = "generated:crate", "generated:hazard_stripes", "generated:tiles"
 
 
 def box(position=(0.0, 0.0, 0.0), **changes):
     return Visual(
-        "world", **{"shape": Shape.BOX, "size": (0.3, 0.3, 0.3), **changes}, position=position
+        "world", **{"shape": VisualShape.BOX, "size": (0.3, 0.3, 0.3), **changes}, position=position
     )
 
 
@@ -45,8 +45,8 @@ class TestGroups:
         visuals = [
             box(),
             box(texture=CRATE),
-            Visual("thing", Shape.BOX, (1.0, 1.0, 1.0)),
-            box(shape=Shape.PLANE),
+            Visual("thing", VisualShape.BOX, (1.0, 1.0, 1.0)),
+            box(shape=VisualShape.PLANE),
         ]
         assert len(batches(visuals, radius)) == 4
 
@@ -70,7 +70,7 @@ class TestGroups:
 
     def test_the_same_things_on_another_frame_have_the_same_content(self):
         one, other = (
-            Batch((Visual(frame, Shape.SPHERE, (0.1, 0.0, 0.0)),)) for frame in ("a", "b")
+            Batch((Visual(frame, VisualShape.SPHERE, (0.1, 0.0, 0.0)),)) for frame in ("a", "b")
         )
         assert one.content == other.content
         assert one.frame != other.frame
@@ -106,7 +106,7 @@ def still():
 def yard(count):
     """Boxes strewn about, some with textures, one of glass, and a lamp."""
     rng = np.random.default_rng(5)
-    visuals = [Visual("world", Shape.PLANE, (60.0, 60.0, 0.0), texture="generated:checker")]
+    visuals = [Visual("world", VisualShape.PLANE, (60.0, 60.0, 0.0), texture="generated:checker")]
     for number in range(count):
         size = tuple(rng.uniform(0.1, 0.5, 3))
         yaw = rng.uniform(0, math.pi)
@@ -121,8 +121,8 @@ def yard(count):
             )
         )
     visuals.append(box((-2.0, 0.3, 0.5), color=(0.2, 0.9, 0.2, 0.4)))
-    lamp = Lamp("world", (0.0, 0.0, 3.0), intensity=5.0, reach=6.0)
-    return Scene(1, ("world",), tuple(visuals), (lamp,), Daylight())
+    lamp = VisualLamp("world", (0.0, 0.0, 3.0), intensity=5.0, reach=6.0)
+    return VisualScene(1, ("world",), tuple(visuals), (lamp,), Daylight())
 
 
 def test_batches_give_the_same_picture_as_single_visuals(still, monkeypatch):
@@ -158,19 +158,20 @@ def test_what_stays_is_kept_when_the_scene_changes(still, monkeypatch):
         gpu_scene, "generate_texture", lambda name: generated.append(name) or original(name)
     )
     robot = tuple(
-        Visual("arm", Shape.CYLINDER, (0.1, 0.0, 0.1 * (n + 1)), texture=TILES) for n in range(5)
+        Visual("arm", VisualShape.CYLINDER, (0.1, 0.0, 0.1 * (n + 1)), texture=TILES)
+        for n in range(5)
     )
     crates = tuple(box((x, 0.0, 0.0)) for x in (10.0, 20.0, 30.0))
     frames = ("world", "arm")
-    still.load(Scene(1, frames, (*robot, *crates)))
+    still.load(VisualScene(1, frames, (*robot, *crates)))
     assert sorted(merged) == [1, 1, 1, 5]
     assert generated == [TILES]
     # Only the cell in which something has changed is made anew.
-    still.load(Scene(2, frames, (*robot, *crates, box((30.1, 0.0, 0.0)))))
+    still.load(VisualScene(2, frames, (*robot, *crates, box((30.1, 0.0, 0.0)))))
     assert merged[4:] == [2]
     # On a frame of its own it is the same crate again.
-    crate = Visual("arm", Shape.BOX, (0.3, 0.3, 0.3), (10.0, 0.0, 0.0))
-    still.load(Scene(3, frames, (*robot, *crates, crate)))
+    crate = Visual("arm", VisualShape.BOX, (0.3, 0.3, 0.3), (10.0, 0.0, 0.0))
+    still.load(VisualScene(3, frames, (*robot, *crates, crate)))
     assert generated == [TILES]
 
 

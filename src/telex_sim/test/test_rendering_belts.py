@@ -20,7 +20,7 @@ from telex_sim.cameras.optics.pinhole import PinholeCamera
 from telex_sim.cameras.preview.still import Still, looking
 from telex_sim.robot.urdf.visuals import urdf_visuals
 from telex_sim.scene.transforms import pose_matrices
-from telex_sim.scene.visual_scene import Daylight, Scene, Shape, Visual
+from telex_sim.scene.visual_scene import Daylight, Visual, VisualScene, VisualShape
 
 RADIUS, LENGTH, WIDTH = 0.1, 0.4, 0.06
 STATIONS = 64
@@ -132,7 +132,7 @@ def test_a_cleat_is_seen_to_run_with_the_wheel(tmp_path):
     belt_obj(tmp_path / "belt.obj")
     belt = Visual(
         "flipper",
-        Shape.MESH,
+        VisualShape.MESH,
         (1.0, 1.0, 1.0),
         mesh=f"file://{tmp_path}/belt.obj",
         drive="wheel",
@@ -140,7 +140,9 @@ def test_a_cleat_is_seen_to_run_with_the_wheel(tmp_path):
     still = Still(TIERS["software"], Lighting(), lambda name: name)
     try:
         daylight = Daylight(to_sun=(0.0, 1.0, 1.0))
-        assert still.load(Scene(1, ("world", "flipper", "wheel"), (belt,), (), daylight)) == []
+        assert (
+            still.load(VisualScene(1, ("world", "flipper", "wheel"), (belt,), (), daylight)) == []
+        )
         camera = PinholeCamera(320, 240, 0.9, 0.05, 20.0)
         pose = looking((LENGTH / 2, -1.0, 0.2), (LENGTH / 2, 0.0, 0.1))
 

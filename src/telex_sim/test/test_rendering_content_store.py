@@ -10,7 +10,7 @@ from telex_sim.scene import content_store
 from telex_sim.scene.content_store import ContentStore, cache_folder, shared_store, sources
 from telex_sim.scene.meshes.mesh_files import MeshFileError, load_mesh
 from telex_sim.scene.textures.procedural import generate_texture
-from telex_sim.scene.visual_scene import Shape, Visual
+from telex_sim.scene.visual_scene import Visual, VisualShape
 
 TEXTURE = "generated:concrete?seed=77"
 
@@ -45,7 +45,7 @@ def test_what_was_made_is_read_by_the_next_start(tmp_path, monkeypatch):
 
 
 def test_tuples_and_missing_arrays_come_back(tmp_path, monkeypatch):
-    visual = Visual("world", Shape.BOX, (1.0, 2.0, 3.0))
+    visual = Visual("world", VisualShape.BOX, (1.0, 2.0, 3.0))
     vertices, triangles = ContentStore(tmp_path).get(merge_visuals, (visual,), [None])
     read = kept(ContentStore(tmp_path), monkeypatch, merge_visuals, (visual,), [None])
     assert read[0].dtype == vertices.dtype

@@ -17,7 +17,7 @@ from telex_sim.scene.textures.procedural import (
     generate_texture,
     texture_names,
 )
-from telex_sim.scene.visual_scene import Daylight, Scene, Shape, Visual
+from telex_sim.scene.visual_scene import Daylight, Visual, VisualScene, VisualShape
 
 PICTURES = ("sign", "label", "chart", "optotype")
 NOT_TILED = (*PICTURES, "crate")
@@ -207,7 +207,7 @@ def test_signs_are_readable_on_every_side_of_a_box(still, eye, up):
     # Opens to the upper left as nobody could mistake: in no other way it looks the same.
     sign = Visual(
         "world",
-        Shape.BOX,
+        VisualShape.BOX,
         (1.0, 1.0, 1.0),
         color=(1.0, 1.0, 1.0, 1.0),
         texture="generated:optotype?kind=C&angle=135",
@@ -215,7 +215,7 @@ def test_signs_are_readable_on_every_side_of_a_box(still, eye, up):
         glow=1.0,
     )
     night = Daylight(sun=(0.0, 0.0, 0.0), ambient=0.0)
-    assert still.load(Scene(1, ("world",), (sign,), (), night)) == []
+    assert still.load(VisualScene(1, ("world",), (sign,), (), night)) == []
     pose = looking(eye, (0.0, 0.0, 0.0))
     if up == "y":
         # The picture's upper edge towards +y.
@@ -232,9 +232,9 @@ def test_signs_are_readable_on_every_side_of_a_box(still, eye, up):
 
 
 def test_an_unknown_texture_leaves_the_colour_and_a_line(still):
-    thing = Visual("world", Shape.BOX, (1.0, 1.0, 1.0), color=(0.9, 0.0, 0.0, 1.0), glow=1.0)
+    thing = Visual("world", VisualShape.BOX, (1.0, 1.0, 1.0), color=(0.9, 0.0, 0.0, 1.0), glow=1.0)
     wrong = Visual(**{**vars(thing), "texture": "generated:marble"})
-    (problem,) = still.load(Scene(1, ("world",), (wrong,)))
+    (problem,) = still.load(VisualScene(1, ("world",), (wrong,)))
     assert "box of frame 'world' has no texture" in problem
     assert "there are asphalt" in problem
     camera = PinholeCamera(64, 64, 0.8, 0.1, 10.0)

@@ -16,30 +16,40 @@ from telex_sim.cameras.drawing.quality import TIERS
 from telex_sim.cameras.optics.pinhole import PinholeCamera
 from telex_sim.cameras.preview.still import Still, looking
 from telex_sim.scene.transforms import pose_matrices
-from telex_sim.scene.visual_scene import Daylight, Lamp, Scene, Shape, Visual
+from telex_sim.scene.visual_scene import Daylight, Visual, VisualLamp, VisualScene, VisualShape
 
 GOLDEN = Path(__file__).resolve().parent / "golden"
 CAMERA = PinholeCamera(160, 120, 1.0, 0.05, 60.0)
 
 VISUALS = (
     Visual(
-        "world", Shape.PLANE, (40.0, 40.0, 0.0), texture="generated:concrete", texture_scale=2.0
+        "world",
+        VisualShape.PLANE,
+        (40.0, 40.0, 0.0),
+        texture="generated:concrete",
+        texture_scale=2.0,
     ),
     Visual(
         "world",
-        Shape.BOX,
+        VisualShape.BOX,
         (0.8, 0.8, 0.8),
         (2.5, 0.7, 0.4),
         texture="generated:wood",
         texture_scale=1.0,
     ),
-    Visual("world", Shape.SPHERE, (0.35, 0.0, 0.0), (2.0, -0.5, 0.35), color=(0.8, 0.1, 0.1, 1.0)),
     Visual(
-        "world", Shape.CYLINDER, (0.15, 0.0, 1.2), (3.5, -0.9, 0.6), color=(0.5, 0.5, 0.55, 1.0)
+        "world", VisualShape.SPHERE, (0.35, 0.0, 0.0), (2.0, -0.5, 0.35), color=(0.8, 0.1, 0.1, 1.0)
     ),
-    Visual("world", Shape.BOX, (0.1, 8.0, 3.0), (6.0, 0.0, 1.5), color=(0.7, 0.7, 0.65, 1.0)),
+    Visual(
+        "world",
+        VisualShape.CYLINDER,
+        (0.15, 0.0, 1.2),
+        (3.5, -0.9, 0.6),
+        color=(0.5, 0.5, 0.55, 1.0),
+    ),
+    Visual("world", VisualShape.BOX, (0.1, 8.0, 3.0), (6.0, 0.0, 1.5), color=(0.7, 0.7, 0.65, 1.0)),
 )
-HEADLIGHT = Lamp("robot", (0.2, 0.3, 0.5), (1.0, 0.0, -0.05), 1.3, 3.0, 12.0, name="front")
+HEADLIGHT = VisualLamp("robot", (0.2, 0.3, 0.5), (1.0, 0.0, -0.05), 1.3, 3.0, 12.0, name="front")
 LIGHTS = {
     "day": (Daylight(), ()),
     "night": (Daylight(sun=(0.0, 0.0, 0.0), ambient=0.03), (HEADLIGHT,)),
@@ -58,7 +68,7 @@ def tier(request):
 def test_the_scene_looks_as_it_did(tier, light):
     name, still = tier
     daylight, lamps = LIGHTS[light]
-    assert still.load(Scene(1, ("world", "robot"), VISUALS, lamps, daylight)) == []
+    assert still.load(VisualScene(1, ("world", "robot"), VISUALS, lamps, daylight)) == []
     still.renderer.set_lamp_levels({"front": 1.0})
     frames = pose_matrices([(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)] * 2)
     pose = looking((-0.3, 0.0, 1.1), (2.5, 0.0, 0.4))

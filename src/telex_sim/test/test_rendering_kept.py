@@ -14,7 +14,7 @@ from telex_sim.cameras.optics.exposure import ExposureControl
 from telex_sim.cameras.optics.pinhole import PinholeCamera
 from telex_sim.cameras.preview.still import looking
 from telex_sim.scene.transforms import pose_matrices
-from telex_sim.scene.visual_scene import Daylight, Lamp, Scene, Shape, Visual
+from telex_sim.scene.visual_scene import Daylight, Visual, VisualLamp, VisualScene, VisualShape
 
 CAMERA = PinholeCamera(64, 48, 1.2, 0.05, 60.0)
 OTHER = PinholeCamera(64, 48, 1.1, 0.05, 60.0)
@@ -93,10 +93,12 @@ class TestWhatIsKept:
         assert kept.find(CAMERA, looking((-2.0, 9.9, 1.0), (2, 0, 1)), 1.0) is not None
 
 
-WALL = Visual("world", Shape.BOX, (0.1, 8.0, 4.0), (4.0, 0.0, 2.0), color=(0.5, 0.5, 0.5, 1.0))
-POST = Visual("thing", Shape.BOX, (0.1, 0.3, 0.6), color=(0.8, 0.2, 0.2, 1.0))
+WALL = Visual(
+    "world", VisualShape.BOX, (0.1, 8.0, 4.0), (4.0, 0.0, 2.0), color=(0.5, 0.5, 0.5, 1.0)
+)
+POST = Visual("thing", VisualShape.BOX, (0.1, 0.3, 0.6), color=(0.8, 0.2, 0.2, 1.0))
 NIGHT = Daylight(sun=(0.0, 0.0, 0.0), ambient=0.02)
-LAMP = Lamp(
+LAMP = VisualLamp(
     frame="world",
     position=(0.0, 0.0, 1.0),
     direction=(1.0, 0.0, 0.0),
@@ -112,7 +114,9 @@ def renderer():
     context = create_context()
     with context:
         made = Renderer(context, TIERS["software"], Lighting(), lambda name: name)
-        assert made.load_scene(Scene(1, ("world", "thing"), (WALL, POST), (LAMP,), NIGHT)) == []
+        assert (
+            made.load_scene(VisualScene(1, ("world", "thing"), (WALL, POST), (LAMP,), NIGHT)) == []
+        )
         made.set_lamp_levels({"front": 1.0})
         yield made
     made.release()

@@ -14,12 +14,12 @@ from telex_sim.cameras.drawing.quality import TIERS
 from telex_sim.cameras.drawing.shaders import EXPOSURE, LitVariant, lit_source
 from telex_sim.cameras.optics.pinhole import PinholeCamera
 from telex_sim.cameras.preview.still import Still, looking
-from telex_sim.scene.visual_scene import Daylight, Lamp, Scene, Shape, Visual
+from telex_sim.scene.visual_scene import Daylight, Visual, VisualLamp, VisualScene, VisualShape
 
 CAMERA = PinholeCamera(320, 240, 1.2, 0.05, 200.0)
 NIGHT = Daylight(sun=(0.0, 0.0, 0.0), ambient=0.0)
 WHITE = (1.0, 1.0, 1.0, 1.0)
-WALL = Visual("world", Shape.BOX, (0.2, 20.0, 20.0), (5.1, 0.0, 0.0), color=WHITE)
+WALL = Visual("world", VisualShape.BOX, (0.2, 20.0, 20.0), (5.1, 0.0, 0.0), color=WHITE)
 EYE, AHEAD = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0)
 
 
@@ -28,7 +28,7 @@ class Studio:
         self.still = Still(TIERS["software"], Lighting(), str)
 
     def shoot(self, *visuals, lamps=(), daylight=NIGHT, camera=CAMERA, eye=EYE, target=AHEAD):
-        problems = self.still.load(Scene(1, ("world",), visuals, tuple(lamps), daylight))
+        problems = self.still.load(VisualScene(1, ("world",), visuals, tuple(lamps), daylight))
         assert problems == []
         return self.again(camera=camera, eye=eye, target=target)
 
@@ -58,7 +58,7 @@ def off_axis(camera):
 
 
 def head_lamp(**changes):
-    return Lamp("world", **{"position": EYE, "direction": AHEAD, "reach": 20.0, **changes})
+    return VisualLamp("world", **{"position": EYE, "direction": AHEAD, "reach": 20.0, **changes})
 
 
 def test_pixels_fetch_nothing_but_textures_and_lamps():
@@ -76,7 +76,9 @@ class TestDark:
         assert studio.shoot().max() == 0
 
     def test_what_glows_is_seen_and_nothing_else(self, studio):
-        sign = Visual("world", Shape.BOX, (0.1, 1, 1), (3, 0, 0), color=(1, 0, 0, 1), glow=1.0)
+        sign = Visual(
+            "world", VisualShape.BOX, (0.1, 1, 1), (3, 0, 0), color=(1, 0, 0, 1), glow=1.0
+        )
         picture = studio.shoot(WALL, sign)
         red, green, blue = picture[120, 160]
         assert red > 235
@@ -86,7 +88,7 @@ class TestDark:
     def test_half_the_ambient_is_half_the_light(self, studio):
         # The middle of a floor; what is left of the sun would cast a shadow.
         floor = Visual(
-            "world", Shape.PLANE, (50.0, 50.0, 0.0), (0, 0, -2), color=(0.5, 0.5, 0.5, 1)
+            "world", VisualShape.PLANE, (50.0, 50.0, 0.0), (0, 0, -2), color=(0.5, 0.5, 0.5, 1)
         )
         view = {"eye": (0.0, 0.0, 0.0), "target": (0.01, 0.0, -2.0)}
         full, half = (
@@ -99,8 +101,8 @@ class TestDark:
 
 class TestLamps:
     def test_what_vertices_work_out_for_few_lamps_pixels_do_for_many(self, monkeypatch):
-        floor = Visual("world", Shape.PLANE, (50.0, 50.0, 0.0), (0.0, 0.0, -1.0), color=WHITE)
-        ball = Visual("world", Shape.SPHERE, (0.4, 0.0, 0.0), (2.5, 0.3, -0.3), color=WHITE)
+        floor = Visual("world", VisualShape.PLANE, (50.0, 50.0, 0.0), (0.0, 0.0, -1.0), color=WHITE)
+        ball = Visual("world", VisualShape.SPHERE, (0.4, 0.0, 0.0), (2.5, 0.3, -0.3), color=WHITE)
         lamps = [
             head_lamp(position=(0.0, 0.6 * side, 0.3), angle=1.2, intensity=3.0) for side in (-1, 1)
         ]
@@ -128,7 +130,9 @@ class TestLamps:
 
     def test_twice_as_far_is_a_quarter(self, studio):
         def at(distance):
-            wall = Visual("world", Shape.BOX, (0.2, 9, 9), (distance + 0.1, 0, 0), color=WHITE)
+            wall = Visual(
+                "world", VisualShape.BOX, (0.2, 9, 9), (distance + 0.1, 0, 0), color=WHITE
+            )
             # Rough: a highlight would tell of the shader's angle, not of the distance.
             lamp = head_lamp(position=(0.0, 0.0, 0.02), angle=1.0, intensity=0.5, reach=500.0)
             return light_of(studio.shoot(wall, lamps=[lamp])[120, 160].mean())
@@ -136,7 +140,7 @@ class TestLamps:
         assert at(4.0) / at(2.0) == pytest.approx(0.25, rel=0.1)
 
     def test_at_one_metre_it_is_like_the_sun(self, studio):
-        wall = Visual("world", Shape.BOX, (0.2, 9, 9), (1.1, 0, 0), color=(0.4, 0.4, 0.4, 1))
+        wall = Visual("world", VisualShape.BOX, (0.2, 9, 9), (1.1, 0, 0), color=(0.4, 0.4, 0.4, 1))
         view = {"eye": (0.0, 0.8, 0.0), "target": (1.0, 0.0, 0.0)}
         lamp = head_lamp(angle=1.0, reach=500.0)
         lit = studio.shoot(wall, lamps=[lamp], **view)
@@ -149,7 +153,7 @@ class TestLamps:
         assert studio.shoot(WALL, lamps=[head_lamp(intensity=100.0, reach=7.0)]).max() > 100
 
     def test_all_around(self, studio):
-        behind = Visual("world", Shape.BOX, (0.2, 9, 9), (-5.1, 0, 0), color=WHITE)
+        behind = Visual("world", VisualShape.BOX, (0.2, 9, 9), (-5.1, 0, 0), color=WHITE)
         picture = studio.shoot(
             WALL, behind, lamps=[head_lamp(angle=2.0 * math.pi)], target=(-1, 0, 0)
         )
@@ -177,8 +181,8 @@ class TestLamps:
         np.testing.assert_allclose(two, 2.0 * one, rtol=0.05)
 
     def test_it_moves_with_its_frame(self, studio):
-        lamp = Lamp("thing", (0.0, 0.0, 0.0), AHEAD, angle=0.3, intensity=9.0, reach=30.0)
-        studio.still.load(Scene(1, ("world", "thing"), (WALL,), (lamp,), NIGHT))
+        lamp = VisualLamp("thing", (0.0, 0.0, 0.0), AHEAD, angle=0.3, intensity=9.0, reach=30.0)
+        studio.still.load(VisualScene(1, ("world", "thing"), (WALL,), (lamp,), NIGHT))
         frames = np.stack([np.eye(4), np.eye(4)])
         turn = 0.35
         frames[1, :2, :2] = [
@@ -213,7 +217,7 @@ class TestChoiceOfLamps:
 
     def test_the_brightest_and_nearest_first(self):
         far, dim, near = (
-            Lamp("world", (x, 0.0, 0.0), intensity=intensity, reach=2.0)
+            VisualLamp("world", (x, 0.0, 0.0), intensity=intensity, reach=2.0)
             for x, intensity in ((20.0, 1.0), (3.0, 0.01), (3.0, 1.0))
         )
         chosen = self.rig(far, dim, near).choose(self.view(), np.zeros(3), 3)
@@ -222,18 +226,20 @@ class TestChoiceOfLamps:
         assert not chosen.rest.any()
 
     def test_what_shines_away_from_the_view_is_left_out(self):
-        behind = Lamp("world", (-1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), angle=1.0, reach=5.0)
-        dark = Lamp("world", (1.0, 0.0, 0.0), intensity=0.0)
+        behind = VisualLamp("world", (-1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), angle=1.0, reach=5.0)
+        dark = VisualLamp("world", (1.0, 0.0, 0.0), intensity=0.0)
         assert self.rig(behind, dark).choose(self.view(), np.zeros(3), 4).numbers.size == 0
 
     def test_the_last_one_to_be_had_comes_in_softly(self):
-        lamps = [Lamp("world", (3.0, 0.0, 0.0), intensity=value) for value in (2.0, 1.01, 1.0)]
+        lamps = [
+            VisualLamp("world", (3.0, 0.0, 0.0), intensity=value) for value in (2.0, 1.01, 1.0)
+        ]
         chosen = self.rig(*lamps).choose(self.view(), np.zeros(3), 2)
         assert chosen.levels[0] == 1.0
         assert 0.0 < chosen.levels[1] < 0.1
 
     def test_the_light_of_those_that_cannot_be_had_is_not_lost(self):
-        lamps = [Lamp("world", (3.0, 0.0, 0.0))] * 10
+        lamps = [VisualLamp("world", (3.0, 0.0, 0.0))] * 10
         chosen = self.rig(*lamps).choose(self.view(), np.zeros(3), 4)
         assert chosen.rest.min() > 0.1
 
@@ -241,8 +247,10 @@ class TestChoiceOfLamps:
 class TestCover:
     """Soft shadows where no sun shines."""
 
-    FLOOR = Visual("world", Shape.PLANE, (40.0, 40.0, 0.0), color=(0.6, 0.6, 0.6, 1.0))
-    CRATE = Visual("world", Shape.BOX, (0.8, 0.8, 0.6), (0.0, 0.0, 0.3), color=(0.6, 0.6, 0.6, 1))
+    FLOOR = Visual("world", VisualShape.PLANE, (40.0, 40.0, 0.0), color=(0.6, 0.6, 0.6, 1.0))
+    CRATE = Visual(
+        "world", VisualShape.BOX, (0.8, 0.8, 0.6), (0.0, 0.0, 0.3), color=(0.6, 0.6, 0.6, 1)
+    )
     OVERCAST = Daylight(sun=(0.0, 0.0, 0.0))
     EYE, TARGET = (-2.5, 0.0, 1.4), (0.0, 0.0, 0.2)
 
@@ -264,7 +272,9 @@ class TestCover:
         assert beside == pytest.approx(away, rel=0.1)
 
     def test_on_top_of_it_it_is_not(self, studio):
-        bare = Visual("world", Shape.PLANE, (3.0, 3.0, 0.0), (0, 0, 0.6), color=(0.6, 0.6, 0.6, 1))
+        bare = Visual(
+            "world", VisualShape.PLANE, (3.0, 3.0, 0.0), (0, 0, 0.6), color=(0.6, 0.6, 0.6, 1)
+        )
         (top,) = self.tones(studio, self.CRATE, points=[(0.0, 0.0, 0.6)])
         (alone,) = self.tones(studio, bare, points=[(0.0, 0.0, 0.6)])
         assert top == pytest.approx(alone, rel=0.05)
@@ -273,13 +283,13 @@ class TestCover:
         dark = {"daylight": NIGHT, "points": [(-0.5, 0.0, 0.0)]}
         for height, darker in ((4.0, True), (0.02, False)):
             # The lamp stands before the crate, so that it lights the whole of the floor there.
-            lamp = [Lamp("world", (-1.5, 0.0, height), intensity=8.0, reach=20.0)]
+            lamp = [VisualLamp("world", (-1.5, 0.0, height), intensity=8.0, reach=20.0)]
             (foot,) = self.tones(studio, self.CRATE, lamps=lamp, **dark)
             (open_floor,) = self.tones(studio, lamps=lamp, **dark)
             assert (foot < 0.8 * open_floor) == darker
 
     def test_a_ceiling_does_not_darken_the_room(self, studio):
-        ceiling = Visual("world", Shape.BOX, (20.0, 20.0, 0.2), (0.0, 0.0, 2.6))
+        ceiling = Visual("world", VisualShape.BOX, (20.0, 20.0, 0.2), (0.0, 0.0, 2.6))
         points = [(-1.2, 0.5, 0.0)]
         assert self.tones(studio, ceiling, points=points) == self.tones(studio, points=points)
 
@@ -294,7 +304,7 @@ class TestFog:
     def board(self, distance, tone):
         color = (tone, tone, tone, 1.0)
         size = 0.6 * distance
-        return Visual("world", Shape.BOX, (0.1, size, size), (distance, 0, 0), color=color)
+        return Visual("world", VisualShape.BOX, (0.1, size, size), (distance, 0, 0), color=color)
 
     def test_at_the_distance_of_visibility_a_twentieth_of_the_contrast_is_left(self, studio):
         def contrast(distance, visibility):
@@ -334,7 +344,7 @@ def test_zoom_narrows_the_view_as_camera_info_says(studio, zoom):
     offset = np.array([0.35, -0.2]) / zoom
     ball = Visual(
         "world",
-        Shape.SPHERE,
+        VisualShape.SPHERE,
         (0.05 / zoom, 0.0, 0.0),
         (2.0, -offset[0], -offset[1]),
         color=(1.0, 0.0, 0.0, 1.0),

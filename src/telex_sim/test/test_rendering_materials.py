@@ -10,7 +10,7 @@ from telex_sim.cameras.optics.pinhole import PinholeCamera
 from telex_sim.cameras.preview.still import Still, looking
 from telex_sim.scene.meshes.mesh_files import MeshFileError, load_mesh, load_parts
 from telex_sim.scene.transforms import pose_matrices
-from telex_sim.scene.visual_scene import Scene, Shape, Visual
+from telex_sim.scene.visual_scene import Visual, VisualScene, VisualShape
 
 # Two squares in the plane x = 0; as seen from -x, the left one is red, the right one has a picture.
 OBJ = """
@@ -79,7 +79,7 @@ def shown(visual):
     """What is seen at the left and at the right, and what could not be loaded."""
     still = Still(TIERS["software"], Lighting(), lambda name: name)
     try:
-        problems = still.load(Scene(1, ("world",), (visual,)))
+        problems = still.load(VisualScene(1, ("world",), (visual,)))
         camera = PinholeCamera(160, 120, 1.0, 0.05, 20.0)
         pose = looking((-3.0, 0.0, 0.5), (0.0, 0.0, 0.5))
         frames = pose_matrices([(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)])
@@ -93,7 +93,7 @@ def mesh(path, own):
     gray = (0.5, 0.5, 0.5, 1.0)
     return Visual(
         "world",
-        Shape.MESH,
+        VisualShape.MESH,
         (1.0, 1.0, 1.0),
         mesh=f"file://{path}",
         color=gray,

@@ -17,7 +17,7 @@ from telex_sim.cameras.ros.messages import (
     image_message,
     scene_from_message,
 )
-from telex_sim.scene.visual_scene import Daylight, Lamp, Shape
+from telex_sim.scene.visual_scene import Daylight, VisualLamp, VisualShape
 
 
 def visual(**changes):
@@ -50,7 +50,7 @@ class TestScene:
         assert problems == []
         assert result.revision == 3
         (box,) = result.visuals
-        assert (box.frame, box.shape, box.size) == ("telex/arm", Shape.BOX, (1.0, 2.0, 3.0))
+        assert (box.frame, box.shape, box.size) == ("telex/arm", VisualShape.BOX, (1.0, 2.0, 3.0))
         assert (box.position, box.orientation) == ((0.0, 0.0, 1.0), (0.0, 0.0, 0.0, 1.0))
         assert box.color == (1.0, 0.5, 0.0, 1.0)
         assert (box.texture, box.texture_scale, box.glow) == ("a", 2.0, 0.5)
@@ -79,7 +79,9 @@ class TestScene:
         result, problems = scene_from_message(message)
         assert problems == []
         assert result.lamps == (
-            Lamp("telex/arm", (1.0, 2.0, 3.0), (0.0, 0.0, -2.0), 1.5, 4.0, 6.0, (1.0, 0.5, 0.25)),
+            VisualLamp(
+                "telex/arm", (1.0, 2.0, 3.0), (0.0, 0.0, -2.0), 1.5, 4.0, 6.0, (1.0, 0.5, 0.25)
+            ),
         )
         assert result.daylight == Daylight(
             (0.0, 0.6, 0.8), (2.0, 1.5, 1.0), 0.5, 25.0, (0.75, 0.5, 0.25)
@@ -113,7 +115,7 @@ class TestScene:
         ("changes", "complaint"),
         [
             ({"frame": 2}, "frame 2 of a scene with 2"),
-            ({"shape": 9}, "9 is not a valid Shape"),
+            ({"shape": 9}, "9 is not a valid VisualShape"),
             ({"size": Vector3(1.0, math.nan, 1.0)}, "not finite"),
             ({"pose": Pose()}, "quaternion"),
         ],

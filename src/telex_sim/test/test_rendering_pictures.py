@@ -11,12 +11,12 @@ from telex_sim.cameras.drawing.quality import TIERS
 from telex_sim.cameras.optics.pinhole import PinholeCamera
 from telex_sim.cameras.preview.still import Still, looking
 from telex_sim.scene.transforms import pose_matrices
-from telex_sim.scene.visual_scene import Daylight, Scene, Shape, Visual
+from telex_sim.scene.visual_scene import Daylight, Visual, VisualScene, VisualShape
 
 CAMERA = PinholeCamera(320, 240, 1.2, 0.05, 60.0)
 RED, GREEN, BLUE = (0.9, 0.05, 0.05, 1.0), (0.05, 0.8, 0.05, 1.0), (0.05, 0.1, 0.9, 1.0)
 MAGENTA, GRAY = (1.0, 0.0, 1.0, 1.0), (0.5, 0.5, 0.5, 1.0)
-FLOOR = Visual("world", Shape.PLANE, (60.0, 60.0, 0.0), color=GRAY)
+FLOOR = Visual("world", VisualShape.PLANE, (60.0, 60.0, 0.0), color=GRAY)
 
 
 def at(*position):
@@ -35,7 +35,7 @@ class Studio:
 
     def load(self, *visuals, frames=("world", "thing")):
         daylight = Daylight(to_sun=(-1.0, 0.0, 2.0))
-        return self._still.load(Scene(1, tuple(frames), tuple(visuals), (), daylight))
+        return self._still.load(VisualScene(1, tuple(frames), tuple(visuals), (), daylight))
 
     def picture(self, eye, target, *poses, camera=CAMERA, focus=(0.0, 0.0, 0.0)):
         frames = pose_matrices([at(0.0, 0.0, 0.0), *(poses or [at(0.0, 0.0, 0.0)])])
@@ -78,7 +78,7 @@ EYE, TARGET = (-3.0, 0.0, 1.0), (0.0, 0.0, 0.5)
 
 class TestShapes:
     def test_a_box_is_where_it_should_be_and_nothing_elsewhere(self, studio):
-        studio.load(Visual("thing", Shape.BOX, (0.4, 0.6, 0.8), color=RED))
+        studio.load(Visual("thing", VisualShape.BOX, (0.4, 0.6, 0.8), color=RED))
         picture = studio.picture(EYE, TARGET, at(0.0, 0.5, 0.5))
         # Its front face, by the corners that CameraInfo predicts.
         corners = [(-0.2, y, z) for y in (0.2, 0.8) for z in (0.1, 0.9)]
@@ -95,11 +95,11 @@ class TestShapes:
         )
         studio.packages["shapes"] = str(tmp_path)
         problems = studio.load(
-            Visual("world", Shape.SPHERE, (0.3, 0.0, 0.0), (0.0, 1.0, 0.5), color=RED),
-            Visual("world", Shape.CYLINDER, (0.2, 0.0, 0.8), (0.0, 0.0, 0.5), color=GREEN),
+            Visual("world", VisualShape.SPHERE, (0.3, 0.0, 0.0), (0.0, 1.0, 0.5), color=RED),
+            Visual("world", VisualShape.CYLINDER, (0.2, 0.0, 0.8), (0.0, 0.0, 0.5), color=GREEN),
             Visual(
                 "world",
-                Shape.MESH,
+                VisualShape.MESH,
                 (0.5, 0.5, 0.5),
                 (0.0, -1.0, 0.3),
                 mesh="package://shapes/tetra.obj",
@@ -115,8 +115,8 @@ class TestShapes:
             assert color[channel] > 1.5 * np.delete(color, channel).max()
 
     def test_near_things_hide_far_ones_however_they_are_listed(self, studio):
-        near = Visual("world", Shape.BOX, (0.1, 1.0, 1.0), (-1.0, 0.0, 0.7), color=RED)
-        far = Visual("world", Shape.BOX, (0.1, 3.0, 3.0), (1.0, 0.0, 0.7), color=GREEN)
+        near = Visual("world", VisualShape.BOX, (0.1, 1.0, 1.0), (-1.0, 0.0, 0.7), color=RED)
+        far = Visual("world", VisualShape.BOX, (0.1, 3.0, 3.0), (1.0, 0.0, 0.7), color=GREEN)
         for order in ((near, far), (far, near)):
             studio.load(*order)
             picture = studio.picture(EYE, TARGET)
@@ -133,7 +133,7 @@ class TestShapes:
             (-0.8, -0.6, 0.2),
             (2.0, -0.5, 0.9),
         ]
-        studio.load(Visual("thing", Shape.SPHERE, (0.02, 0.0, 0.0), color=MAGENTA))
+        studio.load(Visual("thing", VisualShape.SPHERE, (0.02, 0.0, 0.0), color=MAGENTA))
         for point in points:
             picture = studio.picture(eye, target, at(*point), camera=camera)
             rows, columns = np.nonzero(picture[..., 0] - picture[..., 1] > 40)
@@ -143,7 +143,7 @@ class TestShapes:
             assert rows.mean() == pytest.approx(v, abs=0.5)
 
     def test_a_moved_thing_moves(self, studio):
-        studio.load(Visual("thing", Shape.SPHERE, (0.2, 0.0, 0.0), color=RED))
+        studio.load(Visual("thing", VisualShape.SPHERE, (0.2, 0.0, 0.0), color=RED))
         left = reddish(studio.picture(EYE, TARGET, at(0.0, 0.8, 0.5)))
         right = reddish(studio.picture(EYE, TARGET, at(0.0, -0.8, 0.5)))
         assert np.nonzero(left)[1].max() < 160 < np.nonzero(right)[1].min()
@@ -151,15 +151,17 @@ class TestShapes:
 
     def test_glass_lets_the_background_through(self, studio):
         studio.load(
-            Visual("world", Shape.BOX, (0.1, 1.0, 1.0), (-1.0, 0.0, 0.7), color=(1, 0, 0, 0.4)),
-            Visual("world", Shape.BOX, (0.1, 3.0, 3.0), (1.0, 0.0, 0.7), color=GREEN),
+            Visual(
+                "world", VisualShape.BOX, (0.1, 1.0, 1.0), (-1.0, 0.0, 0.7), color=(1, 0, 0, 0.4)
+            ),
+            Visual("world", VisualShape.BOX, (0.1, 3.0, 3.0), (1.0, 0.0, 0.7), color=GREEN),
         )
         red, green, _ = color_at(studio.picture(EYE, TARGET), CAMERA, EYE, TARGET, (-1, 0, 0.7))
         assert red > 60
         assert green > 60
 
     def test_what_is_wholly_transparent_is_not_there(self, software):
-        software.load(Visual("world", Shape.BOX, (1.0, 1.0, 1.0), color=(1.0, 0.0, 0.0, 0.0)))
+        software.load(Visual("world", VisualShape.BOX, (1.0, 1.0, 1.0), color=(1.0, 0.0, 0.0, 0.0)))
         assert not reddish(software.picture(EYE, TARGET)).any()
 
 
@@ -170,20 +172,23 @@ class TestCulling:
             for angle in np.linspace(0.0, 2.0 * math.pi, 12, endpoint=False)
         ]
         software.load(
-            *(Visual("world", Shape.BOX, (0.2, 0.2, 0.2), place, color=RED) for place in around),
+            *(
+                Visual("world", VisualShape.BOX, (0.2, 0.2, 0.2), place, color=RED)
+                for place in around
+            ),
         )
         for place in around:
             picture = software.picture((0.0, 0.0, 1.0), place)
             assert reddish(picture[120, 160])
 
     def test_a_thing_that_only_reaches_into_the_picture_is_drawn(self, software):
-        software.load(Visual("world", Shape.BOX, (0.2, 8.0, 0.2), (0.0, 4.5, 0.5), color=RED))
+        software.load(Visual("world", VisualShape.BOX, (0.2, 8.0, 0.2), (0.0, 4.5, 0.5), color=RED))
         picture = software.picture(EYE, TARGET)
         assert reddish(picture[:, :40]).any()
 
     def test_a_thing_whose_bounding_sphere_holds_the_camera_is_drawn(self, software):
         software.load(
-            Visual("world", Shape.BOX, (0.1, 0.1, 20.0), (0.5, 0.0, 0.0), color=RED),
+            Visual("world", VisualShape.BOX, (0.1, 0.1, 20.0), (0.5, 0.0, 0.0), color=RED),
             FLOOR,
         )
         assert reddish(software.picture((0.0, 0.0, 5.0), (0.5, 0.0, 5.0))[:, 160]).all()
@@ -191,7 +196,7 @@ class TestCulling:
 
 class TestLight:
     def test_the_floor_is_darker_under_a_box_than_beside_it(self, studio):
-        studio.load(FLOOR, Visual("thing", Shape.BOX, (0.6, 0.6, 0.1), color=RED))
+        studio.load(FLOOR, Visual("thing", VisualShape.BOX, (0.6, 0.6, 0.1), color=RED))
         eye, target = (-2.0, -2.0, 2.0), (0.0, 0.0, 0.0)
         picture = studio.picture(eye, target, at(0.0, 0.0, 0.8))
         # The sun stands two up for each one back: 0.8 m high, the shadow falls 0.4 m ahead.
@@ -200,7 +205,7 @@ class TestLight:
             assert shade < 0.8 * color_at(picture, CAMERA, eye, target, beside).mean()
 
     def test_the_shadow_follows_and_goes_with_its_thing(self, studio):
-        studio.load(FLOOR, Visual("thing", Shape.BOX, (0.6, 0.6, 0.1), color=RED))
+        studio.load(FLOOR, Visual("thing", VisualShape.BOX, (0.6, 0.6, 0.1), color=RED))
         eye, target, spot = (-2.0, -2.0, 2.0), (0.0, 0.0, 0.0), (0.4, 0.0, 0.0)
         shade = color_at(
             studio.picture(eye, target, at(0.0, 0.0, 0.8)), CAMERA, eye, target, spot
@@ -216,8 +221,8 @@ class TestLight:
     def test_surfaces_do_not_shade_themselves(self, studio):
         studio.load(
             FLOOR,
-            Visual("world", Shape.BOX, (2.0, 2.0, 0.5), (0.0, 0.0, 0.25), color=GRAY),
-            Visual("world", Shape.CYLINDER, (0.3, 0.0, 0.5), (0.0, 0.0, 0.75), color=GRAY),
+            Visual("world", VisualShape.BOX, (2.0, 2.0, 0.5), (0.0, 0.0, 0.25), color=GRAY),
+            Visual("world", VisualShape.CYLINDER, (0.3, 0.0, 0.5), (0.0, 0.0, 0.75), color=GRAY),
         )
         eye, target = (-1.5, 0.3, 2.0), (-0.5, 0.0, 0.5)
         picture = studio.picture(eye, target)
@@ -232,7 +237,11 @@ class TestLight:
         tilted = (0.0, math.sin(turn / 2.0), 0.0, math.cos(turn / 2.0))
         studio.load(
             Visual(
-                "world", Shape.BOX, (1.0, 2.0, 0.2), orientation=tilted, color=(0.9, 0.9, 0.9, 1)
+                "world",
+                VisualShape.BOX,
+                (1.0, 2.0, 0.2),
+                orientation=tilted,
+                color=(0.9, 0.9, 0.9, 1),
             )
         )
         eye, target = (1.5, 0.2, 1.2), (0.0, 0.0, 0.0)
@@ -252,7 +261,9 @@ class TestLight:
         assert np.ptp(tones) < 8
 
     def test_a_shadow_begins_at_the_foot_of_its_thing(self, studio):
-        studio.load(FLOOR, Visual("world", Shape.BOX, (0.3, 0.6, 0.6), (0.0, 0.0, 0.3), color=RED))
+        studio.load(
+            FLOOR, Visual("world", VisualShape.BOX, (0.3, 0.6, 0.6), (0.0, 0.0, 0.3), color=RED)
+        )
         eye, target = (1.2, 1.2, 1.2), (0.15, 0.0, 0.0)
         picture = studio.picture(eye, target)
         lit = color_at(picture, CAMERA, eye, target, (0.3, 0.6, 0.0)).mean()
@@ -261,7 +272,9 @@ class TestLight:
             assert foot < 0.8 * lit
 
     def test_beyond_the_shadow_map_the_sun_shines(self, studio):
-        studio.load(FLOOR, Visual("world", Shape.BOX, (2.0, 40.0, 0.5), (0, 0, 3.0), color=RED))
+        studio.load(
+            FLOOR, Visual("world", VisualShape.BOX, (2.0, 40.0, 0.5), (0, 0, 3.0), color=RED)
+        )
         tones = {}
         for y in (0.0, 12.0):
             eye, target = (-4.0, y, 1.0), (1.5, y, 0.0)
@@ -271,7 +284,7 @@ class TestLight:
         assert tones[0.0] < 0.8 * tones[12.0]
 
     def test_sides_to_the_sun_are_brighter(self, studio):
-        studio.load(Visual("world", Shape.BOX, (1.0, 1.0, 1.0), color=GRAY))
+        studio.load(Visual("world", VisualShape.BOX, (1.0, 1.0, 1.0), color=GRAY))
         sunny = studio.picture((-3.0, 0.1, 0.0), (0.0, 0.0, 0.0))[120, 160, :3].mean()
         shady = studio.picture((3.0, 0.1, 0.0), (0.0, 0.0, 0.0))[120, 160, :3].mean()
         assert sunny > shady + 15
@@ -299,7 +312,7 @@ class TestTextures:
         studio.load(
             Visual(
                 "world",
-                Shape.PLANE,
+                VisualShape.PLANE,
                 (40.0, 40.0, 0.0),
                 texture="generated:checker",
                 texture_scale=2.0,
@@ -320,7 +333,7 @@ class TestTextures:
         studio.load(
             Visual(
                 "world",
-                Shape.PLANE,
+                VisualShape.PLANE,
                 (80.0, 80.0, 0.0),
                 texture="generated:checker",
                 texture_scale=2.0,
@@ -337,7 +350,7 @@ class TestTextures:
         cv2.imwrite(str(tmp_path / "flag.png"), pixels)
         address = f"file://{tmp_path}/flag.png"
         problems = studio.load(
-            Visual("thing", Shape.BOX, (1.0, 1.0, 1.0), texture=address, color=(1, 1, 1, 1))
+            Visual("thing", VisualShape.BOX, (1.0, 1.0, 1.0), texture=address, color=(1, 1, 1, 1))
         )
         assert problems == []
         picture = studio.picture((-3.0, 0.0, 0.0), (0.0, 0.0, 0.0))
@@ -353,10 +366,10 @@ class TestProblems:
         (tmp_path / "broken.obj").write_text("v 0 0 0\nf 1 2 3\n")
         software.packages["bad"] = str(tmp_path)
         problems = software.load(
-            Visual("thing", Shape.MESH, (1.0, 1.0, 1.0), mesh="package://bad/broken.obj"),
-            Visual("thing", Shape.MESH, (1.0, 1.0, 1.0), mesh="package://bad/missing.stl"),
-            Visual("thing", Shape.MESH, (1.0, 1.0, 1.0), mesh="package://nobody/a.stl"),
-            Visual("thing", Shape.SPHERE, (0.3, 0.0, 0.0), color=RED),
+            Visual("thing", VisualShape.MESH, (1.0, 1.0, 1.0), mesh="package://bad/broken.obj"),
+            Visual("thing", VisualShape.MESH, (1.0, 1.0, 1.0), mesh="package://bad/missing.stl"),
+            Visual("thing", VisualShape.MESH, (1.0, 1.0, 1.0), mesh="package://nobody/a.stl"),
+            Visual("thing", VisualShape.SPHERE, (0.3, 0.0, 0.0), color=RED),
         )
         assert len(problems) == 3
         assert "broken.obj: line 2" in problems[0]
@@ -367,7 +380,11 @@ class TestProblems:
     def test_without_its_texture_a_visual_keeps_its_colour(self, software):
         problems = software.load(
             Visual(
-                "thing", Shape.SPHERE, (0.3, 0.0, 0.0), color=RED, texture="file:///no/where.png"
+                "thing",
+                VisualShape.SPHERE,
+                (0.3, 0.0, 0.0),
+                color=RED,
+                texture="file:///no/where.png",
             )
         )
         (problem,) = problems
@@ -377,7 +394,7 @@ class TestProblems:
     def test_a_mesh_file_that_changes_is_read_anew(self, software, tmp_path):
         path = tmp_path / "a.obj"
         triangle = "v 0 -1 {0}\nv 0 1 {0}\nv 0 0 {1}\nf 1 3 2\n"
-        thing = Visual("thing", Shape.MESH, (1.0, 1.0, 1.0), mesh=f"file://{path}", color=RED)
+        thing = Visual("thing", VisualShape.MESH, (1.0, 1.0, 1.0), mesh=f"file://{path}", color=RED)
         path.write_text(triangle.format(-1, 1))
         software.load(thing)
         assert reddish(software.picture(EYE, (0.0, 0.0, 0.0))[120, 160])
@@ -392,7 +409,7 @@ class TestProblems:
 
 
 def test_pictures_of_several_sizes_do_not_mix(software):
-    software.load(FLOOR, Visual("thing", Shape.SPHERE, (0.3, 0.0, 0.0), color=RED))
+    software.load(FLOOR, Visual("thing", VisualShape.SPHERE, (0.3, 0.0, 0.0), color=RED))
     other = PinholeCamera(97, 61, 1.0, 0.05, 60.0)
     first = software.picture(EYE, (0.0, 0.0, 0.0))
     small = software.picture(EYE, (0.0, 0.0, 0.0), camera=other)

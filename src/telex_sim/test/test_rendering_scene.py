@@ -5,7 +5,7 @@ import pytest
 
 from telex_sim.scene.addresses import AddressError, resolve_address
 from telex_sim.scene.transforms import pose_matrices, quaternion_from_rpy, rigid_inverse
-from telex_sim.scene.visual_scene import Daylight, Lamp, Scene, Shape, Visual
+from telex_sim.scene.visual_scene import Daylight, Visual, VisualLamp, VisualScene, VisualShape
 
 
 def package_path(name):
@@ -64,11 +64,11 @@ class TestVisual:
         [
             {"size": (1.0, 1.0, math.nan)},
             {"size": (1.0, -1.0, 1.0)},
-            {"shape": Shape.SPHERE, "size": (0.0, 0.0, 0.0)},
-            {"shape": Shape.CYLINDER, "size": (1.0, 0.0, 0.0)},
-            {"shape": Shape.PLANE, "size": (1.0, 0.0, 0.0)},
-            {"shape": Shape.MESH},
-            {"shape": Shape.MESH, "mesh": "file:///a.obj", "size": (1.0, 0.0, 1.0)},
+            {"shape": VisualShape.SPHERE, "size": (0.0, 0.0, 0.0)},
+            {"shape": VisualShape.CYLINDER, "size": (1.0, 0.0, 0.0)},
+            {"shape": VisualShape.PLANE, "size": (1.0, 0.0, 0.0)},
+            {"shape": VisualShape.MESH},
+            {"shape": VisualShape.MESH, "mesh": "file:///a.obj", "size": (1.0, 0.0, 1.0)},
             {"position": (math.inf, 0.0, 0.0)},
             {"orientation": (0.0, 0.0, 0.0, 0.0)},
             {"color": (1.2, 0.0, 0.0, 1.0)},
@@ -79,31 +79,31 @@ class TestVisual:
         ],
     )
     def test_refuses_nonsense(self, changes):
-        values = {"frame": "a", "shape": Shape.BOX, "size": (1.0, 1.0, 1.0), **changes}
+        values = {"frame": "a", "shape": VisualShape.BOX, "size": (1.0, 1.0, 1.0), **changes}
         with pytest.raises(ValueError, match="of frame 'a'"):
             Visual(**values)
 
     def test_needs_only_the_lengths_that_its_shape_has(self):
-        assert Visual("a", Shape.SPHERE, (0.1, 0.0, 0.0)).size[0] == 0.1
-        assert Visual("a", Shape.PLANE, (1.0, 2.0, 0.0)).size[1] == 2.0
+        assert Visual("a", VisualShape.SPHERE, (0.1, 0.0, 0.0)).size[0] == 0.1
+        assert Visual("a", VisualShape.PLANE, (1.0, 2.0, 0.0)).size[1] == 2.0
 
     def test_only_what_has_a_back_casts_a_shadow(self):
-        assert Visual("a", Shape.BOX, (1.0, 1.0, 1.0)).casts_shadow
-        assert not Visual("a", Shape.PLANE, (1.0, 1.0, 0.0)).casts_shadow
+        assert Visual("a", VisualShape.BOX, (1.0, 1.0, 1.0)).casts_shadow
+        assert not Visual("a", VisualShape.PLANE, (1.0, 1.0, 0.0)).casts_shadow
 
 
 class TestScene:
     def test_refuses_a_frame_named_twice(self):
         with pytest.raises(ValueError, match="twice"):
-            Scene(1, ("a", "a"), ())
+            VisualScene(1, ("a", "a"), ())
 
     def test_refuses_a_visual_on_an_unknown_frame(self):
         with pytest.raises(ValueError, match="no such frame"):
-            Scene(1, ("a",), (Visual("b", Shape.SPHERE, (1.0, 0.0, 0.0)),))
+            VisualScene(1, ("a",), (Visual("b", VisualShape.SPHERE, (1.0, 0.0, 0.0)),))
 
     def test_refuses_a_lamp_on_an_unknown_frame(self):
         with pytest.raises(ValueError, match="lamp of frame 'b': no such frame"):
-            Scene(1, ("a",), (), (Lamp("b", (0.0, 0.0, 1.0)),))
+            VisualScene(1, ("a",), (), (VisualLamp("b", (0.0, 0.0, 1.0)),))
 
 
 class TestLamp:
@@ -121,7 +121,7 @@ class TestLamp:
     )
     def test_refuses_nonsense(self, changes):
         with pytest.raises(ValueError, match="lamp head of frame 'a'"):
-            Lamp(**{"frame": "a", "position": (0.0, 0.0, 0.0), "name": "head", **changes})
+            VisualLamp(**{"frame": "a", "position": (0.0, 0.0, 0.0), "name": "head", **changes})
 
 
 class TestDaylight:

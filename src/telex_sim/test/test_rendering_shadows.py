@@ -8,13 +8,13 @@ from telex_sim.cameras.drawing.quality import TIERS
 from telex_sim.cameras.optics.pinhole import PinholeCamera
 from telex_sim.cameras.preview.still import Still, looking
 from telex_sim.scene.transforms import pose_matrices
-from telex_sim.scene.visual_scene import Daylight, Lamp, Scene, Shape, Visual
+from telex_sim.scene.visual_scene import Daylight, Visual, VisualLamp, VisualScene, VisualShape
 
 CAMERA = PinholeCamera(320, 240, 1.2, 0.05, 60.0)
 GRAY = (0.5, 0.5, 0.5, 1.0)
-FLOOR = Visual("world", Shape.PLANE, (60.0, 60.0, 0.0), color=GRAY)
-WALL = Visual("world", Shape.BOX, (0.1, 8.0, 4.0), (4.0, 0.0, 2.0), color=GRAY)
-POST = Visual("thing", Shape.BOX, (0.1, 0.3, 0.6), color=GRAY)
+FLOOR = Visual("world", VisualShape.PLANE, (60.0, 60.0, 0.0), color=GRAY)
+WALL = Visual("world", VisualShape.BOX, (0.1, 8.0, 4.0), (4.0, 0.0, 2.0), color=GRAY)
+POST = Visual("thing", VisualShape.BOX, (0.1, 0.3, 0.6), color=GRAY)
 NIGHT = Daylight(sun=(0.0, 0.0, 0.0), ambient=0.02)
 EYE, TARGET = (-1.0, 0.0, 2.5), (3.0, 0.0, 1.0)
 
@@ -34,7 +34,7 @@ def headlight(**changes):
         "name": "front",
         **changes,
     }
-    return Lamp(**values)
+    return VisualLamp(**values)
 
 
 @pytest.fixture(scope="module", params=sorted(TIERS))
@@ -45,7 +45,7 @@ def still(request):
 
 
 def load(still, *visuals, lamps=(), daylight=NIGHT):
-    scene = Scene(1, ("world", "robot", "thing"), visuals, tuple(lamps), daylight)
+    scene = VisualScene(1, ("world", "robot", "thing"), visuals, tuple(lamps), daylight)
     assert still.load(scene) == []
     still.renderer.set_lamp_levels({lamp.name: 1.0 for lamp in lamps})
 
@@ -121,7 +121,7 @@ class TestSun:
     DAY = Daylight(to_sun=(-1.0, 0.0, 1.0))
 
     def test_far_from_the_robot_there_are_shadows_as_well(self, still):
-        near = Visual("thing", Shape.BOX, (0.4, 0.4, 0.8), (0.0, 0.0, 0.4), color=GRAY)
+        near = Visual("thing", VisualShape.BOX, (0.4, 0.4, 0.8), (0.0, 0.0, 0.4), color=GRAY)
         load(still, FLOOR, near, daylight=Daylight(to_sun=(0.0, -1.0, 1.0)))
         for x in (1.8, 6.0):
             image = picture(still, thing=(x, 0.0, 0.0))

@@ -4,7 +4,7 @@ import pytest
 
 from telex_control.urdf.elements import UrdfError
 from telex_sim.robot.urdf.visuals import DEFAULT_COLOR, urdf_visuals
-from telex_sim.scene.visual_scene import Shape
+from telex_sim.scene.visual_scene import VisualShape
 
 ROBOT = """<?xml version="1.0" encoding="utf-8"?>
 <robot name="r">
@@ -52,12 +52,12 @@ def visuals():
 def test_all_visuals_in_order(visuals):
     assert [visual.link for visual in visuals] == ["base"] * 2 + ["arm"] * 4
     assert [visual.shape for visual in visuals] == [
-        Shape.BOX,
-        Shape.CYLINDER,
-        Shape.SPHERE,
-        Shape.MESH,
-        Shape.MESH,
-        Shape.BOX,
+        VisualShape.BOX,
+        VisualShape.CYLINDER,
+        VisualShape.SPHERE,
+        VisualShape.MESH,
+        VisualShape.MESH,
+        VisualShape.BOX,
     ]
 
 

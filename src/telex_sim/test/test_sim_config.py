@@ -5,7 +5,7 @@ import pytest
 from telex_control.common.params import ConfigError
 from telex_control.ros.local_node_handle import LocalNodeHandle
 from telex_control.urdf.joints import UrdfError, parse_urdf
-from telex_sim.engine.config import HardwareConfig, JointHardware, read_simulator_config
+from telex_sim.engine.simulator_config import HardwareConfig, JointHardware, read_simulator_config
 from telex_sim.engine.world import World, WorldError
 from telex_sim.offline.simulation import shipped_config
 from telex_sim.robot.robot_hw_sim import RobotHWSim

@@ -13,7 +13,7 @@ from telex_control.common.params import ConfigError
 from telex_control.hardware.hardware_interface import VelocityJointInterface
 from telex_control.hardware.joint_limits import JointLimits
 from telex_control.urdf.joints import joints, parse_urdf
-from telex_sim.engine.config import TrackConfig
+from telex_sim.engine.simulator_config import TrackConfig
 from telex_sim.engine.world import GRAVITY, World
 from telex_sim.robot.drives import Drive
 from telex_sim.scene.model import Floor

@@ -10,8 +10,8 @@ from geometry_msgs.msg import Twist
 
 from telex_control.common.params import ConfigError, read_config
 from telex_control.urdf.joints import UrdfError, parse_urdf
-from telex_sim.engine.config import HardwareConfig
 from telex_sim.engine.contacts import contacts
+from telex_sim.engine.simulator_config import HardwareConfig
 from telex_sim.offline.simulation import OfflineSimulation
 from telex_sim.robot.link_surfaces import frictions, wheels
 

@@ -17,8 +17,8 @@ from telex_teleop.web.bridge.service.goals import GoalDesk
 from telex_teleop.web.bridge.service.services import ServiceDesk
 from telex_teleop.web.bridge.session import ClientSession, Shared
 from telex_teleop.web.bridge.subscribe.feeds import FeedPool
-from telex_teleop.web.config import RosbridgeConfig
 from telex_teleop.web.rights import Rights
+from telex_teleop.web.server_config import RosbridgeConfig
 from telex_teleop.web.workers import OrderedWorker
 
 TWIST = "geometry_msgs/Twist"

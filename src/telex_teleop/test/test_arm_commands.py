@@ -9,7 +9,7 @@ import yaml
 from arm_rig import FRAMES, JOINTS, LIMITS
 
 from telex_control.common.params import ConfigError, read_config
-from telex_teleop.arm.settings import ArmTeleopSettings, carrier_of
+from telex_teleop.arm.arm_settings import ArmTeleopSettings, carrier_of
 from telex_teleop.arm.tool_command import Frame
 from telex_teleop.motion.axis import AxisSettings
 from telex_teleop.motion.joint_follower import JointFollower

@@ -14,8 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from telex_control.common.params import read_config
+from telex_teleop.arm.arm_settings import ArmTeleopSettings, carrier_of
 from telex_teleop.arm.ik_kinematics import IKKinematics
-from telex_teleop.arm.settings import ArmTeleopSettings, carrier_of
 from telex_teleop.arm.tool_motion import ToolMotion
 from telex_teleop.motion.limits import limits_from_urdf
 

@@ -11,7 +11,7 @@ import pytest
 import yaml
 
 from telex_teleop.operating.actions import parse_action
-from telex_teleop.web.maps import describe_action
+from telex_teleop.web.joy_map import describe_action
 
 PACKAGE = Path(__file__).resolve().parents[1]
 CAPS = {

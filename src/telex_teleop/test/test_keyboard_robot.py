@@ -13,9 +13,9 @@ from telex_msgs.msg import (
     TrackTeleopStatus,
 )
 
-from telex_teleop.keyboard.robot import ShownRobot
+from telex_teleop.keyboard.robot_status import ShownRobot
 from telex_teleop.operating.commander import Commands, PresetCommand
-from telex_teleop.operating.robot import Robot
+from telex_teleop.operating.operated_robot import OperatedRobot
 from telex_teleop.tracks.track_drive import Velocity
 
 
@@ -55,7 +55,7 @@ def graph(monkeypatch):
 
 
 def test_a_preset_that_the_robot_lacks_is_told_and_not_sent(graph):
-    robot = Robot("/r")
+    robot = OperatedRobot("/r")
     presets = "/r/flipper_teleop/presets"
     graph.receivers[presets](FlipperPresets(names=["flat", "high"]))
     for name in ("somersault", "high", ""):
@@ -67,14 +67,14 @@ def test_a_preset_that_the_robot_lacks_is_told_and_not_sent(graph):
 
 
 def test_before_the_robot_has_named_its_presets_they_are_sent(graph):
-    robot = Robot("/r")
+    robot = OperatedRobot("/r")
     robot.send(Commands(jogs={}, drive=(), preset=(PresetCommand("somersault"),)))
     assert [message.preset for _, message in graph.sent] == ["somersault"]
     assert robot.notice == ""
 
 
 def test_a_preset_for_a_side_names_the_flippers_of_that_side(graph):
-    robot = Robot("/r")
+    robot = OperatedRobot("/r")
     left = Commands(jogs={}, drive=(), preset=(PresetCommand("flat", "left"),))
     robot.send(left)
     # without a name it would move all of them
@@ -88,7 +88,7 @@ def test_a_preset_for_a_side_names_the_flippers_of_that_side(graph):
 
 def test_a_stop_of_what_the_robot_lacks_keeps_no_other_from_stopping(graph):
     # the node refuses a message with an unknown joint as a whole
-    robot = Robot("/r")
+    robot = OperatedRobot("/r")
     graph.say("/r/arm_teleop/status", JointTeleopStatus(joint_names=["turret_joint"]))
     for rates in (
         {"turret_joint": 0.0, "telescope_joint": 0.0},
@@ -104,7 +104,7 @@ def test_a_stop_of_what_the_robot_lacks_keeps_no_other_from_stopping(graph):
 
 class TestLamps:
     def test_a_press_switches_all_of_them(self, graph):
-        robot = Robot("/r", lamps=("a", "b"))
+        robot = OperatedRobot("/r", lamps=("a", "b"))
         for levels, lit in (([1.0, 1.0], ("a", "b")), ([0.0, 0.0], ())):
             graph.sent.clear()
             robot.switch_lamps(("a", "b"))
@@ -113,24 +113,24 @@ class TestLamps:
             assert robot.lit == lit
 
     def test_what_others_have_lit_is_known(self, graph):
-        robot = Robot("/r", lamps=("a", "b"))
+        robot = OperatedRobot("/r", lamps=("a", "b"))
         graph.say("/r/lamps/b/command", Float64(0.4))
         assert robot.lit == ("b",)
         robot.switch_lamps(("a", "b"))
         assert [message.data for _, message in graph.sent] == [0.0, 0.0]
 
     def test_our_own_words_that_come_late_undo_nothing(self, graph):
-        robot = Robot("/r", lamps=("a",))
+        robot = OperatedRobot("/r", lamps=("a",))
         robot.switch_lamps(("a",))
         graph.say("/r/lamps/a/command", Float64(0.0), caller="/us")
         assert robot.lit == ("a",)
 
 
 def test_zoom_goes_on_from_where_others_have_set_it(graph, monkeypatch):
-    robot = Robot("/r", zoom_rate=1.0, max_zoom=6.0)
+    robot = OperatedRobot("/r", zoom_rate=1.0, max_zoom=6.0)
     graph.say("/r/cameras/turret/zoom", Float64(3.0))
     now = [10.0]
-    monkeypatch.setattr("telex_teleop.operating.robot.time.monotonic", lambda: now[0])
+    monkeypatch.setattr("telex_teleop.operating.operated_robot.time.monotonic", lambda: now[0])
     for share in (1.0, 1.0, 0.0):
         robot.send(Commands(jogs={}, drive=(), zoom=(share,)))
         now[0] += 0.1
@@ -140,7 +140,7 @@ def test_zoom_goes_on_from_where_others_have_set_it(graph, monkeypatch):
 
 
 def test_full_rates_are_what_the_nodes_say(graph):
-    robot = Robot("/r")
+    robot = OperatedRobot("/r")
     assert (robot.joint("arm", "a"), robot.drive(), robot.tool_speed()) == (None, None, None)
     status = JointTeleopStatus(joint_names=["a", "b"], max_velocity=[0.5, 0.0])
     graph.say("/r/arm_teleop/status", status)

@@ -7,12 +7,12 @@ import pytest
 import yaml
 
 from telex_control.common.params import ConfigError, read_config
+from telex_teleop.flippers.flipper_settings import FlipperTeleopSettings
 from telex_teleop.flippers.flipper_teleop import FlipperTeleop
 from telex_teleop.flippers.presets import GoalEnd, GoalRules, Preset
-from telex_teleop.flippers.settings import FlipperTeleopSettings
 from telex_teleop.motion.axis import AxisSettings
 from telex_teleop.motion.joint_jog import InvalidCommand, JogCommand
-from telex_teleop.motion.limits import JointLimits
+from telex_teleop.motion.limits import JointBounds
 from telex_teleop.motion.reference import MotionLimits
 from telex_teleop.motion.speed import SpeedScale
 
@@ -432,7 +432,7 @@ def shipped(**changes):
 
 def limits(lower=-1.88, upper=1.98):
     joints = shipped().joints
-    return dict.fromkeys(joints, JointLimits("revolute", lower, upper, 1.0))
+    return dict.fromkeys(joints, JointBounds("revolute", lower, upper, 1.0))
 
 
 def test_the_shipped_presets():

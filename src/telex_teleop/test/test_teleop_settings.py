@@ -8,10 +8,10 @@ import yaml
 
 from telex_control.common.params import ConfigError, read_config
 from telex_control.urdf.joints import UrdfError
-from telex_teleop.arm.settings import ArmTeleopSettings
-from telex_teleop.flippers.settings import FlipperTeleopSettings
-from telex_teleop.joints.settings import GripperTeleopSettings, JointTeleopSettings
-from telex_teleop.motion.limits import JointLimits, limits_from_urdf
+from telex_teleop.arm.arm_settings import ArmTeleopSettings
+from telex_teleop.flippers.flipper_settings import FlipperTeleopSettings
+from telex_teleop.joints.joint_settings import GripperTeleopSettings, JointTeleopSettings
+from telex_teleop.motion.limits import JointBounds, limits_from_urdf
 from telex_teleop.motion.speed import SpeedScale
 from telex_teleop.tracks.track_drive import TrackSettings
 
@@ -130,9 +130,9 @@ URDF = """<?xml version="1.0" encoding="utf-8"?>
 
 def test_limits_come_from_the_urdf():
     assert limits_from_urdf(URDF, ["slide", "hinge", "wheel"]) == {
-        "slide": JointLimits("prismatic", 0.0, 0.3, 0.05),
-        "hinge": JointLimits("revolute", -0.9, 1.9, 0.5),
-        "wheel": JointLimits("revolute", -math.inf, math.inf, 3.0),
+        "slide": JointBounds("prismatic", 0.0, 0.3, 0.05),
+        "hinge": JointBounds("revolute", -0.9, 1.9, 0.5),
+        "wheel": JointBounds("revolute", -math.inf, math.inf, 3.0),
     }
 
 
@@ -156,7 +156,7 @@ def test_useless_descriptions_are_refused(text, joint, says):
         limits_from_urdf(text, [joint])
 
 
-HINGE = JointLimits("revolute", -1.0, 1.0, 0.6)
+HINGE = JointBounds("revolute", -1.0, 1.0, 0.6)
 
 
 def test_rules_and_limits_make_the_motion():
@@ -231,7 +231,7 @@ def test_coupling_is_required():
 
 def coupled_axes(**limits):
     return read({"joints": list(limits)}).axes(
-        {name: JointLimits("revolute", *bounds) for name, bounds in limits.items()}
+        {name: JointBounds("revolute", *bounds) for name, bounds in limits.items()}
     )
 
 
@@ -260,7 +260,7 @@ def test_only_optional_joints_may_be_lacking():
     settings = read({"joints": ["a", "b", "c"], "optional_joints": ["b", "c"]})
     assert settings.lacking(["a", "b", "c", "d"]) == ()
     assert settings.lacking(["b"]) == ("c",)
-    limits = JointLimits("revolute", -1.0, 1.0, 1.0)
+    limits = JointBounds("revolute", -1.0, 1.0, 1.0)
     assert list(settings.axes({"a": limits, "b": limits})) == ["a", "b"]
 
 
@@ -286,7 +286,7 @@ def test_joint_files_of_the_package_are_complete(kind, node):
 
 def test_gripper_file_of_the_package_fits_a_parallel_gripper():
     settings = read_file(GripperTeleopSettings, "gripper")
-    limits = {joint: JointLimits("revolute", -1.2, 1.2, 2.0) for joint in settings.joints}
+    limits = {joint: JointBounds("revolute", -1.2, 1.2, 2.0) for joint in settings.joints}
     axes = settings.axes(limits)
     coupling = settings.coupling
     group = settings.axis(coupling.name, coupling.limits(axes)).motion

@@ -12,8 +12,8 @@ import pytest
 from bridge_bench import Bench, Client
 from web_fakes import FakeRos, becomes, on_loop, served
 
-from telex_teleop.web.bridge.app import Rosbridge
-from telex_teleop.web.config import RosbridgeConfig
+from telex_teleop.web.bridge.bridge_app import Rosbridge
+from telex_teleop.web.server_config import RosbridgeConfig
 
 DRIVE = "/telex/track_teleop/cmd_vel"
 NAMES = ("op", "id", "topic", "type", "msg", "service", "args", "values", "result", "level", "sent")

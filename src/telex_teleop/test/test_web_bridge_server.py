@@ -10,8 +10,8 @@ import pytest
 from geometry_msgs.msg import Twist
 from web_fakes import FakeRos, becomes, on_loop, served
 
-from telex_teleop.web.bridge.app import Rosbridge
-from telex_teleop.web.config import RosbridgeConfig
+from telex_teleop.web.bridge.bridge_app import Rosbridge
+from telex_teleop.web.server_config import RosbridgeConfig
 from telex_teleop.web.tokens import Tokens
 
 pytestmark = pytest.mark.real_time

@@ -22,9 +22,9 @@ from web_fakes import FakePictures, becomes, served
 from web_harness import wait_until
 
 from telex_teleop.web import serving
-from telex_teleop.web.config import VideoServerConfig
-from telex_teleop.web.video.app import VideoServer
+from telex_teleop.web.server_config import VideoServerConfig
 from telex_teleop.web.video.pictures import CompressedPicture
+from telex_teleop.web.video.video_server_app import VideoServer
 
 CAMERA = "/telex/cameras/front/image_raw"
 COMPRESSED = f"{CAMERA}/compressed"

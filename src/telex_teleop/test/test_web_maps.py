@@ -8,7 +8,7 @@ from aiohttp import web
 from web_fakes import on_loop, served
 
 from telex_control.common.params import ConfigError
-from telex_teleop.web.maps import add_joy_map
+from telex_teleop.web.joy_map import add_joy_map
 
 
 async def fetch(path=""):

@@ -8,7 +8,7 @@ import stat
 import pytest
 
 from telex_control.common.params import ConfigError
-from telex_teleop.web.config import RosbridgeConfig, VideoServerConfig, read_server_config
+from telex_teleop.web.server_config import RosbridgeConfig, VideoServerConfig, read_server_config
 from telex_teleop.web.token_files import read_or_make_token, read_token
 from telex_teleop.web.tokens import Tokens, files_of, read_tokens
 

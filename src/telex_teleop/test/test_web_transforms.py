@@ -11,7 +11,7 @@ from actionlib_msgs.msg import GoalID
 from geometry_msgs.msg import Transform
 from tf2_web_republisher.msg import TFSubscriptionGoal
 
-from telex_teleop.web.transforms.node import Server
+from telex_teleop.web.transforms.transforms_node import Server
 from telex_teleop.web.transforms.watch import Audience, Watch, WishError, angle
 
 

@@ -15,10 +15,10 @@ import simplejpeg
 from test_web_pictures import jpeg, raw, two_halves
 from web_fakes import FakePictures, becomes, served
 
-import telex_teleop.web.video.app as video_app
-from telex_teleop.web.config import VideoServerConfig
-from telex_teleop.web.video.app import VideoServer
+from telex_teleop.web.server_config import VideoServerConfig
+from telex_teleop.web.video import video_server_app as video_app
 from telex_teleop.web.video.pictures import CompressedPicture
+from telex_teleop.web.video.video_server_app import VideoServer
 
 pytestmark = pytest.mark.real_time
 

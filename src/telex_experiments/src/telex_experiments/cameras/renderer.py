@@ -29,7 +29,7 @@ from telex_sim.cameras.drawing.tiny_renderer import TinyRenderer
 from telex_sim.cameras.optics.camera_sensor import CameraSensor
 from telex_sim.cameras.optics.exposure import ExposureControl
 from telex_sim.cameras.optics.pinhole import PinholeCamera
-from telex_sim.scene.visual_scene import Daylight, Lamp, Scene, Shape, Visual
+from telex_sim.scene.visual_scene import Daylight, Visual, VisualLamp, VisualScene, VisualShape
 
 from ..workspace import ROOT
 
@@ -59,7 +59,7 @@ class Recording(NamedTuple):
     frames_in_world : ndarray, shape (frames, 4, 4)
     """
 
-    scene: Scene
+    scene: VisualScene
     model: str
     frames_in_world: np.ndarray
 
@@ -86,11 +86,12 @@ def hall() -> Recording:
     model = content.pop("model")
     content["frames"] = tuple(content["frames"])
     content["visuals"] = tuple(
-        Visual(**{**_tuples(each), "shape": Shape(each["shape"])}) for each in content["visuals"]
+        Visual(**{**_tuples(each), "shape": VisualShape(each["shape"])})
+        for each in content["visuals"]
     )
-    content["lamps"] = tuple(Lamp(**_tuples(each)) for each in content["lamps"])
+    content["lamps"] = tuple(VisualLamp(**_tuples(each)) for each in content["lamps"])
     content["daylight"] = Daylight(**_tuples(content["daylight"]))
-    return Recording(Scene(**content), model, frames_in_world)
+    return Recording(VisualScene(**content), model, frames_in_world)
 
 
 def _tuples(content: Dict[str, Any]) -> Dict[str, Any]:

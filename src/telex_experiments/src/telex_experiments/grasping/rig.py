@@ -23,7 +23,7 @@ from telex_control.controllers.parallel_gripper_controller import FingerGeometry
 from telex_control.follow_trajectory import TrajectoryError
 from telex_control.kinematics import Chain, IKSolver, Tolerance
 from telex_experiments.mobility.scripted_operator import Operator
-from telex_sim.engine.config import TUNED_PERIOD
+from telex_sim.engine.simulator_config import TUNED_PERIOD
 from telex_sim.offline.simulation import OfflineSimulation, package_file, robot_description
 from telex_sim.robot.gripper.contact import GripperContact
 

@@ -14,8 +14,8 @@ from sensor_msgs.msg import JointState
 
 from telex_control.common.params import read_config
 from telex_sim.offline.simulation import package_file
+from telex_teleop.flippers.flipper_settings import FlipperTeleopSettings
 from telex_teleop.flippers.flipper_teleop import FlipperTeleop
-from telex_teleop.flippers.settings import FlipperTeleopSettings
 from telex_teleop.motion.limits import limits_from_urdf
 
 from .by_presets import PresetKeys

@@ -13,7 +13,7 @@ import pybullet
 import yaml
 from geometry_msgs.msg import Point, PoseStamped, Quaternion
 
-from telex_sim.engine.config import TUNED_PERIOD
+from telex_sim.engine.simulator_config import TUNED_PERIOD
 from telex_sim.offline.simulation import OfflineSimulation, package_file, robot_description
 
 from .scripted_operator import TICK, Operator

@@ -16,7 +16,7 @@ from telex_control.common.params import (
     required,
 )
 
-from ..scene.visual_scene import Lamp
+from ..scene.visual_scene import VisualLamp
 from .drawing.quality import AUTO, TIERS
 from .optics.exposure import ExposureConfig
 from .optics.lens import NO_DISTORTION, Distortion, DistortionError, LensCamera
@@ -320,9 +320,9 @@ class LampConfig:
         )
         require_range(self, "level", 0.0, 1.0)
 
-    def lamp(self, name: str, model: str) -> Lamp:
+    def lamp(self, name: str, model: str) -> VisualLamp:
         """Return the lamp as a part of a scene in which the robot is called ``model``."""
-        return Lamp(
+        return VisualLamp(
             frame=f"{model}/{self.frame}",
             position=(0.0, 0.0, 0.0),
             direction=(1.0, 0.0, 0.0),

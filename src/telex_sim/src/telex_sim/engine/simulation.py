@@ -16,7 +16,7 @@ from telex_control.manager.controller_manager import ControllerManager
 from telex_control.ros.node_handle import NodeHandle
 from telex_control.urdf.joints import UrdfError
 
-from ..proximity.guard import Proximity
+from ..proximity.monitor import Proximity
 from ..rehearsal.trial import Rehearsal, check_names, check_scene
 from ..robot.gripper.contact import GripperContact
 from ..robot.meshes import check_meshes
@@ -29,8 +29,8 @@ from ..scene.model import WORLD_FRAME, Scene
 from ..scene.objects.assembly import Assembly
 from ..scene.objects.bodies import MeshLists, SceneBodies
 from ..scene.planning import PlannedScene, Progress, plan_entry, plan_scene
-from .config import TUNED_PERIOD, RobotConfig, SimulatorConfig
 from .phase_timer import PhaseTimer
+from .simulator_config import TUNED_PERIOD, RobotConfig, SimulatorConfig
 from .start_check import check_place, check_start
 from .world import Body, World, WorldError
 

@@ -14,8 +14,8 @@ from telex_control.common.params import read_config
 from telex_control.manager.controller_joints import controller_joints, without_joints
 from telex_control.ros.local_node_handle import LocalNodeHandle
 
-from ..engine.config import SimulatorConfig
 from ..engine.simulation import Simulation
+from ..engine.simulator_config import SimulatorConfig
 from ..scene.addresses import resolve_address
 
 

@@ -13,7 +13,7 @@ from typing import Any, Dict, List, Optional, Sequence
 
 from telex_control.common.params import ConfigError
 
-from ..engine.config import SimulatorConfig
+from ..engine.simulator_config import SimulatorConfig
 from ..robot.body import RobotBody
 from ..robot.urdf.visuals import UrdfVisual
 from ..scene.model import Floor, Start

@@ -23,7 +23,7 @@ import rospkg
 
 from telex_control.common.params import ConfigError
 
-from ..engine.config import SimulatorConfig
+from ..engine.simulator_config import SimulatorConfig
 from ..robot.body import RobotBody
 from ..robot.urdf.visuals import urdf_visuals
 from ..scene.addresses import resolve_address

@@ -16,7 +16,7 @@ from telex_control.common.params import ConfigError
 from telex_control.urdf.checks import check_bodies
 from telex_control.urdf.joints import parse_urdf
 
-from ..engine.config import SimulatorConfig
+from ..engine.simulator_config import SimulatorConfig
 from ..engine.start_check import check_place, check_start
 from ..engine.world import World, WorldError
 from ..robot.body import RobotBody

@@ -9,7 +9,7 @@ from typing import Callable, Dict
 from telex_control.common.params import ConfigError
 from telex_control.urdf.joints import joints, parse_urdf
 
-from ..engine.config import RobotConfig
+from ..engine.simulator_config import RobotConfig
 from ..engine.world import Body, World
 from ..scene.model import Start
 from .self_collision import disable_pairs

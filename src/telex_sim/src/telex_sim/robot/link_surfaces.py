@@ -13,7 +13,7 @@ from telex_control.urdf.joints import CONTINUOUS, MOVABLE
 from telex_control.urdf.mimic import mimics
 from telex_control.urdf.transmission_parser import interfaces
 
-from ..engine.config import HardwareConfig
+from ..engine.simulator_config import HardwareConfig
 from ..engine.world import Body
 
 _ROUND = ("cylinder", "sphere", "mesh")

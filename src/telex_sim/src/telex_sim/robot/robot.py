@@ -17,9 +17,9 @@ from telex_control.urdf.checks import check_bodies
 from telex_control.urdf.elements import by_name, end
 from telex_control.urdf.joints import joints, parse_urdf
 
-from ..engine.config import RobotConfig
+from ..engine.simulator_config import RobotConfig
 from ..engine.world import Body, World
-from ..proximity.guard import ProximityGuard
+from ..proximity.monitor import ProximityMonitor
 from ..scene.model import Start
 from ..tracks.tracks import Tracks
 from .body import RobotBody
@@ -59,7 +59,7 @@ class Robot:
     controllers : ControllerManager
     body : Body
         Once it is placed.
-    proximity : ProximityGuard
+    proximity : ProximityMonitor
         Once it is placed.
     gripper_contacts : GripperContacts, optional
         Once it is placed; None without gripper.
@@ -71,7 +71,7 @@ class Robot:
     """
 
     body: Body
-    proximity: ProximityGuard
+    proximity: ProximityMonitor
     gripper_contacts: Optional[GripperContacts]
 
     def __init__(
@@ -180,7 +180,7 @@ class Robot:
         """
         config = self.config
         self.body = self.figure.load(world, scene_start, self._positions, self._resolve)
-        self.proximity = ProximityGuard(self.body, config.proximity, config.self_collision)
+        self.proximity = ProximityMonitor(self.body, config.proximity, config.self_collision)
         self.gripper_contacts = (
             GripperContacts(self.body, config.gripper_contact) if self._has_pads else None
         )

@@ -34,7 +34,7 @@ from telex_control.urdf.elements import by_name
 from telex_control.urdf.joints import CONTINUOUS, PRISMATIC, UrdfError, UrdfJoint, joints
 from telex_control.urdf.transmission_parser import SIMULATED, DrivenJoint, driven_and_watched
 
-from ..engine.config import HardwareConfig, JointHardware
+from ..engine.simulator_config import HardwareConfig, JointHardware
 from ..engine.world import Body
 from .drives import Drive, Mode
 from .imu import Imu

@@ -21,8 +21,8 @@ from telex_control.manager.controller import ControllerState
 from telex_control.manager.controller_manager import Strictness
 from telex_control.manager.services import ControllerManagerServices
 
-from ..proximity.guard import NearPair
-from ..proximity.guard import Proximity as Near
+from ..proximity.monitor import NearPair
+from ..proximity.monitor import Proximity as Near
 from ..robot.gripper.contact import GripperContact as Contact
 from ..robot.robot import Robot
 from ..scene.model import WORLD_FRAME

@@ -41,10 +41,10 @@ from telex_control.ros.ros_node_handle import RosNodeHandle
 from telex_control.ros.run_memory import RunMemory
 from telex_control.urdf.joints import UrdfError
 
-from ..engine.config import RobotConfig, SimulatorConfig, read_simulator_config
 from ..engine.loop_requests import Action, LoopRequests
 from ..engine.pacing import RealTimeFactor, RealTimePacer
 from ..engine.simulation import Simulation
+from ..engine.simulator_config import RobotConfig, SimulatorConfig, read_simulator_config
 from ..engine.world import WorldError
 from ..rehearsal.client import RehearsalClient
 from ..robot.body import RobotBody

@@ -14,7 +14,7 @@ Color = Tuple[float, float, float, float]
 Rgb = Tuple[float, float, float]
 
 
-class Shape(enum.IntEnum):
+class VisualShape(enum.IntEnum):
     """Kinds of visuals; the numbers are those of telex_msgs/SceneVisual."""
 
     BOX = 1
@@ -26,11 +26,11 @@ class Shape(enum.IntEnum):
 
 # The components of the size that a shape reads and that must therefore be lengths above zero.
 _LENGTHS = {
-    Shape.BOX: (0, 1, 2),
-    Shape.SPHERE: (0,),
-    Shape.CYLINDER: (0, 2),
-    Shape.MESH: (),
-    Shape.PLANE: (0, 1),
+    VisualShape.BOX: (0, 1, 2),
+    VisualShape.SPHERE: (0,),
+    VisualShape.CYLINDER: (0, 2),
+    VisualShape.MESH: (),
+    VisualShape.PLANE: (0, 1),
 }
 
 
@@ -72,7 +72,7 @@ class Visual:
     """
 
     frame: str
-    shape: Shape
+    shape: VisualShape
     size: Vector3
     position: Vector3 = (0.0, 0.0, 0.0)
     orientation: Quaternion = (0.0, 0.0, 0.0, 1.0)
@@ -92,7 +92,7 @@ class Visual:
             raise ValueError(f"{self.label}: a number is not finite: {numbers}")
         if any(self.size[axis] <= 0.0 for axis in _LENGTHS[self.shape]):
             raise ValueError(f"{self.label}: size {self.size} must be above zero")
-        if self.shape is Shape.MESH:
+        if self.shape is VisualShape.MESH:
             if not self.mesh:
                 raise ValueError(f"{self.label}: a mesh needs an address")
             if 0.0 in self.size:
@@ -114,11 +114,11 @@ class Visual:
     @property
     def casts_shadow(self) -> bool:
         """Whether it belongs in the shadow map; a plane is ground or wall, with nothing behind."""
-        return self.shape is not Shape.PLANE and self.color[3] >= 0.5
+        return self.shape is not VisualShape.PLANE and self.color[3] >= 0.5
 
 
 @dataclass(frozen=True)
-class Lamp:
+class VisualLamp:
     """A lamp, fixed to a frame.
 
     Attributes
@@ -219,7 +219,7 @@ class Daylight:
 
 
 @dataclass(frozen=True)
-class Scene:
+class VisualScene:
     """What there is to see, and by which light.
 
     Raises
@@ -231,14 +231,14 @@ class Scene:
     revision: int
     frames: Tuple[str, ...]
     visuals: Tuple[Visual, ...]
-    lamps: Tuple[Lamp, ...] = ()
+    lamps: Tuple[VisualLamp, ...] = ()
     daylight: Daylight = field(default_factory=Daylight)
 
     def __post_init__(self) -> None:
         known = set(self.frames)
         if len(known) != len(self.frames):
             raise ValueError("a frame is named twice in the scene")
-        things: Tuple[Union[Visual, Lamp], ...] = (*self.visuals, *self.lamps)
+        things: Tuple[Union[Visual, VisualLamp], ...] = (*self.visuals, *self.lamps)
         for thing in things:
             if thing.frame not in known:
                 raise ValueError(f"{thing.label}: no such frame in the scene")

@@ -7,8 +7,8 @@ from typing import Callable, Dict, List, Optional, Sequence, Tuple
 import pybullet
 
 from ..engine.world import GRAVITY
-from .config import TrackConfig
 from .law import Vector
+from .track_config import TrackConfig
 
 BodyLink = Tuple[int, int]
 """PyBullet's numbers of a body and of a link in it."""

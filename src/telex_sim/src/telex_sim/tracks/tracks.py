@@ -9,9 +9,9 @@ import pybullet
 from ..engine.world import Body, Vector
 from ..robot.drives import Drive
 from .belt_drive import BeltDrive
-from .config import TrackConfig
 from .law import Patch, TractionLaw, belt_directions, edge_share
 from .surfaces import BodyLink, Surfaces
+from .track_config import TrackConfig
 
 _Place = Tuple[int, Optional[BodyLink]]
 """Of a patch on its track: the face, and the loose body; None for all that stands fast."""

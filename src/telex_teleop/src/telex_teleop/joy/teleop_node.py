@@ -21,7 +21,7 @@ from telex_teleop.joy.pads import InvalidJoy, Pad, Pads
 from telex_teleop.joy.source_node import DEVICE_TOPIC
 from telex_teleop.operating.actions import Action, Command, Lamps
 from telex_teleop.operating.commander import Commander
-from telex_teleop.operating.robot import Robot
+from telex_teleop.operating.operated_robot import OperatedRobot
 from telex_teleop.operating.speed import STEP, STEP_RANGE
 from telex_teleop.ros.common import WARNING_PERIOD, private_settings, warn_dropped
 
@@ -86,8 +86,8 @@ class JoyTeleopSettings:
         require_range(self, "zoom_rate", above=0.0)
 
 
-class LoggedRobot(Robot):
-    """A `Robot` whose messages for the operator go to the log."""
+class LoggedRobot(OperatedRobot):
+    """A `OperatedRobot` whose messages for the operator go to the log."""
 
     def _tell(self, text: str) -> None:
         super()._tell(text)

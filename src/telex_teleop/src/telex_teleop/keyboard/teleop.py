@@ -14,7 +14,7 @@ from telex_teleop.operating.actions import Action, Command, Lamps, is_momentary
 from telex_teleop.operating.commander import Commander, FixedRates
 
 if TYPE_CHECKING:
-    from telex_teleop.keyboard.robot import ShownRobot
+    from telex_teleop.keyboard.robot_status import ShownRobot
     from telex_teleop.keyboard.terminal import Terminal
 
 __all__ = ["KeyboardTeleop"]

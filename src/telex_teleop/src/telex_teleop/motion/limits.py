@@ -15,11 +15,11 @@ from telex_control.urdf.joints import (
     parse_urdf,
 )
 
-__all__ = ["JointLimits", "limits_from_urdf"]
+__all__ = ["JointBounds", "limits_from_urdf"]
 
 
 @dataclass(frozen=True)
-class JointLimits:
+class JointBounds:
     """What a joint can do.
 
     Attributes
@@ -40,7 +40,7 @@ class JointLimits:
     max_velocity: float
 
 
-def limits_from_urdf(description: str, names: Collection[str]) -> Dict[str, JointLimits]:
+def limits_from_urdf(description: str, names: Collection[str]) -> Dict[str, JointBounds]:
     """Read the limits of some joints.
 
     Parameters
@@ -64,7 +64,7 @@ def limits_from_urdf(description: str, names: Collection[str]) -> Dict[str, Join
     return {name: _limits(movable[name]) for name in names}
 
 
-def _limits(joint: UrdfJoint) -> JointLimits:
+def _limits(joint: UrdfJoint) -> JointBounds:
     if not (math.isfinite(joint.velocity) and joint.velocity > 0.0):
         raise UrdfError(f"joint '{joint.name}' needs <limit velocity=...> above 0")
     lower, upper = joint.lower, joint.upper
@@ -77,4 +77,4 @@ def _limits(joint: UrdfJoint) -> JointLimits:
             "<safety_controller>; lower must be below upper"
         )
     kind = PRISMATIC if joint.kind == PRISMATIC else REVOLUTE
-    return JointLimits(kind, lower, upper, joint.velocity)
+    return JointBounds(kind, lower, upper, joint.velocity)

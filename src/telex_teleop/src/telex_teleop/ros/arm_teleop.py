@@ -18,10 +18,10 @@ from telex_msgs.msg import ProximityPair as ProximityPairMessage
 from telex_msgs.srv import SetMode, SetModeResponse
 
 from telex_control.kinematics import Chain, quaternion_of
+from telex_teleop.arm.arm_settings import ArmTeleopSettings
 from telex_teleop.arm.arm_teleop import ArmTeleop, ModeError
 from telex_teleop.arm.ik_kinematics import IKKinematics
 from telex_teleop.arm.proximity import ProximityPair, ProximityState
-from telex_teleop.arm.settings import ArmTeleopSettings
 from telex_teleop.arm.tool_command import pose_matrix
 from telex_teleop.arm.tool_motion import ToolMotion
 from telex_teleop.motion.joint_jog import InvalidCommand

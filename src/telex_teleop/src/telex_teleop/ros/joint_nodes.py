@@ -9,16 +9,16 @@ import rospy
 from telex_control.ros.robot_description import wait_for_robot_description
 from telex_control.urdf.elements import by_name
 from telex_control.urdf.joints import joints, parse_urdf
+from telex_teleop.arm.arm_settings import ArmTeleopSettings, carrier_of
 from telex_teleop.arm.arm_teleop import ArmTeleop
 from telex_teleop.arm.base_pose import BasePose
 from telex_teleop.arm.proximity import ProximityGuard
-from telex_teleop.arm.settings import ArmTeleopSettings, carrier_of
+from telex_teleop.flippers.flipper_settings import FlipperTeleopSettings
 from telex_teleop.flippers.flipper_teleop import FlipperTeleop
-from telex_teleop.flippers.settings import FlipperTeleopSettings
 from telex_teleop.joints.coupled_teleop import CoupledTeleop
+from telex_teleop.joints.joint_settings import GripperTeleopSettings, JointTeleopSettings
 from telex_teleop.joints.joint_teleop import JointTeleop
-from telex_teleop.joints.settings import GripperTeleopSettings, JointTeleopSettings
-from telex_teleop.motion.limits import JointLimits, limits_from_urdf
+from telex_teleop.motion.limits import JointBounds, limits_from_urdf
 from telex_teleop.ros.arm_teleop import ArmTeleopNode
 from telex_teleop.ros.common import private_settings, run_node
 from telex_teleop.ros.flipper_teleop import FlipperTeleopNode
@@ -43,7 +43,7 @@ def gripper_main() -> int:
     return run_node("gripper_teleop", _start_gripper)
 
 
-def _limits(settings: JointTeleopSettings) -> Dict[str, JointLimits]:
+def _limits(settings: JointTeleopSettings) -> Dict[str, JointBounds]:
     """Wait for the robot, and return the limits of those of the node's joints that it has."""
     description = wait_for_robot_description()
     lacking = settings.lacking(joints(parse_urdf(description)))

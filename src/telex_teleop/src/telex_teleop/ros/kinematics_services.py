@@ -13,7 +13,7 @@ from geometry_msgs.msg import PoseStamped
 from telex_msgs.srv import ComputeFK, ComputeFKResponse, ComputeIK, ComputeIKResponse
 
 from telex_control.kinematics import Chain, IKSolver, KinematicsError, Tolerance
-from telex_teleop.arm.settings import FrameSettings
+from telex_teleop.arm.arm_settings import FrameSettings
 from telex_teleop.arm.tool_command import Frame
 from telex_teleop.motion.joint_jog import InvalidCommand
 from telex_teleop.motion.rigid_motion import inverse

@@ -20,7 +20,7 @@ from aiohttp.http_exceptions import HttpProcessingError
 from telex_control.common.params import ConfigError
 from telex_control.ros.node_start import init_node
 
-from .config import read_server_config
+from .server_config import read_server_config
 
 SHUTDOWN_GRACE = 0.3
 """Time (s) that requests under way get to finish when the node ends."""

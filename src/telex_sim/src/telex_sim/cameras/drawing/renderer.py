@@ -12,7 +12,7 @@ import numpy as np
 from ...scene.addresses import PackagePath
 from ...scene.content_store import ContentStore
 from ...scene.transforms import rigid_inverse
-from ...scene.visual_scene import Daylight, Scene
+from ...scene.visual_scene import Daylight, VisualScene
 from ..optics.pinhole import PinholeCamera
 from .culling import spheres_in_view, spheres_in_world
 from .frame_target import FrameTarget
@@ -113,9 +113,9 @@ class Renderer:
         self._depth_source: Optional[FrameTarget] = None
         # Picture that was given again, as `_draw` takes it: its depths are those of another one.
         self._not_drawn: Optional[Tuple[PinholeCamera, np.ndarray, float]] = None
-        self._take_light(Scene(0, (), ()))
+        self._take_light(VisualScene(0, (), ()))
 
-    def load_scene(self, scene: Scene) -> List[str]:
+    def load_scene(self, scene: VisualScene) -> List[str]:
         """Take over a scene; ``place`` must follow before the next picture.
 
         Returns
@@ -159,7 +159,7 @@ class Renderer:
             drawable.draw(program)
             return
 
-    def _take_light(self, scene: Scene) -> None:
+    def _take_light(self, scene: VisualScene) -> None:
         daylight: Daylight = scene.daylight
         sun = any(daylight.sun)
         # Lamps that can be switched are the robot's, and do not shine from above.

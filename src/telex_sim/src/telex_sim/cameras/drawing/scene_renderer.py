@@ -6,7 +6,7 @@ from typing import List, Mapping, Protocol
 
 import numpy as np
 
-from ...scene.visual_scene import Scene
+from ...scene.visual_scene import VisualScene
 from ..optics.pinhole import PinholeCamera
 
 
@@ -21,7 +21,7 @@ class SceneRenderer(Protocol):
 
     repeats: bool
 
-    def load_scene(self, scene: Scene) -> List[str]:
+    def load_scene(self, scene: VisualScene) -> List[str]:
         """Take over a scene; returns what could not be loaded, and why."""
 
     def set_lamp_levels(self, levels: Mapping[str, float]) -> None:

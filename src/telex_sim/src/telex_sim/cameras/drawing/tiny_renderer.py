@@ -11,7 +11,7 @@ import pybullet
 
 from ...scene.addresses import AddressError, PackagePath, resolve_address
 from ...scene.transforms import pose_matrices, rigid_inverse
-from ...scene.visual_scene import Daylight, Scene, Shape, Visual
+from ...scene.visual_scene import Daylight, Visual, VisualScene, VisualShape
 from ..optics.pinhole import PinholeCamera
 from .light.daylight import unit
 
@@ -64,7 +64,7 @@ class TinyRenderer:
         self._levels: Dict[str, float] = {}
         self._depths = np.zeros((0, 0), dtype=np.float32)
 
-    def load_scene(self, scene: Scene) -> List[str]:
+    def load_scene(self, scene: VisualScene) -> List[str]:
         """Take over a scene; returns what could not be loaded, and why."""
         pybullet.resetSimulation(physicsClientId=self._client)
         number = {name: index for index, name in enumerate(scene.frames)}
@@ -100,11 +100,11 @@ class TinyRenderer:
 
     def _shape(self, visual: Visual) -> Dict[str, Any]:
         x, y, z = visual.size
-        if visual.shape is Shape.SPHERE:
+        if visual.shape is VisualShape.SPHERE:
             return {"shapeType": pybullet.GEOM_SPHERE, "radius": x}
-        if visual.shape is Shape.CYLINDER:
+        if visual.shape is VisualShape.CYLINDER:
             return {"shapeType": pybullet.GEOM_CYLINDER, "radius": x, "length": z}
-        if visual.shape is Shape.MESH:
+        if visual.shape is VisualShape.MESH:
             path = Path(resolve_address(visual.mesh, self._package_path))
             # PyBullet would search other directories, and say nothing of what it took.
             path.open("rb").close()
@@ -114,7 +114,7 @@ class TinyRenderer:
                 "meshScale": visual.size,
             }
         below = 0.0
-        if visual.shape is Shape.PLANE:
+        if visual.shape is VisualShape.PLANE:
             z, below = _THICKNESS, -0.5 * _THICKNESS
         return {
             "shapeType": pybullet.GEOM_BOX,

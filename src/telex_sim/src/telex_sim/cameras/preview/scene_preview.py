@@ -26,7 +26,7 @@ from ...scene.catalog import find_scene
 from ...scene.files.scene_file import SceneError
 from ...scene.model import View
 from ...scene.robot_in_scene import place_robot, robot_description
-from ...scene.visual_scene import Scene, Shape, Visual
+from ...scene.visual_scene import Visual, VisualScene, VisualShape
 from ..cameras_config import CameraConfig, CamerasConfig
 from ..drawing.gl_context import NoContextError
 from ..drawing.light.daylight import Lighting
@@ -70,7 +70,7 @@ class Subject:
     """
 
     name: str
-    scene: Scene
+    scene: VisualScene
     frames_in_world: np.ndarray
     views: Tuple[View, ...]
     model: str
@@ -93,7 +93,7 @@ class Subject:
         number = {name: index for index, name in enumerate(self.scene.frames)}
         centers, radii = [], []
         for visual in self.scene.visuals:
-            if visual.shape is not Shape.PLANE:
+            if visual.shape is not VisualShape.PLANE:
                 pose = self.frames_in_world[number[visual.frame]]
                 centers.append((pose @ [*visual.position, 1.0])[:3])
                 radii.append(bounding_radius(visual, _guessed_radius))

@@ -7,7 +7,7 @@ from typing import List, Sequence, Union
 import numpy as np
 
 from ...scene.addresses import PackagePath
-from ...scene.visual_scene import Scene
+from ...scene.visual_scene import VisualScene
 from ..drawing.gl_context import create_context
 from ..drawing.light.daylight import Lighting, unit
 from ..drawing.quality import Quality
@@ -59,7 +59,7 @@ class Still:
         with self._context:
             self.renderer = Renderer(self._context, quality, lighting, package_path)
 
-    def load(self, scene: Scene) -> List[str]:
+    def load(self, scene: VisualScene) -> List[str]:
         """Take over a scene; returns what could not be loaded, and why."""
         with self._context:
             return self.renderer.load_scene(scene)

@@ -19,7 +19,7 @@ from telex_control.common.params import ConfigError, read_config
 from telex_control.common.scheduling import may_come_first, step_back
 from telex_control.ros.node_start import init_node, until_shutdown
 
-from ...engine.config import read_simulator_config
+from ...engine.simulator_config import read_simulator_config
 from ...scene.content_store import shared_store
 from ..cameras_config import OPENGL, TINY, CamerasConfig
 from ..drawing.gl_context import NoContextError, create_context

@@ -14,7 +14,15 @@ from std_msgs.msg import ColorRGBA, Header
 from telex_msgs.msg import SceneDescription, SceneLamp, ScenePoses, SceneVisual
 
 from ...scene.transforms import Quaternion, pose_matrices
-from ...scene.visual_scene import Daylight, Lamp, Rgb, Scene, Shape, Vector3, Visual
+from ...scene.visual_scene import (
+    Daylight,
+    Rgb,
+    Vector3,
+    Visual,
+    VisualLamp,
+    VisualScene,
+    VisualShape,
+)
 from ..optics.lens import LensCamera
 
 # As compressed_image_transport writes it: what the picture is, and how it is encoded.
@@ -29,7 +37,7 @@ Message = TypeVar("Message")
 Thing = TypeVar("Thing")
 
 
-def scene_from_message(message: SceneDescription) -> Tuple[Scene, List[str]]:
+def scene_from_message(message: SceneDescription) -> Tuple[VisualScene, List[str]]:
     """Read a scene.
 
     Returns
@@ -43,7 +51,7 @@ def scene_from_message(message: SceneDescription) -> Tuple[Scene, List[str]]:
         When not even the frames make sense.
     """
     problems: List[str] = []
-    scene = Scene(
+    scene = VisualScene(
         message.revision,
         tuple(message.frames),
         tuple(_readable("visual", message.visuals, _visual, message.frames, problems)),
@@ -79,7 +87,7 @@ def _visual(message: SceneVisual, frames: List[str]) -> Visual:
     color = message.color
     return Visual(
         frame=_frame(message.frame, frames),
-        shape=Shape(message.shape),
+        shape=VisualShape(message.shape),
         size=_vector(message.size),
         position=position,
         orientation=orientation,
@@ -93,8 +101,8 @@ def _visual(message: SceneVisual, frames: List[str]) -> Visual:
     )
 
 
-def _lamp(message: SceneLamp, frames: List[str]) -> Lamp:
-    return Lamp(
+def _lamp(message: SceneLamp, frames: List[str]) -> VisualLamp:
+    return VisualLamp(
         frame=_frame(message.frame, frames),
         position=_vector(message.position),
         direction=_vector(message.direction),

@@ -9,7 +9,7 @@ import numpy as np
 import rospy
 from telex_msgs.msg import SceneDescription, ScenePoses
 
-from ...scene.visual_scene import Lamp, Scene
+from ...scene.visual_scene import VisualLamp, VisualScene
 from ..drawing.scene_renderer import SceneRenderer
 from .messages import frames_from_message, scene_from_message
 
@@ -36,7 +36,7 @@ class SceneMirror:
         self,
         renderer: SceneRenderer,
         camera_frames: Iterable[str],
-        lamps: Sequence[Lamp] = (),
+        lamps: Sequence[VisualLamp] = (),
         followed: Iterable[str] = (),
     ) -> None:
         self._renderer = renderer
@@ -78,7 +78,7 @@ class SceneMirror:
         if self._message is not None:
             self.load(self._message)
 
-    def _tell_missing(self, revision: int, scene: Scene) -> None:
+    def _tell_missing(self, revision: int, scene: VisualScene) -> None:
         """Say what of the configuration this variant of the robot does not have."""
         wanted = {*self._camera_frames, *(lamp.frame for lamp in self._lamps)}
         missing = sorted(wanted - set(scene.frames))

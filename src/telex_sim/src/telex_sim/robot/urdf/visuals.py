@@ -10,7 +10,7 @@ from telex_control.urdf.elements import UrdfError, end, number, numbers, origin,
 from telex_control.urdf.joints import CONTINUOUS, parse_urdf
 
 from ...scene.transforms import Quaternion, quaternion_from_rpy
-from ...scene.visual_scene import Color, Shape, Vector3
+from ...scene.visual_scene import Color, Vector3, VisualShape
 
 # Name of visuals that run around wheels.
 _BELT = "belt"
@@ -47,7 +47,7 @@ class UrdfVisual:
     """
 
     link: str
-    shape: Shape
+    shape: VisualShape
     size: Vector3
     position: Vector3
     orientation: Quaternion
@@ -132,19 +132,19 @@ def _drive(link: str, robot: _Element) -> str:
     return wheels[0]
 
 
-def _geometry(where: str, geometry: Optional[_Element]) -> Tuple[Shape, Vector3, str]:
+def _geometry(where: str, geometry: Optional[_Element]) -> Tuple[VisualShape, Vector3, str]:
     for shape in () if geometry is None else geometry:
         if shape.tag == "box":
             x, y, z = numbers(shape, "size", 3, where)
-            return Shape.BOX, (x, y, z), ""
+            return VisualShape.BOX, (x, y, z), ""
         if shape.tag == "sphere":
-            return Shape.SPHERE, (number(shape, "radius", where), 0.0, 0.0), ""
+            return VisualShape.SPHERE, (number(shape, "radius", where), 0.0, 0.0), ""
         if shape.tag == "cylinder":
             radius, length = (number(shape, key, where) for key in ("radius", "length"))
-            return Shape.CYLINDER, (radius, 0.0, length), ""
+            return VisualShape.CYLINDER, (radius, 0.0, length), ""
         if shape.tag == "mesh":
             scale = vector(shape, "scale", where, (1.0, 1.0, 1.0))
-            return Shape.MESH, scale, shape.get("filename", "")
+            return VisualShape.MESH, scale, shape.get("filename", "")
     raise UrdfError(
         f"robot_description: {where} has no known geometry; box, sphere, cylinder or mesh is needed"
     )

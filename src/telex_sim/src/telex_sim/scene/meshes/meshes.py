@@ -8,7 +8,7 @@ from typing import Optional, Tuple
 
 import numpy as np
 
-from ..visual_scene import Shape, Vector3, Visual
+from ..visual_scene import Vector3, Visual, VisualShape
 
 # How far a facet may lie from the true surface of a round primitive (m).
 _FACET_ERROR = 0.0005
@@ -54,13 +54,13 @@ def primitive_mesh(visual: Visual) -> Mesh:
 
     Round ones have texture coordinates, for the visual's texture_scale; flat ones have none.
     """
-    if visual.shape is Shape.BOX:
+    if visual.shape is VisualShape.BOX:
         return box_mesh(visual.size)
-    if visual.shape is Shape.SPHERE:
+    if visual.shape is VisualShape.SPHERE:
         return sphere_mesh(visual.size[0], visual.texture_scale)
-    if visual.shape is Shape.CYLINDER:
+    if visual.shape is VisualShape.CYLINDER:
         return cylinder_mesh(visual.size[0], visual.size[2], visual.texture_scale)
-    if visual.shape is Shape.PLANE:
+    if visual.shape is VisualShape.PLANE:
         return plane_mesh(visual.size[0], visual.size[1])
     raise ValueError(f"{visual.label} is no primitive")
 

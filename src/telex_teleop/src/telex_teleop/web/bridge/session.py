@@ -6,7 +6,7 @@ import asyncio
 import dataclasses
 from typing import Callable, Dict, Optional
 
-from ..config import RosbridgeConfig
+from ..server_config import RosbridgeConfig
 from ..workers import OrderedWorker
 from .control.access import Roles
 from .control.clients import Control, Member

@@ -9,7 +9,7 @@ from aiohttp import web
 
 from telex_control.common.params import ConfigError
 
-from ..config import VideoServerConfig
+from ..server_config import VideoServerConfig
 from ..token_files import read_token
 from ..tokens import (
     CLIENT_FILE,

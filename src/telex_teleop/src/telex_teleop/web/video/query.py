@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from typing import Mapping, Optional
 
-from ..config import STREAM_TYPES
+from ..server_config import STREAM_TYPES
 from .pictures import JPEG, PNG, Variant
 
 TRANSPORTS = ("raw", "compressed")

@@ -7,7 +7,7 @@ from typing import Dict, Mapping, NamedTuple, Sequence, Tuple, Union
 
 import numpy as np
 
-from ....scene.visual_scene import Lamp
+from ....scene.visual_scene import VisualLamp
 from ..culling import Cones, cones_in_view, spheres_in_cones
 from .daylight import LUMINANCE, unit
 
@@ -67,7 +67,7 @@ class LampRig:
         Of their views in the world, by rows: right, down, forward; shape (N, 3, 3).
     """
 
-    def __init__(self, lamps: Sequence[Lamp], frames: Sequence[str], sun: float) -> None:
+    def __init__(self, lamps: Sequence[VisualLamp], frames: Sequence[str], sun: float) -> None:
         number = {name: index for index, name in enumerate(frames)}
         self._names = [lamp.name for lamp in lamps]
         self._frames = np.array([number[lamp.frame] for lamp in lamps], dtype=np.intp)

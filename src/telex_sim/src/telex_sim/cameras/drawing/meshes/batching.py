@@ -16,7 +16,7 @@ import numpy as np
 from ....scene.meshes.meshes import Mesh, primitive_mesh
 from ....scene.meshes.texture_mapping import box_mapped
 from ....scene.transforms import pose_matrices
-from ....scene.visual_scene import Shape, Visual
+from ....scene.visual_scene import Visual, VisualShape
 
 # What is fixed to one frame is drawn in pieces of about this size (m): what a view cannot see of a
 # hall is then left out, and the near hides the far.
@@ -181,10 +181,10 @@ def _mapped(mesh: Mesh, visual: Visual, anchor: np.ndarray) -> Mesh:
 def bounding_radius(visual: Visual, mesh_radius: Callable[[Visual], float]) -> float:
     """Radius of a sphere around the visual's origin that holds it (m)."""
     x, y, z = visual.size
-    if visual.shape is Shape.MESH:
+    if visual.shape is VisualShape.MESH:
         return mesh_radius(visual)
-    if visual.shape is Shape.SPHERE:
+    if visual.shape is VisualShape.SPHERE:
         return x
-    if visual.shape is Shape.CYLINDER:
+    if visual.shape is VisualShape.CYLINDER:
         return float(np.hypot(x, 0.5 * z))
-    return 0.5 * float(np.linalg.norm((x, y, z if visual.shape is Shape.BOX else 0.0)))
+    return 0.5 * float(np.linalg.norm((x, y, z if visual.shape is VisualShape.BOX else 0.0)))

@@ -16,7 +16,7 @@ from ....scene.meshes.mesh_files import MeshFileError, MeshPart, load_mesh, load
 from ....scene.meshes.meshes import Mesh
 from ....scene.textures.picture_files import TextureFileError, load_texture
 from ....scene.textures.procedural import TextureNameError, generate_texture, is_generated
-from ....scene.visual_scene import Scene, Shape, Visual
+from ....scene.visual_scene import Visual, VisualScene, VisualShape
 from ..programs import PICTURE_UNIT, LitProgram
 from .batching import Batch, batches, bounding_radius, merge_visuals
 from .gpu_mesh import BeltMesh, GpuMesh
@@ -91,7 +91,7 @@ class GpuScene:
         self._belts: List[Tuple[BeltMesh, int, int]] = []
         self._arrange([], [], 0)
 
-    def load(self, scene: Scene) -> List[str]:
+    def load(self, scene: VisualScene) -> List[str]:
         """Put a scene in the place of the present one.
 
         Returns
@@ -171,7 +171,7 @@ class GpuScene:
     def _is_drawable(self, visual: Visual, problems: Set[str]) -> bool:
         if visual.color[3] == 0.0:
             return False
-        if visual.shape is Shape.MESH:
+        if visual.shape is VisualShape.MESH:
             try:
                 self._file(visual)
             except (AddressError, MeshFileError) as error:
@@ -181,7 +181,7 @@ class GpuScene:
 
     def _with_materials(self, visual: Visual, problems: Set[str]) -> List[Visual]:
         """Show each part of a mesh with materials of its own in its colour and texture."""
-        if visual.shape is not Shape.MESH or not visual.mesh_materials:
+        if visual.shape is not VisualShape.MESH or not visual.mesh_materials:
             return [visual]
         try:
             parts = self._file_parts(visual)
@@ -220,12 +220,12 @@ class GpuScene:
         files = tuple(
             _last_change(self._path(visual))
             for visual in batch.visuals
-            if visual.shape is Shape.MESH
+            if visual.shape is VisualShape.MESH
         )
 
         def upload() -> GpuMesh:
             files = [
-                self._file(visual) if visual.shape is Shape.MESH else None
+                self._file(visual) if visual.shape is VisualShape.MESH else None
                 for visual in batch.visuals
             ]
             vertices, triangles = self._store.get(merge_visuals, batch.content, files)

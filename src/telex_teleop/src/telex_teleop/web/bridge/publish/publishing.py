@@ -7,7 +7,7 @@ import functools
 import math
 from typing import Dict, Optional
 
-from ...config import RosbridgeConfig
+from ...server_config import RosbridgeConfig
 from ..control.access import Access
 from ..link import Held, Link
 from ..protocol.operations import Operation, OperationError

@@ -12,7 +12,7 @@ from ...workers import in_own_thread
 from ..protocol.operations import OperationError
 from ..publish.publishers import PublisherPool, SharedPublisher
 from ..ros import Ros
-from ..subscribe.feeds import Feed, FeedPool, TopicMessage
+from ..subscribe.feeds import FeedPool, TopicFeed, TopicMessage
 
 MAX_GOALS = 100
 """Goals that a client may have at an action without their results; all are cancelled when it goes.
@@ -94,7 +94,7 @@ class Goals:
         self._client = client
         self._desk = desk
         self._canceller: Optional[SharedPublisher] = None
-        self._results: Optional[Feed] = None
+        self._results: Optional[TopicFeed] = None
         self._ids: Dict[str, None] = {}  # as they were sent
         self._count = 0
 

@@ -10,7 +10,7 @@ from typing import Any, Callable, Coroutine, Dict, Iterator, Optional, Set
 
 import genpy
 
-from ...config import RosbridgeConfig
+from ...server_config import RosbridgeConfig
 from ...workers import OrderedWorker
 from ..control.access import Access
 from ..link import Held, Link

@@ -57,7 +57,7 @@ class Listener(Protocol):
         """Take a message."""
 
 
-class Feed:
+class TopicFeed:
     """The messages of one topic on their way from rospy's threads to the clients.
 
     Parameters
@@ -133,12 +133,12 @@ class FeedPool:
 
     def __init__(self, ros: Ros, worker: OrderedWorker) -> None:
         self._ros = ros
-        self._shared: SharedResources[str, Feed] = SharedResources(worker, 0.0)
+        self._shared: SharedResources[str, TopicFeed] = SharedResources(worker, 0.0)
 
     def __len__(self) -> int:
         return len(self._shared)
 
-    async def join(self, topic: str, type_name: Optional[str], listener: Listener) -> Feed:
+    async def join(self, topic: str, type_name: Optional[str], listener: Listener) -> TopicFeed:
         """Let somebody listen to a topic and return its feed; each join needs a leave.
 
         Raises
@@ -148,9 +148,9 @@ class FeedPool:
         """
         loop = asyncio.get_running_loop()
 
-        def subscribe() -> Feed:
+        def subscribe() -> TopicFeed:
             found = topic_class(self._ros, topic, type_name)
-            feed = Feed(codec_of(found), loop)
+            feed = TopicFeed(codec_of(found), loop)
             feed.unsubscribe = self._ros.subscribe(topic, found, feed.receive)
             return feed
 
@@ -161,7 +161,7 @@ class FeedPool:
         feed.add(listener)
         return feed
 
-    def leave(self, topic: str, feed: Feed, listener: Listener) -> None:
+    def leave(self, topic: str, feed: TopicFeed, listener: Listener) -> None:
         """Let somebody go; the subscription ends with the last one."""
         feed.remove(listener)
         self._shared.release(topic)

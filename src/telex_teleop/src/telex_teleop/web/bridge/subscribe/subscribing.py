@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 from typing import Dict, Optional
 
-from ...config import RosbridgeConfig
+from ...server_config import RosbridgeConfig
 from ..control.access import Access
 from ..link import Held, Link
 from ..protocol.compression import COMPRESSIONS

@@ -9,7 +9,7 @@ from typing import Callable, Dict, Optional
 
 from ..protocol.compression import COMPRESSIONS, Encoded
 from ..protocol.operations import Id
-from .feeds import Feed, FeedPool, TopicMessage
+from .feeds import FeedPool, TopicFeed, TopicMessage
 
 Send = Callable[[str, Encoded, int], None]
 """Queues a message of a topic, of which at most so many may wait."""
@@ -53,7 +53,7 @@ class Subscription:
         self._spelled = spelled
         self._feeds = feeds
         self._send = send
-        self._feed: Optional[Feed] = None
+        self._feed: Optional[TopicFeed] = None
         self._loop = asyncio.get_running_loop()
         self._wishes: Dict[Id, Wish] = {}
         self._sent = -math.inf

@@ -16,7 +16,7 @@ from ..cameras import Camera, CameraList
 from ..hub import EncoderFullError, PictureHubs
 from ..topics import PictureTopic
 from .feed import Feed
-from .frames import binary_frame_head
+from .frame_head import binary_frame_head
 from .messages import VERSION, Ack, Message, Ping, ProtocolError, Show, View, parse
 
 BACKLOG_POLL = 0.005

@@ -8,7 +8,7 @@ from typing import Awaitable, Callable, Dict, Set
 
 from aiohttp import web
 
-from ...config import VideoServerConfig
+from ...server_config import VideoServerConfig
 from ...websockets import new_websocket, take_leave, upgrade_required
 from ..cameras import CameraList
 from ..hub import PictureHubs

@@ -10,9 +10,9 @@ from typing import AsyncIterator, Callable, List, Set
 
 from aiohttp import WSCloseCode, WSMsgType, web
 
-from ..config import RosbridgeConfig
 from ..freshness import Backlog
 from ..rights import Rights
+from ..server_config import RosbridgeConfig
 from ..tokens import ForbiddenError, Tokens, is_instructor
 from ..websockets import new_websocket, take_leave, upgrade_required
 from ..workers import OrderedWorker

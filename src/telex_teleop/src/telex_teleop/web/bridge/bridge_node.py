@@ -11,10 +11,10 @@ from aiohttp import web
 
 from telex_control.ros.run_memory import run_path
 
-from ..config import RosbridgeConfig
+from ..server_config import RosbridgeConfig
 from ..serving import run_node
 from ..tokens import FILES, INSTRUCTOR_FILE, files_of, read_tokens
-from .app import Rosbridge
+from .bridge_app import Rosbridge
 from .ros_graph import RosGraph
 
 WARNING_PERIOD = 5.0

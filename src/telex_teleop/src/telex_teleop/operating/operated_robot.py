@@ -30,7 +30,7 @@ from telex_teleop.operating.zoom import ZoomFactor
 from telex_teleop.ros.common import caller_of
 from telex_teleop.tracks.track_drive import Velocity
 
-__all__ = ["Robot"]
+__all__ = ["OperatedRobot"]
 
 # Our own wish for the speed counts this long (s) before a status must have confirmed it.
 SPEED_PENDING = 0.5
@@ -38,7 +38,7 @@ SPEED_PENDING = 0.5
 ZOOM_TOPIC = "cameras/turret/zoom"
 
 
-class Robot:
+class OperatedRobot:
     """Publishes commands to one robot and remembers what its nodes say.
 
     Parameters

@@ -7,7 +7,7 @@ from typing import Dict, Mapping, Tuple
 
 from telex_control.common.params import require, require_range, require_text
 from telex_teleop.flippers.presets import GoalRules, Preset
-from telex_teleop.joints.settings import JointTeleopSettings
+from telex_teleop.joints.joint_settings import JointTeleopSettings
 from telex_teleop.motion.axis import AxisSettings
 
 __all__ = ["FlipperTeleopSettings", "PresetSettings"]

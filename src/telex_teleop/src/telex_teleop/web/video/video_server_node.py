@@ -8,10 +8,10 @@ import rospkg
 import rospy
 from aiohttp import web
 
-from ..config import VideoServerConfig
+from ..server_config import VideoServerConfig
 from ..serving import run_node
-from .app import VideoServer
 from .ros_source import RosPictureSource
+from .video_server_app import VideoServer
 
 WARNING_PERIOD = 5.0
 """Shortest time (s) between two warnings."""

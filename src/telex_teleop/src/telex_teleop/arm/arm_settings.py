@@ -12,7 +12,7 @@ from telex_teleop.arm.arm_teleop import Carrier
 from telex_teleop.arm.proximity import ProximitySettings
 from telex_teleop.arm.tool_command import FrameNames
 from telex_teleop.arm.tool_settings import ToolSettings
-from telex_teleop.joints.settings import JointTeleopSettings
+from telex_teleop.joints.joint_settings import JointTeleopSettings
 from telex_teleop.motion.axis import AxisSettings
 
 __all__ = ["ArmTeleopSettings", "FrameSettings", "carrier_of"]

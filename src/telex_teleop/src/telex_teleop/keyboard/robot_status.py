@@ -8,14 +8,14 @@ from typing import Any, Dict, Optional
 from telex_msgs.msg import GripperContact
 
 from telex_teleop.keyboard.screen import JointView, NodeView, ToolView, roll_pitch_yaw
-from telex_teleop.operating.robot import Robot
+from telex_teleop.operating.operated_robot import OperatedRobot
 from telex_teleop.tracks.track_drive import STANDSTILL, Velocity
 
 __all__ = ["ShownRobot"]
 
 
-class ShownRobot(Robot):
-    """A `Robot` that also says what a screen shows."""
+class ShownRobot(OperatedRobot):
+    """A `OperatedRobot` that also says what a screen shows."""
 
     def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)

@@ -18,7 +18,7 @@ from telex_control.common.params import ConfigError, read_config
 from telex_control.common.yaml_files import load_yaml
 from telex_control.ros.node_start import init_node
 from telex_teleop.keyboard.map import KeyboardSettings
-from telex_teleop.keyboard.robot import ShownRobot
+from telex_teleop.keyboard.robot_status import ShownRobot
 from telex_teleop.keyboard.teleop import KeyboardTeleop
 from telex_teleop.keyboard.terminal import Terminal, TerminalError
 

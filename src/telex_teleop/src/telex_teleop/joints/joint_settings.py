@@ -17,7 +17,7 @@ from telex_control.common.params import (
 from telex_control.urdf.joints import PRISMATIC, REVOLUTE
 from telex_teleop.joints.coupled_teleop import Coupling
 from telex_teleop.motion.axis import AxisSettings
-from telex_teleop.motion.limits import JointLimits
+from telex_teleop.motion.limits import JointBounds
 from telex_teleop.motion.reference import MotionLimits
 from telex_teleop.motion.teleop_settings import TeleopSettings
 
@@ -150,7 +150,7 @@ class JointTeleopSettings(TeleopSettings):
         """Return the optional joints that a robot with these movable joints lacks."""
         return tuple(name for name in self.optional_joints if name not in movable)
 
-    def axes(self, limits: Mapping[str, JointLimits]) -> Dict[str, AxisSettings]:
+    def axes(self, limits: Mapping[str, JointBounds]) -> Dict[str, AxisSettings]:
         """Return the bounds of motion of every joint whose limits are given.
 
         Raises
@@ -160,7 +160,7 @@ class JointTeleopSettings(TeleopSettings):
         """
         return {name: self.axis(name, limits[name]) for name in self.joints if name in limits}
 
-    def axis(self, name: str, limits: JointLimits) -> AxisSettings:
+    def axis(self, name: str, limits: JointBounds) -> AxisSettings:
         """Return the bounds of motion of one joint or group with the given limits."""
         own = self.joint_settings.get(name, JointRules())
         rules = own.applied_to(self.prismatic if limits.kind == PRISMATIC else self.revolute)
@@ -222,7 +222,7 @@ class CouplingSettings:
             align_acceleration=self.align_velocity / self.align_time,
         )
 
-    def limits(self, joints: Mapping[str, AxisSettings]) -> JointLimits:
+    def limits(self, joints: Mapping[str, AxisSettings]) -> JointBounds:
         """Return the limits of the group's value that all its joints allow.
 
         Raises
@@ -246,7 +246,7 @@ class CouplingSettings:
             f"coupling/align_velocity is {self.align_velocity!r}; it must leave speed for the "
             "common motion, so be below the slowest joint's",
         )
-        return JointLimits(REVOLUTE, lower, upper, rate)
+        return JointBounds(REVOLUTE, lower, upper, rate)
 
 
 @dataclass(frozen=True)

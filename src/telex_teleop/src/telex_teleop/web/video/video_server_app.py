@@ -10,8 +10,8 @@ from urllib.parse import urlsplit, urlunsplit
 
 from aiohttp import web
 
-from ..config import VideoServerConfig
-from ..maps import add_joy_map
+from ..joy_map import add_joy_map
+from ..server_config import VideoServerConfig
 from ..tokens import INSTRUCTOR, ForbiddenError
 from ..workers import OrderedWorker
 from . import mjpeg, pages, query

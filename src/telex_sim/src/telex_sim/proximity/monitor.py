@@ -13,13 +13,13 @@ import pybullet
 
 from ..engine.world import Body
 from ..robot.self_collision import SelfCollisionConfig
-from .config import ProximityConfig
 from .geometry import Box, apart, fastest, sphere
 from .grasp import grasped_bodies
 from .links import Links
 from .own import OwnDistances
 from .places import Moment, Place
 from .points import ClosestPoints
+from .proximity_config import ProximityConfig
 
 
 class NearPair(NamedTuple):
@@ -60,7 +60,7 @@ class _Found(NamedTuple):
     other: int
 
 
-class ProximityGuard:
+class ProximityMonitor:
     """Watches the distances of one robot.
 
     Parameters

@@ -7,12 +7,12 @@ from typing import Any, Dict, Mapping, Optional, Tuple
 
 from telex_control.common.params import read_config, require, require_range, require_text
 
-from ..proximity.config import ProximityConfig
+from ..proximity.proximity_config import ProximityConfig
 from ..robot.gripper.contact_config import GripperContactConfig
 from ..robot.imu_noise import ImuNoise
 from ..robot.self_collision import SelfCollisionConfig
 from ..stability.force_angle import StabilityConfig
-from ..tracks.config import TrackConfig
+from ..tracks.track_config import TrackConfig
 
 TUNED_PERIOD = 0.002
 """Longest control period that the shipped gains are tuned for (s)."""
