@@ -11,8 +11,8 @@ from selenium.webdriver.common.action_chains import ActionChains
 
 from telex_teleop import headless_chromium
 
-STOOD_STILL = "released: the page stood still"
-"""What the page logs when it lets go because it was not served in time, as on a loaded machine."""
+RELEASED = "released: "
+"""Begin of the line that the page logs when it lets go of what is held."""
 
 
 class Page:
@@ -21,7 +21,6 @@ class Page:
     def __init__(self, url: str) -> None:
         self._profile = tempfile.mkdtemp(prefix="telex-chromium-")
         self.driver = headless_chromium.start(self._profile, logs={"browser": "ALL"})
-        self._stood_still = 0
         self.driver.get(f"{url}/")
         eventually(self.settled, 30.0, "the console to be connected and to show a picture")
 
@@ -58,20 +57,21 @@ class Page:
     def hold(self, key: str, until: Callable[[], object], what: str) -> None:
         """Hold a key until something is seen, as an operator: pressed anew if the page let go.
 
-        It lets go, and says so, when it stood still, which it may on a loaded machine.
+        It lets go, and says so, when it stood still or its commands came too late, as may be on a
+        loaded machine.
         """
 
         def seen() -> bool:
             if until():
                 return True
-            count = self._count_still()
-            if count > self._stood_still:
-                self._stood_still = count
+            count = self._count_released()
+            if count > released[0]:
+                released[0] = count
                 self.release(key)
                 self.press(key)
             return False
 
-        self._stood_still = self._count_still()
+        released = [self._count_released()]
         self.press(key)
         try:
             eventually(seen, 15.0, what)
@@ -86,9 +86,9 @@ class Page:
     def release(self, key: str) -> None:
         ActionChains(self.driver).key_up(key).perform()
 
-    def _count_still(self) -> int:
+    def _count_released(self) -> int:
         lines = self.ask(
             "return [...document.querySelectorAll('#log li')]"
             ".map((line) => [line.title, line.dataset.count]);"
         )
-        return sum(int(count) for title, count in lines if STOOD_STILL in title)
+        return sum(int(count) for title, count in lines if title.startswith(RELEASED))

@@ -247,9 +247,14 @@ def test_the_tour_is_shown_once_and_goes_on_by_what_is_done(robot, page):
 
 @pytest.mark.usefixtures("untold")
 def test_nothing_moves_before_the_nodes_have_said_how_fast(robot, page):
-    with page.hold("w", "j", "r", "."):
-        time.sleep(0.3)
-        assert "has not said yet how fast" in page.text("warning")
+    told = False
+    for _ in range(5):  # a page that stood still has let go, and says that instead
+        with page.hold("w", "j", "r", "."):
+            time.sleep(0.3)
+            told = "has not said yet how fast" in page.text("warning")
+        if told:
+            break
+    assert told, page.text("warning")
     with page.hold("3"):
         wait_until(lambda: page.text("warning") == "the robot has no flipper preset 3")
     assert all(robot.is_quiet(topic, 0.1) for topic in (DRIVE, ARM, GRIPPER, FLIPPERS, PRESETS))
