@@ -42,16 +42,6 @@ const MODEL_RETRY_AFTER = 2000; // ms between two attempts to get the robot's de
 /** What the operator was given with the page's address. */
 const GIVEN = new URLSearchParams(location.search);
 
-/** @param {import("./config.js").Config} config */
-function startCameras(config) {
-  const canvas = /** @type {HTMLCanvasElement} */ (byId("picture"));
-  const cameras = new Cameras(config, canvas, byId("thumbnails"), (name) => {
-    setText(byId("camera-name"), name);
-  });
-  cameras.start();
-  return cameras;
-}
-
 /**
  * Ask for the robot's description until there is one.
  * @param {import("./bridge.js").Bridge} bridge
@@ -72,260 +62,369 @@ async function fetchModel(bridge, parameter) {
   }
 }
 
-async function start() {
-  const status = new StatusView();
-  const joints = new JointPositions();
-  const panels = new Panels(joints);
-  const hud = new Hud();
-  const drive = new FadingTexts();
-  /** Show what goes to the tracks now. @param {any} twist  geometry_msgs/Twist */
-  const showDrive = (twist) => {
-    const [forward, turn] = showTwist(twist);
-    drive.show("drive-linear", forward);
-    drive.show("drive-angular", turn);
-    drive.show("drive-hud", `${forward}  ${turn}`);
-  };
-  const gripper = new Gripper();
-  const clock = new MissionClock();
-  const avatar = new Avatar(
-    /** @type {HTMLCanvasElement} */ (byId("avatar-side")), /** @type {HTMLCanvasElement} */ (byId("avatar-top")),
-  );
-  const keymap = new KeyMap(localStorage);
-  const relabel = () => labelKeys(document, keymap);
-  let pitch = 0; // rad, positive with the nose down
-  const attitude = new AttitudeView((sentence) => status.log(sentence, "warning"));
-  const config = await waitForConfig(GIVEN);
-  const topic = (/** @type {string} */ name) => `${config.namespace}/${name}`;
-  const cameras = startCameras(config);
-
-  const held = new Held(() => {
-    update();
-    panels.showHeld(held.actions);
-    panels.showSide(commander.sideOf(heldActions()));
-    showMotion();
-    if (!held.empty) clock.begin();
-    tour.see(held.actions);
-  });
-
-  const heldActions = () => [...held.amounts].map(([name, amount]) => ({ ...ACTIONS[name], amount }));
-  const update = () => {
-    commander.update(heldActions());
-    toolCommander.update(heldActions());
-    cameraCommander.update(heldActions());
-  };
-
-  /** Let go of everything, and say why unless nothing was held. Returns whether something was. */
-  const letGo = (/** @type {string} */ reason) => {
-    const wasHeld = !held.empty;
-    if (wasHeld) status.warn(`released: ${reason}`);
-    release();
-    return wasHeld;
-  };
-  const release = () => {
-    gamepad.block();
-    held.releaseAll();
-  };
-
-  const bridge = new Bridge(() => locateBridge(GIVEN), {
-    opened: () => {
-      status.log("connected");
-      control.connected();
-      cameraCommander.connected();
-      gripper.ask(bridge, topic);
-    },
-    lost: (reason) => {
-      release();
-      commander.disconnected();
-      toolCommander.disconnected();
-      control.disconnected();
-      health.forget();
-      status.forgetSim();
-      status.setLinkBand("Connection lost. Everything is released. Reconnecting …");
-      status.log(`connection lost, everything is released: ${reason}`, "alarm");
-    },
-    refused: (sentence) => {
-      // A stream of commands that was refused once stays so: the operator has to know, and to press anew.
-      if (sentence.startsWith("publish to ")) letGo("the bridge refused a command");
-      status.warn(`bridge: ${sentence}`);
-    },
-  });
-  const warn = (/** @type {string} */ sentence) => status.warn(sentence);
-  const commander = new Commander(bridge, topic, warn);
-  const toolCommander = new ToolCommander(bridge, topic, () => commander.congested, warn);
-  const call = (/** @type {string} */ name, /** @type {object} */ args) => bridge.call(topic(name), args);
-  const cameraCommander = new CameraCommander(bridge, topic, () => commander.congested);
-  const tool = new ToolPanel(toolCommander, call, letGo, warn);
-  const modes = new ModeSwitch(tool, letGo);
-  tool.changed = () => modes.show();
-  modes.chosen = (mode) => cameras.borrow(mode === "CAMERA" ? MOVED_CAMERA : null);
-  modes.show();
-  const control = new ControlView(bridge, topic, letGo, warn);
-  const motion = new Motion(control, (device) => status.log(`${device} moves the robot`, "warning"));
-  const showMotion = () => motion.show(
-    held.sources.map(({ source, name }) => ({ source, name, action: ACTIONS[name] })), commander.presets, (joint) => panels.format(joint),
-    commander.sideOf(heldActions()),
-  );
-  const size = new PictureSize(bridge, topic);
-  const health = new Health(status, letGo);
-  const keyDialog = new KeyDialog(keymap, relabel);
-  keymap.changed = relabel;
-  const tour = new Tour(localStorage, relabel);
-  relabel();
-
-  const mayPress = () => {
-    if (!bridge.connected) status.warn("not connected: nothing can be moved");
-    else if (status.estopped) status.warn("e-stop is active: release it first");
-    else if (control.isWatching) status.warn(`${control.holderName} has control: you are watching`);
-    else if (keyDialog.isOpen) status.warn("close the list of keys first");
-    else return true;
-    return false;
-  };
-  const setEstop = (/** @type {boolean} */ data) => {
-    release();
-    if (!bridge.publish(topic("e_stop"), { data })) status.warn("not connected: e-stop was NOT sent", "alarm");
-  };
-  const commands = {
-    slower: () => commander.changeSpeed(-1),
-    faster: () => commander.changeSpeed(1),
-    stop: () => {
-      letGo("stop");
-      commander.stopPresets();
-    },
-    estop: () => setEstop(true),
-    mode: () => modes.toggle(),
-    drive_mode: () => modes.set("DRIVE"),
-    camera_mode: () => modes.set("CAMERA"),
-    frame: () => tool.setFrame(),
-    hold: () => tool.toggleHold(),
-    guard: () => tool.toggleGuard(),
-    view: () => cameras.next(),
-    keys: () => {
-      letGo("the list of keys");
-      keyDialog.toggle();
-    },
-    "lamps:front": () => cameraCommander.toggle("lamps:front"),
-    "lamps:rear": () => cameraCommander.toggle("lamps:rear"),
-    "lamps:turret": () => cameraCommander.toggle("lamps:turret"),
-    "lamps:gripper": () => cameraCommander.toggle("lamps:gripper"),
-  };
-
-  listenToKeys(held, mayPress, (code) => keymap.find(code, modes.mode), commands, (code) => keyDialog.take(code));
-  const gamepad = new GamepadInput({
-    held,
-    mayPress,
-    mode: () => modes.mode,
-    presets: () => commander.presets,
-    commands: { ...commands, release: () => setEstop(false), next_mode: () => modes.next() },
-    letGo,
-  });
-  fetchPadMap().then(
-    (map) => { gamepad.map = map; },
-    (error) => status.warn(`no gamepad can be used: ${error.message}`),
-  );
-  listenToPointers(document.body, held, mayPress);
-  watchOperator(letGo);
-  onClick(byId("slower"), commands.slower);
-  onClick(byId("faster"), commands.faster);
-  onClick(byId("estop"), commands.estop);
-  onClick(byId("release"), () => setEstop(false));
-  onClick(byId("help"), commands.keys);
-  onClick(byId("tour-start"), () => {
-    keyDialog.toggle();
-    tour.start();
-  });
-  onClick(byId("clock"), () => clock.reset());
-  onClick(byId("control-button"), () => control.toggle());
-  for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-command]"))) {
-    onClick(button, commands[/** @type {import("./robot.js").Command} */ (button.dataset.command)]);
-  }
-  tool.listen(onClick);
-  modes.listen(onClick);
-  for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-side]"))) {
-    button.addEventListener("click", () => {
-      commander.side = /** @type {"left" | "both" | "right"} */ (button.dataset.side);
-      panels.showSide(commander.side);
-    });
-  }
-  panels.showSide(commander.side);
-
-  commander.advertise();
-  toolCommander.advertise();
-  cameraCommander.advertise();
-  control.subscribe();
-  bridge.advertise(topic("e_stop"), TYPES.bool, { latch: true });
-  const listen = (
-    /** @type {string} */ name,
-    /** @type {string} */ type,
-    /** @type {(message: any) => void} */ heard,
-    throttle = 0,
-  ) => bridge.subscribe({ topic: topic(name), type, throttle, heard });
-  listen("joint_states", TYPES.jointStates, (states) => {
-    joints.set(states);
-    panels.showJoints();
-  }, JOINTS_PERIOD);
-  listen(MISSING_NODES.topic, MISSING_NODES.type, (message) => health.hear(message));
-  listen(CONTACT.topic, CONTACT.type, (message) => gripper.feel(message), DISPLAY_PERIOD);
-  listen(ODOMETRY.topic, ODOMETRY.type, (odometry) => hud.setOdometry(odometry), ODOMETRY.period);
-  listen(STABILITY.topic, STABILITY.type, (stability) => {
-    attitude.set(stability);
-    pitch = stability.pitch ?? 0;
-  }, JOINTS_PERIOD);
-  listen("sim/status", TYPES.simStatus, (sim) => {
-    const wasPaused = status.paused;
-    if (status.isOtherWorld(sim)) cameras.newScene();
-    status.setSim(sim);
-    // What was held before must not go on after it.
-    if (status.paused && !wasPaused) letGo("the simulation is paused");
-    // Releasing the e-stop must not bring back a motion that is still held.
-    if (status.estopped) release();
-  });
-  for (const node of JOINT_NODES) {
-    listen(`${node}/status`, TYPES.jointStatus, (report) => {
-      commander.setJointStatus(node, report);
-      motion.hear(node, report);
-      panels.showLimited(node, report.limited);
-      if (node === "arm_teleop") tool.setArmStatus(report);
-      status.logComplaint(node, report.message);
-    });
-  }
-  listen(`${FLIPPER_NODE}/presets`, TYPES.flipperPresets, ({ names, descriptions }) => {
-    commander.presets = names;
-    panels.showPresets(names, descriptions);
-  });
-  listen("arm_teleop/cartesian_status", TOOL_TYPES.cartesianStatus, (report) => tool.setStatus(report));
-  listen(`${TRACK_NODE}/status`, TYPES.trackStatus, (report) => {
-    commander.setTrackStatus(report);
-    motion.hear(TRACK_NODE, report);
-    showDrive(report.command);
-    status.logComplaint(TRACK_NODE, report.message);
-  });
-
-  keepPace(COMMAND_PERIOD, () => {
-    gamepad.poll();
-    if (!held.empty && bridge.silence > SILENT_AFTER) letGo("the robot does not answer");
-    if (!held.empty && browserHangs()) letGo("the browser does not answer");
-    if (!held.empty || commander.busy || toolCommander.busy) update();
-  }, letGo);
-  setInterval(() => {
-    status.showLink(bridge);
-    status.showSim();
-    status.showSpeed(commander.speeds);
-    status.showVideo(cameras, size.isReduced(cameras.main));
-    cameras.refresh();
-    hud.showLink(bridge, cameras.main);
-    hud.showSpeed(status.stuck);
-    drive.fade();
-    showMotion();
-    hud.showGripper(joints, gripper);
-    avatar.draw((joint) => joints.position(joint) ?? 0, pitch);
-    clock.show();
-    status.fade();
-    attitude.fade();
-  }, DISPLAY_PERIOD);
-  bridge.start();
-  const model = await fetchModel(bridge, topic("robot_description"));
-  panels.setModel(model);
-  avatar.setModel(model);
+/** @param {import("./config.js").Config} config */
+function startCameras(config) {
+  const canvas = /** @type {HTMLCanvasElement} */ (byId("picture"));
+  const cameras = new Cameras(config, canvas, byId("thumbnails"), (name) => setText(byId("camera-name"), name));
+  cameras.start();
+  return cameras;
 }
 
-start();
+/** The console of one robot: what is shown, what is sent, and what must let go of held keys. */
+class Console {
+  /** @param {import("./config.js").Config} config */
+  constructor(config) {
+    const topic = (/** @type {string} */ name) => `${config.namespace}/${name}`;
+    const warn = (/** @type {string} */ sentence) => this._status.warn(sentence);
+    const letGo = (/** @type {string} */ reason) => this._letGo(reason);
+    this._topic = topic;
+    // What is shown.
+    this._status = new StatusView();
+    this._joints = new JointPositions();
+    this._panels = new Panels(this._joints);
+    this._hud = new Hud();
+    this._drive = new FadingTexts();
+    this._gripper = new Gripper();
+    this._clock = new MissionClock();
+    this._avatar = new Avatar(
+      /** @type {HTMLCanvasElement} */ (byId("avatar-side")), /** @type {HTMLCanvasElement} */ (byId("avatar-top")),
+    );
+    this._attitude = new AttitudeView((sentence) => this._status.log(sentence, "warning"));
+    this._pitch = 0; // rad, positive with the nose down
+    this._cameras = startCameras(config);
+    // What speaks to the robot.
+    this._bridge = this._makeBridge();
+    const call = (/** @type {string} */ name, /** @type {object} */ args) => this._bridge.call(topic(name), args);
+    const congested = () => this._commander.congested;
+    this._commander = new Commander(this._bridge, topic, warn);
+    this._toolCommander = new ToolCommander(this._bridge, topic, congested, warn);
+    this._cameraCommander = new CameraCommander(this._bridge, topic, congested);
+    this._tool = new ToolPanel(this._toolCommander, call, letGo, warn);
+    this._modes = new ModeSwitch(this._tool, letGo);
+    this._tool.changed = () => this._modes.show();
+    this._modes.chosen = (mode) => this._cameras.borrow(mode === "CAMERA" ? MOVED_CAMERA : null);
+    this._modes.show();
+    this._control = new ControlView(this._bridge, topic, letGo, warn);
+    this._motion = new Motion(this._control, (device) => this._status.log(`${device} moves the robot`, "warning"));
+    this._size = new PictureSize(this._bridge, topic);
+    this._health = new Health(this._status, letGo);
+    // What the operator presses.
+    this._keymap = new KeyMap(localStorage);
+    const relabel = () => labelKeys(document, this._keymap);
+    this._keyDialog = new KeyDialog(this._keymap, relabel);
+    this._keymap.changed = relabel;
+    this._tour = new Tour(localStorage, relabel);
+    relabel();
+    this._held = new Held(() => this._heldChanged());
+    this._commands = this._makeCommands();
+    this._gamepad = this._makeGamepad();
+  }
+
+  start() {
+    this._advertise();
+    this._subscribe();
+    this._listenToOperator();
+    this._listenToButtons();
+    this._keepGoing();
+    this._bridge.start();
+    this._showModel();
+  }
+
+  _makeBridge() {
+    return new Bridge(() => locateBridge(GIVEN), {
+      opened: () => this._connected(),
+      lost: (reason) => this._disconnected(reason),
+      refused: (sentence) => {
+        // A stream of commands that was refused once stays so: the operator has to know, and to press anew.
+        if (sentence.startsWith("publish to ")) this._letGo("the bridge refused a command");
+        this._status.warn(`bridge: ${sentence}`);
+      },
+    });
+  }
+
+  _makeGamepad() {
+    const gamepad = new GamepadInput({
+      held: this._held,
+      mayPress: () => this._mayPress(),
+      mode: () => this._modes.mode,
+      presets: () => this._commander.presets,
+      commands: { ...this._commands, release: () => this._setEstop(false), next_mode: () => this._modes.next() },
+      letGo: (reason) => this._letGo(reason),
+    });
+    fetchPadMap().then(
+      (map) => { gamepad.map = map; },
+      (error) => this._status.warn(`no gamepad can be used: ${error.message}`),
+    );
+    return gamepad;
+  }
+
+  /** What is done once by a press. @returns {Record<import("./robot.js").Command, () => void>} */
+  _makeCommands() {
+    const lamps = (/** @type {import("./camera_actions.js").LampCommand} */ name) => () => this._cameraCommander.toggle(name);
+    return {
+      slower: () => this._commander.changeSpeed(-1),
+      faster: () => this._commander.changeSpeed(1),
+      stop: () => {
+        this._letGo("stop");
+        this._commander.stopPresets();
+      },
+      estop: () => this._setEstop(true),
+      mode: () => this._modes.toggle(),
+      drive_mode: () => this._modes.set("DRIVE"),
+      camera_mode: () => this._modes.set("CAMERA"),
+      frame: () => this._tool.setFrame(),
+      hold: () => this._tool.toggleHold(),
+      guard: () => this._tool.toggleGuard(),
+      view: () => this._cameras.next(),
+      keys: () => {
+        this._letGo("the list of keys");
+        this._keyDialog.toggle();
+      },
+      "lamps:front": lamps("lamps:front"),
+      "lamps:rear": lamps("lamps:rear"),
+      "lamps:turret": lamps("lamps:turret"),
+      "lamps:gripper": lamps("lamps:gripper"),
+    };
+  }
+
+  // ---- what is held
+
+  /** Actions that are held, and how far. */
+  get _heldActions() {
+    return [...this._held.amounts].map(([name, amount]) => ({ ...ACTIONS[name], amount }));
+  }
+
+  _heldChanged() {
+    this._update();
+    this._panels.showHeld(this._held.actions);
+    this._panels.showSide(this._commander.sideOf(this._heldActions));
+    this._showMotion();
+    if (!this._held.empty) this._clock.begin();
+    this._tour.see(this._held.actions);
+  }
+
+  /** Command what is held. */
+  _update() {
+    const actions = this._heldActions;
+    this._commander.update(actions);
+    this._toolCommander.update(actions);
+    this._cameraCommander.update(actions);
+  }
+
+  /**
+   * Let go of everything, and say why unless nothing was held.
+   * @param {string} reason
+   * @returns {boolean} Whether something was held.
+   */
+  _letGo(reason) {
+    const wasHeld = !this._held.empty;
+    if (wasHeld) this._status.warn(`released: ${reason}`);
+    this._release();
+    return wasHeld;
+  }
+
+  _release() {
+    this._gamepad.block();
+    this._held.releaseAll();
+  }
+
+  /** Whether a press counts now; if not, the operator is told why. */
+  _mayPress() {
+    const { _status: status, _control: control } = this;
+    if (!this._bridge.connected) status.warn("not connected: nothing can be moved");
+    else if (status.estopped) status.warn("e-stop is active: release it first");
+    else if (control.isWatching) status.warn(`${control.holderName} has control: you are watching`);
+    else if (this._keyDialog.isOpen) status.warn("close the list of keys first");
+    else return true;
+    return false;
+  }
+
+  /** @param {boolean} data  Whether to stop. */
+  _setEstop(data) {
+    this._release();
+    const sent = this._bridge.publish(this._topic("e_stop"), { data });
+    if (!sent) this._status.warn("not connected: e-stop was NOT sent", "alarm");
+  }
+
+  // ---- the connection
+
+  _connected() {
+    this._status.log("connected");
+    this._control.connected();
+    this._cameraCommander.connected();
+    this._gripper.ask(this._bridge, this._topic);
+  }
+
+  /** @param {string} reason */
+  _disconnected(reason) {
+    this._release();
+    this._commander.disconnected();
+    this._toolCommander.disconnected();
+    this._control.disconnected();
+    this._health.forget();
+    this._status.forgetSim();
+    this._status.setLinkBand("Connection lost. Everything is released. Reconnecting …");
+    this._status.log(`connection lost, everything is released: ${reason}`, "alarm");
+  }
+
+  _advertise() {
+    this._commander.advertise();
+    this._toolCommander.advertise();
+    this._cameraCommander.advertise();
+    this._bridge.advertise(this._topic("e_stop"), TYPES.bool, { latch: true });
+  }
+
+  /**
+   * @param {string} name
+   * @param {string} type
+   * @param {(message: any) => void} heard
+   * @param {number} [throttle]  ms between two messages at least.
+   */
+  _listen(name, type, heard, throttle = 0) {
+    this._bridge.subscribe({ topic: this._topic(name), type, throttle, heard });
+  }
+
+  _subscribe() {
+    this._control.subscribe();
+    this._subscribeToSimulator();
+    this._subscribeToNodes();
+  }
+
+  _subscribeToSimulator() {
+    this._listen("joint_states", TYPES.jointStates, (states) => {
+      this._joints.set(states);
+      this._panels.showJoints();
+    }, JOINTS_PERIOD);
+    this._listen(CONTACT.topic, CONTACT.type, (message) => this._gripper.feel(message), DISPLAY_PERIOD);
+    this._listen(ODOMETRY.topic, ODOMETRY.type, (odometry) => this._hud.setOdometry(odometry), ODOMETRY.period);
+    this._listen(STABILITY.topic, STABILITY.type, (stability) => {
+      this._attitude.set(stability);
+      this._pitch = stability.pitch ?? 0;
+    }, JOINTS_PERIOD);
+    this._listen("sim/status", TYPES.simStatus, (sim) => {
+      const status = this._status;
+      const wasPaused = status.paused;
+      if (status.isOtherWorld(sim)) this._cameras.newScene();
+      status.setSim(sim);
+      // What was held before must not go on after it.
+      if (status.paused && !wasPaused) this._letGo("the simulation is paused");
+      // Releasing the e-stop must not bring back a motion that is still held.
+      if (status.estopped) this._release();
+    });
+  }
+
+  _subscribeToNodes() {
+    this._listen(MISSING_NODES.topic, MISSING_NODES.type, (message) => this._health.hear(message));
+    for (const node of JOINT_NODES) {
+      this._listen(`${node}/status`, TYPES.jointStatus, (report) => {
+        this._commander.setJointStatus(node, report);
+        this._motion.hear(node, report);
+        this._panels.showLimited(node, report.limited);
+        if (node === "arm_teleop") this._tool.setArmStatus(report);
+        this._status.logComplaint(node, report.message);
+      });
+    }
+    this._listen(`${FLIPPER_NODE}/presets`, TYPES.flipperPresets, ({ names, descriptions }) => {
+      this._commander.presets = names;
+      this._panels.showPresets(names, descriptions);
+    });
+    this._listen("arm_teleop/cartesian_status", TOOL_TYPES.cartesianStatus, (report) => this._tool.setStatus(report));
+    this._listen(`${TRACK_NODE}/status`, TYPES.trackStatus, (report) => {
+      this._commander.setTrackStatus(report);
+      this._motion.hear(TRACK_NODE, report);
+      this._showDrive(report.command);
+      this._status.logComplaint(TRACK_NODE, report.message);
+    });
+  }
+
+  // ---- keys, pointers, buttons
+
+  _listenToOperator() {
+    const mayPress = () => this._mayPress();
+    const find = (/** @type {string} */ code) => this._keymap.find(code, this._modes.mode);
+    listenToKeys(this._held, mayPress, find, this._commands, (code) => this._keyDialog.take(code));
+    listenToPointers(document.body, this._held, mayPress);
+    watchOperator((reason) => this._letGo(reason));
+  }
+
+  _listenToButtons() {
+    const commands = this._commands;
+    onClick(byId("slower"), commands.slower);
+    onClick(byId("faster"), commands.faster);
+    onClick(byId("estop"), commands.estop);
+    onClick(byId("release"), () => this._setEstop(false));
+    onClick(byId("help"), commands.keys);
+    onClick(byId("tour-start"), () => {
+      this._keyDialog.toggle();
+      this._tour.start();
+    });
+    onClick(byId("clock"), () => this._clock.reset());
+    onClick(byId("control-button"), () => this._control.toggle());
+    for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-command]"))) {
+      onClick(button, commands[/** @type {import("./robot.js").Command} */ (button.dataset.command)]);
+    }
+    this._tool.listen(onClick);
+    this._modes.listen(onClick);
+    for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-side]"))) {
+      button.addEventListener("click", () => {
+        this._commander.side = /** @type {"left" | "both" | "right"} */ (button.dataset.side);
+        this._panels.showSide(this._commander.side);
+      });
+    }
+    this._panels.showSide(this._commander.side);
+  }
+
+  // ---- what happens at a pace
+
+  _keepGoing() {
+    const letGo = (/** @type {string} */ reason) => this._letGo(reason);
+    keepPace(COMMAND_PERIOD, () => {
+      this._gamepad.poll();
+      if (!this._held.empty && this._bridge.silence > SILENT_AFTER) letGo("the robot does not answer");
+      if (!this._held.empty && browserHangs()) letGo("the browser does not answer");
+      if (!this._held.empty || this._commander.busy || this._toolCommander.busy) this._update();
+    }, letGo);
+    setInterval(() => this._display(), DISPLAY_PERIOD);
+  }
+
+  _display() {
+    const { _status: status, _cameras: cameras, _hud: hud } = this;
+    status.showLink(this._bridge);
+    status.showSim();
+    status.showSpeed(this._commander.speeds);
+    status.showVideo(cameras, this._size.isReduced(cameras.main));
+    cameras.refresh();
+    hud.showLink(this._bridge, cameras.main);
+    hud.showSpeed(status.stuck);
+    this._drive.fade();
+    this._showMotion();
+    hud.showGripper(this._joints, this._gripper);
+    this._avatar.draw((joint) => this._joints.position(joint) ?? 0, this._pitch);
+    this._clock.show();
+    status.fade();
+    this._attitude.fade();
+  }
+
+  /** Show who moves what. */
+  _showMotion() {
+    const sources = this._held.sources.map(({ source, name }) => ({ source, name, action: ACTIONS[name] }));
+    const side = this._commander.sideOf(this._heldActions);
+    this._motion.show(sources, this._commander.presets, (joint) => this._panels.format(joint), side);
+  }
+
+  /** Show what goes to the tracks now. @param {any} twist  geometry_msgs/Twist */
+  _showDrive(twist) {
+    const [forward, turn] = showTwist(twist);
+    this._drive.show("drive-linear", forward);
+    this._drive.show("drive-angular", turn);
+    this._drive.show("drive-hud", `${forward}  ${turn}`);
+  }
+
+  async _showModel() {
+    const model = await fetchModel(this._bridge, this._topic("robot_description"));
+    this._panels.setModel(model);
+    this._avatar.setModel(model);
+  }
+}
+
+waitForConfig(GIVEN).then((config) => new Console(config).start());
