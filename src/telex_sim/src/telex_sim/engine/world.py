@@ -231,7 +231,7 @@ class World:
         joint_positions : dict
             By joint name (rad, m); 0 for the rest.
         fixed_base : bool
-            Fix the root link to the world; see `urdf_masses.complete_masses` for which always is.
+            Fix the root link to the world; see `complete_masses` for which always is.
         self_collision : bool
             Whether its links can touch each other.
         wheels : collection of str
