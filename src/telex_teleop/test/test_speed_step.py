@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from telex_teleop.joy.teleop_node import JoyTeleopSettings
-from telex_teleop.operating.speed import STEP, stepped
+from telex_teleop.motion.speed import STEP, stepped
 
 PACKAGE = Path(__file__).resolve().parents[1]
 COMMANDER = PACKAGE / "console" / "js" / "commander.js"

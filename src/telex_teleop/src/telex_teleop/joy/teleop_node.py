@@ -19,10 +19,10 @@ from telex_teleop.joy.files import shipped_file
 from telex_teleop.joy.maps import JoyMap
 from telex_teleop.joy.pads import InvalidJoy, Pad, Pads
 from telex_teleop.joy.source_node import DEVICE_TOPIC
+from telex_teleop.motion.speed import STEP, STEP_RANGE
 from telex_teleop.operating.actions import Action, Command, Lamps
 from telex_teleop.operating.commander import Commander
 from telex_teleop.operating.operated_robot import OperatedRobot
-from telex_teleop.operating.speed import STEP, STEP_RANGE
 from telex_teleop.ros.common import WARNING_PERIOD, private_settings, warn_dropped
 
 __all__ = ["JoyTeleopNode", "JoyTeleopSettings", "joy_teleop_main"]

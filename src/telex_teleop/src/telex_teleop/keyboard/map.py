@@ -7,8 +7,8 @@ from functools import cached_property
 from typing import Dict, List, Mapping, Optional, Tuple
 
 from telex_control.common.params import ConfigError, require, require_names, require_range
+from telex_teleop.motion.speed import STEP, STEP_RANGE
 from telex_teleop.operating.actions import GRAMMAR, Action, Command, Lamps, parse_action
-from telex_teleop.operating.speed import STEP, STEP_RANGE
 
 __all__ = ["KeyMap", "KeyboardSettings"]
 

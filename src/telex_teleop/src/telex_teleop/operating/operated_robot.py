@@ -22,10 +22,10 @@ from telex_msgs.msg import (
 from telex_msgs.srv import SetMode
 
 from telex_teleop.motion.e_stop_state import EStopState
+from telex_teleop.motion.speed import stepped
 from telex_teleop.operating.actions import NODES
 from telex_teleop.operating.commander import NO_NAME, Commands, PresetCommand
 from telex_teleop.operating.requests import Requests
-from telex_teleop.operating.speed import stepped
 from telex_teleop.operating.zoom import ZoomFactor
 from telex_teleop.ros.common import caller_of
 from telex_teleop.tracks.track_drive import Velocity
