@@ -62,7 +62,7 @@ class RehearsalClient:
         Parameters
         ----------
         world : str
-            Its name, or the path of its file.
+            Its name, the path of its file, or its text.
         robots : sequence of RobotBody
             The first stands where the scene says.
 

@@ -28,11 +28,11 @@ from ..robot.body import RobotBody
 from ..robot.urdf.visuals import urdf_visuals
 from ..scene.addresses import resolve_address
 from ..scene.assets import Assets
-from ..scene.catalog import find_scene, scenes
+from ..scene.catalog import scenes
 from ..scene.files.scene_file import SceneError, read_description
 from ..scene.library import object_types
 from ..scene.model import Floor, Start
-from ..scene.planning import plan_entry, plan_scene
+from ..scene.planning import plan_entry, plan_world
 from .frames import read_values, write_values
 from .trial import Rehearsal, check_names, check_scene
 
@@ -52,7 +52,7 @@ _prctl = ctypes.CDLL(None).prctl
 
 @dataclass(frozen=True)
 class SceneRequest:
-    """A scene, by its name or path, with these robots in it.
+    """A scene, by its name, path or text, with these robots in it.
 
     The answer is the planned scene without objects, then an `Assembly` for each of them.
     """
@@ -64,7 +64,7 @@ class SceneRequest:
 
     def answer(self, stage: _Stage) -> Iterator[Any]:
         """Read and try it."""
-        planned = plan_scene(find_scene(self.world), Assets(stage.package), stage.step_size)
+        planned = plan_world(self.world, Assets(stage.package), stage.step_size)
         check_scene(stage.config, planned, [robot.model for robot in self.robots])
         stage.begin_building()
         with stage.rehearsal() as rehearsal:

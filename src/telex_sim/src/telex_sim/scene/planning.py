@@ -10,12 +10,13 @@ import logging
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Collection, List, Mapping, Tuple
+from typing import Collection, List, Mapping, Optional, Tuple
 
 from telex_control.common.params import ConfigError, require
 
 from .assets import Assets
-from .files.scene_file import SceneError, build_entry, free_name, load_scene
+from .catalog import find_scene
+from .files.scene_file import SceneError, build_entry, free_name, load_scene, parse_scene
 from .files.yaml_text import read_yaml
 from .model import Scene, SceneObject
 from .objects.assembly import Assembly, assemble
@@ -26,6 +27,8 @@ DEFAULT_STEP = 0.002
 """Step of the physics (s) that a scene is checked for where no simulator runs."""
 MOST_ENTRY_BYTES = 100_000
 """A longer entry is refused: a parser of YAML hardly lets the loop's thread in between."""
+TEXT = Path("text")
+"""Name in messages of a scene that is given by its text, and the scene's where it says none."""
 _PERIOD = 0.5
 
 
@@ -62,8 +65,38 @@ class PlannedScene:
     assemblies: Tuple[Assembly, ...]
 
 
-def plan_scene(path: Path, assets: Assets, step_size: float = DEFAULT_STEP) -> PlannedScene:
+def plan_world(world: str, assets: Assets, step_size: float = DEFAULT_STEP) -> PlannedScene:
+    """Read and check a scene that is given by its name, its file, or its text.
+
+    Parameters
+    ----------
+    world : str
+        A name, a path, or the text of a scene: whatever has a line break. A text has no folder, so
+        that it can name no file by a relative address.
+    assets : Assets
+    step_size : float
+
+    Raises
+    ------
+    SceneError
+    """
+    if "\n" in world:
+        return plan_scene(TEXT, assets, step_size, world)
+    return plan_scene(find_scene(world), assets, step_size)
+
+
+def plan_scene(
+    path: Path, assets: Assets, step_size: float = DEFAULT_STEP, text: Optional[str] = None
+) -> PlannedScene:
     """Read and check a scene file with all that it names.
+
+    Parameters
+    ----------
+    path : Path
+    assets : Assets
+    step_size : float
+    text : str, optional
+        In place of what stands in the file.
 
     Raises
     ------
@@ -77,7 +110,7 @@ def plan_scene(path: Path, assets: Assets, step_size: float = DEFAULT_STEP) -> P
         assemblies.append(assemble(item, assets, step_size))
         progress(number, count)
 
-    scene = load_scene(path, check)
+    scene = load_scene(path, check) if text is None else parse_scene(text, path, check, Path())
     try:
         assets.check_texture(scene.floor.surface.texture)
     except ConfigError as error:

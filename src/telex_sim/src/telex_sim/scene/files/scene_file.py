@@ -142,22 +142,27 @@ def _without_objects(content: Mapping[str, Any]) -> Dict[str, Any]:
     return {key: value for key, value in content.items() if key != "objects"}
 
 
-def parse_scene(text: str, path: Path, check: Optional[Check] = None) -> Scene:
+def parse_scene(
+    text: str, path: Path, check: Optional[Check] = None, folder: Optional[Path] = None
+) -> Scene:
     """Read the text of a scene file.
 
     Parameters
     ----------
     text : str
     path : Path
-        Of the file, for messages, for relative addresses, and for the scene's name when it gives
-        none.
+        Of the file, for messages, and for the scene's name when it gives none.
     check : callable, optional
         As in `load_scene`.
+    folder : Path, optional
+        That relative addresses start from; a relative one allows none. By default that of `path`.
 
     Raises
     ------
     SceneError
     """
+    if folder is None:
+        folder = Path(os.path.abspath(path)).parent
     try:
         content = _content(text)
         entries = content.get("objects") or []
@@ -165,7 +170,6 @@ def parse_scene(text: str, path: Path, check: Optional[Check] = None) -> Scene:
         header = _header(_without_objects(content))
         name = header.name or path.stem
         require_name(name, "name")
-        folder = Path(os.path.abspath(path)).parent
         surface = replace(
             header.floor.surface, texture=absolute(header.floor.surface.texture, folder)
         )
