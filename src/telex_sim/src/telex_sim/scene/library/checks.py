@@ -6,6 +6,8 @@ import math
 
 from telex_control.common.params import require, require_range
 
+from ..sealed import TOKEN
+
 
 def require_each(
     config: object,
@@ -33,3 +35,11 @@ def require_elements(config: object, name: str, minimum: float, maximum: float) 
 def require_color(config: object, name: str) -> None:
     """Raise a `ConfigError` unless the field is a colour."""
     require_elements(config, name, 0.0, 1.0)
+
+
+def require_sealed(token: str) -> None:
+    """Raise a `ConfigError` unless a token in place of a seed is one, or empty."""
+    require(
+        not token or bool(TOKEN.fullmatch(token)),
+        f"sealed is {token!r}; 8 to 64 hexadecimal digits, in lower case, are needed",
+    )

@@ -6,7 +6,7 @@ Only the thread that owns the PyBullet client may use what is here.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Callable, Dict, Hashable, Iterator, List, Optional, Sequence, Tuple
+from typing import Callable, Dict, Hashable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 import pybullet
 
@@ -48,6 +48,32 @@ class _Placed:
     latches: Tuple[Latch, ...]
     tracked: Tuple[Tuple[int, int, Pose], ...]
     movable: Tuple[int, ...]
+
+
+class FreeBody(NamedTuple):
+    """A body that no joint leads: ``<object>/<link>``, its number, and its link's inertial frame.
+
+    `from_inertial` is the link's frame in the frame that PyBullet places the body by.
+    """
+
+    name: str
+    uid: int
+    from_inertial: Pose
+
+
+class SceneJoint(NamedTuple):
+    """A hinge or slide of an object: ``<object>/<joint>``, and PyBullet's body and joint."""
+
+    name: str
+    uid: int
+    joint: int
+
+
+class SceneLatch(NamedTuple):
+    """A latch of an object: ``<object>/<joint>``."""
+
+    name: str
+    latch: Latch
 
 
 class MeshLists:
@@ -260,6 +286,35 @@ class SceneBodies:
                 poses.extend(position)
                 poses.extend(orientation)
         return poses
+
+    def free_bodies(self) -> List[FreeBody]:
+        """Bodies that can move and that no joint leads, in the order of `frames`."""
+        return [
+            FreeBody(f"{placed.assembly.source.name}/{link.name}", uid, from_inertial)
+            for placed in self._placed.values()
+            for link, (uid, index, from_inertial) in zip(
+                placed.assembly.source.model.moving_links(), placed.tracked
+            )
+            if index < 0
+        ]
+
+    def joints(self) -> List[SceneJoint]:
+        """Hinges and slides of all objects."""
+        return [
+            SceneJoint(f"{name}/{segment.joint.name}", uid, number - 1)
+            for name, placed in self._placed.items()
+            for uid, plan in zip(placed.bodies, placed.assembly.bodies)
+            for number, segment in enumerate(plan.segments)
+            if segment.joint is not None
+        ]
+
+    def latches(self) -> List[SceneLatch]:
+        """Latches of all objects."""
+        return [
+            SceneLatch(f"{name}/{plan.joint.name}", latch)
+            for name, placed in self._placed.items()
+            for latch, plan in zip(placed.latches, placed.assembly.latches)
+        ]
 
     def joint_position(self, name: str, joint: str) -> float:
         """Where a joint of an object is (rad, m).

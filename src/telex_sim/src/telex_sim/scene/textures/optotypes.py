@@ -11,6 +11,8 @@ from typing import Dict, List, Tuple
 import cv2
 import numpy as np
 
+from ..sealed import seed_of
+
 INK = (18, 18, 18)
 PAPER = (244, 244, 240)
 
@@ -70,8 +72,22 @@ def chart_rows(kind: str, seed: int, rows: int) -> List[ChartRow]:
     return found
 
 
-def chart(kind: str, seed: int, rows: int) -> np.ndarray:
+def sealed_angle(kind: str, token: str, index: int) -> int:
+    """Angle that a sealed token stands for: one of `DIRECTIONS`.
+
+    Raises
+    ------
+    ConfigError
+        See `seed_of`.
+    """
+    angles = DIRECTIONS[kind]
+    return angles[seed_of(token, str(index)) % len(angles)]
+
+
+def chart(kind: str, seed: int, rows: int, sealed: str = "") -> np.ndarray:
     """Draw a square sheet with rows of five characters, each row smaller than the one above.
+
+    A token, where there is one, stands in place of the seed.
 
     Returns
     -------
@@ -80,7 +96,7 @@ def chart(kind: str, seed: int, rows: int) -> np.ndarray:
     """
     fine = _CHART * _OVERSAMPLING
     ink = np.zeros((fine, fine), dtype=np.uint8)
-    layout = chart_rows(kind, seed, rows)
+    layout = chart_rows(kind, seed_of(sealed) if sealed else seed, rows)
     pitch = 2.0 * layout[0].size
     for row in layout:
         for place, angle in enumerate(row.angles):
@@ -89,8 +105,13 @@ def chart(kind: str, seed: int, rows: int) -> np.ndarray:
     return _printed(ink)
 
 
-def optotype(kind: str, angle: int) -> np.ndarray:
-    """Draw one character with a margin of one stroke around it."""
+def optotype(kind: str, angle: int, sealed: str = "", of: int = 0) -> np.ndarray:
+    """Draw one character with a margin of one stroke around it.
+
+    A token, where there is one, and a number stand in place of the angle.
+    """
+    if sealed:
+        angle = sealed_angle(kind, sealed, of)
     fine = _SINGLE * _OVERSAMPLING
     ink = np.zeros((fine, fine), dtype=np.uint8)
     _draw(ink, kind, angle, (0.5 * fine, 0.5 * fine), 5.0 / 7.0 * fine)

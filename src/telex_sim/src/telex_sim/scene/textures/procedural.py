@@ -12,6 +12,7 @@ from urllib.parse import unquote_plus
 
 import numpy as np
 
+from ..sealed import TOKEN
 from . import labels as texture_pictures
 from . import optotypes
 from . import surfaces as texture_materials
@@ -90,7 +91,17 @@ class _Text:
         return text
 
 
-_Parameter = Union[_Whole, _Number, _Choice, _Text]
+@dataclass(frozen=True)
+class _Token:
+    default: str = ""
+
+    def read(self, text: str) -> str:
+        if not TOKEN.fullmatch(text):
+            raise ValueError("8 to 64 hexadecimal digits, in lower case, are needed")
+        return text
+
+
+_Parameter = Union[_Whole, _Number, _Choice, _Text, _Token]
 
 
 @dataclass(frozen=True)
@@ -108,7 +119,18 @@ def _material(make: Callable[..., np.ndarray], seed: int, **parameters: _Paramet
 
 
 _KIND = _Choice("E", tuple(optotypes.DIRECTIONS))
-_CHART: Dict[str, _Parameter] = {"kind": _KIND, "seed": _seed(0), "rows": _Whole(8, 1, 12)}
+_CHART: Dict[str, _Parameter] = {
+    "kind": _KIND,
+    "seed": _seed(0),
+    "rows": _Whole(8, 1, 12),
+    "sealed": _Token(),
+}
+_OPTOTYPE: Dict[str, _Parameter] = {
+    "kind": _KIND,
+    "angle": _Whole(0, 0, 359),
+    "sealed": _Token(),
+    "of": _Whole(0, 0, 99),
+}
 
 _TEXTURES: Dict[str, _Texture] = {
     "concrete": _material(texture_materials.concrete, 1, slabs=_Whole(2, 0, 16)),
@@ -147,7 +169,7 @@ _TEXTURES: Dict[str, _Texture] = {
         },
     ),
     "chart": _Texture(optotypes.chart, _CHART),
-    "optotype": _Texture(optotypes.optotype, {"kind": _KIND, "angle": _Whole(0, 0, 359)}),
+    "optotype": _Texture(optotypes.optotype, _OPTOTYPE),
 }
 
 
@@ -206,7 +228,9 @@ def chart_answers(address: str) -> List[ChartRow]:
     texture, values = _parsed(address)
     if texture.make is not optotypes.chart:
         raise TextureNameError(f"'{address}' is no chart; {PREFIX}chart is needed")
-    return optotypes.chart_rows(**values)
+    if values["sealed"]:
+        raise TextureNameError(f"'{address}' is sealed; it tells nobody its answers")
+    return optotypes.chart_rows(values["kind"], values["seed"], values["rows"])
 
 
 def _parsed(address: str) -> Tuple[_Texture, Dict[str, Any]]:

@@ -10,7 +10,9 @@ from urllib.parse import quote_plus
 from telex_control.common.params import require, require_choice, require_range
 
 from ...model import SceneObject, Surface
+from ...sealed import seed_of
 from .. import materials as look
+from ..checks import require_sealed
 from ..object_type import ObjectType
 from ..shapes import Parts, box, cylinder, sheet, standing, steel_post
 
@@ -70,6 +72,8 @@ class Chart(ObjectType):
         E (tumbling E) or C (Landolt ring).
     seed : int
         Which way they point.
+    sealed : str
+        A token in place of the seed, which tells nobody which way they point; see `scene.sealed`.
     rows : int
         Each is smaller than that above.
     size : float
@@ -82,6 +86,7 @@ class Chart(ObjectType):
 
     kind: str = "E"
     seed: int = 1
+    sealed: str = ""
     rows: int = 6
     size: float = 0.5
     height: float = 1.0
@@ -90,14 +95,20 @@ class Chart(ObjectType):
     def __post_init__(self) -> None:
         require_choice(self, "kind", ("E", "C"))
         require_range(self, "seed", 0, 2**31 - 1)
+        require_sealed(self.sealed)
         require_range(self, "rows", 1, 12)
         require_range(self, "size", 0.05, 3.0)
         require_range(self, "height", 0.5 * self.size, 10.0)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
-        surface = look.picture(f"chart?kind={self.kind}&seed={self.seed}&rows={self.rows}")
+        drawn = f"sealed={self.sealed}" if self.sealed else f"seed={self.seed}"
+        surface = look.picture(f"chart?kind={self.kind}&{drawn}&rows={self.rows}")
         return standing("chart", _board(self.size, self.size, self.height, surface, self.post))
+
+    def drawn_from(self) -> int:
+        """Seed of what is to be read."""
+        return seed_of(self.sealed) if self.sealed else self.seed
 
 
 def _board(width: float, tall: float, height: float, surface: Surface, post: bool) -> Parts:

@@ -16,7 +16,9 @@ from telex_control.common.params import require, require_choice, require_range
 
 from ...model import Joint, Link, Motion, ObjectModel, SceneObject, Vector3
 from ...poses import product, rotate
+from ...textures.optotypes import sealed_angle
 from .. import materials as look
+from ..checks import require_sealed
 from ..object_type import ObjectType, single
 from ..shapes import (
     LYING_X,
@@ -50,6 +52,8 @@ class InspectionPipes(ObjectType):
         Of the middle over the floor (m); a star's pipes need room below.
     seed : int
         Which way the rings are open.
+    sealed : str
+        A token in place of the seed, which tells nobody which way; see `scene.sealed`.
     mounting : str
         stand or wall.
     """
@@ -58,6 +62,7 @@ class InspectionPipes(ObjectType):
     length: float = 0.6
     height: float = 0.8
     seed: int = 1
+    sealed: str = ""
     mounting: str = "stand"
 
     def __post_init__(self) -> None:
@@ -65,6 +70,7 @@ class InspectionPipes(ObjectType):
         require_range(self, "length", 0.05, 1.0)
         require_range(self, "height", 0.05, 2.5)
         require_range(self, "seed", 0, 2**31 - 1)
+        require_sealed(self.sealed)
         require_choice(self, "mounting", MOUNTS)
         lowest = 0.1 + math.sqrt(0.5) * self.length
         require(
@@ -74,13 +80,12 @@ class InspectionPipes(ObjectType):
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
-        numbers = random.Random(self.seed)
         parts: List = list(mount(self.mounting, self.height, 0.62, 0.3, look.PLYWOOD))
         centre = (-PLATE, 0.0, self.height)
-        for offset, turn in self._places():
+        for index, ((offset, turn), gap) in enumerate(zip(self._places(), self.gaps())):
             # Pipes stand on z = 0 and point along z, towards us; those of the star lean outwards.
-            gap = 45 * int(8.0 * numbers.random())
-            pipe = self._pipe(gap)
+            opens = f"sealed={self.sealed}&of={index}" if self.sealed else f"angle={gap}"
+            pipe = self._pipe(opens)
             parts.extend(placed(placed(pipe, offset, turn), centre, TOWARDS_US))
         if self.layout == "star":
             parts.append(box((0.06, 0.1, 0.1), (-PLATE - 0.03, 0.0, self.height), look.PLYWOOD))
@@ -99,10 +104,17 @@ class InspectionPipes(ObjectType):
             places.append((lean, product(around, _LEANING)))
         return places
 
-    def _pipe(self, gap: int) -> Parts:
+    def gaps(self) -> List[int]:
+        """Where the ring of each pipe opens (degrees, anticlockwise from the right)."""
+        if self.sealed:
+            return [sealed_angle("C", self.sealed, index) for index in range(5)]
+        numbers = random.Random(self.seed)
+        return [45 * int(8.0 * numbers.random()) for _ in range(5)]
+
+    def _pipe(self, opens: str) -> Parts:
         length = self.length
         edge = 1.5 * _PIPE_RADIUS
-        ring = look.picture(f"optotype?kind=C&angle={gap}", glow=0.35)
+        ring = look.picture(f"optotype?kind=C&{opens}", glow=0.35)
         return (
             cylinder(_PIPE_RADIUS, length, (0.0, 0.0, 0.5 * length)),
             tube(_PIPE_RADIUS, length, (0.0, 0.0, 0.5 * length), look.LIGHT_PAINT),
