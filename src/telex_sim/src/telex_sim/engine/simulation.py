@@ -23,12 +23,11 @@ from ..robot.meshes import check_meshes
 from ..robot.robot import Robot
 from ..robot.robot_hw_sim import RobotHWSim
 from ..scene.assets import Assets
-from ..scene.catalog import find_scene
 from ..scene.files.scene_file import SceneError
 from ..scene.model import WORLD_FRAME, Scene
 from ..scene.objects.assembly import Assembly
 from ..scene.objects.bodies import MeshLists, SceneBodies
-from ..scene.planning import PlannedScene, Progress, plan_entry, plan_scene
+from ..scene.planning import PlannedScene, Progress, plan_entry, plan_world
 from .phase_timer import PhaseTimer
 from .simulator_config import TUNED_PERIOD, RobotConfig, SimulatorConfig
 from .start_check import check_place, check_start
@@ -67,6 +66,8 @@ class Simulation:
     objects : SceneBodies
     robots : tuple of Robot
         The one that it began with, then those that were added. Replaced as a whole.
+    changes : int
+        How often bodies have come, gone, or been made anew.
 
     Raises
     ------
@@ -88,6 +89,7 @@ class Simulation:
         self._step_size = config.timing.step_size
         self._steps_per_cycle = config.timing.steps_per_cycle
         self.steps = 0
+        self.changes = 0
         self._assets = Assets()
         self.robots: Tuple[Robot, ...] = ()
         self._names: Dict[int, str] = {}
@@ -136,14 +138,14 @@ class Simulation:
         Parameters
         ----------
         world : str
-            Its name, or the path of its file.
+            Its name, the path of its file, or its text.
 
         Raises
         ------
         SceneError
         """
         began = time.monotonic()
-        planned = plan_scene(find_scene(world), self._assets, self._step_size)
+        planned = plan_world(world, self._assets, self._step_size)
         check_scene(self.config, planned, self._models())
         _log.info("scene %s: read in %.1f s", planned.scene.name, time.monotonic() - began)
         return planned
@@ -337,6 +339,7 @@ class Simulation:
 
     def _name_bodies(self) -> None:
         """Note the name of each robot and object by PyBullet's numbers."""
+        self.changes += 1
         self._names = {each.body.uid: each.model for each in self.robots}
         for item in self.objects.objects():
             self._names.update(dict.fromkeys(self.objects.bodies_of(item.name), item.name))

@@ -257,9 +257,11 @@ class PublishConfig:
     poses_rate: float = 60.0
     base_pose_rate: float = 50.0
     stability_rate: float = 20.0
+    truth_rate: float = 50.0
 
     def __post_init__(self) -> None:
-        for name in ("clock_rate", "poses_rate", "base_pose_rate", "stability_rate"):
+        names = ("clock_rate", "poses_rate", "base_pose_rate", "stability_rate", "truth_rate")
+        for name in names:
             value = getattr(self, name)
             require(value > 0.0, f"{name} is {value} Hz; it must be above 0")
 

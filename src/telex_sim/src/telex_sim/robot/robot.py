@@ -7,8 +7,10 @@ from __future__ import annotations
 
 import logging
 from copy import deepcopy
-from typing import Callable, Dict, Mapping, Optional, Tuple
+from typing import Callable, Dict, Mapping, Optional, Sequence, Tuple
 from xml.etree import ElementTree
+
+import pybullet
 
 from telex_control.common.params import ConfigError
 from telex_control.manager.controller_manager import ControllerManager
@@ -22,6 +24,7 @@ from ..engine.world import Body, World
 from ..proximity.monitor import ProximityMonitor
 from ..scene.model import Start
 from ..tracks.tracks import Tracks
+from ..truth.ledger import ContactLedger
 from .body import RobotBody
 from .drives import Mode
 from .gripper.contact import GripperContacts
@@ -63,6 +66,10 @@ class Robot:
         Once it is placed.
     gripper_contacts : GripperContacts, optional
         Once it is placed; None without gripper.
+    ledger : ContactLedger, optional
+        Sums its contacts; None: nobody wants them.
+    held : tuple of int
+        Bodies of what its gripper holds, for the ledger.
 
     Raises
     ------
@@ -73,6 +80,8 @@ class Robot:
     body: Body
     proximity: ProximityMonitor
     gripper_contacts: Optional[GripperContacts]
+    ledger: Optional[ContactLedger] = None
+    held: Tuple[int, ...] = ()
 
     def __init__(
         self,
@@ -194,7 +203,21 @@ class Robot:
 
     def apply_traction(self) -> None:
         """Apply the forces of its tracks for the next step."""
-        self._tracks.step()
+        contacts = self._tracks.step()
+        if self.ledger is not None:
+            self._note(self.ledger, contacts)
+
+    def _note(self, ledger: ContactLedger, own: Optional[Sequence[Tuple]]) -> None:
+        """Let the ledger sum the contacts of the last step; the tracks have read them already."""
+        body = self.body
+        if own is None:
+            own = pybullet.getContactPoints(body.uid, physicsClientId=body.client)
+        held = [
+            contact
+            for uid in self.held
+            for contact in pybullet.getContactPoints(uid, physicsClientId=body.client)
+        ]
+        ledger.note(own, held, self.held)
 
     def forget_surfaces(self) -> None:
         """Look at every surface anew, after bodies have come or gone."""

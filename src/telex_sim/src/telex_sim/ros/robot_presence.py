@@ -21,12 +21,14 @@ from telex_control.manager.controller import ControllerState
 from telex_control.manager.controller_manager import Strictness
 from telex_control.manager.services import ControllerManagerServices
 
+from ..engine.simulation import Simulation
 from ..proximity.monitor import NearPair
 from ..proximity.monitor import Proximity as Near
 from ..robot.gripper.contact import GripperContact as Contact
 from ..robot.robot import Robot
 from ..scene.model import WORLD_FRAME
-from ..stability.monitor import StabilityMonitor
+from ..stability.monitor import Margin, StabilityMonitor
+from .truth_publisher import TruthPublisher
 
 _STOP_TIMEOUT = 1.0
 _OLD_NEWS = 2.0
@@ -53,6 +55,7 @@ class RobotPresence:
         namespace = robot.namespace
         self._told = (False, False, False)
         self._monitor: Optional[StabilityMonitor] = None
+        self._margin = 1.0
         self._base_pose = rospy.Publisher(f"{namespace}/sim/base_pose", PoseStamped, queue_size=4)
         self._stability = rospy.Publisher(f"{namespace}/sim/stability", Stability, queue_size=4)
         self._status = rospy.Publisher(
@@ -64,6 +67,7 @@ class RobotPresence:
         self._gripper_contact = rospy.Publisher(
             f"{namespace}/sim/gripper_contact", GripperContact, queue_size=1, tcp_nodelay=True
         )
+        self._truth = TruthPublisher(robot)
         self._manager = ControllerManagerServices(robot.controllers, namespace)
         self._e_stop = rospy.Subscriber(
             f"{namespace}/e_stop", Bool, self._on_e_stop, tcp_nodelay=True
@@ -113,10 +117,19 @@ class RobotPresence:
 
     def publish_stability(self, stamp: rospy.Time) -> None:
         """Publish attitude and tip-over margin, when anybody listens."""
-        monitor = self._monitor
-        if monitor is None or not self._stability.get_num_connections():
+        monitor, told = self._monitor, bool(self._stability.get_num_connections())
+        if monitor is None or not (told or self._truth.heard):
             return
-        margin, warning = monitor.margin(stamp.to_sec()), monitor.warning
+        # Both are of one look: it is costly, and each look goes on from the one before.
+        margin = monitor.margin(stamp.to_sec())
+        self._margin = monitor.warning.margin
+        if told:
+            self._publish_stability(monitor, margin, stamp)
+
+    def _publish_stability(
+        self, monitor: StabilityMonitor, margin: Margin, stamp: rospy.Time
+    ) -> None:
+        warning = monitor.warning
         message = Stability(
             state=self._stability_state(monitor),
             roll=monitor.attitude.roll,
@@ -138,6 +151,10 @@ class RobotPresence:
             return Stability.CRITICAL
         near = monitor.warning.margin < self.robot.config.stability.caution
         return Stability.CAUTION if near else Stability.STABLE
+
+    def publish_truth(self, simulation: Simulation, stamp: rospy.Time, resets: int) -> None:
+        """Publish all that is scored, when anybody listens."""
+        self._truth.publish(simulation, stamp, resets, self._margin)
 
     def publish_base_pose(self, stamp: rospy.Time) -> None:
         """Publish where the root link is, when anybody listens."""
@@ -207,6 +224,7 @@ class RobotPresence:
         self._status.unregister()
         self._proximity.unregister()
         self._gripper_contact.unregister()
+        self._truth.close()
         self.robot.close()
 
 

@@ -122,6 +122,7 @@ class SimulatorNode:
         self._poses_every = self._steps_between(config.publish.poses_rate)
         self._base_pose_every = self._steps_between(config.publish.base_pose_rate)
         self._stability_every = self._steps_between(config.publish.stability_rate)
+        self._truth_every = self._steps_between(config.publish.truth_rate)
         self._scene_publisher.publish_soon()
         self._services: List[Any] = [
             rospy.Service("sim/pause", Empty, lambda _: self._empty(self._pause)),
@@ -455,6 +456,9 @@ class SimulatorNode:
             for presence in self._presences:
                 presence.observe(simulation.time)
             self._publish_stability()
+        if steps % self._truth_every == 0:
+            for presence in self._presences:
+                presence.publish_truth(simulation, self._now(), self._resets)
         simulation.timer.end("publish")
         self._publish_proximity()
         simulation.timer.end("proximity")

@@ -184,11 +184,18 @@ class Tracks:
         """Look at every surface anew, after bodies have come or gone."""
         self._surfaces.forget()
 
-    def step(self) -> None:
-        """Apply the forces for the next step, and move the belts on."""
+    def step(self) -> Optional[Sequence[Tuple]]:
+        """Apply the forces for the next step, and move the belts on.
+
+        Returns
+        -------
+        sequence of tuple, optional
+            PyBullet's contacts of the robot in the last step; None where it has no tracks, and
+            nothing was read.
+        """
         if not self._tracks:
-            return
-        self._touch()
+            return None
+        contacts = self._touch()
         sides, step_size = self._sides, self._step_size
         for side in sides:
             side.advance()
@@ -196,6 +203,7 @@ class Tracks:
         for side in sides:
             side.report(step_size)
         self._turn_wheels()
+        return contacts
 
     def _turn_wheels(self) -> None:
         """Let the drive wheels be seen to turn; PyBullet's motors go on until told otherwise."""
@@ -216,13 +224,14 @@ class Tracks:
             physicsClientId=self._client,
         )
 
-    def _touch(self) -> None:
-        """Find what the tracks touch."""
+    def _touch(self) -> Sequence[Tuple]:
+        """Find what the tracks touch; returns the contacts of the whole robot."""
         uid, client, by_link = self._uid, self._client, self._by_link
         tracks = self._tracks
         for track in tracks:
             track.contacts.clear()
-        for contact in pybullet.getContactPoints(uid, physicsClientId=client):
+        found_contacts: Sequence[Tuple] = pybullet.getContactPoints(uid, physicsClientId=client)
+        for contact in found_contacts:
             # The body that was asked for comes first; what it touches may be itself.
             if contact[9] > 0.0 and contact[2] != uid:
                 found = by_link.get(contact[3])
@@ -235,12 +244,13 @@ class Tracks:
             elif track.load:
                 track.lift()
         if not touching:
-            return
+            return found_contacts
         self._surfaces.begin_step()
         states = dict(zip(self._links, self._link_states()))
         for track in tracks:
             if track.contacts:
                 self._sort(track, states.get(track.link) or self._root_state())
+        return found_contacts
 
     def _link_states(self) -> Sequence[Tuple]:
         if not self._links:

@@ -1,0 +1,126 @@
+"""The topics ``sim/truth`` and ``sim/truth_names`` of one robot."""
+
+from __future__ import annotations
+
+import time as wall
+from typing import Optional
+
+import rospy
+from telex_msgs.msg import TruthContact, TruthNames, TruthSample
+
+from ..engine.simulation import Simulation
+from ..robot.robot import Robot
+from ..scene.model import WORLD_FRAME
+from ..truth.sampler import Sample, TruthSampler
+
+_KEPT = 500
+"""Samples that wait for a listener who is held up: 10 s."""
+
+
+class TruthPublisher:
+    """Publishes truth about a robot while somebody listens; in the simulation's thread.
+
+    Parameters
+    ----------
+    robot : Robot
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+        self._sampler: Optional[TruthSampler] = None
+        self._sequence = 0
+        self._revision = 0
+        namespace = robot.namespace
+        self._names = rospy.Publisher(
+            f"{namespace}/sim/truth_names", TruthNames, queue_size=16, latch=True
+        )
+        self._samples = rospy.Publisher(
+            f"{namespace}/sim/truth", TruthSample, queue_size=_KEPT, tcp_nodelay=True
+        )
+
+    @property
+    def heard(self) -> bool:
+        """Whether anybody listens."""
+        return bool(self._samples.get_num_connections())
+
+    def publish(
+        self, simulation: Simulation, stamp: rospy.Time, resets: int, margin: float
+    ) -> None:
+        """Publish a sample, when anybody listens.
+
+        Parameters
+        ----------
+        simulation : Simulation
+        stamp : rospy.Time
+        resets : int
+            How often the scene was put back.
+        margin : float
+            Tip-over margin, 1 where none is known.
+        """
+        if not self.heard:
+            if self._sampler is not None:
+                self._sampler.close()
+                self._sampler = None
+            return
+        if self._sampler is None:
+            self._sampler = TruthSampler(simulation, self._robot)
+            self._publish_names(self._sampler, stamp)
+        elif self._sampler.refresh():
+            self._publish_names(self._sampler, stamp)
+        message = self._message(self._sampler.sample(), resets, margin)
+        message.steps = simulation.steps
+        message.header.stamp = stamp
+        self._samples.publish(message)
+        self._sequence += 1
+
+    def _publish_names(self, sampler: TruthSampler, stamp: rospy.Time) -> None:
+        names = sampler.names
+        self._revision += 1
+        message = TruthNames(
+            revision=self._revision,
+            robot=names.robot,
+            joints=list(names.joints),
+            groups=list(names.groups),
+            links=list(names.links),
+            group_of=bytes(names.group_of),
+            objects=list(names.objects),
+            bodies=list(names.bodies),
+            mechanisms=list(names.mechanisms),
+            latches=list(names.latches),
+        )
+        message.header.stamp = stamp
+        self._names.publish(message)
+
+    def _message(self, sample: Sample, resets: int, margin: float) -> TruthSample:
+        message = TruthSample(
+            sequence=self._sequence,
+            revision=self._revision,
+            resets=resets,
+            wall_time=wall.time(),
+            base=sample.base,
+            twist=sample.twist,
+            joints=sample.joints,
+            mechanisms=sample.mechanisms,
+            latched=sample.latched,
+            whole=sample.whole,
+            moved=sample.moved,
+            poses=sample.poses,
+            margin=margin,
+            held=sample.held,
+            grip=sample.grip,
+            contacts=[
+                TruthContact(
+                    each.group, each.other, each.peak, each.impulse, each.steps, each.point
+                )
+                for each in sample.contacts
+            ],
+        )
+        message.header.frame_id = WORLD_FRAME
+        return message
+
+    def close(self) -> None:
+        """Take the topics back."""
+        if self._sampler is not None:
+            self._sampler.close()
+        self._samples.unregister()
+        self._names.unregister()
