@@ -8,15 +8,13 @@ import json
 from web_fakes import FakeRos
 
 from telex_control.common.params import read_config, read_struct
-from telex_teleop.web.bridge.control.access import Roles
-from telex_teleop.web.bridge.control.clients import Control, Member
-from telex_teleop.web.bridge.control.control_services import ControlServices
-from telex_teleop.web.bridge.outbox import Outbox
-from telex_teleop.web.bridge.publish.publishers import PublisherPool
-from telex_teleop.web.bridge.service.goals import GoalDesk
-from telex_teleop.web.bridge.service.services import ServiceDesk
+from telex_teleop.web.bridge.clients.access import Roles
+from telex_teleop.web.bridge.clients.control import Control, ControlServices, Member
+from telex_teleop.web.bridge.clients.outbox import Outbox
+from telex_teleop.web.bridge.services.call_service import Services
 from telex_teleop.web.bridge.session import ClientSession, Shared
-from telex_teleop.web.bridge.subscribe.feeds import FeedPool
+from telex_teleop.web.bridge.topics.goals import AllGoals
+from telex_teleop.web.bridge.topics.shared_topics import Publishers, Subscribers
 from telex_teleop.web.rights import Rights
 from telex_teleop.web.server_config import RosbridgeConfig
 from telex_teleop.web.workers import OrderedWorker
@@ -61,8 +59,8 @@ class Bench:
         self.ros = FakeRos()
         self.clients = 0
         self.worker = OrderedWorker("test")
-        self.publishers = PublisherPool(self.ros, self.worker, linger=0.05)
-        self.feeds = FeedPool(self.ros, self.worker)
+        self.publishers = Publishers(self.ros, self.worker, linger=0.05)
+        self.subscribers = Subscribers(self.ros, self.worker)
         self.control = Control()
         own = ControlServices(self.control, self.ros.resolve)
         lists = read_struct(Rights, rights) if rights else Rights.read(self.config.rights)
@@ -72,9 +70,9 @@ class Bench:
             ros=self.ros,
             worker=self.worker,
             publishers=self.publishers,
-            feeds=self.feeds,
-            desk=GoalDesk(self.publishers, self.feeds, self.ros),
-            services=ServiceDesk(self.ros, self.worker, own, roles, self.config.service_timeout),
+            subscribers=self.subscribers,
+            goals=AllGoals(self.publishers, self.subscribers, self.ros),
+            services=Services(self.ros, self.worker, own, roles, self.config.service_timeout),
             roles=roles,
             control=self.control,
         )

@@ -14,7 +14,7 @@ from telex_msgs.msg import FlipperPresetHold
 from web_fakes import becomes, on_loop
 
 from telex_teleop.web.bridge.protocol.operations import MAX_DIGITS
-from telex_teleop.web.bridge.publish.stop import stop_for
+from telex_teleop.web.bridge.topics.commands import stop_for
 
 # Publishing
 
@@ -284,7 +284,7 @@ async def test_one_ros_subscription_serves_all_clients():
     second.session.close()
     await bench.settle()
     assert {("unsubscribe", "/known"), ("unsubscribe", "/telex/known2")} <= set(bench.ros.events)
-    assert len(bench.feeds) == 0
+    assert len(bench.subscribers) == 0
 
 
 @on_loop
@@ -351,7 +351,7 @@ async def test_a_subscription_withdrawn_before_it_was_made_leaves_nothing():
     await bench.settle()
     made = [event[0] for event in bench.ros.events]
     assert made.count("subscribe") == made.count("unsubscribe")
-    assert len(bench.feeds) == 0
+    assert len(bench.subscribers) == 0
 
 
 @on_loop
@@ -362,7 +362,7 @@ async def test_a_client_may_not_subscribe_without_end():
         client.say("subscribe", topic=f"/t{number}", type="std_msgs/String")
         client.say("advertise", topic=f"/t{number}", type="std_msgs/String")
     await bench.settle()
-    assert len(bench.feeds) == len(bench.publishers) == 3
+    assert len(bench.subscribers) == len(bench.publishers) == 3
     sentences = {(await client.hear())["msg"] for _ in range(4)}
     assert sentences == {
         "subscribe: a client may subscribe to 3 topics at most",

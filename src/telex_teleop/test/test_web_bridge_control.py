@@ -14,14 +14,14 @@ from telex_msgs.msg import FlipperPresetActionResult
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from web_fakes import FakeRos, becomes, on_loop
 
-from telex_teleop.web.bridge.control.access import Access
-from telex_teleop.web.bridge.control.clients import Control, ControlError, Member
+from telex_teleop.web.bridge.clients.access import Access
+from telex_teleop.web.bridge.clients.control import Control, ControlError, Member
 from telex_teleop.web.bridge.protocol.operations import OperationError
-from telex_teleop.web.bridge.publish.command_age import CommandAge
-from telex_teleop.web.bridge.publish.publications import MAX_HELD
-from telex_teleop.web.bridge.publish.publishers import SharedPublisher
-from telex_teleop.web.bridge.publish.stop import stop_for
-from telex_teleop.web.bridge.service.goals import MAX_GOALS
+from telex_teleop.web.bridge.topics.command_age import CommandAge
+from telex_teleop.web.bridge.topics.commands import stop_for
+from telex_teleop.web.bridge.topics.goals import MAX_GOALS
+from telex_teleop.web.bridge.topics.publish import MAX_HELD
+from telex_teleop.web.bridge.topics.shared_topics import SharedPublisher
 from telex_teleop.web.rights import Rights
 
 DRIVE, E_STOP = "/telex/track_teleop/cmd_vel", "/telex/e_stop"

@@ -78,7 +78,7 @@ async def test_any_nonsense_is_survived():
     for client in clients:
         client.session.close()
     assert bench.control.members == [sane.member]
-    await becomes(lambda: len(bench.feeds) == len(bench.publishers) == 0)
+    await becomes(lambda: len(bench.subscribers) == len(bench.publishers) == 0)
 
 
 @pytest.mark.parametrize(
@@ -155,10 +155,10 @@ async def test_ten_thousand_subscriptions_and_a_flood_leave_the_operator_alone()
         assert [message.linear.x for _, message in ros.published] == [
             1000.0 * number + 1.0 for number in range(10)
         ]
-        assert len(bridge.feeds) == 200
+        assert len(bridge.subscribers) == 200
         await greedy.close()
         await listening
-        await becomes(lambda: len(bridge.feeds) == 0)
+        await becomes(lambda: len(bridge.subscribers) == 0)
         await operator.close()
 
 
@@ -174,7 +174,7 @@ async def test_ten_thousand_wishes_for_one_topic_are_not_all_kept():
     client.say("subscribe", topic="/known", id="s7", throttle_rate=5)  # one of those that it has
     assert len(client.outbox) == 0
     await bench.settle()
-    assert len(bench.feeds) == len(bench.publishers) == 1
+    assert len(bench.subscribers) == len(bench.publishers) == 1
 
 
 @on_loop

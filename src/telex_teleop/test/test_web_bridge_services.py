@@ -12,7 +12,7 @@ from telex_msgs.msg import BridgeClients, OverviewView
 from web_fakes import on_loop
 
 from telex_teleop.web.bridge.protocol.operations import OperationError
-from telex_teleop.web.bridge.protocol.type_details import type_details
+from telex_teleop.web.bridge.services.rosapi import type_details
 
 SWITCH = {"service": "/mine/switch", "type": "std_srvs/SetBool"}
 

@@ -9,7 +9,7 @@ import pytest
 from web_fakes import FakeRos, becomes, on_loop, served
 
 from telex_teleop.web.bridge.bridge_app import Rosbridge
-from telex_teleop.web.bridge.node_watch import LOOKS_PER_LIST, NodeWatch
+from telex_teleop.web.bridge.status_topics import LOOKS_PER_LIST, NodeWatch
 from telex_teleop.web.server_config import RosbridgeConfig
 from telex_teleop.web.serving import bind, bind_again, url_of
 

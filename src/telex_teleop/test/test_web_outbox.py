@@ -8,10 +8,10 @@ import pytest
 from std_msgs.msg import Int32
 from web_fakes import becomes
 
-from telex_teleop.web.bridge.outbox import Outbox, OutboxFullError
-from telex_teleop.web.bridge.protocol.message_json import codec_of
-from telex_teleop.web.bridge.subscribe.feeds import TopicMessage
-from telex_teleop.web.bridge.subscribe.subscriptions import Subscription, Wish
+from telex_teleop.web.bridge.clients.outbox import Outbox, OutboxFullError
+from telex_teleop.web.bridge.protocol.compression import TopicMessage
+from telex_teleop.web.bridge.protocol.messages import codec_of
+from telex_teleop.web.bridge.topics.subscribe import Subscription, Wish
 
 
 def run(coroutine):
@@ -132,7 +132,7 @@ def number(value):
 def test_throttle_lets_the_newest_through_when_it_is_due():
     async def check():
         sent = Sent()
-        subscription = Subscription("/x", None, "/x", feeds=None, send=sent)
+        subscription = Subscription("/x", None, "/x", subscribers=None, send=sent)
         subscription.add("one", Wish(throttle=0.05, depth=4, compression="none"), limit=10)
         for value in range(5):
             subscription.deliver(number(value))
@@ -154,7 +154,7 @@ def test_throttle_lets_the_newest_through_when_it_is_due():
 def test_the_most_demanding_wish_holds_until_it_is_withdrawn():
     async def check():
         sent = Sent()
-        subscription = Subscription("/x", None, "/x", feeds=None, send=sent)
+        subscription = Subscription("/x", None, "/x", subscribers=None, send=sent)
         subscription.add("slow", Wish(throttle=60.0, depth=9, compression="none"), limit=10)
         subscription.add("fast", Wish(throttle=0.0, depth=3, compression="none"), limit=10)
         for value in range(3):

@@ -16,20 +16,16 @@ from ..server_config import RosbridgeConfig
 from ..tokens import ForbiddenError, Tokens, is_instructor
 from ..websockets import new_websocket, take_leave, upgrade_required
 from ..workers import OrderedWorker
-from .control.access import Roles
-from .control.clients import MAX_NAME, Control, Member
-from .control.control_services import ControlServices
-from .control.origins import origin_allowed
-from .control.roster import Roster
-from .node_watch import NodeWatch
-from .outbox import Outbox
+from .clients.access import Roles, origin_allowed
+from .clients.control import MAX_NAME, Control, ControlServices, Member
+from .clients.outbox import Outbox
 from .protocol.operations import OperationError
-from .publish.publishers import PublisherPool
 from .ros import Ros
-from .service.goals import GoalDesk
-from .service.services import ServiceDesk
+from .services.call_service import Services
 from .session import ClientSession, Shared
-from .subscribe.feeds import FeedPool
+from .status_topics import NodeWatch, Roster
+from .topics.goals import AllGoals
+from .topics.shared_topics import Publishers, Subscribers
 
 BACKLOG_POLL = 0.005
 """Period (s) at which a client that has not taken its messages yet is looked at."""
@@ -67,10 +63,10 @@ class Rosbridge:
         self._warn = warn
         self._tokens = tokens
         worker = OrderedWorker("bridge to ROS")
-        self.publishers = PublisherPool(ros, worker)
-        self.feeds = FeedPool(ros, worker)
+        self.publishers = Publishers(ros, worker)
+        self.subscribers = Subscribers(ros, worker)
         self.control = Control()
-        self._roster = Roster(self.control, self.publishers, ros.resolve("bridge/clients"))
+        self._roster = Roster(self.control, self.publishers, ros)
         self._node_watch = NodeWatch(ros, self.publishers)
         own_services = ControlServices(self.control, ros.resolve)
         rights = Rights.read(config.rights).hiding(_hidden_cameras(ros))
@@ -81,9 +77,9 @@ class Rosbridge:
             ros=ros,
             worker=worker,
             publishers=self.publishers,
-            feeds=self.feeds,
-            desk=GoalDesk(self.publishers, self.feeds, ros),
-            services=ServiceDesk(ros, worker, own_services, self.roles, config.service_timeout),
+            subscribers=self.subscribers,
+            goals=AllGoals(self.publishers, self.subscribers, ros),
+            services=Services(ros, worker, own_services, self.roles, config.service_timeout),
             roles=self.roles,
             control=self.control,
         )

@@ -2,28 +2,24 @@
 
 from __future__ import annotations
 
-import asyncio
 import dataclasses
 from typing import Callable, Dict, Optional
 
 from ..server_config import RosbridgeConfig
 from ..workers import OrderedWorker
-from .control.access import Roles
-from .control.clients import Control, Member
-from .link import LEVELS, Link
-from .outbox import Outbox
+from .clients.access import Roles
+from .clients.client import LEVELS, Client
+from .clients.control import Control, Member
+from .clients.outbox import Outbox
 from .protocol.operations import Operation, OperationError
-from .publish.command_age import CommandAge
-from .publish.command_gate import CommandGate
-from .publish.publishers import PublisherPool
-from .publish.publishing import Publishing
 from .ros import Ros
-from .service.calling import Calling
-from .service.goals import GoalDesk
-from .service.offering import Offering
-from .service.services import Caller, ServiceDesk
-from .subscribe.feeds import FeedPool
-from .subscribe.subscribing import Subscribing
+from .services.advertise_service import AdvertisedServices
+from .services.call_service import ServiceCalls, Services
+from .topics.commands import CommandGate
+from .topics.goals import AllGoals
+from .topics.publish import Publications
+from .topics.shared_topics import Publishers, Subscribers
+from .topics.subscribe import Subscriptions
 
 
 @dataclasses.dataclass(frozen=True)
@@ -33,16 +29,19 @@ class Shared:
     config: RosbridgeConfig
     ros: Ros
     worker: OrderedWorker
-    publishers: PublisherPool
-    feeds: FeedPool
-    desk: GoalDesk
-    services: ServiceDesk
+    publishers: Publishers
+    subscribers: Subscribers
+    goals: AllGoals
+    services: Services
     roles: Roles
     control: Control
 
 
 class ClientSession:
     """Obeys one client, on the loop's thread; nothing that it sends raises or blocks.
+
+    Whatever the client asks for comes in by `receive`, and its end by `close`; whatever goes to it
+    leaves by its outbox.
 
     Parameters
     ----------
@@ -59,56 +58,47 @@ class ClientSession:
     def __init__(
         self, member: Member, shared: Shared, outbox: Outbox, drop: Callable[[str], None]
     ) -> None:
-        config, ros = shared.config, shared.ros
+        config, ros, control = shared.config, shared.ros, shared.control
         access = shared.roles.of(instructor=member.instructor)
-        self._member = member
-        self._control = shared.control
-        self._link = Link(outbox, drop)
-        clock = asyncio.get_running_loop().time
-        age = CommandAge(config.max_command_age, config.max_learned_delay)
-        gate = CommandGate(member, shared.control, access, config.max_command_age, age, clock)
-        self._publishing = Publishing(
-            member.id,
-            config,
-            ros,
-            pool=shared.publishers,
-            desk=shared.desk,
-            access=access,
-            gate=gate,
-            age=age,
-            link=self._link,
+        self._control = control
+        self._client = Client(member, access, outbox, drop)
+        self._gate = CommandGate(self._client, control, config)
+        self._publications = Publications(
+            self._client,
+            self._gate,
+            config=config,
+            ros=ros,
+            publishers=shared.publishers,
+            goals=shared.goals,
         )
-        self._subscribing = Subscribing(
-            config,
-            ros,
-            feeds=shared.feeds,
-            access=access,
-            link=self._link,
-            send=outbox.put_message,
+        self._subscriptions = Subscriptions(
+            self._client, config=config, ros=ros, subscribers=shared.subscribers
         )
-        self._offering = Offering(config, ros, shared.worker, access, self._link)
-        self._calling = Calling(
+        self._advertised = AdvertisedServices(
+            self._client, config=config, ros=ros, worker=shared.worker
+        )
+        self._calls = ServiceCalls(
+            self._client,
+            self._gate,
             shared.services,
-            Caller(member, gate),
-            offering=self._offering,
+            advertised=self._advertised,
             resolve=ros.resolve,
             limit=config.max_service_calls,
-            link=self._link,
         )
         self._operations: Dict[str, Callable[[Operation], None]] = {
-            "advertise": self._publishing.advertise,
-            "unadvertise": self._publishing.unadvertise,
-            "subscribe": self._subscribing.subscribe,
-            "unsubscribe": self._subscribing.unsubscribe,
-            "call_service": self._calling.call,
-            "advertise_service": self._offering.advertise,
-            "unadvertise_service": self._offering.unadvertise,
-            "service_response": self._offering.respond,
+            "advertise": self._publications.advertise,
+            "unadvertise": self._publications.unadvertise,
+            "subscribe": self._subscriptions.subscribe,
+            "unsubscribe": self._subscriptions.unsubscribe,
+            "call_service": self._calls.call,
+            "advertise_service": self._advertised.advertise,
+            "unadvertise_service": self._advertised.unadvertise,
+            "service_response": self._advertised.respond,
             "set_level": self._set_level,
             "status": lambda _: None,
         }
-        member.stop = self._publishing.stop
-        self._control.join(member)
+        member.stop = self._publications.stop
+        control.join(member)
 
     def receive(self, text: str) -> None:
         """Obey one text message of the client."""
@@ -121,9 +111,9 @@ class ClientSession:
             self.report(f"{name}{error}", operation)
 
     def _obey(self, operation: Operation) -> None:
-        sent = self._publishing.note_time(operation)
+        sent = self._gate.note_time(operation)
         if operation.op == "publish":
-            self._publishing.publish(operation, sent)
+            self._publications.publish(operation, sent)
             return
         obey = self._operations.get(operation.op)
         if obey is None:
@@ -133,21 +123,21 @@ class ClientSession:
 
     def report(self, sentence: str, operation: Optional[Operation] = None) -> None:
         """Tell the client what went wrong, unless it has asked not to hear that."""
-        self._link.report(sentence, None if operation is None else operation.id)
+        self._client.report(sentence, None if operation is None else operation.id)
 
     def set_level(self, level: str) -> None:
         """Choose what the client hears of: errors, warnings as well, nothing."""
         if level not in LEVELS:
             raise OperationError(f"there is no level {level[:80]!r}; known are {', '.join(LEVELS)}")
-        self._link.level = level
+        self._client.level = level
 
     def _set_level(self, operation: Operation) -> None:
         self.set_level(operation.text("level"))
 
     def close(self) -> None:
         """End: stop what the client drove, give back all that it used."""
-        self._publishing.close()
-        self._subscribing.close()
-        self._offering.close()
-        self._link.close()
-        self._control.leave(self._member)
+        self._publications.close()
+        self._subscriptions.close()
+        self._advertised.close()
+        self._client.close()
+        self._control.leave(self._client.member)

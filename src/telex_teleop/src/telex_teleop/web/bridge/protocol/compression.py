@@ -8,12 +8,12 @@ import json
 import math
 import struct
 import zlib
-from typing import Any, Callable, Dict, Union
+from typing import Any, Callable, Dict, Optional, Tuple, Union
 
 import cbor2
 import genpy
 
-from .message_json import split_array
+from .messages import MessageCodec, split_array
 
 Encoded = Union[str, bytes]
 """A text message, or a binary one, of the WebSocket."""
@@ -107,3 +107,29 @@ ENCODERS: Dict[str, Callable[[str, genpy.Message], Encoded]] = {
     "cbor-raw": to_cbor_raw,
 }
 """How a message of a topic, as its client spells it, is encoded where that is no JSON."""
+
+
+class TopicMessage:
+    """One message of a topic, encoded when the first client needs it in some way."""
+
+    def __init__(self, codec: MessageCodec, message: genpy.Message) -> None:
+        self.message = message
+        self._codec = codec
+        self._body: Optional[str] = None
+        self._encoded: Dict[Tuple[str, str], Encoded] = {}
+
+    def encoded(self, topic: str, compression: str = PLAIN) -> Encoded:
+        """Return the publish operation for a client that spells the topic this way."""
+        key = (topic, compression)
+        encoded = self._encoded.get(key)
+        if encoded is None:
+            encode = ENCODERS.get(compression)
+            encoded = encode(topic, self.message) if encode else self._text(topic, compression)
+            self._encoded[key] = encoded
+        return encoded
+
+    def _text(self, topic: str, compression: str) -> str:
+        if self._body is None:
+            self._body = json.dumps(self._codec.to_json(self.message), separators=(",", ":"))
+        text = f'{{"op":"publish","topic":{json.dumps(topic)},"msg":{self._body}}}'
+        return text if compression == PLAIN or len(text) > MAX_PNG else to_png(text)

@@ -13,6 +13,9 @@ MAX_TEXT = 500
 
 Id = Union[str, int, None]
 
+Arguments = Dict[str, Any]
+"""Fields of a service's request, as JSON gave them."""
+
 
 class OperationError(ValueError):
     """The client asked for something that cannot be done; the text says why."""

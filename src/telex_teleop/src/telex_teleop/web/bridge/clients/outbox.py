@@ -6,7 +6,7 @@ import asyncio
 import collections
 from typing import Deque, Dict, Optional
 
-from .protocol.compression import Encoded
+from ..protocol.compression import Encoded
 
 
 class OutboxFullError(Exception):

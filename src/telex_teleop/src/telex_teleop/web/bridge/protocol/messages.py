@@ -1,4 +1,4 @@
-"""ROS messages as JSON and back, by rosbridge's rules.
+"""ROS message types by their names, and messages as JSON and back by rosbridge's rules.
 
 A plan of conversions is made once per message class and kept: one function per field and direction.
 
@@ -21,9 +21,12 @@ import base64
 import binascii
 import functools
 import math
+import re
 from typing import Any, Callable, Dict, List, Optional, Tuple, Type
 
 import genpy
+
+from .operations import OperationError
 
 Now = Callable[[], genpy.Time]
 _Encode = Callable[[Any], Any]
@@ -43,6 +46,38 @@ _INTEGER_BITS = {
 }
 _MAX_FLOAT = {"float32": 3.4028234663852886e38, "float64": math.inf}
 _BYTE_TYPES = ("uint8", "char")
+_TYPE_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*/[A-Za-z][A-Za-z0-9_]*", re.ASCII)
+
+
+def message_class(type_name: str) -> Type[genpy.Message]:
+    """Return the class of a message type such as "std_msgs/String".
+
+    Raises
+    ------
+    OperationError
+        This is no type name, or the type is not built on this machine.
+    """
+    return _find(genpy.message.get_message_class, "message", type_name)
+
+
+def service_class(type_name: str) -> Any:
+    """Return the class of a service type such as "std_srvs/Empty"; raises as message_class."""
+    return _find(genpy.message.get_service_class, "service", type_name)
+
+
+def _find(find: Callable[[str], Optional[Any]], what: str, type_name: str) -> Any:
+    # The name decides what is imported, so nothing but a type's name may get there.
+    if not _TYPE_NAME.fullmatch(type_name):
+        raise OperationError(
+            f"{type_name[:80]!r} is no {what} type; one looks like std_msgs/String"
+        )
+    try:
+        found = find(type_name)
+    except (ImportError, AttributeError, ValueError):
+        found = None
+    if found is None:
+        raise OperationError(f"the {what} type {type_name} is not built on this machine")
+    return found
 
 
 class FieldError(ValueError):

@@ -8,17 +8,22 @@ import datetime
 import json
 import math
 import xmlrpc.client
-from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Tuple
+from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Tuple, Type
 
-from ..control.access import Access
-from ..protocol.message_types import message_class, service_class
-from ..protocol.operations import MAX_TEXT, OperationError, parse_json
-from ..protocol.type_details import type_details
+import genpy
+
+from ..clients.access import Access
+from ..protocol.messages import message_class, service_class, split_array
+from ..protocol.operations import MAX_TEXT, Arguments, OperationError, parse_json
 from ..ros import Ros
 
 _PREFIX = "rosapi/"
 _ACTION_TOPICS = ("cancel", "feedback", "status", "result")
-Arguments = Dict[str, Any]
+
+_EXAMPLES = {"bool": "False", "string": "", "float32": "0.0", "float64": "0.0"}
+_TIMES = ("time", "duration")
+SCALAR, VARIABLE = -1, 0
+"""What TypeDef says of a field that is no array, and of an array of any length."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -232,14 +237,10 @@ class RosApi:
                 value = self._ros.get_param(name)
             except KeyError:
                 continue
-            self._check_readable(name)
+            self._access.check("get", name)
             return {"value": json.dumps(_plain(self._readable(name, value)))}
         default = arguments.get("default")
         return {"value": default if isinstance(default, str) and default else "null"}
-
-    def _check_readable(self, name: str) -> None:
-        """Raise OperationError for a parameter that the client may not read."""
-        self._access.check("get", name)
 
     def _readable(self, name: str, value: Any) -> Any:
         """Return a parameter's value, without what the client may not read."""
@@ -336,3 +337,55 @@ def _plain(value: Any) -> Any:
     if isinstance(value, (xmlrpc.client.DateTime, datetime.datetime)):
         return str(value)
     return value
+
+
+def type_details(found: Type[genpy.Message]) -> List[Dict[str, Any]]:
+    """Return the TypeDefs of a class and of all types inside it, itself first.
+
+    Parameters
+    ----------
+    found
+        Message class, or request or response class of a service.
+    """
+    details: Dict[str, Dict[str, Any]] = {}
+    waiting = [found]
+    while waiting:
+        next_class = waiting.pop(0)
+        if next_class._type in details:
+            continue
+        details[next_class._type] = _type_def(next_class)
+        for field_type in details[next_class._type]["fieldtypes"]:
+            if "/" in field_type:
+                waiting.append(message_class(field_type))
+    return list(details.values())
+
+
+def _type_def(found: Type[genpy.Message]) -> Dict[str, Any]:
+    types, lengths, examples = [], [], []
+    for slot_type in found._slot_types:
+        element, length, is_array = split_array(slot_type)
+        types.append(element)
+        lengths.append((length or VARIABLE) if is_array else SCALAR)
+        nested = "/" in element or element in _TIMES
+        examples.append("[]" if is_array else "{}" if nested else _EXAMPLES.get(element, "0"))
+    constants = _constants(found)
+    return {
+        "type": found._type,
+        "fieldnames": list(found.__slots__),
+        "fieldtypes": types,
+        "fieldarraylen": lengths,
+        "examples": examples,
+        "constnames": list(constants),
+        "constvalues": list(constants.values()),
+    }
+
+
+def _constants(found: Type[genpy.Message]) -> Dict[str, str]:
+    """Return the constants of a class; genpy makes them plain attributes."""
+    return {
+        name: str(value)
+        for name, value in vars(found).items()
+        if not name.startswith("_")
+        and name not in found.__slots__
+        and isinstance(value, (bool, int, float, str))
+    }

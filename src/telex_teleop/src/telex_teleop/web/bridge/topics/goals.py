@@ -1,4 +1,4 @@
-"""Goals of actions: the way back for their answers, and their end."""
+"""Goals of actions: whose they are, the way back for their answers, and their end."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ import genpy
 from actionlib_msgs.msg import GoalID
 
 from ...workers import in_own_thread
+from ..protocol.compression import TopicMessage
 from ..protocol.operations import OperationError
-from ..publish.publishers import PublisherPool, SharedPublisher
 from ..ros import Ros
-from ..subscribe.feeds import FeedPool, TopicFeed, TopicMessage
+from .shared_topics import Publishers, SharedPublisher, SharedSubscriber, Subscribers
 
 MAX_GOALS = 100
 """Goals that a client may have at an action without their results; all are cancelled when it goes.
@@ -27,22 +27,22 @@ CONNECTION_POLL = 0.02
 _GOAL, _RESULT, _CANCEL = "/goal", "/result", "/cancel"
 
 
-class GoalDesk:
-    """Whose goals are under way, of all clients of the bridge; on the loop's thread.
+class AllGoals:
+    """The goals of all clients that are under way, and whose they are; on the loop's thread.
 
     Parameters
     ----------
-    pool
+    publishers
         Where publishers of cancellations come from.
-    feeds
+    subscribers
         Where results come from.
     ros
         Who is connected to an action's servers, and the present time.
     """
 
-    def __init__(self, pool: PublisherPool, feeds: FeedPool, ros: Ros) -> None:
-        self.pool = pool
-        self.feeds = feeds
+    def __init__(self, publishers: Publishers, subscribers: Subscribers, ros: Ros) -> None:
+        self.publishers = publishers
+        self.subscribers = subscribers
         self.ros = ros
         self._clients: Dict[str, Dict[str, str]] = {}  # by action and id
 
@@ -73,7 +73,7 @@ class GoalDesk:
             )
 
 
-class Goals:
+class ClientGoals:
     """The goals that one client sends to one action, until their results come.
 
     Parameters
@@ -84,17 +84,17 @@ class Goals:
         Their type.
     client
         Name of the client, in the ids of goals to which it gave none.
-    desk
-        Knows those of other clients.
+    all_goals
+        Those of all clients.
     """
 
-    def __init__(self, topic: str, type_name: str, client: str, desk: GoalDesk) -> None:
+    def __init__(self, topic: str, type_name: str, client: str, all_goals: AllGoals) -> None:
         self._action = topic[: -len(_GOAL)]
         self._result_type = type_name[: -len("Goal")] + "Result"
         self._client = client
-        self._desk = desk
+        self._all = all_goals
         self._canceller: Optional[SharedPublisher] = None
-        self._results: Optional[TopicFeed] = None
+        self._results: Optional[SharedSubscriber] = None
         self._ids: Dict[str, None] = {}  # as they were sent
         self._count = 0
 
@@ -105,10 +105,12 @@ class Goals:
 
     async def open(self) -> None:
         """Get the publisher of cancellations, and begin to hear results."""
-        self._canceller = await self._desk.pool.acquire(
+        self._canceller = await self._all.publishers.acquire(
             self._action + _CANCEL, GoalID._type, latch=False, queue_size=MAX_GOALS
         )
-        self._results = await self._desk.feeds.join(self._action + _RESULT, self._result_type, self)
+        self._results = await self._all.subscribers.join(
+            self._action + _RESULT, self._result_type, self
+        )
 
     def deliver(self, message: TopicMessage) -> None:
         """Forget a goal that has ended."""
@@ -117,7 +119,7 @@ class Goals:
     def _forget(self, goal_id: str) -> None:
         if goal_id in self._ids:
             del self._ids[goal_id]
-            self._desk.strike(self._action, goal_id)
+            self._all.strike(self._action, goal_id)
 
     async def connect(self, timeout: float) -> bool:
         """Wait until servers and bridge are connected both ways, for `timeout` (s) at most.
@@ -128,8 +130,8 @@ class Goals:
         loop = asyncio.get_running_loop()
         deadline = loop.time() + timeout
         # Who sends a goal has subscribed to its answers just before, or does so just now.
-        await self._desk.pool.catch_up()
-        while not await in_own_thread(lambda: self._desk.ros.action_connected(self._action)):
+        await self._all.publishers.catch_up()
+        while not await in_own_thread(lambda: self._all.ros.action_connected(self._action)):
             if loop.time() >= deadline:
                 return False
             await asyncio.sleep(CONNECTION_POLL)
@@ -145,7 +147,7 @@ class Goals:
         """
         if not goal.goal_id.id:
             self._count += 1
-            now = self._desk.ros.now().to_sec()
+            now = self._all.ros.now().to_sec()
             goal.goal_id.id = f"bridge client {self._client}, {self._count}, {now:.6f}"
         length = len(goal.goal_id.id)
         if length > MAX_ID:
@@ -155,7 +157,7 @@ class Goals:
                 f"the results of {MAX_GOALS} goals of this client have not come, which is as many "
                 "as may be under way; cancel some, or connect anew"
             )
-        self._desk.enter(self._action, goal.goal_id.id, self._client)
+        self._all.enter(self._action, goal.goal_id.id, self._client)
         self._ids[goal.goal_id.id] = None
 
     def cancel(self) -> None:
@@ -170,8 +172,8 @@ class Goals:
     def close(self) -> None:
         """Give back what was opened."""
         if self._canceller is not None:
-            self._desk.pool.release(self._action + _CANCEL, latch=False)
+            self._all.publishers.release(self._action + _CANCEL, latch=False)
             self._canceller = None
         if self._results is not None:
-            self._desk.feeds.leave(self._action + _RESULT, self._results, self)
+            self._all.subscribers.leave(self._action + _RESULT, self._results, self)
             self._results = None

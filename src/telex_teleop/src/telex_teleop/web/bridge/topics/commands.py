@@ -1,17 +1,116 @@
-"""Admission of one client's commands."""
+"""Commands of clients: which messages are commands, which are obeyed, and what stops them."""
 
 from __future__ import annotations
 
-from typing import Any, Callable, Dict, Optional, Tuple
+import asyncio
+import copy
+import dataclasses
+import math
+from typing import Any, Callable, Dict, Iterable, Optional, Tuple
 
 import genpy
 
-from ..control.access import Access
-from ..control.clients import Control, ControlError, Member
-from ..protocol.message_json import holds_null
-from ..protocol.operations import OperationError
+from ...server_config import RosbridgeConfig
+from ..clients.client import Client
+from ..clients.control import Control, ControlError
+from ..protocol.messages import holds_null
+from ..protocol.operations import Operation, OperationError
 from .command_age import PAUSE, CommandAge
-from .stop import kind_of
+
+
+@dataclasses.dataclass(frozen=True)
+class CommandKind:
+    """What the bridge knows of a type of command.
+
+    Attributes
+    ----------
+    moves
+        Tells whether a message asks for motion; if not, it asks for standstill.
+    stop
+        Makes the message that ends the motion; None if it ends when the stream falls silent.
+    """
+
+    moves: Callable[[Any], bool]
+    stop: Optional[Callable[[Any], Any]]
+
+
+def _any(*numbers: Iterable[float]) -> bool:
+    return any(value != 0.0 for group in numbers for value in group)
+
+
+def _twist_moves(twist: Any) -> bool:
+    linear, angular = twist.linear, twist.angular
+    return _any((linear.x, linear.y, linear.z), (angular.x, angular.y, angular.z))
+
+
+def _stop_empty(message: Any) -> Any:
+    return type(message)()
+
+
+def _stop_with_header(message: Any) -> Any:
+    stop = type(message)()
+    stop.header = copy.copy(message.header)
+    return stop
+
+
+def _stop_preset(message: Any) -> Any:
+    stop = _stop_with_header(message)
+    stop.client = message.client
+    return stop
+
+
+def _stop_jog(message: Any) -> Any:
+    stop = _stop_with_header(message)
+    stop.joint_names = list(message.joint_names)
+    stop.velocities = [0.0] * len(message.joint_names)
+    return stop
+
+
+_KINDS: Dict[str, CommandKind] = {
+    "geometry_msgs/Twist": CommandKind(_twist_moves, _stop_empty),
+    "geometry_msgs/TwistStamped": CommandKind(
+        lambda message: _twist_moves(message.twist), _stop_with_header
+    ),
+    "geometry_msgs/PoseStamped": CommandKind(lambda message: True, None),
+    "control_msgs/JointJog": CommandKind(
+        lambda message: _any(message.velocities, message.displacements), _stop_jog
+    ),
+    "telex_msgs/FlipperPresetHold": CommandKind(lambda message: message.preset != "", _stop_preset),
+    # An empty trajectory, and only one without a stamp, stops the controller at once.
+    "trajectory_msgs/JointTrajectory": CommandKind(
+        lambda message: bool(message.points), _stop_empty
+    ),
+}
+
+
+def kind_of(message: genpy.Message) -> Optional[CommandKind]:
+    """Return what is known of a message as a command; None for types that command no motion."""
+    return _KINDS.get(message._type)
+
+
+def commands_motion(type_name: str) -> bool:
+    """Tell whether messages of a type command motion, so that an old one must not be replayed."""
+    return type_name in _KINDS or is_goal_type(type_name)
+
+
+def stop_for(message: genpy.Message) -> Optional[genpy.Message]:
+    """Return the message that ends the motion which a message commands.
+
+    Returns
+    -------
+    stop
+        A command of standstill for the same thing, on the same topic; None if the message commands
+        no motion, or one that ends otherwise.
+    """
+    kind = kind_of(message)
+    if kind is None or kind.stop is None or not kind.moves(message):
+        return None
+    return kind.stop(message)
+
+
+def is_goal_type(type_name: str) -> bool:
+    """Tell whether messages of a type are goals of an action."""
+    return type_name.endswith("ActionGoal")
 
 
 class CommandRefusedError(OperationError):
@@ -34,36 +133,52 @@ class CommandGate:
 
     Parameters
     ----------
-    member
-        The client.
+    client
+        Whose commands they are.
     control
         Who holds control.
-    access
-        What the client may do, and what is a command.
-    max_age
-        Age (s) above which a command comes too late.
-    ages
-        Learns it when the client's line becomes slower.
+    config
+        How old a command may be, and by how much the client's line may become slower.
+
+    Attributes
+    ----------
     clock
         Monotonic time (s).
     """
 
-    def __init__(
-        self,
-        member: Member,
-        control: Control,
-        access: Access,
-        max_age: float,
-        ages: CommandAge,
-        clock: Callable[[], float],
-    ) -> None:
-        self._member = member
+    def __init__(self, client: Client, control: Control, config: RosbridgeConfig) -> None:
+        self.clock = asyncio.get_running_loop().time
+        self._client = client
+        self._member = client.member
+        self._access = client.access
         self._control = control
-        self._access = access
-        self._max_age = max_age
-        self._ages = ages
-        self._clock = clock
+        self._max_age = config.max_command_age
+        self._ages = CommandAge(config.max_command_age, config.max_learned_delay)
         self._refused: Dict[str, Tuple[float, int]] = {}  # topic to time of the last one, number
+
+    def note_time(self, operation: Operation) -> Optional[float]:
+        """Return when an operation was sent, on this machine's clock (s), if it tells that.
+
+        Raises
+        ------
+        OperationError
+            What it tells is no time.
+        """
+        sent = operation.get("sent")
+        if sent is None:
+            return None
+        number = isinstance(sent, (int, float)) and not isinstance(sent, bool)
+        if not number or not math.isfinite(sent):
+            raise OperationError("'sent' must be a number: milliseconds on the client's clock")
+        received = self.clock()
+        known = self._ages.slower
+        age = self._ages.of(sent / 1000.0, received)
+        if self._ages.slower > known:
+            self._client.report(
+                f"the line has become slower, by {self._ages.slower:.2f} s; commands count again",
+                level="warning",
+            )
+        return received - age
 
     def admit_message(
         self, topic: str, message: genpy.Message, age: Optional[float], waited: float = 0.0
@@ -108,7 +223,7 @@ class CommandGate:
             # Whose stop reaches the robot also ends the wait for a new press, so it must be his.
             return self._control.holder in (None, self._member)
         if age is not None:
-            self._ages.note_command(age, self._clock() - waited)
+            self._ages.note_command(age, self.clock() - waited)
         try:
             self._check_age(age)
             if self._access.needs_control("publish", topic):
@@ -180,11 +295,11 @@ class CommandGate:
 
     def _check_stream(self, topic: str) -> None:
         refused, number = self._refused.get(topic, (0.0, 0))
-        if number > 1 and self._clock() - refused < PAUSE:
+        if number > 1 and self.clock() - refused < PAUSE:
             raise CommandRefusedError("this stream began when it was refused: stop, and start anew")
 
     def _note_refused(self, topic: str) -> None:
         self._control.count_dropped(self._member)
-        now = self._clock()
+        now = self.clock()
         refused, number = self._refused.get(topic, (now, 0))
         self._refused[topic] = (now, number + 1 if now - refused < PAUSE else 1)

@@ -1,24 +1,15 @@
-"""Common parts of a client's session: replies, complaints, and work under way."""
+"""One client of the bridge, as the operations that it asks for see it."""
 
 from __future__ import annotations
 
 import asyncio
-import dataclasses
 import json
-from typing import (
-    Any,
-    Awaitable,
-    Callable,
-    Coroutine,
-    Dict,
-    Generic,
-    Protocol,
-    Set,
-    TypeVar,
-)
+from typing import Any, Awaitable, Callable, Coroutine, Dict, Set
 
+from ..protocol.operations import Id, Operation
+from .access import Access
+from .control import Member
 from .outbox import Outbox, OutboxFullError
-from .protocol.operations import Id, Operation
 
 LEVELS = ("none", "error", "warning", "info")
 """What a client can ask to hear, rising."""
@@ -30,21 +21,30 @@ MAX_WARNINGS = 100
 """Different warnings that are remembered as said."""
 
 
-class Link:
-    """One client's way out, on the loop's thread.
+class Client:
+    """What one client is and may do, its replies, and its work under way; on the loop's thread.
 
     Parameters
     ----------
+    member
+        The client as others see it.
+    access
+        What it may do.
     outbox
-        What goes to the client.
+        What goes to it.
     drop
         Cuts the connection, with the reason.
     """
 
-    def __init__(self, outbox: Outbox, drop: Callable[[str], None]) -> None:
+    def __init__(
+        self, member: Member, access: Access, outbox: Outbox, drop: Callable[[str], None]
+    ) -> None:
+        self.member = member
+        self.access = access
+        self.level = "error"
+        self.send_message = outbox.put_message
         self._outbox = outbox
         self._drop = drop
-        self.level = "error"
         self._said: Dict[str, float] = {}
         self._tasks: Set[asyncio.Task[None]] = set()
 
@@ -82,43 +82,24 @@ class Link:
         task.add_done_callback(self._tasks.discard)
         return task
 
-    async def open(
+    def open(
         self,
         opening: Callable[[], Awaitable[None]],
         operation: Operation,
         forget: Callable[[], Any],
-    ) -> None:
+    ) -> asyncio.Task[None]:
         """Open what an operation asks for; if that fails, tell the client and forget it."""
-        try:
-            await opening()
-        except Exception as error:  # whatever ROS raises is an answer to the client
-            forget()
-            self.report(f"{operation.op}: {error}", operation.id)
+
+        async def open_or_forget() -> None:
+            try:
+                await opening()
+            except Exception as error:  # whatever ROS raises is an answer to the client
+                forget()
+                self.report(f"{operation.op}: {error}", operation.id)
+
+        return self.start(open_or_forget())
 
     def close(self) -> None:
         """End all work under way."""
         for task in tuple(self._tasks):
             task.cancel()
-
-
-class _Opening(Protocol):
-    """Something of ROS that can be closed before it is open."""
-
-    def close(self) -> None:
-        """Give back what it has got so far."""
-
-
-Opening = TypeVar("Opening", bound=_Opening)
-
-
-@dataclasses.dataclass
-class Held(Generic[Opening]):
-    """A publication, subscription or service of a client, with the task that opens it."""
-
-    thing: Opening
-    opening: asyncio.Task[None]
-
-    def close(self) -> None:
-        """Give it back, open or not."""
-        self.opening.cancel()
-        self.thing.close()

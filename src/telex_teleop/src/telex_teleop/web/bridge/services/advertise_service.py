@@ -1,4 +1,4 @@
-"""Services that one client offers to all of ROS: advertise_service, service_response."""
+"""The operations advertise_service, unadvertise_service and service_response of one client."""
 
 from __future__ import annotations
 
@@ -6,16 +6,14 @@ import asyncio
 import concurrent.futures
 import functools
 import itertools
-from typing import Any, Callable, Coroutine, Dict, Iterator, Optional, Set
+from typing import Any, Callable, Dict, Iterator, Optional, Set
 
 import genpy
 
 from ...server_config import RosbridgeConfig
 from ...workers import OrderedWorker
-from ..control.access import Access
-from ..link import Held, Link
-from ..protocol.message_json import FieldError, MessageCodec, codec_of
-from ..protocol.message_types import service_class
+from ..clients.client import Client
+from ..protocol.messages import FieldError, MessageCodec, codec_of, service_class
 from ..protocol.operations import Operation, OperationError
 from ..ros import Ros
 
@@ -23,8 +21,8 @@ MAX_PENDING = 100
 """Calls of one service that may wait for its client."""
 
 
-class OfferedService:
-    """A service that a client answers.
+class AdvertisedService:
+    """A service that one client answers for all of ROS.
 
     Parameters
     ----------
@@ -38,8 +36,8 @@ class OfferedService:
         Thread for the calls that block.
     timeout
         Time (s) that the client gets to answer.
-    link
-        The client.
+    client
+        Who answers.
     numbers
         Of calls; no two calls of a client get the same one.
 
@@ -47,6 +45,8 @@ class OfferedService:
     ----------
     own_calls
         Calls of it by the client itself that are under way.
+    opening
+        The task that opens it.
     """
 
     def __init__(
@@ -57,7 +57,7 @@ class OfferedService:
         ros: Ros,
         worker: OrderedWorker,
         timeout: float,
-        link: Link,
+        client: Client,
         numbers: Iterator[int],
     ) -> None:
         self.name = name
@@ -65,11 +65,12 @@ class OfferedService:
         self._ros = ros
         self._worker = worker
         self._timeout = timeout
-        self._link = link
+        self._client = client
         self._numbers = numbers
         self._loop = asyncio.get_running_loop()
         self._withdraw: Optional[Callable[[], None]] = None
         self._closed = False
+        self.opening: Optional[asyncio.Task[None]] = None
         self.own_calls: Set[asyncio.Task[None]] = set()
         self._pending: Dict[str, concurrent.futures.Future[Any]] = {}
         self._request_codec: Optional[MessageCodec] = None
@@ -108,7 +109,7 @@ class OfferedService:
         call_id = f"call_service:{self.name}:{next(self._numbers)}"
         self._pending[call_id] = answer
         answer.add_done_callback(lambda _: self._forget_soon(call_id))
-        self._link.reply(
+        self._client.reply(
             {
                 "op": "call_service",
                 "id": call_id,
@@ -151,7 +152,9 @@ class OfferedService:
         return call_id in self._pending
 
     def close(self) -> None:
-        """Withdraw it; calls that wait fail at once."""
+        """Withdraw it, open or not; calls that wait fail at once."""
+        if self.opening is not None:
+            self.opening.cancel()
         self._closed = True
         for answer in tuple(self._pending.values()):
             if not answer.done():
@@ -163,7 +166,7 @@ class OfferedService:
             self._withdraw()
 
 
-class Offering:
+class AdvertisedServices:
     """All services that one client offers.
 
     What it asks of one service happens in the order in which it asks: a service that it offers and
@@ -171,26 +174,23 @@ class Offering:
 
     Parameters
     ----------
+    client
+        Who offers them.
     config
         Limits.
     ros, worker
         Where to offer them.
-    access
-        Which names are open to clients.
-    link
-        The client.
     """
 
     def __init__(
-        self, config: RosbridgeConfig, ros: Ros, worker: OrderedWorker, access: Access, link: Link
+        self, client: Client, *, config: RosbridgeConfig, ros: Ros, worker: OrderedWorker
     ) -> None:
+        self._client = client
         self._config = config
         self._ros = ros
         self._worker = worker
-        self._access = access
-        self._link = link
-        self._services: Dict[str, Held[OfferedService]] = {}
-        self._leaving: Set[OfferedService] = set()
+        self._services: Dict[str, AdvertisedService] = {}
+        self._leaving: Set[AdvertisedService] = set()
         self._turns: Dict[str, asyncio.Task[None]] = {}
         self._numbers = itertools.count(1)
 
@@ -199,20 +199,20 @@ class Offering:
         spelled = operation.text("service")
         name = self._ros.resolve(spelled)
         type_name = operation.text("type")
-        self._access.check("serve", name)
+        self._client.access.check("serve", name)
         before = self._services.pop(name, None)
         if before is not None:
             self._withdraw(name, before)
         limit = self._config.max_services
         if len(self._services) >= limit or len(self._leaving) > limit:
             raise OperationError(f"a client may offer {limit} services at most")
-        service = OfferedService(
+        service = AdvertisedService(
             name,
             spelled,
             ros=self._ros,
             worker=self._worker,
             timeout=self._config.service_timeout,
-            link=self._link,
+            client=self._client,
             numbers=self._numbers,
         )
         forget = functools.partial(self._forget, name, service)
@@ -222,8 +222,9 @@ class Offering:
             await _ended(before_it)
             await service.open(type_name)
 
-        task = self._take_turn(name, self._link.open(open_in_turn, operation, forget))
-        self._services[name] = Held(service, task)
+        opening = self._client.open(open_in_turn, operation, forget)
+        service.opening = self._take_turn(name, opening)
+        self._services[name] = service
 
     def turn(self, name: str) -> Optional[asyncio.Task[None]]:
         """Return what the client has asked of a service last, if that has not happened yet."""
@@ -231,14 +232,13 @@ class Offering:
 
     def note_call(self, name: str, call: asyncio.Task[None]) -> None:
         """Remember a call by the client; if it offers that service, it goes on until then."""
-        held = self._services.get(name)
-        if held is not None:
-            calls = held.thing.own_calls
-            calls.add(call)
-            call.add_done_callback(calls.discard)
+        service = self._services.get(name)
+        if service is not None:
+            service.own_calls.add(call)
+            call.add_done_callback(service.own_calls.discard)
 
-    def _take_turn(self, name: str, work: Coroutine[Any, Any, None]) -> asyncio.Task[None]:
-        task = self._turns[name] = self._link.start(work)
+    def _take_turn(self, name: str, task: asyncio.Task[None]) -> asyncio.Task[None]:
+        self._turns[name] = task
 
         def forget(_: asyncio.Task[None]) -> None:
             if self._turns.get(name) is task:
@@ -247,9 +247,9 @@ class Offering:
         task.add_done_callback(forget)
         return task
 
-    def _withdraw(self, name: str, held: Held[OfferedService]) -> None:
+    def _withdraw(self, name: str, service: AdvertisedService) -> None:
         """End a service, after what the client has asked of it so far."""
-        service, before_it = held.thing, self.turn(name)
+        before_it = self.turn(name)
         self._leaving.add(service)
 
         async def leave() -> None:
@@ -258,26 +258,24 @@ class Offering:
             service.close()
             await self._worker.submit(lambda: None)
 
-        self._take_turn(name, leave())
+        self._take_turn(name, self._client.start(leave()))
 
-    def _forget(self, name: str, service: OfferedService) -> None:
-        held = self._services.get(name)
-        if held is not None and held.thing is service:
+    def _forget(self, name: str, service: AdvertisedService) -> None:
+        if self._services.get(name) is service:
             del self._services[name]
 
     def unadvertise(self, operation: Operation) -> None:
         """Offer a service no more."""
         name = self._ros.resolve(operation.text("service"))
-        held = self._services.pop(name, None)
-        if held is None:
+        service = self._services.pop(name, None)
+        if service is None:
             raise OperationError(f"{name} has not been advertised")
-        self._withdraw(name, held)
+        self._withdraw(name, service)
 
     def respond(self, operation: Operation) -> None:
         """Take the answer to a call."""
         name = self._ros.resolve(operation.text("service"))
-        held = self._services.get(name)
-        services = [held.thing] if held is not None else []
+        services = [self._services[name]] if name in self._services else []
         services += [service for service in self._leaving if service.name == name]
         if not services:
             raise OperationError(f"{name} has not been advertised")

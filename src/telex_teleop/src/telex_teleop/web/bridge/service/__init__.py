@@ -1,1 +1,0 @@
-"""Services that clients call and offer, and the goals of actions."""

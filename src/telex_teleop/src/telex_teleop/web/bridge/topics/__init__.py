@@ -1,0 +1,1 @@
+"""Topics of clients: advertise, publish and subscribe; which commands are obeyed."""
