@@ -86,6 +86,7 @@ class ClientSession:
             limit=config.max_service_calls,
         )
         self._operations: Dict[str, Callable[[Operation], None]] = {
+            "publish": self._publications.publish,
             "advertise": self._publications.advertise,
             "unadvertise": self._publications.unadvertise,
             "subscribe": self._subscriptions.subscribe,
@@ -104,20 +105,17 @@ class ClientSession:
         """Obey one text message of the client."""
         operation: Optional[Operation] = None
         try:
-            operation = Operation(text)
+            operation = Operation(text, self._gate.clock())
+            self._gate.note_time(operation)
             self._obey(operation)
         except OperationError as error:
             name = f"{operation.op[:80]}: " if operation is not None else ""
             self.report(f"{name}{error}", operation)
 
     def _obey(self, operation: Operation) -> None:
-        sent = self._gate.note_time(operation)
-        if operation.op == "publish":
-            self._publications.publish(operation, sent)
-            return
         obey = self._operations.get(operation.op)
         if obey is None:
-            known = ", ".join(["publish", *self._operations])
+            known = ", ".join(self._operations)
             raise OperationError(f"there is no operation {operation.op[:80]!r}; known are {known}")
         obey(operation)
 

@@ -57,6 +57,13 @@ class Operation:
     ----------
     text
         What the client sent.
+    received
+        When it came, on this machine's monotonic clock (s).
+
+    Attributes
+    ----------
+    sent
+        When it was sent, on the same clock (s); None if the client does not tell.
 
     Raises
     ------
@@ -64,11 +71,13 @@ class Operation:
         The text is not a JSON object with an `op`.
     """
 
-    def __init__(self, text: str) -> None:
+    def __init__(self, text: str, received: float) -> None:
         fields = parse_json(text)
         if not isinstance(fields, dict):
             raise OperationError("a message must be a JSON object with an 'op'")
         self._fields: Dict[str, Any] = fields
+        self.received = received
+        self.sent: Optional[float] = None
         self.id = self._read_id()
         self.op = self.text("op")
 

@@ -156,8 +156,8 @@ class CommandGate:
         self._ages = CommandAge(config.max_command_age, config.max_learned_delay)
         self._refused: Dict[str, Tuple[float, int]] = {}  # topic to time of the last one, number
 
-    def note_time(self, operation: Operation) -> Optional[float]:
-        """Return when an operation was sent, on this machine's clock (s), if it tells that.
+    def note_time(self, operation: Operation) -> None:
+        """Learn from an operation how slow the client's line is, and set when it was sent.
 
         Raises
         ------
@@ -166,19 +166,17 @@ class CommandGate:
         """
         sent = operation.get("sent")
         if sent is None:
-            return None
+            return
         number = isinstance(sent, (int, float)) and not isinstance(sent, bool)
         if not number or not math.isfinite(sent):
             raise OperationError("'sent' must be a number: milliseconds on the client's clock")
-        received = self.clock()
         known = self._ages.slower
-        age = self._ages.of(sent / 1000.0, received)
+        operation.sent = operation.received - self._ages.of(sent / 1000.0, operation.received)
         if self._ages.slower > known:
             self._client.report(
                 f"the line has become slower, by {self._ages.slower:.2f} s; commands count again",
                 level="warning",
             )
-        return received - age
 
     def admit_message(
         self, topic: str, message: genpy.Message, age: Optional[float], waited: float = 0.0

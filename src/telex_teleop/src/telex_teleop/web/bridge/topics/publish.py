@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import collections
-import dataclasses
 import functools
-from typing import Any, Callable, Deque, Dict, Optional, Set
+from typing import Callable, Deque, Dict, Optional, Set
 
 import genpy
 
@@ -34,28 +33,6 @@ MAX_HELD = 20
 
 _NAMES_CLIENT = ("telex_msgs/FlipperPresetHold",)
 """Types with a field `client`: operators who share the bridge must not pass for one."""
-
-
-@dataclasses.dataclass(frozen=True)
-class Outgoing:
-    """A message that a client wants to publish.
-
-    Attributes
-    ----------
-    value
-        As JSON gave it.
-    id
-        Of the operation.
-    received
-        When it came, on this machine's monotonic clock (s).
-    sent
-        When it was sent, on the same clock; None if the client does not tell.
-    """
-
-    value: Any
-    id: Id
-    received: float
-    sent: Optional[float] = None
 
 
 class Publication:
@@ -120,7 +97,7 @@ class Publication:
         self._asked_type = type_name
         self._ready = False
         self._last: Optional[SharedPublisher] = None
-        self._held: Deque[Outgoing] = collections.deque(maxlen=MAX_HELD)
+        self._held: Deque[Operation] = collections.deque(maxlen=MAX_HELD)
         self._holds = asyncio.Event()
         self._stop: Optional[genpy.Message] = None
         self._goals: Optional[ClientGoals] = None
@@ -174,17 +151,17 @@ class Publication:
             while self._held:
                 self._send(publisher, self._held.popleft())
 
-    def publish(self, outgoing: Outgoing) -> None:
-        """Publish a message, now or as soon as that is possible."""
+    def publish(self, operation: Operation) -> None:
+        """Publish the message of an operation, now or as soon as that is possible."""
         publisher = self._publisher if self._ready else self._settled_by_others()
         if publisher is None:
             if len(self._held) == MAX_HELD and ClientGoals.go_to(self.topic):
                 sentence = f"dropped; {MAX_HELD} newer goals wait for the action's servers"
                 self._report(f"publish to {self.topic}: {sentence}", self._held[0].id, "error")
-            self._held.append(outgoing)
+            self._held.append(operation)
             self._holds.set()
         else:
-            self._send(publisher, outgoing)
+            self._send(publisher, operation)
 
     def _settled_by_others(self) -> Optional[SharedPublisher]:
         """Return a publisher that others use already, so that an e-stop need not wait."""
@@ -193,17 +170,17 @@ class Publication:
             return None
         return settled
 
-    def _send(self, publisher: SharedPublisher, outgoing: Outgoing) -> None:
+    def _send(self, publisher: SharedPublisher, operation: Operation) -> None:
         topic, client = self.topic, self._client.member.id
         try:
-            value = {} if outgoing.value is None else outgoing.value
+            value = {} if operation.get("msg") is None else operation.get("msg")
             message = publisher.codec.from_json(value, self._ros.now)
             self._gate.check_numbers("publish", topic, value)
             if message._type in _NAMES_CLIENT:
                 message.client = client
-            age = None if outgoing.sent is None else outgoing.received - outgoing.sent
+            age = None if operation.sent is None else operation.received - operation.sent
             # A goal is no less wanted for having waited for its server.
-            waited = 0.0 if self._goals is not None else self._gate.clock() - outgoing.received
+            waited = 0.0 if self._goals is not None else self._gate.clock() - operation.received
             if not self._gate.admit_message(topic, message, age, waited):
                 return
             self._all_goals.check_cancel(topic, message, client)
@@ -213,13 +190,13 @@ class Publication:
             publisher.publish(message)
         except CommandUncertainError as error:
             # Not in the words of a refusal, on which clients let go of what is held.
-            self._report(str(error), outgoing.id, "warning")
+            self._report(str(error), operation.id, "warning")
         except CommandOverdueError as error:
-            self._report(f"publish to {topic}: {error}", outgoing.id, "info")
+            self._report(f"publish to {topic}: {error}", operation.id, "info")
         except CommandRefusedError as error:
-            self._report(f"publish to {topic}: {error}", outgoing.id, "warning")
+            self._report(f"publish to {topic}: {error}", operation.id, "warning")
         except (FieldError, OperationError) as error:
-            self._report(f"publish to {topic}: {error}", outgoing.id, "error")
+            self._report(f"publish to {topic}: {error}", operation.id, "error")
         else:
             self._stop = stop_for(message)
 
@@ -305,21 +282,13 @@ class Publications:
             raise OperationError(f"a client may advertise a topic {limit} times at most")
         publication.ids.add(operation.id)
 
-    def publish(self, operation: Operation, sent: Optional[float]) -> None:
-        """Publish a message; begin with the topic if the client has not.
-
-        Parameters
-        ----------
-        operation
-            With the message.
-        sent
-            When the client sent it, as `CommandGate.note_time` tells.
-        """
+    def publish(self, operation: Operation) -> None:
+        """Publish a message; begin with the topic if the client has not."""
         topic = self._ros.resolve(operation.text("topic"))
         publication = self._publications.get(topic)
         if publication is None:
             publication = self._begin(topic, operation.optional_text("type"), operation)
-        publication.publish(Outgoing(operation.get("msg"), operation.id, self._gate.clock(), sent))
+        publication.publish(operation)
 
     def unadvertise(self, operation: Operation) -> None:
         """Publish a topic no more; what the client drove by it stops."""
