@@ -14,8 +14,9 @@ from telex_control.common.params import require
 
 from .token_files import read_or_make_token
 
-INSTRUCTOR = "instructor"
-_ROLES = ("operator", INSTRUCTOR)
+_ROLES = OPERATOR, INSTRUCTOR = ("operator", "instructor")
+MAX_NAME = 40
+"""Characters of the longest name that a client may give itself."""
 FILES = CLIENT_FILE, INSTRUCTOR_FILE = ("token_file", "instructor_token_file")
 """Parameters of a server that name the files of its tokens."""
 
@@ -120,7 +121,7 @@ def is_instructor(request: web.Request, tokens: Tokens) -> bool:
     ForbiddenError
         The token is missing or wrong, or there is no such role.
     """
-    role = request.query.get("role", "operator")
+    role = request.query.get("role", OPERATOR)
     if role not in _ROLES:
         raise ForbiddenError(400, f"There is no role of this name; known are {', '.join(_ROLES)}.")
     given = _token_of(request)
@@ -132,6 +133,12 @@ def is_instructor(request: web.Request, tokens: Tokens) -> bool:
     if tokens.client and not (_same(given, tokens.client) or as_instructor):
         raise ForbiddenError(401, _complaint(given, "a token"))
     return False
+
+
+def client_name(request: web.Request) -> str:
+    """Return what a client calls itself, by `?name=`; empty if it does not, or not in one line."""
+    name = request.query.get("name", "")[:MAX_NAME]
+    return name if name.isprintable() else ""
 
 
 def _token_of(request: web.Request) -> Optional[str]:

@@ -11,15 +11,15 @@ from typing import AsyncIterator, Callable, List, Set
 from aiohttp import WSCloseCode, WSMsgType, web
 
 from ..freshness import Backlog
+from ..origins import origin_allowed
 from ..rights import Rights
 from ..server_config import RosbridgeConfig
-from ..tokens import ForbiddenError, Tokens, is_instructor
+from ..tokens import ForbiddenError, Tokens, client_name, is_instructor
 from ..websockets import new_websocket, take_leave, upgrade_required
 from ..workers import OrderedWorker
-from .clients.access import Roles, origin_allowed
-from .clients.control import MAX_NAME, Control, ControlServices, Member
+from .clients.access import Roles
+from .clients.control import Control, ControlServices, Member
 from .clients.outbox import Outbox
-from .protocol.operations import OperationError
 from .ros import Ros
 from .services.call_service import Services
 from .session import ClientSession, Shared
@@ -115,7 +115,7 @@ class Rosbridge:
 
     async def accept(self, request: web.Request) -> web.StreamResponse:
         """Serve one client."""
-        if not origin_allowed(request, set(self._config.allowed_origins)):
+        if not origin_allowed(request, self._config.allowed_origins):
             origin = request.headers["Origin"]
             self._warn(
                 f"refused a page of {origin[:200]!r}; if it may command the robot, add it to the "
@@ -184,8 +184,7 @@ class Rosbridge:
         number = str(next(self._numbers))
         member = Member(number, request.remote or "", instructor, time.time())
         session = ClientSession(member, self._shared, outbox, drop)
-        with contextlib.suppress(OperationError):
-            self.control.rename(member, request.query.get("name", "")[:MAX_NAME])
+        self.control.rename(member, client_name(request))
         if request.query.get("status") == "1":
             session.set_level("warning")
         return session

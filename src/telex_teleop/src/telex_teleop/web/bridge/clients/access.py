@@ -1,19 +1,12 @@
-"""Who may connect and do what: pages, topics, services, parameters, and commands among them."""
+"""Rights of clients: topics, services and parameters, and which of them command the robot."""
 
 from __future__ import annotations
 
-import ipaddress
 import re
-import socket
-from typing import Callable, Dict, Iterable, List, Pattern, Set, Tuple
-from urllib.parse import urlsplit
-
-from aiohttp import web
+from typing import Callable, Dict, Iterable, List, Pattern, Tuple
 
 from ...rights import Rights, UseLists
 from ..protocol.operations import OperationError
-
-_LOOPBACK = ("127.0.0.1", "::1", "localhost")
 
 
 class NamePatterns:
@@ -147,41 +140,3 @@ class Roles:
     def of(self, *, instructor: bool) -> Access:
         """Return what an instructor, or another client, may do."""
         return self._kinds[instructor]
-
-
-def origin_allowed(request: web.Request, allowed: Set[str]) -> bool:
-    """Tell whether the page that opens a connection may do so.
-
-    A browser lets any web page connect to a server on its own machine; without this check every
-    page that an operator visits could drive the robot. Programs that are no browser send no
-    origin.
-
-    Parameters
-    ----------
-    request
-        The WebSocket's HTTP request.
-    allowed
-        Origins allowed besides those of this machine and of the host that the client asked for;
-        "*" allows all.
-    """
-    origin = request.headers.get("Origin")
-    if origin is None or "*" in allowed or origin in allowed:
-        return True
-    try:
-        host = urlsplit(origin).hostname
-    except ValueError:
-        return False
-    if host in _LOOPBACK:
-        return True
-    # The same host as the bridge's, unless that is a foreign name which somebody let point here.
-    return host is not None and host == request.url.host and _is_own_name(host)
-
-
-def _is_own_name(host: str) -> bool:
-    """Tell whether a host is given by its IP address or by this machine's own name."""
-    try:
-        ipaddress.ip_address(host)
-    except ValueError:
-        own = socket.gethostname().lower()
-        return host.lower() in (own, own.partition(".")[0])
-    return True

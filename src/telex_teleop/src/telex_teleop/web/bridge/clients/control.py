@@ -6,10 +6,8 @@ import dataclasses
 import time
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
+from ...tokens import MAX_NAME
 from ..protocol.operations import Arguments, OperationError
-
-MAX_NAME = 40
-"""Characters of the longest name that a client may give itself."""
 
 _Answer = Callable[["Member", Arguments], Dict[str, Any]]
 
