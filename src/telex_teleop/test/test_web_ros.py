@@ -165,6 +165,22 @@ def test_unknown_topics_and_the_console(video, bridge, camera):
     }
 
 
+def test_another_process_mounts_pages_by_a_parameter(ros, tmp_path):
+    (tmp_path / "index.html").write_text("exercises")
+    process, url = ros.serve("video_server", "mounting")
+    parameter = "/telex/mounting/mounts/training"
+    assert get(f"{url}/training/")[0] == 404
+    ros.master.setParam(parameter, {"folder": str(tmp_path)})
+    assert get(f"{url}/training/") == (200, "exercises")
+    ros.stop(process)
+    process, url = ros.serve("video_server", "mounting")
+    wait_until(lambda: answers(url))
+    assert get(f"{url}/training/") == (200, "exercises")
+    ros.master.deleteParam(parameter)
+    assert get(f"{url}/training/")[0] == 404
+    ros.stop(process)
+
+
 @pytest.mark.parametrize("name", ["video_server", "rosbridge"])
 def test_a_port_in_use_is_one_clear_line(ros, name):
     with socket.create_server(("127.0.0.1", 0)) as other:

@@ -20,12 +20,13 @@ Config = TypeVar("Config")
 STREAM_TYPES = ("mjpeg", "ros_compressed", "png")
 """Types of streams that the video server offers."""
 
-OWN_PARAMETERS = ("url",)
-"""Private parameters that a server sets for others to read."""
+OWN_PARAMETERS = ("url", "mounts")
+"""Private parameters that change while a server runs: what it sets for others to read, and what
+others set for it."""
 
 
 def read_server_config(kind: Type[Config], params: Any, name: str) -> Config:
-    """Read the private parameters of a server, except those that it sets itself.
+    """Read the private parameters of a server, except those that change.
 
     Parameters
     ----------
@@ -77,6 +78,8 @@ class VideoServerConfig:
     thumbnail_rate: float = 10.0
     thumbnail_width: int = 320
     preview_rate: float = 10.0
+    max_upload: int = 16777216
+    handler_timeout: float = 30.0
     rosbridge: str = "rosbridge"
     joy_map: str = ""
 
@@ -98,6 +101,8 @@ class VideoServerConfig:
         require_range(self, "thumbnail_rate", 0.1, 1000.0)
         require_range(self, "thumbnail_width", 16, self.max_size)
         require_range(self, "preview_rate", 0.0, 1000.0)
+        require_range(self, "max_upload", 0, 2147483647)
+        require_range(self, "handler_timeout", 0.1, 3600.0)
         require_text(self, "rosbridge")
 
 

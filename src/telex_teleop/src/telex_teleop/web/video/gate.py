@@ -9,6 +9,7 @@ from aiohttp import web
 
 from telex_control.common.params import ConfigError
 
+from ..origins import origin_allowed
 from ..server_config import VideoServerConfig
 from ..token_files import read_token
 from ..tokens import (
@@ -63,9 +64,14 @@ class Gate:
         Raises
         ------
         ForbiddenError
-            It may not see any; the text says why.
+            It may not see any, or it is a foreign web page that would change something where no
+            token is asked for; the text says why.
         """
-        return is_instructor(request, await self._tokens())
+        tokens = await self._tokens()
+        changes = request.method not in ("GET", "HEAD")
+        if changes and not tokens.client and not origin_allowed(request):
+            raise ForbiddenError(403, "This page's origin may not change anything here.")
+        return is_instructor(request, tokens)
 
     async def _tokens(self) -> Tokens:
         client = self._own.client or await self._of_bridge(CLIENT_FILE)

@@ -16,7 +16,9 @@ from ..tokens import INSTRUCTOR, ForbiddenError
 from ..workers import OrderedWorker
 from . import mjpeg, pages, query
 from .gate import Gate
+from .handlers import Handlers, MountError
 from .hub import EncoderFullError, Encoders, PictureHubs, PictureSource
+from .mounts import Mounts, find_file
 from .pictures import EncodedPicture, UnusablePictureError, encode
 from .topics import PictureTopic, Topics, base_topics, find_cameras
 from .viewers import SnapshotViewer, StreamViewer, client_of
@@ -96,9 +98,9 @@ class VideoServer:
             on_unusable=self._report_unusable,
             on_failure=lambda topic, error: warn(f"cannot subscribe to {topic}: {error}"),
         )
-        self._gate = Gate(
-            config, namespace, lambda name: self._ask(lambda: self._graph.parameter(name))
-        )
+        self._gate = Gate(config, namespace, self._parameter)
+        self._handlers = Handlers(config.max_upload, config.handler_timeout, warn)
+        self._mounts = Mounts(self._gate, self._handlers, self._parameter, warn)
         self.sockets = VideoSockets(
             config, namespace, self.hubs, lambda: self._ask(self._graph.topics)
         )
@@ -119,9 +121,11 @@ class VideoServer:
         app.router.add_get("/config.json", self.console_config)
         add_joy_map(app, self._config.joy_map)
         app.router.add_get("/{path:.*}", self.console_file)
+        app.router.add_post("/{path:.*}", self._mounts.answer)
         app.on_response_prepare.append(_add_page_headers)
         app.on_shutdown.append(self._dismiss)
         app.cleanup_ctx.append(self._look_after)
+        app.cleanup_ctx.append(self._handlers.run)
         return app
 
     async def stream(self, request: web.Request) -> web.StreamResponse:
@@ -207,7 +211,7 @@ class VideoServer:
         topics = await self._ask(self._graph.topics)
         hidden = self._config.hidden_cameras
         for_instructor = request.query.get("role") == INSTRUCTOR
-        bridge = await self._ask(lambda: self._graph.parameter(f"{self._config.rosbridge}/url"))
+        bridge = await self._parameter(f"{self._config.rosbridge}/url")
         config: Dict[str, Any] = {
             "namespace": self._namespace.rstrip("/"),
             "rosbridge": _seen_from(request, bridge) if isinstance(bridge, str) else None,
@@ -226,16 +230,10 @@ class VideoServer:
         return web.json_response(config, headers={"Access-Control-Allow-Origin": "*"})
 
     async def console_file(self, request: web.Request) -> web.StreamResponse:
-        """Send a file of the console."""
-        try:
-            name = request.match_info["path"]
-            path = (self._console / _PAGES.get(name, name)).resolve()
-            found = self._console in path.parents and path.is_file()
-        except (OSError, ValueError):  # the name is too long, or holds a null byte
-            found = False
-        if not found:
-            raise web.HTTPNotFound
-        return web.FileResponse(path)
+        """Send a file of the console, or what another process has mounted."""
+        name = request.match_info["path"]
+        path = find_file(self._console, _PAGES.get(name, name))
+        return await self._mounts.answer(request) if path is None else web.FileResponse(path)
 
     def _stream_query(self, request: web.Request) -> query.PictureQuery:
         config = self._config
@@ -250,6 +248,9 @@ class VideoServer:
             )
         self._gate.require_visible(topic.name, instructor=instructor)
         return topic
+
+    async def _parameter(self, name: str) -> object:
+        return await self._ask(lambda: self._graph.parameter(name))
 
     async def _ask(self, call: Callable[[], Result]) -> Result:
         """Run a call to the ROS master off the loop's thread."""
@@ -270,6 +271,7 @@ class VideoServer:
             query.QueryError,
             ForbiddenError,
             EncoderFullError,
+            MountError,
             _NoSuchTopicError,
             _NoMasterError,
         ) as error:
