@@ -11,7 +11,8 @@ from control_msgs.msg import JointJog
 from geometry_msgs.msg import Twist, TwistStamped, Vector3
 from std_msgs.msg import Header, String
 from telex_msgs.msg import FlipperPresetHold
-from web_fakes import becomes, on_loop
+from web_fakes import on_loop
+from web_waits import becomes
 
 from telex_teleop.web.bridge.protocol.operations import MAX_DIGITS
 from telex_teleop.web.bridge.topics.commands import stop_for

@@ -12,7 +12,8 @@ import time
 from pathlib import Path
 
 import pytest
-from web_harness import Ros, wait_until
+from web_harness import Ros
+from web_waits import wait_until
 
 pytestmark = pytest.mark.ros
 

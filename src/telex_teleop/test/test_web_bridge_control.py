@@ -12,7 +12,8 @@ from bridge_bench import JOG, TWIST, Bench, Client
 from std_msgs.msg import Bool
 from telex_msgs.msg import FlipperPresetActionResult
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
-from web_fakes import FakeRos, becomes, on_loop
+from web_fakes import FakeRos, on_loop
+from web_waits import becomes
 
 from telex_teleop.web.bridge.clients.access import Access
 from telex_teleop.web.bridge.clients.control import Control, ControlError, Member

@@ -10,7 +10,8 @@ import sys
 import aiohttp
 import pytest
 from bridge_bench import Bench, Client
-from web_fakes import FakeRos, becomes, on_loop, served
+from web_fakes import FakeRos, on_loop, served
+from web_waits import becomes
 
 from telex_teleop.web.bridge.bridge_app import Rosbridge
 from telex_teleop.web.server_config import RosbridgeConfig

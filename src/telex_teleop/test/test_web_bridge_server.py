@@ -8,7 +8,8 @@ import json
 import aiohttp
 import pytest
 from geometry_msgs.msg import Twist
-from web_fakes import FakeRos, becomes, on_loop, served
+from web_fakes import FakeRos, on_loop, served
+from web_waits import becomes
 
 from telex_teleop.web.bridge.bridge_app import Rosbridge
 from telex_teleop.web.server_config import RosbridgeConfig

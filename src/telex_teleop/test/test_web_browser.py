@@ -15,7 +15,7 @@ import pytest
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
-from web_harness import Ros, wait_until
+from web_harness import Ros
 from web_robot import (
     ARM,
     CONTACT,
@@ -33,6 +33,7 @@ from web_robot import (
     camera_picture,
     describe,
 )
+from web_waits import wait_until
 
 from telex_teleop import headless_chromium
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from selenium.webdriver.common.keys import Keys
 from test_web_browser import page, robot, ros
-from web_harness import wait_until
 from web_robot import ARM, ARM_JOINTS, PRESETS
+from web_waits import wait_until
 
 # the fixtures of the console's other tests, started anew for this file
 __all__ = ["page", "robot", "ros"]

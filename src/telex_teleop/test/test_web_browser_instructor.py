@@ -9,8 +9,8 @@ from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.actions.wheel_input import ScrollOrigin
 from selenium.webdriver.common.keys import Keys
 from test_web_browser import NOTHING, OTHER, Page, robot, ros
-from web_harness import wait_until
 from web_robot import ESTOP, THUMBNAILS
+from web_waits import wait_until
 
 # the fixtures of the console's tests, started anew for this file
 __all__ = ["robot", "ros"]

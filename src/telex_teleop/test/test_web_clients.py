@@ -18,8 +18,8 @@ import cv2
 import pytest
 import simplejpeg
 from test_web_pictures import RED, is_like, two_halves
-from web_fakes import FakePictures, becomes, served
-from web_harness import wait_until
+from web_fakes import FakePictures, served
+from web_waits import becomes, wait_until
 
 from telex_teleop.web import serving
 from telex_teleop.web.server_config import VideoServerConfig

@@ -6,7 +6,8 @@ import re
 from pathlib import Path
 
 import pytest
-from web_fakes import FakeRos, becomes, on_loop, served
+from web_fakes import FakeRos, on_loop, served
+from web_waits import becomes
 
 from telex_teleop.web.bridge.bridge_app import Rosbridge
 from telex_teleop.web.bridge.status_topics import LOOKS_PER_LIST, NodeWatch

@@ -13,8 +13,8 @@ import time
 
 import pytest
 from test_web_browser import page, robot, ros
-from web_harness import wait_until
 from web_robot import ARM_JOINTS, DRIVE, POSITIONS
+from web_waits import wait_until
 
 from telex_control.ros.private_master import descendants
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pytest
 from firefox import Firefox, firefox
-from web_harness import Ros, wait_until
+from web_harness import Ros
 from web_robot import ARM, DRIVE, ESTOP, THUMBNAILS, Robot, describe
+from web_waits import wait_until
 
 pytestmark = [pytest.mark.ros, pytest.mark.browser]
 

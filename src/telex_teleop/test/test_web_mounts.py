@@ -10,7 +10,8 @@ import socket
 import aiohttp
 import pytest
 from aiohttp import web
-from web_fakes import FakePictures, FakeRos, becomes, served
+from web_fakes import FakePictures, FakeRos, served
+from web_waits import becomes
 from yarl import URL
 
 from telex_teleop.web.bridge.clients.access import Roles

@@ -6,7 +6,7 @@ import asyncio
 
 import pytest
 from std_msgs.msg import Int32
-from web_fakes import becomes
+from web_waits import becomes
 
 from telex_teleop.web.bridge.clients.outbox import Outbox, OutboxFullError
 from telex_teleop.web.bridge.protocol.compression import TopicMessage

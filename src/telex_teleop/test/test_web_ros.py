@@ -17,7 +17,8 @@ import aiohttp
 import numpy as np
 import pytest
 import simplejpeg
-from web_harness import Ros, wait_until
+from web_harness import Ros
+from web_waits import wait_until
 
 from telex_control.ros.private_master import free_port
 

@@ -13,7 +13,8 @@ import aiohttp
 import pytest
 import simplejpeg
 from test_web_pictures import jpeg, raw, two_halves
-from web_fakes import FakePictures, becomes, served
+from web_fakes import FakePictures, served
+from web_waits import becomes
 
 from telex_teleop.web.server_config import VideoServerConfig
 from telex_teleop.web.video import video_server_app as video_app

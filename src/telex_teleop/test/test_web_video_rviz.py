@@ -10,7 +10,8 @@ import subprocess
 import numpy as np
 import pytest
 from test_web_pictures import BLUE, RED, two_halves
-from web_harness import Ros, stop_process, wait_until
+from web_harness import Ros, stop_process
+from web_waits import wait_until
 
 pytestmark = [
     pytest.mark.ros,

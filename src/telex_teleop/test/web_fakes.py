@@ -39,14 +39,6 @@ async def served(app, scheme="http"):
         await asyncio.wait_for(running, 5.0)
 
 
-async def becomes(condition, timeout=5.0):
-    """Wait until a condition holds."""
-    deadline = asyncio.get_running_loop().time() + timeout
-    while not condition():
-        assert asyncio.get_running_loop().time() < deadline, f"not so within {timeout} s"
-        await asyncio.sleep(0.005)
-
-
 ROSTER = "/telex/bridge/clients"
 """What the bridge itself publishes; kept apart from what its clients do."""
 MISSING_NODES = "/telex/bridge/missing_nodes"

@@ -10,30 +10,15 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from pathlib import Path
 
 import rosgraph
+from web_waits import wait_until
 
 from telex_control.ros.private_master import DIES_WITH_US, PrivateMaster
 
 PACKAGE = Path(__file__).resolve().parents[1]
 SOURCE = PACKAGE / "src"
-
-
-def wait_until(condition, timeout=10.0, period=0.02):
-    """Return the first true value of condition(), or fail after `timeout` (s).
-
-    An element that is not there yet (LookupError) counts as false.
-    """
-    deadline = time.monotonic() + timeout
-    while True:
-        with contextlib.suppress(LookupError):
-            value = condition()
-            if value:
-                return value
-        assert time.monotonic() < deadline, f"not so within {timeout} s"
-        time.sleep(period)
 
 
 def stop_process(process, number=signal.SIGINT, timeout=5.0):

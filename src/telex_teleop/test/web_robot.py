@@ -8,7 +8,7 @@ import time
 import cv2
 import numpy as np
 import simplejpeg
-from web_harness import wait_until
+from web_waits import wait_until
 
 DRIVE = "/telex/track_teleop/cmd_vel"
 ARM = "/telex/arm_teleop/delta_joint_cmds"
