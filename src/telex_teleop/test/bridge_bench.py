@@ -8,16 +8,11 @@ import json
 from web_fakes import FakeRos
 
 from telex_control.common.params import read_config, read_struct
-from telex_teleop.web.bridge.clients.access import Roles
-from telex_teleop.web.bridge.clients.control import Control, ControlServices, Member
+from telex_teleop.web.bridge.clients.control import Member
 from telex_teleop.web.bridge.clients.outbox import Outbox
-from telex_teleop.web.bridge.services.call_service import Services
 from telex_teleop.web.bridge.session import ClientSession, Shared
-from telex_teleop.web.bridge.topics.goals import AllGoals
-from telex_teleop.web.bridge.topics.shared_topics import Publishers, Subscribers
 from telex_teleop.web.rights import Rights
 from telex_teleop.web.server_config import RosbridgeConfig
-from telex_teleop.web.workers import OrderedWorker
 
 TWIST = "geometry_msgs/Twist"
 JOG = "control_msgs/JointJog"
@@ -58,24 +53,10 @@ class Bench:
         self.config = read_config(RosbridgeConfig, params, "~")
         self.ros = FakeRos()
         self.clients = 0
-        self.worker = OrderedWorker("test")
-        self.publishers = Publishers(self.ros, self.worker, linger=0.05)
-        self.subscribers = Subscribers(self.ros, self.worker)
-        self.control = Control()
-        own = ControlServices(self.control, self.ros.resolve)
         lists = read_struct(Rights, rights) if rights else Rights.read(self.config.rights)
-        roles = Roles(lists, self.ros.resolve, self.config.e_stop_topic, plain=self.config.plain)
-        self.shared = Shared(
-            config=self.config,
-            ros=self.ros,
-            worker=self.worker,
-            publishers=self.publishers,
-            subscribers=self.subscribers,
-            goals=AllGoals(self.publishers, self.subscribers, self.ros),
-            services=Services(self.ros, self.worker, own, roles, self.config.service_timeout),
-            roles=roles,
-            control=self.control,
-        )
+        self.shared = Shared(self.config, self.ros, lists, linger=0.05)
+        self.worker, self.control = self.shared.worker, self.shared.control
+        self.publishers, self.subscribers = self.shared.publishers, self.shared.subscribers
 
     async def settle(self):
         """Let everything happen that has been begun."""

@@ -156,10 +156,10 @@ async def test_ten_thousand_subscriptions_and_a_flood_leave_the_operator_alone()
         assert [message.linear.x for _, message in ros.published] == [
             1000.0 * number + 1.0 for number in range(10)
         ]
-        assert len(bridge.subscribers) == 200
+        assert len(bridge.shared.subscribers) == 200
         await greedy.close()
         await listening
-        await becomes(lambda: len(bridge.subscribers) == 0)
+        await becomes(lambda: len(bridge.shared.subscribers) == 0)
         await operator.close()
 
 

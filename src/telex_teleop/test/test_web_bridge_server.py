@@ -56,7 +56,7 @@ async def test_operators_hear_nothing_of_cameras_that_the_video_server_hides():
     for said, seen in ((["mast"], False), ([], True), ("mast", True), ([5, "m*st"], True)):
         bench = Bench(params={f"/telex/{hidden}": said})
         for instructor in (False, True):
-            access = bench.bridge.roles.of(instructor=instructor)
+            access = bench.bridge.shared.access[instructor]
             for robot in ("/telex", "/crane"):
                 camera = f"{robot}/cameras/mast"
                 assert access.allows("subscribe", f"{camera}/image_raw") is (seen or instructor)
@@ -223,7 +223,7 @@ async def test_no_more_clients_than_allowed():
             assert (await refusal(http, url))[0] == 503  # the last place is for an instructor
             async with http.ws_connect(teachers):
                 assert (await refusal(http, teachers))[0] == 503
-        await becomes(lambda: not bench.bridge.control.members)
+        await becomes(lambda: not bench.bridge.shared.control.members)
         async with http.ws_connect(teachers), http.ws_connect(url), http.ws_connect(url):
             assert (await refusal(http, url))[0] == 503
 
@@ -251,7 +251,7 @@ async def test_who_is_still_shaking_hands_has_a_place():
         outcomes = await asyncio.gather(*tries, return_exceptions=True)
         refused = [each.status for each in outcomes if isinstance(each, Exception)]
         assert refused == [503] * 4
-    await becomes(lambda: not bench.bridge.control.members)
+    await becomes(lambda: not bench.bridge.shared.control.members)
 
 
 @on_loop
@@ -288,7 +288,7 @@ async def test_a_client_can_ask_for_warnings_by_its_address():
         first, second = await http.ws_connect(url), await http.ws_connect(f"{url}/?status=1")
         drive = {"op": "publish", "topic": "track_teleop/cmd_vel", "type": "geometry_msgs/Twist"}
         await first.send_json({**drive, "msg": AHEAD["msg"]})
-        await becomes(lambda: bench.bridge.control.holder is not None)
+        await becomes(lambda: bench.bridge.shared.control.holder is not None)
         await second.send_json({**drive, "msg": AHEAD["msg"]})
         assert "client 1 holds control" in (await second.receive_json(timeout=5))["msg"]
         await first.close()

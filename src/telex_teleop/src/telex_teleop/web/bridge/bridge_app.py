@@ -16,16 +16,11 @@ from ..rights import Rights
 from ..server_config import RosbridgeConfig
 from ..tokens import ForbiddenError, Tokens, client_name, is_instructor
 from ..websockets import new_websocket, take_leave, upgrade_required
-from ..workers import OrderedWorker
-from .clients.access import Roles
-from .clients.control import Control, ControlServices, Member
+from .clients.control import Member
 from .clients.outbox import Outbox
 from .ros import Ros
-from .services.call_service import Services
 from .session import ClientSession, Shared
 from .status_topics import NodeWatch, Roster
-from .topics.goals import AllGoals
-from .topics.shared_topics import Publishers, Subscribers
 
 BACKLOG_POLL = 0.005
 """Period (s) at which a client that has not taken its messages yet is looked at."""
@@ -62,27 +57,11 @@ class Rosbridge:
         self._config = config
         self._warn = warn
         self._tokens = tokens
-        worker = OrderedWorker("bridge to ROS")
-        self.publishers = Publishers(ros, worker)
-        self.subscribers = Subscribers(ros, worker)
-        self.control = Control()
-        self._roster = Roster(self.control, self.publishers, ros)
-        self._node_watch = NodeWatch(ros, self.publishers)
-        own_services = ControlServices(self.control, ros.resolve)
         rights = Rights.read(config.rights).hiding(_hidden_cameras(ros))
-        self.roles = Roles(rights, ros.resolve, config.e_stop_topic, plain=config.plain)
+        self.shared = Shared(config, ros, rights)
+        self._roster = Roster(self.shared.control, self.shared.publishers, ros)
+        self._node_watch = NodeWatch(ros, self.shared.publishers)
         self._e_stop_topic = ros.resolve(config.e_stop_topic)
-        self._shared = Shared(
-            config=config,
-            ros=ros,
-            worker=worker,
-            publishers=self.publishers,
-            subscribers=self.subscribers,
-            goals=AllGoals(self.publishers, self.subscribers, ros),
-            services=Services(ros, worker, own_services, self.roles, config.service_timeout),
-            roles=self.roles,
-            control=self.control,
-        )
         self._sockets: Set[web.WebSocketResponse] = set()
         self._places: List[bool] = []  # of each client, whether it is an instructor
         self._numbers = itertools.count(1)
@@ -106,7 +85,7 @@ class Rosbridge:
     async def _prepare_e_stop(self) -> None:
         """Open the topic of the e-stop: nobody's first one may wait until that is done."""
         try:
-            publisher = await self.publishers.acquire(
+            publisher = await self.shared.publishers.acquire(
                 self._e_stop_topic, "std_msgs/Bool", latch=False, queue_size=10
             )
             await publisher.settle(self._config.connect_timeout)
@@ -183,8 +162,8 @@ class Rosbridge:
 
         number = str(next(self._numbers))
         member = Member(number, request.remote or "", instructor, time.time())
-        session = ClientSession(member, self._shared, outbox, drop)
-        self.control.rename(member, client_name(request))
+        session = ClientSession(member, self.shared, outbox, drop)
+        self.shared.control.rename(member, client_name(request))
         if request.query.get("status") == "1":
             session.set_level("warning")
         return session

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import dataclasses
 from typing import Callable, Dict, Optional
 
+from ..rights import Rights
 from ..server_config import RosbridgeConfig
 from ..workers import OrderedWorker
-from .clients.access import Roles
+from .clients.access import Access
 from .clients.client import LEVELS, Client
-from .clients.control import Control, Member
+from .clients.control import Control, ControlServices, Member
 from .clients.outbox import Outbox
 from .protocol.operations import Operation, OperationError
 from .ros import Ros
@@ -18,23 +18,49 @@ from .services.call_service import ServiceCalls, Services
 from .topics.commands import CommandGate
 from .topics.goals import AllGoals
 from .topics.publish import Publications
-from .topics.shared_topics import Publishers, Subscribers
+from .topics.shared_topics import LINGER, Publishers, Subscribers
 from .topics.subscribe import Subscriptions
 
 
-@dataclasses.dataclass(frozen=True)
 class Shared:
-    """What all clients of a bridge share."""
+    """What all clients of a bridge share; make it on the loop's thread.
 
-    config: RosbridgeConfig
-    ros: Ros
-    worker: OrderedWorker
-    publishers: Publishers
-    subscribers: Subscribers
-    goals: AllGoals
-    services: Services
-    roles: Roles
-    control: Control
+    Parameters
+    ----------
+    config
+        The node's parameters.
+    ros
+        ROS.
+    rights
+        What clients may do.
+    linger
+        Time (s) that a publisher outlives its last client.
+    """
+
+    def __init__(
+        self, config: RosbridgeConfig, ros: Ros, rights: Rights, linger: float = LINGER
+    ) -> None:
+        self.config = config
+        self.ros = ros
+        self.worker = OrderedWorker("bridge to ROS")
+        self.publishers = Publishers(ros, self.worker, linger)
+        self.subscribers = Subscribers(ros, self.worker)
+        self.goals = AllGoals(self.publishers, self.subscribers, ros)
+        self.control = Control()
+        self.access = {
+            instructor: Access(
+                rights,
+                ros.resolve,
+                config.e_stop_topic,
+                instructor=instructor,
+                plain=config.plain,
+            )
+            for instructor in (False, True)
+        }
+        own_services = ControlServices(self.control, ros.resolve)
+        self.services = Services(
+            ros, self.worker, own_services, self.access, config.service_timeout
+        )
 
 
 class ClientSession:
@@ -59,7 +85,7 @@ class ClientSession:
         self, member: Member, shared: Shared, outbox: Outbox, drop: Callable[[str], None]
     ) -> None:
         config, ros, control = shared.config, shared.ros, shared.control
-        access = shared.roles.of(instructor=member.instructor)
+        access = shared.access[member.instructor]
         self._control = control
         self._client = Client(member, access, outbox, drop)
         self._gate = CommandGate(self._client, control, config)

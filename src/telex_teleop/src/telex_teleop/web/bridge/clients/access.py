@@ -118,25 +118,3 @@ class Access:
     def needs_control(self, use: str, name: str) -> bool:
         """Tell whether the client may do this only while it holds control."""
         return self.is_command(use, name) and not self._without_control[use].match(name)
-
-
-class Roles:
-    """What each kind of client may do.
-
-    Parameters
-    ----------
-    rights, resolve, e_stop_topic, plain
-        As `Access` takes them.
-    """
-
-    def __init__(
-        self, rights: Rights, resolve: Callable[[str], str], e_stop_topic: str, *, plain: bool
-    ) -> None:
-        self._kinds = {
-            instructor: Access(rights, resolve, e_stop_topic, instructor=instructor, plain=plain)
-            for instructor in (False, True)
-        }
-
-    def of(self, *, instructor: bool) -> Access:
-        """Return what an instructor, or another client, may do."""
-        return self._kinds[instructor]

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import asyncio
-from typing import Any, Callable, Dict, Optional, Sequence
+from typing import Any, Callable, Dict, Mapping, Optional, Sequence
 
 from ...workers import OrderedWorker, in_own_thread
-from ..clients.access import Roles
+from ..clients.access import Access
 from ..clients.client import Client
 from ..clients.control import ControlServices
 from ..protocol.messages import codec_of, service_class
@@ -28,8 +28,8 @@ class Services:
         Thread for rosapi's questions to the master.
     control
         Answers what concerns control.
-    roles
-        What clients may do and see.
+    access
+        What clients may do and see, by whether they are instructors.
     timeout
         Time (s) after which a call is given up.
     """
@@ -39,7 +39,7 @@ class Services:
         ros: Ros,
         worker: OrderedWorker,
         control: ControlServices,
-        roles: Roles,
+        access: Mapping[bool, Access],
         timeout: float,
     ) -> None:
         self._ros = ros
@@ -47,8 +47,8 @@ class Services:
         self._control = control
         self._timeout = timeout
         self._rosapi = {
-            instructor: RosApi(ros, control.types, roles.of(instructor=instructor))
-            for instructor in (False, True)
+            instructor: RosApi(ros, control.types, allowed)
+            for instructor, allowed in access.items()
         }
 
     async def call(
