@@ -26,7 +26,7 @@ from std_msgs.msg import (
 )
 from std_srvs.srv import SetBool
 
-from telex_teleop.web.bridge.protocol.messages import FieldError, codec_of
+from telex_teleop.web.bridge.protocol.ros_messages import FieldError, codec_of
 
 NOW = genpy.Time(12, 34)
 

@@ -223,6 +223,35 @@ def test_no_path_leads_out_of_a_handlers_mount(bench, path):
     run(check())
 
 
+@pytest.mark.parametrize(
+    ("head", "status"),
+    [
+        (b"GET http://example.com/training/told?token=sesame HTTP/1.1", 200),  # not from there
+        (b"GET //example.com/training/told?token=sesame HTTP/1.1", 404),
+        (b"CONNECT 127.0.0.1:1 HTTP/1.1", 404),
+        (b"GET /training/told?token=sesame HTTP/1.1\r\nX-Mine: \xff", 200),
+        (b"GET /training/\xff\xfe?token=sesame HTTP/1.1", 400),
+        (b"GET /training/told?token=sesame HTTP/1.1\r\nTransfer-Encoding: nonsense", 400),
+        (
+            b"POST /training/told?token=sesame HTTP/1.1\r\n"
+            b"Content-Length: 2\r\nTransfer-Encoding: chunked",
+            400,
+        ),
+    ],
+)
+def test_heads_that_mean_it_ill(bench, head, status):
+    async def check():
+        async with bench.served():
+            bench.mount(handler=bench.handler)
+            reader, writer = await asyncio.open_connection("127.0.0.1", URL(bench.url).port)
+            writer.write(head + b"\r\nHost: localhost\r\n\r\n")
+            answer = (await reader.readline()).split()
+            assert answer[1:2] == [str(status).encode()]
+            writer.close()
+
+    run(check())
+
+
 def test_where_no_token_is_asked_for_a_foreign_page_cannot_post(bench):
     async def check():
         async with bench.served(tokens=False) as http:

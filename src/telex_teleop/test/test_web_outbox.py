@@ -10,7 +10,7 @@ from web_waits import becomes
 
 from telex_teleop.web.bridge.clients.outbox import Outbox, OutboxFullError
 from telex_teleop.web.bridge.protocol.compression import TopicMessage
-from telex_teleop.web.bridge.protocol.messages import codec_of
+from telex_teleop.web.bridge.protocol.ros_messages import codec_of
 from telex_teleop.web.bridge.topics.subscribe import Subscription, Wish
 
 

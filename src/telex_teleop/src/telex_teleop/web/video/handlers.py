@@ -16,8 +16,8 @@ from ..tokens import INSTRUCTOR, OPERATOR, client_name
 ROLE, NAME = "X-Telex-Role", "X-Telex-Name"
 """Headers that tell a handler who asks."""
 
-MAX_REQUESTS = 64
-"""Requests that are under way to handlers at a time; more wait."""
+MAX_REQUESTS = 256
+"""Requests that may be under way to handlers at a time."""
 
 _OWN = "x-telex-"
 _DOTS = (".", "..")
@@ -64,13 +64,14 @@ class Handlers:
         self._max_upload = max_upload
         self._timeout = timeout
         self._warn = warn
+        self._under_way = 0
         self._session: Optional[aiohttp.ClientSession] = None
 
     async def run(self, _app: web.Application) -> AsyncIterator[None]:
         """Hold what connections need while an application runs; for its `cleanup_ctx`."""
         self._session = aiohttp.ClientSession(
             # A connection that is kept would fail when the handler has been started again.
-            connector=aiohttp.TCPConnector(limit=MAX_REQUESTS, force_close=True),
+            connector=aiohttp.TCPConnector(limit=0, force_close=True),
             cookie_jar=aiohttp.DummyCookieJar(),  # cookies are the clients' own
             timeout=aiohttp.ClientTimeout(total=None),  # see _ask
             auto_decompress=False,
@@ -97,11 +98,25 @@ class Handlers:
         MountError
             The request is too large or not one to pass on, or the handler does not answer.
         """
+        if self._under_way >= MAX_REQUESTS:
+            raise MountError(503, f"{MAX_REQUESTS} requests are under way already.")
+        self._under_way += 1
+        try:
+            reply = await self._forward(request, handler, instructor=instructor)
+            async with reply:
+                return await self._pass_back(request, reply)
+        finally:
+            self._under_way -= 1
+
+    async def _forward(
+        self, request: web.Request, handler: str, *, instructor: bool
+    ) -> aiohttp.ClientResponse:
+        """Ask the handler and return its answer, of which the body may still be to come."""
         url = URL(handler + _target(request), encoded=True)
         headers = _request_headers(request, instructor=instructor)
         upload = _Upload(request, self._max_upload)
         try:
-            reply = await self._ask(request.method, url, headers, upload)
+            return await self._ask(request.method, url, headers, upload)
         except aiohttp.ClientError as error:
             if upload.too_large:
                 raise self._too_large() from None
@@ -113,8 +128,6 @@ class Handlers:
             ) from None
         except ValueError:
             raise MountError(400, "The request's head holds what cannot be passed on.") from None
-        async with reply:
-            return await self._pass_back(request, reply)
 
     def _too_large(self) -> MountError:
         return MountError(413, f"A request may hold {self._max_upload} bytes at most.")
@@ -156,20 +169,27 @@ class Handlers:
             status=reply.status, reason=reply.reason, headers=_end_to_end(reply.headers)
         )
         await response.prepare(request)
-        try:
-            while True:
+        while True:
+            try:
                 chunk = await asyncio.wait_for(reply.content.readany(), self._timeout)
-                if not chunk:
-                    break
+            except (aiohttp.ClientError, asyncio.TimeoutError) as error:
+                self._warn(f"an answer to {request.path[:200]} has broken off: {error!r}")
+                raise _broken_off(request) from None
+            if not chunk:
+                break
+            try:
                 await asyncio.wait_for(response.write(chunk), self._timeout)
-        except (aiohttp.ClientError, asyncio.TimeoutError) as error:
-            # The head is out, so the client can be told by the connection's end alone.
-            self._warn(f"an answer to {request.path[:200]} has broken off: {error!r}")
-            if request.transport is not None:
-                request.transport.abort()
-            raise ConnectionResetError from None
+            except asyncio.TimeoutError:
+                raise _broken_off(request) from None
         await response.write_eof()
         return response
+
+
+def _broken_off(request: web.Request) -> Exception:
+    """End the connection, as the only way to tell a client that has got the head, and say so."""
+    if request.transport is not None:
+        request.transport.abort()
+    return ConnectionResetError("half an answer is none")
 
 
 class _Upload:
@@ -240,7 +260,8 @@ def _request_headers(request: web.Request, *, instructor: bool) -> CIMultiDict[s
         raise MountError(400, f"Headers that begin with {_OWN} are this server's own.")
     for key in _KEPT_BACK:
         headers.popall(key, None)
-    if headers.popall(hdrs.CONTENT_ENCODING, None):  # the body has been decoded as it came
+    if hdrs.CONTENT_ENCODING in request.headers:  # the body has been decoded as it came
+        headers.popall(hdrs.CONTENT_ENCODING, None)
         headers.popall(hdrs.CONTENT_LENGTH, None)
     headers[ROLE] = INSTRUCTOR if instructor else OPERATOR
     headers[NAME] = urllib.parse.quote(client_name(request))

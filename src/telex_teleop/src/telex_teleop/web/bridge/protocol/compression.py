@@ -13,7 +13,7 @@ from typing import Any, Callable, Dict, Optional, Tuple, Union
 import cbor2
 import genpy
 
-from .messages import MessageCodec, split_array
+from .ros_messages import MessageCodec, split_array
 
 Encoded = Union[str, bytes]
 """A text message, or a binary one, of the WebSocket."""

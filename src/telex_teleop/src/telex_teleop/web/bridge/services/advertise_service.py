@@ -13,8 +13,8 @@ import genpy
 from ...server_config import RosbridgeConfig
 from ...workers import OrderedWorker
 from ..clients.client import Client
-from ..protocol.messages import FieldError, MessageCodec, codec_of, service_class
 from ..protocol.operations import Operation, OperationError
+from ..protocol.ros_messages import FieldError, MessageCodec, codec_of, service_class
 from ..ros import Ros
 
 MAX_PENDING = 100

@@ -9,8 +9,8 @@ from ...workers import OrderedWorker, in_own_thread
 from ..clients.access import Access
 from ..clients.client import Client
 from ..clients.control import ControlServices
-from ..protocol.messages import codec_of, service_class
 from ..protocol.operations import Operation, OperationError
+from ..protocol.ros_messages import codec_of, service_class
 from ..ros import Ros
 from ..topics.commands import CommandGate
 from .advertise_service import AdvertisedServices

@@ -13,8 +13,8 @@ from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Tuple
 import genpy
 
 from ..clients.access import Access
-from ..protocol.messages import message_class, service_class, split_array
 from ..protocol.operations import MAX_TEXT, Arguments, OperationError, parse_json
+from ..protocol.ros_messages import message_class, service_class, split_array
 from ..ros import Ros
 
 _PREFIX = "rosapi/"

@@ -13,8 +13,8 @@ import genpy
 from ...server_config import RosbridgeConfig
 from ..clients.client import Client
 from ..clients.control import Control, ControlError
-from ..protocol.messages import holds_null
 from ..protocol.operations import Operation, OperationError
+from ..protocol.ros_messages import holds_null
 from .command_age import PAUSE, CommandAge
 
 

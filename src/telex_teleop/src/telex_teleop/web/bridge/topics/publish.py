@@ -11,8 +11,8 @@ import genpy
 
 from ...server_config import RosbridgeConfig
 from ..clients.client import Client
-from ..protocol.messages import FieldError
 from ..protocol.operations import Id, Operation, OperationError
+from ..protocol.ros_messages import FieldError
 from ..ros import Ros
 from .commands import (
     CommandGate,

@@ -30,8 +30,8 @@ from actionlib_msgs.msg import GoalID
 
 from ...workers import OrderedWorker
 from ..protocol.compression import TopicMessage
-from ..protocol.messages import MessageCodec, codec_of, message_class
 from ..protocol.operations import OperationError
+from ..protocol.ros_messages import MessageCodec, codec_of, message_class
 from ..ros import Publisher, Ros
 from .commands import commands_motion
 
