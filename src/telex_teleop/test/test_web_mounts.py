@@ -17,6 +17,7 @@ from yarl import URL
 from telex_teleop.web.bridge.clients.access import Access
 from telex_teleop.web.rights import Rights
 from telex_teleop.web.server_config import VideoServerConfig, read_server_config
+from telex_teleop.web.video import handlers
 from telex_teleop.web.video.mounts import Mount
 from telex_teleop.web.video.video_server_app import VideoServer
 
@@ -501,6 +502,31 @@ def test_a_handler_hears_when_its_client_has_gone(bench):
                 assert await reply.content.readany() == b"half"
                 reply.close()
             await becomes(lambda: ended)
+
+    run(check())
+
+
+def test_requests_that_are_too_many_are_refused_and_not_kept_waiting(bench, monkeypatch):
+    monkeypatch.setattr(handlers, "MAX_REQUESTS", 1)
+
+    async def endless(request):
+        reply = web.StreamResponse()
+        await reply.prepare(request)
+        while True:
+            await reply.write(b"more")
+            await asyncio.sleep(0.01)
+
+    bench.app.router.add_get("/training/endless", endless)
+
+    async def check():
+        async with bench.served() as http:
+            bench.mount(handler=bench.handler)
+            async with http.get(f"/training/endless?{CLIENT}") as reply:
+                assert reply.status == 200
+                assert await status_of(http, f"/training/told?{CLIENT}") == 503
+                reply.close()
+            while await status_of(http, f"/training/told?{CLIENT}") != 200:
+                await asyncio.sleep(0.01)  # run() ends it if it never is
 
     run(check())
 
