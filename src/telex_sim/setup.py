@@ -35,6 +35,7 @@ setup(
             "telex_sim.scene.textures",
             "telex_sim.stability",
             "telex_sim.tracks",
+            "telex_sim.truth",
         ],
         package_dir={"": "src"},
     )
