@@ -142,6 +142,39 @@ def test_the_hull_of_points():
     assert solid.center == pytest.approx([0.0, 0.0, 0.0], abs=0.01)
 
 
+def assert_encloses(hull, points):
+    """No point lies outside, and the surface is closed: each edge belongs to two triangles."""
+    across = np.cross(hull[:, 1] - hull[:, 0], hull[:, 2] - hull[:, 0])
+    doubled = np.linalg.norm(across, axis=1)
+    size = np.ptp(points, axis=0).max()
+    # Corners on one edge of the body make triangles with hardly an area, which have no direction.
+    real = doubled > 1e-6 * size * size
+    across = across[real] / doubled[real, None]
+    heights = points @ across.T - np.einsum("ij,ij->i", hull[real, 0], across)
+    assert heights.max() < 2e-6 * size
+    _, number = np.unique(hull.reshape(-1, 3), axis=0, return_inverse=True)
+    edges = np.concatenate([number.reshape(-1, 3)[:, pair] for pair in ([0, 1], [1, 2], [2, 0])])
+    edges = {(int(a), int(b)) for a, b in edges}
+    assert edges == {(b, a) for a, b in edges}
+
+
+@pytest.mark.parametrize("size", [(1.0, 2.0, 3.0), (0.28, 0.001, 0.014)])
+def test_no_point_lies_outside_a_hull_of_few_vertices(size):
+    points = np.random.default_rng(1).random((1500, 3)) * size
+    hull = convex_hull(points)
+    assert len(np.unique(hull.reshape(-1, 3), axis=0)) < MOST_VERTICES
+    assert_encloses(hull, points)
+
+
+def test_points_of_a_grid_many_in_each_plane_have_a_whole_hull():
+    for seed in range(150):
+        numbers = np.random.default_rng(seed)
+        grid = numbers.integers(0, 2 + seed % 8, (200, 3)).astype(float)
+        turn, _ = np.linalg.qr(numbers.normal(size=(3, 3)))
+        points = grid @ turn + 10.0 * numbers.normal(size=3)
+        assert_encloses(convex_hull(points), points)
+
+
 @pytest.mark.parametrize(
     "points",
     [

@@ -6,14 +6,22 @@ chapter 11), taking the point that lies farthest outside each time, as Quickhull
 
 from __future__ import annotations
 
-import math
+from typing import Tuple
 
 import numpy as np
 
 MOST_VERTICES = 200
-"""Of a hull; one with more is replaced by its extreme points in evenly spread directions."""
+"""Of a hull; one with more is left at those that lie farthest out."""
 _FLAT = 1e-6
 """Thickness of a body, as a share of its size, below which it counts as flat."""
+_OUTSIDE = 1e-6
+"""What lies no farther outside than this share of the size counts as inside."""
+_JOGGLE = 1e-7
+"""Points are moved by up to this share of the size, so that no four of them lie in one plane.
+
+Where they do, rounding decides which faces a new point sees, and the hull can fold over itself.
+Far above the rounding of a double, far below what counts.
+"""
 
 
 class FlatError(ValueError):
@@ -38,49 +46,46 @@ def convex_hull(points: np.ndarray) -> np.ndarray:
     FlatError
     """
     points = np.asarray(points, dtype=np.float64)
-    points = _extreme(points, _directions(2048))
-    if len(points) > MOST_VERTICES:
-        points = _extreme(points, _directions(MOST_VERTICES))
     return points[_triangles(points)]
-
-
-def _directions(count: int) -> np.ndarray:
-    """Unit vectors spread evenly (a Fibonacci lattice), and the six along the axes."""
-    index = np.arange(count - 6) + 0.5
-    z = 1.0 - 2.0 * index / (count - 6)
-    angle = index * math.pi * (3.0 - math.sqrt(5.0))
-    radius = np.sqrt(1.0 - z * z)
-    spread = np.stack([radius * np.cos(angle), radius * np.sin(angle), z], axis=1)
-    return np.concatenate([np.eye(3), -np.eye(3), spread])
-
-
-def _extreme(points: np.ndarray, directions: np.ndarray) -> np.ndarray:
-    """The points that lie farthest in one of the directions."""
-    if len(points) <= len(directions):
-        return points
-    best = np.empty(len(directions), dtype=np.intp)
-    for begin in range(0, len(directions), 64):  # bounds the memory of the product
-        part = slice(begin, begin + 64)
-        best[part] = np.argmax(directions[part] @ points.T, axis=1)
-    return points[np.unique(best)]
 
 
 def _triangles(points: np.ndarray) -> np.ndarray:
     """Corner indices of the hull's triangles, shape (M, 3)."""
     first = _first_tetrahedron(points)
-    tolerance = _FLAT * 1e-3 * float(np.ptp(points, axis=0).max())
+    size = float(np.ptp(points, axis=0).max())
+    joggle = np.random.default_rng(0).uniform(-_JOGGLE, _JOGGLE, points.shape)
+    points = points - points[first[0]] + size * joggle
     inside = points[list(first)].mean(axis=0)
     a, b, c, d = first
     faces = _outward(points, np.array([[a, b, c], [a, b, d], [a, c, d], [b, c, d]]), inside)
-    while True:
-        normals, offsets = _planes(points, faces)
-        heights = points @ normals.T - offsets
-        farthest = heights.max(axis=1)
-        new = int(np.argmax(farthest))
-        if farthest[new] <= tolerance:
-            return faces
-        visible = heights[new] > tolerance * 0.5
-        faces = np.concatenate([faces[~visible], _cone(faces[visible], new)])
+    normals, offsets = _planes(points, faces)
+    farthest, heights = _farthest(points, normals, offsets)
+    for _ in range(MOST_VERTICES - len(first)):
+        face = int(np.argmax(heights))
+        if heights[face] <= _OUTSIDE * size:
+            break
+        new = farthest[face]
+        hidden = normals @ points[new] - offsets <= 0.0
+        cone = _cone(faces[~hidden], new)
+        planes = _planes(points, cone)
+        faces = np.concatenate([faces[hidden], cone])
+        normals = np.concatenate([normals[hidden], planes[0]])
+        offsets = np.concatenate([offsets[hidden], planes[1]])
+        # What lies beyond the other faces is known already.
+        outside = _farthest(points, *planes)
+        farthest = np.concatenate([farthest[hidden], outside[0]])
+        heights = np.concatenate([heights[hidden], outside[1]])
+    return faces
+
+
+def _farthest(
+    points: np.ndarray, normals: np.ndarray, offsets: np.ndarray
+) -> Tuple[np.ndarray, np.ndarray]:
+    """The point farthest outside each plane, and how far it lies outside."""
+    rows = np.arange(len(normals))
+    heights = normals @ points.T
+    farthest = heights.argmax(axis=1)
+    return farthest, heights[rows, farthest] - offsets
 
 
 def _cone(visible: np.ndarray, apex: int) -> np.ndarray:
