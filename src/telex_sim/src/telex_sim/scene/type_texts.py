@@ -5,11 +5,12 @@ from __future__ import annotations
 import dataclasses
 import inspect
 import re
-from typing import Any, Dict, List, Tuple, Type
+from typing import Any, Dict, List, Tuple, Type, Union, get_type_hints
 
 from telex_control.common.params import required
 
 from .library.object_type import ObjectType
+from .library.parameters import meaning
 
 _FIELD = re.compile(r"(\w+(?:, \w+)*) : (.+)")
 
@@ -25,15 +26,33 @@ def parameters(kind: Type[ObjectType]) -> List[Tuple[str, str, str]]:
     Parameters
     ----------
     kind : type
-        A dataclass whose documentation has a section ``Attributes``, of its own or inherited.
+        Its fields are declared by the functions of `telex_sim.scene.library.parameters`; the
+        meaning of others stands in the section ``Attributes`` of its documentation, of its own or
+        inherited.
     """
     documented: Dict[str, str] = {}
     for base in reversed(kind.__mro__):
         documented.update(_attributes(inspect.cleandoc(base.__doc__ or "")))
-    return [
-        (field.name, _default(field), documented.get(field.name, ""))
-        for field in dataclasses.fields(kind)  # type: ignore[arg-type]
-    ]
+    texts = []
+    for field in dataclasses.fields(kind):  # type: ignore[arg-type]
+        text = documented.get(field.name, "")
+        if meaning(field):
+            text = f"{_type_name(get_type_hints(kind)[field.name])}. {meaning(field)}"
+        texts.append((field.name, _default(field), text))
+    return texts
+
+
+def _type_name(hint: Any) -> str:
+    """Name of a field's type, such as ``tuple of 3 floats`` or ``float, optional``."""
+    origin = getattr(hint, "__origin__", None)
+    if origin is Union:
+        return f"{_type_name(hint.__args__[0])}, optional"
+    if origin is tuple:
+        element = _type_name(hint.__args__[0])
+        count = "" if Ellipsis in hint.__args__ else f"{len(hint.__args__)} "
+        return f"tuple of {count}{'floats' if element == 'float' else element}"
+    name: str = hint.__name__
+    return name
 
 
 def _default(field: Any) -> str:

@@ -6,13 +6,15 @@ from pathlib import Path
 from typing import Tuple
 
 from ..model import ObjectModel, SceneObject
+from .parameters import Declared
 
 
-class ObjectType:
+class ObjectType(Declared):
     """Base of the library's types.
 
-    A type is a frozen dataclass; its fields are the parameters that a scene file may set, with
-    defaults, checked in ``__post_init__`` by `telex_control.common.params.require`.
+    A type is a frozen dataclass; its fields, declared by the functions of
+    `telex_sim.scene.library.parameters`, are the parameters that a scene file may set. What
+    concerns several of them is checked in `check`.
     """
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
