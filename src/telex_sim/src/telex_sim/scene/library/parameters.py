@@ -18,6 +18,8 @@ from typing import Any, Callable, Iterable, Mapping, Union
 
 from telex_control.common.params import require, require_choice, require_range, required
 
+from ..sealed import TOKEN
+
 Bound = Union[float, Callable[[Any], float]]
 """A number, or a function that computes it from the dataclass's other fields."""
 
@@ -144,6 +146,19 @@ def choice(default: str, choices: Iterable[str], text: str = "") -> Any:
         require_choice(config, name, known)
 
     return _declared(default, text or f"{', '.join(known[:-1])} or {known[-1]}.", {_CHECK: check})
+
+
+def token(text: str) -> Any:
+    """Declare a token in place of a seed (`telex_sim.scene.sealed`); by default there is none."""
+
+    def check(config: Any, name: str) -> None:
+        value = getattr(config, name)
+        require(
+            not value or bool(TOKEN.fullmatch(value)),
+            f"{name} is {value!r}; 8 to 64 hexadecimal digits, in lower case, are needed",
+        )
+
+    return _declared("", text, {_CHECK: check})
 
 
 def _declared(default: Any, text: str, checks: Mapping[str, _Check]) -> Any:

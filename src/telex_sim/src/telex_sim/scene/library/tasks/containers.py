@@ -6,50 +6,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import List, Tuple
 
-from telex_control.common.params import require, require_choice, require_range
+from telex_control.common.params import require
 
 from ...model import Link, ObjectModel, SceneObject, Surface, Vector3
 from .. import materials as look
-from ..checks import require_color, require_each, require_elements
 from ..object_type import ObjectType, single
+from ..parameters import choice, kilograms, number, numbers, parameter, rgb
 from ..shapes import SHEET, Parts, beam, box, cylinder, opaque, open_box, rigid, seen_only
-
-
-@dataclass(frozen=True)
-class Crate(ObjectType):
-    """Wooden or cardboard box, closed.
-
-    Attributes
-    ----------
-    size : tuple of 3 floats
-        Full extents (m).
-    mass : float
-        kg.
-    material : str
-        wood, cardboard or aluminium.
-    friction : float
-        Of its surface.
-    static : bool
-        Whether it stands fast.
-    """
-
-    size: Vector3 = (0.6, 0.4, 0.4)
-    mass: float = 12.0
-    material: str = "wood"
-    friction: float = 1.0
-    static: bool = False
-
-    def __post_init__(self) -> None:
-        require_elements(self, "size", 0.05, 5.0)
-        require_range(self, "mass", above=0.0)
-        require_choice(self, "material", _CRATES)
-        require_range(self, "friction", 0.0, 2.0)
-
-    def build(self, folder: Path) -> Tuple[SceneObject, ...]:
-        """Make it; see `ObjectType.build`."""
-        solid = box(self.size, (0.0, 0.0, 0.5 * self.size[2]))
-        parts = (solid, *seen_only(_CRATES[self.material](self.size)))
-        return rigid("crate", self.mass, parts, self.friction, static=self.static)
 
 
 def _wooden(size: Vector3) -> Parts:
@@ -115,41 +78,40 @@ def _aluminium(size: Vector3) -> Parts:
 
 _CRATES = {"wood": _wooden, "cardboard": _cardboard, "aluminium": _aluminium}
 
+
+@dataclass(frozen=True)
+class Crate(ObjectType):
+    """Wooden or cardboard box, closed."""
+
+    size: Vector3 = numbers((0.6, 0.4, 0.4), "Full extents (m).", 0.05, 5.0)
+    mass: float = kilograms(12.0)
+    material: str = choice("wood", _CRATES)
+    friction: float = number(1.0, "Of its surface.", 0.0, 2.0)
+    static: bool = parameter(False, "Whether it stands fast.")
+
+    def build(self, folder: Path) -> Tuple[SceneObject, ...]:
+        """Make it; see `ObjectType.build`."""
+        solid = box(self.size, (0.0, 0.0, 0.5 * self.size[2]))
+        parts = (solid, *seen_only(_CRATES[self.material](self.size)))
+        return rigid("crate", self.mass, parts, self.friction, static=self.static)
+
+
 _BOARD = 0.022
 """Thickness of a pallet's boards (m)."""
 
 
 @dataclass(frozen=True)
 class Pallet(ObjectType):
-    """Pallet after EN 13698-1: 1.2 x 0.8 m, of boards and blocks.
+    """Pallet after EN 13698-1: 1.2 x 0.8 m, of boards and blocks."""
 
-    Attributes
-    ----------
-    length, width : float
-        m.
-    height : float
-        m; the blocks take what the three layers of boards leave.
-    mass : float
-        kg.
-    friction : float
-        Of its surface.
-    static : bool
-        Whether it stands fast.
-    """
-
-    length: float = 1.2
-    width: float = 0.8
-    height: float = 0.144
-    mass: float = 25.0
-    friction: float = 1.0
-    static: bool = False
-
-    def __post_init__(self) -> None:
-        require_range(self, "length", 0.6, 3.0)
-        require_range(self, "width", 0.6, 3.0)
-        require_range(self, "height", 0.1, 0.3)
-        require_range(self, "mass", above=0.0)
-        require_range(self, "friction", 0.0, 2.0)
+    length: float = number(1.2, "m.", 0.6, 3.0)
+    width: float = number(0.8, "m.", 0.6, 3.0)
+    height: float = number(
+        0.144, "m; the blocks take what the three layers of boards leave.", 0.1, 0.3
+    )
+    mass: float = kilograms(25.0)
+    friction: float = number(1.0, "Of its surface.", 0.0, 2.0)
+    static: bool = parameter(False, "Whether it stands fast.")
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -191,33 +153,13 @@ class Pallet(ObjectType):
 
 @dataclass(frozen=True)
 class PalletStack(ObjectType):
-    """Pallets on top of one another, each free.
+    """Pallets on top of one another, each free."""
 
-    Attributes
-    ----------
-    count : int
-        How many.
-    height : float
-        Of one pallet (m): four of 0.125 make a step of 0.5.
-    mass : float
-        Of one pallet (kg).
-    static : bool
-        Whether they stand fast.
-    friction : float
-        Of its surface.
-    """
-
-    count: int = 4
-    height: float = 0.125
-    mass: float = 25.0
-    static: bool = False
-    friction: float = 1.0
-
-    def __post_init__(self) -> None:
-        require_range(self, "count", 1, 12)
-        require_range(self, "height", 0.1, 0.3)
-        require_range(self, "mass", above=0.0)
-        require_range(self, "friction", 0.0, 2.0)
+    count: int = number(4, "How many.", 1, 12)
+    height: float = number(0.125, "Of one pallet (m): four of 0.125 make a step of 0.5.", 0.1, 0.3)
+    mass: float = kilograms(25.0, "Of one pallet (kg).")
+    static: bool = parameter(False, "Whether they stand fast.")
+    friction: float = number(1.0, "Of its surface.", 0.0, 2.0)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -232,40 +174,21 @@ class PalletStack(ObjectType):
 
 @dataclass(frozen=True)
 class Bin(ObjectType):
-    """Box without a lid, to put things in.
+    """Box without a lid, to put things in."""
 
-    Attributes
-    ----------
-    size : tuple of 3 floats
-        Full extents (m).
-    wall : float
-        Thickness (m).
-    mass : float
-        kg.
-    color : tuple of 3 floats
-        Red, green, blue, 0 to 1.
-    label : str
-        Written on its long sides; letters, digits and spaces.
-    static : bool
-        Whether it stands fast.
-    """
+    size: Vector3 = numbers((0.4, 0.3, 0.18), "Full extents (m).", 0.05, 3.0)
+    wall: float = number(0.008, "Thickness (m).", 0.003, 0.1)
+    mass: float = kilograms(1.5)
+    color: Vector3 = rgb((0.16, 0.36, 0.62))
+    label: str = parameter("", "Written on its long sides; letters, digits and spaces.")
+    static: bool = parameter(False, "Whether it stands fast.")
 
-    size: Vector3 = (0.4, 0.3, 0.18)
-    wall: float = 0.008
-    mass: float = 1.5
-    color: Vector3 = (0.16, 0.36, 0.62)
-    label: str = ""
-    static: bool = False
-
-    def __post_init__(self) -> None:
-        require_elements(self, "size", 0.05, 3.0)
-        require_range(self, "wall", 0.003, 0.1)
+    def check(self) -> None:
+        """Check what concerns several parameters; see `Declared.check`."""
         require(
             2.0 * self.wall < min(self.size[:2]) and self.wall < self.size[2],
             f"wall is {self.wall}; a bin of {list(self.size)} has no room inside",
         )
-        require_range(self, "mass", above=0.0)
-        require_color(self, "color")
         require(
             all(character.isalnum() or character == " " for character in self.label),
             f"label is {self.label!r}; only letters, digits and spaces are possible",
@@ -300,34 +223,14 @@ class Bin(ObjectType):
 
 @dataclass(frozen=True)
 class Barrel(ObjectType):
-    """Steel drum of 200 litres.
+    """Steel drum of 200 litres."""
 
-    Attributes
-    ----------
-    radius, height : float
-        m.
-    mass : float
-        kg.
-    color : tuple of 3 floats
-        Red, green, blue, 0 to 1.
-    friction : float
-        Of its surface.
-    static : bool
-        Whether it stands fast.
-    """
-
-    radius: float = 0.29
-    height: float = 0.88
-    mass: float = 22.0
-    color: Vector3 = (0.13, 0.33, 0.55)
-    friction: float = 0.8
-    static: bool = False
-
-    def __post_init__(self) -> None:
-        require_each(self, "radius height", 0.05, 3.0)
-        require_range(self, "mass", above=0.0)
-        require_color(self, "color")
-        require_range(self, "friction", 0.0, 2.0)
+    radius: float = number(0.29, "m.", 0.05, 3.0)
+    height: float = number(0.88, "m.", 0.05, 3.0)
+    mass: float = kilograms(22.0)
+    color: Vector3 = rgb((0.13, 0.33, 0.55))
+    friction: float = number(0.8, "Of its surface.", 0.0, 2.0)
+    static: bool = parameter(False, "Whether it stands fast.")
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""

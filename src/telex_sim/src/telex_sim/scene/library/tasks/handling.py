@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Optional, Tuple
 
-from telex_control.common.params import require, require_range
+from telex_control.common.params import require
 
 from ...model import SceneObject, Surface, Vector3
 from .. import materials as look
-from ..checks import require_color, require_each, require_elements
 from ..object_type import ObjectType
+from ..parameters import kilograms, number, numbers, parameter, rgb
 from ..shapes import (
     LYING_X,
     Parts,
@@ -36,35 +36,22 @@ _HARDWOOD, _STEEL = 700.0, 7850.0
 
 @dataclass(frozen=True)
 class Briefcase(ObjectType):
-    """Case with a handle on top, standing upright.
+    """Case with a handle on top, standing upright."""
 
-    Attributes
-    ----------
-    size : tuple of 3 floats
-        Of the case without its handle: length, thickness, height (m).
-    mass : float
-        kg.
-    handle : float
-        Thickness of the square bar (m).
-    clearance : float
-        Free height under the bar (m).
-    color : tuple of 3 floats
-        Red, green, blue, 0 to 1.
-    """
+    size: Vector3 = numbers(
+        (0.45, 0.13, 0.33),
+        "Of the case without its handle: length, thickness, height (m).",
+        0.05,
+        1.5,
+    )
+    mass: float = kilograms(5.0)
+    handle: float = number(0.025, "Thickness of the square bar (m).", 0.01, 0.1)
+    clearance: float = number(0.05, "Free height under the bar (m).", 0.02, 0.3)
+    color: Vector3 = rgb((0.16, 0.14, 0.13))
 
-    size: Vector3 = (0.45, 0.13, 0.33)
-    mass: float = 5.0
-    handle: float = 0.025
-    clearance: float = 0.05
-    color: Vector3 = (0.16, 0.14, 0.13)
-
-    def __post_init__(self) -> None:
-        require_elements(self, "size", 0.05, 1.5)
+    def check(self) -> None:
+        """Check what concerns several parameters; see `Declared.check`."""
         require(self.size[0] >= 0.2, f"size[0] is {self.size[0]}; a handle needs at least 0.2")
-        require_range(self, "mass", above=0.0)
-        require_range(self, "handle", 0.01, 0.1)
-        require_range(self, "clearance", 0.02, 0.3)
-        require_color(self, "color")
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -107,30 +94,12 @@ class Briefcase(ObjectType):
 
 @dataclass(frozen=True)
 class Cube(ObjectType):
-    """Cube to pick.
+    """Cube to pick."""
 
-    Attributes
-    ----------
-    edge : float
-        m; the tasks use 0.03 to 0.10.
-    mass : float, optional
-        kg; left out, that of hardwood (700 kg/m3).
-    color : tuple of 3 floats
-        Red, green, blue, 0 to 1.
-    friction : float
-        Of its surface.
-    """
-
-    edge: float = 0.05
-    mass: Optional[float] = None
-    color: Vector3 = (0.85, 0.20, 0.12)
-    friction: float = 1.0
-
-    def __post_init__(self) -> None:
-        require_range(self, "edge", 0.01, 1.0)
-        require_range(self, "mass", above=0.0)
-        require_color(self, "color")
-        require_range(self, "friction", 0.0, 2.0)
+    edge: float = number(0.05, "m; the tasks use 0.03 to 0.10.", 0.01, 1.0)
+    mass: Optional[float] = kilograms(None, "kg; left out, that of hardwood (700 kg/m3).")
+    color: Vector3 = rgb((0.85, 0.20, 0.12))
+    friction: float = number(1.0, "Of its surface.", 0.0, 2.0)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -142,34 +111,14 @@ class Cube(ObjectType):
 
 @dataclass(frozen=True)
 class Cylinder(ObjectType):
-    """Round bar to pick.
+    """Round bar to pick."""
 
-    Attributes
-    ----------
-    radius, length : float
-        m.
-    mass : float
-        kg.
-    color : tuple of 3 floats
-        Red, green, blue, 0 to 1.
-    lying : bool
-        Lies along x instead of standing.
-    friction : float
-        Of its surface.
-    """
-
-    radius: float = 0.03
-    length: float = 0.15
-    mass: float = 0.4
-    color: Vector3 = (0.20, 0.45, 0.25)
-    lying: bool = False
-    friction: float = 1.0
-
-    def __post_init__(self) -> None:
-        require_each(self, "radius length", 0.005, 3.0)
-        require_range(self, "mass", above=0.0)
-        require_color(self, "color")
-        require_range(self, "friction", 0.0, 2.0)
+    radius: float = number(0.03, "m.", 0.005, 3.0)
+    length: float = number(0.15, "m.", 0.005, 3.0)
+    mass: float = kilograms(0.4)
+    color: Vector3 = rgb((0.20, 0.45, 0.25))
+    lying: bool = parameter(False, "Lies along x instead of standing.")
+    friction: float = number(1.0, "Of its surface.", 0.0, 2.0)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -188,29 +137,12 @@ class Cylinder(ObjectType):
 
 @dataclass(frozen=True)
 class Pipe(ObjectType):
-    """Piece of pipe; it looks hollow, its wall is a fifth of the radius.
+    """Piece of pipe; it looks hollow, its wall is a fifth of the radius."""
 
-    Attributes
-    ----------
-    radius : float
-        Outside (m).
-    length : float
-        m.
-    mass : float, optional
-        kg; left out, that of steel.
-    lying : bool
-        Lies along x instead of standing.
-    """
-
-    radius: float = 0.025
-    length: float = 0.4
-    mass: Optional[float] = None
-    lying: bool = True
-
-    def __post_init__(self) -> None:
-        require_range(self, "radius", 0.005, 1.0)
-        require_range(self, "length", 0.02, 12.0)
-        require_range(self, "mass", above=0.0)
+    radius: float = number(0.025, "Outside (m).", 0.005, 1.0)
+    length: float = number(0.4, "m.", 0.02, 12.0)
+    mass: Optional[float] = kilograms(None, "kg; left out, that of steel.")
+    lying: bool = parameter(True, "Lies along x instead of standing.")
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -229,28 +161,12 @@ class Pipe(ObjectType):
 
 @dataclass(frozen=True)
 class Bottle(ObjectType):
-    """Bottle with a neck and a cap.
+    """Bottle with a neck and a cap."""
 
-    Attributes
-    ----------
-    radius, height : float
-        m.
-    mass : float
-        kg.
-    color : tuple of 3 floats
-        Red, green, blue, 0 to 1.
-    """
-
-    radius: float = 0.04
-    height: float = 0.26
-    mass: float = 0.8
-    color: Vector3 = (0.16, 0.42, 0.30)
-
-    def __post_init__(self) -> None:
-        require_range(self, "radius", 0.01, 0.5)
-        require_range(self, "height", 0.05, 2.0)
-        require_range(self, "mass", above=0.0)
-        require_color(self, "color")
+    radius: float = number(0.04, "m.", 0.01, 0.5)
+    height: float = number(0.26, "m.", 0.05, 2.0)
+    mass: float = kilograms(0.8)
+    color: Vector3 = rgb((0.16, 0.42, 0.30))
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -276,30 +192,12 @@ class Bottle(ObjectType):
 
 @dataclass(frozen=True)
 class Sphere(ObjectType):
-    """Ball to pick.
+    """Ball to pick."""
 
-    Attributes
-    ----------
-    radius : float
-        m.
-    mass : float
-        kg.
-    color : tuple of 3 floats
-        Red, green, blue, 0 to 1.
-    friction : float
-        Of its surface.
-    """
-
-    radius: float = 0.04
-    mass: float = 0.5
-    color: Vector3 = (0.90, 0.42, 0.08)
-    friction: float = 1.0
-
-    def __post_init__(self) -> None:
-        require_range(self, "radius", 0.005, 0.5)
-        require_range(self, "mass", above=0.0)
-        require_color(self, "color")
-        require_range(self, "friction", 0.0, 2.0)
+    radius: float = number(0.04, "m.", 0.005, 0.5)
+    mass: float = kilograms(0.5)
+    color: Vector3 = rgb((0.90, 0.42, 0.08))
+    friction: float = number(1.0, "Of its surface.", 0.0, 2.0)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -314,32 +212,14 @@ class Sphere(ObjectType):
 
 @dataclass(frozen=True)
 class Wedge(ObjectType):
-    """Wedge to pick; it rises along x.
+    """Wedge to pick; it rises along x."""
 
-    Attributes
-    ----------
-    length, width, height : float
-        Along x, y and z (m).
-    mass : float, optional
-        kg; left out, that of hardwood (700 kg/m3).
-    color : tuple of 3 floats
-        Red, green, blue, 0 to 1.
-    friction : float
-        Of its surface.
-    """
-
-    length: float = 0.12
-    width: float = 0.06
-    height: float = 0.06
-    mass: Optional[float] = None
-    color: Vector3 = (0.88, 0.74, 0.15)
-    friction: float = 1.0
-
-    def __post_init__(self) -> None:
-        require_each(self, "length width height", 0.01, 1.0)
-        require_range(self, "mass", above=0.0)
-        require_color(self, "color")
-        require_range(self, "friction", 0.0, 2.0)
+    length: float = number(0.12, "Along x, y and z (m).", 0.01, 1.0)
+    width: float = number(0.06, "Along x, y and z (m).", 0.01, 1.0)
+    height: float = number(0.06, "Along x, y and z (m).", 0.01, 1.0)
+    mass: Optional[float] = kilograms(None, "kg; left out, that of hardwood (700 kg/m3).")
+    color: Vector3 = rgb((0.88, 0.74, 0.15))
+    friction: float = number(1.0, "Of its surface.", 0.0, 2.0)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -354,29 +234,17 @@ class Wedge(ObjectType):
 
 @dataclass(frozen=True)
 class Plate(ObjectType):
-    """Flat plate of steel, standing on its edge or lying.
+    """Flat plate of steel, standing on its edge or lying."""
 
-    Attributes
-    ----------
-    size : tuple of 3 floats
-        Length, thickness and height as it stands: along x, y and z (m).
-    mass : float, optional
-        kg; left out, that of steel.
-    lying : bool
-        Lies on its side instead of standing.
-    friction : float
-        Of its surface.
-    """
-
-    size: Vector3 = (0.15, 0.01, 0.10)
-    mass: Optional[float] = None
-    lying: bool = False
-    friction: float = 1.0
-
-    def __post_init__(self) -> None:
-        require_elements(self, "size", 0.002, 1.5)
-        require_range(self, "mass", above=0.0)
-        require_range(self, "friction", 0.0, 2.0)
+    size: Vector3 = numbers(
+        (0.15, 0.01, 0.10),
+        "Length, thickness and height as it stands: along x, y and z (m).",
+        0.002,
+        1.5,
+    )
+    mass: Optional[float] = kilograms(None, "kg; left out, that of steel.")
+    lying: bool = parameter(False, "Lies on its side instead of standing.")
+    friction: float = number(1.0, "Of its surface.", 0.0, 2.0)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""

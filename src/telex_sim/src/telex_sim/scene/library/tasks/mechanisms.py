@@ -10,13 +10,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Tuple
 
-from telex_control.common.params import require, require_choice, require_range
+from telex_control.common.params import require, require_range
 
 from ...model import Detents, Joint, Link, Motion, ObjectModel, SceneObject, Vector3
 from ...poses import rotate
 from .. import materials as look
-from ..checks import require_each
 from ..object_type import ObjectType, single
+from ..parameters import choice, kilograms, number, parameter
 from ..shapes import (
     LYING_X,
     LYING_Y,
@@ -39,47 +39,32 @@ from .mounts import MOUNTS, PLATE, mount
 
 @dataclass(frozen=True)
 class Valve(ObjectType):
-    """Valve with a hand wheel or a lever on a pipe, which turns against friction.
+    """Valve with a hand wheel or a lever on a pipe, which turns against friction."""
 
-    Attributes
-    ----------
-    radius : float
-        Of the wheel's ring, or from the axis to the end of the lever (m).
-    height : float
-        Of the wheel's middle over the floor (m).
-    facing : str
-        front: the wheel looks towards -x; up: it lies level.
-    handle : str
-        wheel or lever.
-    friction : float
-        Torque below which it does not turn (N m).
-    turns : float
-        How many it has from the middle to either end.
-    start : float
-        Angle at the start (rad).
-    """
+    radius: float = number(
+        0.1, "Of the wheel's ring, or from the axis to the end of the lever (m).", 0.05, 0.5
+    )
+    height: float = number(0.8, "Of the wheel's middle over the floor (m).", 0.15, 2.5)
+    facing: str = choice(
+        "front", ("front", "up"), "front: the wheel looks towards -x; up: it lies level."
+    )
+    friction: float = number(5.0, "Torque below which it does not turn (N m).", 0.0)
+    turns: float = number(4.0, "How many it has from the middle to either end.", 0.1, 100.0)
+    start: float = number(
+        0.0,
+        "Angle at the start (rad).",
+        lambda own: -2.0 * math.pi * own.turns,
+        lambda own: 2.0 * math.pi * own.turns,
+    )
+    handle: str = choice("wheel", ("wheel", "lever"))
 
-    radius: float = 0.1
-    height: float = 0.8
-    facing: str = "front"
-    friction: float = 5.0
-    turns: float = 4.0
-    start: float = 0.0
-    handle: str = "wheel"
-
-    def __post_init__(self) -> None:
-        require_choice(self, "handle", ("wheel", "lever"))
-        require_range(self, "radius", 0.05, 0.5)
-        require_range(self, "height", 0.15, 2.5)
+    def check(self) -> None:
+        """Check what concerns several parameters; see `Declared.check`."""
         require(
             self.height >= self.radius + 0.05,
             f"height is {self.height}; a wheel of radius {self.radius} needs at least"
             f" {self.radius + 0.05:g}",
         )
-        require_choice(self, "facing", ("front", "up"))
-        require_range(self, "friction", 0.0)
-        require_range(self, "turns", 0.1, 100.0)
-        require_range(self, "start", -2.0 * math.pi * self.turns, 2.0 * math.pi * self.turns)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -183,37 +168,20 @@ class Valve(ObjectType):
 
 @dataclass(frozen=True)
 class Lever(ObjectType):
-    """Switch with a lever that swings up and down between notches.
+    """Switch with a lever that swings up and down between notches."""
 
-    Attributes
-    ----------
-    height : float
-        Of the pivot over the floor (m).
-    length : float
-        From the pivot to the knob (m).
-    notches : tuple of floats
-        Angles at which it rests (rad), rising; level is 0, up is positive.
-    start : float
-        Angle at the start (rad).
-    notch_torque : float
-        What a notch resists (N m).
-    friction : float
-        Between the notches (N m).
-    mounting : str
-        stand or wall.
-    """
+    height: float = number(0.8, "Of the pivot over the floor (m).", 0.2, 2.5)
+    length: float = number(0.16, "From the pivot to the knob (m).", 0.08, 0.6)
+    notches: Tuple[float, ...] = parameter(
+        (-0.7, 0.7), "Angles at which it rests (rad), rising; level is 0, up is positive."
+    )
+    start: float = parameter(-0.7, "Angle at the start (rad).")
+    notch_torque: float = number(3.0, "What a notch resists (N m).", 0.0, 100.0)
+    friction: float = number(1.0, "Between the notches (N m).", 0.0, 100.0)
+    mounting: str = choice("stand", MOUNTS)
 
-    height: float = 0.8
-    length: float = 0.16
-    notches: Tuple[float, ...] = (-0.7, 0.7)
-    start: float = -0.7
-    notch_torque: float = 3.0
-    friction: float = 1.0
-    mounting: str = "stand"
-
-    def __post_init__(self) -> None:
-        require_range(self, "height", 0.2, 2.5)
-        require_range(self, "length", 0.08, 0.6)
+    def check(self) -> None:
+        """Check what concerns several parameters; see `Declared.check`."""
         rising = all(a < b for a, b in zip(self.notches, self.notches[1:]))
         require(
             len(self.notches) >= 2 and rising and max(map(abs, self.notches)) <= 1.2,
@@ -221,8 +189,6 @@ class Lever(ObjectType):
             " needed",
         )
         require_range(self, "start", self.notches[0], self.notches[-1])
-        require_each(self, "notch_torque friction", 0.0, 100.0)
-        require_choice(self, "mounting", MOUNTS)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -276,38 +242,19 @@ class Lever(ObjectType):
 
 @dataclass(frozen=True)
 class Connector(ObjectType):
-    """Plug in a socket, which a latch holds until it is pulled.
+    """Plug in a socket, which a latch holds until it is pulled."""
 
-    Attributes
-    ----------
-    height : float
-        Of the socket over the floor (m).
-    radius : float
-        Of the socket's hole (m).
-    clearance : float
-        Gap round the plug (m); 0.002 to 0.005 is usual.
-    hold : float
-        Pull at which the plug comes out (N).
-    mass : float
-        Of the plug (kg).
-    mounting : str
-        stand or wall.
-    """
-
-    height: float = 0.8
-    radius: float = 0.022
-    clearance: float = 0.0025
-    hold: float = 60.0
-    mass: float = 0.4
-    mounting: str = "stand"
-
-    def __post_init__(self) -> None:
-        require_range(self, "height", 0.15, 2.5)
-        require_range(self, "radius", 0.01, 0.1)
-        require_range(self, "clearance", 0.0005, 0.5 * self.radius)
-        require_range(self, "hold", 0.0, 1000.0)
-        require_range(self, "mass", above=0.0)
-        require_choice(self, "mounting", MOUNTS)
+    height: float = number(0.8, "Of the socket over the floor (m).", 0.15, 2.5)
+    radius: float = number(0.022, "Of the socket's hole (m).", 0.01, 0.1)
+    clearance: float = number(
+        0.0025,
+        "Gap round the plug (m); 0.002 to 0.005 is usual.",
+        0.0005,
+        lambda own: 0.5 * own.radius,
+    )
+    hold: float = number(60.0, "Pull at which the plug comes out (N).", 0.0, 1000.0)
+    mass: float = kilograms(0.4, "Of the plug (kg).")
+    mounting: str = choice("stand", MOUNTS)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""

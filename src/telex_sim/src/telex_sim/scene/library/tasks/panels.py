@@ -12,14 +12,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import List, Tuple
 
-from telex_control.common.params import require, require_choice, require_range
+from telex_control.common.params import require
 
 from ...model import Joint, Link, Motion, ObjectModel, SceneObject, Vector3
 from ...poses import product, rotate
 from ...textures.optotypes import sealed_angle
 from .. import materials as look
-from ..checks import require_sealed
 from ..object_type import ObjectType, single
+from ..parameters import choice, number, token
 from ..shapes import (
     LYING_X,
     TOWARDS_US,
@@ -40,38 +40,25 @@ _PIPE_RADIUS = 0.025
 
 @dataclass(frozen=True)
 class InspectionPipes(ObjectType):
-    """Pipes of 50 mm to look into, with a Landolt ring at the bottom of each.
+    """Pipes of 50 mm to look into, with a Landolt ring at the bottom of each."""
 
-    Attributes
-    ----------
-    layout : str
-        row: five side by side; star: one straight on, four at 45 degrees round it.
-    length : float
-        Of the pipes (m).
-    height : float
-        Of the middle over the floor (m); a star's pipes need room below.
-    seed : int
-        Which way the rings are open.
-    sealed : str
-        A token in place of the seed, which tells nobody which way; see `scene.sealed`.
-    mounting : str
-        stand or wall.
-    """
+    layout: str = choice(
+        "star",
+        ("row", "star"),
+        "row: five side by side; star: one straight on, four at 45 degrees round it.",
+    )
+    length: float = number(0.6, "Of the pipes (m).", 0.05, 1.0)
+    height: float = number(
+        0.8, "Of the middle over the floor (m); a star's pipes need room below.", 0.05, 2.5
+    )
+    seed: int = number(1, "Which way the rings are open.", 0, 2**31 - 1)
+    sealed: str = token(
+        "A token in place of the seed, which tells nobody which way; see `scene.sealed`."
+    )
+    mounting: str = choice("stand", MOUNTS)
 
-    layout: str = "star"
-    length: float = 0.6
-    height: float = 0.8
-    seed: int = 1
-    sealed: str = ""
-    mounting: str = "stand"
-
-    def __post_init__(self) -> None:
-        require_choice(self, "layout", ("row", "star"))
-        require_range(self, "length", 0.05, 1.0)
-        require_range(self, "height", 0.05, 2.5)
-        require_range(self, "seed", 0, 2**31 - 1)
-        require_sealed(self.sealed)
-        require_choice(self, "mounting", MOUNTS)
+    def check(self) -> None:
+        """Check what concerns several parameters; see `Declared.check`."""
         lowest = 0.1 + math.sqrt(0.5) * self.length
         require(
             self.layout == "row" or self.height >= lowest,
@@ -134,30 +121,12 @@ _LEANING = (0.0, math.sin(math.pi / 8.0), 0.0, math.cos(math.pi / 8.0))
 
 @dataclass(frozen=True)
 class TouchPanel(ObjectType):
-    """Blocks with dots to touch.
+    """Blocks with dots to touch."""
 
-    Attributes
-    ----------
-    count : int
-        Blocks side by side.
-    dot : float
-        Diameter of a dot (m); the tests allow 0.01 of error.
-    height : float
-        Of the middle over the floor (m).
-    mounting : str
-        stand or wall.
-    """
-
-    count: int = 5
-    dot: float = 0.02
-    height: float = 0.8
-    mounting: str = "stand"
-
-    def __post_init__(self) -> None:
-        require_range(self, "count", 1, 10)
-        require_range(self, "dot", 0.004, 0.08)
-        require_range(self, "height", 0.08, 2.5)
-        require_choice(self, "mounting", MOUNTS)
+    count: int = number(5, "Blocks side by side.", 1, 10)
+    dot: float = number(0.02, "Diameter of a dot (m); the tests allow 0.01 of error.", 0.004, 0.08)
+    height: float = number(0.8, "Of the middle over the floor (m).", 0.08, 2.5)
+    mounting: str = choice("stand", MOUNTS)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -182,34 +151,13 @@ class TouchPanel(ObjectType):
 
 @dataclass(frozen=True)
 class RotatePanel(ObjectType):
-    """Caps to turn by half a turn.
+    """Caps to turn by half a turn."""
 
-    Attributes
-    ----------
-    count : int
-        Caps side by side.
-    width : float
-        Of a cap's grip (m).
-    friction : float
-        Torque below which a cap does not turn (N m).
-    height : float
-        Of the middle over the floor (m).
-    mounting : str
-        stand or wall.
-    """
-
-    count: int = 5
-    width: float = 0.05
-    friction: float = 0.5
-    height: float = 0.8
-    mounting: str = "stand"
-
-    def __post_init__(self) -> None:
-        require_range(self, "count", 1, 10)
-        require_range(self, "width", 0.02, 0.1)
-        require_range(self, "friction", 0.0, 100.0)
-        require_range(self, "height", 0.08, 2.5)
-        require_choice(self, "mounting", MOUNTS)
+    count: int = number(5, "Caps side by side.", 1, 10)
+    width: float = number(0.05, "Of a cap's grip (m).", 0.02, 0.1)
+    friction: float = number(0.5, "Torque below which a cap does not turn (N m).", 0.0, 100.0)
+    height: float = number(0.8, "Of the middle over the floor (m).", 0.08, 2.5)
+    mounting: str = choice("stand", MOUNTS)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -258,34 +206,13 @@ class RotatePanel(ObjectType):
 
 @dataclass(frozen=True)
 class ExtractPanel(ObjectType):
-    """Caps that stick in holes, to be pulled out towards -x.
+    """Caps that stick in holes, to be pulled out towards -x."""
 
-    Attributes
-    ----------
-    count : int
-        Side by side.
-    radius : float
-        Of a cap (m).
-    hold : float
-        Pull at which one comes out (N).
-    height : float
-        Of the middle over the floor (m).
-    mounting : str
-        stand or wall.
-    """
-
-    count: int = 5
-    radius: float = 0.025
-    hold: float = 15.0
-    height: float = 0.8
-    mounting: str = "stand"
-
-    def __post_init__(self) -> None:
-        require_range(self, "count", 1, 10)
-        require_range(self, "radius", 0.01, 0.04)
-        require_range(self, "hold", 3.0, 1000.0)
-        require_range(self, "height", 0.08, 2.5)
-        require_choice(self, "mounting", MOUNTS)
+    count: int = number(5, "Side by side.", 1, 10)
+    radius: float = number(0.025, "Of a cap (m).", 0.01, 0.04)
+    hold: float = number(15.0, "Pull at which one comes out (N).", 3.0, 1000.0)
+    height: float = number(0.8, "Of the middle over the floor (m).", 0.08, 2.5)
+    mounting: str = choice("stand", MOUNTS)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -324,30 +251,14 @@ class ExtractPanel(ObjectType):
 
 @dataclass(frozen=True)
 class PlacePanel(ObjectType):
-    """Tray with holes from above, to put cylinders or caps in.
+    """Tray with holes from above, to put cylinders or caps in."""
 
-    Attributes
-    ----------
-    count : int
-        Holes side by side.
-    radius : float
-        Of a hole (m).
-    depth : float
-        Of a hole (m).
-    height : float
-        Of the tray's upper side over the floor (m).
-    """
-
-    count: int = 5
-    radius: float = 0.035
-    depth: float = 0.06
-    height: float = 0.8
-
-    def __post_init__(self) -> None:
-        require_range(self, "count", 1, 10)
-        require_range(self, "radius", 0.01, 0.06)
-        require_range(self, "depth", 0.01, 0.2)
-        require_range(self, "height", self.depth + 0.02, 2.5)
+    count: int = number(5, "Holes side by side.", 1, 10)
+    radius: float = number(0.035, "Of a hole (m).", 0.01, 0.06)
+    depth: float = number(0.06, "Of a hole (m).", 0.01, 0.2)
+    height: float = number(
+        0.8, "Of the tray's upper side over the floor (m).", lambda own: own.depth + 0.02, 2.5
+    )
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
