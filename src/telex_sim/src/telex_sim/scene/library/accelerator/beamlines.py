@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Callable, Dict, Tuple, Union
 
-from telex_control.common.params import require, require_range
+from telex_control.common.params import require
 
 from ...model import SceneObject
 from ..object_type import ObjectType
+from ..parameters import number, parameter
 from ..shapes import along_bend, yawed
 from .beam_parts import BEAM_HEIGHT
 from .magnets import Cryostat, Dipole, Quadrupole
@@ -33,29 +34,23 @@ _ELEMENTS: Dict[str, Tuple[Callable[[float], _Element], float]] = {
 
 @dataclass(frozen=True)
 class BeamLine(ObjectType):
-    """Elements one behind the other along x, straight or in a bend, about its middle.
+    """Elements one behind the other along x, straight or in a bend, about its middle."""
 
-    Attributes
-    ----------
-    elements : tuple of str
-        pipe, short_pipe, dipole, quadrupole, cryostat, pump and valve, in their order along x.
-    radius : float
-        Of the bend (m): positive to the left, negative to the right, 0 for a straight line.
-    height : float
-        Of the beam over the floor (m).
-    """
+    elements: Tuple[str, ...] = parameter(
+        ("pipe", "pump", "dipole", "valve", "quadrupole", "pipe"),
+        "pipe, short_pipe, dipole, quadrupole, cryostat, pump and valve, in their order along x.",
+    )
+    radius: float = number(
+        0.0, "Of the bend (m): positive to the left, negative to the right, 0 for a straight line."
+    )
+    height: float = number(BEAM_HEIGHT, "Of the beam over the floor (m).", 0.7, 2.0)
 
-    elements: Tuple[str, ...] = ("pipe", "pump", "dipole", "valve", "quadrupole", "pipe")
-    radius: float = 0.0
-    height: float = BEAM_HEIGHT
-
-    def __post_init__(self) -> None:
+    def check(self) -> None:
+        """Check what concerns several parameters; see `Declared.check`."""
         require(
             bool(self.elements) and set(self.elements) <= set(_ELEMENTS),
             f"elements is {list(self.elements)}; some of {', '.join(_ELEMENTS)} are needed",
         )
-        require_range(self, "height", 0.7, 2.0)
-        require_range(self, "radius")
         length = self.length
         require(
             self.radius == 0.0 or abs(self.radius) >= length / math.pi,

@@ -7,43 +7,25 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import List, Tuple
 
-from telex_control.common.params import require_range
-
 from ...model import SceneObject, Surface, Vector3
 from .. import materials as look
-from ..checks import require_color, require_each
 from ..object_type import ObjectType
+from ..parameters import number, rgb
 from ..shapes import LYING_X, box, cylinder, opaque, placed, rod, rolled, seen_only, standing
 from .beam_parts import BEAM_HEIGHT, flanged_pipe, jack
 
 
 @dataclass(frozen=True)
 class Dipole(ObjectType):
-    """Bending magnet: a yoke of iron with coils that reach out at both ends.
+    """Bending magnet: a yoke of iron with coils that reach out at both ends."""
 
-    Attributes
-    ----------
-    length : float
-        Of the yoke (m).
-    width, tall : float
-        Of the yoke (m).
-    height : float
-        Of the beam over the floor (m).
-    color : tuple of 3 floats
-        Red, green, blue, 0 to 1.
-    """
-
-    length: float = 2.0
-    width: float = 0.75
-    tall: float = 0.62
-    height: float = BEAM_HEIGHT
-    color: Vector3 = (0.12, 0.30, 0.58)
-
-    def __post_init__(self) -> None:
-        require_range(self, "length", 0.5, 15.0)
-        require_each(self, "width tall", 0.3, 2.0)
-        require_range(self, "height", 0.5 * self.tall + 0.15, 3.0)
-        require_color(self, "color")
+    length: float = number(2.0, "Of the yoke (m).", 0.5, 15.0)
+    width: float = number(0.75, "Of the yoke (m).", 0.3, 2.0)
+    tall: float = number(0.62, "Of the yoke (m).", 0.3, 2.0)
+    height: float = number(
+        BEAM_HEIGHT, "Of the beam over the floor (m).", lambda own: 0.5 * own.tall + 0.15, 3.0
+    )
+    color: Vector3 = rgb((0.12, 0.30, 0.58))
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -90,30 +72,14 @@ class Dipole(ObjectType):
 
 @dataclass(frozen=True)
 class Quadrupole(ObjectType):
-    """Focusing magnet: a square yoke with four coils about the pipe.
+    """Focusing magnet: a square yoke with four coils about the pipe."""
 
-    Attributes
-    ----------
-    length : float
-        Of the yoke (m).
-    width : float
-        Of the yoke (m).
-    height : float
-        Of the beam over the floor (m).
-    color : tuple of 3 floats
-        Red, green, blue, 0 to 1.
-    """
-
-    length: float = 0.8
-    width: float = 0.6
-    height: float = BEAM_HEIGHT
-    color: Vector3 = (0.70, 0.15, 0.12)
-
-    def __post_init__(self) -> None:
-        require_range(self, "length", 0.2, 5.0)
-        require_range(self, "width", 0.3, 2.0)
-        require_range(self, "height", 0.5 * self.width + 0.15, 3.0)
-        require_color(self, "color")
+    length: float = number(0.8, "Of the yoke (m).", 0.2, 5.0)
+    width: float = number(0.6, "Of the yoke (m).", 0.3, 2.0)
+    height: float = number(
+        BEAM_HEIGHT, "Of the beam over the floor (m).", lambda own: 0.5 * own.width + 0.15, 3.0
+    )
+    color: Vector3 = rgb((0.70, 0.15, 0.12))
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -141,28 +107,14 @@ class Quadrupole(ObjectType):
 
 @dataclass(frozen=True)
 class Cryostat(ObjectType):
-    """Superconducting magnet in its long round vessel.
+    """Superconducting magnet in its long round vessel."""
 
-    Attributes
-    ----------
-    length, radius : float
-        m.
-    height : float
-        Of the vessel's axis over the floor (m).
-    color : tuple of 3 floats
-        Red, green, blue, 0 to 1.
-    """
-
-    length: float = 5.0
-    radius: float = 0.46
-    height: float = BEAM_HEIGHT
-    color: Vector3 = (0.14, 0.32, 0.62)
-
-    def __post_init__(self) -> None:
-        require_range(self, "length", 1.0, 20.0)
-        require_range(self, "radius", 0.2, 1.0)
-        require_range(self, "height", self.radius + 0.1, 3.0)
-        require_color(self, "color")
+    length: float = number(5.0, "m.", 1.0, 20.0)
+    radius: float = number(0.46, "m.", 0.2, 1.0)
+    height: float = number(
+        BEAM_HEIGHT, "Of the vessel's axis over the floor (m).", lambda own: own.radius + 0.1, 3.0
+    )
+    color: Vector3 = rgb((0.14, 0.32, 0.62))
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""

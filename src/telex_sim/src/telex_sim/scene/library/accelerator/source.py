@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Tuple
 
-from telex_control.common.params import require, require_choice, require_range
+from telex_control.common.params import require
 
 from ...model import Joint, Link, Motion, ObjectModel, SceneObject
 from .. import materials as look
-from ..checks import require_each
 from ..object_type import ObjectType, single
+from ..parameters import choice, kilograms, number, parameter
 from ..shapes import (
     Parts,
     box,
@@ -33,39 +33,22 @@ _LID_MASS = 4.0
 
 @dataclass(frozen=True)
 class SourceContainer(ObjectType):
-    """Shielded pot with a lid; the lid lies on it freely, or swings on a hinge.
+    """Shielded pot with a lid; the lid lies on it freely, or swings on a hinge."""
 
-    Attributes
-    ----------
-    radius, height : float
-        Outside, without the lid (m).
-    hole : float
-        Radius of the space inside (m).
-    lid : str
-        free, hinged or none.
-    mass : float
-        Of the pot (kg).
-    static : bool
-        Whether it stands fast; a hinged lid needs that.
-    """
+    radius: float = number(0.13, "Outside, without the lid (m).", 0.05, 1.0)
+    height: float = number(0.28, "Outside, without the lid (m).", 0.05, 1.0)
+    hole: float = number(0.07, "Radius of the space inside (m).", 0.02)
+    lid: str = choice("free", ("free", "hinged", "none"))
+    mass: float = kilograms(60.0, "Of the pot (kg).")
+    static: bool = parameter(True, "Whether it stands fast; a hinged lid needs that.")
 
-    radius: float = 0.13
-    height: float = 0.28
-    hole: float = 0.07
-    lid: str = "free"
-    mass: float = 60.0
-    static: bool = True
-
-    def __post_init__(self) -> None:
-        require_each(self, "radius height", 0.05, 1.0)
-        require_range(self, "hole", 0.02)
+    def check(self) -> None:
+        """Check what concerns several parameters; see `Declared.check`."""
         require(
             self.hole <= 0.75 * self.radius,
             f"hole is {self.hole}; in a pot of radius {self.radius} it can be at most"
             f" {0.75 * self.radius:g}",
         )
-        require_choice(self, "lid", ("free", "hinged", "none"))
-        require_range(self, "mass", above=0.0)
         require(
             self.static or self.lid != "hinged", "static is False; a hinged lid needs a static pot"
         )
@@ -154,24 +137,11 @@ class SourceContainer(ObjectType):
 
 @dataclass(frozen=True)
 class SourceCapsule(ObjectType):
-    """Dummy of a sealed source: a steel capsule with a knob to grip, standing.
+    """Dummy of a sealed source: a steel capsule with a knob to grip, standing."""
 
-    Attributes
-    ----------
-    radius, length : float
-        Of the capsule, without its knob (m).
-    mass : float
-        kg.
-    """
-
-    radius: float = 0.02
-    length: float = 0.09
-    mass: float = 0.4
-
-    def __post_init__(self) -> None:
-        require_range(self, "radius", 0.005, 0.2)
-        require_range(self, "length", 0.02, 0.5)
-        require_range(self, "mass", above=0.0)
+    radius: float = number(0.02, "Of the capsule, without its knob (m).", 0.005, 0.2)
+    length: float = number(0.09, "Of the capsule, without its knob (m).", 0.02, 0.5)
+    mass: float = kilograms(0.4)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -193,18 +163,9 @@ class SourceCapsule(ObjectType):
 
 @dataclass(frozen=True)
 class IonisationChamber(ObjectType):
-    """Monitor of radiation on a tripod.
+    """Monitor of radiation on a tripod."""
 
-    Attributes
-    ----------
-    height : float
-        Of the chamber's middle over the floor (m).
-    """
-
-    height: float = 1.1
-
-    def __post_init__(self) -> None:
-        require_range(self, "height", 0.5, 3.0)
+    height: float = number(1.1, "Of the chamber's middle over the floor (m).", 0.5, 3.0)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""

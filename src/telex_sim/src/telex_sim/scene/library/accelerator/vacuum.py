@@ -6,39 +6,24 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Tuple
 
-from telex_control.common.params import require_range
-
 from ...model import SceneObject
 from .. import materials as look
 from ..object_type import ObjectType
+from ..parameters import number
 from ..shapes import LYING_X, box, cylinder, rod, seen_only, standing
 from .beam_parts import BEAM_HEIGHT, flanged_pipe, saddle
 
 
 @dataclass(frozen=True)
 class BeamPipe(ObjectType):
-    """Section of beam pipe with flanges, on stands.
+    """Section of beam pipe with flanges, on stands."""
 
-    Attributes
-    ----------
-    length, radius : float
-        m.
-    height : float
-        Of the beam over the floor (m).
-    stands : int
-        How many carry it.
-    """
-
-    length: float = 2.0
-    radius: float = 0.05
-    height: float = BEAM_HEIGHT
-    stands: int = 2
-
-    def __post_init__(self) -> None:
-        require_range(self, "length", 0.2, 20.0)
-        require_range(self, "radius", 0.01, 0.3)
-        require_range(self, "height", 3.0 * self.radius, 3.0)
-        require_range(self, "stands", 0, 10)
+    length: float = number(2.0, "m.", 0.2, 20.0)
+    radius: float = number(0.05, "m.", 0.01, 0.3)
+    height: float = number(
+        BEAM_HEIGHT, "Of the beam over the floor (m).", lambda own: 3.0 * own.radius, 3.0
+    )
+    stands: int = number(2, "How many carry it.", 0, 10)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -52,22 +37,10 @@ class BeamPipe(ObjectType):
 
 @dataclass(frozen=True)
 class SupportStand(ObjectType):
-    """Stand with a saddle for a pipe.
+    """Stand with a saddle for a pipe."""
 
-    Attributes
-    ----------
-    height : float
-        Of the saddle over the floor (m).
-    width : float
-        Of the saddle (m).
-    """
-
-    height: float = 0.9
-    width: float = 0.13
-
-    def __post_init__(self) -> None:
-        require_range(self, "height", 0.2, 3.0)
-        require_range(self, "width", 0.05, 1.0)
+    height: float = number(0.9, "Of the saddle over the floor (m).", 0.2, 3.0)
+    width: float = number(0.13, "Of the saddle (m).", 0.05, 1.0)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -76,18 +49,9 @@ class SupportStand(ObjectType):
 
 @dataclass(frozen=True)
 class VacuumPump(ObjectType):
-    """Ion pump under a piece of beam pipe, with its cable.
+    """Ion pump under a piece of beam pipe, with its cable."""
 
-    Attributes
-    ----------
-    height : float
-        Of the beam over the floor (m).
-    """
-
-    height: float = BEAM_HEIGHT
-
-    def __post_init__(self) -> None:
-        require_range(self, "height", 0.7, 3.0)
+    height: float = number(BEAM_HEIGHT, "Of the beam over the floor (m).", 0.7, 3.0)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -114,18 +78,9 @@ class VacuumPump(ObjectType):
 
 @dataclass(frozen=True)
 class GateValve(ObjectType):
-    """Valve in the beam pipe, with its drive on top.
+    """Valve in the beam pipe, with its drive on top."""
 
-    Attributes
-    ----------
-    height : float
-        Of the beam over the floor (m).
-    """
-
-    height: float = BEAM_HEIGHT
-
-    def __post_init__(self) -> None:
-        require_range(self, "height", 0.4, 3.0)
+    height: float = number(BEAM_HEIGHT, "Of the beam over the floor (m).", 0.4, 3.0)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import FrozenSet, List, Set, Tuple
 
-from telex_control.common.params import require_choice, require_range
-
 from ...model import SceneObject
 from .. import materials as look
 from ..building.walls import FINISHES
 from ..object_type import ObjectType
+from ..parameters import choice, number
 from ..shapes import Parts, box, standing, steel_post
 
 Cell = Tuple[int, int]
@@ -58,39 +57,15 @@ class Maze(ObjectType):
     """Maze with one way through, from the middle of a cell at -x to one at +x.
 
     The entrance lies at the cell with the lowest x and y, the exit at that with the highest.
-
-    Attributes
-    ----------
-    columns, rows : int
-        Cells along x and along y.
-    corridor : float
-        Clear width (m).
-    height : float
-        Of the walls (m).
-    thickness : float
-        Of the walls (m).
-    seed : int
-        The same seed gives the same maze.
-    finish : str
-        concrete, plaster, brick, wood, tiles or metal.
     """
 
-    columns: int = 4
-    rows: int = 4
-    corridor: float = 1.2
-    height: float = 1.2
-    thickness: float = 0.05
-    seed: int = 1
-    finish: str = "wood"
-
-    def __post_init__(self) -> None:
-        require_range(self, "columns", 1, 30)
-        require_range(self, "rows", 1, 30)
-        require_range(self, "corridor", 0.5, 5.0)
-        require_range(self, "height", 0.1, 4.0)
-        require_range(self, "thickness", 0.01, 0.5)
-        require_range(self, "seed", 0, 2**31 - 1)
-        require_choice(self, "finish", FINISHES)
+    columns: int = number(4, "Cells along x and along y.", 1, 30)
+    rows: int = number(4, "Cells along x and along y.", 1, 30)
+    corridor: float = number(1.2, "Clear width (m).", 0.5, 5.0)
+    height: float = number(1.2, "Of the walls (m).", 0.1, 4.0)
+    thickness: float = number(0.05, "Of the walls (m).", 0.01, 0.5)
+    seed: int = number(1, "The same seed gives the same maze.", 0, 2**31 - 1)
+    finish: str = choice("wood", FINISHES)
 
     @property
     def pitch(self) -> float:

@@ -6,59 +6,35 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import List, Tuple
 
-from telex_control.common.params import require, require_choice, require_range
+from telex_control.common.params import require
 
 from ...model import Joint, Link, Motion, ObjectModel, SceneObject
 from .. import materials as look
-from ..checks import require_each
 from ..object_type import ObjectType, single
+from ..parameters import choice, number
 from ..shapes import LYING_Y, Parts, box, cylinder, placed, standing, wedge
 from .stairs import PLATFORMS, SIDES, platform
 
 
 @dataclass(frozen=True)
 class Gap(ObjectType):
-    """Two platforms with a gap between them across x, and ramps up to both ends.
+    """Two platforms with a gap between them across x, and ramps up to both ends."""
 
-    Attributes
-    ----------
-    gap : float
-        m; the test starts at 0.1 and adds 0.1.
-    width : float
-        Of the lane (m): 2.4, 1.2 or 0.6.
-    platform : float
-        Length of each platform (m).
-    height : float
-        Of the platforms (m).
-    ramp : float
-        Length of the ramps (m); 0: none.
-    finish : str
-        wood, concrete or steel.
-    friction : float
-        Of its surface.
-    """
+    gap: float = number(0.3, "m; the test starts at 0.1 and adds 0.1.", 0.02, 3.0)
+    width: float = number(1.2, "Of the lane (m): 2.4, 1.2 or 0.6.", 0.4, 10.0)
+    platform: float = number(1.2, "Length of each platform (m).", 0.3, 10.0)
+    height: float = number(0.2, "Of the platforms (m).", 0.05, 2.0)
+    ramp: float = number(0.8, "Length of the ramps (m); 0: none.", 0.0, 10.0)
+    finish: str = choice("wood", PLATFORMS)
+    friction: float = number(1.0, "Of its surface.", 0.0, 10.0)
 
-    gap: float = 0.3
-    width: float = 1.2
-    platform: float = 1.2
-    height: float = 0.2
-    ramp: float = 0.8
-    finish: str = "wood"
-    friction: float = 1.0
-
-    def __post_init__(self) -> None:
-        require_range(self, "gap", 0.02, 3.0)
-        require_range(self, "width", 0.4, 10.0)
-        require_range(self, "platform", 0.3, 10.0)
-        require_range(self, "height", 0.05, 2.0)
-        require_range(self, "ramp", 0.0, 10.0)
-        require_choice(self, "finish", PLATFORMS)
+    def check(self) -> None:
+        """Check what concerns several parameters; see `Declared.check`."""
         require(
             self.ramp == 0.0 or self.ramp >= 0.5 * self.height,
             f"ramp is {self.ramp}; a ramp to a height of {self.height} needs at least"
             f" {0.5 * self.height:g}, or 0 for none",
         )
-        require_range(self, "friction", 0.0, 10.0)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -78,42 +54,22 @@ class Gap(ObjectType):
 
 @dataclass(frozen=True)
 class Hurdle(ObjectType):
-    """Barrier across x, with square edges, or with a pipe on each edge that rolls freely.
+    """Barrier across x, with square edges, or with a pipe on each edge that rolls freely."""
 
-    Attributes
-    ----------
-    height : float
-        m: 0.1, 0.2, 0.3, 0.4 or 0.5.
-    length : float
-        Along x (m).
-    width : float
-        Of the lane (m): 2.4, 1.2 or 0.6.
-    edge : str
-        square or pipe.
-    pipe_radius : float
-        m.
-    friction : float
-        Of its surface.
-    """
+    height: float = number(0.2, "m: 0.1, 0.2, 0.3, 0.4 or 0.5.", 0.05, 1.5)
+    length: float = number(0.6, "Along x (m).", 0.2, 10.0)
+    width: float = number(1.2, "Of the lane (m): 2.4, 1.2 or 0.6.", 0.2, 10.0)
+    edge: str = choice("square", ("square", "pipe"))
+    pipe_radius: float = number(0.035, "m.", 0.01, 0.1)
+    friction: float = number(1.0, "Of its surface.", 0.0, 10.0)
 
-    height: float = 0.2
-    length: float = 0.6
-    width: float = 1.2
-    edge: str = "square"
-    pipe_radius: float = 0.035
-    friction: float = 1.0
-
-    def __post_init__(self) -> None:
-        require_range(self, "height", 0.05, 1.5)
-        require_each(self, "length width", 0.2, 10.0)
-        require_choice(self, "edge", ("square", "pipe"))
-        require_range(self, "pipe_radius", 0.01, 0.1)
+    def check(self) -> None:
+        """Check what concerns several parameters; see `Declared.check`."""
         require(
             self.edge == "square" or 2.0 * self.pipe_radius < min(self.height, 0.5 * self.length),
             f"pipe_radius is {self.pipe_radius}; a hurdle {self.height} high and {self.length} long"
             f" has no room for it",
         )
-        require_range(self, "friction", 0.0, 10.0)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""

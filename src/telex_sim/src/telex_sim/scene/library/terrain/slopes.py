@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import List, Tuple
 
-from telex_control.common.params import require, require_choice, require_range
+from telex_control.common.params import require
 
 from ...model import UPRIGHT, SceneObject
 from .. import materials as look
-from ..checks import require_each
 from ..object_type import ObjectType
+from ..parameters import choice, number, parameter
 from ..shapes import box, placed, standing, wedge, yawed
 from .stairs import PLATFORMS, SIDES, platform
 
@@ -21,29 +21,13 @@ _TURNED = yawed(math.pi)
 
 @dataclass(frozen=True)
 class Ramp(ObjectType):
-    """Wedge that rises along x.
+    """Wedge that rises along x."""
 
-    Attributes
-    ----------
-    length, width, height : float
-        m.
-    finish : str
-        wood, concrete or steel.
-    friction : float
-        Of its surface.
-    """
-
-    length: float = 1.2
-    width: float = 1.2
-    height: float = 0.3
-    finish: str = "wood"
-    friction: float = 1.0
-
-    def __post_init__(self) -> None:
-        require_each(self, "length width", 0.1, 20.0)
-        require_range(self, "height", 0.02, 5.0)
-        require_choice(self, "finish", PLATFORMS)
-        require_range(self, "friction", 0.0, 10.0)
+    length: float = number(1.2, "m.", 0.1, 20.0)
+    width: float = number(1.2, "m.", 0.1, 20.0)
+    height: float = number(0.3, "m.", 0.02, 5.0)
+    finish: str = choice("wood", PLATFORMS)
+    friction: float = number(1.0, "Of its surface.", 0.0, 10.0)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -55,40 +39,20 @@ class Ramp(ObjectType):
 
 @dataclass(frozen=True)
 class InclinedPlane(ObjectType):
-    """Plane that rises along x to a platform.
+    """Plane that rises along x to a platform."""
 
-    Attributes
-    ----------
-    angle : float
-        rad; the test starts at 15 degrees (0.262) and adds 5.
-    length : float
-        Along the slope (m).
-    width : float
-        m.
-    platform : float
-        Length of the platform on top (m); 0: none.
-    side_walls : bool
-        Boards 0.15 m high along both edges.
-    finish : str
-        wood, concrete or steel.
-    friction : float
-        Of its surface.
-    """
-
-    angle: float = math.radians(15.0)
-    length: float = 2.4
-    width: float = 2.4
-    platform: float = 1.2
-    side_walls: bool = False
-    finish: str = "wood"
-    friction: float = 1.0
-
-    def __post_init__(self) -> None:
-        require_range(self, "angle", math.radians(2.0), math.radians(60.0))
-        require_each(self, "length width", 0.3, 20.0)
-        require_range(self, "platform", 0.0, 20.0)
-        require_choice(self, "finish", PLATFORMS)
-        require_range(self, "friction", 0.0, 10.0)
+    angle: float = number(
+        math.radians(15.0),
+        "rad; the test starts at 15 degrees (0.262) and adds 5.",
+        math.radians(2.0),
+        math.radians(60.0),
+    )
+    length: float = number(2.4, "Along the slope (m).", 0.3, 20.0)
+    width: float = number(2.4, "m.", 0.3, 20.0)
+    platform: float = number(1.2, "Length of the platform on top (m); 0: none.", 0.0, 20.0)
+    side_walls: bool = parameter(False, "Boards 0.15 m high along both edges.")
+    finish: str = choice("wood", PLATFORMS)
+    friction: float = number(1.0, "Of its surface.", 0.0, 10.0)
 
     @property
     def run(self) -> float:
@@ -125,39 +89,19 @@ class CrossingRamps(ObjectType):
 
     In the crossing pattern neighbouring columns rise where the others fall: the robot pitches and
     rolls. In the continuous one they rise together.
-
-    Attributes
-    ----------
-    pattern : str
-        crossing or continuous.
-    rows : int
-        Ramps along x in a column, an even number: as many up as down.
-    columns : int
-        Side by side along y.
-    length, width : float
-        Of a ramp (m).
-    angle : float
-        rad.
-    friction : float
-        Of its surface.
     """
 
-    pattern: str = "crossing"
-    rows: int = 4
-    columns: int = 2
-    length: float = 1.2
-    width: float = 0.6
-    angle: float = math.radians(15.0)
-    friction: float = 1.0
+    pattern: str = choice("crossing", ("crossing", "continuous"))
+    rows: int = number(4, "Ramps along x in a column, an even number: as many up as down.", 2, 40)
+    columns: int = number(2, "Side by side along y.", 1, 10)
+    length: float = number(1.2, "Of a ramp (m).", 0.3, 3.0)
+    width: float = number(0.6, "Of a ramp (m).", 0.3, 3.0)
+    angle: float = number(math.radians(15.0), "rad.", math.radians(3.0), math.radians(35.0))
+    friction: float = number(1.0, "Of its surface.", 0.0, 10.0)
 
-    def __post_init__(self) -> None:
-        require_choice(self, "pattern", ("crossing", "continuous"))
-        require_range(self, "rows", 2, 40)
+    def check(self) -> None:
+        """Check what concerns several parameters; see `Declared.check`."""
         require(self.rows % 2 == 0, f"rows is {self.rows}; it must be even")
-        require_range(self, "columns", 1, 10)
-        require_each(self, "length width", 0.3, 3.0)
-        require_range(self, "angle", math.radians(3.0), math.radians(35.0))
-        require_range(self, "friction", 0.0, 10.0)
 
     @property
     def height(self) -> float:
@@ -184,8 +128,8 @@ class CrossingRamps(ObjectType):
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
         parts: List = []
-        for number, (x, y, rising) in enumerate(self.ramps()):
-            surface = look.PLYWOOD if number % 2 else look.WOOD
+        for index, (x, y, rising) in enumerate(self.ramps()):
+            surface = look.PLYWOOD if index % 2 else look.WOOD
             ramp = wedge(self.length, self.width, self.height, surface, look.OLD_WOOD)
             parts.extend(placed(ramp, (x, y, 0.0), UPRIGHT if rising else _TURNED))
         return standing("ramps", tuple(parts), self.friction)

@@ -7,12 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import List, Tuple
 
-from telex_control.common.params import require_choice, require_range
-
 from ...model import Part, SceneObject, Surface
 from .. import materials as look
-from ..checks import require_each
 from ..object_type import ObjectType
+from ..parameters import choice, number
 from ..shapes import Parts, box, rod, standing
 
 _NOSING = 0.035
@@ -20,56 +18,41 @@ _NOSING = 0.035
 _PROUD = 0.0015
 """How far the stripe, which is only seen, stands out of tread and riser (m)."""
 _RAIL_HEIGHT = 0.95
+_FINISHES = {"concrete": look.CONCRETE, "steel": look.TREAD_PLATE}
+PLATFORMS = {"wood": look.PLYWOOD, "concrete": look.CONCRETE, "steel": look.TREAD_PLATE}
+"""Looks of platforms."""
 
 
 @dataclass(frozen=True)
 class Stairs(ObjectType):
-    """Straight stairs that rise along x, of boxes from the floor up, and the landing on top.
+    """Straight stairs that rise along x, of boxes from the floor up, and the landing on top."""
 
-    Attributes
-    ----------
-    rise, run : float
-        Of a step (m): 0.17 and 0.28 are comfortable, 0.20 and 0.20 are 45 degrees.
-    steps : int
-        In a flight.
-    flights : int
-        Between two, and on top, there is a landing.
-    width : float
-        m.
-    landing : float
-        Length of each landing (m).
-    form : str
-        up: they end at the last landing; up_and_down: they go down again behind it.
-    railings : str
-        none, left, right or both; left is y > 0.
-    finish : str
-        concrete or steel.
-    friction : float
-        Of its surface.
-    """
-
-    rise: float = 0.17
-    run: float = 0.28
-    steps: int = 8
-    flights: int = 1
-    width: float = 1.2
-    landing: float = 1.2
-    form: str = "up"
-    railings: str = "both"
-    finish: str = "concrete"
-    friction: float = 1.0
-
-    def __post_init__(self) -> None:
-        require_range(self, "rise", 0.02, 0.5)
-        require_range(self, "run", 0.05, 3.0)
-        require_range(self, "steps", 1, 60)
-        require_range(self, "flights", 1, 10)
-        require_range(self, "width", 0.4, 20.0)
-        require_range(self, "landing", 0.1, 20.0)
-        require_choice(self, "form", ("up", "up_and_down"))
-        require_choice(self, "railings", ("none", "left", "right", "both"))
-        require_choice(self, "finish", _FINISHES)
-        require_range(self, "friction", 0.0, 10.0)
+    rise: float = number(
+        0.17,
+        "Of a step (m): 0.17 and 0.28 are comfortable, 0.20 and 0.20 are 45 degrees.",
+        0.02,
+        0.5,
+    )
+    run: float = number(
+        0.28,
+        "Of a step (m): 0.17 and 0.28 are comfortable, 0.20 and 0.20 are 45 degrees.",
+        0.05,
+        3.0,
+    )
+    steps: int = number(8, "In a flight.", 1, 60)
+    flights: int = number(1, "Between two, and on top, there is a landing.", 1, 10)
+    width: float = number(1.2, "m.", 0.4, 20.0)
+    landing: float = number(1.2, "Length of each landing (m).", 0.1, 20.0)
+    form: str = choice(
+        "up",
+        ("up", "up_and_down"),
+        "up: they end at the last landing; up_and_down: they go down again behind it.",
+    )
+    railings: str = choice(
+        "both", ("none", "left", "right", "both"), "none, left, right or both; left is y > 0."
+    )
+    finish: str = choice("concrete", _FINISHES)
+    friction: float = number(1.0, "Of its surface.", 0.0, 10.0)
 
     @property
     def height(self) -> float:
@@ -152,34 +135,15 @@ class Stairs(ObjectType):
         return abs((z1 - z0) * (x2 - x1) - (z2 - z1) * (x1 - x0)) > 1e-6
 
 
-_FINISHES = {"concrete": look.CONCRETE, "steel": look.TREAD_PLATE}
-
-
 @dataclass(frozen=True)
 class Platform(ObjectType):
-    """Block to climb: a single step, or a stage; its edges are marked.
+    """Block to climb: a single step, or a stage; its edges are marked."""
 
-    Attributes
-    ----------
-    length, width, height : float
-        m.
-    finish : str
-        wood, concrete or steel.
-    friction : float
-        Of its surface.
-    """
-
-    length: float = 1.5
-    width: float = 1.5
-    height: float = 0.5
-    finish: str = "wood"
-    friction: float = 1.0
-
-    def __post_init__(self) -> None:
-        require_each(self, "length width", 0.1, 50.0)
-        require_range(self, "height", 0.01, 5.0)
-        require_choice(self, "finish", PLATFORMS)
-        require_range(self, "friction", 0.0, 10.0)
+    length: float = number(1.5, "m.", 0.1, 50.0)
+    width: float = number(1.5, "m.", 0.1, 50.0)
+    height: float = number(0.5, "m.", 0.01, 5.0)
+    finish: str = choice("wood", PLATFORMS)
+    friction: float = number(1.0, "Of its surface.", 0.0, 10.0)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -187,9 +151,6 @@ class Platform(ObjectType):
         parts = platform(size, 0.0, PLATFORMS[self.finish])
         return standing("platform", parts, self.friction)
 
-
-PLATFORMS = {"wood": look.PLYWOOD, "concrete": look.CONCRETE, "steel": look.TREAD_PLATE}
-"""Looks of platforms."""
 
 SIDES = {
     "wood": look.OLD_WOOD,

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import List, Tuple
 
-from telex_control.common.params import require_choice, require_range
-
 from ...model import SceneObject
 from .. import materials as look
 from ..object_type import ObjectType
+from ..parameters import choice, number
 from ..shapes import Parts, box, recolored, standing
 
 _SIDE = 10
@@ -20,42 +19,19 @@ _SIDE = 10
 
 @dataclass(frozen=True)
 class Stepfield(ObjectType):
-    """Pallets of ten by ten square posts of different heights, in a row along x.
+    """Pallets of ten by ten square posts of different heights, in a row along x."""
 
-    Attributes
-    ----------
-    pattern : str
-        flat, hill (a ridge across x) or diagonal (a ridge from corner to corner).
-    pallets : int
-        How many.
-    post : float
-        Edge of a post, and the step between heights (m).
-    levels : int
-        The highest post is this many steps high.
-    border : float
-        Width of the frame round each pallet (m).
-    seed : int
-        The same seed gives the same field.
-    friction : float
-        Of its surface.
-    """
-
-    pattern: str = "hill"
-    pallets: int = 1
-    post: float = 0.1
-    levels: int = 4
-    border: float = 0.1
-    seed: int = 1
-    friction: float = 1.0
-
-    def __post_init__(self) -> None:
-        require_choice(self, "pattern", ("flat", "hill", "diagonal"))
-        require_range(self, "pallets", 1, 10)
-        require_range(self, "post", 0.02, 0.3)
-        require_range(self, "levels", 1, 8)
-        require_range(self, "border", 0.0, 0.5)
-        require_range(self, "seed", 0, 2**31 - 1)
-        require_range(self, "friction", 0.0, 10.0)
+    pattern: str = choice(
+        "hill",
+        ("flat", "hill", "diagonal"),
+        "flat, hill (a ridge across x) or diagonal (a ridge from corner to corner).",
+    )
+    pallets: int = number(1, "How many.", 1, 10)
+    post: float = number(0.1, "Edge of a post, and the step between heights (m).", 0.02, 0.3)
+    levels: int = number(4, "The highest post is this many steps high.", 1, 8)
+    border: float = number(0.1, "Width of the frame round each pallet (m).", 0.0, 0.5)
+    seed: int = number(1, "The same seed gives the same field.", 0, 2**31 - 1)
+    friction: float = number(1.0, "Of its surface.", 0.0, 10.0)
 
     @property
     def pitch(self) -> float:
