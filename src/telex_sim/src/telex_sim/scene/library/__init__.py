@@ -5,16 +5,10 @@ know of a new module::
 
     @dataclass(frozen=True)
     class Crate(ObjectType):
-        \"\"\"A wooden crate.
+        \"\"\"A wooden crate.\"\"\"
 
-        ... and what `size` and `mass` are, in the section Attributes ...
-        \"\"\"
-
-        size: Vector3 = (0.4, 0.3, 0.3)
-        mass: float = 8.0
-
-        def __post_init__(self) -> None:
-            require_range(self, "mass", above=0.0)
+        size: Vector3 = numbers((0.4, 0.3, 0.3), "Full extents (m).", 0.05, 5.0)
+        mass: float = kilograms(8.0)
 
         def build(self, folder: Path) -> Tuple[SceneObject, ...]: ...
 
@@ -26,9 +20,12 @@ Rules:
 * A key of ``TYPES`` is the type's name in scene files: lower case, words joined by underscores.
 * Fields may be of the types that `telex_control.common.params` reads: float, int, str, bool,
   tuple, dict, Optional, and frozen dataclasses of these. None may have a name that every entry has
-  already: `RESERVED`. A field without a default must be given.
-* The first line of the docstring and its section ``Attributes`` are what ``scene types`` prints;
-  say the unit there.
+  already: `RESERVED`.
+* Each is declared by a function of `telex_sim.scene.library.parameters`: its default, or
+  `telex_control.common.params.required`, its meaning with the unit, and what is possible.
+* What several fields must satisfy together is checked in the method `check`, by
+  `telex_control.common.params.require`.
+* The first line of the docstring and the meanings of the fields are what ``scene types`` prints.
 * A relative address (mesh, texture) goes through `telex_sim.scene.addresses.absolute`, with
   `folder`.
 """

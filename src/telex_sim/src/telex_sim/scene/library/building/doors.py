@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Tuple
 
-from telex_control.common.params import require, require_choice, require_range
+from telex_control.common.params import require
 
 from ...model import (
     Closer,
@@ -21,8 +21,8 @@ from ...model import (
     Vector3,
 )
 from .. import materials as look
-from ..checks import require_color, require_each
 from ..object_type import ObjectType, single
+from ..parameters import choice, kilograms, number, parameter, rgb
 from ..shapes import LYING_X, Parts, box, cylinder, opaque, placed, seen_only
 
 _SILL = 0.01
@@ -39,73 +39,34 @@ _SPRING = 0.6
 
 @dataclass(frozen=True)
 class Door(ObjectType):
-    """Door in its frame, across x, with a handle on both sides and a closer.
+    """Door in its frame, across x, with a handle on both sides and a closer."""
 
-    Attributes
-    ----------
-    width, height : float
-        Of the opening (m).
-    mass : float
-        Of the leaf (kg).
-    hinges : str
-        left or right, seen along x.
-    opening : str
-        push or pull, for who comes along x.
-    angle : float
-        How far it opens (rad).
-    start : float
-        Angle at the start (rad).
-    closer_torque : float
-        Torque that closes it when it is nearly shut (N m); 0: no closer.
-    closer_stiffness : float
-        What each radian adds to it (N m/rad).
-    damping : float
-        Of the closer (N m s/rad).
-    latch_torque : float
-        What the latch resists when the door is shut (N m).
-    friction : float
-        Of the hinges (N m).
-    frame_depth : float
-        Along x (m).
-    window : bool
-        A pane of glass at the height of the eyes.
-    color : tuple of 3 floats
-        Red, green, blue, 0 to 1.
-    """
+    width: float = number(0.95, "Of the opening (m).", 0.4, 2.0)
+    height: float = number(2.0, "Of the opening (m).", 1.3, 4.0)
+    mass: float = kilograms(25.0, "Of the leaf (kg).")
+    hinges: str = choice("left", ("left", "right"), "left or right, seen along x.")
+    opening: str = choice("push", ("push", "pull"), "push or pull, for who comes along x.")
+    angle: float = number(1.75, "How far it opens (rad).", 0.3, 3.0)
+    start: float = number(0.0, "Angle at the start (rad).", 0.0, lambda own: own.angle)
+    closer_torque: float = number(
+        4.0, "Torque that closes it when it is nearly shut (N m); 0: no closer.", 0.0, 1000.0
+    )
+    closer_stiffness: float = number(6.0, "What each radian adds to it (N m/rad).", 0.0, 1000.0)
+    damping: float = number(25.0, "Of the closer (N m s/rad).", 0.0, 1000.0)
+    latch_torque: float = number(
+        6.0, "What the latch resists when the door is shut (N m).", 0.0, 1000.0
+    )
+    friction: float = number(0.5, "Of the hinges (N m).", 0.0, 1000.0)
+    frame_depth: float = number(0.14, "Along x (m).", 0.05, 1.0)
+    window: bool = parameter(True, "A pane of glass at the height of the eyes.")
+    color: Vector3 = rgb((0.30, 0.42, 0.50))
 
-    width: float = 0.95
-    height: float = 2.0
-    mass: float = 25.0
-    hinges: str = "left"
-    opening: str = "push"
-    angle: float = 1.75
-    start: float = 0.0
-    closer_torque: float = 4.0
-    closer_stiffness: float = 6.0
-    damping: float = 25.0
-    latch_torque: float = 6.0
-    friction: float = 0.5
-    frame_depth: float = 0.14
-    window: bool = True
-    color: Vector3 = (0.30, 0.42, 0.50)
-
-    def __post_init__(self) -> None:
-        require_range(self, "width", 0.4, 2.0)
-        require_range(self, "height", 1.3, 4.0)
-        require_range(self, "mass", above=0.0)
-        require_choice(self, "hinges", ("left", "right"))
-        require_choice(self, "opening", ("push", "pull"))
-        require_range(self, "angle", 0.3, 3.0)
-        require_range(self, "start", 0.0, self.angle)
-        require_each(
-            self, "closer_torque closer_stiffness damping latch_torque friction", 0.0, 1000.0
-        )
-        require_range(self, "frame_depth", 0.05, 1.0)
+    def check(self) -> None:
+        """Check what concerns several parameters; see `Declared.check`."""
         require(
             self.damping <= 500.0,
             f"damping is {self.damping}; above 500 the door would shake in steps of 2 ms",
         )
-        require_color(self, "color")
 
     @property
     def _left(self) -> float:

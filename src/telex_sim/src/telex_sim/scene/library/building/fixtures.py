@@ -7,12 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Tuple
 
-from telex_control.common.params import require_choice, require_range
-
 from ...model import SceneObject, Vector3
 from .. import materials as look
-from ..checks import require_color, require_each, require_elements
 from ..object_type import ObjectType
+from ..parameters import choice, kilograms, number, numbers, parameter, rgb
 from ..shapes import (
     LYING_X,
     Parts,
@@ -30,22 +28,10 @@ from ..shapes import (
 
 @dataclass(frozen=True)
 class Cone(ObjectType):
-    """Traffic cone.
+    """Traffic cone."""
 
-    Attributes
-    ----------
-    height : float
-        m.
-    mass : float
-        kg.
-    """
-
-    height: float = 0.5
-    mass: float = 1.5
-
-    def __post_init__(self) -> None:
-        require_range(self, "height", 0.1, 2.0)
-        require_range(self, "mass", above=0.0)
+    height: float = number(0.5, "m.", 0.1, 2.0)
+    mass: float = kilograms(1.5)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -82,33 +68,13 @@ class Cone(ObjectType):
 
 @dataclass(frozen=True)
 class LampFixture(ObjectType):
-    """Lamp to be seen, hanging below a ceiling; its light is one of the scene's lamps.
+    """Lamp to be seen, hanging below a ceiling; its light is one of the scene's lamps."""
 
-    Attributes
-    ----------
-    length : float
-        Along x (m).
-    height : float
-        Of its lower side over the floor (m).
-    lit : bool
-        Whether its tubes glow.
-    drop : float
-        How far above it its rods end (m); 0: none.
-    color : tuple of 3 floats
-        Of the light: red, green, blue, 0 to 1.
-    """
-
-    length: float = 1.2
-    height: float = 3.0
-    lit: bool = True
-    drop: float = 0.3
-    color: Vector3 = (1.0, 0.97, 0.88)
-
-    def __post_init__(self) -> None:
-        require_range(self, "length", 0.1, 5.0)
-        require_range(self, "height", 0.1, 20.0)
-        require_range(self, "drop", 0.0, 10.0)
-        require_color(self, "color")
+    length: float = number(1.2, "Along x (m).", 0.1, 5.0)
+    height: float = number(3.0, "Of its lower side over the floor (m).", 0.1, 20.0)
+    lit: bool = parameter(True, "Whether its tubes glow.")
+    drop: float = number(0.3, "How far above it its rods end (m); 0: none.", 0.0, 10.0)
+    color: Vector3 = rgb((1.0, 0.97, 0.88), "Of the light: red, green, blue, 0 to 1.")
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -127,32 +93,17 @@ class LampFixture(ObjectType):
 
 @dataclass(frozen=True)
 class CableTray(ObjectType):
-    """Ladder tray along x with cables in it.
+    """Ladder tray along x with cables in it."""
 
-    Attributes
-    ----------
-    length, width : float
-        m.
-    height : float
-        Of its lower side over the floor (m).
-    cables : int
-        How many lie in it.
-    carried : str
-        How: legs (on the floor), brackets (to a wall at y > 0) or rods (from a ceiling).
-    """
-
-    length: float = 3.0
-    width: float = 0.3
-    height: float = 2.1
-    cables: int = 5
-    carried: str = "brackets"
-
-    def __post_init__(self) -> None:
-        require_range(self, "length", 0.3, 50.0)
-        require_range(self, "width", 0.08, 2.0)
-        require_range(self, "height", 0.05, 10.0)
-        require_range(self, "cables", 0, 30)
-        require_choice(self, "carried", ("legs", "brackets", "rods"))
+    length: float = number(3.0, "m.", 0.3, 50.0)
+    width: float = number(0.3, "m.", 0.08, 2.0)
+    height: float = number(2.1, "Of its lower side over the floor (m).", 0.05, 10.0)
+    cables: int = number(5, "How many lie in it.", 0, 30)
+    carried: str = choice(
+        "brackets",
+        ("legs", "brackets", "rods"),
+        "How: legs (on the floor), brackets (to a wall at y > 0) or rods (from a ceiling).",
+    )
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -198,32 +149,13 @@ class CableTray(ObjectType):
 
 @dataclass(frozen=True)
 class Hose(ObjectType):
-    """Cable or hose that lies on the floor along x, in waves.
+    """Cable or hose that lies on the floor along x, in waves."""
 
-    Attributes
-    ----------
-    length, radius : float
-        m.
-    amplitude : float
-        Of its waves (m).
-    waves : float
-        How many.
-    color : tuple of 3 floats
-        Red, green, blue, 0 to 1.
-    """
-
-    length: float = 2.0
-    radius: float = 0.02
-    amplitude: float = 0.1
-    waves: float = 1.5
-    color: Vector3 = (0.12, 0.12, 0.13)
-
-    def __post_init__(self) -> None:
-        require_range(self, "length", 0.2, 20.0)
-        require_range(self, "radius", 0.003, 0.1)
-        require_range(self, "amplitude", 0.0, 2.0)
-        require_range(self, "waves", 0.0, 20.0)
-        require_color(self, "color")
+    length: float = number(2.0, "m.", 0.2, 20.0)
+    radius: float = number(0.02, "m.", 0.003, 0.1)
+    amplitude: float = number(0.1, "Of its waves (m).", 0.0, 2.0)
+    waves: float = number(1.5, "How many.", 0.0, 20.0)
+    color: Vector3 = rgb((0.12, 0.12, 0.13))
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -241,30 +173,19 @@ class Hose(ObjectType):
 
 @dataclass(frozen=True)
 class Rails(ObjectType):
-    """Two parallel rails along x to drive on, one under each track.
+    """Two parallel rails along x to drive on, one under each track."""
 
-    Attributes
-    ----------
-    gauge : float
-        From the middle of one to that of the other (m); the robot's belts are 0.345 apart.
-    width : float
-        Of a rail (m).
-    heights : tuple of 2 floats
-        Of the left and of the right rail (m).
-    length : float
-        m.
-    """
-
-    gauge: float = 0.345
-    width: float = 0.14
-    heights: Tuple[float, float] = (0.1, 0.1)
-    length: float = 2.4
-
-    def __post_init__(self) -> None:
-        require_range(self, "width", 0.03, 1.0)
-        require_range(self, "gauge", self.width, 3.0)
-        require_range(self, "length", 0.3, 20.0)
-        require_elements(self, "heights", 0.02, 1.0)
+    gauge: float = number(
+        0.345,
+        "From the middle of one to that of the other (m); the robot's belts are 0.345 apart.",
+        lambda own: own.width,
+        3.0,
+    )
+    width: float = number(0.14, "Of a rail (m).", 0.03, 1.0)
+    heights: Tuple[float, float] = numbers(
+        (0.1, 0.1), "Of the left and of the right rail (m).", 0.02, 1.0
+    )
+    length: float = number(2.4, "m.", 0.3, 20.0)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -283,21 +204,11 @@ class Rails(ObjectType):
 
 @dataclass(frozen=True)
 class Rack(ObjectType):
-    """Rack of electronics that looks towards -x, with lamps that show it is on.
+    """Rack of electronics that looks towards -x, with lamps that show it is on."""
 
-    Attributes
-    ----------
-    width, depth, height : float
-        m; the width lies along y.
-    """
-
-    width: float = 0.6
-    depth: float = 0.7
-    height: float = 1.9
-
-    def __post_init__(self) -> None:
-        require_each(self, "width depth", 0.2, 3.0)
-        require_range(self, "height", 0.3, 3.0)
+    width: float = number(0.6, "m; the width lies along y.", 0.2, 3.0)
+    depth: float = number(0.7, "m; the width lies along y.", 0.2, 3.0)
+    height: float = number(1.9, "m; the width lies along y.", 0.3, 3.0)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""

@@ -6,36 +6,23 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Optional, Tuple
 
-from telex_control.common.params import require, require_range
+from telex_control.common.params import require
 
 from ...model import Joint, Link, Motion, ObjectModel, SceneObject
 from .. import materials as look
-from ..checks import require_each
 from ..object_type import ObjectType, single
+from ..parameters import kilograms, number, parameter
 from ..shapes import Parts, box, open_box, rod, standing, steel_post
 
 
 @dataclass(frozen=True)
 class Table(ObjectType):
-    """Table on four legs, with an apron.
+    """Table on four legs, with an apron."""
 
-    Attributes
-    ----------
-    length, width, height : float
-        m.
-    top : float
-        Thickness of its top (m).
-    """
-
-    length: float = 1.2
-    width: float = 0.7
-    height: float = 0.75
-    top: float = 0.03
-
-    def __post_init__(self) -> None:
-        require_each(self, "length width", 0.2, 10.0)
-        require_range(self, "height", 0.1, 3.0)
-        require_range(self, "top", 0.01, 0.1)
+    length: float = number(1.2, "m.", 0.2, 10.0)
+    width: float = number(0.7, "m.", 0.2, 10.0)
+    height: float = number(0.75, "m.", 0.1, 3.0)
+    top: float = number(0.03, "Thickness of its top (m).", 0.01, 0.1)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -71,25 +58,12 @@ class Table(ObjectType):
 
 @dataclass(frozen=True)
 class Shelf(ObjectType):
-    """Rack of boards on uprights, open in front (-x side) and behind.
+    """Rack of boards on uprights, open in front (-x side) and behind."""
 
-    Attributes
-    ----------
-    width, depth, height : float
-        m; the width lies along y.
-    levels : int
-        Boards, the lowest 0.1 m above the floor, the highest on top.
-    """
-
-    width: float = 1.0
-    depth: float = 0.4
-    height: float = 1.5
-    levels: int = 4
-
-    def __post_init__(self) -> None:
-        require_each(self, "width depth", 0.2, 6.0)
-        require_range(self, "height", 0.3, 4.0)
-        require_range(self, "levels", 2, 12)
+    width: float = number(1.0, "m; the width lies along y.", 0.2, 6.0)
+    depth: float = number(0.4, "m; the width lies along y.", 0.2, 6.0)
+    height: float = number(1.5, "m; the width lies along y.", 0.3, 4.0)
+    levels: int = number(4, "Boards, the lowest 0.1 m above the floor, the highest on top.", 2, 12)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -120,47 +94,31 @@ class Shelf(ObjectType):
 
 @dataclass(frozen=True)
 class Drawers(ObjectType):
-    """Cabinet with drawers that slide out towards -x, each with a bar to pull.
+    """Cabinet with drawers that slide out towards -x, each with a bar to pull."""
 
-    Attributes
-    ----------
-    count : int
-        Drawers above one another.
-    width, depth, height : float
-        Of the cabinet (m); the width lies along y.
-    friction : float
-        Of a drawer's slide (N).
-    travel : float, optional
-        How far a drawer slides (m); left out, 0.8 of the depth.
-    handle : float
-        Thickness of the bar (m).
-    mass : float
-        Of a drawer (kg).
-    opened : tuple of floats
-        How far each drawer is open at the start (m), from below; shut where there is none.
-    """
+    count: int = number(3, "Drawers above one another.", 1, 8)
+    width: float = number(0.5, "Of the cabinet (m); the width lies along y.", 0.2, 3.0)
+    depth: float = number(0.5, "Of the cabinet (m); the width lies along y.", 0.2, 3.0)
+    height: float = number(0.75, "Of the cabinet (m); the width lies along y.", 0.2, 3.0)
+    friction: float = number(6.0, "Of a drawer's slide (N).", 0.0)
+    travel: Optional[float] = number(
+        None,
+        "How far a drawer slides (m); left out, 0.8 of the depth.",
+        0.05,
+        lambda own: 0.95 * own.depth,
+    )
+    handle: float = number(0.025, "Thickness of the bar (m).", 0.01, 0.05)
+    mass: float = kilograms(3.0, "Of a drawer (kg).")
+    opened: Tuple[float, ...] = parameter(
+        (), "How far each drawer is open at the start (m), from below; shut where there is none."
+    )
 
-    count: int = 3
-    width: float = 0.5
-    depth: float = 0.5
-    height: float = 0.75
-    friction: float = 6.0
-    travel: Optional[float] = None
-    handle: float = 0.025
-    mass: float = 3.0
-    opened: Tuple[float, ...] = ()
-
-    def __post_init__(self) -> None:
-        require_range(self, "count", 1, 8)
-        require_each(self, "width depth height", 0.2, 3.0)
+    def check(self) -> None:
+        """Check what concerns several parameters; see `Declared.check`."""
         require(
             self.height / self.count >= 0.12,
             f"height is {self.height}; {self.count} drawers need at least {0.12 * self.count:g}",
         )
-        require_range(self, "friction", 0.0)
-        require_range(self, "travel", 0.05, 0.95 * self.depth)
-        require_range(self, "handle", 0.01, 0.05)
-        require_range(self, "mass", above=0.0)
         require(
             len(self.opened) <= self.count and all(0.0 <= at <= self.stroke for at in self.opened),
             f"opened is {list(self.opened)}; at most {self.count} numbers from 0 to {self.stroke:g}"

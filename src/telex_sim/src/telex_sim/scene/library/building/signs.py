@@ -7,53 +7,41 @@ from pathlib import Path
 from typing import Tuple
 from urllib.parse import quote_plus
 
-from telex_control.common.params import require, require_choice, require_range
+from telex_control.common.params import require
 
 from ...model import SceneObject, Surface
 from ...sealed import seed_of
 from .. import materials as look
-from ..checks import require_sealed
 from ..object_type import ObjectType
+from ..parameters import choice, number, parameter, token
 from ..shapes import Parts, box, cylinder, sheet, standing, steel_post
+
+_SYMBOLS = ("usual", "none", "exclamation", "radiation", "voltage")
 
 
 @dataclass(frozen=True)
 class Sign(ObjectType):
-    """Warning sign that looks towards -x.
+    """Warning sign that looks towards -x."""
 
-    Attributes
-    ----------
-    text : str
-        Up to 40 characters, under the symbol.
-    shape : str
-        triangle, square or circle.
-    symbol : str
-        usual (that of the shape), none, exclamation, radiation or voltage.
-    size : float
-        Edge of the board (m).
-    height : float
-        Of the board's middle over the floor (m).
-    post : bool
-        On a post of its own; else to be put against a wall, its back at x = 0.
-    """
+    text: str = parameter("", "Up to 40 characters, under the symbol.")
+    shape: str = choice("triangle", ("triangle", "square", "circle"))
+    symbol: str = choice(
+        "usual", _SYMBOLS, "usual (that of the shape), none, exclamation, radiation or voltage."
+    )
+    size: float = number(0.4, "Edge of the board (m).", 0.05, 3.0)
+    height: float = number(
+        1.5, "Of the board's middle over the floor (m).", lambda own: 0.5 * own.size, 10.0
+    )
+    post: bool = parameter(
+        True, "On a post of its own; else to be put against a wall, its back at x = 0."
+    )
 
-    text: str = ""
-    shape: str = "triangle"
-    symbol: str = "usual"
-    size: float = 0.4
-    height: float = 1.5
-    post: bool = True
-
-    def __post_init__(self) -> None:
+    def check(self) -> None:
+        """Check what concerns several parameters; see `Declared.check`."""
         require(
             len(self.text) <= 40 and all(" " <= character <= "~" for character in self.text),
             f"text is {self.text!r}; at most 40 characters of ASCII are possible",
         )
-        symbols = ("usual", "none", "exclamation", "radiation", "voltage")
-        require_choice(self, "symbol", symbols)
-        require_choice(self, "shape", ("triangle", "square", "circle"))
-        require_range(self, "size", 0.05, 3.0)
-        require_range(self, "height", 0.5 * self.size, 10.0)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -64,41 +52,21 @@ class Sign(ObjectType):
 
 @dataclass(frozen=True)
 class Chart(ObjectType):
-    """Chart of optotypes to read, which looks towards -x.
+    """Chart of optotypes to read, which looks towards -x."""
 
-    Attributes
-    ----------
-    kind : str
-        E (tumbling E) or C (Landolt ring).
-    seed : int
-        Which way they point.
-    sealed : str
-        A token in place of the seed, which tells nobody which way they point; see `scene.sealed`.
-    rows : int
-        Each is smaller than that above.
-    size : float
-        Edge of the board (m).
-    height : float
-        Of the board's middle over the floor (m).
-    post : bool
-        On a post of its own; else to be put against a wall, its back at x = 0.
-    """
-
-    kind: str = "E"
-    seed: int = 1
-    sealed: str = ""
-    rows: int = 6
-    size: float = 0.5
-    height: float = 1.0
-    post: bool = True
-
-    def __post_init__(self) -> None:
-        require_choice(self, "kind", ("E", "C"))
-        require_range(self, "seed", 0, 2**31 - 1)
-        require_sealed(self.sealed)
-        require_range(self, "rows", 1, 12)
-        require_range(self, "size", 0.05, 3.0)
-        require_range(self, "height", 0.5 * self.size, 10.0)
+    kind: str = choice("E", ("E", "C"), "E (tumbling E) or C (Landolt ring).")
+    seed: int = number(1, "Which way they point.", 0, 2**31 - 1)
+    sealed: str = token(
+        "A token in place of the seed, which tells nobody which way they point; see `scene.sealed`."
+    )
+    rows: int = number(6, "Each is smaller than that above.", 1, 12)
+    size: float = number(0.5, "Edge of the board (m).", 0.05, 3.0)
+    height: float = number(
+        1.0, "Of the board's middle over the floor (m).", lambda own: 0.5 * own.size, 10.0
+    )
+    post: bool = parameter(
+        True, "On a post of its own; else to be put against a wall, its back at x = 0."
+    )
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import List, Tuple
 
-from telex_control.common.params import require, require_choice, require_range
+from telex_control.common.params import require, required
 
 from ...model import Part, SceneObject, Vector3
 from ...poses import product
 from .. import materials as look
-from ..checks import require_each
 from ..object_type import ObjectType
+from ..parameters import Declared, choice, number, parameter
 from ..shapes import Parts, along_bend, box, placed, rolled, standing, yawed
 
 _SHELL = 0.15
@@ -29,29 +29,16 @@ _WALL_BETWEEN = 0.3
 
 
 @dataclass(frozen=True)
-class Niche:
-    """Recess in a tunnel's wall, from the floor.
+class Niche(Declared):
+    """Recess in a tunnel's wall, from the floor."""
 
-    Attributes
-    ----------
-    at : float
-        Its middle along the tunnel's centre line, from the tunnel's middle (m).
-    side : str
-        left or right, seen along x.
-    width, height, depth : float
-        m.
-    """
-
-    at: float
-    side: str = "left"
-    width: float = 1.2
-    height: float = 2.1
-    depth: float = 1.2
-
-    def __post_init__(self) -> None:
-        require_range(self, "at")
-        require_choice(self, "side", ("left", "right"))
-        require_each(self, "width height depth", 0.3, 10.0)
+    at: float = number(
+        required, "Its middle along the tunnel's centre line, from the tunnel's middle (m)."
+    )
+    side: str = choice("left", ("left", "right"), "left or right, seen along x.")
+    width: float = number(1.2, "m.", 0.3, 10.0)
+    height: float = number(2.1, "m.", 0.3, 10.0)
+    depth: float = number(1.2, "m.", 0.3, 10.0)
 
     @property
     def sign(self) -> float:
@@ -61,48 +48,33 @@ class Niche:
 
 @dataclass(frozen=True)
 class Tunnel(ObjectType):
-    """Tunnel with upright walls and a vault, along x in its middle.
+    """Tunnel with upright walls and a vault, along x in its middle."""
 
-    Attributes
-    ----------
-    length : float
-        Along the centre line (m).
-    radius : float
-        Of the bend (m): positive to the left, negative to the right, 0 for a straight tunnel.
-    width, height : float
-        Inside (m).
-    wall_height : float
-        Of the upright walls, below the vault (m).
-    segment : float
-        Largest length of a straight piece (m).
-    closed : str
-        Which ends have a wall: none, start, end or both.
-    niches : tuple of Niche
-        Recesses, each with at, side, width, height and depth.
-    """
+    length: float = number(20.0, "Along the centre line (m).", 1.0, 500.0)
+    radius: float = number(
+        0.0,
+        "Of the bend (m): positive to the left, negative to the right, 0 for a straight tunnel.",
+    )
+    width: float = number(3.6, "Inside (m).", 1.0, 20.0)
+    height: float = number(3.4, "Inside (m).", lambda own: own.wall_height + 0.1, 20.0)
+    wall_height: float = number(2.2, "Of the upright walls, below the vault (m).", 0.5, 10.0)
+    segment: float = number(2.0, "Largest length of a straight piece (m).", 0.5, 20.0)
+    closed: str = choice(
+        "none",
+        ("none", "start", "end", "both"),
+        "Which ends have a wall: none, start, end or both.",
+    )
+    niches: Tuple[Niche, ...] = parameter(
+        (), "Recesses, each with at, side, width, height and depth."
+    )
 
-    length: float = 20.0
-    radius: float = 0.0
-    width: float = 3.6
-    height: float = 3.4
-    wall_height: float = 2.2
-    segment: float = 2.0
-    closed: str = "none"
-    niches: Tuple[Niche, ...] = ()
-
-    def __post_init__(self) -> None:
-        require_range(self, "length", 1.0, 500.0)
-        require_range(self, "width", 1.0, 20.0)
-        require_range(self, "wall_height", 0.5, 10.0)
-        require_range(self, "height", self.wall_height + 0.1, 20.0)
-        require_range(self, "segment", 0.5, 20.0)
-        require_range(self, "radius")
+    def check(self) -> None:
+        """Check what concerns several parameters; see `Declared.check`."""
         require(
             self.radius == 0.0 or abs(self.radius) >= max(self.width, self.length / math.pi),
             f"radius is {self.radius}; it must be 0, or at least"
             f" {max(self.width, self.length / math.pi):g} to either side",
         )
-        require_choice(self, "closed", ("none", "start", "end", "both"))
         for index, niche in enumerate(self.niches):
             require(
                 abs(niche.at) + 0.5 * niche.width <= 0.5 * self.length

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Dict, Optional, Tuple
 
-from telex_control.common.params import require, require_choice, require_range
+from telex_control.common.params import require
 
 from ...model import SceneObject, Surface, Vector3
 from .. import materials as look
-from ..checks import require_color
 from ..object_type import ObjectType
+from ..parameters import choice, number, parameter, rgb
 from ..shapes import box, cylinder, recolored, standing
 
 FINISHES: Dict[str, Surface] = {
@@ -27,45 +27,20 @@ FINISHES: Dict[str, Surface] = {
 
 @dataclass(frozen=True)
 class Wall(ObjectType):
-    """Straight wall along x, perhaps with an opening.
+    """Straight wall along x, perhaps with an opening."""
 
-    Attributes
-    ----------
-    length, height, thickness : float
-        m.
-    finish : str
-        concrete, plaster, brick, wood, tiles or metal.
-    color : tuple of 3 floats, optional
-        Red, green, blue, 0 to 1, in place of the finish's own.
-    opening : float
-        Width of a gap for a door, from the floor (m); 0: none.
-    opening_height : float
-        m.
-    opening_at : float
-        Its middle along the wall (m), from the wall's.
-    skirting : bool
-        A dark band along its foot.
-    """
+    length: float = number(4.0, "m.", 0.1, 200.0)
+    height: float = number(2.5, "m.", 0.05, 20.0)
+    thickness: float = number(0.12, "m.", 0.01, 2.0)
+    finish: str = choice("plaster", FINISHES)
+    color: Optional[Vector3] = rgb(None, "Red, green, blue, 0 to 1, in place of the finish's own.")
+    opening: float = number(0.0, "Width of a gap for a door, from the floor (m); 0: none.", 0.0)
+    opening_height: float = number(2.1, "m.", 0.1)
+    opening_at: float = parameter(0.0, "Its middle along the wall (m), from the wall's.")
+    skirting: bool = parameter(True, "A dark band along its foot.")
 
-    length: float = 4.0
-    height: float = 2.5
-    thickness: float = 0.12
-    finish: str = "plaster"
-    color: Optional[Vector3] = None
-    opening: float = 0.0
-    opening_height: float = 2.1
-    opening_at: float = 0.0
-    skirting: bool = True
-
-    def __post_init__(self) -> None:
-        require_range(self, "length", 0.1, 200.0)
-        require_range(self, "height", 0.05, 20.0)
-        require_range(self, "thickness", 0.01, 2.0)
-        require_choice(self, "finish", FINISHES)
-        if self.color is not None:
-            require_color(self, "color")
-        require_range(self, "opening", 0.0)
-        require_range(self, "opening_height", 0.1)
+    def check(self) -> None:
+        """Check what concerns several parameters; see `Declared.check`."""
         reach = abs(self.opening_at) + 0.5 * self.opening
         require(
             self.opening == 0.0 or reach <= 0.5 * self.length,
@@ -100,30 +75,13 @@ class Wall(ObjectType):
 
 @dataclass(frozen=True)
 class Column(ObjectType):
-    """Upright, square or round, with a warning band.
+    """Upright, square or round, with a warning band."""
 
-    Attributes
-    ----------
-    width, height : float
-        m.
-    round : bool
-        A round one; else it is square.
-    finish : str
-        concrete, plaster, brick, wood, tiles or metal.
-    band : bool
-        Hazard stripes round its foot.
-    """
-
-    width: float = 0.3
-    height: float = 3.0
-    round: bool = False
-    finish: str = "concrete"
-    band: bool = True
-
-    def __post_init__(self) -> None:
-        require_range(self, "width", 0.05, 5.0)
-        require_range(self, "height", 0.1, 20.0)
-        require_choice(self, "finish", FINISHES)
+    width: float = number(0.3, "m.", 0.05, 5.0)
+    height: float = number(3.0, "m.", 0.1, 20.0)
+    round: bool = parameter(False, "A round one; else it is square.")
+    finish: str = choice("concrete", FINISHES)
+    band: bool = parameter(True, "Hazard stripes round its foot.")
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
