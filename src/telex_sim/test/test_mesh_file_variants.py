@@ -183,6 +183,17 @@ DAE = {
         ),
         [(RED, None, [((0, 0, 5), (0, 2, 5), (-2, 2, 5))])],
     ),
+    "a mirrored instance, whose outside stays outside": (
+        dae(QUAD, f"<node><scale>-1 1 1</scale>{instance(m='r')}</node>"),
+        [
+            (
+                RED,
+                None,
+                [((0, 0, 0), (-1, 1, 0), (-1, 0, 0)), ((0, 0, 0), (0, 1, 0), (-1, 1, 0))],
+                [((0, 0), (1, 1), (1, 0)), ((0, 0), (0, 1), (1, 1))],
+            )
+        ],
+    ),
     "one geometry, twice, of other materials": (
         dae(
             TRIANGLES,

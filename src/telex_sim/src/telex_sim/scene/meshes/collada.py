@@ -32,7 +32,7 @@ def read_collada(path: Path) -> List[FilePart]:
             part
             for geometry in bound
             for primitive in geometry.primitives()
-            for part in _parts(primitive, upright, path.parent)
+            for part in _parts(primitive, upright, path.parent, _is_mirrored(geometry))
         ]
     except OSError:
         raise
@@ -55,7 +55,12 @@ def _upright(document: Any) -> np.ndarray:
     return upright
 
 
-def _parts(primitive: Any, upright: np.ndarray, folder: Path) -> List[FilePart]:
+def _is_mirrored(geometry: Any) -> bool:
+    """Whether an instance's place turns its triangles' outside inwards."""
+    return bool(np.linalg.det(np.asarray(geometry.matrix)[:3, :3]) < 0.0)
+
+
+def _parts(primitive: Any, upright: np.ndarray, folder: Path, mirrored: bool) -> List[FilePart]:
     if hasattr(primitive, "triangleset"):
         primitive = primitive.triangleset()
     index = getattr(primitive, "vertex_index", None)
@@ -71,7 +76,14 @@ def _parts(primitive: Any, upright: np.ndarray, folder: Path) -> List[FilePart]:
     if primitive.texcoordset:
         chosen = np.asarray(primitive.texcoordset[0], dtype=np.float64)
         uvs = chosen[primitive.texcoord_indexset[0]][..., :2]
-    return [FilePart(Corners(positions, normals, uvs), _look(primitive.material, folder))]
+    corners = Corners(positions, normals, uvs)
+    if mirrored:
+        corners = Corners(
+            positions[:, ::-1],
+            None if normals is None else normals[:, ::-1],
+            None if uvs is None else uvs[:, ::-1],
+        )
+    return [FilePart(corners, _look(primitive.material, folder))]
 
 
 def _look(material: Optional[Any], folder: Path) -> Look:
