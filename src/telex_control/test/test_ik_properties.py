@@ -9,6 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from telex_control.common.geometry.matrices import rotation_about
 from telex_control.kinematics import (
     Chain,
     IKSolver,
@@ -19,7 +20,6 @@ from telex_control.kinematics import (
     quaternion_of,
     rotation_vector,
 )
-from telex_control.kinematics.poses import rotation_about
 
 DT = 0.02
 QUIET = settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))

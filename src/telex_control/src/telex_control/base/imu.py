@@ -7,16 +7,20 @@ from dataclasses import dataclass
 from typing import Optional, Tuple
 from xml.etree import ElementTree
 
+from ..common.geometry.quaternions import (
+    UPRIGHT,
+    Rows,
+    Vector3,
+    product,
+    quaternion_from_rpy,
+    rotation_rows,
+    transform_by_rows,
+)
 from ..common.params import require_range
 from ..hardware.hardware_interface import ImuSensorHandle
 from ..kinematics.urdf_tree import FIXED, KinematicsError, UrdfTree
-from ..urdf.elements import Origin
 
-Vector = Tuple[float, float, float]
-Matrix = Tuple[Vector, Vector, Vector]
-
-_IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-_ZERO: Vector = (0.0, 0.0, 0.0)
+_ZERO: Vector3 = (0.0, 0.0, 0.0)
 
 _AVERAGING = 0.5
 """Time constant (s) of the mean turn rate that tells rest from a slow turn."""
@@ -80,13 +84,13 @@ class BaseImu:
     ----------
     handle : ImuSensorHandle
         Whoever fills it puts in a new tuple with each reading; so it shows when readings cease.
-    mount : tuple of 3 Vector
+    mount : tuple of 3 Vector3
         Rotation matrix from the sensor's axes to the base's, row by row.
     config : BaseImuConfig
 
     Attributes
     ----------
-    rates : Vector or None
+    rates : Vector3 or None
         Angular velocity of the base in its axes (rad/s), without bias; 0 at rest, so that noise
         does not turn a standing robot in its own eyes. None while there are no readings.
     bias_variance : float
@@ -94,7 +98,7 @@ class BaseImu:
     at_rest : bool
     """
 
-    def __init__(self, handle: ImuSensorHandle, mount: Matrix, config: BaseImuConfig) -> None:
+    def __init__(self, handle: ImuSensorHandle, mount: Rows, config: BaseImuConfig) -> None:
         self._handle = handle
         self._mount = mount
         self._config = config
@@ -102,13 +106,13 @@ class BaseImu:
 
     def reset(self) -> None:
         """Forget everything: the sensor was switched on anew."""
-        self._bias: Vector = _ZERO
+        self._bias: Vector3 = _ZERO
         self.bias_variance = self._config.turn_on_bias**2
         self.restart()
 
     def restart(self) -> None:
         """Forget when the last reading came, but not the bias."""
-        self.rates: Optional[Vector] = None
+        self.rates: Optional[Vector3] = None
         self.at_rest = False
         self._reading: Optional[Tuple[float, ...]] = None
         self._age = 0.0
@@ -117,7 +121,7 @@ class BaseImu:
     def _stir(self) -> None:
         """Forget how long the robot has been still."""
         self._still = 0.0
-        self._mean: Vector = _ZERO
+        self._mean: Vector3 = _ZERO
         self._mean_variance = 0.0
 
     def _begin_to_learn(self) -> None:
@@ -164,9 +168,9 @@ class BaseImu:
             self._bias, self.bias_variance = self._before
         if not still:
             self._stir()
-        self.rates = _turned(self._mount, rates)
+        self.rates = transform_by_rows(self._mount, rates)
 
-    def _is_rest(self, reading: Vector, period: float) -> bool:
+    def _is_rest(self, reading: Vector3, period: float) -> bool:
         """Whether nothing but noise and bias is measured, while the drives stand."""
         config = self._config
         self._still += period
@@ -191,7 +195,7 @@ class BaseImu:
             self.bias_variance = min(unsure, sure + unsure * period / _DOUBT_TIME) ** 2
         return False
 
-    def _learn(self, rates: Vector, period: float) -> None:
+    def _learn(self, rates: Vector3, period: float) -> None:
         """Take what is measured at rest for the bias, as far as it is better known than before."""
         self._until_next -= period
         if self._until_next <= 0.0:
@@ -207,20 +211,18 @@ class BaseImu:
             bias[2] + gain * rates[2],
         )
 
-    def up(self) -> Optional[Vector]:
+    def up(self) -> Optional[Vector3]:
         """Direction away from gravity in the axes of the base; None while it is not known."""
         if self.rates is None:
             return None
         orientation = self._handle.orientation
         if orientation is None or not _is_finite(orientation):
             return None
-        x, y, z, w = orientation
         # The world's z axis in the sensor's axes: the last row of its rotation matrix.
-        up = (2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y))
-        return _turned(self._mount, up)
+        return transform_by_rows(self._mount, rotation_rows(orientation)[2])
 
 
-def sensor_mount(robot: ElementTree.Element, base: str, frame: str) -> Matrix:
+def sensor_mount(robot: ElementTree.Element, base: str, frame: str) -> Rows:
     """Rotation matrix from the axes of a sensor to those of the base, row by row.
 
     Parameters
@@ -238,41 +240,15 @@ def sensor_mount(robot: ElementTree.Element, base: str, frame: str) -> Matrix:
         The sensor is not fixed to the base.
     """
     tree = UrdfTree(robot)
-    rotation = _IDENTITY
+    rotation = UPRIGHT
     for joint in tree.path(base if base in tree.inertials else tree.root, frame):
         if joint.kind != FIXED:
             raise KinematicsError(
                 f"link '{frame}' moves against the base, by joint '{joint.name}'; the sensor must "
                 "be fixed to it"
             )
-        rotation = _product(rotation, _matrix(joint.origin))
-    return rotation
-
-
-def _matrix(origin: Origin) -> Matrix:
-    roll, pitch, yaw = origin.rpy
-    cr, sr, cp, sp = math.cos(roll), math.sin(roll), math.cos(pitch), math.sin(pitch)
-    cy, sy = math.cos(yaw), math.sin(yaw)
-    return (
-        (cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
-        (sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
-        (-sp, cp * sr, cp * cr),
-    )
-
-
-def _product(a: Matrix, b: Matrix) -> Matrix:
-    columns = tuple(zip(*b))
-    return tuple(  # type: ignore[return-value]
-        tuple(sum(x * y for x, y in zip(row, column)) for column in columns) for row in a
-    )
-
-
-def _turned(m: Matrix, v: Vector) -> Vector:
-    return (
-        m[0][0] * v[0] + m[0][1] * v[1] + m[0][2] * v[2],
-        m[1][0] * v[0] + m[1][1] * v[1] + m[1][2] * v[2],
-        m[2][0] * v[0] + m[2][1] * v[1] + m[2][2] * v[2],
-    )
+        rotation = product(rotation, quaternion_from_rpy(joint.origin.rpy))
+    return rotation_rows(rotation)
 
 
 def _is_finite(values: Tuple[float, ...]) -> bool:

@@ -6,6 +6,8 @@ import math
 from collections import deque
 from typing import Deque, Optional, Tuple
 
+from ..common.geometry.quaternions import Quaternion, about
+
 
 class RollingVelocity:
     """Mean of the last velocities.
@@ -116,9 +118,9 @@ class DifferentialOdometry(WheelOdometry):
         return self.x, self.y, 0.0
 
     @property
-    def orientation(self) -> Tuple[float, float, float, float]:
+    def orientation(self) -> Quaternion:
         """Quaternion (x, y, z, w)."""
-        return 0.0, 0.0, math.sin(0.5 * self.heading), math.cos(0.5 * self.heading)
+        return about((0.0, 0.0, 1.0), self.heading)
 
     def reset(self) -> None:
         """Start again at the origin."""

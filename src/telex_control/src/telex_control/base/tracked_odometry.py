@@ -9,20 +9,20 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import List, Optional, Tuple
+from typing import List, Optional
 
 import numpy as np
 
+from ..common.geometry.quaternions import UPRIGHT, Quaternion, Vector3, product, rotate, yaw_of
 from ..common.params import require_range
-from .imu import BaseImu, Vector
+from .imu import BaseImu
 from .odometry import WheelOdometry
-
-Quaternion = Tuple[float, float, float, float]
 
 _TILT_TIME = 0.1
 """Time constant (s) with which the measured vertical corrects the integrated attitude."""
 _LEVEL_PERIOD = 0.02
 """Time between two such corrections (s): the vertical does not wander faster."""
+_AHEAD = (1.0, 0.0, 0.0)
 _NO_TURN = (0.0, 0.0, 0.0)
 _X, _Y, _YAW, _SCALE, _BIAS = range(5)
 
@@ -75,7 +75,7 @@ class TrackedOdometry(WheelOdometry):
 
     Attributes
     ----------
-    position : Vector
+    position : Vector3
         (m)
     orientation : tuple of 4 floats
         Quaternion (x, y, z, w).
@@ -99,9 +99,9 @@ class TrackedOdometry(WheelOdometry):
 
     def reset(self) -> None:
         """Start again at the origin, as certain as at the first time."""
-        self.position: Vector = (0.0, 0.0, 0.0)
-        self.orientation: Quaternion = (0.0, 0.0, 0.0, 1.0)
-        self._ahead: Vector = (1.0, 0.0, 0.0)
+        self.position: Vector3 = (0.0, 0.0, 0.0)
+        self.orientation = UPRIGHT
+        self._ahead = _AHEAD
         self._covariance = np.zeros((5, 5))
         self._covariance[_SCALE, _SCALE] = self._errors.way_scale**2
         self._height_variance = 0.0
@@ -120,8 +120,7 @@ class TrackedOdometry(WheelOdometry):
     @property
     def heading(self) -> float:
         """Yaw (rad)."""
-        x, y, z, w = self.orientation
-        return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+        return yaw_of(self.orientation)
 
     def update(self, left: float, right: float, period: float) -> None:
         """Advance by one cycle.
@@ -160,14 +159,14 @@ class TrackedOdometry(WheelOdometry):
         self._advance(linear * period, (0.0, 0.0, turn), period)
         self._blind_turn += abs(turn)
 
-    def _advance(self, way: float, turn: Vector, period: float) -> None:
+    def _advance(self, way: float, turn: Vector3, period: float) -> None:
         """Turn by the small rotation `turn` in the base's axes, and go `way` along its x axis."""
         self._time += period
         if way == 0.0 and turn == _NO_TURN:
             return
         first = self._ahead
         self.orientation = _rotated(self.orientation, turn)
-        second = self._ahead = _forward(self.orientation)
+        second = self._ahead = rotate(self.orientation, _AHEAD)
         half = 0.5 * way
         dx, dy = half * (first[0] + second[0]), half * (first[1] + second[1])
         x, y, z = self.position
@@ -182,9 +181,8 @@ class TrackedOdometry(WheelOdometry):
         up = None if self._imu is None else self._imu.up()
         if up is None:
             return
-        x, y, z, w = self.orientation
         # Where the measured vertical points in the odometry's axes; it ought to point up.
-        gravity = _carried(self.orientation, up)
+        gravity = rotate(self.orientation, up)
         axis = (gravity[1], -gravity[0], 0.0)
         sine = math.hypot(axis[0], axis[1])
         angle = share * math.atan2(sine, gravity[2])
@@ -192,14 +190,8 @@ class TrackedOdometry(WheelOdometry):
             return
         scale = math.sin(0.5 * angle) / sine
         a, b, c = axis[0] * scale, axis[1] * scale, math.cos(0.5 * angle)
-        # (a, b, 0, c) times the orientation: a rotation about the world's axes.
-        self.orientation = (
-            c * x + a * w + b * z,
-            c * y - a * z + b * w,
-            c * z + a * y - b * x,
-            c * w - a * x - b * y,
-        )
-        self._ahead = _forward(self.orientation)
+        self.orientation = product((a, b, 0.0, c), self.orientation)
+        self._ahead = rotate(self.orientation, _AHEAD)
 
     def propagate(self) -> None:
         """Let the covariance grow by what has been covered since the last call.
@@ -266,8 +258,11 @@ class TrackedOdometry(WheelOdometry):
         return matrix
 
 
-def _rotated(q: Quaternion, turn: Vector) -> Quaternion:
-    """Orientation after a small rotation (rad) about the body's own axes."""
+def _rotated(q: Quaternion, turn: Vector3) -> Quaternion:
+    """Orientation after a small rotation (rad) about the body's own axes.
+
+    It computes for itself, without sines: it runs in every cycle.
+    """
     x, y, z, w = q
     a, b, c = 0.5 * turn[0], 0.5 * turn[1], 0.5 * turn[2]
     square = a * a + b * b + c * c
@@ -282,22 +277,3 @@ def _rotated(q: Quaternion, turn: Vector) -> Quaternion:
     )
     scale = 1.0 / math.sqrt(x * x + y * y + z * z + w * w)
     return x * scale, y * scale, z * scale, w * scale
-
-
-def _forward(q: Quaternion) -> Vector:
-    """The body's x axis."""
-    x, y, z, w = q
-    return 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)
-
-
-def _carried(q: Quaternion, v: Vector) -> Vector:
-    """A vector of the body in the axes that `q` leads to."""
-    x, y, z, w = q
-    tx = 2.0 * (y * v[2] - z * v[1])
-    ty = 2.0 * (z * v[0] - x * v[2])
-    tz = 2.0 * (x * v[1] - y * v[0])
-    return (
-        v[0] + w * tx + y * tz - z * ty,
-        v[1] + w * ty + z * tx - x * tz,
-        v[2] + w * tz + x * ty - y * tx,
-    )

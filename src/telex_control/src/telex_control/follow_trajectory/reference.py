@@ -12,6 +12,7 @@ from typing import List, Optional, Sequence
 
 import numpy as np
 
+from ..common.geometry.matrices import homogeneous
 from ..kinematics import Chain, IKSolver
 from ..urdf.joints import PRISMATIC
 from . import TrajectoryError
@@ -93,7 +94,7 @@ def plan(
     first: Optional[TrajectoryError] = None
     for guess in _seeds(solver.chain, np.asarray(seed, dtype=float)):
         try:
-            begin = _begin(solver, _pose(orientation, places[0]), guess)
+            begin = _begin(solver, homogeneous(orientation, places[0]), guess)
             references = _track(solver, orientation, places, begin, period)
             return Motion(solver.chain, path, profile, period, references)
         except TrajectoryError as error:
@@ -118,13 +119,6 @@ def _seeds(chain: Chain, seed: np.ndarray) -> List[np.ndarray]:
     ]
 
 
-def _pose(orientation: np.ndarray, place: np.ndarray) -> np.ndarray:
-    made = np.eye(4)
-    made[:3, :3] = orientation
-    made[:3, 3] = place
-    return made
-
-
 def _begin(solver: IKSolver, target: np.ndarray, seed: np.ndarray) -> np.ndarray:
     """Joint positions for the begin of a path."""
     found = solver.solve(target, seed.tolist())
@@ -146,7 +140,7 @@ def _track(
     for index in range(1, len(places)):
         # No limit of accelerations: the speed profile has its own, and nothing may be late here.
         tick = solver.track(
-            _pose(orientation, places[index]),
+            homogeneous(orientation, places[index]),
             references[index - 1],
             period,
             acceleration_time=None,

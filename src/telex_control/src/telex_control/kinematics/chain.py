@@ -9,11 +9,11 @@ from xml.etree import ElementTree
 import numpy as np
 import PyKDL
 
+from telex_control.common.geometry.matrices import Floats
 from telex_control.urdf.elements import by_name
 from telex_control.urdf.joints import CONTINUOUS, UrdfJoint, joints, parse_urdf
 
 from .kdl_tree import kdl_tree
-from .poses import Floats
 from .urdf_tree import FIXED, KinematicsError, TreeJoint, UrdfTree
 
 

@@ -1,17 +1,21 @@
-"""Poses as 4x4 homogeneous transforms: made, checked, moved, compared."""
+"""Poses as 4x4 homogeneous transforms: made of what comes from outside, checked, moved."""
 
 from __future__ import annotations
 
 import math
-from typing import Sequence, Union
 
 import numpy as np
 
+from telex_control.common.geometry.matrices import (
+    Floats,
+    pose_matrix,
+    rotation_about,
+    rotation_vector,
+)
 from telex_control.common.plausible import LARGEST_POSITION
 
 from .urdf_tree import KinematicsError
 
-Floats = Union[Sequence[float], np.ndarray]
 BASE, TOOL = "base", "tool"
 FRAMES = (BASE, TOOL)
 _SKEW = 1e-6
@@ -48,60 +52,7 @@ def make_pose(position: Floats, quaternion: Floats) -> np.ndarray:
         raise KinematicsError(
             f"quaternion is ({x:g}, {y:g}, {z:g}, {w:g}) with norm {norm:g}; norm 1 is needed"
         )
-    x, y, z, w = x / norm, y / norm, z / norm, w / norm
-    pose = np.eye(4)
-    pose[:3, :3] = (
-        (1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)),
-        (2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)),
-        (2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)),
-    )
-    pose[:3, 3] = place
-    return pose
-
-
-def quaternion_of(pose: np.ndarray) -> np.ndarray:
-    """Return the unit quaternion x, y, z, w (w >= 0) of a pose, or of a 3x3 rotation.
-
-    By S. W. Shepperd, Quaternion from rotation matrix, J. Guidance and Control 1 (1978): divided
-    by the largest of the four, which is 1/2 at least.
-    """
-    m = np.asarray(pose)
-    trace = m[0, 0] + m[1, 1] + m[2, 2]
-    sizes = (m[0, 0], m[1, 1], m[2, 2], trace)
-    largest = int(np.argmax(sizes))
-    found = np.empty(4)
-    if largest == 3:
-        found[:] = (m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1], 1.0 + trace)
-    else:
-        i, j, k = largest, (largest + 1) % 3, (largest + 2) % 3
-        found[i] = 1.0 + 2.0 * m[i, i] - trace
-        found[j] = m[j, i] + m[i, j]
-        found[k] = m[k, i] + m[i, k]
-        found[3] = m[k, j] - m[j, k]
-    found /= np.linalg.norm(found)
-    return -found if found[3] < 0.0 else found
-
-
-def rotation_vector(rotation: np.ndarray) -> np.ndarray:
-    """Return axis times angle (rad, 0 to pi), shape (3,), of a 3x3 rotation or of a pose's."""
-    x, y, z, w = quaternion_of(rotation)
-    sine = math.sqrt(x * x + y * y + z * z)
-    scale = 2.0 * math.atan2(sine, w) / sine if sine > 1e-12 else 2.0
-    return np.array([scale * x, scale * y, scale * z])
-
-
-def rotation_about(turn: Floats) -> np.ndarray:
-    """Return the rotation matrix of a rotation vector (rad), shape (3, 3).
-
-    The formula of Rodrigues: R = 1 + sin(a)/a [v] + (1 - cos(a))/a^2 [v]^2.
-    """
-    x, y, z = turn
-    angle = math.sqrt(x * x + y * y + z * z)
-    skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    if angle < 1e-8:
-        return np.eye(3) + skew
-    half = math.sin(0.5 * angle) / angle
-    return np.eye(3) + (math.sin(angle) / angle) * skew + (2.0 * half * half) * (skew @ skew)
+    return pose_matrix(place, (x / norm, y / norm, z / norm, w / norm))
 
 
 def move_pose(pose: np.ndarray, twist: Floats, dt: float, frame: str = BASE) -> np.ndarray:

@@ -9,18 +9,17 @@ from typing import TYPE_CHECKING, Any, Deque, Dict, List, Optional, Tuple
 
 import numpy as np
 
+from telex_control.common.geometry.matrices import Floats, rotation_vector
 from telex_control.common.plausible import LARGEST_POSITION, LARGEST_SPEED, LONGEST
 
 from ..chain import Chain
 from ..poses import (
     BASE,
-    Floats,
     PoseLine,
     check_frame,
     check_pose,
     move_pose,
     positive,
-    rotation_vector,
     turned,
     vector,
 )
