@@ -8,9 +8,9 @@ from pathlib import Path
 import pybullet
 import pytest
 
+from telex_control.common.geometry.quaternions import rotate
 from telex_sim.scene.files.scene_file import build_entry
 from telex_sim.scene.objects.latches import wake
-from telex_sim.scene.poses import rotate
 
 
 def build(type_name, name="it", **given):

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
+from telex_control.common.geometry.matrices import rotation_matrix
 from telex_control.common.params import ConfigError
 from telex_sim.offline.simulation import package_file
 from telex_sim.scene.files.scene_file import build_entry
 from telex_sim.scene.library import object_types
 from telex_sim.scene.library.mesh_shapes import shape_files
-from telex_sim.scene.meshes.mass_properties import rotation_matrix
 from telex_sim.scene.model import Form
 from telex_sim.scene.type_texts import parameters, summary
 

@@ -7,10 +7,10 @@ import itertools
 import numpy as np
 import pytest
 
+from telex_control.common.geometry.matrices import pose_matrices
 from telex_sim.scene.catalog import scenes
 from telex_sim.scene.files.scene_file import load_scene
 from telex_sim.scene.model import Form
-from telex_sim.scene.transforms import pose_matrices
 
 APART = 0.0005
 """Of parallel faces (m): less is not told apart from some metres away."""

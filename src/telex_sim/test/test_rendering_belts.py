@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from telex_control.common.geometry.matrices import pose_matrices
 from telex_control.urdf.elements import UrdfError
 from telex_sim.cameras.drawing.light.daylight import Lighting
 from telex_sim.cameras.drawing.meshes.batching import VERTEX
@@ -19,7 +20,6 @@ from telex_sim.cameras.drawing.quality import TIERS
 from telex_sim.cameras.optics.pinhole import PinholeCamera
 from telex_sim.cameras.preview.still import Still, looking
 from telex_sim.robot.urdf.visuals import urdf_visuals
-from telex_sim.scene.transforms import pose_matrices
 from telex_sim.scene.visual_scene import Daylight, Visual, VisualScene, VisualShape
 
 RADIUS, LENGTH, WIDTH = 0.1, 0.4, 0.06

@@ -3,6 +3,7 @@ import math
 import numpy as np
 import pytest
 
+from telex_control.common.geometry.matrices import pose_matrices
 from telex_sim.cameras.drawing.culling import (
     Cones,
     cones_in_view,
@@ -14,7 +15,6 @@ from telex_sim.cameras.drawing.gl_context import NEEDED_PACKAGES, NoContextError
 from telex_sim.cameras.drawing.light.daylight import sun_view
 from telex_sim.cameras.drawing.quality import TIERS, choose_quality
 from telex_sim.cameras.optics.pinhole import PinholeCamera
-from telex_sim.scene.transforms import pose_matrices
 
 CAMERA = PinholeCamera(640, 480, 1.2, 0.1, 50.0)
 

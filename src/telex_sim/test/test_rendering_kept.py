@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from telex_control.common.geometry.matrices import pose_matrices
 from telex_sim.cameras.cameras_config import CameraConfig
 from telex_sim.cameras.drawing.gl_context import create_context
 from telex_sim.cameras.drawing.kept_pictures import KeptPictures
@@ -13,7 +14,6 @@ from telex_sim.cameras.optics.camera_sensor import CameraSensor
 from telex_sim.cameras.optics.exposure import ExposureControl
 from telex_sim.cameras.optics.pinhole import PinholeCamera
 from telex_sim.cameras.preview.still import looking
-from telex_sim.scene.transforms import pose_matrices
 from telex_sim.scene.visual_scene import Daylight, Visual, VisualLamp, VisualScene, VisualShape
 
 CAMERA = PinholeCamera(64, 48, 1.2, 0.05, 60.0)

@@ -4,12 +4,12 @@ import cv2
 import numpy as np
 import pytest
 
+from telex_control.common.geometry.matrices import pose_matrices
 from telex_sim.cameras.drawing.light.daylight import Lighting
 from telex_sim.cameras.drawing.quality import TIERS
 from telex_sim.cameras.optics.pinhole import PinholeCamera
 from telex_sim.cameras.preview.still import Still, looking
 from telex_sim.scene.meshes.mesh_files import MeshFileError, load_mesh, load_parts
-from telex_sim.scene.transforms import pose_matrices
 from telex_sim.scene.visual_scene import Visual, VisualScene, VisualShape
 
 # Two squares in the plane x = 0; as seen from -x, the left one is red, the right one has a picture.

@@ -6,11 +6,11 @@ import cv2
 import numpy as np
 import pytest
 
+from telex_control.common.geometry.matrices import pose_matrices
 from telex_sim.cameras.drawing.light.daylight import Lighting
 from telex_sim.cameras.drawing.quality import TIERS
 from telex_sim.cameras.optics.pinhole import PinholeCamera
 from telex_sim.cameras.preview.still import Still, looking
-from telex_sim.scene.transforms import pose_matrices
 from telex_sim.scene.visual_scene import Daylight, Visual, VisualScene, VisualShape
 
 CAMERA = PinholeCamera(320, 240, 1.2, 0.05, 60.0)

@@ -3,8 +3,9 @@ import math
 import numpy as np
 import pytest
 
+from telex_control.common.geometry.matrices import inverse, pose_matrices
+from telex_control.common.geometry.quaternions import quaternion_from_rpy
 from telex_sim.scene.addresses import AddressError, resolve_address
-from telex_sim.scene.transforms import pose_matrices, quaternion_from_rpy, rigid_inverse
 from telex_sim.scene.visual_scene import Daylight, Visual, VisualLamp, VisualScene, VisualShape
 
 
@@ -39,7 +40,7 @@ class TestTransforms:
 
     def test_inverse(self):
         (matrix,) = pose_matrices([[1.0, -2.0, 0.5, 0.1, 0.2, 0.3, 0.9]])
-        np.testing.assert_allclose(rigid_inverse(matrix) @ matrix, np.eye(4), atol=1e-12)
+        np.testing.assert_allclose(inverse(matrix) @ matrix, np.eye(4), atol=1e-12)
 
     @pytest.mark.parametrize(
         ("poses", "complaint"),

@@ -8,6 +8,8 @@ import numpy as np
 import pybullet
 import pytest
 
+from telex_control.common.geometry.matrices import rotation_matrix
+from telex_control.common.geometry.quaternions import compose, invert, rotate, twist
 from telex_control.common.params import ConfigError
 from telex_sim.scene.meshes import mass_properties
 from telex_sim.scene.meshes.convex_hull import MOST_VERTICES, FlatError, convex_hull
@@ -23,7 +25,6 @@ from telex_sim.scene.model import (
     Part,
     SceneObject,
 )
-from telex_sim.scene.poses import compose, invert, rotate, twist
 
 TURNED = (0.1825742, 0.3651484, 0.5477226, 0.7302967)
 
@@ -66,7 +67,7 @@ def gate(name, position, start):
 def inertia_in_pybullet(stage, uid):
     """Mass, centre and inertia tensor of a body's base, in its frame."""
     info = pybullet.getDynamicsInfo(uid, -1, physicsClientId=stage.client)
-    turn = mass_properties.rotation_matrix(info[4])
+    turn = rotation_matrix(info[4])
     return info[0], np.array(info[3]), turn @ np.diag(info[2]) @ turn.T
 
 
@@ -88,7 +89,7 @@ def test_primitives_have_the_textbooks_inertia_wherever_they_lie(stage, solid, i
     placed = Part(solid.geometry, (0.1, -0.2, 0.3), TURNED)
     tested = stage(thing("it", [placed], mass=3.0, position=(0.0, 0.0, 5.0)))
     mass, center, tensor = inertia_in_pybullet(tested, tested.uid("it"))
-    turn = mass_properties.rotation_matrix(TURNED)
+    turn = rotation_matrix(TURNED)
     assert mass == pytest.approx(3.0)
     assert center == pytest.approx((0.1, -0.2, 0.3))
     np.testing.assert_allclose(tensor, turn @ np.diag(inertia) @ turn.T * 3.0, atol=1e-9)

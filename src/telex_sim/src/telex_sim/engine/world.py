@@ -12,6 +12,7 @@ from xml.etree import ElementTree
 
 import pybullet
 
+from telex_control.common.geometry.quaternions import Quaternion
 from telex_control.urdf.elements import read_xml
 
 from ..robot.urdf.frames import Frame, take_out_frames, take_out_wheels
@@ -20,7 +21,6 @@ from .overlaps import neighbours
 
 GRAVITY = 9.81
 Vector = Tuple[float, float, float]
-Quaternion = Tuple[float, float, float, float]
 
 
 class WorldError(RuntimeError):

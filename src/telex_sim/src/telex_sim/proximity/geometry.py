@@ -30,7 +30,7 @@ def cross(a: Vector, b: Vector) -> Vector:
 
 
 def turned(matrix: Sequence[float], vector: Vector) -> Vector:
-    """Return a vector after the rotation of a matrix, given row by row."""
+    """Return a vector after the rotation of a matrix of 9 numbers, as PyBullet gives it."""
     x, y, z = vector
     return (
         matrix[0] * x + matrix[1] * y + matrix[2] * z,

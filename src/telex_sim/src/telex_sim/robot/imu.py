@@ -7,9 +7,10 @@ from typing import Optional, Tuple
 
 import pybullet
 
+from telex_control.common.geometry.quaternions import IDENTITY, Pose, Quaternion, product
 from telex_control.hardware.hardware_interface import ImuSensorHandle
 
-from ..engine.world import GRAVITY, Body, Quaternion, Vector
+from ..engine.world import GRAVITY, Body, Vector
 from .imu_noise import ImuErrors, ImuNoise
 
 _EXACT = (1e-9, 0.0, 0.0, 0.0, 1e-9, 0.0, 0.0, 0.0, 1e-9)
@@ -47,7 +48,7 @@ class Imu:
         self.handle.linear_acceleration_covariance = _EXACT
         self._body: Optional[Body] = None
         self._link = -1
-        self._offset: Tuple[Vector, Quaternion] = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+        self._offset: Pose = IDENTITY
         self._velocity: Optional[Vector] = None
 
     def attach(self, body: Body) -> None:
@@ -144,16 +145,4 @@ def _turned(
     a, b, w = share * tilt[0], share * tilt[1], math.cos(0.5 * angle)
     s, c = math.sin(0.5 * heading), math.cos(0.5 * heading)
     # The heading's (0, 0, s, c) times the tilt's (a, b, 0, w).
-    return _product((c * a - s * b, c * b + s * a, s * w, c * w), orientation)
-
-
-def _product(first: Quaternion, second: Quaternion) -> Quaternion:
-    """The rotation `second` followed by `first`."""
-    a, b, c, d = first
-    x, y, z, w = second
-    return (
-        d * x + a * w + b * z - c * y,
-        d * y + b * w + c * x - a * z,
-        d * z + c * w + a * y - b * x,
-        d * w - a * x - b * y - c * z,
-    )
+    return product((c * a - s * b, c * b + s * a, s * w, c * w), orientation)

@@ -6,7 +6,7 @@ import time as wall
 from typing import Callable, Optional, Tuple
 
 import rospy
-from geometry_msgs.msg import Point, PoseStamped, Quaternion, Vector3
+from geometry_msgs.msg import Point, PoseStamped, Vector3
 from std_msgs.msg import Bool, Header
 from telex_msgs.msg import (
     GripperContact,
@@ -20,6 +20,7 @@ from telex_msgs.msg import (
 from telex_control.manager.controller import ControllerState
 from telex_control.manager.controller_manager import Strictness
 from telex_control.manager.services import ControllerManagerServices
+from telex_control.ros.pose_messages import pose_message
 
 from ..engine.simulation import Simulation
 from ..proximity.monitor import NearPair
@@ -164,8 +165,7 @@ class RobotPresence:
         message = PoseStamped()
         message.header.stamp = stamp
         message.header.frame_id = WORLD_FRAME
-        message.pose.position = Point(*position)
-        message.pose.orientation = Quaternion(*orientation)
+        message.pose = pose_message(position, orientation)
         self._base_pose.publish(message)
 
     def publish_proximity(self, stamp: rospy.Time, measure: Callable[[Robot], Near]) -> None:

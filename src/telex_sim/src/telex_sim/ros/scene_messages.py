@@ -12,12 +12,15 @@ from dataclasses import dataclass
 from typing import Any, Dict, List, Mapping, NamedTuple, Sequence, Tuple
 
 from genpy import Time
-from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
+from geometry_msgs.msg import Point, Vector3
 from std_msgs.msg import ColorRGBA
 from telex_msgs.msg import SceneDescription, SceneLamp, ScenePoses, SceneVisual
 
+from telex_control.common.geometry import quaternions
+from telex_control.common.geometry.quaternions import IDENTITY, compose
+from telex_control.ros.pose_messages import pose_message
+
 from ..robot.urdf.visuals import UrdfVisual, urdf_visuals
-from ..scene import poses
 from ..scene.model import (
     WORLD_FRAME,
     Floor,
@@ -168,7 +171,7 @@ def _frames_and_visuals(shown: _Shown) -> Tuple[List[str], List[SceneVisual]]:
         origin = (item.position, item.orientation)
         for link in item.model.links:
             frame = own.get(link.name, _WORLD)
-            within = origin if frame == _WORLD else poses.IDENTITY
+            within = origin if frame == _WORLD else IDENTITY
             visuals += [
                 _part(frame, within, part, part.surface)
                 for part in link.parts
@@ -183,14 +186,14 @@ def _floor(floor: Floor) -> SceneVisual:
         SceneVisual.PLANE,
         (floor.size, floor.size, 0.0),
         "",
-        poses.IDENTITY,
+        IDENTITY,
         floor.surface,
     )
 
 
-def _part(frame: int, within: poses.Pose, part: Part, surface: Surface) -> SceneVisual:
+def _part(frame: int, within: quaternions.Pose, part: Part, surface: Surface) -> SceneVisual:
     geometry = part.geometry
-    pose = poses.compose(within, (part.position, part.orientation))
+    pose = compose(within, (part.position, part.orientation))
     shape = _SHAPES[geometry.form]
     return _visual(frame, shape, geometry.size, geometry.mesh, pose, surface)
 
@@ -200,7 +203,7 @@ def _visual(
     shape: int,
     size: Sequence[float],
     mesh: str,
-    pose: poses.Pose,
+    pose: quaternions.Pose,
     surface: Surface,
 ) -> SceneVisual:
     return SceneVisual(
@@ -208,7 +211,7 @@ def _visual(
         shape=shape,
         size=Vector3(*size),
         mesh=mesh,
-        pose=Pose(Point(*pose[0]), Quaternion(*pose[1])),
+        pose=pose_message(*pose),
         color=ColorRGBA(*surface.color),
         texture=surface.texture,
         texture_scale=surface.texture_scale,
@@ -222,7 +225,7 @@ def _robot(index: Mapping[str, int], visual: UrdfVisual) -> SceneVisual:
         shape=int(visual.shape),
         size=Vector3(*visual.size),
         mesh=visual.mesh,
-        pose=Pose(Point(*visual.position), Quaternion(*visual.orientation)),
+        pose=pose_message(visual.position, visual.orientation),
         color=ColorRGBA(*visual.color),
         texture=visual.texture,
         texture_scale=0.0,

@@ -15,14 +15,11 @@ import re
 from dataclasses import dataclass, field
 from typing import Dict, Optional, Sequence, Tuple
 
+from telex_control.common.geometry.quaternions import ORIGIN, UPRIGHT, Quaternion, Vector3
 from telex_control.common.params import require, require_range
 
-Vector3 = Tuple[float, float, float]
-Quaternion = Tuple[float, float, float, float]
 Color = Tuple[float, float, float, float]
 
-ORIGIN: Vector3 = (0.0, 0.0, 0.0)
-UPRIGHT: Quaternion = (0.0, 0.0, 0.0, 1.0)
 WHITE: Color = (1.0, 1.0, 1.0, 1.0)
 
 WORLD_FRAME = "world"

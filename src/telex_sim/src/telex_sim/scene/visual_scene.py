@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Tuple, Union
 
-from .transforms import Quaternion
+from telex_control.common.geometry.quaternions import Quaternion
 
 Vector3 = Tuple[float, float, float]
 Color = Tuple[float, float, float, float]

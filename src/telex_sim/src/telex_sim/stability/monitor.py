@@ -10,6 +10,7 @@ from typing import Dict, List, Optional, Sequence, Tuple
 import numpy as np
 import pybullet
 
+from telex_control.common.geometry.quaternions import rpy_from_rows
 from telex_control.hardware.hardware_interface import VelocityJointInterface
 
 from ..engine.contacts import Contact, contacts, directed_contacts
@@ -481,9 +482,10 @@ def _force(contact: Contact) -> np.ndarray:
 
 
 def _attitude(rotation: np.ndarray) -> Attitude:
+    roll, pitch, _ = rpy_from_rows(rotation.tolist())
     return Attitude(
-        roll=math.atan2(rotation[2, 1], rotation[2, 2]),
-        pitch=math.asin(max(-1.0, min(1.0, -rotation[2, 0]))),
+        roll=roll,
+        pitch=pitch,
         tilt=math.acos(max(-1.0, min(1.0, rotation[2, 2]))),
     )
 

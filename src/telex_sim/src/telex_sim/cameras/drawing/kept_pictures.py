@@ -6,8 +6,8 @@ from typing import List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from ...scene.transforms import is_still
 from ..optics.pinhole import PinholeCamera
+from .stillness import is_still
 
 # Exposures that differ by less than this share look alike.
 _ALIKE = 0.005

@@ -9,9 +9,10 @@ from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Set, Tup
 import moderngl
 import numpy as np
 
+from telex_control.common.geometry.matrices import inverse
+
 from ...scene.addresses import PackagePath
 from ...scene.content_store import ContentStore
-from ...scene.transforms import rigid_inverse
 from ...scene.visual_scene import Daylight, VisualScene
 from ..optics.pinhole import PinholeCamera
 from .culling import spheres_in_view, spheres_in_world
@@ -289,7 +290,7 @@ class Renderer:
         """Draw what `render` returns."""
         self._not_drawn = None
         clip_from_optical = camera.clip_from_optical()
-        clip_from_world = clip_from_optical @ rigid_inverse(optical_in_world)
+        clip_from_world = clip_from_optical @ inverse(optical_in_world)
         eye = optical_in_world[:3, 3]
         solid, transparent = self._visible(clip_from_world, eye)
         drawing = self._drawing(

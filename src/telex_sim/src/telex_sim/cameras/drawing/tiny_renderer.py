@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, Tuple
+from typing import Any, Dict, List, Mapping
 
 import cv2
 import numpy as np
 import pybullet
 
+from telex_control.common.geometry.matrices import inverse, pose_matrices, quaternion_tuple
+
 from ...scene.addresses import AddressError, PackagePath, resolve_address
-from ...scene.transforms import pose_matrices, rigid_inverse
 from ...scene.visual_scene import Daylight, Visual, VisualScene, VisualShape
 from ..optics.pinhole import PinholeCamera
 from .light.daylight import unit
@@ -153,7 +154,7 @@ class TinyRenderer:
             pybullet.resetBasePositionAndOrientation(
                 self._bodies[number],
                 matrix[:3, 3].tolist(),
-                _quaternion(matrix[:3, :3]),
+                quaternion_tuple(matrix[:3, :3]),
                 physicsClientId=self._client,
             )
         self._placed[moved] = placed[moved]
@@ -162,7 +163,7 @@ class TinyRenderer:
         self, camera: PinholeCamera, optical_in_world: np.ndarray, exposure: float = 1.0
     ) -> np.ndarray:
         """Take a picture: RGBA, shape (height, width, 4), uint8, rows from above."""
-        view = _EYE_FROM_OPTICAL @ rigid_inverse(optical_in_world)
+        view = _EYE_FROM_OPTICAL @ inverse(optical_in_world)
         upright = np.diag([1.0, -1.0, 1.0, 1.0])
         # TinyRenderer looks at the lower left corners of pixels, not at their middles.
         upright[:2, 3] = -1.0 / camera.width, -1.0 / camera.height
@@ -220,25 +221,3 @@ def _exposed(factor: float) -> np.ndarray:
     # Values are about the square root of light.
     values = np.arange(256) * np.sqrt(factor)
     return np.clip(np.rint(values), 0, 255).astype(np.uint8)
-
-
-def _quaternion(rotation: np.ndarray) -> Tuple[float, float, float, float]:
-    """Quaternion x y z w of a rotation, shape (3, 3)."""
-    # The largest of the four is computed first, as the divisor of the others (Shepperd, 1978).
-    m = rotation
-    trace = m[0, 0] + m[1, 1] + m[2, 2]
-    squares = np.array([m[0, 0], m[1, 1], m[2, 2], trace])
-    case = int(np.argmax(squares))
-    quaternion = np.empty(4)
-    if case == 3:
-        quaternion[:3] = m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]
-        quaternion[3] = 1.0 + trace
-    else:
-        i, j, k = case, (case + 1) % 3, (case + 2) % 3
-        quaternion[i] = 1.0 - trace + 2.0 * m[i, i]
-        quaternion[j] = m[j, i] + m[i, j]
-        quaternion[k] = m[k, i] + m[i, k]
-        quaternion[3] = m[k, j] - m[j, k]
-    quaternion /= np.linalg.norm(quaternion)
-    x, y, z, w = quaternion.tolist()
-    return x, y, z, w

@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 import sys
-from typing import Any, Callable, Iterator, List, Optional, Sequence, Tuple, TypeVar
+from typing import Callable, Iterator, List, Optional, Sequence, Tuple, TypeVar
 
 import cv2
 import numpy as np
 import simplejpeg
-from geometry_msgs.msg import Pose
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from std_msgs.msg import ColorRGBA, Header
 from telex_msgs.msg import SceneDescription, SceneLamp, ScenePoses, SceneVisual
 
-from ...scene.transforms import Quaternion, pose_matrices
+from telex_control.common.geometry.matrices import pose_matrices
+from telex_control.ros.pose_messages import pose_in, vector_in
+
 from ...scene.visual_scene import (
     Daylight,
     Rgb,
-    Vector3,
     Visual,
     VisualLamp,
     VisualScene,
@@ -83,12 +83,12 @@ def _frame(number: int, frames: List[str]) -> str:
 
 
 def _visual(message: SceneVisual, frames: List[str]) -> Visual:
-    position, orientation = _pose(message.pose)
+    position, orientation = pose_in(message.pose)
     color = message.color
     return Visual(
         frame=_frame(message.frame, frames),
         shape=VisualShape(message.shape),
-        size=_vector(message.size),
+        size=vector_in(message.size),
         position=position,
         orientation=orientation,
         color=(color.r, color.g, color.b, color.a),
@@ -104,8 +104,8 @@ def _visual(message: SceneVisual, frames: List[str]) -> Visual:
 def _lamp(message: SceneLamp, frames: List[str]) -> VisualLamp:
     return VisualLamp(
         frame=_frame(message.frame, frames),
-        position=_vector(message.position),
-        direction=_vector(message.direction),
+        position=vector_in(message.position),
+        direction=vector_in(message.direction),
         angle=message.angle,
         intensity=message.intensity,
         reach=message.reach,
@@ -116,7 +116,7 @@ def _lamp(message: SceneLamp, frames: List[str]) -> VisualLamp:
 def _daylight(message: SceneDescription, problems: List[str]) -> Daylight:
     try:
         return Daylight(
-            to_sun=_vector(message.to_sun),
+            to_sun=vector_in(message.to_sun),
             sun=_rgb(message.sun),
             ambient=message.ambient,
             visibility=message.visibility,
@@ -127,17 +127,8 @@ def _daylight(message: SceneDescription, problems: List[str]) -> Daylight:
         return Daylight()
 
 
-def _vector(message: Any) -> Vector3:
-    return message.x, message.y, message.z
-
-
 def _rgb(message: ColorRGBA) -> Rgb:
     return message.r, message.g, message.b
-
-
-def _pose(message: Pose) -> Tuple[Vector3, Quaternion]:
-    position, orientation = message.position, message.orientation
-    return _vector(position), (orientation.x, orientation.y, orientation.z, orientation.w)
 
 
 def frames_from_message(

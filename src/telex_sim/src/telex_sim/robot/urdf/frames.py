@@ -8,15 +8,11 @@ from __future__ import annotations
 from typing import Collection, Dict, NamedTuple
 from xml.etree import ElementTree
 
-import pybullet
-
+from telex_control.common.geometry.quaternions import IDENTITY, Pose, Quaternion, compose
 from telex_control.urdf.elements import Vector, by_name, end, vector
 
 from .masses import (
-    IDENTITY,
     NO_MASS,
-    Pose,
-    Quaternion,
     add_mass,
     carried_joints,
     is_placed,
@@ -117,7 +113,7 @@ def take_out_frames(root: ElementTree.Element) -> Dict[str, Frame]:
 
     def take(joint: ElementTree.Element, carrier: str, pose: Pose) -> None:
         name = end(joint, "child")
-        pose = pybullet.multiplyTransforms(*pose, *pose_of(joint))
+        pose = compose(pose, pose_of(joint))
         gone[name] = Frame(carrier, *pose)
         _take(root, joint, links[name], links[carrier], pose)
         for each in carried.get(name, ()):
@@ -139,7 +135,7 @@ def _take(
 ) -> None:
     """Remove a link and its joint; what is to be seen of it goes to its carrier."""
     for visual in link.findall("visual"):
-        set_pose(visual, pybullet.multiplyTransforms(*pose, *pose_of(visual)))
+        set_pose(visual, compose(pose, pose_of(visual)))
         carrier.append(visual)
     root.remove(link)
     root.remove(joint)

@@ -10,14 +10,17 @@ from typing import Dict, Iterator, List, NamedTuple, Optional, Tuple
 from xml.etree import ElementTree
 
 import numpy as np
-import pybullet
 
-from telex_control.urdf.elements import UrdfError, Vector, by_name, end, number, origin, root_links
+from telex_control.common.geometry.matrices import rotation_matrix
+from telex_control.common.geometry.quaternions import (
+    IDENTITY,
+    Pose,
+    compose,
+    quaternion_from_rpy,
+    rpy_from_quaternion,
+)
+from telex_control.urdf.elements import UrdfError, by_name, end, number, origin, root_links
 
-Quaternion = Tuple[float, float, float, float]
-Pose = Tuple[Vector, Quaternion]
-
-IDENTITY: Pose = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
 NO_MASS = 1.0e-5
 """What mere frames are given for tools that demand a mass (kg), at most."""
 _WORLD_LINK = "world"
@@ -157,7 +160,7 @@ def _fixed_to(
     for joint in carried.get(name, ()):
         child = end(joint, "child")
         if joint.get("type") == "fixed" and child in links and is_placed(joint, links[child]):
-            place = pybullet.multiplyTransforms(*pose, *pose_of(joint))
+            place = compose(pose, pose_of(joint))
             yield links[child], place
             yield from _fixed_to(child, links, carried, place)
 
@@ -188,7 +191,7 @@ def is_placed(joint: ElementTree.Element, *links: ElementTree.Element) -> bool:
 def pose_of(element: Optional[ElementTree.Element]) -> Pose:
     """Return the ``<origin>`` of an element."""
     place = origin(element, "" if element is None else element.tag)
-    return place.xyz, pybullet.getQuaternionFromEuler(place.rpy)
+    return place.xyz, quaternion_from_rpy(place.rpy)
 
 
 def set_pose(element: ElementTree.Element, pose: Pose) -> None:
@@ -196,7 +199,7 @@ def set_pose(element: ElementTree.Element, pose: Pose) -> None:
     place = element.find("origin")
     if place is None:
         place = ElementTree.SubElement(element, "origin")
-    for key, values in (("xyz", pose[0]), ("rpy", pybullet.getEulerFromQuaternion(pose[1]))):
+    for key, values in (("xyz", pose[0]), ("rpy", rpy_from_quaternion(pose[1]))):
         place.set(key, " ".join(repr(float(value)) for value in values))
 
 
@@ -226,10 +229,10 @@ def add_mass(link: ElementTree.Element, other: ElementTree.Element, pose: Pose) 
 
 def _inertial(link: ElementTree.Element, pose: Pose) -> Tuple[float, np.ndarray, np.ndarray]:
     """Mass (kg), centre of mass (m) and inertia about it (kg m2), where the link is at `pose`."""
-    centre, turned = pybullet.multiplyTransforms(*pose, *pose_of(link.find("inertial")))
+    centre, turned = compose(pose, pose_of(link.find("inertial")))
     moments = np.zeros((3, 3))
     inertia, where = link.find("inertial/inertia"), f"link '{link.get('name')}'"
     moments[np.triu_indices(3)] = [number(inertia, key, where, 0.0) for key in _MOMENTS]
     moments = moments + np.triu(moments, 1).T
-    rotation = np.reshape(pybullet.getMatrixFromQuaternion(turned), (3, 3))
+    rotation = rotation_matrix(turned)
     return mass_of(link), np.array(centre), rotation @ moments @ rotation.T

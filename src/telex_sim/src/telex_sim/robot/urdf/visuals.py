@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import Dict, List, Optional, Tuple
 from xml.etree import ElementTree
 
+from telex_control.common.geometry.quaternions import Quaternion, quaternion_from_rpy
 from telex_control.urdf.elements import UrdfError, end, number, numbers, origin, vector
 from telex_control.urdf.joints import CONTINUOUS, parse_urdf
 
-from ...scene.transforms import Quaternion, quaternion_from_rpy
 from ...scene.visual_scene import Color, Vector3, VisualShape
 
 # Name of visuals that run around wheels.

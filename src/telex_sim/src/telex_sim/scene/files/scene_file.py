@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Set, Tuple
 
+from telex_control.common.geometry.quaternions import compose, quaternion_from_rpy
 from telex_control.common.params import ConfigError, read_struct, require
 
 from ..addresses import absolute
@@ -25,8 +26,6 @@ from ..model import (
     View,
     require_name,
 )
-from ..poses import compose
-from ..transforms import quaternion_from_rpy
 from .yaml_text import MOST_BYTES, read_yaml
 
 SUFFIX = ".yaml"

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Optional, Tuple
 
+from telex_control.common.geometry.quaternions import quaternion_from_rpy
 from telex_control.common.params import ConfigError, require, required
 
 from ..addresses import absolute
@@ -24,7 +25,6 @@ from ..model import (
     Surface,
     Vector3,
 )
-from ..transforms import quaternion_from_rpy
 from .object_type import ObjectType, single
 
 

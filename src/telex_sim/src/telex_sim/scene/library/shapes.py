@@ -6,6 +6,8 @@ import math
 from dataclasses import replace
 from typing import Iterable, Optional, Sequence, Tuple
 
+from telex_control.common.geometry.quaternions import about, product, rotate
+
 from ..model import (
     ORIGIN,
     UPRIGHT,
@@ -20,7 +22,6 @@ from ..model import (
     Surface,
     Vector3,
 )
-from ..poses import about, product, rotate
 from .object_type import single
 
 Parts = Tuple[Part, ...]

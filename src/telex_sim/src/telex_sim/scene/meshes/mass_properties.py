@@ -11,8 +11,8 @@ from typing import Iterable, Tuple
 
 import numpy as np
 
-from ..model import UPRIGHT, Quaternion, Vector3
-from ..poses import Pose, rotate
+from telex_control.common.geometry.matrices import quaternion_tuple, rotation_matrix
+from telex_control.common.geometry.quaternions import UPRIGHT, Pose, Quaternion, Vector3
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class MassProperties:
         values, axes = np.linalg.eigh(self.inertia)
         if np.linalg.det(axes) < 0.0:
             axes[:, 0] = -axes[:, 0]
-        return (float(values[0]), float(values[1]), float(values[2])), _quaternion(axes)
+        return (float(values[0]), float(values[1]), float(values[2])), quaternion_tuple(axes)
 
 
 def combined(bodies: Iterable[MassProperties]) -> MassProperties:
@@ -119,32 +119,3 @@ def closed_surface(triangles: np.ndarray) -> MassProperties:
     second -= volume * np.outer(center, center)
     inertia = np.trace(second) * np.eye(3) - second
     return MassProperties(volume, reference + center, inertia)
-
-
-def rotation_matrix(q: Quaternion) -> np.ndarray:
-    """Matrix of a quaternion, shape (3, 3)."""
-    return np.array([rotate(q, axis) for axis in np.eye(3)]).T
-
-
-def _quaternion(matrix: np.ndarray) -> Quaternion:
-    """Quaternion of a rotation matrix (Shepperd's method: the largest component first)."""
-    squares = np.array([*np.diag(matrix), np.trace(matrix)])
-    index = int(np.argmax(squares))
-    if index == 3:
-        q = np.array(
-            [
-                matrix[2, 1] - matrix[1, 2],
-                matrix[0, 2] - matrix[2, 0],
-                matrix[1, 0] - matrix[0, 1],
-                1.0 + squares[3],
-            ]
-        )
-    else:
-        i, j, k = index, (index + 1) % 3, (index + 2) % 3
-        q = np.empty(4)
-        q[i] = 1.0 + 2.0 * matrix[i, i] - squares[3]
-        q[j] = matrix[j, i] + matrix[i, j]
-        q[k] = matrix[k, i] + matrix[i, k]
-        q[3] = matrix[k, j] - matrix[j, k]
-    x, y, z, w = q / np.linalg.norm(q)
-    return (float(x), float(y), float(z), float(w))

@@ -17,13 +17,14 @@ from typing import Dict, Hashable, List, Optional, Sequence, Tuple
 
 import numpy as np
 
+from telex_control.common.geometry.matrices import rotation_matrix
+from telex_control.common.geometry.quaternions import IDENTITY, Pose, about, compose, rotate
 from telex_control.common.params import ConfigError, require
 
 from ..assets import Assets
 from ..meshes import mass_properties
 from ..meshes.mass_properties import MassProperties
 from ..model import Form, Joint, Link, Motion, ObjectModel, Part, Quaternion, SceneObject, Vector3
-from ..poses import IDENTITY, Pose, about, compose, rotate
 
 MOST_SHAPES = 16
 """PyBullet's MAX_COMPOUND_COLLISION_SHAPES."""
@@ -428,7 +429,7 @@ def _inertias(segments: Sequence[Segment], static: bool) -> Dict[str, float]:
 def _properties(segment: Segment, frame: Pose) -> Optional[MassProperties]:
     if segment.mass <= 0.0:
         return None
-    turn = mass_properties.rotation_matrix(segment.axes)
+    turn = rotation_matrix(segment.axes)
     inertia = turn @ np.diag(segment.moments) @ turn.T
     return MassProperties(segment.mass, np.array(segment.center), inertia).placed(frame)
 

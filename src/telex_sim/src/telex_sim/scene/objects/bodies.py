@@ -10,11 +10,11 @@ from typing import Callable, Dict, Hashable, Iterator, List, NamedTuple, Optiona
 
 import pybullet
 
+from telex_control.common.geometry.quaternions import Pose, compose
 from telex_control.common.params import ConfigError
 
 from ...engine.overlaps import DEEPEST, MOST_NAMED, overlaps
 from ..model import MOST_OBJECTS, Floor, Form, Motion, SceneObject
-from ..poses import Pose, compose
 from .assembly import Assembly, BodyPlan, Segment, Shape
 from .latches import Latch, wake
 from .mechanisms import Mechanism

@@ -12,8 +12,16 @@ from typing import Optional, Sequence, Tuple
 
 import pybullet
 
+from telex_control.common.geometry.quaternions import (
+    Pose,
+    compose,
+    conjugate,
+    invert,
+    rotate,
+    twist,
+)
+
 from ..model import Joint
-from ..poses import Pose, compose, conjugate, invert, rotate, twist
 
 _SMOOTHING = 0.02
 """Time over which the force is averaged (s): a knock is no pull."""

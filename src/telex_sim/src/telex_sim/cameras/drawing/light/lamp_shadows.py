@@ -12,9 +12,9 @@ from typing import Any, Dict, List, Optional, Tuple
 import moderngl
 import numpy as np
 
-from ....scene.transforms import is_still
 from ..culling import spheres_in_view
 from ..meshes.gpu_scene import GpuScene
+from ..stillness import is_still
 from .lamps import LampRig
 
 # What is nearer to a lamp is its housing, which throws no shadow (m).

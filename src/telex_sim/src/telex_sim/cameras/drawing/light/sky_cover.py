@@ -12,10 +12,10 @@ import cv2
 import moderngl
 import numpy as np
 
-from ....scene.transforms import is_still
 from ..culling import spheres_in_view
 from ..meshes.gpu_scene import GpuScene
 from ..programs import column_major
+from ..stillness import is_still
 
 # Half the side of the square around the focus that the map shows, and side of its pixels (m).
 _RADIUS, _TEXEL = 4.0, 0.05

@@ -11,9 +11,9 @@ from typing import Any, Dict, List, NamedTuple, Optional
 import moderngl
 import numpy as np
 
-from ....scene.transforms import STILL, is_still
 from ..culling import spheres_in_view
 from ..meshes.gpu_scene import GpuScene
+from ..stillness import STILL, is_still
 from .daylight import SunView, sun_axes, sun_view
 
 # Pixels.

@@ -13,9 +13,10 @@ from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Sequenc
 
 import numpy as np
 
+from telex_control.common.geometry.matrices import pose_matrices
+
 from ....scene.meshes.meshes import Mesh, primitive_mesh
 from ....scene.meshes.texture_mapping import box_mapped
-from ....scene.transforms import pose_matrices
 from ....scene.visual_scene import Visual, VisualShape
 
 # What is fixed to one frame is drawn in pieces of about this size (m): what a view cannot see of a

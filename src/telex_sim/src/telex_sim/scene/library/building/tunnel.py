@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import List, Tuple
 
+from telex_control.common.geometry.quaternions import product
 from telex_control.common.params import require, required
 
 from ...model import Part, SceneObject, Vector3
-from ...poses import product
 from .. import materials as look
 from ..object_type import ObjectType
 from ..parameters import Declared, choice, number, parameter

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Tuple
 
+from telex_control.common.geometry.quaternions import rotate
 from telex_control.common.params import require, require_range
 
 from ...model import Detents, Joint, Link, Motion, ObjectModel, SceneObject, Vector3
-from ...poses import rotate
 from .. import materials as look
 from ..object_type import ObjectType, single
 from ..parameters import choice, kilograms, number, parameter

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import List, Tuple
 
+from telex_control.common.geometry.quaternions import product, rotate
 from telex_control.common.params import require
 
 from ...model import Joint, Link, Motion, ObjectModel, SceneObject, Vector3
-from ...poses import product, rotate
 from ...textures.optotypes import sealed_angle
 from .. import materials as look
 from ..object_type import ObjectType, single
