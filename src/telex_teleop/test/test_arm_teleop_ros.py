@@ -195,7 +195,7 @@ class World:
         from geometry_msgs.msg import PoseStamped
         from telex_msgs.msg import Proximity, ProximityPair
 
-        from telex_teleop.ros.arm_teleop import fill_pose
+        from telex_control.ros.pose_messages import fill_pose
 
         self.x += self.speed * 0.01
         message = PoseStamped()
@@ -519,7 +519,7 @@ def twist(frame="base_link", axis=0, rate=SPEED):
 def pose_message(pose, frame="base_link"):
     from geometry_msgs.msg import PoseStamped
 
-    from telex_teleop.ros.arm_teleop import fill_pose
+    from telex_control.ros.pose_messages import fill_pose
 
     message = PoseStamped()
     message.header.frame_id = frame

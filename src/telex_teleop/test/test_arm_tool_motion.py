@@ -20,9 +20,10 @@ from arm_rig import (
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from telex_control.common.geometry.matrices import inverse
 from telex_control.common.params import ConfigError
 from telex_teleop.arm.tool_settings import ToolSettings
-from telex_teleop.motion.rigid_motion import advanced, inverse, pose_error
+from telex_teleop.motion.rigid_motion import advanced, pose_error
 
 
 @pytest.fixture

@@ -15,13 +15,15 @@ import numpy as np
 import pybullet
 import yaml
 from control_msgs.msg import FollowJointTrajectoryGoal, GripperCommand, GripperCommandGoal
-from geometry_msgs.msg import Point, PoseStamped, Quaternion, Twist
+from geometry_msgs.msg import PoseStamped, Twist
 from trajectory_msgs.msg import JointTrajectoryPoint
 
+from telex_control.common.geometry.matrices import homogeneous, rotation_from_rpy
 from telex_control.common.params import read_config
 from telex_control.controllers.parallel_gripper_controller import FingerGeometry
 from telex_control.follow_trajectory import TrajectoryError
 from telex_control.kinematics import Chain, IKSolver, Tolerance
+from telex_control.ros.pose_messages import pose_message
 from telex_experiments.mobility.scripted_operator import Operator
 from telex_sim.engine.simulator_config import TUNED_PERIOD
 from telex_sim.offline.simulation import OfflineSimulation, package_file, robot_description
@@ -177,7 +179,7 @@ class Rig:
         self.wait(seconds)
         position, orientation = self.simulation.body.base_pose()
         message = PoseStamped()
-        message.pose.position, message.pose.orientation = Point(*position), Quaternion(*orientation)
+        message.pose = pose_message(position, orientation)
         self._base_pose.publish(message)
 
     # --- the arm ---------------------------------------------------------------------------------
@@ -250,11 +252,8 @@ class Rig:
 
         def turned(time: float) -> np.ndarray:
             share = time / duration
-            rotation = _facing(share**2 * (3.0 - 2.0 * share) * angle, 0.0)
-            target = np.eye(4)
-            target[:3, :3] = rotation @ begin[:3, :3]
-            target[:3, 3] = axis + rotation @ (begin[:3, 3] - axis)
-            return target
+            rotation = rotation_from_rpy((0.0, share**2 * (3.0 - 2.0 * share) * angle, 0.0))
+            return homogeneous(rotation @ begin[:3, :3], axis + rotation @ (begin[:3, 3] - axis))
 
         self._track(turned, duration)
 
@@ -479,8 +478,7 @@ def _start_pose(place: Vector, pitch: float, roll: float, opening: float) -> Dic
     """Joint positions with the tool at a place, the flippers flat."""
     pose = dict(_read("telex_description", "poses.yaml")["poses"][_SEED_POSE])
     names = _chain().joint_names
-    target = np.eye(4)
-    target[:3, :3], target[:3, 3] = _facing(pitch, roll), place
+    target = homogeneous(rotation_from_rpy((roll, pitch, 0.0)), place)
     found = _solver().solve(target, [pose[name] for name in names])
     if not found.converged:
         raise TrajectoryError(f"the tool cannot reach {list(place)}")
@@ -491,11 +489,3 @@ def _start_pose(place: Vector, pitch: float, roll: float, opening: float) -> Dic
         for side in ("left", "right"):
             pose[f"{side}_finger_{joint}_joint"] = ratio * angle
     return pose
-
-
-def _facing(pitch: float, roll: float) -> np.ndarray:
-    """Orientation of a hand that points ahead and down, and is turned about its axis (rad)."""
-    cosine, sine = math.cos(pitch), math.sin(pitch)
-    down = np.array([[cosine, 0.0, sine], [0.0, 1.0, 0.0], [-sine, 0.0, cosine]])
-    cosine, sine = math.cos(roll), math.sin(roll)
-    return down @ np.array([[1.0, 0.0, 0.0], [0.0, cosine, -sine], [0.0, sine, cosine]])

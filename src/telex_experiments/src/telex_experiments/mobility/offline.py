@@ -11,8 +11,9 @@ from xml.etree import ElementTree
 import numpy as np
 import pybullet
 import yaml
-from geometry_msgs.msg import Point, PoseStamped, Quaternion
+from geometry_msgs.msg import PoseStamped
 
+from telex_control.ros.pose_messages import pose_message
 from telex_sim.engine.simulator_config import TUNED_PERIOD
 from telex_sim.offline.simulation import OfflineSimulation, package_file, robot_description
 
@@ -145,7 +146,7 @@ class Trial:
         """Do what the simulator's node does."""
         position, orientation = self.simulation.body.base_pose()
         message = PoseStamped()
-        message.pose.position, message.pose.orientation = Point(*position), Quaternion(*orientation)
+        message.pose = pose_message(position, orientation)
         self._base_pose.publish(message)
 
     def hold(self, mass: float) -> None:

@@ -10,7 +10,9 @@ from geometry_msgs.msg import PoseStamped, Twist
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
+from telex_control.common.geometry.quaternions import rpy_from_quaternion
 from telex_control.ros.node_handle import NodeHandle, Publisher
+from telex_control.ros.pose_messages import quaternion_in, vector_in
 
 TICK = 0.04
 """Sim time from one look at the robot to the next (s): a whole number of its messages' periods."""
@@ -62,15 +64,8 @@ class Pose:
     @staticmethod
     def of(position: Any, orientation: Any) -> Pose:
         """Read a geometry_msgs/Point and Quaternion."""
-        x, y, z, w = orientation.x, orientation.y, orientation.z, orientation.w
-        return Pose(
-            position.x,
-            position.y,
-            position.z,
-            math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y)),
-            math.asin(max(-1.0, min(1.0, 2.0 * (x * z - w * y)))),
-            math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)),
-        )
+        roll, pitch, yaw = rpy_from_quaternion(quaternion_in(orientation))
+        return Pose(*vector_in(position), roll, -pitch, yaw)
 
 
 class Operator:

@@ -7,6 +7,8 @@ from typing import Any, Dict
 
 import numpy as np
 
+from telex_control.common.geometry.matrices import inverse
+
 from . import driving
 from .ground_truth import GroundTruth
 from .handling import Hand, aimed
@@ -70,7 +72,7 @@ class Briefcase(Task):
         station.stop()
         station.wait(0.4)
 
-        case_here = np.linalg.inv(station.base()) @ truth.pose("briefcase")
+        case_here = inverse(station.base()) @ truth.pose("briefcase")
         x, y, z = (case_here @ (0.0, 0.0, HANDLE, 1.0))[:3]
         # The bar points the same way after half a turn.
         yaw = math.remainder(heading_of(case_here), math.pi)

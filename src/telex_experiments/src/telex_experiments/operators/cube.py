@@ -9,6 +9,7 @@ from typing import Any, Dict, Tuple
 import cv2
 import numpy as np
 
+from telex_control.common.geometry.matrices import inverse
 from telex_experiments.mobility.scripted_operator import NotManagedError
 
 from . import driving
@@ -201,7 +202,7 @@ class CubeToBox(Task):
     def judge(self, truth: GroundTruth) -> Verdict:
         """See `Task.judge`: the cube lies on the floor of the blue box, which stands."""
         box, cube = truth.pose("blue_box"), truth.pose("cube")
-        x, y, z = (np.linalg.inv(box) @ (cube @ (0.0, 0.0, 0.5 * EDGE, 1.0)))[:3]
+        x, y, z = (inverse(box) @ (cube @ (0.0, 0.0, 0.5 * EDGE, 1.0)))[:3]
         inside = abs(x) < 0.5 * BOX[0] and abs(y) < 0.5 * BOX[1] and 0.0 < z < BOX[2]
         stands = box[2, 2] > 0.99
         off = float(math.hypot(x, y))

@@ -8,7 +8,7 @@ from typing import Callable, Optional
 import numpy as np
 from telex_msgs.msg import GripperContact
 
-from telex_control.kinematics import rotation_vector
+from telex_control.common.geometry.matrices import homogeneous, rotation_from_rpy, rotation_vector
 from telex_experiments.mobility.scripted_operator import NotManagedError
 
 from .station import Station
@@ -41,17 +41,7 @@ def aimed(
     -------
     ndarray, shape (4, 4)
     """
-    cy, sy = math.cos(yaw), math.sin(yaw)
-    cp, sp = math.cos(pitch), math.sin(pitch)
-    cr, sr = math.cos(roll), math.sin(roll)
-    pose = np.eye(4)
-    pose[:3, :3] = (
-        np.array([[cy, -sy, 0.0], [sy, cy, 0.0], [0.0, 0.0, 1.0]])
-        @ np.array([[cp, 0.0, sp], [0.0, 1.0, 0.0], [-sp, 0.0, cp]])
-        @ np.array([[1.0, 0.0, 0.0], [0.0, cr, -sr], [0.0, sr, cr]])
-    )
-    pose[:3, 3] = (x, y, z)
-    return pose
+    return homogeneous(rotation_from_rpy((roll, pitch, yaw)), (x, y, z))
 
 
 class Hand:

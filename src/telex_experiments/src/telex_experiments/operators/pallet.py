@@ -7,6 +7,8 @@ from typing import Any, Dict
 
 import numpy as np
 
+from telex_control.common.geometry.matrices import inverse
+
 from . import driving
 from .ground_truth import GroundTruth
 from .handling import Hand, aimed
@@ -71,7 +73,7 @@ class PalletSide(Task):
         station.stop()
         station.wait(0.4)
 
-        here = np.linalg.inv(station.base()) @ truth.pose("pallet")
+        here = inverse(station.base()) @ truth.pose("pallet")
         yaw = heading_of(here)
         here = here @ (_SIDE, _ACROSS, 0.0, 1.0)
         hand.to(aimed(here[0] + _BITE, here[1], low, yaw, 0.0, _ON_EDGE))

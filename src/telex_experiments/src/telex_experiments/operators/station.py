@@ -13,8 +13,9 @@ from std_msgs.msg import String
 from telex_msgs.msg import FlipperPresetHold, JointTeleopStatus, TrackTeleopStatus
 from telex_msgs.srv import SetMode
 
-from telex_control.kinematics import Chain, make_pose, quaternion_of
+from telex_control.kinematics import Chain, make_pose
 from telex_control.ros.node_handle import NodeHandle, Publisher
+from telex_control.ros.pose_messages import fill_pose, pose_in
 from telex_experiments.mobility.by_presets import PresetKeys
 from telex_experiments.mobility.scripted_operator import NotManagedError, Operator, Pose
 
@@ -142,8 +143,7 @@ class Station(Operator):
         message = self._base_message
         if message is None:
             raise NotManagedError("nothing is known of where the base is")
-        at, turned = message.position, message.orientation
-        return make_pose((at.x, at.y, at.z), (turned.x, turned.y, turned.z, turned.w))
+        return make_pose(*pose_in(message))
 
     def place_of(self, frame: str) -> np.ndarray:
         """Pose of one of the robot's frames in base_link by the measured joints, 4x4."""
@@ -215,9 +215,7 @@ class Station(Operator):
         """Lead the tool on a straight line to a pose (4x4) from now on."""
         message = PoseStamped()
         message.header.frame_id = frame
-        at, turned = message.pose.position, message.pose.orientation
-        at.x, at.y, at.z = target[:3, 3].tolist()
-        turned.x, turned.y, turned.z, turned.w = quaternion_of(target).tolist()
+        fill_pose(message.pose, target)
         self._lead_arm("arm_teleop/pose_cmds", message)
 
     def hold_named_pose(self, name: str) -> None:

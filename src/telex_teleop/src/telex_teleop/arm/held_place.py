@@ -6,8 +6,9 @@ from typing import Optional
 
 import numpy as np
 
+from telex_control.common.geometry.matrices import inverse
 from telex_teleop.arm.tool_settings import ToolSettings
-from telex_teleop.motion.rigid_motion import advanced, inverse, pose_error, shortened
+from telex_teleop.motion.rigid_motion import advanced, pose_error, shortened
 
 __all__ = ["HeldPlace"]
 

@@ -6,9 +6,10 @@ from typing import Optional
 
 import numpy as np
 
+from telex_control.common.geometry.matrices import inverse
 from telex_teleop.arm.tool_command import Frame, PoseCommand, ToolCommand, TwistCommand
 from telex_teleop.arm.tool_settings import ToolSettings
-from telex_teleop.motion.rigid_motion import inverse, pose_error
+from telex_teleop.motion.rigid_motion import pose_error
 
 __all__ = ["WantedMotion"]
 

@@ -7,7 +7,9 @@ from typing import Any, Dict, Optional
 
 from telex_msgs.msg import GripperContact
 
-from telex_teleop.keyboard.screen import JointView, NodeView, ToolView, roll_pitch_yaw
+from telex_control.common.geometry.quaternions import rpy_from_quaternion
+from telex_control.ros.pose_messages import pose_in
+from telex_teleop.keyboard.screen import JointView, NodeView, ToolView
 from telex_teleop.operating.operated_robot import OperatedRobot
 from telex_teleop.tracks.track_drive import STANDSTILL, Velocity
 
@@ -34,12 +36,8 @@ class ShownRobot(OperatedRobot):
         """Where the tool is, None before the arm's first status."""
         if self._cartesian is None:
             return None
-        pose = self._cartesian.tool
-        turned = pose.orientation
-        position = (pose.position.x, pose.position.y, pose.position.z)
-        return ToolView(
-            self.frame, position, roll_pitch_yaw(turned.x, turned.y, turned.z, turned.w)
-        )
+        position, orientation = pose_in(self._cartesian.tool)
+        return ToolView(self.frame, position, rpy_from_quaternion(orientation))
 
     @property
     def arm_notice(self) -> str:

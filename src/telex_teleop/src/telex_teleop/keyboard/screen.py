@@ -33,7 +33,6 @@ __all__ = [
     "Style",
     "ToolView",
     "render",
-    "roll_pitch_yaw",
 ]
 
 COLUMN = 39  # characters of one of the two columns
@@ -171,14 +170,6 @@ class ScreenState:
     arm_notice: str = ""
     zoom: float = 1.0
     lit: Tuple[str, ...] = ()
-
-
-def roll_pitch_yaw(x: float, y: float, z: float, w: float) -> Tuple[float, float, float]:
-    """Return the angles (rad) about fixed axes of a unit quaternion."""
-    roll = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
-    pitch = math.asin(max(-1.0, min(1.0, 2.0 * (w * y - z * x))))
-    yaw = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
-    return roll, pitch, yaw
 
 
 def render(

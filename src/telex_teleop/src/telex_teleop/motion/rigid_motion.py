@@ -4,17 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from telex_control.kinematics import move_pose, rotation_vector
+from telex_control.common.geometry.matrices import rotation_vector
+from telex_control.kinematics import move_pose
 
-__all__ = ["advanced", "inverse", "pose_error", "shortened"]
-
-
-def inverse(pose: np.ndarray) -> np.ndarray:
-    """Return the inverse of a pose."""
-    made = np.eye(4)
-    made[:3, :3] = pose[:3, :3].T
-    made[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
-    return made
+__all__ = ["advanced", "pose_error", "shortened"]
 
 
 def advanced(pose: np.ndarray, step: np.ndarray) -> np.ndarray:

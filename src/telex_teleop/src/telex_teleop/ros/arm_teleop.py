@@ -9,7 +9,7 @@ from typing import Any, Callable, Collection, Optional, Tuple
 
 import numpy as np
 import rospy
-from geometry_msgs.msg import Pose, PoseStamped, TwistStamped
+from geometry_msgs.msg import PoseStamped, TwistStamped
 from nav_msgs.msg import Odometry
 from std_msgs.msg import String
 from std_srvs.srv import SetBool, SetBoolResponse
@@ -17,7 +17,8 @@ from telex_msgs.msg import CartesianTeleopStatus, Proximity
 from telex_msgs.msg import ProximityPair as ProximityPairMessage
 from telex_msgs.srv import SetMode, SetModeResponse
 
-from telex_control.kinematics import Chain, quaternion_of
+from telex_control.kinematics import Chain
+from telex_control.ros.pose_messages import fill_pose, pose_in, vector_in
 from telex_teleop.arm.arm_settings import ArmTeleopSettings
 from telex_teleop.arm.arm_teleop import ArmTeleop, ModeError
 from telex_teleop.arm.ik_kinematics import IKKinematics
@@ -28,7 +29,7 @@ from telex_teleop.motion.joint_jog import InvalidCommand
 from telex_teleop.ros.common import caller_of, warn_dropped
 from telex_teleop.ros.joint_teleop import JointTeleopNode
 
-__all__ = ["ArmTeleopNode", "fill_pose", "proximity_state", "quaternion_in", "vector_of"]
+__all__ = ["ArmTeleopNode", "proximity_state"]
 
 WARMING_UP = "warming up: the kinematics are being compiled"
 
@@ -176,7 +177,7 @@ class ArmTeleopNode(JointTeleopNode):
 
     def _on_twist(self, message: Any) -> None:
         twist = message.twist
-        linear, angular = vector_of(twist.linear), vector_of(twist.angular)
+        linear, angular = vector_in(twist.linear), vector_in(twist.angular)
         self._obey(
             "~delta_twist_cmds",
             lambda wall: self._arm.receive_tool(
@@ -188,7 +189,7 @@ class ArmTeleopNode(JointTeleopNode):
 
     def _on_pose(self, message: Any) -> None:
         pose = message.pose
-        position, orientation = vector_of(pose.position), quaternion_in(pose)
+        position, orientation = pose_in(pose)
         self._obey(
             "~pose_cmds",
             lambda wall: self._arm.receive_tool(
@@ -225,7 +226,7 @@ class ArmTeleopNode(JointTeleopNode):
 
     def _take_base(self, stamp: float, pose: Any) -> None:
         try:
-            matrix = pose_matrix(vector_of(pose.position), quaternion_in(pose))
+            matrix = pose_matrix(*pose_in(pose))
         except InvalidCommand as error:
             warn_dropped("pose of the base", str(error))
             return
@@ -294,7 +295,7 @@ def proximity_state(message: Any, links: Collection[str]) -> ProximityState:
             raise InvalidCommand(f"{field} has {len(values)} numbers for {len(joints)} joints")
     pairs = []
     for pair in message.pairs:
-        point, normal = vector_of(pair.point), vector_of(pair.normal)
+        point, normal = vector_in(pair.point), vector_in(pair.normal)
         by_base = (*normal, *np.cross(point, normal).tolist())
         for value in (pair.distance, *pair.gradient, *by_base):
             if not math.isfinite(value):
@@ -314,21 +315,3 @@ def proximity_state(message: Any, links: Collection[str]) -> ProximityState:
             raise InvalidCommand(f"position of {joint} is {position!r}; must be a finite number")
     stamp = message.header.stamp.to_sec()
     return ProximityState(stamp, dict(zip(joints, message.positions)), tuple(pairs))
-
-
-def vector_of(message: Any) -> Tuple[float, float, float]:
-    """Return x, y, z of a Vector3 or a Point."""
-    return message.x, message.y, message.z
-
-
-def quaternion_in(pose: Any) -> Tuple[float, float, float, float]:
-    """Return x, y, z, w of a Pose's orientation."""
-    turned = pose.orientation
-    return turned.x, turned.y, turned.z, turned.w
-
-
-def fill_pose(message: Pose, pose: np.ndarray) -> None:
-    """Write a 4x4 transform into a message."""
-    position, orientation = message.position, message.orientation
-    position.x, position.y, position.z = pose[:3, 3].tolist()
-    orientation.x, orientation.y, orientation.z, orientation.w = quaternion_of(pose).tolist()

@@ -12,12 +12,13 @@ import rospy
 from geometry_msgs.msg import PoseStamped
 from telex_msgs.srv import ComputeFK, ComputeFKResponse, ComputeIK, ComputeIKResponse
 
+from telex_control.common.geometry.matrices import inverse
 from telex_control.kinematics import Chain, IKSolver, KinematicsError, Tolerance
+from telex_control.ros.pose_messages import fill_pose, pose_in
 from telex_teleop.arm.arm_settings import FrameSettings
 from telex_teleop.arm.tool_command import Frame
 from telex_teleop.motion.joint_jog import InvalidCommand
-from telex_teleop.motion.rigid_motion import inverse
-from telex_teleop.ros.arm_teleop import ArmTeleopNode, fill_pose, quaternion_in, vector_of
+from telex_teleop.ros.arm_teleop import ArmTeleopNode
 
 __all__ = ["KinematicsServices"]
 
@@ -82,9 +83,7 @@ class KinematicsServices:
             chain = self._present_chain()
             assert self._solver is not None
             pose = request.pose.pose
-            command = self._node.frames.pose(
-                request.pose.header.frame_id, vector_of(pose.position), quaternion_in(pose)
-            )
+            command = self._node.frames.pose(request.pose.header.frame_id, *pose_in(pose))
             seed = self._joint_positions(chain, request.seed_names, request.seed)
             frame = request.pose.header.frame_id or self._node.frames.default
             target = self._frame_in_base(chain, frame, seed) @ command.pose

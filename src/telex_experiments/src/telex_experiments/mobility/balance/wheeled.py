@@ -15,6 +15,7 @@ import numpy as np
 import yaml
 from geometry_msgs.msg import Twist
 
+from telex_control.common.geometry.quaternions import yaw_of
 from telex_sim.offline.simulation import OfflineSimulation
 
 from . import quasi_static
@@ -252,8 +253,7 @@ class Wheeled:
         return turned, farthest
 
     def _heading(self) -> float:
-        x, y, z, w = self.simulation.body.base_pose()[1]
-        return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+        return yaw_of(self.simulation.body.base_pose()[1])
 
     def turn(self, rate: float, seconds: float) -> Turn:
         """Turn in place at a rate (rad/s) that its controller is told."""

@@ -20,7 +20,9 @@ from telex_msgs.srv import ComputeFK
 from tf2_msgs.msg import TFMessage
 from tf2_py import BufferCore
 
-from telex_control.kinematics import Chain, DHChain, dh_chain
+from telex_control.common.geometry.matrices import inverse, pose_matrices
+from telex_control.kinematics import Chain, DHChain, dh_chain, make_pose
+from telex_control.ros.pose_messages import pose_in, quaternion_in, vector_in
 from telex_control.urdf.joints import parse_urdf
 
 from ...workspace import ROOT
@@ -37,19 +39,6 @@ DRAWING = ROOT / "docs" / "draw_kinematics.py"
 
 Apart = Tuple[float, float]
 """Distance (m) and angle (rad)."""
-
-
-def pose_of(place: np.ndarray, quaternion: np.ndarray) -> np.ndarray:
-    """Return the 4 x 4 pose of a place (m) and a quaternion x, y, z, w."""
-    x, y, z, w = quaternion / np.linalg.norm(quaternion)
-    pose = np.eye(4)
-    pose[:3, :3] = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-    ]
-    pose[:3, 3] = place
-    return pose
 
 
 def farthest(poses: np.ndarray, others: np.ndarray) -> Apart:
@@ -72,12 +61,7 @@ def by_service(session: Session, chain: Chain, positions: np.ndarray) -> np.ndar
         answer = service(BASE, [TOOL], list(chain.joint_names), list(each))
         if not answer.success:
             raise RuntimeError(f"compute_fk: {answer.message}")
-        place, turn = answer.poses[0].pose.position, answer.poses[0].pose.orientation
-        poses.append(
-            pose_of(
-                np.array([place.x, place.y, place.z]), np.array([turn.x, turn.y, turn.z, turn.w])
-            )
-        )
+        poses.append(make_pose(*pose_in(answer.poses[0].pose)))
     service.close()
     return np.array(poses)
 
@@ -101,7 +85,7 @@ def by_pybullet(urdf: str, chain: Chain, positions: np.ndarray) -> np.ndarray:
             for name, position in zip(chain.joint_names, each):
                 bullet.resetJointState(body, indices[name], position)
             state = bullet.getLinkState(body, tool, computeForwardKinematics=True)
-            poses.append(pose_of(np.array(state[4]), np.array(state[5])))
+            poses.append(make_pose(state[4], state[5]))
         return np.array(poses)
     finally:
         bullet.disconnect()
@@ -177,18 +161,13 @@ def while_moving(
         # Between its messages tf interpolates, which is no kinematics.
         if stamp in watch.told:
             found = watch.tree.lookup_transform_core(BASE, TOOL, rospy.Time(0, stamp)).transform
-            place, turn = found.translation, found.rotation
-            frames.append(
-                pose_of(
-                    np.array([place.x, place.y, place.z]),
-                    np.array([turn.x, turn.y, turn.z, turn.w]),
-                )
-            )
+            place, turn = vector_in(found.translation), quaternion_in(found.rotation)
+            frames.append(make_pose(place, turn))
             product.append(by_rows)
         if stamp in watch.truth:
             flat = np.array(watch.truth[stamp]).reshape(-1, 7)
-            of_base, of_tool = (pose_of(flat[i, :3], flat[i, 3:]) for i in (base, tool))
-            truth.append(np.linalg.inv(of_base) @ of_tool)
+            of_base, of_tool = pose_matrices(flat[[base, tool]])
+            truth.append(inverse(of_base) @ of_tool)
             same.append(by_rows)
     if not frames or not truth:
         raise RuntimeError("no frames, or no true poses, at the stamps of joint states")

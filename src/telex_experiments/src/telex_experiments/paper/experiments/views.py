@@ -18,12 +18,12 @@ from sensor_msgs.msg import CameraInfo
 from telex_msgs.msg import ScenePoses
 from telex_msgs.srv import Delete, Spawn
 
+from telex_control.common.geometry.matrices import pose_matrices
 from telex_teleop.headless_chromium import lacking
 
 from ..console import opened
 from ..experiment import Cell, Experiment, Figure, Picture, Result, Table
 from ..session import Session
-from .kinematics import pose_of
 
 CONSOLE_SIZE = (1280, 720)  # px
 DRIVE_TIME = 2.0  # s, for which the console's key is held
@@ -124,7 +124,7 @@ def spot(session: Session, view: View, frames: Sequence[str]) -> Spot:
     info = session.wait_for(f"cameras/{view.camera}/camera_info", CameraInfo)
     # Of the camera's frame as pictures have it, of the model as the scene has it.
     flat = poses[frames.index(f"telex/{info.header.frame_id}")]
-    camera = pose_of(flat[:3], flat[3:])
+    (camera,) = pose_matrices(flat[None])
     place = camera[:3, 3] + view.distance * camera[:3, 2]
     ball = {
         "type": "custom",

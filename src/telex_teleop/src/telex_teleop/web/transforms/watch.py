@@ -9,7 +9,9 @@ from typing import Any, Callable, Dict, List, Optional, Protocol, Sequence
 
 from geometry_msgs.msg import Transform, TransformStamped
 
+from telex_control.common.geometry.quaternions import angle_between
 from telex_control.common.params import require_range, require_text
+from telex_control.ros.pose_messages import quaternion_in
 
 MAX_FRAMES = 200
 """Frames that one client may watch."""
@@ -144,13 +146,7 @@ def distance(first: Transform, second: Transform) -> float:
 
 def angle(first: Transform, second: Transform) -> float:
     """Return the angle (rad) by which two transforms are turned against each other."""
-    a, b = first.rotation, second.rotation
-    # By the vector part of the difference: the arc cosine of the scalar part is blind near zero.
-    w = a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z
-    x = a.w * b.x - a.x * b.w - a.y * b.z + a.z * b.y
-    y = a.w * b.y - a.y * b.w - a.z * b.x + a.x * b.z
-    z = a.w * b.z - a.z * b.w - a.x * b.y + a.y * b.x
-    return 2.0 * math.atan2(math.sqrt(x * x + y * y + z * z), abs(w))
+    return angle_between(quaternion_in(first.rotation), quaternion_in(second.rotation))
 
 
 @dataclasses.dataclass(frozen=True)
