@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from xml.etree import ElementTree
 
 import numpy as np
 import PyKDL
@@ -17,6 +16,7 @@ from telex_control.kinematics import (
     kdl_tree,
 )
 from telex_control.urdf.joints import UrdfError
+from telex_control.urdf.model import read_robot
 
 LIMIT = '<limit lower="-3" upper="3" velocity="1" effort="1"/>'
 
@@ -33,7 +33,7 @@ def joint(name, parent, child, kind="revolute", xyz="0 0 0", rpy="0 0 0", axis="
 
 
 def robot(*elements):
-    return ElementTree.fromstring(f'<robot name="r">{"".join(elements)}</robot>')
+    return read_robot(f'<robot name="r">{"".join(elements)}</robot>')
 
 
 ARM = robot(

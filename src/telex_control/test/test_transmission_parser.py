@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from xml.etree import ElementTree
-
 import pytest
 
 from telex_control.urdf.joints import UrdfError, parse_urdf
@@ -20,13 +18,13 @@ EFFORT = "<hardwareInterface>hardware_interface/EffortJointInterface</hardwareIn
 MOTOR = '<actuator name="m"><mechanicalReduction>50</mechanicalReduction></actuator>'
 
 
-def robot(*bodies, names=("t", "u")):
+def robot(*bodies, names=("t", "u"), more=""):
     tags = "".join(
         f'<transmission name="{name}">{body}</transmission>' for name, body in zip(names, bodies)
     )
     return parse_urdf(
         '<robot name="r"><joint name="j1" type="continuous"/><joint name="j2" type="continuous"/>'
-        f"{tags}</robot>"
+        f"{more}{tags}</robot>"
     )
 
 
@@ -150,8 +148,11 @@ def test_one_that_is_not_simulated_gives_way_to_one_that_is(caplog):
 def test_what_is_not_simulated_of_a_fixed_joint_is_passed_over(caplog):
     pose = "<hardwareInterface>franka_hw/FrankaModelInterface</hardwareInterface>"
     ends = f'<joint name="j1">{pose}</joint><joint name="flange">{pose}</joint>'
-    described = robot(simple(ends, kind="franka_hw/FrankaModelTransmission"), simple())
-    ElementTree.SubElement(described, "joint", name="flange", type="fixed")
+    described = robot(
+        simple(ends, kind="franka_hw/FrankaModelTransmission"),
+        simple(),
+        more='<joint name="flange" type="fixed"/>',
+    )
     assert [each.joint for each in driven_joints(described)] == ["j1"]
     assert "'t': 'franka_hw/FrankaModelInterface' is not simulated\n" in caplog.text
 

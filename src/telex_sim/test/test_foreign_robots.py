@@ -17,6 +17,7 @@ from telex_control.common.params import ConfigError, read_config
 from telex_control.hardware.hardware_interface import EffortJointInterface
 from telex_control.ros.local_node_handle import LocalNodeHandle
 from telex_control.urdf.joints import MOVABLE, UrdfError, joints, parse_urdf
+from telex_control.urdf.model import read_xml
 from telex_sim.engine.simulation import Simulation
 from telex_sim.engine.simulator_config import RobotConfig, SimulatorConfig
 from telex_sim.robot.model import robot_model
@@ -38,11 +39,7 @@ def with_transmissions(tmp_path, file, interface, unscoped=""):
     source = DATA / file
     text = source.read_text().replace(unscoped or "\0", "")
     text = text.replace('filename="meshes/', f'filename="{source.parent}/meshes/')
-    driven = [
-        element.get("name")
-        for element in parse_urdf(text).findall("joint")
-        if element.get("type") in MOVABLE
-    ]
+    driven = [joint.name for joint in parse_urdf(text).joints if joint.type in MOVABLE]
     added = "".join(TRANSMISSION.format(joint=joint, interface=interface) for joint in driven)
     path = tmp_path / source.name
     path.write_text(text.replace("</robot>", added + "</robot>"))
@@ -406,7 +403,7 @@ def test_relative_meshes_are_found_from_the_robots_file(tmp_path):
         '<robot name="r"><link name="a"><visual><geometry><mesh filename="m/x.stl"/>'
         '<mesh filename="package://p/y.stl"/></geometry></visual></link></robot>'
     )
-    meshes = [mesh.get("filename") for mesh in parse_urdf(robot_model(path)).iter("mesh")]
+    meshes = [mesh.get("filename") for mesh in read_xml(robot_model(path)).iter("mesh")]
     assert resolve(meshes[0]) == str(folder / "m" / "x.stl")
     assert meshes[1] == "package://p/y.stl"
     with pytest.raises(UrdfError, match=r"none\.urdf"):
@@ -420,7 +417,7 @@ def test_options_may_do_without_the_colon_that_roslaunch_would_read(tmp_path):
         '<xacro:arg name="arm" default="short"/><link name="$(arg arm)"/></robot>'
     )
     for option in ("arm=long", "arm:=long"):
-        assert parse_urdf(robot_model(path, [option])).find("link").get("name") == "long"
+        assert list(parse_urdf(robot_model(path, [option])).link_map) == ["long"]
 
 
 def test_a_root_link_named_world_is_the_world(alone, kuka):
@@ -449,6 +446,6 @@ def test_the_robot_has_the_mass_of_its_description(alone, kuka):
         pybullet.getDynamicsInfo(body.uid, link, physicsClientId=client)[0]
         for link in body.links.values()
     ]
-    described = sum(float(m.get("value")) for m in parse_urdf(urdf).iter("mass"))
+    described = sum(link.inertial.mass for link in parse_urdf(urdf).links if link.inertial)
     assert math.isclose(sum(masses), described, rel_tol=1e-5)
     assert len(joints(parse_urdf(urdf))) == 7

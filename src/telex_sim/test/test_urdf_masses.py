@@ -8,6 +8,7 @@ import numpy as np
 import pybullet
 import pytest
 
+from telex_control.urdf.joints import parse_urdf
 from telex_sim.engine.world import World
 from telex_sim.robot.urdf.masses import complete_masses, massless_joints
 
@@ -85,7 +86,7 @@ def test_what_has_no_mass_is_told():
 
 
 def test_joints_that_move_no_mass_are_found():
-    described = ElementTree.fromstring(
+    described = parse_urdf(
         SLED.format(root="", hull=20).replace(
             "</robot>",
             '<link name="tip"/><joint name="tilt" type="revolute"><parent link="boom"/>'

@@ -48,9 +48,9 @@ def check(text):
     robot = parse_urdf(text)
     elbow = joints(robot)["elbow"]
     assert (elbow.lower, elbow.upper) == (pytest.approx(-math.pi / 2.0), 1.5)
-    assert robot.find("joint/origin").get("xyz") == "0 0 0.25"
-    mesh = robot.find("link/visual/geometry/mesh").get("filename")
-    assert mesh.endswith("/telex_description/meshes/hull.obj")
+    assert robot.joints[0].origin.xyz == [0.0, 0.0, 0.25]
+    mesh = next(visual.geometry for link in robot.links for visual in link.visuals)
+    assert mesh.filename.endswith("/telex_description/meshes/hull.obj")
 
 
 def test_limits_from_yaml_with_units_and_files_of_packages(arm):

@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
-from xml.etree import ElementTree
 
 import PyKDL
 
@@ -21,6 +20,7 @@ from ..hardware.joint_limits import clamp
 from ..kinematics import KinematicsError, UrdfTree, kdl_tree
 from ..laws.gravity import GRAVITY
 from ..urdf.joints import MOVABLE, joints
+from ..urdf.model import Robot
 
 Vector = Tuple[float, float, float]
 
@@ -98,8 +98,8 @@ class BrakingLimit:
     Parameters
     ----------
     config : BrakingConfig
-    robot : Element
-        ``<robot>`` of the URDF.
+    robot : Robot
+        See `telex_control.urdf.joints.parse_urdf`.
     base : str
         Link with x ahead, z up; if there is none of this name, the root link counts.
     ground : float
@@ -124,7 +124,7 @@ class BrakingLimit:
     def __init__(
         self,
         config: BrakingConfig,
-        robot: ElementTree.Element,
+        robot: Robot,
         base: str,
         ground: float,
         states: Dict[str, JointStateHandle],

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from typing import Optional, Tuple
-from xml.etree import ElementTree
 
 from ..common.geometry.quaternions import (
     UPRIGHT,
@@ -19,6 +18,7 @@ from ..common.geometry.quaternions import (
 from ..common.params import require_range
 from ..hardware.hardware_interface import ImuSensorHandle
 from ..kinematics.urdf_tree import FIXED, KinematicsError, UrdfTree
+from ..urdf.model import Robot
 
 _ZERO: Vector3 = (0.0, 0.0, 0.0)
 
@@ -222,13 +222,13 @@ class BaseImu:
         return transform_by_rows(self._mount, rotation_rows(orientation)[2])
 
 
-def sensor_mount(robot: ElementTree.Element, base: str, frame: str) -> Rows:
+def sensor_mount(robot: Robot, base: str, frame: str) -> Rows:
     """Rotation matrix from the axes of a sensor to those of the base, row by row.
 
     Parameters
     ----------
-    robot : Element
-        ``<robot>`` of the URDF.
+    robot : Robot
+        See `telex_control.urdf.joints.parse_urdf`.
     base : str
         Link; if there is none of this name, the root link counts.
     frame : str

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 from typing import Optional, Sequence, Tuple
-from xml.etree import ElementTree
 
 import numpy as np
 import PyKDL
 
 from telex_control.common.geometry.matrices import Floats
-from telex_control.urdf.elements import by_name
 from telex_control.urdf.joints import CONTINUOUS, UrdfJoint, joints, parse_urdf
+from telex_control.urdf.model import Robot
 
 from .kdl_tree import kdl_tree
 from .urdf_tree import FIXED, KinematicsError, TreeJoint, UrdfTree
@@ -22,8 +21,8 @@ class Chain:
 
     Parameters
     ----------
-    robot : Element
-        ``<robot>`` of the URDF.
+    robot : Robot
+        See `telex_control.urdf.joints.parse_urdf`.
     base, tip : str
         Links; `tip` hangs on `base`.
 
@@ -45,7 +44,7 @@ class Chain:
     KinematicsError, telex_control.urdf.joints.UrdfError
     """
 
-    def __init__(self, robot: ElementTree.Element, base: str, tip: str) -> None:
+    def __init__(self, robot: Robot, base: str, tip: str) -> None:
         tree = UrdfTree(robot)
         self.base, self.tip = base, tip
         self.path: Tuple[TreeJoint, ...] = tuple(tree.path(base, tip))
@@ -153,22 +152,20 @@ def matrix(frame: PyKDL.Frame) -> np.ndarray:
     return made
 
 
-def _check(robot: ElementTree.Element, names: Sequence[str]) -> None:
+def _check(robot: Robot, names: Sequence[str]) -> None:
     """Refuse joints that are no free coordinates of the chain, or whose range nobody has given."""
-    elements = by_name(robot, "joint")
     for name in names:
-        element = elements[name]
-        mimic = element.find("mimic")
+        joint = robot.joint_map[name]
+        mimic, limit = joint.mimic, joint.limit
         if mimic is not None:
             raise KinematicsError(
-                f"joint '{name}' mimics '{mimic.get('joint', '')}'; only joints that move by "
+                f"joint '{name}' mimics '{mimic.joint}'; only joints that move by "
                 "themselves are possible in a chain"
             )
-        limit = element.find("limit")
-        if element.get("type") == CONTINUOUS or limit is None:
+        if joint.type == CONTINUOUS or limit is None:
             continue
-        if limit.get("lower") is None and limit.get("upper") is None:
+        if limit.lower is None and limit.upper is None:
             raise KinematicsError(
-                f"joint '{name}' is {element.get('type')} and its <limit> has neither lower nor "
+                f"joint '{name}' is {joint.type} and its <limit> has neither lower nor "
                 "upper; give both, or make it continuous"
             )

@@ -5,20 +5,18 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from typing import Dict, Iterator, List, Optional, Tuple
-from xml.etree import ElementTree
 
 from telex_control.urdf.elements import (
     Origin,
     UrdfError,
     Vector,
-    by_name,
-    end,
     number,
     origin,
     root_links,
     vector,
 )
 from telex_control.urdf.joints import MOVABLE
+from telex_control.urdf.model import Joint, Link, Robot
 
 FIXED = "fixed"
 
@@ -73,8 +71,8 @@ class UrdfTree:
 
     Parameters
     ----------
-    robot : Element
-        ``<robot>`` of the URDF.
+    robot : Robot
+        See `telex_control.urdf.joints.parse_urdf`.
 
     Attributes
     ----------
@@ -91,14 +89,14 @@ class UrdfTree:
         The links form no tree, a joint is of another kind, or a number is wrong.
     """
 
-    def __init__(self, robot: ElementTree.Element) -> None:
+    def __init__(self, robot: Robot) -> None:
         self.inertials: Dict[str, Optional[Inertial]] = {
-            name: _inertial(link, f"link '{name}'") for name, link in by_name(robot, "link").items()
+            name: _inertial(link, f"link '{name}'") for name, link in robot.link_map.items()
         }
         self.joint_above: Dict[str, TreeJoint] = {}
         self._below: Dict[str, List[TreeJoint]] = {link: [] for link in self.inertials}
-        for element in robot.findall("joint"):
-            self._add(_joint(element))
+        for joint in robot.joints:
+            self._add(_joint(joint))
         roots = root_links(robot)
         if len(roots) != 1:
             raise KinematicsError(
@@ -157,8 +155,8 @@ class UrdfTree:
         return found[::-1]
 
 
-def _joint(element: ElementTree.Element) -> TreeJoint:
-    name, kind = element.get("name", ""), element.get("type", "")
+def _joint(joint: Joint) -> TreeJoint:
+    name, kind = joint.name, joint.type
     if kind not in (*MOVABLE, FIXED):
         raise KinematicsError(
             f"joint '{name}' is of type '{kind}'; {', '.join((*MOVABLE, FIXED))} are possible"
@@ -166,7 +164,7 @@ def _joint(element: ElementTree.Element) -> TreeJoint:
     where = f"joint '{name}'"
     axis = (1.0, 0.0, 0.0)
     if kind != FIXED:
-        axis = vector(element.find("axis"), "xyz", where, axis)
+        axis = vector(joint, "axis", where, axis)
         length = math.sqrt(sum(value * value for value in axis))
         if length < 1e-9:
             raise KinematicsError(f"{where}: axis is {axis}; a direction is needed")
@@ -174,30 +172,30 @@ def _joint(element: ElementTree.Element) -> TreeJoint:
     return TreeJoint(
         name=name,
         kind=kind,
-        parent=_link_of(element, "parent", where),
-        child=_link_of(element, "child", where),
-        origin=origin(element, where),
+        parent=_link_of(joint, "parent", where),
+        child=_link_of(joint, "child", where),
+        origin=origin(joint, where),
         axis=axis,
     )
 
 
-def _link_of(element: ElementTree.Element, role: str, where: str) -> str:
-    found = end(element, role)
+def _link_of(joint: Joint, role: str, where: str) -> str:
+    found: str = getattr(joint, role)
     if not found:
         raise KinematicsError(f'{where} has no <{role} link="...">')
     return found
 
 
-def _inertial(link: ElementTree.Element, where: str) -> Optional[Inertial]:
-    element = link.find("inertial")
-    if element is None:
+def _inertial(link: Link, where: str) -> Optional[Inertial]:
+    inertial = link.inertial
+    if inertial is None:
         return None
-    mass, inertia = element.find("mass"), element.find("inertia")
-    if mass is None or inertia is None:
-        raise KinematicsError(f"{where}: its <inertial> needs <mass> and <inertia>")
+    inertia = inertial.inertia
+    if inertial.mass is None or inertia is None:
+        raise KinematicsError(f'{where}: its <inertial> needs <mass value="..."> and <inertia>')
     moments = [number(inertia, key, where) for key in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")]
     return Inertial(
-        origin=origin(element, where),
-        mass=number(mass, "value", where),
+        origin=origin(inertial, where),
+        mass=number(inertial, "mass", where),
         inertia=(moments[0], moments[1], moments[2], moments[3], moments[4], moments[5]),
     )

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from typing import Dict, List, Optional, Tuple
-from xml.etree import ElementTree
+from typing import Any, Dict, List, Optional, Tuple
 
 import numpy as np
 
-from .elements import UrdfError, by_name, end, number, numbers, root_links
+from .elements import UrdfError, number, numbers, root_links, xml_name
+from .model import Inertia, Mesh, Pose, Robot, UnknownShape
 
 __all__ = ["check_bodies", "check_links"]
 
@@ -35,13 +35,12 @@ _KINDS = ("fixed", "revolute", "continuous", "prismatic")
 """Joints that are simulated; of others PyBullet makes what nobody moves."""
 
 
-def check_links(robot: ElementTree.Element) -> None:
+def check_links(robot: Robot) -> None:
     """Refuse links that hang on themselves, on two joints, or in a chain without end.
 
     Parameters
     ----------
-    robot : Element
-        ``<robot>``.
+    robot : Robot
 
     Raises
     ------
@@ -49,8 +48,8 @@ def check_links(robot: ElementTree.Element) -> None:
         It names the links.
     """
     above: Dict[str, Tuple[str, str]] = {}
-    for joint in robot.findall("joint"):
-        name, parent, child = joint.get("name", ""), end(joint, "parent"), end(joint, "child")
+    for joint in robot.joints:
+        name, parent, child = joint.name, joint.parent, joint.child
         if not child:
             continue
         if child in above:
@@ -87,25 +86,24 @@ def _shortened(names: List[str]) -> str:
     return " -> ".join(shown)
 
 
-def check_bodies(robot: ElementTree.Element) -> None:
+def check_bodies(robot: Robot) -> None:
     """Refuse what makes no body, and masses, inertias, places and sizes that none can have.
 
     All of an inertia may be 0: it then counts for nothing.
 
     Parameters
     ----------
-    robot : Element
-        ``<robot>``.
+    robot : Robot
 
     Raises
     ------
     UrdfError
         It names link or joint, the value, and what would be right.
     """
-    if robot.get("name") is None:
+    if robot.name is None:
         raise UrdfError("robot_description: <robot> has no name")
-    for tag in ("link", "joint"):
-        _check_names(robot, tag)
+    _check_names("link", [link.name for link in robot.links])
+    _check_names("joint", [joint.name for joint in robot.joints])
     roots = root_links(robot)
     if len(roots) != 1:
         raise UrdfError(
@@ -113,38 +111,41 @@ def check_bodies(robot: ElementTree.Element) -> None:
             if roots
             else "robot_description has no <link>; calls of macros need the prefix xacro:"
         )
-    links = by_name(robot, "link")
+    links = robot.link_map
     for name, link in links.items():
         owner = f"link '{name}'"
-        mass = number(link.find("inertial/mass"), "value", owner, 0.0)
+        inertial = link.inertial
+        mass = number(inertial, "mass", owner, 0.0)
         if not 0.0 <= mass <= _HEAVIEST:
             raise UrdfError(f"{owner}: mass is {mass:g} kg; 0 to {_HEAVIEST:g} is needed")
-        inertia = link.find("inertial/inertia")
+        inertia = None if inertial is None else inertial.inertia
         if mass and inertia is None:
             raise UrdfError(f"{owner}: its <inertial> has no <inertia>; all of it may be 0")
         _check_inertia(owner, inertia)
-        _check_place(f"{owner}: inertial", link.find("inertial/origin"))
-        for kind in ("collision", "visual"):
-            for part in link.findall(kind):
-                _check_place(f"{owner}: {kind}", part.find("origin"))
-                _check_shape(f"{owner}: {kind}", part.find("geometry"))
-    for joint in robot.findall("joint"):
-        owner = f"joint '{joint.get('name', '')}'"
+        if inertial is not None:
+            _check_place(f"{owner}: inertial", inertial.origin)
+        for part in (*link.collisions, *link.visuals):
+            where = f"{owner}: {part.XML_REFL.tag}"
+            _check_place(where, part.origin)
+            _check_shape(where, part.geometry)
+    for joint in robot.joints:
+        owner = f"joint '{joint.name}'"
         for which in ("parent", "child"):
-            if end(joint, which) not in links:
-                raise UrdfError(f"{owner}: its {which} is '{end(joint, which)}', which is no link")
-        bare = joint.get("type") == "fixed" and links[end(joint, "child")].find("collision") is None
-        if not (bare and _is_unfilled(joint.find("origin"))):
-            _check_place(owner, joint.find("origin"))
-        if joint.get("type", "") not in _KINDS:
+            if getattr(joint, which) not in links:
+                raise UrdfError(
+                    f"{owner}: its {which} is '{getattr(joint, which)}', which is no link"
+                )
+        bare = joint.type == "fixed" and not links[joint.child].collisions
+        if not (bare and _is_unfilled(joint.origin)):
+            _check_place(owner, joint.origin)
+        if joint.type not in _KINDS:
             raise UrdfError(
-                f"{owner} has the type '{joint.get('type', '')}'; simulated are {', '.join(_KINDS)}"
+                f"{owner} has the type '{joint.type}'; simulated are {', '.join(_KINDS)}"
             )
-        _check_numbers(owner, joint.find("axis"), "xyz", 3)
+        _check_numbers(owner, joint, "axis", 3)
 
 
-def _check_names(robot: ElementTree.Element, tag: str) -> None:
-    names = [element.get("name", "") for element in robot.findall(tag)]
+def _check_names(tag: str, names: List[str]) -> None:
     for name, count in Counter(names).items():
         if not name:
             raise UrdfError(f"robot_description has a <{tag}> without a name")
@@ -152,7 +153,7 @@ def _check_names(robot: ElementTree.Element, tag: str) -> None:
             raise UrdfError(f"robot_description has {count} {tag}s of the name '{name}'")
 
 
-def _check_inertia(owner: str, inertia: Optional[ElementTree.Element]) -> None:
+def _check_inertia(owner: str, inertia: Optional[Inertia]) -> None:
     if inertia is None:
         return
     values = [number(inertia, key, owner, 0.0) for key in _MOMENTS]
@@ -169,42 +170,43 @@ def _check_inertia(owner: str, inertia: Optional[ElementTree.Element]) -> None:
         )
 
 
-def _is_unfilled(origin: Optional[ElementTree.Element]) -> bool:
+def _is_unfilled(origin: Optional[Pose]) -> bool:
     """Whether its place is a macro's words: published files have such frames; PyBullet takes 0."""
-    words = [] if origin is None else f"{origin.get('xyz', '')} {origin.get('rpy', '')}".split()
+    texts = [] if origin is None else [origin.xyz, origin.rpy]
     try:
-        list(map(float, words))
+        list(map(float, " ".join(text for text in texts if isinstance(text, str)).split()))
     except ValueError:
         return True
     return False
 
 
-def _check_place(owner: str, origin: Optional[ElementTree.Element]) -> None:
-    for key in ("xyz", "rpy"):
-        _check_numbers(owner, origin, key, 3)
+def _check_place(owner: str, origin: Optional[Pose]) -> None:
+    if origin is not None:
+        for key in ("xyz", "rpy"):
+            _check_numbers(owner, origin, key, 3)
 
 
-def _check_shape(owner: str, geometry: Optional[ElementTree.Element]) -> None:
-    shape = None if geometry is None else next(iter(geometry), None)
-    if shape is None or shape.tag not in _SIZES:
+def _check_shape(owner: str, shape: Any) -> None:
+    tag = shape.tag if isinstance(shape, UnknownShape) else shape and shape.XML_REFL.tag
+    if tag not in _SIZES:
         known = ", ".join(_SIZES)
-        said = "no shape" if shape is None else f"the shape <{shape.tag}>"
+        said = "no shape" if shape is None else f"the shape <{tag}>"
         raise UrdfError(f"{owner} has {said} in its <geometry>; known are {known}")
-    for key, count in _SIZES[shape.tag].items():
+    for key, count in _SIZES[tag].items():
         for value in numbers(shape, key, count, owner):
             if not 0.0 <= value <= _FARTHEST:
                 raise UrdfError(f"{owner}: {key} is {value:g} m; 0 to {_FARTHEST:g} is needed")
-    _check_numbers(owner, shape, "scale", 3)
+    if isinstance(shape, Mesh):
+        _check_numbers(owner, shape, "scale", 3)
 
 
-def _check_numbers(
-    owner: str, element: Optional[ElementTree.Element], key: str, count: int
-) -> None:
-    if element is None or element.get(key) is None:
+def _check_numbers(owner: str, element: Any, key: str, count: int) -> None:
+    if getattr(element, key) is None:
         return
     for value in numbers(element, key, count, owner):
         if abs(value) > _FARTHEST:
+            tag, name = xml_name(element, key)
             raise UrdfError(
-                f"{owner}: <{element.tag} {key}> has the value {value:g}; at most {_FARTHEST:g} is "
+                f"{owner}: <{tag} {name}> has the value {value:g}; at most {_FARTHEST:g} is "
                 "possible"
             )

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Dict, Optional
-from xml.etree import ElementTree
+from typing import Any, Dict, Optional
 
 from .checks import check_links
-from .elements import UrdfError, number, read_xml
+from .elements import UrdfError, number
 from .mimic import Mimic, mimics
+from .model import Robot, SafetyController, read_robot
 
 __all__ = [
     "CONTINUOUS",
@@ -78,28 +78,28 @@ class UrdfJoint:
     mimic_limits: bool = True
 
 
-def parse_urdf(text: str) -> ElementTree.Element:
-    """Return the ``<robot>`` element of a URDF text.
+def parse_urdf(text: str) -> Robot:
+    """Return the robot of a URDF text, as objects of urdf_parser_py; see `model`.
 
     Raises
     ------
     UrdfError
         Too long, not XML, no robot, or its links form no tree.
     """
-    root = read_xml(text)
-    check_links(root)
-    return root
+    robot = read_robot(text)
+    check_links(robot)
+    return robot
 
 
-def _not_negative(element: Optional[ElementTree.Element], attribute: str, owner: str) -> float:
+def _not_negative(element: Optional[Any], attribute: str, owner: str) -> float:
     value = number(element, attribute, f"joint '{owner}'", 0.0)
     if value < 0.0:
         raise UrdfError(f"joint '{owner}': {attribute} is {value:g}; 0 or more is needed")
     return value
 
 
-def joints(robot: ElementTree.Element) -> Dict[str, UrdfJoint]:
-    """Return the movable joints of a ``<robot>`` element by name, in the order of the file.
+def joints(robot: Robot) -> Dict[str, UrdfJoint]:
+    """Return the movable joints of a robot by name, in the order of the file.
 
     A joint that others follow (``<mimic>``) has the limits that keep all of them within theirs.
 
@@ -110,13 +110,11 @@ def joints(robot: ElementTree.Element) -> Dict[str, UrdfJoint]:
         leave no room; friction or damping is below 0.
     """
     result: Dict[str, UrdfJoint] = {}
-    for element in robot.findall("joint"):
-        kind = element.get("type", "")
+    for element in robot.joints:
+        kind, name, limit = element.type, element.name, element.limit
         if kind not in MOVABLE:
             continue
-        name = element.get("name", "")
         where = f"joint '{name}'"
-        limit = element.find("limit")
         if limit is None and kind != CONTINUOUS:
             raise UrdfError(f"joint '{name}' is {kind} and has no <limit>")
         infinite = math.inf
@@ -131,9 +129,9 @@ def joints(robot: ElementTree.Element) -> Dict[str, UrdfJoint]:
             upper=upper,
             velocity=number(limit, "velocity", where, infinite),
             effort=number(limit, "effort", where, infinite),
-            friction=_not_negative(element.find("dynamics"), "friction", name),
-            damping=_not_negative(element.find("dynamics"), "damping", name),
-            soft=_soft_limits(element.find("safety_controller"), kind, name),
+            friction=_not_negative(element.dynamics, "friction", name),
+            damping=_not_negative(element.dynamics, "damping", name),
+            soft=_soft_limits(element.safety_controller, kind, name),
         )
     for name, mimic in mimics(robot).items():
         if name in result and mimic.joint in result:
@@ -161,9 +159,7 @@ def _couple(described: Dict[str, UrdfJoint], name: str, mimic: Mimic) -> None:
     described[mimic.joint], described[name] = leader, joint
 
 
-def _soft_limits(
-    safety: Optional[ElementTree.Element], kind: str, owner: str
-) -> Optional[SoftLimits]:
+def _soft_limits(safety: Optional[SafetyController], kind: str, owner: str) -> Optional[SoftLimits]:
     if safety is None:
         return None
     where = f"joint '{owner}'"

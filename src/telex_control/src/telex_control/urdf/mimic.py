@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from typing import Dict, Tuple
-from xml.etree import ElementTree
 
-from .elements import UrdfError, by_name, number
+from .elements import UrdfError, number
+from .model import Robot
 from .transmission_parser import interfaces
 
 
@@ -59,7 +59,7 @@ def _ordered(first: float, second: float) -> Tuple[float, float]:
     return min(first, second), max(first, second)
 
 
-def mimics(robot: ElementTree.Element) -> Dict[str, Mimic]:
+def mimics(robot: Robot) -> Dict[str, Mimic]:
     """Return how joints follow others, by name, in the order of the file.
 
     Left out are joints that a transmission of their own drives, as ros_control has it. A joint that
@@ -71,15 +71,15 @@ def mimics(robot: ElementTree.Element) -> Dict[str, Mimic]:
         A leader is not there or cannot move, joints follow each other in a circle, or a number is
         wrong.
     """
-    elements = by_name(robot, "joint")
+    elements = robot.joint_map
     driven = interfaces(robot)
     own: Dict[str, Mimic] = {}
     for name, element in elements.items():
-        mimic = element.find("mimic")
-        if mimic is None or name in driven or element.get("type") == "fixed":
+        mimic = element.mimic
+        if mimic is None or name in driven or element.type == "fixed":
             continue
-        leader, where = mimic.get("joint", ""), f"joint '{name}'"
-        if leader not in elements or elements[leader].get("type") == "fixed":
+        leader, where = mimic.joint, f"joint '{name}'"
+        if leader not in elements or elements[leader].type == "fixed":
             problem = "cannot move" if leader in elements else "is not there"
             raise UrdfError(f"{where} mimics the joint '{leader}', which {problem}")
         own[name] = Mimic(

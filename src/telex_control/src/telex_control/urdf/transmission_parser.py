@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import logging
 from dataclasses import dataclass
-from typing import Dict, List, Tuple, Type
-from xml.etree import ElementTree
+from typing import Dict, List, Tuple, Type, Union
 
 from ..hardware.hardware_interface import (
     EffortJointInterface,
@@ -18,7 +17,8 @@ from ..hardware.hardware_interface import (
     PositionJointInterface,
     VelocityJointInterface,
 )
-from .elements import UrdfError
+from . import model
+from .model import Robot, UrdfError
 
 SIMULATED: Dict[str, Type[JointCommandInterface]] = {
     "EffortJointInterface": EffortJointInterface,
@@ -75,8 +75,8 @@ class DrivenJoint:
     hardware_interface: str
 
 
-def transmissions(robot: ElementTree.Element) -> List[TransmissionInfo]:
-    """Return the transmissions of a ``<robot>`` element, in the order of the file.
+def transmissions(robot: Robot) -> List[TransmissionInfo]:
+    """Return the transmissions of a robot, in the order of the file.
 
     Without those in the style of pr2, which are no transmissions of ros_control.
     """
@@ -86,7 +86,7 @@ def transmissions(robot: ElementTree.Element) -> List[TransmissionInfo]:
     return found
 
 
-def interfaces(robot: ElementTree.Element) -> Dict[str, str]:
+def interfaces(robot: Robot) -> Dict[str, str]:
     """Return through which interface each joint is driven, of those that are.
 
     As `driven_joints`, but nothing is logged, and what that refuses is left out.
@@ -99,40 +99,40 @@ def interfaces(robot: ElementTree.Element) -> Dict[str, str]:
     return found
 
 
-def _read(robot: ElementTree.Element) -> Tuple[List[TransmissionInfo], List[Tuple[int, str]]]:
+def _read(robot: Robot) -> Tuple[List[TransmissionInfo], List[Tuple[int, str]]]:
     """Transmissions, and what is to be logged of them, with its level."""
     found: List[TransmissionInfo] = []
     complaints: List[Tuple[int, str]] = []
-    for element in robot.findall("transmission"):
+    for element in robot.transmissions:
         if _is_old(element):
             continue
         try:
             found.append(_transmission(element, complaints))
         except TransmissionError as error:
-            name = element.get("name", "")
+            name = element.name
             complaints.append((logging.ERROR, f"transmission '{name}' is left out: {error}"))
     return found, complaints
 
 
-def _is_old(element: ElementTree.Element) -> bool:
+def _is_old(element: model.Transmission) -> bool:
     """Whether it is in the style of pr2."""
-    return bool(element.get("type")) and not _text(element, "type")
+    return bool(element.style) and not element.type
 
 
 def _transmission(
-    element: ElementTree.Element, complaints: List[Tuple[int, str]]
+    element: model.Transmission, complaints: List[Tuple[int, str]]
 ) -> TransmissionInfo:
-    name = element.get("name", "")
+    name = element.name
     if not name:
         raise TransmissionError("it has no name")
-    if not _text(element, "type"):
+    if not element.type:
         raise TransmissionError("it has no <type>")
-    actuators = element.findall("actuator")
-    if not all(each.get("name") for each in actuators):
+    actuators = element.actuators
+    if not all(each.name for each in actuators):
         raise TransmissionError("an <actuator> has no name")
     # Older descriptions name the interface at the actuator.
     fallback = next(filter(None, map(_interfaces, actuators)), ())
-    joints = tuple(_joint(each, fallback, complaints) for each in element.findall("joint"))
+    joints = tuple(_joint(each, fallback, complaints) for each in element.joints)
     if not joints:
         raise TransmissionError("it has no <joint>")
     if not actuators:
@@ -141,9 +141,9 @@ def _transmission(
 
 
 def _joint(
-    element: ElementTree.Element, fallback: Tuple[str, ...], complaints: List[Tuple[int, str]]
+    element: model.TransmissionJoint, fallback: Tuple[str, ...], complaints: List[Tuple[int, str]]
 ) -> TransmissionJoint:
-    name = element.get("name", "")
+    name = element.name
     if not name:
         raise TransmissionError("a <joint> has no name")
     own = _interfaces(element)
@@ -161,21 +161,16 @@ def _joint(
     return TransmissionJoint(name, own)
 
 
-def _text(element: ElementTree.Element, tag: str) -> str:
-    return (element.findtext(tag) or "").strip()
-
-
-def _interfaces(element: ElementTree.Element) -> Tuple[str, ...]:
-    texts = ((each.text or "").strip() for each in element.findall("hardwareInterface"))
-    return tuple(text for text in texts if text)
+def _interfaces(element: Union[model.TransmissionJoint, model.Actuator]) -> Tuple[str, ...]:
+    return tuple(filter(None, element.hardwareInterfaces))
 
 
 def _is_simulated(interface: str) -> bool:
     return _bare(interface) in SIMULATED
 
 
-def driven_joints(robot: ElementTree.Element) -> List[DrivenJoint]:
-    """Return the joints of a ``<robot>`` element that transmissions drive, each once.
+def driven_joints(robot: Robot) -> List[DrivenJoint]:
+    """Return the joints of a robot that transmissions drive, each once.
 
     This is how a simulation sees them, which drives joints and not actuators: of each joint the
     first interface counts through which it can be commanded here, whatever the reduction. One
@@ -190,10 +185,10 @@ def driven_joints(robot: ElementTree.Element) -> List[DrivenJoint]:
     return driven_and_watched(robot)[0]
 
 
-def driven_and_watched(robot: ElementTree.Element) -> Tuple[List[DrivenJoint], List[str]]:
+def driven_and_watched(robot: Robot) -> Tuple[List[DrivenJoint], List[str]]:
     """Return `driven_joints`, and the joints of which transmissions want the state alone."""
     driven, watched = [], []
-    fixed = {joint.get("name") for joint in robot.findall("joint") if joint.get("type") == "fixed"}
+    fixed = {joint.name for joint in robot.joints if joint.type == "fixed"}
     for joint, offered in _offers(robot).items():
         if all(interface in _STATE for _, interface in offered):
             watched.append(joint)
@@ -205,9 +200,9 @@ def driven_and_watched(robot: ElementTree.Element) -> Tuple[List[DrivenJoint], L
     return driven, watched
 
 
-def _offers(robot: ElementTree.Element) -> Dict[str, List[Tuple[str, str]]]:
+def _offers(robot: Robot) -> Dict[str, List[Tuple[str, str]]]:
     """Pairs of transmission and interface, by joint."""
-    known = {element.get("name", "") for element in robot.findall("joint")}
+    known = set(robot.joint_map)
     offers: Dict[str, List[Tuple[str, str]]] = {}
     for transmission in transmissions(robot):
         for joint in transmission.joints:
@@ -218,10 +213,10 @@ def _offers(robot: ElementTree.Element) -> Dict[str, List[Tuple[str, str]]]:
                 )
             offered = [(transmission.name, each) for each in joint.hardware_interfaces]
             offers.setdefault(joint.name, []).extend(offered)
-    for element in filter(_is_old, robot.findall("transmission")):
+    for element in filter(_is_old, robot.transmissions):
         # Its joints are elements of several names, and have no interface.
-        name, kind = element.get("name", ""), element.get("type", "")
-        joints = sorted(known & {child.get("name", "") for child in element})
+        name, kind = element.name, element.style
+        joints = sorted(known & element.named)
         if all(joint in offers for joint in joints):
             _log.error("transmission '%s' is left out: its style is pr2's, type='%s'", name, kind)
         offers.update((joint, [(name, kind)]) for joint in joints if joint not in offers)

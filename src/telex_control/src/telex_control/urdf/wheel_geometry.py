@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Dict, Optional, Tuple
-from xml.etree import ElementTree
+from typing import Optional, Tuple
 
 import PyKDL
 
 from ..kinematics.kdl_tree import kdl_frame
-from .elements import UrdfError, by_name, end, number, origin
+from .elements import UrdfError, number, origin
+from .model import Cylinder, Joint, Robot, Sphere
 
 _SAME = 1.0e-9
 """m; origins of joints that are nearer have one place."""
 
 
-def wheel_separation(robot: ElementTree.Element, left: str, right: str) -> float:
+def wheel_separation(robot: Robot, left: str, right: str) -> float:
     """Return the distance (m) between the origins of two wheel joints.
 
     All joints are at 0, those that carry the wheels' suspensions too.
@@ -36,7 +36,7 @@ def wheel_separation(robot: ElementTree.Element, left: str, right: str) -> float
     return separation
 
 
-def wheel_radius(robot: ElementTree.Element, joint: str) -> float:
+def wheel_radius(robot: Robot, joint: str) -> float:
     """Return the radius (m) of the cylinder or sphere that a wheel collides as.
 
     Raises
@@ -44,18 +44,18 @@ def wheel_radius(robot: ElementTree.Element, joint: str) -> float:
     UrdfError
         The joint or its link is missing, or the link collides as something else.
     """
-    link_name = end(_joint(by_name(robot, "joint"), joint), "child")
-    link = by_name(robot, "link").get(link_name)
+    link_name = _joint(robot, joint).child
+    link = robot.link_map.get(link_name)
     if link is None:
         raise UrdfError(f"wheel joint '{joint}': there is no link '{link_name}'")
-    for shape in ("cylinder", "sphere"):
-        element = link.find(f"collision/geometry/{shape}")
-        if element is not None:
-            radius = number(element, "radius", f"link '{link_name}'")
+    shapes = [collision.geometry for collision in link.collisions]
+    for kind in (Cylinder, Sphere):
+        for shape in (each for each in shapes if isinstance(each, kind)):
+            radius = number(shape, "radius", f"link '{link_name}'")
             if radius <= 0.0:
                 raise UrdfError(
-                    f"link '{link_name}': radius of its {shape} is {radius:g} m; a number above 0 "
-                    "is needed"
+                    f"link '{link_name}': radius of its {kind.XML_REFL.tag} is {radius:g} m; a "
+                    "number above 0 is needed"
                 )
             return radius
     raise UrdfError(
@@ -64,20 +64,19 @@ def wheel_radius(robot: ElementTree.Element, joint: str) -> float:
     )
 
 
-def _place(robot: ElementTree.Element, name: str) -> Tuple[PyKDL.Vector, str]:
+def _place(robot: Robot, name: str) -> Tuple[PyKDL.Vector, str]:
     """Where the origin of a joint is (m), in the frame of the root link; and that link."""
-    joints = by_name(robot, "joint")
-    above = {end(joint, "child"): joint for joint in joints.values()}
-    joint: Optional[ElementTree.Element] = _joint(joints, name)
+    above = {joint.child: joint for joint in robot.joint_map.values()}
+    joint: Optional[Joint] = _joint(robot, name)
     frame, link = PyKDL.Frame(), ""
     while joint is not None:
-        frame = kdl_frame(origin(joint, f"joint '{joint.get('name', '')}'")) * frame
-        link = end(joint, "parent")
+        frame = kdl_frame(origin(joint, f"joint '{joint.name}'")) * frame
+        link = joint.parent
         joint = above.get(link)
     return frame.p, link
 
 
-def _joint(joints: Dict[str, ElementTree.Element], name: str) -> ElementTree.Element:
-    if name not in joints:
+def _joint(robot: Robot, name: str) -> Joint:
+    if name not in robot.joint_map:
         raise UrdfError(f"robot_description has no wheel joint '{name}'")
-    return joints[name]
+    return robot.joint_map[name]

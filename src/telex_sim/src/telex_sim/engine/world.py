@@ -13,7 +13,7 @@ from xml.etree import ElementTree
 import pybullet
 
 from telex_control.common.geometry.quaternions import Quaternion
-from telex_control.urdf.elements import read_xml
+from telex_control.urdf.model import read_xml
 
 from ..robot.urdf.frames import Frame, take_out_frames, take_out_wheels
 from ..robot.urdf.masses import complete_masses

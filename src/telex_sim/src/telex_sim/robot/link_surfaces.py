@@ -8,15 +8,15 @@ from xml.etree import ElementTree
 
 import pybullet
 
-from telex_control.urdf.elements import UrdfError, by_name, end
 from telex_control.urdf.joints import CONTINUOUS, MOVABLE
 from telex_control.urdf.mimic import mimics
+from telex_control.urdf.model import Cylinder, Link, Mesh, Robot, Sphere, UrdfError
 from telex_control.urdf.transmission_parser import interfaces
 
 from ..engine.simulator_config import HardwareConfig
 from ..engine.world import Body
 
-_ROUND = ("cylinder", "sphere", "mesh")
+_ROUND = (Cylinder, Sphere, Mesh)
 """Collision shapes that can roll."""
 
 
@@ -25,8 +25,7 @@ class LinkSurfaces:
 
     Parameters
     ----------
-    root : Element
-        The robot.
+    robot : Robot
     config : HardwareConfig
 
     Raises
@@ -35,11 +34,11 @@ class LinkSurfaces:
         See `frictions`.
     """
 
-    def __init__(self, root: ElementTree.Element, config: HardwareConfig) -> None:
+    def __init__(self, robot: Robot, config: HardwareConfig) -> None:
         wheel = config.wheel_contact
         soft = {"contactStiffness": wheel.stiffness, "contactDamping": wheel.damping}
-        self._dynamics: Dict[str, Dict[str, float]] = {link: dict(soft) for link in wheels(root)}
-        for link, friction in frictions(root).items():
+        self._dynamics: Dict[str, Dict[str, float]] = {link: dict(soft) for link in wheels(robot)}
+        for link, friction in frictions(robot).items():
             self._dynamics.setdefault(link, {})["lateralFriction"] = friction
         for link, contact in config.contacts.items():
             values = self._dynamics.setdefault(link, {})
@@ -60,27 +59,26 @@ class LinkSurfaces:
                 )
 
 
-def wheels(root: ElementTree.Element) -> FrozenSet[str]:
+def wheels(robot: Robot) -> FrozenSet[str]:
     """Links that can roll: of a continuous joint, round, and carrying no further joint.
 
     Those of drive wheels and of casters alike, whoever drives them. Left out are wheels whose URDF
     has a stiffness of its own (``<contact>``, which PyBullet reads), and what is commanded by
     position, such as an arm's wrist, or mimics another joint, such as a fingertip.
     """
-    links = by_name(root, "link")
+    links = robot.link_map
     carriers: Set[str] = set()
     fixed: List[Tuple[str, str]] = []
     turned: Set[str] = set()
-    held = set(mimics(root))
-    held.update(name for name, by in interfaces(root).items() if by == "PositionJointInterface")
-    for joint in root.findall("joint"):
-        ends = (end(joint, "parent"), end(joint, "child"))
-        if joint.get("type") in MOVABLE:
-            carriers.add(ends[0])
+    held = set(mimics(robot))
+    held.update(name for name, by in interfaces(robot).items() if by == "PositionJointInterface")
+    for joint in robot.joints:
+        if joint.type in MOVABLE:
+            carriers.add(joint.parent)
         else:
-            fixed.append(ends)
-        if joint.get("type") == CONTINUOUS and joint.get("name") not in held:
-            turned.add(ends[1])
+            fixed.append((joint.parent, joint.child))
+        if joint.type == CONTINUOUS and joint.name not in held:
+            turned.add(joint.child)
     while True:
         # What a link carries by fixed joints is part of it.
         more = {above for above, below in fixed if below in carriers} - carriers
@@ -91,12 +89,17 @@ def wheels(root: ElementTree.Element) -> FrozenSet[str]:
         name
         for name in turned - carriers
         if name in links
-        and links[name].find("contact/stiffness") is None
-        and any(links[name].find(f"collision/geometry/{shape}") is not None for shape in _ROUND)
+        and not _has_own(links[name], "stiffness")
+        and any(isinstance(each.geometry, _ROUND) for each in links[name].collisions)
     )
 
 
-def frictions(root: ElementTree.Element) -> Dict[str, float]:
+def _has_own(link: Link, name: str) -> bool:
+    """Whether a link's ``<contact>``, which PyBullet reads, has an element."""
+    return link.contact is not None and link.contact.find(name) is not None
+
+
+def frictions(robot: Robot) -> Dict[str, float]:
     """Friction coefficients that ``<gazebo reference="…">`` gives links: the mean of mu1 and mu2.
 
     A link whose ``<contact>`` has one for PyBullet keeps that.
@@ -106,13 +109,9 @@ def frictions(root: ElementTree.Element) -> Dict[str, float]:
     UrdfError
         One is not a number, or below 0.
     """
-    own = {
-        link.get("name")
-        for link in root.findall("link")
-        if link.find("contact/lateral_friction") is not None
-    }
+    own = {link.name for link in robot.links if _has_own(link, "lateral_friction")}
     found: Dict[str, float] = {}
-    for gazebo in root.findall("gazebo"):
+    for gazebo in robot.gazebos:
         link = gazebo.get("reference", "")
         values = [_coefficient(gazebo, link, name) for name in ("mu1", "mu2")]
         given = [value for value in values if value is not None]

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import stat
 from pathlib import Path
-from typing import Callable, Dict
+from typing import Callable, Dict, Iterator
 
 from telex_control.common.params import ConfigError
-from telex_control.urdf.elements import by_name
 from telex_control.urdf.joints import parse_urdf
+from telex_control.urdf.model import Link, Mesh
 
 from ..scene.assets import MOST_BYTES, MOST_TRIANGLES
 from ..scene.meshes.mesh_files import MeshFileError, load_mesh
@@ -41,22 +41,21 @@ def check_meshes(
         A file to collide by is missing or too large or cannot be read; the message names link and
         file.
     """
-    root = parse_urdf(urdf)
     triangles: Dict[Path, int] = {}
     total = 0
-    for name, link in by_name(root, "link").items():
+    for name, link in parse_urdf(urdf).link_map.items():
         where = f"link '{name}'"
-        touched = link.findall("collision/geometry/mesh")
-        for element in (*link.iter("mesh"), *link.iter("texture")):
-            if element.get("filename") and element not in touched:
-                try:
-                    _check_size(where, element.get("filename", ""), resolve)
-                except ConfigError as error:
-                    mind(str(error))
-        for mesh in touched:
-            path = _path(where, mesh.get("filename", ""), resolve)
+        for address in _seen(link):
+            try:
+                _check_size(where, address, resolve)
+            except ConfigError as error:
+                mind(str(error))
+        for mesh in (each.geometry for each in link.collisions):
+            if not isinstance(mesh, Mesh):
+                continue
+            path = _path(where, mesh.filename, resolve)
             if path not in triangles:
-                _check_size(where, mesh.get("filename", ""), resolve)
+                _check_size(where, mesh.filename, resolve)
                 triangles[path] = _triangles(where, path)
                 if triangles[path] > MOST_TRIANGLES:
                     mind(
@@ -69,6 +68,17 @@ def check_meshes(
             f"its meshes to collide by have {total} triangles in all; at most "
             f"{MOST_COLLISION_TRIANGLES} are possible in a robot, and their convex hulls would do"
         )
+
+
+def _seen(link: Link) -> Iterator[str]:
+    """Yield the addresses of a link's files that are only seen: its meshes, then its pictures."""
+    for visual in link.visuals:
+        if isinstance(visual.geometry, Mesh) and visual.geometry.filename:
+            yield visual.geometry.filename
+    for visual in link.visuals:
+        material = visual.material
+        if material is not None and material.texture is not None and material.texture.filename:
+            yield material.texture.filename
 
 
 def _path(where: str, address: str, resolve: Callable[[str], str]) -> Path:

@@ -14,7 +14,8 @@ from typing import List, Sequence
 from urllib.parse import quote
 from xml.etree import ElementTree
 
-from telex_control.urdf.joints import UrdfError, parse_urdf
+from telex_control.urdf.checks import check_links
+from telex_control.urdf.model import UrdfError, read_xml, robot_of
 
 _USAGE = "usage: robot_model FILE.urdf|FILE.xacro [xacro arguments, e.g. arm:=long or arm=long]"
 
@@ -35,7 +36,8 @@ def robot_model(path: Path, options: Sequence[str] = ()) -> str:
         The file cannot be read, or is no robot description.
     """
     try:
-        root = parse_urdf(_text(path, options))
+        root = read_xml(_text(path, options))
+        check_links(robot_of(root))
     except (OSError, UnicodeDecodeError, UrdfError) as error:
         raise UrdfError(f"{path}: {error}") from error
     folder = path.resolve().parent

@@ -6,18 +6,17 @@ One thread, the simulation's, owns a `Robot`; only `request_e_stop` may be calle
 from __future__ import annotations
 
 import logging
-from copy import deepcopy
 from typing import Callable, Dict, Mapping, Optional, Sequence, Tuple
-from xml.etree import ElementTree
 
 import pybullet
 
 from telex_control.common.params import ConfigError
 from telex_control.manager.controller_manager import ControllerManager
 from telex_control.ros.node_handle import NodeHandle
-from telex_control.urdf.checks import check_bodies
-from telex_control.urdf.elements import by_name, end
-from telex_control.urdf.joints import joints, parse_urdf
+from telex_control.urdf.checks import check_bodies, check_links
+from telex_control.urdf.joints import joints
+from telex_control.urdf.model import Robot as DescribedRobot
+from telex_control.urdf.model import read_xml, robot_of
 
 from ..engine.simulator_config import RobotConfig
 from ..engine.world import Body, World
@@ -99,7 +98,7 @@ class Robot:
         self._resolve = resolve
         self._step_size = step_size
         try:
-            self._make(parse_urdf(urdf), node, asked_pose)
+            self._make(urdf, node, asked_pose)
         except Exception:
             node.shutdown()
             raise
@@ -114,18 +113,21 @@ class Robot:
         """Its description."""
         return self.figure.urdf
 
-    def _make(self, root: ElementTree.Element, node: NodeHandle, asked_pose: str) -> None:
+    def _make(self, urdf: str, node: NodeHandle, asked_pose: str) -> None:
         config = self.config
-        check_bodies(root)
-        for remark in complete_masses(deepcopy(root), config.fixed_base).remarks:
+        root = read_xml(urdf)
+        robot = robot_of(root)
+        check_links(robot)
+        check_bodies(robot)
+        for remark in complete_masses(root, config.fixed_base).remarks:
             _log.warning("%s: %s", self.model, remark)
-        self.hw = RobotHWSim(root, config.hardware, config.tracks.belts)
+        self.hw = RobotHWSim(robot, config.hardware, config.tracks.belts)
         self.hw.init(node, node)
         self.controllers = ControllerManager(self.hw, node)
-        self._check_belts(root)
+        self._check_belts(robot)
         self._positions = self.figure.start_positions(asked_pose)
-        config.proximity.check_joints(list(joints(root)), config.hardware.optional_joints)
-        links = list(by_name(root, "link"))
+        config.proximity.check_joints(list(joints(robot)), config.hardware.optional_joints)
+        links = list(robot.link_map)
         config.self_collision.check_links(links)
         self._has_pads = config.gripper_contact.present(links, config.hardware.optional_links)
         # What was asked for last, and how often a stop was: each one is obeyed for a cycle at
@@ -134,13 +136,9 @@ class Robot:
         self._e_stop_presses = 0
         self._e_stop_obeyed = 0
 
-    def _check_belts(self, root: ElementTree.Element) -> None:
-        carriers = {name: end(joint, "parent") for name, joint in by_name(root, "joint").items()}
-        solid = {
-            name
-            for name, link in by_name(root, "link").items()
-            if link.find("collision") is not None
-        }
+    def _check_belts(self, robot: DescribedRobot) -> None:
+        carriers = {name: joint.parent for name, joint in robot.joint_map.items()}
+        solid = {name for name, link in robot.link_map.items() if link.collisions}
         for joint in self.config.tracks.belts:
             if not self.hw.has_joint(joint):
                 raise ConfigError(f"tracks/belts/{joint}: the robot has no driven joint '{joint}'")

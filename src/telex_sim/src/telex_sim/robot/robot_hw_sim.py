@@ -12,7 +12,6 @@ from __future__ import annotations
 import logging
 import math
 from typing import Any, Collection, Dict, List, Mapping, Optional, Sequence, Set, Type
-from xml.etree import ElementTree
 
 import pybullet
 
@@ -30,8 +29,8 @@ from telex_control.hardware.joint_limits import JointLimitsError, joint_limits
 from telex_control.laws.pid import Pid
 from telex_control.laws.pid_reconfigure import PidSet
 from telex_control.ros.node_handle import NodeHandle
-from telex_control.urdf.elements import by_name
 from telex_control.urdf.joints import CONTINUOUS, PRISMATIC, UrdfError, UrdfJoint, joints
+from telex_control.urdf.model import Robot
 from telex_control.urdf.transmission_parser import SIMULATED, DrivenJoint, driven_and_watched
 
 from ..engine.simulator_config import HardwareConfig, JointHardware
@@ -62,16 +61,14 @@ class RobotHWSim(RobotHW):
 
     Parameters
     ----------
-    robot : Element
-        ``<robot>`` of the URDF; joints with a transmission are driven.
+    robot : Robot
+        As `telex_control.urdf.joints.parse_urdf` reads it; joints with a transmission are driven.
     config : HardwareConfig
     belts : collection of str
         Driven joints that the tracks move, and whose states they fill.
     """
 
-    def __init__(
-        self, robot: ElementTree.Element, config: HardwareConfig, belts: Collection[str] = ()
-    ) -> None:
+    def __init__(self, robot: Robot, config: HardwareConfig, belts: Collection[str] = ()) -> None:
         super().__init__()
         self._config = config
         self._belts = frozenset(belts)
@@ -225,7 +222,7 @@ class RobotHWSim(RobotHW):
                 f"parameter hardware/joints/{unknown[0]}: the robot has no driven joint of this "
                 "name"
             )
-        links = by_name(self._robot, "link")
+        links = self._robot.link_map
         for name, link in config.imus.items():
             if link not in links:
                 raise ConfigError(f"hardware/imus/{name} is '{link}'; the robot has no such link")

@@ -7,7 +7,6 @@ from typing import Dict
 import rospy
 
 from telex_control.ros.robot_description import wait_for_robot_description
-from telex_control.urdf.elements import by_name
 from telex_control.urdf.joints import joints, parse_urdf
 from telex_teleop.arm.arm_settings import ArmTeleopSettings, carrier_of
 from telex_teleop.arm.arm_teleop import ArmTeleop
@@ -68,7 +67,7 @@ def _start_arm() -> object:
         ProximityGuard(settings.proximity),
         BasePose(settings.frames.base_pose_max_age),
     )
-    links = list(by_name(parse_urdf(description), "link"))
+    links = list(parse_urdf(description).link_map)
     node = ArmTeleopNode(core, settings, chain, links)
     return node, KinematicsServices(node, chain, settings.frames)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Tuple
-from xml.etree import ElementTree
 
 import rospy
 import yaml
@@ -14,6 +13,7 @@ from sensor_msgs.msg import CameraInfo, JointState
 
 from telex_control.kinematics import UrdfTree
 from telex_control.urdf.joints import joints, parse_urdf
+from telex_control.urdf.model import Robot
 from telex_control.urdf.transmission_parser import driven_joints
 
 from ..experiment import Cell, Experiment, Figure, Result, Table
@@ -46,7 +46,7 @@ class _Check:
 
 
 def joint_rows(
-    robot: ElementTree.Element, expected: Dict[str, Any], moved: List[str], check: _Check
+    robot: Robot, expected: Dict[str, Any], moved: List[str], check: _Check
 ) -> List[List[Cell]]:
     """Compare the joints, their limits and transmissions; returns a table's rows."""
     found = joints(robot)
@@ -86,7 +86,7 @@ def joint_rows(
 
 
 def mass_rows(
-    robot: ElementTree.Element, expected: Dict[str, Any], check: _Check
+    robot: Robot, expected: Dict[str, Any], check: _Check
 ) -> Tuple[List[List[Cell]], float]:
     """Compare the masses; returns a table's rows, and the sum (kg)."""
     inertials = UrdfTree(robot).inertials

@@ -6,20 +6,21 @@ PyBullet takes nearly as long for each of them as for a link that collides and i
 from __future__ import annotations
 
 from typing import Collection, Dict, NamedTuple
-from xml.etree import ElementTree
 
 from telex_control.common.geometry.quaternions import IDENTITY, Pose, Quaternion, compose
-from telex_control.urdf.elements import Vector, by_name, end, vector
+from telex_control.urdf.elements import Vector
 
-from .masses import (
-    NO_MASS,
-    add_mass,
+from .elements import (
+    Element,
+    by_name,
     carried_joints,
-    is_placed,
+    end,
     mass_of,
     pose_of,
     set_pose,
+    vector,
 )
+from .masses import NO_MASS, add_mass, is_placed
 
 
 class Frame(NamedTuple):
@@ -44,7 +45,7 @@ class Frame(NamedTuple):
     axis: Vector = (1.0, 0.0, 0.0)
 
 
-def take_out_wheels(root: ElementTree.Element, joints: Collection[str]) -> Dict[str, Frame]:
+def take_out_wheels(root: Element, joints: Collection[str]) -> Dict[str, Frame]:
     """Take wheels out of a robot that only show how something runs; their mass stays.
 
     It becomes their carrier's, and must be the same all around the axis. Left are wheels with a
@@ -80,7 +81,7 @@ def take_out_wheels(root: ElementTree.Element, joints: Collection[str]) -> Dict[
     return gone
 
 
-def take_out_frames(root: ElementTree.Element) -> Dict[str, Frame]:
+def take_out_frames(root: Element) -> Dict[str, Frame]:
     """Take mere frames out of a robot: links without mass and shape that are fixed to another.
 
     A frame stays that carries a link which stays. What is to be seen of one goes to the link that
@@ -99,7 +100,7 @@ def take_out_frames(root: ElementTree.Element) -> Dict[str, Frame]:
     links, carried = by_name(root, "link"), carried_joints(root)
     gone: Dict[str, Frame] = {}
 
-    def is_bare(joint: ElementTree.Element) -> bool:
+    def is_bare(joint: Element) -> bool:
         name = end(joint, "child")
         link = links.get(name)
         return (
@@ -111,7 +112,7 @@ def take_out_frames(root: ElementTree.Element) -> Dict[str, Frame]:
             and all(is_bare(each) for each in carried.get(name, ()))
         )
 
-    def take(joint: ElementTree.Element, carrier: str, pose: Pose) -> None:
+    def take(joint: Element, carrier: str, pose: Pose) -> None:
         name = end(joint, "child")
         pose = compose(pose, pose_of(joint))
         gone[name] = Frame(carrier, *pose)
@@ -127,10 +128,10 @@ def take_out_frames(root: ElementTree.Element) -> Dict[str, Frame]:
 
 
 def _take(
-    root: ElementTree.Element,
-    joint: ElementTree.Element,
-    link: ElementTree.Element,
-    carrier: ElementTree.Element,
+    root: Element,
+    joint: Element,
+    link: Element,
+    carrier: Element,
     pose: Pose,
 ) -> None:
     """Remove a link and its joint; what is to be seen of it goes to its carrier."""

@@ -1,25 +1,32 @@
 """The masses and inertias of a URDF, made such that PyBullet can move the robot.
 
 PyBullet takes 1 kg for a link without ``<inertial>``, holds one of mass 0 fast in the world, and
-drops the whole of an inertia that no body can have.
+drops the whole of an inertia that no body can have. The XML itself is changed; see `elements`.
 """
 
 from __future__ import annotations
 
-from typing import Dict, Iterator, List, NamedTuple, Optional, Tuple
+from typing import Dict, Iterator, List, NamedTuple, Tuple
 from xml.etree import ElementTree
 
 import numpy as np
 
 from telex_control.common.geometry.matrices import rotation_matrix
-from telex_control.common.geometry.quaternions import (
-    IDENTITY,
-    Pose,
-    compose,
-    quaternion_from_rpy,
-    rpy_from_quaternion,
+from telex_control.common.geometry.quaternions import IDENTITY, Pose, compose
+from telex_control.urdf.elements import number as described_number
+from telex_control.urdf.model import Robot, UrdfError
+
+from .elements import (
+    Element,
+    by_name,
+    carried_joints,
+    end,
+    mass_of,
+    number,
+    pose_of,
+    root_links,
+    set_pose,
 )
-from telex_control.urdf.elements import UrdfError, by_name, end, number, origin, root_links
 
 NO_MASS = 1.0e-5
 """What mere frames are given for tools that demand a mass (kg), at most."""
@@ -49,7 +56,7 @@ class Masses(NamedTuple):
     remarks: List[str]
 
 
-def complete_masses(root: ElementTree.Element, fixed_base: bool) -> Masses:
+def complete_masses(root: Element, fixed_base: bool) -> Masses:
     """Give every link a mass and an inertia that PyBullet can move.
 
     A root that is a mere frame gets the mass of the links that are fixed to it: a body moves as
@@ -89,19 +96,20 @@ def complete_masses(root: ElementTree.Element, fixed_base: bool) -> Masses:
     return Masses(fixed, remarks)
 
 
-def massless_joints(root: ElementTree.Element) -> List[str]:
+def massless_joints(robot: Robot) -> List[str]:
     """Return the joints that move nothing with a mass."""
-    above = {end(joint, "child"): joint for joint in root.findall("joint")}
+    above = {joint.child: joint for joint in robot.joints}
     loaded = set()
-    for name, link in by_name(root, "link").items():
-        joint = above.get(name) if mass_of(link) > NO_MASS else None
-        while joint is not None and joint.get("name") not in loaded:
-            loaded.add(joint.get("name"))
-            joint = above.get(end(joint, "parent"))
-    return [name for name in by_name(root, "joint") if name not in loaded]
+    for name, link in robot.link_map.items():
+        mass = described_number(link.inertial, "mass", f"link '{name}'", 0.0)
+        joint = above.get(name) if mass > NO_MASS else None
+        while joint is not None and joint.name not in loaded:
+            loaded.add(joint.name)
+            joint = above.get(joint.parent)
+    return [name for name in robot.joint_map if name not in loaded]
 
 
-def _mend_inertia(link: ElementTree.Element) -> Iterator[str]:
+def _mend_inertia(link: Element) -> Iterator[str]:
     """Replace an inertia that no body can have by the nearest one; yields what to tell of it.
 
     Some are in most robots that are made with CAD: PyBullet drops them, and says so in its own
@@ -140,7 +148,7 @@ def _listed(moments: np.ndarray) -> str:
     return ", ".join(f"{moment:.3g}" for moment in moments)
 
 
-def _write_inertia(inertial: ElementTree.Element, moments: np.ndarray) -> None:
+def _write_inertia(inertial: Element, moments: np.ndarray) -> None:
     values = moments[np.triu_indices(3)]
     ElementTree.SubElement(
         inertial, "inertia", {key: repr(float(value)) for key, value in zip(_MOMENTS, values)}
@@ -149,10 +157,10 @@ def _write_inertia(inertial: ElementTree.Element, moments: np.ndarray) -> None:
 
 def _fixed_to(
     name: str,
-    links: Dict[str, ElementTree.Element],
-    carried: Dict[str, List[ElementTree.Element]],
+    links: Dict[str, Element],
+    carried: Dict[str, List[Element]],
     pose: Pose = IDENTITY,
-) -> Iterator[Tuple[ElementTree.Element, Pose]]:
+) -> Iterator[Tuple[Element, Pose]]:
     """Yield all links that fixed joints hold at a link, and their poses in its frame.
 
     One whose place is no numbers stays as it is, and what it carries.
@@ -165,20 +173,12 @@ def _fixed_to(
             yield from _fixed_to(child, links, carried, place)
 
 
-def _remove_inertial(link: ElementTree.Element) -> None:
+def _remove_inertial(link: Element) -> None:
     for inertial in link.findall("inertial"):
         link.remove(inertial)
 
 
-def carried_joints(root: ElementTree.Element) -> Dict[str, List[ElementTree.Element]]:
-    """Joints on each link that has any."""
-    carried: Dict[str, List[ElementTree.Element]] = {}
-    for joint in root.findall("joint"):
-        carried.setdefault(end(joint, "parent"), []).append(joint)
-    return carried
-
-
-def is_placed(joint: ElementTree.Element, *links: ElementTree.Element) -> bool:
+def is_placed(joint: Element, *links: Element) -> bool:
     """Whether all origins of a joint and of links have the numbers that they should have."""
     try:
         for element in (joint, *(part for link in links for part in link)):
@@ -188,27 +188,7 @@ def is_placed(joint: ElementTree.Element, *links: ElementTree.Element) -> bool:
     return True
 
 
-def pose_of(element: Optional[ElementTree.Element]) -> Pose:
-    """Return the ``<origin>`` of an element."""
-    place = origin(element, "" if element is None else element.tag)
-    return place.xyz, quaternion_from_rpy(place.rpy)
-
-
-def set_pose(element: ElementTree.Element, pose: Pose) -> None:
-    """Replace the origin of an element."""
-    place = element.find("origin")
-    if place is None:
-        place = ElementTree.SubElement(element, "origin")
-    for key, values in (("xyz", pose[0]), ("rpy", rpy_from_quaternion(pose[1]))):
-        place.set(key, " ".join(repr(float(value)) for value in values))
-
-
-def mass_of(link: ElementTree.Element) -> float:
-    """Mass (kg); 0 where none is given."""
-    return number(link.find("inertial/mass"), "value", f"link '{link.get('name')}'", 0.0)
-
-
-def add_mass(link: ElementTree.Element, other: ElementTree.Element, pose: Pose) -> None:
+def add_mass(link: Element, other: Element, pose: Pose) -> None:
     """Add the mass of another link, which is at `pose` in this one's frame."""
     parts = [_inertial(link, IDENTITY), _inertial(other, pose)]
     mass = sum(part[0] for part in parts)
@@ -227,12 +207,12 @@ def add_mass(link: ElementTree.Element, other: ElementTree.Element, pose: Pose) 
     _write_inertia(inertial, moments)
 
 
-def _inertial(link: ElementTree.Element, pose: Pose) -> Tuple[float, np.ndarray, np.ndarray]:
+def _inertial(link: Element, pose: Pose) -> Tuple[float, np.ndarray, np.ndarray]:
     """Mass (kg), centre of mass (m) and inertia about it (kg m2), where the link is at `pose`."""
     centre, turned = compose(pose, pose_of(link.find("inertial")))
     moments = np.zeros((3, 3))
     inertia, where = link.find("inertial/inertia"), f"link '{link.get('name')}'"
-    moments[np.triu_indices(3)] = [number(inertia, key, where, 0.0) for key in _MOMENTS]
+    moments[np.triu_indices(3)] = [number(inertia, key, where) for key in _MOMENTS]
     moments = moments + np.triu(moments, 1).T
     rotation = rotation_matrix(turned)
     return mass_of(link), np.array(centre), rotation @ moments @ rotation.T

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Dict, List, Optional, Tuple
-from xml.etree import ElementTree
+from typing import Any, Dict, List, Optional, Tuple
 
 from telex_control.common.geometry.quaternions import Quaternion, quaternion_from_rpy
-from telex_control.urdf.elements import UrdfError, end, number, numbers, origin, vector
+from telex_control.urdf.elements import UrdfError, number, numbers, origin, vector
 from telex_control.urdf.joints import CONTINUOUS, parse_urdf
+from telex_control.urdf.model import Box, Cylinder, Material, Mesh, Robot, Sphere, Visual
 
 from ...scene.visual_scene import Color, Vector3, VisualShape
 
@@ -17,9 +17,6 @@ _BELT = "belt"
 
 # Of visuals without a material.
 DEFAULT_COLOR: Color = (0.7, 0.7, 0.7, 1.0)
-
-
-_Element = ElementTree.Element
 
 
 @dataclass(frozen=True)
@@ -78,31 +75,30 @@ def urdf_visuals(text: str) -> List[UrdfVisual]:
     robot = parse_urdf(text)
     materials = _materials(robot)
     return [
-        _visual(link.get("name", ""), visual, materials, robot)
-        for link in robot.findall("link")
-        for visual in link.findall("visual")
+        _visual(link.name, visual, materials, robot)
+        for link in robot.links
+        for visual in link.visuals
     ]
 
 
-def _materials(robot: _Element) -> Dict[str, _Element]:
-    materials: Dict[str, _Element] = {}
-    for material in (*robot.findall("material"), *robot.findall("link/visual/material")):
+def _materials(robot: Robot) -> Dict[str, Material]:
+    materials: Dict[str, Material] = {}
+    shown = [visual.material for link in robot.links for visual in link.visuals]
+    for material in (*robot.materials, *filter(None, shown)):
         if _is_defined(material):
-            materials.setdefault(material.get("name", ""), material)
+            materials.setdefault(material.name, material)
     return materials
 
 
-def _is_defined(material: _Element) -> bool:
-    return material.find("color") is not None or material.find("texture") is not None
+def _is_defined(material: Material) -> bool:
+    return material.color is not None or material.texture is not None
 
 
-def _visual(
-    link: str, visual: _Element, materials: Dict[str, _Element], robot: _Element
-) -> UrdfVisual:
+def _visual(link: str, visual: Visual, materials: Dict[str, Material], robot: Robot) -> UrdfVisual:
     where = f"link '{link}': visual"
-    shape, size, mesh = _geometry(where, visual.find("geometry"))
+    shape, size, mesh = _geometry(where, visual.geometry)
     place = origin(visual, where)
-    material = visual.find("material")
+    material = visual.material
     color, texture = _appearance(where, material, materials)
     return UrdfVisual(
         link,
@@ -113,16 +109,14 @@ def _visual(
         color,
         mesh,
         texture,
-        drive=_drive(link, robot) if visual.get("name") == _BELT and mesh else "",
+        drive=_drive(link, robot) if visual.name == _BELT and mesh else "",
         mesh_materials=bool(mesh) and material is None,
     )
 
 
-def _drive(link: str, robot: _Element) -> str:
+def _drive(link: str, robot: Robot) -> str:
     wheels = [
-        end(joint, "child")
-        for joint in robot.findall("joint")
-        if end(joint, "parent") == link and joint.get("type") == CONTINUOUS
+        joint.child for joint in robot.joints if joint.parent == link and joint.type == CONTINUOUS
     ]
     if len(wheels) != 1:
         raise UrdfError(
@@ -132,34 +126,31 @@ def _drive(link: str, robot: _Element) -> str:
     return wheels[0]
 
 
-def _geometry(where: str, geometry: Optional[_Element]) -> Tuple[VisualShape, Vector3, str]:
-    for shape in () if geometry is None else geometry:
-        if shape.tag == "box":
-            x, y, z = numbers(shape, "size", 3, where)
-            return VisualShape.BOX, (x, y, z), ""
-        if shape.tag == "sphere":
-            return VisualShape.SPHERE, (number(shape, "radius", where), 0.0, 0.0), ""
-        if shape.tag == "cylinder":
-            radius, length = (number(shape, key, where) for key in ("radius", "length"))
-            return VisualShape.CYLINDER, (radius, 0.0, length), ""
-        if shape.tag == "mesh":
-            scale = vector(shape, "scale", where, (1.0, 1.0, 1.0))
-            return VisualShape.MESH, scale, shape.get("filename", "")
+def _geometry(where: str, shape: Any) -> Tuple[VisualShape, Vector3, str]:
+    if isinstance(shape, Box):
+        x, y, z = numbers(shape, "size", 3, where)
+        return VisualShape.BOX, (x, y, z), ""
+    if isinstance(shape, Sphere):
+        return VisualShape.SPHERE, (number(shape, "radius", where), 0.0, 0.0), ""
+    if isinstance(shape, Cylinder):
+        radius, length = (number(shape, key, where) for key in ("radius", "length"))
+        return VisualShape.CYLINDER, (radius, 0.0, length), ""
+    if isinstance(shape, Mesh):
+        return VisualShape.MESH, vector(shape, "scale", where, (1.0, 1.0, 1.0)), shape.filename
     raise UrdfError(
         f"robot_description: {where} has no known geometry; box, sphere, cylinder or mesh is needed"
     )
 
 
 def _appearance(
-    where: str, material: Optional[_Element], materials: Dict[str, _Element]
+    where: str, material: Optional[Material], materials: Dict[str, Material]
 ) -> Tuple[Color, str]:
     if material is not None and not _is_defined(material):
-        material = materials.get(material.get("name", ""))
+        material = materials.get(material.name)
     if material is None:
         return DEFAULT_COLOR, ""
-    picture, color = material.find("texture"), material.find("color")
-    texture = "" if picture is None else picture.get("filename", "")
-    if color is None:
+    texture = "" if material.texture is None else material.texture.filename
+    if material.color is None:
         return (1.0, 1.0, 1.0, 1.0), texture
-    red, green, blue, alpha = numbers(color, "rgba", 4, where)
+    red, green, blue, alpha = numbers(material.color, "rgba", 4, where)
     return (red, green, blue, alpha), texture
