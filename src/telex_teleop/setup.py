@@ -8,6 +8,7 @@ setup(
     **generate_distutils_setup(
         packages=[
             "telex_teleop",
+            "telex_teleop.actions",
             "telex_teleop.arm",
             "telex_teleop.flippers",
             "telex_teleop.joints",

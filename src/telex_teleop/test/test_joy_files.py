@@ -8,9 +8,9 @@ import pytest
 import yaml
 
 from telex_control.common.params import ConfigError
+from telex_teleop.actions.grammar import Command, Drive, Jog, Lamps, Preset, ToPose
 from telex_teleop.joy.maps import ButtonBinding, JoyMap, StickBinding
 from telex_teleop.joy.pads import BUTTONS, STICKS, InvalidJoy, Pads, Source
-from telex_teleop.operating.actions import Command, Drive, Jog, Lamps, Preset, ToPose
 
 PACKAGE = Path(__file__).parents[1]
 JOY = PACKAGE / "config" / "joy"
@@ -212,7 +212,7 @@ modes:
         ({"stick": " up"}, "moves is 'tracks linear up'; it must be 'tracks linear'"),
         ({"buttons": "nort: mode"}, "buttons/nort is unknown; known are south, east"),
         ({"buttons": "north: jump"}, "buttons/north is 'jump'; it must be 'tracks DIRECTION'"),
-        ({"buttons": "north: quit"}, "which only the keyboard has"),
+        ({"buttons": "north: quit"}, "which a gamepad does not have"),
         ({"buttons": "left_bumper: stop"}, "left_bumper does 'stop', and is enable or shift"),
         ({"buttons": "north: tool x +"}, "arm_mode is ''; it must be CARTESIAN"),
         ({"buttons": "east: slower"}, "DRIVE takes the last button from 'e-stop'"),

@@ -7,10 +7,7 @@ from pathlib import Path
 import pytest
 
 from telex_control.common.params import read_config
-from telex_teleop.joy.core import JoyTeleop
-from telex_teleop.joy.maps import JoyMap
-from telex_teleop.joy.pads import BUTTONS, STICKS, InvalidJoy, Pads
-from telex_teleop.operating.actions import (
+from telex_teleop.actions.grammar import (
     Command,
     Drive,
     Jog,
@@ -20,6 +17,9 @@ from telex_teleop.operating.actions import (
     Tool,
     ToPose,
 )
+from telex_teleop.joy.core import JoyTeleop
+from telex_teleop.joy.maps import JoyMap
+from telex_teleop.joy.pads import BUTTONS, STICKS, InvalidJoy, Pads
 
 JOY = Path(__file__).parents[1] / "config" / "joy"
 AHEAD = Drive(1, 0)

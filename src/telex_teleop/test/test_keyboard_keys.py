@@ -7,18 +7,8 @@ import pytest
 import yaml
 
 from telex_control.common.params import ConfigError, read_config
-from telex_teleop.keyboard.decoding import KeyEvent, KeyKind
-from telex_teleop.keyboard.held import HeldKeys
-from telex_teleop.keyboard.map import KeyboardSettings, KeyMap
-from telex_teleop.keyboard.screen import (
-    JointView,
-    NodeView,
-    ScreenState,
-    Style,
-    ToolView,
-    render,
-)
-from telex_teleop.operating.actions import (
+from telex_teleop.actions.grammar import (
+    PAGE_ONLY,
     Command,
     Drive,
     Jog,
@@ -30,6 +20,18 @@ from telex_teleop.operating.actions import (
     Zoom,
     parse_action,
     parse_axis,
+)
+from telex_teleop.actions.vocabulary import Vocabulary
+from telex_teleop.keyboard.decoding import KeyEvent, KeyKind
+from telex_teleop.keyboard.held import HeldKeys
+from telex_teleop.keyboard.map import KeyboardSettings, KeyMap
+from telex_teleop.keyboard.screen import (
+    JointView,
+    NodeView,
+    ScreenState,
+    Style,
+    ToolView,
+    render,
 )
 from telex_teleop.operating.commander import Commander, FixedRates, PresetCommand
 from telex_teleop.operating.zoom import ZoomFactor
@@ -194,7 +196,7 @@ def test_caps_lock_does_not_matter_unless_the_capital_is_bound():
 
 @pytest.fixture
 def settings():
-    return read_config(KeyboardSettings, yaml.safe_load(FILE.read_text()), str(FILE))
+    return KeyboardSettings.read(yaml.safe_load(FILE.read_text()), Vocabulary.read(), str(FILE))
 
 
 def test_file_of_the_package_moves_everything_both_ways(settings):
@@ -204,7 +206,8 @@ def test_file_of_the_package_moves_everything_both_ways(settings):
         assert len(axes) == count
         for joints in axes:
             assert {Jog(node, joints, 1), Jog(node, joints, -1)} <= set(actions)
-    assert {Drive(1, 0), Drive(-1, 0), Drive(0, 1), Drive(0, -1), *Command} <= set(actions)
+    commands = set(Command) - set(PAGE_ONLY)
+    assert {Drive(1, 0), Drive(-1, 0), Drive(0, 1), Drive(0, -1), *commands} <= set(actions)
 
 
 def test_the_digits_are_the_shipped_presets_in_their_order(settings):
@@ -217,7 +220,23 @@ def test_the_digits_are_the_shipped_presets_in_their_order(settings):
 def test_unknown_setting_is_refused():
     values = yaml.safe_load(FILE.read_text())
     with pytest.raises(ConfigError, match="f/tap is unknown"):
-        read_config(KeyboardSettings, {**values, "tap": 1.0}, "f")
+        KeyboardSettings.read({**values, "tap": 1.0}, Vocabulary.read(), "f")
+
+
+def test_keys_of_ones_own_replace_the_shipped_ones():
+    settings = KeyboardSettings.read({"keys": BASE}, Vocabulary.read(), "f")
+    assert settings.key_map.actions == settings.cartesian_map.actions
+    assert set(settings.keys) == set(BASE)
+    only = {"cartesian_keys": {"w": "tool x +"}}
+    settings = KeyboardSettings.read(only, Vocabulary.read(), "f")
+    assert settings.cartesian_map.action("w") == Tool(0, 1)
+    assert settings.cartesian_map.action("s") == settings.key_map.action("s") == Drive(-1, 0)
+
+
+@pytest.mark.parametrize("text", ["drive mode", "camera mode", "next camera"])
+def test_what_only_the_page_has_is_refused(text):
+    with pytest.raises(ConfigError, match=f"keys/w is '{text}', which only the console's page has"):
+        KeyMap.from_texts({**BASE, "w": text})
 
 
 @pytest.mark.parametrize(

@@ -1,25 +1,10 @@
-"""One press of faster or slower: the same on keyboard, gamepad and console."""
+"""One press of faster or slower."""
 
 from __future__ import annotations
 
-import re
-from pathlib import Path
-
 import pytest
-import yaml
 
-from telex_teleop.joy.teleop_node import JoyTeleopSettings
 from telex_teleop.motion.speed import STEP, stepped
-
-PACKAGE = Path(__file__).resolve().parents[1]
-COMMANDER = PACKAGE / "console" / "js" / "commander.js"
-KEYBOARD = PACKAGE / "config" / "keyboard_teleop.yaml"
-
-
-def test_all_have_the_same_step():
-    (in_page,) = re.findall(r"const SPEED_STEP = ([\d.]+);", COMMANDER.read_text())
-    shipped = yaml.safe_load(KEYBOARD.read_text())["speed_step"]
-    assert float(in_page) == STEP == shipped == JoyTeleopSettings().speed_step
 
 
 def test_up_and_down_meet_the_same_values():

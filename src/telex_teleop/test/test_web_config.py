@@ -57,7 +57,7 @@ def test_values_are_taken_and_own_parameters_ignored():
         ({"stall_timeout": float("nan")}, "parameter /v/stall_timeout is nan; it must be finite"),
         ({"stall_timeout": 0.4}, "parameter /v: stall_timeout is 0.4; it must be at least 0.5"),
         ({"address": ""}, "parameter /v: address is ''; it must not be empty"),
-        ({"prot": 1}, "parameter /v/prot is unknown; known are address"),
+        ({"prot": 1}, "parameter /v/prot is unknown; known are actions, address"),
         ("x", "parameter /v is 'x'; a struct is needed"),
     ],
 )

@@ -1,6 +1,8 @@
-"""The gamepad's map as the browser gets it."""
+"""The actions and the gamepad's map as the browser gets them."""
 
 from __future__ import annotations
+
+import json
 
 import aiohttp
 import pytest
@@ -8,20 +10,43 @@ from aiohttp import web
 from web_fakes import on_loop, served
 
 from telex_control.common.params import ConfigError
-from telex_teleop.web.joy_map import add_joy_map
+from telex_teleop.actions.vocabulary import Vocabulary
+from telex_teleop.web.maps import add_maps
 
 
-async def fetch(path=""):
+async def fetch(name):
     app = web.Application()
-    add_joy_map(app, path)
-    async with served(app) as url, aiohttp.request("GET", f"{url}/joy_map.json") as reply:
+    add_maps(app, actions="", joy_map="")
+    async with served(app) as url, aiohttp.request("GET", f"{url}/{name}") as reply:
         assert reply.status == 200
+        assert reply.headers["Access-Control-Allow-Origin"] == "*"
         return await reply.json()
 
 
 @on_loop
+async def test_the_shipped_actions_are_served():
+    told = await fetch("actions.json")
+    assert told == json.loads(json.dumps(Vocabulary.read().as_json()))
+    actions = {action.pop("name"): action for action in told["actions"]}
+    assert actions["tool_x:ahead"] == {
+        "does": {"kind": "tool", "axis": "x", "sign": 1},
+        "title": "tool ahead",
+        "label": "ahead",
+        "row": "x ahead",
+        "group": "Arm, CARTESIAN",
+        "modes": ["CARTESIAN"],
+        "code": "KeyO",
+        "cap": "O",
+        "more_codes": [],
+    }
+    assert actions["faster"]["more_codes"] == ["NumpadAdd"]
+    assert actions["release"]["code"] is None
+    assert "quit" not in actions
+
+
+@on_loop
 async def test_the_shipped_map_is_served_as_the_robot_obeys_it():
-    served_map = await fetch()
+    served_map = await fetch("joy_map.json")
     assert (served_map["enable"], served_map["shift"]) == ("left_bumper", "right_bumper")
     modes = {mode["name"]: mode for mode in served_map["modes"]}
     assert list(modes) == ["DRIVE", "JOINT", "CARTESIAN", "CAMERA"]
@@ -46,4 +71,4 @@ def test_a_wrong_map_is_refused_with_its_name(tmp_path):
     path = tmp_path / "mine.yaml"
     path.write_text("{description: x, enable: left_bumper, modes: [{name: DRIVE}]}")
     with pytest.raises(ConfigError, match="mine.yaml: common/buttons: no button has .*'e-stop'"):
-        add_joy_map(web.Application(), str(path))
+        add_maps(web.Application(), actions="", joy_map=str(path))

@@ -1,13 +1,10 @@
 // @ts-check
 /** Zoom and lamps: commands to them, and what the panel shows of them. */
 
-import { LAMPS } from "./camera_actions.js";
 import { byId, element, setText } from "./panels.js";
 import { getParameter } from "./parameters.js";
 
 const ZOOM_TOPIC = "cameras/turret/zoom";
-const ZOOM_RATE = 0.8; // 1/s, of the factor's logarithm: twice as near in 0.9 s
-const MOST_ZOOM = 6; // until the robot has said how far its camera zooms
 const MOST_ZOOM_PARAMETER = "cameras/cameras/turret/zoom_max";
 const LONGEST_STEP = 100; // ms; a longer time between two commands is a pause, over which nothing was held
 
@@ -17,20 +14,23 @@ const NUMBER = "std_msgs/Float64";
 
 export class CameraCommander {
   /**
+   * @param {import("./vocabulary.js").Vocabulary} vocabulary
    * @param {import("./bridge.js").Bridge} bridge
    * @param {(name: string) => string} topic
    * @param {() => boolean} congested
    */
-  constructor(bridge, topic, congested) {
+  constructor(vocabulary, bridge, topic, congested) {
     this._bridge = bridge;
     this._topic = topic;
     this._congested = congested;
     this._zoom = 1;
-    this._mostZoom = MOST_ZOOM;
+    this._zoomRate = vocabulary.zoomRate;
+    this._mostZoom = vocabulary.maxZoom;
     this._last = -Infinity;
     /** @type {Set<string>} */
     this._lit = new Set();
-    for (const [name, { label }] of Object.entries(LAMPS)) {
+    this._switches = vocabulary.find("lamps");
+    for (const { name, label } of this._switches) {
       const button = /** @type {HTMLButtonElement} */ (element("button", "small lamp", label));
       button.type = "button";
       button.tabIndex = -1;
@@ -49,7 +49,7 @@ export class CameraCommander {
         if (performance.now() - this._last > ECHO_WITHIN) this._take(data);
       },
     });
-    for (const lamp of Object.values(LAMPS).flatMap(({ lamps }) => lamps)) {
+    for (const lamp of this._switches.flatMap(({ does }) => does.names)) {
       const topic = this._topic(`lamps/${lamp}/command`);
       this._bridge.advertise(topic, NUMBER);
       // Another operator or the joystick may switch it as well.
@@ -72,22 +72,21 @@ export class CameraCommander {
     }
   }
 
-  /** @param {import("./robot.js").Action[]} held */
+  /** @param {import("./vocabulary.js").Demand[]} held */
   update(held) {
     let direction = 0;
-    for (const action of held) if (action.kind === "zoom") direction += action.direction * (action.amount ?? 1);
+    for (const action of held) if (action.kind === "zoom") direction += action.sign * (action.amount ?? 1);
     direction = Math.max(-1, Math.min(1, direction));
     if (direction === 0 || this._congested()) return;
     const now = performance.now();
     const step = now - this._last > LONGEST_STEP ? 20 : now - this._last;
     this._last = now;
-    this._take(this._zoom * Math.exp((direction * ZOOM_RATE * step) / 1000));
+    this._take(this._zoom * Math.exp((direction * this._zoomRate * step) / 1000));
     this._bridge.publish(this._topic(ZOOM_TOPIC), { data: this._zoom });
   }
 
-  /** @param {import("./camera_actions.js").LampCommand} name  Lights these lamps, or puts them out if one of them burns. */
-  toggle(name) {
-    const { lamps } = LAMPS[name];
+  /** @param {string[]} lamps  Lights these lamps, or puts them out if one of them burns. */
+  toggle(lamps) {
     const data = lamps.some((lamp) => this._lit.has(lamp)) ? 0 : 1;
     for (const lamp of lamps) {
       if (!this._bridge.publish(this._topic(`lamps/${lamp}/command`), { data })) return;
@@ -103,8 +102,8 @@ export class CameraCommander {
   }
 
   _show() {
-    for (const [name, { lamps }] of Object.entries(LAMPS)) {
-      const isLit = lamps.some((lamp) => this._lit.has(lamp));
+    for (const { name, does } of this._switches) {
+      const isLit = does.names.some((lamp) => this._lit.has(lamp));
       document.querySelector(`[data-command="${name}"]`)?.setAttribute("aria-checked", String(isLit));
     }
     setText(byId("zoom-value"), `${this._zoom.toFixed(1)}×`);

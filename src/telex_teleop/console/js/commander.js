@@ -1,9 +1,7 @@
 // @ts-check
 /** Turns held actions into commands: at once on every change, 50 times a second while held, a zero at the end. */
 
-import {
-  FINGER_BASES, FLIPPER_NODE, GRIPPER_JOINT, JOINT_NODES, TRACK_NODE, TYPES, flipperJoints,
-} from "./robot.js";
+import { FINGER_BASES, FLIPPER_NODE, GRIPPER_JOINT, JOINT_NODES, TRACK_NODE, TYPES } from "./robot.js";
 
 /** Period (ms) of the commands while something is held. */
 export const COMMAND_PERIOD = 20;
@@ -14,9 +12,6 @@ const MAX_WAITING = 4096;
 /** How often the zero of a joint that was let go is said while others move on: the next command may take the place of one on its way. */
 const ZEROS = 3;
 
-/** Step of the speed scale. */
-const SPEED_STEP = 0.1;
-
 /** Time (ms) for which a chosen speed scale counts before the nodes confirm it. */
 const SPEED_CONFIRMED_AFTER = 500;
 
@@ -24,11 +19,14 @@ const SPEED_CONFIRMED_AFTER = 500;
 
 export class Commander {
   /**
+   * @param {import("./vocabulary.js").Vocabulary} vocabulary
    * @param {import("./bridge.js").Bridge} bridge
    * @param {(name: string) => string} topic     Gives a name inside the robot's namespace its global form.
    * @param {(sentence: string) => void} warn    Says why a held action has no effect.
    */
-  constructor(bridge, topic, warn) {
+  constructor(vocabulary, bridge, topic, warn) {
+    this._speedStep = vocabulary.speedStep;
+    this._flippers = vocabulary.flippers;
     this._bridge = bridge;
     this._topic = topic;
     this._warn = warn;
@@ -102,12 +100,12 @@ export class Commander {
       return;
     }
     const base = direction > 0 ? speeds[speeds.length - 1] : speeds[0];
-    const steps = base / SPEED_STEP;
+    const steps = base / this._speedStep;
     // Off-grid values (a minimum of 5 %) go to the next grid value in the direction asked for.
     const next = direction > 0 ? Math.floor(steps + 1 + 1e-6) : Math.ceil(steps - 1 - 1e-6);
     const min = Math.min(...[...this._speeds.values()].map((speed) => speed.min));
     const max = Math.max(...[...this._speeds.values()].map((speed) => speed.max));
-    this._chosenSpeed = { scale: clamp(next * SPEED_STEP, min, max), at: performance.now() };
+    this._chosenSpeed = { scale: clamp(next * this._speedStep, min, max), at: performance.now() };
     for (const [node, speed] of this._speeds) {
       const data = clamp(this._chosenSpeed.scale, speed.min, speed.max);
       this._bridge.publish(this._topic(`${node}/speed_scale`), { data });
@@ -116,7 +114,7 @@ export class Commander {
 
   /**
    * Send what the held actions ask for. Call on every change, and every COMMAND_PERIOD.
-   * @param {import("./robot.js").Action[]} held
+   * @param {import("./vocabulary.js").Demand[]} held
    */
   update(held) {
     for (const node of JOINT_NODES) this._commandJoints(node, this._wantedJoints(node, held));
@@ -152,7 +150,7 @@ export class Commander {
 
   /**
    * @param {string} node
-   * @param {import("./robot.js").Action[]} held
+   * @param {import("./vocabulary.js").Demand[]} held
    * @returns {Map<string, number>} Velocities of the joints that shall move.
    */
   _wantedJoints(node, held) {
@@ -160,10 +158,10 @@ export class Commander {
     /** @type {Map<string, number>} */
     const directions = new Map();
     for (const action of held) {
-      if (action.kind !== "joints" || action.node !== node) continue;
+      if (action.kind !== "jog" || `${action.node}_teleop` !== node) continue;
       for (const joint of action.joints) {
         if (node === FLIPPER_NODE && side !== "both" && !joint.includes(`_${side}_`)) continue;
-        directions.set(joint, (directions.get(joint) ?? 0) + action.direction * (action.amount ?? 1));
+        directions.set(joint, (directions.get(joint) ?? 0) + action.sign * (action.amount ?? 1));
       }
     }
     /** @type {Map<string, number>} */
@@ -182,12 +180,12 @@ export class Commander {
 
   /**
    * The side of the flippers that shall move: held keys win over the choice on the page.
-   * @param {import("./robot.js").Action[]} held
+   * @param {import("./vocabulary.js").Demand[]} held
    * @returns {"left" | "both" | "right"}
    */
   sideOf(held) {
     const sides = new Set();
-    for (const action of held) if (action.kind === "side") sides.add(action.side);
+    for (const action of held) if (action.kind === "side") sides.add(action.name);
     if (sides.size === 2) return "both";
     return sides.size === 1 ? [...sides][0] : this.side;
   }
@@ -231,16 +229,15 @@ export class Commander {
     for (const joint of wanted.keys()) moving.set(joint, ZEROS);
   }
 
-  /** @param {import("./robot.js").Action[]} held */
+  /** @param {import("./vocabulary.js").Demand[]} held */
   _commandPreset(held) {
     const asked = held.flatMap((action) => (action.kind === "preset" ? [action] : []));
     // Two of them contradict each other, as the two keys of a joint do: no motion.
     const name = asked.length === 1 ? this.presets[asked[0].index] ?? "" : "";
-    if (asked.length === 1 && name === "") this._warn(`the robot has no flipper ${asked[0].label}`);
+    if (asked.length === 1 && name === "") this._warn(`the robot has no flipper preset ${asked[0].index + 1}`);
     if ((name === "" && !this._leading) || (name !== "" && this.congested)) return;
     const side = this.sideOf(held);
-    const flippers = ["front", "rear"].flatMap(flipperJoints);
-    const joints = side === "both" ? [] : flippers.filter((joint) => joint.includes(`_${side}_`));
+    const joints = side === "both" ? [] : this._flippers.filter((joint) => joint.includes(`_${side}_`));
     if (this._sendPreset(name, joints)) this._leading = name !== "";
   }
 
@@ -254,10 +251,14 @@ export class Commander {
     return this._bridge.publish(this._topic(`${FLIPPER_NODE}/preset_cmds`), message);
   }
 
-  /** @param {import("./robot.js").Action[]} held */
+  /** @param {import("./vocabulary.js").Demand[]} held */
   _commandTracks(held) {
     const command = { linear: 0, angular: 0 };
-    for (const action of held) if (action.kind === "drive") command[action.axis] += action.direction * (action.amount ?? 1);
+    for (const action of held) {
+      if (action.kind !== "drive") continue;
+      command.linear += action.linear * (action.amount ?? 1);
+      command.angular += action.angular * (action.amount ?? 1);
+    }
     const wanted = command.linear !== 0 || command.angular !== 0;
     if (wanted && this._maxDrive === null) {
       this._warn(`${TRACK_NODE} has not said yet how fast it may drive: is it running?`);

@@ -1,16 +1,16 @@
 // @ts-check
 /** A gamepad of the browser's standard layout, or a joystick that is like one: sticks and buttons that hold actions. */
 
-import { demand, nameOf } from "./pad_map.js";
+import { demand } from "./pad_map.js";
 import { byId, setText } from "./panels.js";
 
-/** @typedef {import("./keymap.js").Mode} Mode */
+/** @typedef {import("./vocabulary.js").Mode} Mode */
 /** @typedef {import("./pad_map.js").PadMap} PadMap */
 
 const PRESSED = 0.5; // share of a button's way
 
 /** Needs the enable button, though it moves nothing. */
-const RELEASE = "release";
+const RELEASE = "release e-stop";
 
 /** Names of the controls in the order of the standard layout (W3C Gamepad, "remapping"). */
 const AXES = ["left_stick_x", "left_stick_y", "right_stick_x", "right_stick_y"];
@@ -35,8 +35,8 @@ export class GamepadInput {
    * @param {import("./held.js").Held} page.held
    * @param {() => boolean} page.mayPress
    * @param {() => Mode} page.mode
-   * @param {() => string[]} page.presets  Of the flippers, as the robot announces them.
-   * @param {Record<string, () => void>} page.commands  Besides those of the keys: `release`, `next_mode`.
+   * @param {(action: any) => string} page.nameOf  Name of the console's action that a pad's action is; empty if it has none.
+   * @param {(name: string) => (() => void) | undefined} page.commandOf  What an action does at once; undefined: it is held.
    * @param {(reason: string) => void} page.letGo
    */
   constructor(page) {
@@ -87,8 +87,8 @@ export class GamepadInput {
       const source = `pad:${pad.index}:${control}`;
       const binding = layer[control];
       const { action, amount } = binding === undefined ? { action: null, amount: 0 } : demand(binding, value);
-      const name = amount > 0 ? nameOf(action, this._page.presets()) : "";
-      this._read(source, name, amount, isEnabled);
+      const name = amount > 0 ? this._page.nameOf(action) : "";
+      this._read(source, name, amount, isEnabled, action?.name === RELEASE);
     }
   }
 
@@ -97,19 +97,20 @@ export class GamepadInput {
    * @param {string} name  What it does; empty: it is at rest, or does nothing.
    * @param {number} amount  0 to 1
    * @param {boolean} isEnabled
+   * @param {boolean} needsEnable  Though it is done at once.
    */
-  _read(source, name, amount, isEnabled) {
+  _read(source, name, amount, isEnabled, needsEnable) {
     const { held } = this._page;
     if (name === "") {
       if (this._active.delete(source)) held.release(source);
       return;
     }
-    const command = this._page.commands[name];
+    const command = this._page.commandOf(name);
     if (command !== undefined) {
       // Once for each press that goes far enough, even for a trigger.
       if (amount <= PRESSED || this._active.has(source)) return;
       this._active.set(source, null);
-      if (name !== RELEASE || isEnabled) command();
+      if (isEnabled || !needsEnable) command();
     } else if (!this._active.has(source)) {
       const isHeld = isEnabled && this._page.mayPress();
       this._active.set(source, isHeld ? name : null);

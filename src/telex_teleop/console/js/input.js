@@ -2,19 +2,17 @@
 /** From keys and pointers to held actions. */
 
 import { isStale } from "./deadman.js";
-import { capOf } from "./keymap.js";
 import { setText } from "./panels.js";
-import { COMMANDS } from "./robot.js";
 
 /**
  * Let keys hold actions, by their position on the keyboard.
  * @param {import("./held.js").Held} held
  * @param {() => boolean} mayPress  Whether actions can be held now.
- * @param {(code: string) => string | undefined} find  Name of the action or command that a key has now.
- * @param {Record<import("./robot.js").Command, () => void>} commands
+ * @param {(code: string) => string | undefined} find  Name of the action that a key has now.
+ * @param {(name: string) => (() => void) | undefined} commandOf  What an action does at once; undefined: it is held.
  * @param {(code: string) => boolean} takes  Whether something else wants this key.
  */
-export function listenToKeys(held, mayPress, find, commands, takes) {
+export function listenToKeys(held, mayPress, find, commandOf, takes) {
   window.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.altKey || event.metaKey || event.isComposing) return;
     if (!event.repeat && takes(event.code)) {
@@ -26,19 +24,17 @@ export function listenToKeys(held, mayPress, find, commands, takes) {
     event.preventDefault();
     // A key that repeats was pressed before, perhaps before everything was released: that is no new press.
     if (event.repeat) return;
-    if (isCommand(name)) commands[name]();
+    const command = commandOf(name);
+    if (command !== undefined) command();
     else if (!isStale(event) && mayPress()) held.press(`key:${event.code}`, name);
   }, { capture: true });
   window.addEventListener("keyup", (event) => {
     // Space on a focused button would click it.
     const name = find(event.code);
-    if (name !== undefined && isCommand(name)) event.preventDefault();
+    if (name !== undefined && commandOf(name) !== undefined) event.preventDefault();
     held.release(`key:${event.code}`);
   }, { capture: true });
 }
-
-/** @param {string} name  @returns {name is import("./robot.js").Command} */
-const isCommand = (name) => name in COMMANDS;
 
 /**
  * Let pointers hold the buttons that have a data-action.
@@ -80,8 +76,10 @@ export async function labelKeys(root, keymap) {
   const labels = await layout();
   for (const cap of /** @type {NodeListOf<HTMLElement>} */ (root.querySelectorAll("kbd[data-binding]"))) {
     const code = keymap.codeOf(/** @type {string} */ (cap.dataset.binding));
+    cap.hidden = code === undefined; // the robot's list of actions has none
+    if (code === undefined) continue;
     const label = labels.get(code);
     // One that names no sign, such as Escape, is not in a layout.
-    setText(cap, label && code !== "Slash" ? label.toUpperCase() : capOf(code));
+    setText(cap, label && code !== "Slash" ? label.toUpperCase() : keymap.capOf(code));
   }
 }

@@ -1,52 +1,31 @@
 // @ts-check
 /** The list of all keys, in which each can be changed. */
 
-import { CAMERA_ACTIONS, LAMPS, LOOK_ACTIONS } from "./camera_actions.js";
-import { modesOf } from "./keymap.js";
 import { byId, element } from "./panels.js";
-import { ACTIONS, COMMANDS } from "./robot.js";
-import { POSE_ACTIONS, TOOL_ACTIONS } from "./tool_actions.js";
-
-/** @param {(name: string) => boolean} is  @param {string[]} names */
-const pick = (is, names = Object.keys(ACTIONS)) => names.filter(is);
-
-/** Titles and the names of what stands below. @type {[string, string[]][]} */
-const GROUPS = [
-  ["Always", Object.keys(COMMANDS).filter((name) => !(name in LAMPS))],
-  ["Tracks and gripper", pick((name) => /^(drive|gripper):/.test(name))],
-  ["Flippers", pick((name) => /^(front|rear|side|preset):/.test(name))],
-  ["Arm, JOINT", pick((name) => modesOf(name).join() === "JOINT")],
-  ["Arm, CARTESIAN", Object.keys(TOOL_ACTIONS)],
-  ["Arm poses", Object.keys(POSE_ACTIONS)],
-  ["Camera and lamps", [...Object.keys(LOOK_ACTIONS), ...Object.keys(LAMPS)]],
-  ["CAMERA", Object.keys(CAMERA_ACTIONS)],
-];
-
-/** @param {string} name */
-function describe(name) {
-  if (name in COMMANDS) return COMMANDS[/** @type {keyof typeof COMMANDS} */ (name)].label;
-  const [what] = name.split(":");
-  const { label } = ACTIONS[name];
-  if (["preset", "pose", "look", "side", "camera_zoom"].includes(what)) return what === "side" ? `${label} flippers only` : label;
-  return `${what.replace(/^(tool|camera)_/, "").replace(/_/g, " ")} ${label}`;
-}
 
 export class KeyDialog {
   /**
+   * @param {import("./vocabulary.js").Vocabulary} vocabulary
    * @param {import("./keymap.js").KeyMap} keymap
    * @param {() => void} relabel  Shows the keys on the page anew.
    */
-  constructor(keymap, relabel) {
+  constructor(vocabulary, keymap, relabel) {
+    this._vocabulary = vocabulary;
     this._keymap = keymap;
     this._relabel = relabel;
     /** What waits for its new key. @type {string | null} */
     this._waiting = null;
     this._dialog = byId("keys");
-    for (const [title, names] of GROUPS) {
-      const group = element("section");
-      group.append(element("h3", "", title), ...names.map((name) => this._line(name)));
-      byId("key-groups").append(group);
+    /** @type {Map<string, HTMLElement>} */
+    const groups = new Map();
+    for (const action of vocabulary.all) {
+      if (action.code === null) continue;
+      const group = groups.get(action.group) ?? element("section");
+      if (!groups.has(action.group)) group.append(element("h3", "", action.group));
+      groups.set(action.group, group);
+      group.append(this._line(action));
     }
+    byId("key-groups").append(...groups.values());
     byId("keys-reset").addEventListener("click", () => {
       this._keymap.reset();
       this._tell("All keys are as they were at first.");
@@ -76,30 +55,30 @@ export class KeyDialog {
     if (name === null) return false;
     if (code.startsWith("Shift")) return true; // on its way to another key
     this._wait(null);
-    if (code === "Escape") {
-      this._tell("Esc is the e-stop, always.");
+    if (code === this._keymap.codeOf(this._vocabulary.emergencyStop)) {
+      this._tell(`${this._keymap.capOf(code)} is the e-stop, always.`);
       return false;
     }
     const others = this._keymap.set(name, code);
-    this._tell(others.length > 0 ? `${others.map(describe).join(", ")} has the old key now.` : "");
+    this._tell(others.length > 0 ? `${others.map((each) => this._vocabulary.get(each)?.title).join(", ")} has the old key now.` : "");
     return true;
   }
 
-  /** @param {string} name */
-  _line(name) {
+  /** @param {import("./vocabulary.js").Action} action */
+  _line({ name, title }) {
     const line = /** @type {HTMLButtonElement} */ (element("button", "key-line"));
     line.type = "button";
     line.tabIndex = -1;
     line.dataset.key = name;
     const cap = element("kbd");
     cap.dataset.binding = name;
-    line.append(cap, element("span", "", describe(name)));
-    line.disabled = name === "estop";
+    line.append(cap, element("span", "", title));
+    line.disabled = name === this._vocabulary.emergencyStop;
     line.addEventListener("pointerdown", (event) => event.preventDefault());
     line.addEventListener("mousedown", (event) => event.preventDefault());
     line.addEventListener("click", () => {
       this._wait(name);
-      this._tell(`Press the new key for "${describe(name)}".`);
+      this._tell(`Press the new key for "${title}".`);
     });
     return line;
   }

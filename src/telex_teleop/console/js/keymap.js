@@ -1,50 +1,24 @@
 // @ts-check
 /** Which key does what in which mode, as the user has it. Keys are positions (KeyboardEvent.code), whatever is printed on them. */
 
-import { ACTIONS, COMMANDS } from "./robot.js";
-
-/** @typedef {"DRIVE" | "JOINT" | "CARTESIAN" | "CAMERA"} Mode */
-
-/** @type {Mode[]} */
-export const MODES = ["DRIVE", "JOINT", "CARTESIAN", "CAMERA"];
+/** @typedef {import("./vocabulary.js").Mode} Mode */
 
 const STORED_AS = "telex.keys";
 
-/** Second keys of the number pad, which are not to be edited. @type {Record<string, string>} */
-const ALIASES = { NumpadSubtract: "slower", NumpadAdd: "faster", NumpadEnter: "camera_mode" };
-
-/**
- * Modes in which an action has its key.
- * @param {string} name  Of an action or a command.
- * @returns {Mode[]}
- */
-export function modesOf(name) {
-  const action = ACTIONS[name];
-  if (action === undefined) return MODES;
-  if (name.startsWith("camera_")) return ["CAMERA"];
-  if (action.kind === "tool") return ["CARTESIAN"];
-  if (action.kind === "pose") return ["JOINT", "CARTESIAN"];
-  if (action.kind === "joints" && action.node === "arm_teleop" && !name.startsWith("look:")) return ["JOINT"];
-  return MODES;
-}
-
-/**
- * What a key is called where the browser does not know the user's layout.
- * @param {string} code
- */
-export function capOf(code) {
-  const known = [...Object.values(ACTIONS), ...Object.values(COMMANDS)].find((each) => each.code === code);
-  return known?.cap ?? code.replace(/^(Key|Digit)/, "").replace(/^Arrow/, "");
-}
-
 export class KeyMap {
-  /** @param {Storage} storage */
-  constructor(storage) {
+  /**
+   * @param {Storage} storage
+   * @param {import("./vocabulary.js").Vocabulary} vocabulary  Its actions with a key can get another one.
+   */
+  constructor(storage, vocabulary) {
     this._storage = storage;
+    this._actions = vocabulary.all.filter(({ code }) => code !== null);
+    /** @type {Record<string, Mode[]>} */
+    this._modes = Object.fromEntries(this._actions.map(({ name, modes }) => [name, modes]));
     /** @type {Record<string, string>} */
-    this._defaults = Object.fromEntries(
-      [...Object.entries(ACTIONS), ...Object.entries(COMMANDS)].map(([name, { code }]) => [name, code]),
-    );
+    this._defaults = Object.fromEntries(this._actions.map(({ name, code }) => [name, /** @type {string} */ (code)]));
+    /** Further keys, which are not to be edited. @type {Record<string, string>} */
+    this._more = Object.fromEntries(vocabulary.all.flatMap(({ name, more_codes }) => more_codes.map((code) => [code, name])));
     this._codes = { ...this._defaults, ...this._load() };
     /** Called after every change. */
     this.changed = () => {};
@@ -54,19 +28,28 @@ export class KeyMap {
     return Object.keys(this._defaults);
   }
 
-  /** @param {string} name */
+  /** @param {string} name  @returns {string | undefined} */
   codeOf(name) {
     return this._codes[name];
+  }
+
+  /**
+   * What a key is called where the browser does not know the user's layout.
+   * @param {string} code
+   */
+  capOf(code) {
+    const known = this._actions.find((action) => action.code === code);
+    return known?.cap ?? code.replace(/^(Key|Digit)/, "").replace(/^Arrow/, "");
   }
 
   /**
    * What a key does.
    * @param {string} code
    * @param {Mode} mode
-   * @returns {string | undefined} Name of an action or a command.
+   * @returns {string | undefined} Name of an action.
    */
   find(code, mode) {
-    return ALIASES[code] ?? this.names.find((name) => this._codes[name] === code && modesOf(name).includes(mode));
+    return this._more[code] ?? this.names.find((name) => this._codes[name] === code && this._modes[name].includes(mode));
   }
 
   /**
@@ -77,9 +60,9 @@ export class KeyMap {
    */
   set(name, code) {
     const before = this._codes[name];
-    const modes = modesOf(name);
+    const modes = this._modes[name];
     const others = this.names.filter(
-      (each) => each !== name && this._codes[each] === code && modesOf(each).some((mode) => modes.includes(mode)),
+      (each) => each !== name && this._codes[each] === code && this._modes[each].some((mode) => modes.includes(mode)),
     );
     for (const other of others) this._codes[other] = before;
     this._codes[name] = code;

@@ -5,7 +5,6 @@ import { AttitudeView, STABILITY } from "./attitude.js";
 import { Avatar } from "./avatar.js";
 import { Bridge } from "./bridge.js";
 import { onClick } from "./buttons.js";
-import { MOVED_CAMERA } from "./camera_actions.js";
 import { CameraCommander } from "./camera_panel.js";
 import { Cameras } from "./cameras.js";
 import { MissionClock } from "./clock.js";
@@ -29,11 +28,12 @@ import { fetchPadMap } from "./pad_map.js";
 import { getParameter } from "./parameters.js";
 import { Panels, byId, setText, showTwist } from "./panels.js";
 import { PictureSize } from "./picture_size.js";
-import { ACTIONS, FLIPPER_NODE, JOINT_NODES, TRACK_NODE, TYPES } from "./robot.js";
+import { FLIPPER_NODE, JOINT_NODES, MOVED_CAMERA, TRACK_NODE, TYPES } from "./robot.js";
 import { SILENT_AFTER, StatusView } from "./status.js";
 import { TOOL_TYPES, ToolCommander, ToolPanel } from "./tool.js";
 import { Tour } from "./tour.js";
 import { RobotModel } from "./urdf.js";
+import { fetchVocabulary } from "./vocabulary.js";
 
 const JOINTS_PERIOD = 100; // ms between two updates of the joint table
 const DISPLAY_PERIOD = 200; // ms between two updates of header and picture state
@@ -72,8 +72,12 @@ function startCameras(config) {
 
 /** The console of one robot: what is shown, what is sent, and what must let go of held keys. */
 class Console {
-  /** @param {import("./config.js").Config} config */
-  constructor(config) {
+  /**
+   * @param {import("./config.js").Config} config
+   * @param {import("./vocabulary.js").Vocabulary} vocabulary  What can be done, and by which key.
+   */
+  constructor(config, vocabulary) {
+    this._vocabulary = vocabulary;
     const topic = (/** @type {string} */ name) => `${config.namespace}/${name}`;
     const warn = (/** @type {string} */ sentence) => this._status.warn(sentence);
     const letGo = (/** @type {string} */ reason) => this._letGo(reason);
@@ -81,7 +85,7 @@ class Console {
     // What is shown.
     this._status = new StatusView();
     this._joints = new JointPositions();
-    this._panels = new Panels(this._joints);
+    this._panels = new Panels(this._joints, vocabulary);
     this._hud = new Hud();
     this._drive = new FadingTexts();
     this._gripper = new Gripper();
@@ -96,11 +100,11 @@ class Console {
     this._bridge = this._makeBridge();
     const call = (/** @type {string} */ name, /** @type {object} */ args) => this._bridge.call(topic(name), args);
     const congested = () => this._commander.congested;
-    this._commander = new Commander(this._bridge, topic, warn);
+    this._commander = new Commander(vocabulary, this._bridge, topic, warn);
     this._toolCommander = new ToolCommander(this._bridge, topic, congested, warn);
-    this._cameraCommander = new CameraCommander(this._bridge, topic, congested);
-    this._tool = new ToolPanel(this._toolCommander, call, letGo, warn);
-    this._modes = new ModeSwitch(this._tool, letGo);
+    this._cameraCommander = new CameraCommander(vocabulary, this._bridge, topic, congested);
+    this._tool = new ToolPanel(vocabulary, this._toolCommander, call, letGo, warn);
+    this._modes = new ModeSwitch(vocabulary.modes, this._tool, letGo);
     this._tool.changed = () => this._modes.show();
     this._modes.chosen = (mode) => this._cameras.borrow(mode === "CAMERA" ? MOVED_CAMERA : null);
     this._modes.show();
@@ -109,9 +113,9 @@ class Console {
     this._size = new PictureSize(this._bridge, topic);
     this._health = new Health(this._status, letGo);
     // What the operator presses.
-    this._keymap = new KeyMap(localStorage);
+    this._keymap = new KeyMap(localStorage, vocabulary);
     const relabel = () => labelKeys(document, this._keymap);
-    this._keyDialog = new KeyDialog(this._keymap, relabel);
+    this._keyDialog = new KeyDialog(vocabulary, this._keymap, relabel);
     this._keymap.changed = relabel;
     this._tour = new Tour(localStorage, relabel);
     relabel();
@@ -147,8 +151,9 @@ class Console {
       held: this._held,
       mayPress: () => this._mayPress(),
       mode: () => this._modes.mode,
-      presets: () => this._commander.presets,
-      commands: { ...this._commands, release: () => this._setEstop(false), next_mode: () => this._modes.next() },
+      nameOf: (action) => this._vocabulary.nameOf(action, this._commander.presets),
+      // A pad has one button for the mode.
+      commandOf: (name) => (this._commandOf(name) === this._commands.mode ? () => this._modes.next() : this._commandOf(name)),
       letGo: (reason) => this._letGo(reason),
     });
     fetchPadMap().then(
@@ -158,9 +163,18 @@ class Console {
     return gamepad;
   }
 
-  /** What is done once by a press. @returns {Record<import("./robot.js").Command, () => void>} */
+  /**
+   * What an action does at once; undefined: it is held, or not known.
+   * @param {string} name
+   */
+  _commandOf(name) {
+    const does = this._vocabulary.get(name)?.does;
+    if (does?.kind === "lamps") return () => this._cameraCommander.toggle(does.names);
+    return does?.kind === "command" ? this._commands[does.name] : undefined;
+  }
+
+  /** How each command of the vocabulary is carried out. @returns {Record<string, () => void>} */
   _makeCommands() {
-    const lamps = (/** @type {import("./camera_actions.js").LampCommand} */ name) => () => this._cameraCommander.toggle(name);
     return {
       slower: () => this._commander.changeSpeed(-1),
       faster: () => this._commander.changeSpeed(1),
@@ -168,36 +182,36 @@ class Console {
         this._letGo("stop");
         this._commander.stopPresets();
       },
-      estop: () => this._setEstop(true),
+      "e-stop": () => this._setEstop(true),
+      "release e-stop": () => this._setEstop(false),
       mode: () => this._modes.toggle(),
-      drive_mode: () => this._modes.set("DRIVE"),
-      camera_mode: () => this._modes.set("CAMERA"),
+      "drive mode": () => this._modes.set("DRIVE"),
+      "camera mode": () => this._modes.set("CAMERA"),
       frame: () => this._tool.setFrame(),
-      hold: () => this._tool.toggleHold(),
-      guard: () => this._tool.toggleGuard(),
-      view: () => this._cameras.next(),
-      keys: () => {
+      "hold tool": () => this._tool.toggleHold(),
+      "proximity guard": () => this._tool.toggleGuard(),
+      "next camera": () => this._cameras.next(),
+      help: () => {
         this._letGo("the list of keys");
         this._keyDialog.toggle();
       },
-      "lamps:front": lamps("lamps:front"),
-      "lamps:rear": lamps("lamps:rear"),
-      "lamps:turret": lamps("lamps:turret"),
-      "lamps:gripper": lamps("lamps:gripper"),
     };
   }
 
   // ---- what is held
 
-  /** Actions that are held, and how far. */
-  get _heldActions() {
-    return [...this._held.amounts].map(([name, amount]) => ({ ...ACTIONS[name], amount }));
+  /** What is demanded by all that is held, and how far. @returns {import("./vocabulary.js").Demand[]} */
+  get _demands() {
+    return [...this._held.amounts].flatMap(([name, amount]) => {
+      const action = this._vocabulary.get(name);
+      return action === undefined ? [] : [{ ...action.does, amount }];
+    });
   }
 
   _heldChanged() {
     this._update();
     this._panels.showHeld(this._held.actions);
-    this._panels.showSide(this._commander.sideOf(this._heldActions));
+    this._panels.showSide(this._commander.sideOf(this._demands));
     this._showMotion();
     if (!this._held.empty) this._clock.begin();
     this._tour.see(this._held.actions);
@@ -205,7 +219,7 @@ class Console {
 
   /** Command what is held. */
   _update() {
-    const actions = this._heldActions;
+    const actions = this._demands;
     this._commander.update(actions);
     this._toolCommander.update(actions);
     this._cameraCommander.update(actions);
@@ -342,18 +356,16 @@ class Console {
   _listenToOperator() {
     const mayPress = () => this._mayPress();
     const find = (/** @type {string} */ code) => this._keymap.find(code, this._modes.mode);
-    listenToKeys(this._held, mayPress, find, this._commands, (code) => this._keyDialog.take(code));
+    listenToKeys(this._held, mayPress, find, (name) => this._commandOf(name), (code) => this._keyDialog.take(code));
     listenToPointers(document.body, this._held, mayPress);
     watchOperator((reason) => this._letGo(reason));
   }
 
   _listenToButtons() {
     const commands = this._commands;
-    onClick(byId("slower"), commands.slower);
-    onClick(byId("faster"), commands.faster);
-    onClick(byId("estop"), commands.estop);
-    onClick(byId("release"), () => this._setEstop(false));
-    onClick(byId("help"), commands.keys);
+    onClick(byId("estop"), commands["e-stop"]);
+    onClick(byId("release"), commands["release e-stop"]);
+    onClick(byId("help"), commands.help);
     onClick(byId("tour-start"), () => {
       this._keyDialog.toggle();
       this._tour.start();
@@ -361,7 +373,7 @@ class Console {
     onClick(byId("clock"), () => this._clock.reset());
     onClick(byId("control-button"), () => this._control.toggle());
     for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-command]"))) {
-      onClick(button, commands[/** @type {import("./robot.js").Command} */ (button.dataset.command)]);
+      onClick(button, () => this._commandOf(/** @type {string} */ (button.dataset.command))?.());
     }
     this._tool.listen(onClick);
     this._modes.listen(onClick);
@@ -407,8 +419,11 @@ class Console {
 
   /** Show who moves what. */
   _showMotion() {
-    const sources = this._held.sources.map(({ source, name }) => ({ source, name, action: ACTIONS[name] }));
-    const side = this._commander.sideOf(this._heldActions);
+    const sources = this._held.sources.flatMap(({ source, name }) => {
+      const action = this._vocabulary.get(name);
+      return action === undefined ? [] : [{ source, name, action }];
+    });
+    const side = this._commander.sideOf(this._demands);
     this._motion.show(sources, this._commander.presets, (joint) => this._panels.format(joint), side);
   }
 
@@ -427,4 +442,13 @@ class Console {
   }
 }
 
-waitForConfig(GIVEN).then((config) => new Console(config).start());
+/** Start the console, also where it is not told what can be done. */
+async function main() {
+  const config = await waitForConfig(GIVEN);
+  const { vocabulary, problem } = await fetchVocabulary();
+  byId("keys-band").hidden = problem === "";
+  setText(byId("keys-band"), problem);
+  new Console(config, vocabulary).start();
+}
+
+main();

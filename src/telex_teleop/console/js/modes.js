@@ -1,24 +1,18 @@
 // @ts-check
 /** What the operator's keys are about: the mode of the arm, or the tracks or the camera alone. */
 
-import { MODES } from "./keymap.js";
 import { byId, setText } from "./panels.js";
 
-/** @typedef {import("./keymap.js").Mode} Mode */
-
-const EXPLAINED = /** @type {Record<Mode, string>} */ ({
-  DRIVE: "The arm's keys are off",
-  JOINT: "Each joint by its pair of keys",
-  CARTESIAN: "The tool moves straight and turns in place",
-  CAMERA: "The arm's keys move the turret's camera",
-});
+/** @typedef {import("./vocabulary.js").Mode} Mode */
 
 export class ModeSwitch {
   /**
+   * @param {{name: Mode, note: string}[]} modes  What the keys are about in each.
    * @param {import("./tool.js").ToolPanel} tool
    * @param {(reason: string) => void} letGo
    */
-  constructor(tool, letGo) {
+  constructor(modes, tool, letGo) {
+    this._modes = modes;
     this._tool = tool;
     this._letGo = letGo;
     /** Called with the mode that an operator has chosen. @type {(mode: Mode) => void} */
@@ -54,7 +48,8 @@ export class ModeSwitch {
 
   /** To the mode after the present one. */
   next() {
-    this.set(MODES[(MODES.indexOf(this.mode) + 1) % MODES.length]);
+    const present = this._modes.findIndex(({ name }) => name === this.mode);
+    this.set(this._modes[(present + 1) % this._modes.length].name);
   }
 
   show() {
@@ -68,12 +63,12 @@ export class ModeSwitch {
     byId("camera-rows").hidden = mode !== "CAMERA";
     byId("pose-buttons").hidden = mode === "CAMERA";
     setText(byId("arm-title"), mode === "CAMERA" ? "Camera" : "Arm");
-    setText(byId("mode-note"), EXPLAINED[mode]);
+    setText(byId("mode-note"), this._modes.find(({ name }) => name === mode)?.note ?? "");
   }
 
   /** @param {(button: HTMLElement, act: () => void) => void} onClick */
   listen(onClick) {
-    for (const mode of MODES) {
+    for (const { name: mode } of this._modes) {
       for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll(`button[data-mode="${mode}"]`))) {
         onClick(button, () => this.set(mode));
       }

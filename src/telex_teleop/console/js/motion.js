@@ -15,16 +15,16 @@ const SILENT_AFTER = 1000; // ms after which what a node said counts no more
 /** Time (ms) for which a device is shown after it was obeyed: of two that take turns both are. */
 const SHOWN_FOR = 600;
 
-/** @typedef {import("./robot.js").Action} Action */
+/** @typedef {import("./vocabulary.js").Action} Action */
 /** @typedef {{source: string, name: string, action: Action}} Hold */
 
 /**
- * Which node an action asks; null: it asks none that would say whether it obeys.
+ * Which node an action asks; undefined: it asks none that would say whether it obeys.
  * @param {Action} action
  */
-function nodeOf(action) {
-  if (action.kind === "joints") return action.node;
-  return { drive: TRACK_NODE, preset: FLIPPER_NODE, tool: "arm_teleop", pose: "arm_teleop", side: null, zoom: null }[action.kind];
+function nodeOf({ does }) {
+  if (does.kind === "jog") return `${does.node}_teleop`;
+  return /** @type {Record<string, string>} */ ({ drive: TRACK_NODE, preset: FLIPPER_NODE, tool: "arm_teleop", pose: "arm_teleop" })[does.kind];
 }
 
 /**
@@ -33,26 +33,12 @@ function nodeOf(action) {
  * @param {(joint: string) => string} format  A joint's position.
  * @param {"left" | "both" | "right"} side  Of the flippers, which moves.
  */
-function describe({ name, action }, presets, format, side) {
-  const what = name.split(":")[0].replace(/_/g, " ");
-  switch (action.kind) {
-    case "drive":
-      return `tracks ${action.label}`;
-    case "preset":
-      return `flippers to ${presets[action.index] ?? action.label}`;
-    case "pose":
-      return `arm to ${action.label}`;
-    case "tool":
-      return `${what.replace(/ [xyz]$/, "")} ${action.label}`;
-    case "joints": {
-      if (what === "front" || what === "rear") return `${what} ${side === "both" ? "flippers" : `${side} flipper`} ${action.label}`;
-      if (what === "gripper") return action.label === "open" ? "gripper opening" : "gripper closing";
-      if (/^(look|camera)/.test(what)) return `camera ${action.label.replace("camera ", "")}`;
-      return `${what} ${action.label} ${format(action.joints[0])}`;
-    }
-    default:
-      return action.label;
-  }
+function describe({ action: { does, title } }, presets, format, side) {
+  // The robot may have other presets than the list of actions.
+  if (does.kind === "preset") return `flippers to ${presets[does.index] ?? does.name}`;
+  if (does.kind !== "jog") return title;
+  if (does.node === "flipper") return side === "both" ? title : title.replace("flippers", `${side} flipper`);
+  return does.node === "arm" ? `${title} ${format(does.joints[0])}` : title;
 }
 
 export class Motion {
@@ -106,7 +92,7 @@ export class Motion {
       const own = held.filter(({ action }) => nodeOf(action) === node).map((each) => describe(each, presets, format, side));
       return own.length > 0 ? own : [PARTS[node]];
     });
-    const zoomed = held.filter(({ action }) => action.kind === "zoom").map(({ action }) => action.label);
+    const zoomed = held.filter(({ action }) => action.does.kind === "zoom").map(({ action }) => action.title);
     setText(byId("moves"), [...new Set([...parts, ...zoomed])].join(", ") || "–");
     const others = [...this._devices].filter(([, at]) => now - at < SHOWN_FOR).map(([device]) => device);
     const isObeyed = moving.length > 0 && now - this._bridgeObeyed < SHOWN_FOR;

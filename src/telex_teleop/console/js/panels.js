@@ -1,10 +1,7 @@
 // @ts-check
 /** The side panel: joints with their values and the buttons that move them. */
 
-import { CAMERA_JOINTS } from "./camera_actions.js";
-import {
-  ACTIONS, ARM_JOINTS, FINGER_BASES, GRIPPER_JOINT, PRESET_KEYS, fingerJoints, flipperJoints,
-} from "./robot.js";
+import { FINGER_BASES, GRIPPER_JOINT, fingerJoints } from "./robot.js";
 
 const ARROWS = /** @type {Record<string, string>} */ ({
   ahead: "▲", back: "▼", up: "▲", down: "▼", left: "◀", right: "▶", in: "◀", out: "▶", close: "▶◀", open: "◀▶",
@@ -41,18 +38,32 @@ export function setText(where, text) {
   if (where.textContent !== text) where.textContent = text;
 }
 
-/** @param {string} name  Of an action. */
-export function holdButton(name) {
-  const action = ACTIONS[name];
+/** @param {import("./vocabulary.js").Action} action */
+export function holdButton({ name, label }) {
   const button = /** @type {HTMLButtonElement} */ (element("button", "hold"));
   button.type = "button";
   button.tabIndex = -1;
   button.dataset.action = name;
-  const cap = element("kbd", "", action.cap);
+  const cap = element("kbd");
   cap.dataset.binding = name;
-  const arrow = ARROWS[action.label];
-  button.append(cap, arrow === undefined ? action.label : `${arrow} ${action.label}`);
+  const arrow = ARROWS[label];
+  button.append(cap, arrow === undefined ? label : `${arrow} ${label}`);
   return button;
+}
+
+/**
+ * Actions that share a row, row after row: those with the same first part of the name.
+ * @template {import("./vocabulary.js").Action} Action
+ * @param {Action[]} actions
+ */
+export function rowsOf(actions) {
+  /** @type {Map<string, Action[]>} */
+  const rows = new Map();
+  for (const action of actions) {
+    const key = action.name.split(":")[0];
+    rows.set(key, [...(rows.get(key) ?? []), action]);
+  }
+  return [...rows.values()];
 }
 
 /**
@@ -94,39 +105,39 @@ const NEAR = 0.1;
 const VISIBLE = 0.03;
 
 export class Panels {
-  /** @param {import("./joints.js").JointPositions} joints */
-  constructor(joints) {
+  /**
+   * @param {import("./joints.js").JointPositions} joints
+   * @param {import("./vocabulary.js").Vocabulary} vocabulary
+   */
+  constructor(joints, vocabulary) {
     this._joints = joints;
-    const pair = (/** @type {string} */ name, /** @type {string[]} */ ways) =>
-      ways.map((way) => holdButton(`${name}:${way}`));
-    byId("drive-pad").append(...pair("drive", ["forward", "left", "back", "right"]));
-    for (const { name, label } of ARM_JOINTS) {
-      const motion = name.replace(/_joint$/, "");
-      const ways = Object.keys(ACTIONS).filter((key) => key.startsWith(`${motion}:`)).map((key) => key.split(":")[1]);
-      byId("arm-rows").append(row("", label, valueOf(name), ...pair(motion, ways)));
-    }
-    for (const { name, label } of CAMERA_JOINTS) {
-      const ways = label === "pan" ? ["left", "right"] : ["up", "down"];
-      byId("camera-rows").append(row("", label, valueOf(name), ...pair(`camera_${label}`, ways)));
-    }
+    const jogs = vocabulary.find("jog").filter(({ code }) => code !== null);
+    const inModes = (/** @type {string} */ node, /** @type {string} */ modes) =>
+      rowsOf(jogs.filter((action) => action.does.node === node && (modes === "" || action.modes.join() === modes)));
+    /** @param {string} id  @param {import("./vocabulary.js").Action[]} actions  @param {(string | Node)[]} values */
+    const add = (id, actions, ...values) => byId(id).append(row("", actions[0].row, ...values, ...actions.map(holdButton)));
+    byId("drive-pad").append(...vocabulary.find("drive").map(holdButton));
+    for (const actions of inModes("arm", "JOINT")) add("arm-rows", actions, valueOf(actions[0].does.joints[0]));
+    for (const actions of inModes("arm", "CAMERA")) add("camera-rows", actions, valueOf(actions[0].does.joints[0]));
     const zoom = element("span", "num", "–");
     zoom.id = "zoom-value";
+    for (const actions of rowsOf(vocabulary.find("zoom").filter(({ modes }) => modes.join() === "CAMERA"))) add("camera-rows", actions, zoom);
     const lamps = element("div", "lamps");
     lamps.id = "lamp-buttons";
-    byId("camera-rows").append(row("", "zoom", zoom, ...pair("camera_zoom", ["wider", "nearer"])), row("lamp-row", "lamps", lamps));
+    byId("camera-rows").append(row("lamp-row", "lamps", lamps));
+    for (const actions of inModes("gripper", "")) add("gripper-rows", actions, valueOf(GRIPPER_JOINT));
     byId("gripper-rows").append(
-      row("", "opening", valueOf(GRIPPER_JOINT), ...pair("gripper", ["close", "open"])),
       row("wide", "fingers", ...["left", "right"].map((side) => cell(...fingerJoints(side).map(valueOf)))),
     );
-    for (const end of ["front", "rear"]) {
-      const [left, right] = flipperJoints(end).map(valueOf);
-      byId("flipper-rows").append(row("pair", end, cell("L", left, "R", right), ...pair(end, ["up", "down"])));
+    for (const actions of inModes("flipper", "")) {
+      const [left, right] = actions[0].does.joints.map(valueOf);
+      byId("flipper-rows").append(row("pair", actions[0].row, cell("L", left, "R", right), ...actions.map(holdButton)));
     }
-    this._presets = Array.from({ length: PRESET_KEYS }, (_, index) => holdButton(`preset:${index}`));
+    this._presets = vocabulary.presets.map(holdButton);
     byId("flipper-presets").append(...this._presets);
     this.showPresets([], []);
     this._values = [.../** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-joint]"))];
-    this._metres = new Set(ARM_JOINTS.filter(({ metres }) => metres).map(({ name }) => name));
+    this._lengths = vocabulary.lengths;
     this._bars = [.../** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-bar]"))];
     /** @type {import("./urdf.js").RobotModel | null} */
     this._model = null;
@@ -221,7 +232,7 @@ export class Panels {
   format(joint) {
     const position = this._joints.position(joint);
     if (position === undefined || position === null) return "–";
-    if (this._metres.has(joint)) return `${fixed(position * 1000, 0)} mm`;
+    if (this._lengths.has(joint)) return `${fixed(position * 1000, 0)} mm`;
     return `${fixed((position * 180) / Math.PI, joint.includes("finger") ? 0 : 1)}°`;
   }
 }

@@ -1,9 +1,12 @@
 // @ts-check
 /** The arm by its tool: mode, frame, commands, and what the panel shows of it. */
 
-import { byId, element, fixed, holdButton, row, setText } from "./panels.js";
-import { ACTIONS } from "./robot.js";
-import { POSE_ACTIONS, TOOL_ROWS } from "./tool_actions.js";
+import { byId, element, fixed, holdButton, row, rowsOf, setText } from "./panels.js";
+
+/** Part and axis of a twist for each axis of the tool. @type {Record<string, ["linear" | "angular", "x" | "y" | "z"]>} */
+const TWIST = {
+  x: ["linear", "x"], y: ["linear", "y"], z: ["linear", "z"], roll: ["angular", "x"], pitch: ["angular", "y"], yaw: ["angular", "z"],
+};
 
 const NODE = "arm_teleop";
 
@@ -58,17 +61,19 @@ export class ToolCommander {
     this._toPose = "";
   }
 
-  /** @param {import("./robot.js").Action[]} held */
+  /** @param {import("./vocabulary.js").Demand[]} held */
   update(held) {
     this._commandTwist(held);
     this._commandPose(held);
   }
 
-  /** @param {import("./robot.js").Action[]} held */
+  /** @param {import("./vocabulary.js").Demand[]} held */
   _commandTwist(held) {
     const twist = { linear: { x: 0, y: 0, z: 0 }, angular: { x: 0, y: 0, z: 0 } };
     for (const action of held) {
-      if (action.kind === "tool") twist[action.part][action.axis] += action.direction * (action.amount ?? 1);
+      if (action.kind !== "tool") continue;
+      const [part, axis] = TWIST[action.axis];
+      twist[part][axis] += action.sign * (action.amount ?? 1);
     }
     const parts = /** @type {("linear" | "angular")[]} */ (["linear", "angular"]);
     const wanted = parts.some((part) => Object.values(twist[part]).some((rate) => rate !== 0));
@@ -89,9 +94,9 @@ export class ToolCommander {
     if (sent) this._moving = wanted;
   }
 
-  /** @param {import("./robot.js").Action[]} held */
+  /** @param {import("./vocabulary.js").Demand[]} held */
   _commandPose(held) {
-    const asked = held.flatMap((action) => (action.kind === "pose" ? [action.pose] : []));
+    const asked = held.flatMap((action) => (action.kind === "pose" ? [action.name] : []));
     // Two of them contradict each other, as the two keys of a joint do: no motion.
     const pose = asked.length === 1 ? asked[0] : "";
     if ((pose === "" && this._toPose === "") || (pose !== "" && this._congested())) return;
@@ -102,12 +107,13 @@ export class ToolCommander {
 /** Shows mode, frame and tool in the arm's panel, and asks the arm for another mode. */
 export class ToolPanel {
   /**
+   * @param {import("./vocabulary.js").Vocabulary} vocabulary
    * @param {ToolCommander} commander
    * @param {(service: string, request: object) => Promise<any>} call  Calls a service of arm_teleop.
    * @param {(reason: string) => void} letGo  Releases everything that is held.
    * @param {(sentence: string) => void} warn
    */
-  constructor(commander, call, letGo, warn) {
+  constructor(vocabulary, commander, call, letGo, warn) {
     this._commander = commander;
     this._call = call;
     this._letGo = letGo;
@@ -120,12 +126,13 @@ export class ToolPanel {
     this.changed = () => {};
     /** @type {string[]} */
     this._frames = [];
-    for (const { name, label, ways } of TOOL_ROWS) {
-      const value = element("span", "num", "–");
-      value.id = `${name}-value`;
-      byId("tool-rows").append(row("", label, value, ...ways.map((way) => holdButton(`${name}:${way}`))));
+    /** What shows where the tool is, by axis. @type {Record<string, HTMLElement>} */
+    this._values = Object.fromEntries(Object.keys(TWIST).map((axis) => [axis, element("span", "num", "–")]));
+    for (const actions of rowsOf(vocabulary.find("tool"))) {
+      byId("tool-rows").append(row("", actions[0].row, this._values[actions[0].does.axis], ...actions.map(holdButton)));
     }
-    byId("pose-buttons").append(...Object.keys(POSE_ACTIONS).map(holdButton));
+    this._poses = vocabulary.find("pose").map((action) => ({ pose: action.does.name, button: holdButton(action) }));
+    byId("pose-buttons").append(...this._poses.map(({ button }) => button));
     this._show();
   }
 
@@ -155,17 +162,12 @@ export class ToolPanel {
       yaw: Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)),
     };
     for (const axis of /** @type {("x" | "y" | "z")[]} */ (["x", "y", "z"])) {
-      setText(byId(`tool_${axis}-value`), `${fixed(position[axis] * 1000, 0)} mm`);
+      setText(this._values[axis], `${fixed(position[axis] * 1000, 0)} mm`);
     }
     for (const [name, angle] of Object.entries(angles)) {
-      setText(byId(`tool_${name}-value`), `${fixed((angle * 180) / Math.PI, 1)}°`);
+      setText(this._values[name], `${fixed((angle * 180) / Math.PI, 1)}°`);
     }
-    for (const button of /** @type {NodeListOf<HTMLButtonElement>} */ (
-      document.querySelectorAll("#pose-buttons [data-action]")
-    )) {
-      const action = ACTIONS[/** @type {string} */ (button.dataset.action)];
-      button.disabled = action.kind !== "pose" || !status.poses.includes(action.pose);
-    }
+    for (const { pose, button } of this._poses) button.disabled = !status.poses.includes(pose);
     this._show();
   }
 

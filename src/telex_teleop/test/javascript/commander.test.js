@@ -2,8 +2,9 @@ import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
 
 import { clock } from "./browser.js";
+import { made } from "./actions.js";
 import { Commander } from "../../console/js/commander.js";
-import { ACTIONS, FLIPPER_NODE, JOINT_NODES, TRACK_NODE } from "../../console/js/robot.js";
+import { FLIPPER_NODE, JOINT_NODES, TRACK_NODE } from "../../console/js/robot.js";
 
 class FakeBridge {
   waiting = 0;
@@ -24,9 +25,9 @@ class FakeBridge {
   }
 }
 
-const DRIVE = { kind: "drive", axis: "linear", direction: 1 };
-const TURN = { kind: "drive", axis: "angular", direction: -1 };
-const JOINT = { kind: "joints", node: JOINT_NODES[0], joints: ["elbow_joint"], direction: 1 };
+const DRIVE = { kind: "drive", linear: 1, angular: 0 };
+const TURN = { kind: "drive", linear: 0, angular: -1 };
+const JOINT = { kind: "jog", node: "arm", joints: ["elbow_joint"], sign: 1 };
 const speed = { speed_scale: 0.5, min_speed_scale: 0.05, max_speed_scale: 1.0 };
 
 /** @type {FakeBridge} */
@@ -43,7 +44,7 @@ const update = (/** @type {any[]} */ ...held) => {
 beforeEach(() => {
   bridge = new FakeBridge();
   warnings = [];
-  commander = new Commander(/** @type {any} */ (bridge), (name) => `/telex/${name}`, (sentence) => warnings.push(sentence));
+  commander = new Commander(made(), /** @type {any} */ (bridge), (name) => `/telex/${name}`, (sentence) => warnings.push(sentence));
   commander.setTrackStatus({ max_linear: 0.6, max_angular: 1.2, ...speed });
   commander.setJointStatus(JOINT_NODES[0], { joint_names: ["elbow_joint", "still_joint"], max_velocity: [0.4, 0], ...speed });
 });
@@ -71,8 +72,8 @@ test("two that hold the same action drive no faster", () => {
 });
 
 test("both keys of a pair are no motion", () => {
-  assert.deepEqual(update(DRIVE, { ...DRIVE, direction: -1 }), []);
-  assert.deepEqual(update(JOINT, { ...JOINT, direction: -1 }), []);
+  assert.deepEqual(update(DRIVE, { ...DRIVE, linear: -1 }), []);
+  assert.deepEqual(update(JOINT, { ...JOINT, sign: -1 }), []);
 });
 
 test("a joint gets its velocity, and a zero when it is let go", () => {
@@ -123,17 +124,23 @@ test("without a connection nothing is moving any more: the bridge has stopped it
 
 test("a preset is held and let go; two are none", () => {
   commander.presets = ["flat", "climb"];
-  const preset = (/** @type {number} */ index) => ({ kind: "preset", index, label: `preset ${index}` });
+  const preset = (/** @type {number} */ index) => ({ kind: "preset", index });
   const topic = `/telex/${FLIPPER_NODE}/preset_cmds`;
   assert.deepEqual(update(preset(1)), [{ topic, message: { header: {}, preset: "climb", joint_names: [] } }]);
   assert.equal(update(preset(0), preset(1))[0].message.preset, "");
   assert.deepEqual(update(preset(0), preset(1)), []);
   assert.deepEqual(update(preset(7)), []);
-  assert.match(warnings[0], /no flipper preset 7/);
+  assert.match(warnings[0], /no flipper preset 8/);
+});
+
+test("with a side held, a preset names the flippers of that side", () => {
+  commander.presets = ["flat"];
+  const [{ message }] = update({ kind: "preset", index: 0 }, { kind: "side", name: "left" });
+  assert.deepEqual(message.joint_names, ["front_left_joint", "rear_left_joint"]);
 });
 
 test("a side that is held wins over the chosen one, both sides are both", () => {
-  const side = (/** @type {string} */ name) => /** @type {any} */ ({ kind: "side", side: name });
+  const side = (/** @type {string} */ name) => /** @type {any} */ ({ kind: "side", name });
   commander.side = "left";
   assert.equal(commander.sideOf([]), "left");
   assert.equal(commander.sideOf([side("right")]), "right");
@@ -152,8 +159,4 @@ test("the speed goes to the next tenth, and no farther than it may", () => {
   assert.deepEqual(commander.speeds, [1]);
   clock.now += 600; // the nodes have not taken it over
   assert.deepEqual(commander.speeds, [0.05]);
-});
-
-test("every action with a key says what it does", () => {
-  for (const [name, action] of Object.entries(ACTIONS)) assert.ok(action.kind, name);
 });

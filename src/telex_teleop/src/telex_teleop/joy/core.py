@@ -10,9 +10,9 @@ from __future__ import annotations
 import math
 from typing import Dict, List, Mapping, Optional, Sequence, Set, Tuple
 
+from telex_teleop.actions.grammar import Action, Command, is_momentary
 from telex_teleop.joy.maps import Binding, ButtonBinding, JoyMap, Mode, StickBinding
 from telex_teleop.joy.pads import Pad
-from telex_teleop.operating.actions import Action, Command, is_momentary
 
 __all__ = ["JoyTeleop"]
 

@@ -17,11 +17,11 @@ from telex_control.common.params import (
     require_range,
     require_text,
 )
-from telex_teleop.joy.files import read_file
-from telex_teleop.joy.pads import BUTTONS, STICKS, Pad
-from telex_teleop.operating.actions import (
+from telex_teleop.actions.grammar import (
     AXIS_GRAMMAR,
     GRAMMAR,
+    PAGE_ONLY,
+    TERMINAL_ONLY,
     Action,
     Command,
     Lamps,
@@ -29,12 +29,14 @@ from telex_teleop.operating.actions import (
     parse_action,
     parse_axis,
 )
+from telex_teleop.files import read_file
+from telex_teleop.joy.pads import BUTTONS, STICKS, Pad
 
 __all__ = ["Binding", "ButtonBinding", "JoyMap", "Layer", "Mode", "Stick", "StickBinding"]
 
 ARM_MODES = ("", "JOINT", "CARTESIAN")
 # They belong to a screen with keys.
-NOT_ON_A_PAD = (Command.HELP, Command.QUIT)
+NOT_ON_A_PAD = (Command.HELP, *TERMINAL_ONLY, *PAGE_ONLY)
 
 
 @dataclass(frozen=True)
@@ -159,7 +161,7 @@ class Layer:
                 raise ConfigError(f"buttons/{name} is {text!r}; it must be {GRAMMAR}") from None
             require(
                 action not in NOT_ON_A_PAD,
-                f"buttons/{name} is {text!r}, which only the keyboard has",
+                f"buttons/{name} is {text!r}, which a gamepad does not have",
             )
 
     def actions(self) -> Iterator[Action]:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from typing import Dict, Iterable, Optional, Sequence, Tuple
 
 from telex_control.common.params import ConfigError, require, require_range
-from telex_teleop.joy.files import read_file
+from telex_teleop.files import read_file
 
 __all__ = ["BUTTONS", "CONTROLS", "STICKS", "InvalidJoy", "Pad", "Pads", "Source"]
 

@@ -14,13 +14,13 @@ from std_msgs.msg import String
 
 from telex_control.common.params import ConfigError, require_range, require_text
 from telex_control.ros.node_start import init_node, until_shutdown
+from telex_teleop.actions.grammar import Action, Command, Lamps
+from telex_teleop.files import shipped_file
 from telex_teleop.joy.core import JoyTeleop
-from telex_teleop.joy.files import shipped_file
 from telex_teleop.joy.maps import JoyMap
 from telex_teleop.joy.pads import InvalidJoy, Pad, Pads
 from telex_teleop.joy.source_node import DEVICE_TOPIC
-from telex_teleop.motion.speed import STEP, STEP_RANGE
-from telex_teleop.operating.actions import Action, Command, Lamps
+from telex_teleop.motion.speed import MAX_ZOOM, STEP, STEP_RANGE, ZOOM_RATE
 from telex_teleop.operating.commander import Commander
 from telex_teleop.operating.operated_robot import OperatedRobot
 from telex_teleop.ros.common import WARNING_PERIOD, private_settings, warn_dropped
@@ -70,8 +70,8 @@ class JoyTeleopSettings:
     longest_gap: float = 0.2
     send_rate: float = 50.0
     speed_step: float = STEP
-    zoom_rate: float = 0.8
-    max_zoom: float = 6.0
+    zoom_rate: float = ZOOM_RATE
+    max_zoom: float = MAX_ZOOM
 
     def __post_init__(self) -> None:
         require_text(self, "pad")
@@ -288,8 +288,8 @@ def joy_teleop_main() -> int:
         settings = private_settings(JoyTeleopSettings)
         node = JoyTeleopNode(
             settings,
-            JoyMap.read(settings.map or shipped_file("twin_stick.yaml")),
-            Pads.read(settings.pads or shipped_file("pads.yaml")),
+            JoyMap.read(settings.map or shipped_file("joy/twin_stick.yaml")),
+            Pads.read(settings.pads or shipped_file("joy/pads.yaml")),
             _robot_namespace(settings.robot or rospy.get_namespace()),
         )
     except ConfigError as error:

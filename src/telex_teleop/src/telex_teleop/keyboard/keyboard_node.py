@@ -10,13 +10,14 @@ import time
 from typing import Any, List
 
 import rosgraph
-import rospkg
 import rospy
 import yaml
 
-from telex_control.common.params import ConfigError, read_config
+from telex_control.common.params import ConfigError
 from telex_control.common.yaml_files import load_yaml
 from telex_control.ros.node_start import init_node
+from telex_teleop.actions.vocabulary import Vocabulary
+from telex_teleop.files import shipped_file
 from telex_teleop.keyboard.map import KeyboardSettings
 from telex_teleop.keyboard.robot_status import ShownRobot
 from telex_teleop.keyboard.teleop import KeyboardTeleop
@@ -27,10 +28,11 @@ __all__ = ["keyboard_main"]
 USAGE = """\
 Drive a Telex robot from the keys of this terminal.
 
-  rosrun telex_teleop keyboard_teleop [_robot:=/telex] [_config:=FILE]
+  rosrun telex_teleop keyboard_teleop [_robot:=/telex] [_config:=FILE] [_actions:=FILE]
 
-_robot   namespace of the robot
-_config  YAML file with keys and times, instead of the package's config/keyboard_teleop.yaml
+_robot    namespace of the robot
+_config   YAML file with times and keys of one's own, instead of config/keyboard_teleop.yaml
+_actions  YAML file of what can be done, and by which keys, instead of config/actions.yaml
 """
 FAREWELL_TIME = 0.1  # s for the last zeros to leave before the connections close
 
@@ -94,15 +96,15 @@ def _robot_namespace() -> str:
 
 
 def _read_settings() -> KeyboardSettings:
-    default = os.path.join(
-        rospkg.RosPack().get_path("telex_teleop"), "config", "keyboard_teleop.yaml"
-    )
+    default = shipped_file("keyboard_teleop.yaml")
     path = str(rospy.get_param("~config", default))
     try:
         with open(path, encoding="utf-8") as file:
-            return read_config(KeyboardSettings, load_yaml(file), path)
+            content = load_yaml(file)
     except (OSError, yaml.YAMLError) as error:
         raise ConfigError(f"{path}: cannot be read: {error}") from error
+    vocabulary = Vocabulary.read(str(rospy.get_param("~actions", "")))
+    return KeyboardSettings.read(content, vocabulary, path)
 
 
 def _divert_logs(robot: ShownRobot) -> None:

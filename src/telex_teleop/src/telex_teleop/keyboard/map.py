@@ -4,11 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Dict, List, Mapping, Optional, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Tuple
 
-from telex_control.common.params import ConfigError, require, require_names, require_range
-from telex_teleop.motion.speed import STEP, STEP_RANGE
-from telex_teleop.operating.actions import GRAMMAR, Action, Command, Lamps, parse_action
+from telex_control.common.params import (
+    ConfigError,
+    read_config,
+    require,
+    require_names,
+    require_range,
+)
+from telex_teleop.actions.grammar import GRAMMAR, PAGE_ONLY, Action, Command, Lamps, parse_action
+from telex_teleop.actions.vocabulary import Vocabulary
+from telex_teleop.motion.speed import MAX_ZOOM, STEP, STEP_RANGE, ZOOM_RATE
 
 __all__ = ["KeyMap", "KeyboardSettings"]
 
@@ -22,10 +29,19 @@ class KeyMap:
     ----------
     actions
         Name of a key, as `decoding.KeyEvent` has it, to its action.
+    labels
+        Text of a command to what the screen calls it, where that is another word.
     """
 
-    def __init__(self, actions: Dict[str, Action]) -> None:
+    def __init__(
+        self, actions: Dict[str, Action], labels: Optional[Mapping[str, str]] = None
+    ) -> None:
         self.actions = actions
+        self._labels = labels or {}
+
+    def label(self, command: Command) -> str:
+        """Return what the screen calls a command."""
+        return self._labels.get(command.value, command.value)
 
     def action(self, name: str) -> Optional[Action]:
         """Return what a key does, None when nothing."""
@@ -40,7 +56,12 @@ class KeyMap:
         return [name for name, other in self.actions.items() if other == action]
 
     @classmethod
-    def from_texts(cls, texts: Mapping[str, str], name: str = "keys") -> KeyMap:
+    def from_texts(
+        cls,
+        texts: Mapping[str, str],
+        name: str = "keys",
+        labels: Optional[Mapping[str, str]] = None,
+    ) -> KeyMap:
         """Read a map of key to the text of its action.
 
         Parameters
@@ -49,6 +70,8 @@ class KeyMap:
             Key to text; ``nothing`` leaves the key without action.
         name
             Of the map, for messages.
+        labels
+            See `KeyMap`.
 
         Raises
         ------
@@ -63,9 +86,13 @@ class KeyMap:
                 actions[key] = parse_action(text)
             except ValueError:
                 raise ConfigError(f"{name}/{key} is {text!r}; it must be {GRAMMAR}") from None
+            require(
+                actions[key] not in PAGE_ONLY,
+                f"{name}/{key} is {text!r}, which only the console's page has",
+            )
         for needed in (Command.STOP, Command.E_STOP, Command.QUIT):
             require(needed in actions.values(), f"{name}: no key has the action {needed.value!r}")
-        return cls(actions)
+        return cls(actions, labels)
 
 
 @dataclass(frozen=True)
@@ -100,6 +127,8 @@ class KeyboardSettings:
         Largest zoom factor.
     lengths
         Joints whose position is a length and shown in mm; the others are angles, shown in degrees.
+    labels
+        Text of a command to what the screen calls it, where that is another word.
 
     Raises
     ------
@@ -120,9 +149,10 @@ class KeyboardSettings:
     tool_linear: float = 10.0
     tool_angular: float = 10.0
     speed_step: float = STEP
-    zoom_rate: float = 0.8
-    max_zoom: float = 6.0
+    zoom_rate: float = ZOOM_RATE
+    max_zoom: float = MAX_ZOOM
     lengths: Tuple[str, ...] = ()
+    labels: Dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name, minimum, maximum in (
@@ -141,10 +171,36 @@ class KeyboardSettings:
             require_names(self, "lengths")
         _ = self.key_map, self.cartesian_map
 
+    @classmethod
+    def read(cls, content: Any, vocabulary: Vocabulary, name: str) -> KeyboardSettings:
+        """Read what a file says; the keys are those of the vocabulary where it has none.
+
+        Parameters
+        ----------
+        content
+            Of the file.
+        vocabulary
+            What can be done, and by which keys.
+        name
+            Of the file, for messages.
+
+        Raises
+        ------
+        telex_control.common.params.ConfigError
+            When it is wrong.
+        """
+        if isinstance(content, Mapping):
+            shipped = vocabulary.terminal_settings()
+            if "keys" in content:
+                # one's own keys in JOINT mode would be hidden by the shipped ones of the other
+                del shipped["cartesian_keys"]
+            content = {**shipped, **content}
+        return read_config(cls, content, name)
+
     @cached_property
     def key_map(self) -> KeyMap:
         """The keys and their actions."""
-        return KeyMap.from_texts(self.keys)
+        return KeyMap.from_texts(self.keys, labels=self.labels)
 
     @cached_property
     def lamps(self) -> Tuple[str, ...]:
@@ -156,4 +212,6 @@ class KeyboardSettings:
     @cached_property
     def cartesian_map(self) -> KeyMap:
         """The same while the arm is in CARTESIAN mode."""
-        return KeyMap.from_texts({**self.keys, **self.cartesian_keys}, "cartesian_keys")
+        # named twice for the order: of a pair, the first key of this mode is shown first
+        texts = {**self.cartesian_keys, **self.keys, **self.cartesian_keys}
+        return KeyMap.from_texts(texts, "cartesian_keys", self.labels)

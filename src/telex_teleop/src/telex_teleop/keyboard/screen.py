@@ -8,8 +8,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import FrozenSet, List, Mapping, Optional, Sequence, Tuple, Type, TypeVar
 
-from telex_teleop.keyboard.map import KeyMap
-from telex_teleop.operating.actions import (
+from telex_teleop.actions.grammar import (
     NODES,
     TOOL_AXES,
     Action,
@@ -23,6 +22,7 @@ from telex_teleop.operating.actions import (
     ToPose,
     Zoom,
 )
+from telex_teleop.keyboard.map import KeyMap
 from telex_teleop.tracks.track_drive import STANDSTILL, Velocity
 
 __all__ = [
@@ -50,18 +50,6 @@ ZOOMS = (Zoom(1), Zoom(-1))
 DRIVES = (
     ("drive", Drive(1, 0), Drive(-1, 0)),
     ("turn", Drive(0, 1), Drive(0, -1)),
-)
-COMMANDS: Tuple[Tuple[str, Tuple[Command, ...]], ...] = (
-    ("stop all", (Command.STOP,)),
-    ("e-stop", (Command.E_STOP,)),
-    ("release e-stop", (Command.RELEASE_E_STOP,)),
-    ("speed", (Command.FASTER, Command.SLOWER)),
-    ("mode", (Command.MODE,)),
-    ("frame", (Command.FRAME,)),
-    ("hold tool", (Command.HOLD_TOOL,)),
-    ("guard", (Command.GUARD,)),
-    ("help", (Command.HELP,)),
-    ("quit", (Command.QUIT,)),
 )
 
 
@@ -217,7 +205,7 @@ def _head(state: ScreenState) -> Line:
 
 def _obedience(keys: KeyMap, state: ScreenState) -> Line:
     if state.e_stop:
-        release = _names(keys, (Command.RELEASE_E_STOP,)) or "another console"
+        release = _names(keys, Command.RELEASE_E_STOP) or "another console"
         return Line(f"E-STOP IS ACTIVE, nothing obeys. Release: {release}", Style.ALARM)
     silent = [node for node in ("tracks", *NODES) if _is_silent(state, node)]
     if len(silent) == 1 + len(NODES):
@@ -367,11 +355,8 @@ def _position(joints: Tuple[str, ...], lengths: Sequence[str], state: ScreenStat
 
 
 def _commands(keys: KeyMap, columns: int) -> List[Line]:
-    parts = [
-        f"{_names(keys, commands)}: {label}"
-        for label, commands in COMMANDS
-        if _names(keys, commands)
-    ]
+    commands = [action for action in keys.actions.values() if isinstance(action, Command)]
+    parts = [f"{_names(keys, each)}: {keys.label(each)}" for each in dict.fromkeys(commands)]
     return [Line(text) for text in _fill(parts, columns, "  ")]
 
 
@@ -386,8 +371,8 @@ def _fill(parts: Sequence[str], columns: int, space: str) -> List[str]:
     return lines
 
 
-def _names(keys: KeyMap, commands: Sequence[Command]) -> str:
-    return " ".join(name for command in commands for name in keys.keys_of(command))
+def _names(keys: KeyMap, command: Command) -> str:
+    return " ".join(keys.keys_of(command))
 
 
 EXACT_KEYS = """\
@@ -400,7 +385,7 @@ keys only the last one counts. Terminals with the kitty protocol (kitty, foot, W
 exact."""
 HELP = """\
 Hold a key to move, let it go to stop; all motion is on ramps. The first key of a pair moves
-forward, up, out or open, or to the left. '!' marks a joint that a limit, or something in its way,
+ahead, up, in or to the left, or closes. '!' marks a joint that a limit, or something in its way,
 holds back. In mode CARTESIAN the arm's keys move its tool along the axes of the frame. A pose moves
 the whole arm, a preset all flippers; a flipper key ends a preset, which then needs a new press.
 With a side key held, only the flippers of that side follow. Lamps go on and off by a press ('*' is
@@ -416,7 +401,7 @@ move. When this window loses the keyboard, or this program ends, everything stop
 def _help(keys: KeyMap, state: ScreenState, columns: int) -> List[Line]:
     text = HELP.format(
         holding=EXACT_KEYS if state.exact_keys else TYPED_KEYS,
-        stop=_names(keys, (Command.STOP,)),
+        stop=_names(keys, Command.STOP),
     )
     lines: List[Line] = []
     for paragraph in text.split("\n\n"):

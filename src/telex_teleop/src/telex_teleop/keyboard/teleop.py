@@ -5,12 +5,12 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING, Callable, FrozenSet, List
 
+from telex_teleop.actions.grammar import Action, Command, Lamps, is_momentary
 from telex_teleop.keyboard.decoding import Event, FocusEvent, KeyDecoder, KeyEvent, KeyKind
 from telex_teleop.keyboard.held import HeldKeys
 from telex_teleop.keyboard.line import LineCheck
 from telex_teleop.keyboard.map import KeyboardSettings, KeyMap
 from telex_teleop.keyboard.screen import Line, ScreenState, render
-from telex_teleop.operating.actions import Action, Command, Lamps, is_momentary
 from telex_teleop.operating.commander import Commander, FixedRates
 
 if TYPE_CHECKING:

@@ -1,15 +1,19 @@
-"""The operator's speed: a factor on every commanded rate, and its steps."""
+"""The operator's speed: a factor on every commanded rate, its steps, and the speed of the zoom."""
 
 from __future__ import annotations
 
 import math
 
-__all__ = ["STEP", "STEP_RANGE", "SpeedScale", "stepped"]
+__all__ = ["MAX_ZOOM", "STEP", "STEP_RANGE", "ZOOM_RATE", "SpeedScale", "stepped"]
 
 STEP = 0.1
-"""Of the full speed, by one press; the console's ``commander.js`` has the same."""
+"""Of the full speed, by one press; the console's page gets it with ``/actions.json``."""
 STEP_RANGE = (0.01, 0.5)
 """Smallest and largest step that can be set."""
+ZOOM_RATE = 0.8
+"""Rate (1/s) of the logarithm of a camera's zoom factor: twice as near in 0.9 s."""
+MAX_ZOOM = 6.0
+"""Largest zoom factor, where the robot does not say what its camera has."""
 
 
 class SpeedScale:

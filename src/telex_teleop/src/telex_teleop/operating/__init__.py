@@ -1,4 +1,4 @@
-"""Common parts of the input devices: actions, their commands, and the robot's ROS edge.
+"""Common parts of the input devices: from actions to commands, and the robot's ROS edge.
 
-`actions`, `commander` and `zoom` know no ROS; `robot` is the edge.
+`commander` and `zoom` know no ROS; `operated_robot` is the edge.
 """

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Dict, Iterable, List, Mapping, Optional, Protocol, Tuple, Union
 
-from telex_teleop.operating.actions import Action, Drive, Jog, Preset, Side, Tool, ToPose, Zoom
+from telex_teleop.actions.grammar import Action, Drive, Jog, Preset, Side, Tool, ToPose, Zoom
 from telex_teleop.tracks.track_drive import STANDSTILL, Velocity
 
 __all__ = ["NO_NAME", "Commander", "Commands", "Demands", "FixedRates", "PresetCommand", "Rates"]

@@ -21,9 +21,9 @@ from telex_msgs.msg import (
 )
 from telex_msgs.srv import SetMode
 
+from telex_teleop.actions.grammar import NODES
 from telex_teleop.motion.e_stop_state import EStopState
-from telex_teleop.motion.speed import stepped
-from telex_teleop.operating.actions import NODES
+from telex_teleop.motion.speed import MAX_ZOOM, ZOOM_RATE, stepped
 from telex_teleop.operating.commander import NO_NAME, Commands, PresetCommand
 from telex_teleop.operating.requests import Requests
 from telex_teleop.operating.zoom import ZoomFactor
@@ -57,8 +57,8 @@ class OperatedRobot:
         self,
         namespace: str,
         lamps: Sequence[str] = (),
-        zoom_rate: float = 0.8,
-        max_zoom: float = 6.0,
+        zoom_rate: float = ZOOM_RATE,
+        max_zoom: float = MAX_ZOOM,
     ) -> None:
         self.namespace = namespace
         self._notice = ""

@@ -11,7 +11,7 @@ import rospkg
 
 from telex_control.common.params import require
 
-from ..joy.files import read_file
+from ..files import read_file
 
 _PATTERN = re.compile(r"!?[A-Za-z0-9_/*]+")
 _NAME = re.compile(r"[A-Za-z0-9_/]+")

@@ -81,6 +81,7 @@ class VideoServerConfig:
     max_upload: int = 16777216
     handler_timeout: float = 30.0
     rosbridge: str = "rosbridge"
+    actions: str = ""
     joy_map: str = ""
 
     def __post_init__(self) -> None:

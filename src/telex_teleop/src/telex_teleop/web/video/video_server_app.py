@@ -10,7 +10,7 @@ from urllib.parse import urlsplit, urlunsplit
 
 from aiohttp import web
 
-from ..joy_map import add_joy_map
+from ..maps import add_maps
 from ..server_config import VideoServerConfig
 from ..tokens import INSTRUCTOR, ForbiddenError
 from ..workers import OrderedWorker
@@ -119,7 +119,7 @@ class VideoServer:
         app.router.add_get("/stream_viewer", self.stream_viewer)
         app.router.add_get("/streams", self.streams)
         app.router.add_get("/config.json", self.console_config)
-        add_joy_map(app, self._config.joy_map)
+        add_maps(app, self._config.actions, self._config.joy_map)
         app.router.add_get("/{path:.*}", self.console_file)
         app.router.add_post("/{path:.*}", self._mounts.answer)
         app.on_response_prepare.append(_add_page_headers)

@@ -1,11 +1,12 @@
-"""Actions of an operator, as YAML names them.
+"""Actions of an operator, as text, as values and as JSON.
 
 An action is a short text. What lasts as long as a key or button is held: ``tracks forward``,
 ``arm turret_joint +``, ``flipper JOINT JOINT -``, ``side left`` (only the flippers of that side
 follow meanwhile), ``preset NAME`` (of the flippers), ``tool x +``, ``pose NAME`` (of the arm),
 ``zoom +``. What is done once by a press: ``lamps NAME NAME`` (on, or off when one is lit) and the
 commands ``stop``, ``e-stop``, ``release e-stop``, ``faster``, ``slower``, ``mode``, ``frame``,
-``hold tool``, ``proximity guard``, ``help``, ``quit``.
+``hold tool``, ``proximity guard``, ``help``; of a terminal ``quit``; of the console's page ``drive
+mode``, ``camera mode``, ``next camera``.
 
 What a stick moves both ways is an axis: ``tracks linear``, ``tracks angular``, ``zoom``, or the
 text of an action without its sign. Its positive end is that of the action with ``+``.
@@ -13,14 +14,16 @@ text of an action without its sign. Its positive end is that of the action with 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from enum import Enum
-from typing import Tuple, Union
+from typing import Any, Dict, Tuple, Union
 
 __all__ = [
     "AXIS_GRAMMAR",
     "GRAMMAR",
     "NODES",
+    "PAGE_ONLY",
+    "TERMINAL_ONLY",
     "TOOL_AXES",
     "Action",
     "Command",
@@ -32,6 +35,7 @@ __all__ = [
     "ToPose",
     "Tool",
     "Zoom",
+    "as_json",
     "is_momentary",
     "parse_action",
     "parse_axis",
@@ -115,10 +119,15 @@ class Command(Enum):
     GUARD = "proximity guard"
     HELP = "help"
     QUIT = "quit"
+    DRIVE_MODE = "drive mode"
+    CAMERA_MODE = "camera mode"
+    NEXT_CAMERA = "next camera"
 
 
 Action = Union[Jog, Drive, Side, Preset, Tool, ToPose, Zoom, Lamps, Command]
 
+TERMINAL_ONLY = (Command.QUIT,)
+PAGE_ONLY = (Command.DRIVE_MODE, Command.CAMERA_MODE, Command.NEXT_CAMERA)
 NODES = ("arm", "gripper", "flipper")
 DIRECTIONS = {
     "forward": Drive(1, 0),
@@ -137,7 +146,7 @@ GRAMMAR = (
     f"'side left' or 'side right'; 'preset NAME'; "
     f"'tool AXIS +' or '-' with {', '.join(TOOL_AXES)}; "
     "'pose NAME'; 'zoom +' or 'zoom -'; 'lamps NAME ...'; or one of "
-    + ", ".join(command.value for command in Command)
+    + ", ".join(command.value for command in Command if command not in PAGE_ONLY)
 )
 AXIS_GRAMMAR = (
     f"'tracks linear' or 'tracks angular'; 'NODE JOINT ...' with node {', '.join(NODES)}; "
@@ -201,3 +210,21 @@ def parse_axis(text: str) -> Tuple[Action, Action]:
     if not all(isinstance(end, (Jog, Tool, Zoom)) for end in ends):
         raise ValueError(text)
     return ends
+
+
+def as_json(action: Action) -> Dict[str, Any]:
+    """Return an action as JSON has it.
+
+    Returns
+    -------
+    dict
+        ``kind`` (``jog``, ``drive``, ``side``, ``preset``, ``tool``, ``pose``, ``zoom``, ``lamps``
+        or ``command``) and the fields of the action; a tool's axis by its name in `TOOL_AXES`.
+    """
+    if isinstance(action, Command):
+        return {"kind": "command", "name": action.value}
+    values = asdict(action)
+    if isinstance(action, Tool):
+        values["axis"] = TOOL_AXES[action.axis]
+    kind = "pose" if isinstance(action, ToPose) else type(action).__name__.lower()
+    return {"kind": kind, **values}

@@ -1,63 +1,48 @@
-"""The map of a gamepad for the console in the browser: the same file that joy_teleop reads."""
+"""What keys and gamepads do, for the console in the browser and for other GUIs."""
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from typing import Any, Dict, List, Mapping
 
 from aiohttp import web
 
-from ..joy.files import shipped_file
+from ..actions.grammar import as_json
+from ..actions.vocabulary import Vocabulary
+from ..files import shipped_file
 from ..joy.maps import Binding, JoyMap, StickBinding
-from ..operating.actions import (
-    TOOL_AXES,
-    Action,
-    Command,
-    Drive,
-    Jog,
-    Lamps,
-    Preset,
-    Side,
-    Tool,
-    ToPose,
-    Zoom,
-)
 
-ADDRESS = "/joy_map.json"
-"""Where the map is served."""
+ACTIONS = "/actions.json"
+"""Where is served what an operator can do, and by which key."""
 
-_KINDS = {
-    Jog: "jog",
-    Drive: "drive",
-    Side: "side",
-    Preset: "preset",
-    Tool: "tool",
-    ToPose: "pose",
-    Zoom: "zoom",
-    Lamps: "lamps",
-}
+JOY_MAP = "/joy_map.json"
+"""Where the map of a gamepad is served: the same file that joy_teleop reads."""
 
 
-def add_joy_map(app: web.Application, path: str) -> None:
-    """Serve the map of a file at `ADDRESS`.
+def add_maps(app: web.Application, actions: str, joy_map: str) -> None:
+    """Serve the vocabulary of actions and the map of a gamepad, at `ACTIONS` and `JOY_MAP`.
 
     Parameters
     ----------
     app
-    path
-        Of the file; empty: the shipped one.
+    actions, joy_map
+        Paths of the files; empty: the shipped ones.
 
     Raises
     ------
     telex_control.common.params.ConfigError
-        When it cannot be read or is wrong.
+        When one cannot be read or is wrong.
     """
-    described = describe(JoyMap.read(path or shipped_file("twin_stick.yaml")))
+    pad = JoyMap.read(joy_map or shipped_file("joy/twin_stick.yaml"))
+    _serve(app, ACTIONS, Vocabulary.read(actions).as_json())
+    _serve(app, JOY_MAP, describe(pad))
 
+
+def _serve(app: web.Application, address: str, content: Dict[str, Any]) -> None:
     async def answer(_request: web.Request) -> web.Response:
-        return web.json_response(described)
+        # as /config.json: a page of one's own may come from elsewhere
+        return web.json_response(content, headers={"Access-Control-Allow-Origin": "*"})
 
-    app.router.add_get(ADDRESS, answer)
+    app.router.add_get(address, answer)
 
 
 def describe(joy_map: JoyMap) -> Dict[str, Any]:
@@ -88,21 +73,11 @@ def _layer(bindings: Mapping[str, Binding]) -> Dict[str, Any]:
 
 def _binding(binding: Binding) -> Dict[str, Any]:
     if not isinstance(binding, StickBinding):
-        return {"action": describe_action(binding.action), "deadzone": binding.deadzone}
+        return {"action": as_json(binding.action), "deadzone": binding.deadzone}
     return {
-        "positive": describe_action(binding.positive),
-        "negative": describe_action(binding.negative),
+        "positive": as_json(binding.positive),
+        "negative": as_json(binding.negative),
         "deadzone": binding.deadzone,
         "expo": binding.expo,
         "scale": binding.scale,
     }
-
-
-def describe_action(action: Action) -> Dict[str, Any]:
-    """Return an action as JSON has it: its ``kind`` and what it moves."""
-    if isinstance(action, Command):
-        return {"kind": "command", "name": action.value}
-    values = asdict(action)
-    if isinstance(action, Tool):
-        values["axis"] = TOOL_AXES[action.axis]
-    return {"kind": _KINDS[type(action)], **values}

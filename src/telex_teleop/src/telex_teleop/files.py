@@ -1,4 +1,4 @@
-"""Reading of the YAML files of joysticks."""
+"""Reading of YAML files into dataclasses."""
 
 from __future__ import annotations
 
@@ -36,5 +36,5 @@ def read_file(kind: Type[Config], path: str) -> Config:
 
 
 def shipped_file(name: str) -> str:
-    """Return the path of a file that comes with the package."""
-    return os.path.join(rospkg.RosPack().get_path("telex_teleop"), "config", "joy", name)
+    """Return the path of a file of the package's folder ``config``."""
+    return os.path.join(rospkg.RosPack().get_path("telex_teleop"), "config", name)

@@ -1,0 +1,270 @@
+"""What an operator can do, by which key and under which title: the file ``config/actions.yaml``.
+
+The console's page gets it as JSON, the terminal takes its keys from it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Dict, Tuple
+
+from telex_control.common.params import ConfigError, require, require_text
+from telex_teleop.actions.grammar import (
+    GRAMMAR,
+    PAGE_ONLY,
+    TERMINAL_ONLY,
+    Action,
+    Command,
+    Tool,
+    as_json,
+    parse_action,
+)
+from telex_teleop.actions.keys import page_key
+from telex_teleop.files import read_file, shipped_file
+from telex_teleop.motion.speed import MAX_ZOOM, STEP, ZOOM_RATE
+
+__all__ = ["MODES", "Entry", "Group", "NamedAction", "Vocabulary"]
+
+MODES = ("DRIVE", "JOINT", "CARTESIAN", "CAMERA")
+"""Modes of the console's keys; a terminal has those of the arm, JOINT and CARTESIAN."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """What the file says of an action.
+
+    Attributes
+    ----------
+    does
+        Text of the action, see `grammar`.
+    key
+        Its key in page and terminal, as typed on a US keyboard or by name; empty: none in the page.
+    title
+        What the list of keys calls it; empty: its name.
+    label
+        Word on its button; empty: the part of the name after the colon.
+    row
+        What stands before its buttons; empty: the part of the name before the colon.
+    page
+        Further keys of the page (KeyboardEvent.code).
+    terminal
+        Further keys of the terminal.
+    """
+
+    does: str
+    key: str = ""
+    title: str = ""
+    label: str = ""
+    row: str = ""
+    page: Tuple[str, ...] = ()
+    terminal: Tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        try:
+            parse_action(self.does)
+        except ValueError:
+            raise ConfigError(
+                f"does is {self.does!r}; it must be {GRAMMAR}, "
+                + ", ".join(command.value for command in PAGE_ONLY)
+            ) from None
+        try:
+            _ = self.key and page_key(self.key)
+        except ValueError:
+            raise ConfigError(
+                f"key is {self.key!r}; it must be a small letter, a digit, a sign of a US keyboard "
+                "without shift, or a name such as pageup; what only a terminal has goes to terminal"
+            ) from None
+
+    @property
+    def action(self) -> Action:
+        """What is done."""
+        return parse_action(self.does)
+
+
+@dataclass(frozen=True)
+class Group:
+    """Actions that stand together in the list of keys.
+
+    Attributes
+    ----------
+    title
+        Of the group.
+    actions
+        Name to action; a name without a colon has one part only.
+    modes
+        Those in which the actions have their keys; empty: all.
+    """
+
+    title: str
+    actions: Dict[str, Entry]
+    modes: Tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        require_text(self, "title")
+        for mode in self.modes:
+            require(mode in MODES, f"modes has {mode!r}; known are {', '.join(MODES)}")
+        for name, entry in self.actions.items():
+            require(
+                not isinstance(entry.action, Tool) or self.modes == ("CARTESIAN",),
+                f"actions/{name} moves the tool, and modes is {list(self.modes)}; it must be "
+                "[CARTESIAN]",
+            )
+
+
+@dataclass(frozen=True)
+class NamedAction:
+    """An action with everything that page and terminal say of it; see `Entry` and `Group`."""
+
+    name: str
+    does: str
+    action: Action
+    group: str
+    modes: Tuple[str, ...]
+    title: str
+    label: str
+    row: str
+    key: str
+    page: Tuple[str, ...]
+    terminal: Tuple[str, ...]
+
+    @property
+    def typed(self) -> Tuple[str, ...]:
+        """Its keys in a terminal."""
+        if self.action in PAGE_ONLY:
+            return ()
+        return (*((self.key,) if self.key else ()), *self.terminal)
+
+    @property
+    def codes(self) -> Tuple[str, ...]:
+        """Its keys in the page (KeyboardEvent.code)."""
+        return (*((page_key(self.key)[0],) if self.key else ()), *self.page)
+
+
+@dataclass(frozen=True)
+class Vocabulary:
+    """Everything that an operator can do.
+
+    Attributes
+    ----------
+    modes
+        Each of `MODES` to what its keys are about.
+    groups
+        In the order of the list of keys.
+    lengths
+        Joints whose position is shown in mm; the others' are shown in degrees.
+
+    Raises
+    ------
+    telex_control.common.params.ConfigError
+        When an action is unknown, a key has two meanings in a mode, or none stops the robot.
+    """
+
+    modes: Dict[str, str]
+    groups: Tuple[Group, ...]
+    lengths: Tuple[str, ...] = field(default=())
+
+    def __post_init__(self) -> None:
+        require(
+            set(self.modes) == set(MODES),
+            f"modes are {', '.join(self.modes)}; they must be {', '.join(MODES)}",
+        )
+        names = [name for group in self.groups for name in group.actions]
+        for name in names:
+            require(names.count(name) == 1, f"groups: two actions are called {name!r}")
+        for needed in (Command.E_STOP, Command.STOP):
+            require(
+                any(each.action is needed and each.key for each in self.actions),
+                f"groups: no action with a key does {needed.value!r}",
+            )
+        for mode in MODES:
+            there = [each for each in self.actions if mode in each.modes]
+            for device in ("codes", "typed"):
+                owners: Dict[str, str] = {}
+                for each in there:
+                    for key in getattr(each, device):
+                        other = owners.setdefault(key, each.name)
+                        require(
+                            other == each.name,
+                            f"groups: {key} is the key of {other} and of {each.name} in {mode}",
+                        )
+
+    @classmethod
+    def read(cls, path: str = "") -> Vocabulary:
+        """Read a file; empty: the shipped one.
+
+        Raises
+        ------
+        telex_control.common.params.ConfigError
+            When it cannot be read or is wrong; the message begins with the path.
+        """
+        return read_file(cls, path or shipped_file("actions.yaml"))
+
+    @cached_property
+    def actions(self) -> Tuple[NamedAction, ...]:
+        """All actions, in the order of the file."""
+        return tuple(
+            _named(name, entry, group)
+            for group in self.groups
+            for name, entry in group.actions.items()
+        )
+
+    def terminal_settings(self) -> Dict[str, Any]:
+        """Return what the file of keyboard_teleop says where it has no keys of its own."""
+        joint, cartesian = (
+            {key: each.does for each in self.actions if mode in each.modes for key in each.typed}
+            for mode in ("JOINT", "CARTESIAN")
+        )
+        return {
+            "keys": joint,
+            # what is not said again there would still mean a joint
+            "cartesian_keys": {k: cartesian.get(k, "nothing") for k in (*cartesian, *joint)},
+            "labels": {e.does: e.label for e in self.actions if isinstance(e.action, Command)},
+            "lengths": list(self.lengths),
+        }
+
+    def as_json(self) -> Dict[str, Any]:
+        """Return what ``/actions.json`` has; docs/engineer/external_gui.md describes it."""
+        shown = [each for each in self.actions if each.action not in TERMINAL_ONLY]
+        return {
+            "speed_step": STEP,
+            "zoom_rate": ZOOM_RATE,
+            "max_zoom": MAX_ZOOM,
+            "lengths": list(self.lengths),
+            "modes": [{"name": name, "note": self.modes[name]} for name in MODES],
+            "actions": [_as_json(each) for each in shown],
+        }
+
+
+def _named(name: str, entry: Entry, group: Group) -> NamedAction:
+    words = name.replace("_", " ")
+    before, _, after = words.partition(":")
+    return NamedAction(
+        name,
+        " ".join(entry.does.split()),
+        entry.action,
+        group.title,
+        group.modes or MODES,
+        entry.title or words.replace(":", " "),
+        entry.label or after or before,
+        entry.row or before,
+        entry.key,
+        entry.page,
+        entry.terminal,
+    )
+
+
+def _as_json(each: NamedAction) -> Dict[str, Any]:
+    code, cap = page_key(each.key) if each.key else (None, None)
+    return {
+        "name": each.name,
+        "does": as_json(each.action),
+        "title": each.title,
+        "label": each.label,
+        "row": each.row,
+        "group": each.group,
+        "modes": list(each.modes),
+        "code": code,
+        "cap": cap,
+        "more_codes": list(each.page),
+    }
