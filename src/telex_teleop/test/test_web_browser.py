@@ -759,6 +759,32 @@ def test_without_the_websocket_pictures_come_another_way(page, robot, tmp_path):
     wait_until(lambda: len(page.thumbnails()) == 5 and page.all_live())
 
 
+def test_a_page_that_is_not_told_the_actions_says_so_and_stops_all_the_same(robot, page):
+    def block(*addresses):
+        page.driver.execute_cdp_cmd("Network.setBlockedURLs", {"urls": list(addresses)})
+
+    page.driver.execute_cdp_cmd("Network.enable", {})
+    block("*/actions.json")
+    try:
+        page.load()
+        wait_until(lambda: page.text("keys-band").startswith("NO KEYS: /actions.json cannot be"))
+        wait_until(lambda: page.attribute("view", "data-state") == "live")
+        robot.forget()
+        with page.hold("w"):
+            assert robot.is_quiet(DRIVE, 0.3)
+        page.press(Keys.ESCAPE)
+        assert robot.wait_for(ESTOP)[-1] == {"data": True}
+    finally:
+        block()
+    # It asks again, and is loaded anew.
+    wait_until(lambda: not page.element("#keys-band").is_displayed())
+    page.load()
+    page.errors()
+    robot.forget()
+    with page.hold("w"):
+        assert robot.wait_for(DRIVE)[0]["linear"]["x"] == 1.2
+
+
 def test_the_attitude_turns_from_calm_to_alarm_and_vanishes_with_its_topic(robot, page):
     def tell(**values):
         topic = "/telex/sim/stability"

@@ -1,7 +1,7 @@
 // @ts-check
 /** Zoom and lamps: commands to them, and what the panel shows of them. */
 
-import { byId, element, setText } from "./panels.js";
+import { byId, element, holdButton, row, rowsOf, setText } from "./panels.js";
 import { getParameter } from "./parameters.js";
 
 const ZOOM_TOPIC = "cameras/turret/zoom";
@@ -30,14 +30,21 @@ export class CameraCommander {
     /** @type {Set<string>} */
     this._lit = new Set();
     this._switches = vocabulary.find("lamps");
+    this._zoomValue = element("span", "num");
+    this._zoomValue.id = "zoom-value";
+    const lamps = element("div", "lamps");
     for (const { name, label } of this._switches) {
       const button = /** @type {HTMLButtonElement} */ (element("button", "small lamp", label));
       button.type = "button";
       button.tabIndex = -1;
       button.dataset.command = name;
       button.setAttribute("role", "checkbox");
-      byId("lamp-buttons").append(button);
+      lamps.append(button);
     }
+    for (const actions of rowsOf(vocabulary.find("zoom").filter(({ modes }) => modes.join() === "CAMERA"))) {
+      byId("camera-rows").append(row("", actions[0].row, this._zoomValue, ...actions.map(holdButton)));
+    }
+    byId("camera-rows").append(row("lamp-row", "lamps", lamps));
     this._show();
   }
 
@@ -98,7 +105,7 @@ export class CameraCommander {
   /** @param {number | null} factor */
   _take(factor) {
     if (factor !== null && Number.isFinite(factor)) this._zoom = Math.min(this._mostZoom, Math.max(1, factor));
-    setText(byId("zoom-value"), `${this._zoom.toFixed(1)}×`);
+    setText(this._zoomValue, `${this._zoom.toFixed(1)}×`);
   }
 
   _show() {
@@ -106,6 +113,6 @@ export class CameraCommander {
       const isLit = does.names.some((lamp) => this._lit.has(lamp));
       document.querySelector(`[data-command="${name}"]`)?.setAttribute("aria-checked", String(isLit));
     }
-    setText(byId("zoom-value"), `${this._zoom.toFixed(1)}×`);
+    setText(this._zoomValue, `${this._zoom.toFixed(1)}×`);
   }
 }

@@ -119,12 +119,6 @@ export class Panels {
     byId("drive-pad").append(...vocabulary.find("drive").map(holdButton));
     for (const actions of inModes("arm", "JOINT")) add("arm-rows", actions, valueOf(actions[0].does.joints[0]));
     for (const actions of inModes("arm", "CAMERA")) add("camera-rows", actions, valueOf(actions[0].does.joints[0]));
-    const zoom = element("span", "num", "–");
-    zoom.id = "zoom-value";
-    for (const actions of rowsOf(vocabulary.find("zoom").filter(({ modes }) => modes.join() === "CAMERA"))) add("camera-rows", actions, zoom);
-    const lamps = element("div", "lamps");
-    lamps.id = "lamp-buttons";
-    byId("camera-rows").append(row("lamp-row", "lamps", lamps));
     for (const actions of inModes("gripper", "")) add("gripper-rows", actions, valueOf(GRIPPER_JOINT));
     byId("gripper-rows").append(
       row("wide", "fingers", ...["left", "right"].map((side) => cell(...fingerJoints(side).map(valueOf)))),

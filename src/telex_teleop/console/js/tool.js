@@ -128,6 +128,7 @@ export class ToolPanel {
     this._frames = [];
     /** What shows where the tool is, by axis. @type {Record<string, HTMLElement>} */
     this._values = Object.fromEntries(Object.keys(TWIST).map((axis) => [axis, element("span", "num", "–")]));
+    for (const [axis, value] of Object.entries(this._values)) value.id = `tool_${axis}-value`;
     for (const actions of rowsOf(vocabulary.find("tool"))) {
       byId("tool-rows").append(row("", actions[0].row, this._values[actions[0].does.axis], ...actions.map(holdButton)));
     }
