@@ -13,6 +13,7 @@ import yaml
 
 from telex_control.common.params import ConfigError, read_struct
 from telex_teleop.actions.grammar import (
+    PAGE_ONLY,
     TERMINAL_ONLY,
     Command,
     Jog,
@@ -201,3 +202,102 @@ def test_the_page_has_a_name_for_all_that_the_shipped_pad_does(shipped):
     )
     by_name = {each.name: each.action for each in shipped.actions}
     assert [by_name.get(name) for name in json.loads(told.stdout)] == list(actions)
+
+
+# Sentences of documents, with the names of actions in place of their keys.
+SENTENCES = {
+    "README.md": (
+        "Hold **{drive:forward}**: the robot drives. **{drive:back}** back, **{drive:left}** and "
+        "**{drive:right}** turn.",
+        "**{slower}** and **{faster}** change that.",
+        "Hold **{front:up}**: the front flippers rise (**{front:down}** lowers them). "
+        "**{rear:up}** and **{rear:down}** are the rear flippers; with **{side:left}** or "
+        "**{side:right}** held only the left or right one moves. **{preset:0}** … **{preset:6}** "
+        "move all four to a preset while held: {presets} (",
+        "Hold **{turret:left}** or **{turret:right}**: the turret turns. "
+        "**{shoulder:up}**/**{shoulder:down}** shoulder, **{telescope:in}**/**{telescope:out}** "
+        "telescope, **{elbow:up}**/**{elbow:down}** elbow, "
+        "**{forearm_roll:left}**/**{forearm_roll:right}** forearm, "
+        "**{wrist_pitch:up}**/**{wrist_pitch:down}** wrist, "
+        "**{gripper_roll:left}**/**{gripper_roll:right}** gripper roll.",
+        "**{mode}** changes to moving the *tool*: **{tool_x:back}**/**{tool_x:ahead}** back and "
+        "ahead, **{tool_y:left}**/**{tool_y:right}** left and right, "
+        "**{tool_z:up}**/**{tool_z:down}** up and down, "
+        "**{tool_pitch:up}**/**{tool_pitch:down}** pitch, "
+        "**{tool_yaw:left}**/**{tool_yaw:right}** yaw, "
+        "**{tool_roll:left}**/**{tool_roll:right}** roll. **{frame}** chooses along whose axes",
+        "**{hold}** keeps the tool in its place while you drive. Hold **{poses}** for the poses "
+        "{pose_labels}.",
+        "**{gripper:close}** and **{gripper:open}** close and open the gripper. **{stop}** stops "
+        "all. **{view}**, or a click on a small picture, makes the next camera large; the arrows, "
+        "**{look:near}** and **{look:far}** turn and zoom the turret's camera, **{lamps:front}**, "
+        "**{lamps:rear}**, **{lamps:turret}** and **{lamps:gripper}** switch lamps. **{keys}** "
+        "lists all keys.",
+        "**{estop}** or E-STOP brakes the tracks",
+    ),
+    "docs/operator/console.md": (
+        "<kbd>{view}</kbd> for the next",
+        "<kbd>{slower}</kbd> and <kbd>{faster}</kbd> change the speed",
+        "| DRIVE | <kbd>{drive_mode}</kbd> |",
+        "| JOINT | <kbd>{mode}</kbd> |",
+        "| CARTESIAN | <kbd>{mode}</kbd> |",
+        "<kbd>{frame}</kbd> the next frame, <kbd>{hold}</kbd> the tool keeps its place",
+        "| CAMERA | <kbd>{camera_mode}</kbd> |",
+        "<kbd>{keys}</kbd> lists all keys.",
+        "<kbd>{estop}</kbd> is the e-stop, always.",
+    ),
+    "docs/operator/input.md": ("({mode} changes it)",),
+}
+
+
+class TestDocuments:
+    def text(self, name):
+        return " ".join((PACKAGE.parents[1] / name).read_text().split())
+
+    @pytest.mark.parametrize(
+        ("name", "sentence"), [(name, said) for name, them in SENTENCES.items() for said in them]
+    )
+    def test_sentences_name_the_keys_that_there_are(self, shipped, name, sentence):
+        caps = {each.name: page_key(each.key)[1] for each in shipped.actions if each.key}
+        poses = [each for each in shipped.actions if isinstance(each.action, ToPose)]
+        caps["poses"] = " ".join(caps[each.name] for each in poses)
+        caps["pose_labels"] = ", ".join(each.label for each in poses)
+        caps["presets"] = ", ".join(preset.name for preset in kinds(shipped, Preset))
+        wanted = re.sub(r"\{([^}]+)\}", lambda found: caps[found[1]], sentence)
+        assert wanted in self.text(name)
+
+    def test_the_table_of_keys_is_that_of_the_vocabulary(self, shipped):
+        rows = {}
+        for each in shipped.actions:
+            rows.setdefault((each.group, each.name.split(":")[0]), []).append(each)
+        lines = [
+            "| keys | further ones of a terminal | | modes |",
+            "|---|---|---|---|",
+            *(_line(row) for row in rows.values()),
+        ]
+        table = "\n".join(lines)
+        assert table in (PACKAGE.parents[1] / "docs/operator/input.md").read_text(), (
+            f"docs/operator/input.md must have this table:\n\n{table}\n"
+        )
+
+
+def _line(row):
+    """Return the line of a table for actions that share a row."""
+
+    def shown(keys):
+        return " ".join(f"`` {key} ``" if "`" in key else f"`{key}`" for key in keys)
+
+    # a bar would end the cell
+    assert not any("|" in key for each in row for key in each.typed)
+    caps = [page_key(each.key)[1] for each in row if each.key]
+    terminal = [key for each in row for key in each.terminal]
+    presets = isinstance(row[0].action, Preset)
+    said = ", ".join(each.label if presets else each.title for each in row)
+    first = row[0]
+    modes = "all" if first.modes == MODES else ", ".join(first.modes)
+    if first.action in PAGE_ONLY:
+        said += " (in the page)"
+    return (
+        f"| {shown(caps)} | {shown(terminal)} | {'flippers to ' if presets else ''}{said} "
+        f"| {modes} |"
+    )
