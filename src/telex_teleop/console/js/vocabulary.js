@@ -71,6 +71,8 @@ export class Vocabulary {
     this.modes = told.modes;
     this.all = told.actions;
     this._byName = new Map(this.all.map((action) => [action.name, action]));
+    // Of two that do the same in different modes, the first one.
+    this._nameBy = new Map(this.all.slice().reverse().map(({ name, does }) => [identity(does), name]));
     this.presets = this.find("preset");
     this.presets.forEach(({ does }, index) => { does.index = index; });
   }
@@ -107,8 +109,7 @@ export class Vocabulary {
    */
   nameOf(does, presets) {
     if (does.kind === "preset") return this.presets[presets.indexOf(does.name)]?.name ?? "";
-    const wanted = identity(does);
-    return this.all.find((action) => identity(action.does) === wanted)?.name ?? "";
+    return this._nameBy.get(identity(does)) ?? "";
   }
 }
 
