@@ -123,7 +123,8 @@ def test_words_and_modes_that_are_not_said():
     actions = {"fore_arm:left": entry, "view": {"does": "next camera", "key": "8"}}
     *_, arm, view = read_struct(Vocabulary, with_group(actions=actions)).actions
     assert (arm.title, arm.label, arm.row) == ("fore arm left", "left", "fore arm")
-    assert (arm.does, arm.modes, arm.typed) == ("arm forearm_joint +", MODES, ("n", "f2"))
+    assert arm.action == Jog("arm", ("forearm_joint",), 1)
+    assert (arm.modes, arm.typed) == (MODES, ("n", "f2"))
     assert (view.title, view.label, view.typed, view.codes) == ("view", "view", (), ("Digit8",))
 
 

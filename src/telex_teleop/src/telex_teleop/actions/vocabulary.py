@@ -5,9 +5,9 @@ The console's page gets it as JSON, the terminal takes its keys from it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Dict, Tuple
+from typing import Any, Dict, Iterable, Tuple
 
 from telex_control.common.params import ConfigError, require, require_text
 from telex_teleop.actions.grammar import (
@@ -113,20 +113,12 @@ class Group:
 
 
 @dataclass(frozen=True)
-class NamedAction:
-    """An action with everything that page and terminal say of it; see `Entry` and `Group`."""
+class NamedAction(Entry):
+    """An entry with its name and what its group says of it; nothing that it left out is empty."""
 
-    name: str
-    does: str
-    action: Action
-    group: str
-    modes: Tuple[str, ...]
-    title: str
-    label: str
-    row: str
-    key: str
-    page: Tuple[str, ...]
-    terminal: Tuple[str, ...]
+    name: str = ""
+    group: str = ""
+    modes: Tuple[str, ...] = ()
 
     @property
     def typed(self) -> Tuple[str, ...]:
@@ -162,7 +154,7 @@ class Vocabulary:
 
     modes: Dict[str, str]
     groups: Tuple[Group, ...]
-    lengths: Tuple[str, ...] = field(default=())
+    lengths: Tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         require(
@@ -179,15 +171,8 @@ class Vocabulary:
             )
         for mode in MODES:
             there = [each for each in self.actions if mode in each.modes]
-            for device in ("codes", "typed"):
-                owners: Dict[str, str] = {}
-                for each in there:
-                    for key in getattr(each, device):
-                        other = owners.setdefault(key, each.name)
-                        require(
-                            other == each.name,
-                            f"groups: {key} is the key of {other} and of {each.name} in {mode}",
-                        )
+            _require_one_meaning([(key, each.name) for each in there for key in each.codes], mode)
+            _require_one_meaning([(key, each.name) for each in there for key in each.typed], mode)
 
     @classmethod
     def read(cls, path: str = "") -> Vocabulary:
@@ -219,7 +204,11 @@ class Vocabulary:
             "keys": joint,
             # what is not said again there would still mean a joint
             "cartesian_keys": {k: cartesian.get(k, "nothing") for k in (*cartesian, *joint)},
-            "labels": {e.does: e.label for e in self.actions if isinstance(e.action, Command)},
+            "labels": {
+                each.action.value: each.label
+                for each in self.actions
+                if isinstance(each.action, Command)
+            },
             "lengths": list(self.lengths),
         }
 
@@ -236,22 +225,23 @@ class Vocabulary:
         }
 
 
+def _require_one_meaning(keys: Iterable[Tuple[str, str]], mode: str) -> None:
+    owners: Dict[str, str] = {}
+    for key, name in keys:
+        other = owners.setdefault(key, name)
+        require(other == name, f"groups: {key} is the key of {other} and of {name} in {mode}")
+
+
 def _named(name: str, entry: Entry, group: Group) -> NamedAction:
     words = name.replace("_", " ")
     before, _, after = words.partition(":")
-    return NamedAction(
-        name,
-        " ".join(entry.does.split()),
-        entry.action,
-        group.title,
-        group.modes or MODES,
-        entry.title or words.replace(":", " "),
-        entry.label or after or before,
-        entry.row or before,
-        entry.key,
-        entry.page,
-        entry.terminal,
-    )
+    said = {
+        **vars(entry),
+        "title": entry.title or words.replace(":", " "),
+        "label": entry.label or after or before,
+        "row": entry.row or before,
+    }
+    return NamedAction(**said, name=name, group=group.title, modes=group.modes or MODES)
 
 
 def _as_json(each: NamedAction) -> Dict[str, Any]:
