@@ -67,6 +67,13 @@ async def test_the_shipped_map_is_served_as_the_robot_obeys_it():
             assert layer["left_stick"]["action"] == {"kind": "command", "name": "e-stop"}
 
 
+def test_wrong_actions_are_refused_with_their_file(tmp_path):
+    path = tmp_path / "mine.yaml"
+    path.write_text("{modes: {}, groups: []}")
+    with pytest.raises(ConfigError, match="mine.yaml: modes are ; they must be DRIVE, JOINT"):
+        add_maps(web.Application(), actions=str(path), joy_map="")
+
+
 def test_a_wrong_map_is_refused_with_its_name(tmp_path):
     path = tmp_path / "mine.yaml"
     path.write_text("{description: x, enable: left_bumper, modes: [{name: DRIVE}]}")
