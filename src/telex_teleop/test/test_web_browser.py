@@ -785,6 +785,54 @@ def test_a_page_that_is_not_told_the_actions_says_so_and_stops_all_the_same(robo
         assert robot.wait_for(DRIVE)[0]["linear"]["x"] == 1.2
 
 
+OTHER_ACTIONS = """
+modes: {DRIVE: tracks, JOINT: each joint, CARTESIAN: tool, CAMERA: look}
+groups:
+- title: Always
+  actions:
+    estop: {does: e-stop, key: escape}
+    stop: {does: stop, key: space}
+    drive:forward: {does: tracks forward, key: up, title: tracks ahead}
+- title: Crane
+  modes: [JOINT]
+  actions:
+    jib:up: {does: arm shoulder_joint -, key: w}
+    jib:down: {does: arm shoulder_joint +, key: s}
+"""
+
+
+def test_the_page_of_another_robot_has_its_actions(ros, robot, page, tmp_path, monkeypatch):
+    path = tmp_path / "crane.yaml"
+    path.write_text(OTHER_ACTIONS)
+    server, url = ros.serve("video_server", "crane_server", f"_actions:={path}")
+    monkeypatch.setattr(page, "url", url)
+    try:
+        page.load()
+        page.element("#tour-skip").click()
+        label, _position, *buttons = page.text("arm-rows").split()
+        assert (label, buttons) == ("jib", ["W", "▲", "up", "S", "▼", "down"])
+        assert page.text("mode-note") == "each joint"
+        robot.forget()
+        with page.hold("w"):
+            command = robot.wait_for(ARM)[0]
+        assert command["joint_names"] == ["shoulder_joint"]
+        assert command["velocities"][0] < 0.0
+        with page.hold(Keys.ARROW_UP):
+            assert robot.wait_for(DRIVE)[0]["linear"]["x"] == 1.2
+        page.element("#help").click()
+        always, crane = (
+            " ".join(g.text.split())
+            for g in page.driver.find_elements(By.CSS_SELECTOR, "#key-groups section")
+        )
+        assert always == "Always Esc estop Space stop ↑ tracks ahead"
+        assert crane == "Crane W jib up S jib down"
+        assert page.errors() == []
+    finally:
+        page.driver.get("about:blank")
+        ros.stop(server)
+        page.errors()
+
+
 def test_the_attitude_turns_from_calm_to_alarm_and_vanishes_with_its_topic(robot, page):
     def tell(**values):
         topic = "/telex/sim/stability"
