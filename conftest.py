@@ -80,6 +80,7 @@ SLOW = (
     "src/telex_teleop/test/test_arm_telex.py",
     "src/telex_teleop/test/test_arm_tool_motion.py",
     "src/telex_teleop/test/test_teleop_reference.py",
+    "src/telex_training/test/test_rehearsal.py",
     "tests/test_benchmarks_smoke.py",
     "tests/test_mobility.py",
     "tests/test_paper_lockstep.py",

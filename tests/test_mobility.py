@@ -10,21 +10,18 @@ import numpy as np
 import pybullet
 import pytest
 
-from telex_experiments.mobility import by_presets, novice, random_commands
+from telex_experiments.mobility import flat, hold, novice, random_commands
 from telex_experiments.mobility.balance import bearing, quasi_static, wheeled
 from telex_experiments.mobility.balance.falls import FallWatch, slow_falls
 from telex_experiments.mobility.offline import Trial
-from telex_experiments.mobility.scripted_operator import (
-    FRONT_FLIPPERS,
-    REAR_FLIPPERS,
-    NotManagedError,
-    Operator,
-)
 from telex_experiments.mobility.suite import Obstacle, all_obstacles, attempt
-from telex_experiments.mobility.terrain import flat, footing, hold, rough, stairs
-from telex_experiments.mobility.terrain.stairs import Stairs
-from telex_experiments.mobility.terrain.step import Step
 from telex_experiments.mobility.watch import Watch
+from telex_training.operators import by_presets
+from telex_training.operators.port import NotManagedError
+from telex_training.operators.scripted_operator import FRONT_FLIPPERS, REAR_FLIPPERS, Operator
+from telex_training.operators.terrain import footing, rough, stairs
+from telex_training.operators.terrain.stairs import Stairs
+from telex_training.operators.terrain.step import Step
 
 OBSTACLES: Dict[str, Obstacle] = {obstacle.name: obstacle for obstacle in all_obstacles()}
 

@@ -15,7 +15,6 @@ import numpy as np
 import pybullet
 import yaml
 from control_msgs.msg import FollowJointTrajectoryGoal, GripperCommand, GripperCommandGoal
-from geometry_msgs.msg import PoseStamped, Twist
 from trajectory_msgs.msg import JointTrajectoryPoint
 
 from telex_control.common.geometry.matrices import homogeneous, rotation_from_rpy
@@ -23,11 +22,12 @@ from telex_control.common.params import read_config
 from telex_control.controllers.parallel_gripper_controller import FingerGeometry
 from telex_control.follow_trajectory import TrajectoryError
 from telex_control.kinematics import Chain, IKSolver, Tolerance
-from telex_control.ros.pose_messages import pose_message
-from telex_experiments.mobility.scripted_operator import Operator
 from telex_sim.engine.simulator_config import TUNED_PERIOD
+from telex_sim.offline.robot import OfflineRobot
 from telex_sim.offline.simulation import OfflineSimulation, package_file, robot_description
 from telex_sim.robot.gripper.contact import GripperContact
+from telex_training.operators.scripted_operator import DirectOperator
+from telex_training.rehearsal.controllers import OfflineControllers
 
 PLACE = (1.0, 0.0, 0.6)
 """Where the tool starts, in base_link (m): from here it can be shaken however the hand points."""
@@ -92,7 +92,7 @@ class Rig:
     Attributes
     ----------
     simulation : Simulation
-    operator : Operator
+    operator : DirectOperator
         For tracks and flippers.
     each_step : list of callable
         Called after every step: for measurements.
@@ -136,11 +136,10 @@ class Rig:
         self.each_step: List[Callable[[], None]] = []
         self._reference = np.array([pose[name] for name in _chain().joint_names])
         self._switch(controllers["controller_groups"])
-        node = self._offline.node
-        self._tracks = node.advertise("track_controller/cmd_vel", Twist)
-        self._base_pose = node.advertise("sim/base_pose", PoseStamped)
-        self.operator = Operator(node, self._advance)
-        self._advance(_SETTLING)
+        self._robot = OfflineRobot(self._offline)
+        self.operator = DirectOperator(OfflineControllers(self._robot, self.wait))
+        self.wait(_SETTLING)
+        self.operator.look()
 
     def __enter__(self) -> Rig:
         return self
@@ -173,14 +172,6 @@ class Rig:
             self.simulation.step()
             for measure in self.each_step:
                 measure()
-
-    def _advance(self, seconds: float) -> None:
-        """Let sim time pass, and do what the simulator's node does for an operator."""
-        self.wait(seconds)
-        position, orientation = self.simulation.body.base_pose()
-        message = PoseStamped()
-        message.pose = pose_message(position, orientation)
-        self._base_pose.publish(message)
 
     # --- the arm ---------------------------------------------------------------------------------
 
@@ -346,14 +337,9 @@ class Rig:
     def drive(self, linear: float, angular: float, seconds: float) -> None:
         """Drive (m/s, rad/s), then stop."""
         for _ in range(round(seconds / _COMMAND_PERIOD)):
-            self._command_tracks(linear, angular)
+            self._robot.drive(linear, angular)
             self.wait(_COMMAND_PERIOD)
-        self._command_tracks(0.0, 0.0)
-
-    def _command_tracks(self, linear: float, angular: float) -> None:
-        command = Twist()
-        command.linear.x, command.angular.z = linear, angular
-        self._tracks.publish(command)
+        self._robot.drive(0.0, 0.0)
 
     # --- objects ---------------------------------------------------------------------------------
 

@@ -7,8 +7,8 @@ from typing import NamedTuple, Tuple
 
 import pybullet
 
-from telex_experiments.mobility.robot_size import AXLE_HEIGHT
-from telex_experiments.mobility.terrain.stairs import Stairs, climb
+from telex_training.operators.robot_size import AXLE_HEIGHT
+from telex_training.operators.terrain.stairs import Stairs, climb
 
 from .holding import Sway, rig_for, sway
 from .rig import FRONT, Rig

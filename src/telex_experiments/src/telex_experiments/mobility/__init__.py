@@ -1,6 +1,5 @@
-"""Scripted operators: what the robot has to manage, driven through its ROS topics only.
+"""What the robot has to manage on its tracks: obstacles, and what is measured on them.
 
-`scripted_operator` holds the hands and eyes of a script, one module per manoeuvre what it does.
-A script runs unchanged in one process with the simulation (`offline`), as fast as that goes and
-always the same, and on a live simulator (`live`).
+Scripted operators (`telex_training.operators`) drive in one process with the simulation
+(`offline`), as fast as that goes and always the same, and on a live simulator (`live`).
 """

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from typing import Any
 
 import rospy
-from geometry_msgs.msg import PoseStamped
-from sensor_msgs.msg import JointState
 from std_srvs.srv import Empty
 from telex_msgs.srv import Step
 
 from telex_control.ros.ros_node_handle import RosNodeHandle
-
-from .scripted_operator import TICK, Operator
+from telex_training.operators.scripted_operator import TICK, DirectOperator
+from telex_training.ros.controllers import ControllerTopics
 
 _PATIENCE = 20.0
 """Wall time within which what was asked for has to come (s)."""
@@ -36,46 +33,38 @@ class LockStep:
 
     Attributes
     ----------
-    operator : Operator
+    operator : DirectOperator
         Of the robot in this namespace.
     """
 
     def __init__(self, step_size: float) -> None:
         self._step_size = step_size
-        self._arrived = threading.Condition()
-        self._stamps = {"joint_states": -1.0, "sim/base_pose": -1.0}
-        self._subscribers = [
-            rospy.Subscriber("joint_states", JointState, self._on_message, "joint_states"),
-            rospy.Subscriber("sim/base_pose", PoseStamped, self._on_message, "sim/base_pose"),
-        ]
         self._pause = rospy.ServiceProxy("sim/pause", Empty)
         self._step = rospy.ServiceProxy("sim/step", Step, persistent=True)
-        self.operator = Operator(RosNodeHandle(), self._advance)
+        port = ControllerTopics(RosNodeHandle(), self._advance)
+        self._observer = port.observer
+        self.operator = DirectOperator(port)
 
     def begin(self) -> None:
         """Pause, once the robot's messages come, and look at it."""
-        self._await("joint states and base pose", lambda: min(self._stamps.values()) >= 0.0)
+        self._await("joint states and base pose", lambda: self._observer.time >= 0.0)
         self._pause.wait_for_service(_PATIENCE)
         self._pause()
         self._advance(TICK)
-
-    def _on_message(self, message: Any, topic: str) -> None:
-        with self._arrived:
-            self._stamps[topic] = max(self._stamps[topic], message.header.stamp.to_sec())
-            self._arrived.notify_all()
+        self.operator.look()
 
     def _await(self, what: str, condition: Any) -> None:
-        with self._arrived:
-            if not self._arrived.wait_for(condition, _PATIENCE):
+        with self._observer.arrived:
+            if not self._observer.arrived.wait_for(condition, _PATIENCE):
                 raise LiveError(f"no {what} within {_PATIENCE:g} s")
 
     def _advance(self, seconds: float) -> None:
         time.sleep(_ARRIVAL)
-        before = dict(self._stamps)
+        before = self._observer.stamps
         answer = self._step(steps=round(seconds / self._step_size))
         if not answer.success:
             raise LiveError(f"sim/step: {answer.message}")
         self._await(
             "joint states and base pose after a step",
-            lambda: all(stamp > before[topic] for topic, stamp in self._stamps.items()),
+            lambda: all(stamp > before[topic] for topic, stamp in self._observer.stamps.items()),
         )

@@ -14,13 +14,12 @@ from sensor_msgs.msg import JointState
 
 from telex_control.common.params import read_config
 from telex_sim.offline.simulation import package_file
+from telex_teleop.cores import flipper_core, limits_of_present
 from telex_teleop.flippers.flipper_settings import FlipperTeleopSettings
-from telex_teleop.flippers.flipper_teleop import FlipperTeleop
-from telex_teleop.motion.limits import limits_from_urdf
+from telex_training.operators.by_presets import PresetKeys
+from telex_training.operators.port import NotManagedError
 
-from .by_presets import PresetKeys
 from .offline import Trial
-from .scripted_operator import NotManagedError
 
 
 class Novice(PresetKeys):
@@ -35,15 +34,7 @@ class Novice(PresetKeys):
     def __init__(self, trial: Trial) -> None:
         super().__init__(trial.operator)
         settings = _settings()
-        axes = settings.axes(limits_from_urdf(trial.urdf, settings.joints))
-        self._core = FlipperTeleop(
-            axes=axes,
-            presets=settings.preset_table(axes),
-            goal_rules=settings.goal_rules(),
-            command_timeout=settings.command_timeout,
-            longest_step=settings.longest_step,
-            speed=settings.speed_scale(),
-        )
+        self._core = flipper_core(settings, limits_of_present(settings, trial.urdf)[0])
         self._key = ""
         self._now = 0.0
         trial.node.subscribe("joint_states", JointState, self._on_joint_states)

@@ -11,13 +11,12 @@ from xml.etree import ElementTree
 import numpy as np
 import pybullet
 import yaml
-from geometry_msgs.msg import PoseStamped
 
-from telex_control.ros.pose_messages import pose_message
 from telex_sim.engine.simulator_config import TUNED_PERIOD
+from telex_sim.offline.robot import OfflineRobot
 from telex_sim.offline.simulation import OfflineSimulation, package_file, robot_description
-
-from .scripted_operator import TICK, Operator
+from telex_training.operators.scripted_operator import TICK, DirectOperator
+from telex_training.rehearsal.controllers import OfflineControllers
 
 LOAD_EDGE = 0.2
 """Edge of a load in the gripper (m), for its inertia."""
@@ -76,7 +75,7 @@ class Trial:
     ----------
     simulation : Simulation
     urdf : str
-    operator : Operator
+    operator : DirectOperator
     each_step : list of callable
         Called after every step: for measurements.
     load : int or None
@@ -118,10 +117,10 @@ class Trial:
         self.load: Optional[int] = None
         if load:
             self.hold(load)
-        self._base_pose = self._offline.node.advertise("sim/base_pose", PoseStamped)
-        self.operator = Operator(self._offline.node, self._advance)
-        self._publish_base_pose()
+        port = OfflineControllers(OfflineRobot(self._offline), self._advance)
+        self.operator = DirectOperator(port)
         self._advance(TICK)
+        self.operator.look()
 
     def __enter__(self) -> Trial:
         return self
@@ -140,14 +139,6 @@ class Trial:
             self.simulation.step()
             for measure in self.each_step:
                 measure()
-        self._publish_base_pose()
-
-    def _publish_base_pose(self) -> None:
-        """Do what the simulator's node does."""
-        position, orientation = self.simulation.body.base_pose()
-        message = PoseStamped()
-        message.pose = pose_message(position, orientation)
-        self._base_pose.publish(message)
 
     def hold(self, mass: float) -> None:
         """Fix a load between the pads, as a grip does that does not slip."""
@@ -189,7 +180,7 @@ class Trial:
             pybullet.resetBasePositionAndOrientation(
                 self.load, *body.pose("tool_link"), physicsClientId=body.client
             )
-        self._publish_base_pose()
+        self.operator.look()
 
     def center(self) -> np.ndarray:
         """Position of the hull's centre of mass in the world (m)."""

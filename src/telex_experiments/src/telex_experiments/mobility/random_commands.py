@@ -8,9 +8,11 @@ import time
 from dataclasses import dataclass
 from typing import Any, Dict, List, Tuple
 
+from telex_training.operators.port import NotManagedError
+from telex_training.operators.scripted_operator import FRONT_FLIPPERS, REAR_FLIPPERS, TICK
+
 from .balance.falls import Fall, FallWatch
 from .offline import Trial
-from .scripted_operator import FRONT_FLIPPERS, REAR_FLIPPERS, TICK, NotManagedError
 from .watch import Watch
 
 _COMMAND = 1.0

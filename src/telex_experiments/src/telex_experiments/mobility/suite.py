@@ -6,10 +6,12 @@ import math
 from dataclasses import dataclass
 from typing import Any, Callable, Dict, List, Optional, Tuple, Union
 
+from telex_training.operators.port import NotManagedError
+from telex_training.operators.scripted_operator import Operator
+from telex_training.operators.terrain import gap, hurdle, rough, slope, stairs, step
+
 from .balance import load
 from .offline import Trial
-from .scripted_operator import NotManagedError, Operator
-from .terrain import gap, hurdle, rough, slope, stairs, step
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ MODULES: Tuple[str, ...] = (
     "telex_experiments.paper.experiments.step_response",
     "telex_experiments.paper.experiments.lockstep",
     "telex_experiments.paper.experiments.trajectory",
-    "telex_experiments.operators",
+    "telex_experiments.paper.tasks",
     "telex_experiments.paper.experiments.views",
     "telex_experiments.paper.experiments.outlook",
 )

@@ -21,10 +21,9 @@ from telex_control.kinematics import Chain
 from telex_control.ros.pose_messages import fill_pose, pose_in, vector_in
 from telex_teleop.arm.arm_settings import ArmTeleopSettings
 from telex_teleop.arm.arm_teleop import ArmTeleop, ModeError
-from telex_teleop.arm.ik_kinematics import IKKinematics
 from telex_teleop.arm.proximity import ProximityPair, ProximityState
 from telex_teleop.arm.tool_command import pose_matrix
-from telex_teleop.arm.tool_motion import ToolMotion
+from telex_teleop.cores import tool_motion
 from telex_teleop.motion.joint_jog import InvalidCommand
 from telex_teleop.ros.common import caller_of, warn_dropped
 from telex_teleop.ros.joint_teleop import JointTeleopNode
@@ -159,19 +158,9 @@ class ArmTeleopNode(JointTeleopNode):
             self._proximity = None
 
     def _warm_up(self, chain: Chain) -> None:
-        arm = self._arm
-        motions = [arm.axes[joint].settings.motion for joint in chain.joint_names]
-        kinematics = IKKinematics(chain, motions)
-        kinematics.warm_up()
-        tool = ToolMotion(
-            chain.joint_names,
-            motions,
-            [joint.kind == "prismatic" for joint in chain.joints],
-            kinematics,
-            self._settings.cartesian,
-        )
+        tool = tool_motion(self._arm, chain, self._settings.cartesian)
         with self._lock:
-            arm.attach(tool)
+            self._arm.attach(tool)
 
     # ------------------------------------------------------------ commands
 

@@ -15,11 +15,12 @@ from telex_sim.engine.contacts import contacts
 from telex_sim.engine.simulation import Simulation
 from telex_sim.engine.world import GRAVITY
 from telex_sim.offline.simulation import package_file
+from telex_training.operators.port import NotManagedError
+from telex_training.operators.robot_size import AXLE_HEIGHT
+from telex_training.operators.scripted_operator import TICK
+from telex_training.operators.terrain.slope import Slope
 
 from ..offline import Trial
-from ..robot_size import AXLE_HEIGHT
-from ..scripted_operator import TICK, NotManagedError
-from ..terrain.slope import Slope
 from . import quasi_static
 from .quasi_static import Turning
 

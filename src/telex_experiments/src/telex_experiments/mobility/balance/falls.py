@@ -8,11 +8,12 @@ from time import process_time
 from typing import Any, Dict, List, Optional, Tuple
 
 from telex_sim.stability.monitor import Margin, StabilityMonitor
+from telex_training.operators.port import NotManagedError
+from telex_training.operators.robot_size import AXLE_HEIGHT
+from telex_training.operators.scripted_operator import TICK, Operator
+from telex_training.operators.terrain.slope import Slope
 
 from ..offline import Trial
-from ..robot_size import AXLE_HEIGHT
-from ..scripted_operator import TICK, NotManagedError, Operator
-from ..terrain.slope import Slope
 
 LOOK = 0.05
 """Time from one look at the robot's stability to the next (s), as the simulator's node has it."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..scripted_operator import Operator
+from telex_training.operators.scripted_operator import Operator
 
 MASS = 10.0
 """kg."""

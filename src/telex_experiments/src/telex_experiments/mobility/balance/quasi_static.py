@@ -14,7 +14,14 @@ from typing import Callable, List, Sequence, Tuple
 
 import numpy as np
 
-from ..robot_size import AXLE_HEIGHT, BELT_INNER, BELT_OUTER, FLIPPER_LENGTH, PIVOT, TIP_RADIUS
+from telex_training.operators.robot_size import (
+    AXLE_HEIGHT,
+    BELT_INNER,
+    BELT_OUTER,
+    FLIPPER_LENGTH,
+    PIVOT,
+    TIP_RADIUS,
+)
 
 _BELT = 0.5 * (BELT_INNER + BELT_OUTER)
 _DROP = AXLE_HEIGHT - TIP_RADIUS

@@ -11,12 +11,12 @@ import pybullet
 
 from telex_sim.engine.world import GRAVITY
 from telex_sim.stability.monitor import StabilityMonitor
+from telex_training.operators.port import NotManagedError
+from telex_training.operators.terrain.slope import Slope
+from telex_training.operators.terrain.stairs import Stairs, start_climb, start_descent
 
+from ..flat import FLAT
 from ..offline import Trial
-from ..scripted_operator import NotManagedError
-from ..terrain.flat import FLAT
-from ..terrain.slope import Slope
-from ..terrain.stairs import Stairs, start_climb, start_descent
 from .load import POSE, hold_forward
 
 STANDS = 0.02

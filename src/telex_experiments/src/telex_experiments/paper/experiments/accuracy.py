@@ -18,8 +18,8 @@ from telex_experiments.grasping.holding import block, hold, rig_for
 from telex_experiments.grasping.things import GRAVITY, PAD_FRICTION, THINGS, Thing
 from telex_experiments.mobility.offline import Trial
 from telex_experiments.mobility.suite import attempt, step_up
-from telex_experiments.mobility.terrain.step import Step
 from telex_sim.offline.arm import OfflineArm, plan_circle
+from telex_training.operators.terrain.step import Step
 
 from ..experiment import Cell, Experiment, Figure, Picture, Result, Table
 from ..session import Session

@@ -8,11 +8,12 @@ from typing import Dict, List, Optional, Tuple
 from telex_experiments.grasping.holding import Hold, hold, rig_for
 from telex_experiments.grasping.suite import FRICTIONS, LEAST_FORCE, Grasp, grasp
 from telex_experiments.grasping.things import PAD_FRICTION, THINGS, Thing
+from telex_experiments.mobility import flat
+from telex_experiments.mobility import hold as standing
 from telex_experiments.mobility.balance.chassis_force import ChassisForce
 from telex_experiments.mobility.offline import Trial
 from telex_experiments.mobility.suite import Obstacle, Outcome, all_obstacles, attempt
-from telex_experiments.mobility.terrain import flat, slope
-from telex_experiments.mobility.terrain import hold as standing
+from telex_training.operators.terrain import slope
 
 from ..experiment import Cell, Experiment, Figure, Result, Table
 from ..session import Session

@@ -1,0 +1,19 @@
+"""Tells catkin where the Python package lives; not meant to be run by hand."""
+
+from distutils.core import setup
+
+from catkin_pkg.python_setup import generate_distutils_setup
+
+setup(
+    **generate_distutils_setup(
+        packages=[
+            "telex_training",
+            "telex_training.operators",
+            "telex_training.operators.tasks",
+            "telex_training.operators.terrain",
+            "telex_training.rehearsal",
+            "telex_training.ros",
+        ],
+        package_dir={"": "src"},
+    )
+)

@@ -1,0 +1,1 @@
+"""Operators' ports on a live robot, by its topics."""
