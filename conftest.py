@@ -30,7 +30,7 @@ HEAVY, LIGHT = "real_time", "waiting"
 """Lanes of such tests: one after the other in each."""
 WAITING = (
     "src/telex_control/test/test_node_start.py",
-    "src/telex_control/test/test_private_master.py",
+    "tests/test_private_master.py",
     "src/telex_control/test/test_scheduling.py",
     "src/telex_control/test/test_xmlrpc_guard.py",
     "src/telex_description/test/test_no_warnings.py",

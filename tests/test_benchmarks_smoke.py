@@ -14,7 +14,8 @@ from pathlib import Path
 
 import pytest
 
-from telex_control.ros.private_master import DIES_WITH_US, end_tree
+from telex_control.common.child_processes import DIES_WITH_US
+from telex_experiments.rigs.private_master import end_tree
 
 BENCHMARKS = Path(__file__).resolve().parents[1] / "benchmarks"
 OFFLINE = ("grasping", "ik", "mobility", "step_response", "trajectory")

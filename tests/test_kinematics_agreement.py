@@ -25,9 +25,9 @@ from tf2_msgs.msg import TFMessage
 from tf2_py import BufferCore
 
 from telex_control.kinematics import Chain, UrdfTree, dh_chain
-from telex_control.ros.private_master import PrivateMaster
 from telex_control.ros.rospy_fixes.connecting import miss_nothing
 from telex_control.urdf.joints import joints, parse_urdf
+from telex_experiments.rigs.private_master import PrivateMaster
 from telex_sim.offline.simulation import robot_description
 
 BASE, TOOL = "base_link", "tool_link"

@@ -17,7 +17,6 @@ from pathlib import Path
 
 import pytest
 
-from telex_control.ros.private_master import PrivateMaster, end_tree
 from telex_experiments.paper import __main__ as program
 from telex_experiments.paper import registry, schedule
 from telex_experiments.paper.experiment import Experiment, Figure, Picture, Result, Table, missing
@@ -26,6 +25,7 @@ from telex_experiments.paper.page import Run, number, page
 from telex_experiments.paper.recorder import Throttle, rates
 from telex_experiments.paper.schedule import Outcome, Schedule, planned
 from telex_experiments.paper.session import Session
+from telex_experiments.rigs.private_master import PrivateMaster, end_tree
 
 ROOT = Path(__file__).resolve().parents[1]
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from telex_control.ros.private_master import PrivateMaster, end_tree
+from telex_experiments.rigs.private_master import PrivateMaster, end_tree
 
 LAUNCH = """
 <launch>

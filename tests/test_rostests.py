@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from telex_control.ros.private_master import end_tree
+from telex_experiments.rigs.private_master import end_tree
 
 pytestmark = [pytest.mark.ros, pytest.mark.real_time]
 

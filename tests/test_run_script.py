@@ -21,7 +21,7 @@ from xml.etree import ElementTree
 import pytest
 import rosgraph
 
-from telex_control.ros.private_master import free_port
+from telex_experiments.rigs.private_master import free_port
 
 ROOT = Path(__file__).resolve().parents[1]
 OPENS_ROS = ("ROS_IP", "ROS_HOSTNAME")

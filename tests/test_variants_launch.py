@@ -11,7 +11,7 @@ import time
 import pytest
 import yaml
 
-from telex_control.ros.private_master import PrivateMaster, end_tree
+from telex_experiments.rigs.private_master import PrivateMaster, end_tree
 
 START = 60.0  # s
 FINGERS = {

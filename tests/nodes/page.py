@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import shutil
-import tempfile
 from typing import Any, Callable, List
 
 from robot import eventually
-from selenium.webdriver.common.action_chains import ActionChains
 
-from telex_teleop import headless_chromium
+from telex_experiments.rigs.chromium import Chromium
 
 RELEASED = "released: "
 """Begin of the line that the page logs when it lets go of what is held."""
@@ -19,18 +16,20 @@ class Page:
     """The console at an address, connected and with a picture; `quit` ends the browser."""
 
     def __init__(self, url: str) -> None:
-        self._profile = tempfile.mkdtemp(prefix="telex-chromium-")
-        self.driver = headless_chromium.start(self._profile, logs={"browser": "ALL"})
-        self.driver.get(f"{url}/")
+        self._browser = Chromium(f"{url}/", listens=True)
         eventually(self.settled, 30.0, "the console to be connected and to show a picture")
 
     def quit(self) -> None:
-        self.driver.quit()
-        shutil.rmtree(self._profile, ignore_errors=True)
+        self._browser.close()
+
+    @property
+    def complaints(self) -> List[str]:
+        """Errors of the page so far."""
+        return self._browser.complaints
 
     def ask(self, script: str) -> Any:
         """Return what a script returns in the page."""
-        return self.driver.execute_script(script)
+        return self._browser.evaluate(f"(() => {{ {script} }})()")
 
     def text(self, element: str) -> str:
         """Text of an element, by its id; empty while it is hidden."""
@@ -42,9 +41,9 @@ class Page:
         """Tell whether an operator would begin: a page that still loads lets go of held keys."""
         return self.ask(
             """
-            return document.getElementById("link").dataset.state === "up"
-              && document.getElementById("view").dataset.state === "live"
-              && document.getElementById("speed").textContent.includes("%");
+            return document.getElementById("link")?.dataset.state === "up"
+              && document.getElementById("view")?.dataset.state === "live"
+              && document.getElementById("speed")?.textContent.includes("%");
             """
         )
 
@@ -81,10 +80,10 @@ class Page:
             ) from error
 
     def press(self, key: str) -> None:
-        ActionChains(self.driver).key_down(key).perform()
+        self._browser.press(f"Key{key.upper()}")
 
     def release(self, key: str) -> None:
-        ActionChains(self.driver).key_up(key).perform()
+        self._browser.release(f"Key{key.upper()}")
 
     def _count_released(self) -> int:
         lines = self.ask(

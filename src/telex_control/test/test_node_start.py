@@ -13,7 +13,7 @@ import rospy
 from telex_control.common import interpreter
 from telex_control.ros import node_start
 from telex_control.ros.node_start import until_shutdown
-from telex_control.ros.private_master import PrivateMaster
+from telex_experiments.rigs.private_master import PrivateMaster
 
 # Is told to end while it talks to the master: rospy's lock of that connection is taken.
 NODE = """

@@ -17,12 +17,13 @@ import pytest
 import rosgraph
 import rosgraph.xmlrpc
 
-from telex_control.ros.private_master import DIES_WITH_US, PrivateMaster, end_tree
+from telex_control.common.child_processes import DIES_WITH_US
 from telex_control.ros.rospy_fixes.xmlrpc_guard import (
     GuardedRequestHandler,
     guard_xmlrpc,
     is_own_host,
 )
+from telex_experiments.rigs.private_master import PrivateMaster, end_tree
 
 XML = {"Content-Type": "text/xml"}
 NODE = """

@@ -15,9 +15,9 @@ from pybullet_utils.bullet_client import BulletClient
 from urdf_parser_py.urdf import URDF
 
 from telex_control.kinematics import UrdfTree, kdl_tree
-from telex_control.ros.private_master import PrivateMaster, end_tree
 from telex_control.urdf.joints import joints, parse_urdf
 from telex_control.urdf.transmission_parser import driven_joints
+from telex_experiments.rigs.private_master import PrivateMaster, end_tree
 
 PACKAGE = Path(__file__).resolve().parents[1]
 VARIANTS = ("standard", "six_axis", "carrier")

@@ -17,8 +17,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from telex_control.ros.private_master import PrivateMaster, end_tree
 from telex_control.ros.rospy_fixes.connecting import miss_nothing
+from telex_experiments.rigs.private_master import PrivateMaster, end_tree
 
 NODE = Path(__file__).parents[1] / "nodes" / "cameras"
 SIZE = (160, 120)

@@ -17,7 +17,7 @@ import threading
 
 import aiohttp
 
-from telex_control.ros.private_master import DIES_WITH_US
+from telex_control.common.child_processes import DIES_WITH_US
 
 _TIMEOUT = 60.0  # s, for a machine that has other things to do
 _LISTENING = re.compile(r"WebDriver BiDi listening on (ws://\S+)")

@@ -19,8 +19,8 @@ import yaml
 from teleop_drill import PACKAGE, FakeRobot, Held, Node, repeat, wait_for
 
 from telex_control.kinematics import Chain, quaternion_of
-from telex_control.ros.private_master import PrivateMaster
 from telex_control.ros.rospy_fixes.connecting import miss_nothing
+from telex_experiments.rigs.private_master import PrivateMaster
 from telex_teleop.motion.rigid_motion import advanced, pose_error
 
 DESCRIPTION = PACKAGE.parent / "telex_description"

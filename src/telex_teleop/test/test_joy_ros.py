@@ -17,8 +17,8 @@ from pathlib import Path
 import pytest
 from teleop_drill import wait_for
 
-from telex_control.ros.private_master import PrivateMaster
 from telex_control.ros.rospy_fixes.connecting import miss_nothing
+from telex_experiments.rigs.private_master import PrivateMaster
 
 NODES = Path(__file__).parents[1] / "nodes"
 ROBOT = "/robot7"

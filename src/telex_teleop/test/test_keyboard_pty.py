@@ -24,8 +24,8 @@ import pytest
 from teleop_drill import wait_for
 
 from telex_control.common.scheduling import may_come_first
-from telex_control.ros.private_master import PrivateMaster, free_port
 from telex_control.ros.rospy_fixes.connecting import miss_nothing
+from telex_experiments.rigs.private_master import PrivateMaster, free_port
 
 NODE = Path(__file__).parents[1] / "nodes" / "keyboard_teleop"
 ROBOT = "/robot7"

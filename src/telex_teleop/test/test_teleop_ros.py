@@ -15,8 +15,8 @@ import time
 import pytest
 from teleop_drill import PACKAGE, TICK, FakeRobot, Held, Node, description, repeat, wait_for
 
-from telex_control.ros.private_master import PrivateMaster
 from telex_control.ros.rospy_fixes.connecting import miss_nothing
+from telex_experiments.rigs.private_master import PrivateMaster
 
 LONGEST_SILENCE = 0.5  # s from the last message to the first sign of the stop
 BELT = "front_left_track_joint"

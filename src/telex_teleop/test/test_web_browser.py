@@ -10,6 +10,7 @@ import statistics
 import time
 from urllib.parse import urlsplit
 
+import headless_chromium
 import numpy as np
 import pytest
 from selenium.webdriver.common.action_chains import ActionChains
@@ -34,8 +35,6 @@ from web_robot import (
     describe,
 )
 from web_waits import wait_until
-
-from telex_teleop import headless_chromium
 
 pytestmark = [pytest.mark.ros, pytest.mark.browser]
 

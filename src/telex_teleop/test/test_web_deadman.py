@@ -16,7 +16,7 @@ from test_web_browser import page, robot, ros
 from web_robot import ARM_JOINTS, DRIVE, POSITIONS
 from web_waits import wait_until
 
-from telex_control.ros.private_master import descendants
+from telex_experiments.rigs.private_master import descendants
 
 # the fixtures of the console's other tests, started anew for this file
 __all__ = ["page", "robot", "ros"]

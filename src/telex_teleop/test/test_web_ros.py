@@ -20,7 +20,7 @@ import simplejpeg
 from web_harness import Ros
 from web_waits import wait_until
 
-from telex_control.ros.private_master import free_port
+from telex_experiments.rigs.private_master import free_port
 
 pytestmark = pytest.mark.ros
 

@@ -15,7 +15,8 @@ from pathlib import Path
 import rosgraph
 from web_waits import wait_until
 
-from telex_control.ros.private_master import DIES_WITH_US, PrivateMaster
+from telex_control.common.child_processes import DIES_WITH_US
+from telex_experiments.rigs.private_master import PrivateMaster
 
 PACKAGE = Path(__file__).resolve().parents[1]
 SOURCE = PACKAGE / "src"

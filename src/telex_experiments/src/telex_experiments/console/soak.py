@@ -16,10 +16,11 @@ from typing import Any, Dict, Iterator, List, NamedTuple
 import rospy
 from std_msgs.msg import Float64
 
-from telex_control.ros.private_master import DIES_WITH_US, end_tree
+from telex_control.common.child_processes import DIES_WITH_US
 from telex_experiments.console.keys import Presses, listen_to_keys
 from telex_experiments.console.rig import PATIENCE, MeasurementError, Rig
 from telex_experiments.rigs.chromium import Chromium
+from telex_experiments.rigs.private_master import end_tree
 from telex_experiments.rigs.report import Figure
 
 WATCHERS = 8

@@ -24,7 +24,8 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64
 from telex_msgs.msg import TrackTeleopStatus
 
-from telex_control.ros.private_master import KILLED_WITH_US, end_tree
+from telex_control.common.child_processes import KILLED_WITH_US
+from telex_experiments.rigs.private_master import end_tree
 from telex_experiments.rigs.report import Figure
 from telex_sim.offline.simulation import package_file
 

@@ -3,16 +3,10 @@
 from __future__ import annotations
 
 import contextlib
-import tempfile
 import time
 from typing import Callable, Iterator, List, Set, Tuple
 
-from selenium import webdriver
-from selenium.webdriver.common.action_chains import ActionChains
-from selenium.webdriver.common.by import By
-from selenium.webdriver.common.keys import Keys
-
-from telex_teleop import headless_chromium
+from telex_experiments.rigs.chromium import BrowserError, Chromium
 
 _TIMEOUT = 120.0  # s, for a machine that has other things to do
 _STEADY = 1.0
@@ -28,11 +22,11 @@ class Console:
 
     Parameters
     ----------
-    driver : WebDriver
+    browser : Chromium
     """
 
-    def __init__(self, driver: webdriver.Chrome) -> None:
-        self._driver = driver
+    def __init__(self, browser: Chromium) -> None:
+        self._browser = browser
 
     def wait_until_live(self) -> None:
         """Wait until robot and all cameras are there, and end the tour for new operators.
@@ -45,8 +39,8 @@ class Console:
         ConsoleError
         """
         self._await("the link to the robot", self.is_linked)
-        with contextlib.suppress(Exception):
-            self._driver.find_element(By.ID, "tour-skip").click()
+        with contextlib.suppress(BrowserError):
+            self._browser.click("#tour-skip")
         seen: Set[str] = set()
 
         def all_seen() -> bool:
@@ -59,38 +53,39 @@ class Console:
 
     def is_linked(self) -> bool:
         """Tell whether the page says that it is connected."""
-        return self._driver.find_element(By.ID, "link").get_attribute("data-state") == "up"
+        return bool(
+            self._browser.evaluate("document.getElementById('link')?.dataset.state === 'up'")
+        )
 
     def thumbnails(self) -> List[Tuple[str, bool]]:
         """Return the cameras of the small views, and whether they are live."""
-        found = self._driver.execute_script(
-            "return [...document.querySelectorAll('.thumbnail')]"
+        found = self._browser.evaluate(
+            "[...document.querySelectorAll('.thumbnail')]"
             ".map(({dataset}) => [dataset.camera, dataset.state === 'live'])"
         )
         return [(camera, live) for camera, live in found] or [("none", False)]
 
     @contextlib.contextmanager
     def hold(self, key: str) -> Iterator[None]:
-        """Hold a key down."""
-        ActionChains(self._driver).key_down(key).perform()
+        """Hold a key down: a letter, or a name such as ``escape``."""
+        self._browser.press(_code(key))
         try:
             yield
         finally:
-            ActionChains(self._driver).key_up(key).perform()
+            self._browser.release(_code(key))
 
     def press(self, key: str) -> None:
-        """Press a key of the keyboard and let go: a letter, or a name such as ``escape``."""
-        character = getattr(Keys, key.upper(), key)
-        ActionChains(self._driver).send_keys(character).perform()
+        """Press a key and let go."""
+        with self.hold(key):
+            pass
 
     def show(self, camera: str) -> None:
         """Have a camera in the large view."""
-        selector = f".thumbnail[data-camera={camera}]"
-        self._driver.find_element(By.CSS_SELECTOR, selector).click()
+        self._browser.click(f".thumbnail[data-camera={camera}]")
 
     def screenshot(self) -> bytes:
         """Return the page as PNG."""
-        return self._driver.get_screenshot_as_png()
+        return self._browser.screenshot()
 
     @staticmethod
     def _await(what: str, condition: Callable[[], bool]) -> None:
@@ -104,16 +99,10 @@ class Console:
 @contextlib.contextmanager
 def opened(url: str, size: Tuple[int, int]) -> Iterator[Console]:
     """Open the console at an address, with width and height (px)."""
-    with tempfile.TemporaryDirectory(prefix="telex-chromium-") as profile:
-        driver = headless_chromium.start(
-            profile, "--hide-scrollbars", f"--window-size={size[0]},{size[1]}"
-        )
-        try:
-            driver.execute_cdp_cmd(
-                "Emulation.setDeviceMetricsOverride",
-                {"width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": False},
-            )
-            driver.get(url)
-            yield Console(driver)
-        finally:
-            driver.quit()
+    with Chromium(url, size=size, exact=True) as browser:
+        yield Console(browser)
+
+
+def _code(key: str) -> str:
+    """Return a key's position on the keyboard."""
+    return f"Key{key.upper()}" if len(key) == 1 else key.capitalize()

@@ -19,9 +19,10 @@ import roslib.message
 import rospy
 from rosbag import Bag, Compression
 
+from telex_control.common.child_processes import DIES_WITH_US
 from telex_control.common.scheduling import step_back
-from telex_control.ros.private_master import DIES_WITH_US, end_tree
 from telex_control.ros.rospy_fixes.connecting import miss_nothing
+from telex_experiments.rigs.private_master import end_tree
 
 TOPICS: Tuple[str, ...] = (
     "joint_states",

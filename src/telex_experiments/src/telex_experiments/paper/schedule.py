@@ -14,7 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Callable, Dict, Iterator, List, Optional, Sequence, Set, TextIO
 
-from telex_control.ros.private_master import DIES_WITH_US, end_tree
+from telex_control.common.child_processes import DIES_WITH_US
+from telex_experiments.rigs.private_master import end_tree
 
 from .experiment import Experiment, Result, missing
 from .one import RESULT

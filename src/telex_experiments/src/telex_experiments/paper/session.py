@@ -15,8 +15,8 @@ from sensor_msgs.msg import CompressedImage
 from telex_msgs.msg import SceneDescription
 from telex_msgs.srv import ConfigureCamera
 
-from telex_control.ros.private_master import PrivateMaster
 from telex_control.ros.rospy_fixes.connecting import miss_nothing
+from telex_experiments.rigs.private_master import PrivateMaster
 
 from .recorder import PICTURES, Recorder
 from .simulator import Argument, Simulator

@@ -6,11 +6,12 @@ import contextlib
 import subprocess
 import sys
 from pathlib import Path
-from typing import Dict, List, Optional, Union
+from typing import List, Optional, Union
 
 import rospy
 
-from telex_control.ros.private_master import DIES_WITH_US, PrivateMaster, end_tree
+from telex_experiments.rigs.bringup import Bringup, SimulatorStartError
+from telex_experiments.rigs.private_master import PrivateMaster
 
 from ..workspace import ROOT
 
@@ -19,10 +20,6 @@ Argument = Union[str, float, bool]
 WAIT_READY = ROOT / "launch_scripts" / "wait_ready.py"
 START_TIMEOUT = 240.0
 """Time (s), long enough for a machine that has other things to do."""
-
-
-class SimulatorStartError(RuntimeError):
-    """The simulator did not come up; the message holds the end of its output."""
 
 
 class Simulator:
@@ -48,35 +45,17 @@ class Simulator:
     def __init__(self, master: PrivateMaster, log: Path, **arguments: Argument) -> None:
         self._master = master
         self._log = log
-        self._arguments: Dict[str, Argument] = {
-            "video_port": 0,
-            "bridge_port": 0,
-            "speed": 1,
-            **arguments,
-        }
-        self._process: Optional[subprocess.Popen] = None
+        self._arguments = arguments
+        self._bringup: Optional[Bringup] = None
         self.namespace = f"/{self._arguments.get('ns', 'telex')}"
         self.video_url: Optional[str] = None
 
     def __enter__(self) -> Simulator:
         words = [f"{name}:={_word(value)}" for name, value in self._arguments.items()]
-        command = [
-            *DIES_WITH_US,
-            *("roslaunch", "--no-summary", "--sigint-timeout=1.5", "--sigterm-timeout=1.0"),
-            *("telex_teleop", "bringup.launch", *words),
-        ]
-        with open(self._log, "a") as output:
-            print(f"==== {' '.join(command)}", file=output, flush=True)
-            self._process = subprocess.Popen(
-                command,
-                env=self._master.environment(),
-                stdin=subprocess.DEVNULL,
-                stdout=output,
-                stderr=subprocess.STDOUT,
-                start_new_session=True,
-            )
+        environment = self._master.environment()
+        self._bringup = Bringup(words, environment, self._log, ("--no-summary",))
         try:
-            self._wait_until_ready(self._process)
+            self._wait_until_ready(self._bringup)
         except BaseException:
             self.__exit__()
             raise
@@ -84,15 +63,15 @@ class Simulator:
 
     def __exit__(self, *exception: object) -> None:
         """End every process that was started."""
-        if self._process is None:
+        if self._bringup is None:
             return
-        end_tree(self._process)
-        self._process = None
+        self._bringup.end()
+        self._bringup = None
         # The next one must not be taken for this: its address is one of the first things read.
         with contextlib.suppress(KeyError):
             rospy.delete_param(f"{self.namespace}/video_server/url")
 
-    def _wait_until_ready(self, process: subprocess.Popen) -> None:
+    def _wait_until_ready(self, bringup: Bringup) -> None:
         leave_out: List[str] = []
         if self._arguments.get("console", True) is False:
             leave_out.append("--no-console")
@@ -101,7 +80,7 @@ class Simulator:
         waiting = subprocess.run(
             [
                 *(sys.executable, str(WAIT_READY), "--namespace", self.namespace),
-                *("--launch-pid", str(process.pid), "--timeout", str(START_TIMEOUT), *leave_out),
+                *("--launch-pid", str(bringup.pid), "--timeout", str(START_TIMEOUT), *leave_out),
             ],
             env=self._master.environment(),
             stdout=subprocess.PIPE,
@@ -110,8 +89,7 @@ class Simulator:
             check=False,
         )
         if waiting.returncode != 0:
-            end = "".join(self._log.read_text(errors="replace").splitlines(True)[-20:])
-            raise SimulatorStartError(f"{waiting.stdout.strip()}\n{end}")
+            raise SimulatorStartError(f"{waiting.stdout.strip()}\n{bringup.output_tail(20)}")
         if "--no-console" not in leave_out:
             self.video_url = str(rospy.get_param(f"{self.namespace}/video_server/url"))
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import subprocess
 from typing import Callable, List
 
-from telex_control.ros.private_master import DIES_WITH_US, end_tree
+from telex_control.common.child_processes import DIES_WITH_US
+from telex_experiments.rigs.private_master import end_tree
 
 
 class ToolError(RuntimeError):

@@ -6,6 +6,7 @@ where a WebDriver would not, when processes of the browser are stopped or killed
 
 from __future__ import annotations
 
+import base64
 import contextlib
 import json
 import os
@@ -18,9 +19,9 @@ import time
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
-from telex_control.ros.private_master import DIES_WITH_US, descendants
+from telex_control.common.child_processes import DIES_WITH_US
+from telex_experiments.rigs.private_master import descendants
 from telex_experiments.rigs.private_simulator import cpu_seconds
-from telex_teleop import headless_chromium
 
 ANSWER_WITHIN = 60.0
 """Longest wait (s) for an answer of the browser, on a machine that is busy with something else."""
@@ -28,7 +29,16 @@ ANSWER_WITHIN = 60.0
 CLOCK_SAMPLES = 50
 """Questions for the page's clock, of which the quickest counts."""
 
-_FLAGS = (*headless_chromium.FLAGS, "--remote-debugging-pipe")
+FLAGS = (
+    "--headless=new",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--no-first-run",
+)
+"""Without a window; it asks no other host for anything, and nobody for a choice."""
 
 _KEYS = {
     **{f"Key{sign.upper()}": sign for sign in "wasdijklopu"},
@@ -36,15 +46,27 @@ _KEYS = {
     "Minus": "-",
     "Comma": ",",
     "Period": ".",
+    "Escape": "Escape",
+    "Home": "Home",
 }
-"""Keys by their position, with the sign that a US keyboard has there."""
+"""Keys by their position, with the sign that a US keyboard has there, or their name."""
 
-_VIRTUAL = {"Minus": 0xBD, "Comma": 0xBC, "Period": 0xBE}
+_VIRTUAL = {"Minus": 0xBD, "Comma": 0xBC, "Period": 0xBE, "Escape": 0x1B, "Home": 0x24}
 """Virtual key codes of those that are neither letters nor digits."""
 
 
 class BrowserError(RuntimeError):
     """The browser did not do what it was told; the message says what."""
+
+
+def program() -> Optional[str]:
+    """Return the path of Chromium; None where there is none."""
+    return shutil.which("chromium") or shutil.which("chromium-browser")
+
+
+def lacking() -> str:
+    """Return what to do to have a browser; empty where there is one."""
+    return "" if program() else "chromium is not installed (apt-get install chromium)"
 
 
 class Chromium:
@@ -58,16 +80,39 @@ class Chromium:
         Words before the command, such as ``("ip", "netns", "exec", NAME)``.
     size
         Width and height of the window (pixels).
+    script
+        Runs in every document before the page's own; what the page allows itself to load is not
+        looked at then.
+    exact
+        Whether `size` is that of the page, which shows no scroll bars.
+    listens
+        Whether `complaints` are noted.
 
     Use it as a context manager.
+
+    Attributes
+    ----------
+    complaints : list of str
+        Errors that the page has logged, or has not caught, and what it could not load.
+
+    Raises
+    ------
+    BrowserError
+        There is no Chromium, or it does not start.
     """
 
     def __init__(
-        self, url: str, before: Sequence[str] = (), size: Tuple[int, int] = (1280, 720)
+        self,
+        url: str,
+        before: Sequence[str] = (),
+        size: Tuple[int, int] = (1280, 720),
+        script: str = "",
+        exact: bool = False,
+        listens: bool = False,
     ) -> None:
-        program = headless_chromium.chromium()
-        if program is None:
-            raise BrowserError("there is no Chromium: apt-get install chromium")
+        path = program()
+        if path is None:
+            raise BrowserError(lacking())
         self._profile = tempfile.mkdtemp(prefix="telex-chromium-")
         order_read, order_write = os.pipe()
         news_read, news_write = os.pipe()
@@ -78,8 +123,10 @@ class Chromium:
                 *("bash", "-c", redirect, "bash"),
                 *before,
                 *DIES_WITH_US,
-                program,
-                *_FLAGS,
+                path,
+                *FLAGS,
+                "--remote-debugging-pipe",
+                *(("--hide-scrollbars",) if exact else ()),
                 "--window-size={},{}".format(*size),
                 f"--user-data-dir={self._profile}",
                 "about:blank",
@@ -97,16 +144,35 @@ class Chromium:
         self._number = 0
         self._answers: Dict[int, Dict[str, Any]] = {}
         self._workers: List[str] = []
+        self.complaints: List[str] = []
         self._arrived = threading.Condition()
         self._ended = False
         threading.Thread(target=self._read, daemon=True).start()
         try:
             self._target, self.session = self._attach()
+            self._prepare(size if exact else None, script, listens)
             self.call("Page.navigate", url=url)
             self.call("Page.bringToFront")
         except BaseException:
             self.close()
             raise
+
+    def _prepare(self, size: Optional[Tuple[int, int]], script: str, listens: bool) -> None:
+        for domain in ("Log", "Runtime") if listens else ():
+            self.call(f"{domain}.enable")
+        if size is not None:
+            width, height = size
+            self.call(
+                "Emulation.setDeviceMetricsOverride",
+                width=width,
+                height=height,
+                deviceScaleFactor=1,
+                mobile=False,
+            )
+        if script:
+            self.call("Page.enable")
+            self.call("Page.setBypassCSP", enabled=True)
+            self.call("Page.addScriptToEvaluateOnNewDocument", source=script)
 
     def __enter__(self) -> Chromium:
         return self
@@ -144,6 +210,8 @@ class Chromium:
                         self._arrived.notify_all()
                 elif _target(news) == "worker":
                     self._workers.append(news["params"]["sessionId"])
+                elif _complaint(news):
+                    self.complaints.append(_complaint(news))
         with self._arrived:
             self._ended = True
             self._arrived.notify_all()
@@ -224,6 +292,21 @@ class Chromium:
             time.sleep(0.05)
         raise BrowserError(f"not within {timeout:g} s: {what}")
 
+    def click(self, selector: str) -> None:
+        """Click the first element of a CSS selector.
+
+        Raises
+        ------
+        BrowserError
+            There is none.
+        """
+        self.evaluate(f"document.querySelector({json.dumps(selector)}).click()")
+
+    def screenshot(self) -> bytes:
+        """Return the page as PNG, once it is loaded."""
+        self.wait_for("the page to be loaded", "document.readyState === 'complete'")
+        return base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"])
+
     def clock(self) -> Tuple[float, float]:
         """Difference of this process's monotonic clock to the page's (s), and its uncertainty."""
         best, offset = float("inf"), 0.0
@@ -244,7 +327,7 @@ class Chromium:
             type=kind,
             code=code,
             key=sign,
-            windowsVirtualKeyCode=_VIRTUAL.get(code, ord(sign.upper())),
+            windowsVirtualKeyCode=_VIRTUAL[code] if code in _VIRTUAL else ord(sign.upper()),
             autoRepeat=repeats,
         )
 
@@ -291,6 +374,10 @@ class Chromium:
                 found[pid] = kinds[0] if kinds else "browser"
         return found
 
+    def renderers(self) -> List[int]:
+        """Processes that carry out and draw pages."""
+        return [pid for pid, kind in self.processes().items() if kind == "renderer"]
+
     def cpu(self, *kinds: str) -> float:
         """CPU time (s) that processes of some kinds have used, of all by default."""
         total = 0.0
@@ -318,6 +405,19 @@ def _words(pid: int) -> List[str]:
     except OSError:
         return []
     return command.replace("\0", " ").split()
+
+
+def _complaint(news: Dict[str, Any]) -> str:
+    """Return the error that the browser tells of; empty where it tells of none."""
+    method, params = news["method"], news["params"]
+    if method == "Runtime.exceptionThrown":
+        return _told(params)
+    if method == "Runtime.consoleAPICalled" and params["type"] in ("error", "assert"):
+        parts = (each.get("value", each.get("description", "")) for each in params["args"])
+        return " ".join(str(part) for part in parts)
+    if method == "Log.entryAdded" and params["entry"]["level"] == "error":
+        return f"{params['entry']['text']} {params['entry'].get('url', '')}".strip()
+    return ""
 
 
 def _target(news: Dict[str, Any]) -> str:

@@ -5,26 +5,22 @@ For benchmarks and scripted runs that must not meet whatever else runs on the ma
 
 from __future__ import annotations
 
-import contextlib
 import os
-import subprocess
 import tempfile
 import time
-from typing import Any, Callable, Dict, List, TypeVar
+from pathlib import Path
+from typing import Any, Dict
 
 import rosgraph
 
-from telex_control.ros.private_master import DIES_WITH_US, descendants, end_tree, free_port
 from telex_control.ros.rospy_fixes.connecting import miss_nothing
+from telex_experiments.rigs.bringup import Bringup, SimulatorStartError
+from telex_experiments.rigs.private_master import free_port
 
-Value = TypeVar("Value")
-
-
-class SimulatorStartError(RuntimeError):
-    """The simulator did not come up; the message holds the end of its output."""
+__all__ = ["PrivateSimulator", "SimulatorStartError", "cpu_seconds"]
 
 
-class PrivateSimulator:
+class PrivateSimulator(Bringup):
     """Runs ``telex_teleop bringup.launch`` on a master of its own.
 
     Parameters
@@ -47,32 +43,8 @@ class PrivateSimulator:
         port = free_port()
         self.master_uri = f"http://127.0.0.1:{port}"
         self._logs = tempfile.TemporaryDirectory(prefix="telex-")
-        self._output = open(os.path.join(self._logs.name, "roslaunch.txt"), "w+")  # noqa: SIM115
-        self._process = subprocess.Popen(
-            [
-                *DIES_WITH_US,
-                "roslaunch",
-                f"--port={port}",
-                "--sigint-timeout=1.5",
-                "--sigterm-timeout=1.0",
-                "telex_teleop",
-                "bringup.launch",
-                "video_port:=0",
-                "bridge_port:=0",
-                "speed:=1",
-                *arguments,
-            ],
-            env=self.environment(),
-            stdin=subprocess.DEVNULL,
-            stdout=self._output,
-            stderr=subprocess.STDOUT,
-            start_new_session=True,
-        )
-
-    @property
-    def pid(self) -> int:
-        """Process of roslaunch."""
-        return self._process.pid
+        log = Path(self._logs.name) / "roslaunch.txt"
+        super().__init__(arguments, self.environment(), log, (f"--port={port}",))
 
     def environment(self) -> Dict[str, str]:
         """The environment for programs that are to talk to this simulator."""
@@ -88,27 +60,8 @@ class PrivateSimulator:
 
     def __exit__(self, *exception: object) -> None:
         """End every process that was started."""
-        end_tree(self._process)
-        self._output.close()
+        self.end()
         self._logs.cleanup()
-
-    def wait_for(self, what: str, condition: Callable[[], Value], timeout: float = 120.0) -> Value:
-        """Return the first true value of `condition`.
-
-        Raises
-        ------
-        SimulatorStartError
-            It did not come within `timeout` s, or the simulator ended.
-        """
-        end = time.monotonic() + timeout
-        while time.monotonic() < end:
-            if self._process.poll() is not None:
-                raise SimulatorStartError(f"the simulator ended:\n{self.output_tail()}")
-            value = condition()
-            if value:
-                return value
-            time.sleep(0.1)
-        raise SimulatorStartError(f"no {what} within {timeout} s:\n{self.output_tail()}")
 
     def wait_for_master(self) -> None:
         """Wait until the master answers."""
@@ -125,25 +78,6 @@ class PrivateSimulator:
                 return None
 
         return self.wait_for(f"parameter {name}", get)
-
-    def processes(self) -> Dict[str, int]:
-        """Process ids of all nodes by node name, as their command lines tell."""
-        found = {}
-        for pid in descendants(self._process.pid):
-            words: List[str] = []
-            # It may have ended since it was listed.
-            with contextlib.suppress(OSError), open(f"/proc/{pid}/cmdline", "rb") as file:
-                words = file.read().decode(errors="replace").split("\0")
-            for word in words:
-                if word.startswith("__name:="):
-                    found[word[len("__name:=") :]] = pid
-        return found
-
-    def output_tail(self, lines: int = 30) -> str:
-        """The last lines that roslaunch and its nodes have printed."""
-        self._output.flush()
-        with open(self._output.name, errors="replace") as file:
-            return "".join(file.readlines()[-lines:])
 
 
 def cpu_seconds(pid: int) -> float:

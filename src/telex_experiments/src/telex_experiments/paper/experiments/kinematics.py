@@ -25,8 +25,8 @@ from telex_control.kinematics import Chain, DHChain, dh_chain, make_pose
 from telex_control.ros.pose_messages import pose_in, quaternion_in, vector_in
 from telex_control.urdf.joints import parse_urdf
 
+from ...rigs.chromium import BrowserError, Chromium
 from ...workspace import ROOT
-from ..chromium import screenshot
 from ..driving import Jogger
 from ..experiment import Experiment, Figure, Picture, Result, Table
 from ..recorder import FEW_PICTURES
@@ -221,9 +221,11 @@ def run(session: Session) -> Result:
         "floor. The physics of the running simulator is compared while the arm moves: sim/poses "
         "against the product at the joint states of the same instant.",
     ]
-    problem = screenshot(drawing, drawing.with_suffix(".png"), _drawing_tool().SIZE)
-    if problem:
-        notes.append(f"No PNG of the drawing: {problem}")
+    try:
+        with Chromium(drawing.as_uri(), size=_drawing_tool().SIZE, exact=True) as browser:
+            drawing.with_suffix(".png").write_bytes(browser.screenshot())
+    except BrowserError as error:
+        notes.append(f"No PNG of the drawing: {error}")
     rows = [
         [
             index,

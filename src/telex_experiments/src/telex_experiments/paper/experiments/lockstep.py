@@ -14,10 +14,10 @@ from typing import Any, Dict, Iterator, List, Sequence, Set
 
 from sensor_msgs.msg import JointState
 
+from telex_control.common.child_processes import KILLED_WITH_US
 from telex_control.follow_trajectory.analysis import Figures
 from telex_control.follow_trajectory.command_line import lead, parse
 from telex_control.kinematics import Chain
-from telex_control.ros.private_master import KILLED_WITH_US
 from telex_sim.offline.arm import OfflineArm
 from telex_sim.offline.simulation import OfflineSimulation, robot_description
 

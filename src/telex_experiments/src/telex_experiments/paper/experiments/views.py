@@ -19,8 +19,8 @@ from telex_msgs.msg import ScenePoses
 from telex_msgs.srv import Delete, Spawn
 
 from telex_control.common.geometry.matrices import pose_matrices
-from telex_teleop.headless_chromium import lacking
 
+from ...rigs.chromium import lacking
 from ..console import opened
 from ..experiment import Cell, Experiment, Figure, Picture, Result, Table
 from ..session import Session

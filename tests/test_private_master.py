@@ -13,8 +13,8 @@ from xmlrpc.server import SimpleXMLRPCServer
 import pytest
 import rosgraph
 
-from telex_control.ros import private_master
-from telex_control.ros.private_master import (
+from telex_experiments.rigs import private_master
+from telex_experiments.rigs.private_master import (
     PrivateMaster,
     PrivateMasterError,
     descendants,
@@ -117,7 +117,7 @@ def test_a_free_port_is_none_that_a_connection_may_be_given():
 
 STARTER = """
 import sys, time
-from telex_control.ros.private_master import PrivateMaster
+from telex_experiments.rigs.private_master import PrivateMaster
 with PrivateMaster() as master:
     print(master.uri, flush=True)
     time.sleep(60)

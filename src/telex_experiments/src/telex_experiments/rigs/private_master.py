@@ -15,6 +15,8 @@ from typing import Dict, List, Optional
 
 import rosgraph
 
+from telex_control.common.child_processes import DIES_WITH_US
+
 START_TIMEOUT = 30.0
 """Time (s) within which roscore has to come up."""
 
@@ -23,12 +25,6 @@ STOP_TIMEOUT = 10.0
 
 _LEAST_PORT = 12000
 """Above the usual ports of ROS, and of other servers."""
-
-DIES_WITH_US = ("setpriv", "--pdeathsig", "TERM")
-"""Put before a command: it is asked to end, too, when its starter is killed."""
-
-KILLED_WITH_US = ("setpriv", "--pdeathsig", "KILL")
-"""The same for one that may be stopped (SIGSTOP) then: it would keep any other signal for later."""
 
 
 class PrivateMasterError(RuntimeError):

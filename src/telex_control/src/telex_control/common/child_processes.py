@@ -1,0 +1,11 @@
+"""Child processes that do not outlive their starter."""
+
+from __future__ import annotations
+
+__all__ = ["DIES_WITH_US", "KILLED_WITH_US"]
+
+DIES_WITH_US = ("setpriv", "--pdeathsig", "TERM")
+"""Put before a command: it is asked to end, too, when its starter is killed."""
+
+KILLED_WITH_US = ("setpriv", "--pdeathsig", "KILL")
+"""The same for one that may be stopped (SIGSTOP) then: it would keep any other signal for later."""
