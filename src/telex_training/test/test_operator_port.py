@@ -1,4 +1,4 @@
-"""Commands and questions of an operator's port."""
+"""Commands of an operator's port."""
 
 from __future__ import annotations
 
@@ -6,9 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from flat_floor import FlatFloor
 
-from telex_training.operators.port import Drive, Jog, NotManagedError, ToolPose, ToolTwist
+from telex_training.operators.port import Drive, Jog, ToolPose, ToolTwist
 
 
 @pytest.mark.parametrize("wrong", [math.nan, math.inf, -math.inf])
@@ -23,12 +22,3 @@ def test_a_command_has_finite_numbers_only(wrong: float) -> None:
     target[0, 3] = wrong
     with pytest.raises(ValueError, match="target of ToolPose"):
         ToolPose(target)
-
-
-def test_a_question_is_answered_where_somebody_asks() -> None:
-    port, given = FlatFloor(), []  # type: FlatFloor, List[Tuple[str, str]]
-    with pytest.raises(NotManagedError, match="'label' cannot be answered: nobody asks"):
-        port.answer("label", "up")
-    port.on_answer = lambda question, answer: given.append((question, answer))
-    port.answer("label", "up")
-    assert given == [("label", "up")]

@@ -98,6 +98,18 @@ class TestTeleop:
         )
         assert any("press it again" in notice for notice in said)
 
+    def test_a_reset_puts_the_robot_back_at_rest(self, robot: OfflineRobot) -> None:
+        port = OfflineTeleop(robot)
+        station = Station(port)
+        station.drive(0.5)
+        station.wait(1.0)
+        assert station.pose.x > 0.2
+        port.reset()
+        station.look()
+        assert abs(station.pose.x) < 0.01
+        station.rest()
+        assert abs(station.pose.x) < 0.02
+
     def test_what_a_core_refuses_is_said_and_does_not_end_the_script(
         self, station: Station
     ) -> None:
@@ -116,6 +128,14 @@ class TestTeleop:
             station.object_pose("sphere")
         with pytest.raises(NotManagedError, match="camera turret: a rehearsal draws no pictures"):
             station.port.camera("turret")
+
+    def test_a_question_is_answered_where_somebody_asks(self, robot: OfflineRobot) -> None:
+        given = []
+        asking = OfflineTeleop(robot, on_answer=lambda *answer: given.append(answer))
+        asking.answer("label", "up")
+        assert given == [("label", "up")]
+        with pytest.raises(NotManagedError, match="'label' cannot be answered: nobody asks"):
+            OfflineTeleop(robot).answer("label", "up")
 
     def test_it_takes_the_commands_of_its_nodes_alone(self, robot: OfflineRobot) -> None:
         port = OfflineTeleop(robot)

@@ -287,15 +287,12 @@ class TeleopPort(Port):
     repeat : callable
         Sends again what is held. A live robot's port calls it while sim time passes slowly, for
         the watchdogs look at the wall's clock as well; a station sets it.
-    on_answer : callable, optional
-        Takes a question's name and the operator's answer, where somebody asks.
     """
 
     urdf: str
 
     def __init__(self) -> None:
         self.repeat: Callable[[], None] = _nothing
-        self.on_answer: Optional[Callable[[str, str], None]] = None
 
     @abc.abstractmethod
     def set_mode(self, name: str) -> None:
@@ -339,17 +336,15 @@ class TeleopPort(Port):
         robot, and for judging.
         """
 
+    @abc.abstractmethod
     def answer(self, question: str, answer: str) -> None:
-        """Answer a question.
+        """Answer a question of the exercise.
 
         Raises
         ------
         NotManagedError
-            Nobody asks.
+            Nobody asks it.
         """
-        if self.on_answer is None:
-            raise NotManagedError(f"question {question!r} cannot be answered: nobody asks")
-        self.on_answer(question, answer)
 
 
 def _nothing() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, Callable, Dict, Mapping, Optional, Type, TypeVar
 
 import numpy as np
@@ -64,15 +65,21 @@ class OfflineTeleop(TeleopPort):
     robot : OfflineRobot
     advance : callable, optional
         Lets so much sim time (s) pass; without it, the robot's simulation does.
+    on_answer : callable, optional
+        Takes a question's name and the operator's answer, where somebody asks.
     """
 
     def __init__(
-        self, robot: OfflineRobot, advance: Optional[Callable[[float], None]] = None
+        self,
+        robot: OfflineRobot,
+        advance: Optional[Callable[[float], None]] = None,
+        on_answer: Optional[Callable[[str, str], None]] = None,
     ) -> None:
         super().__init__()
         self.urdf = robot.urdf
         self._robot = robot
         self._advance = advance or robot.run
+        self._on_answer = on_answer
         self._now = robot.simulation.time
         self._notices: Dict[str, Notice] = {}
         self._links = frozenset(robot.simulation.body.link_names())
@@ -85,10 +92,9 @@ class OfflineTeleop(TeleopPort):
         self._joints[_GRIPPER] = gripper_core(gripper, limits_of_present(gripper, robot.urdf)[0])
         tracks = _shipped(TrackSettings, _TRACKS)
         self._tracks = TrackDrive(tracks, tracks.speed_scale())
-        # Rates are of sim time; each is due again at so many seconds.
-        self._status = _Due(1.0 / tracks.status_rate)
-        self._nearness = _Due(1.0 / robot.simulation.config.proximity.rate)
-        self._base_pose = _Due(1.0 / robot.simulation.config.publish.base_pose_rate)
+        self._status = _Due(tracks.status_rate)
+        self._nearness = _Due(robot.simulation.config.proximity.rate)
+        self._base_pose = _Due(robot.simulation.config.publish.base_pose_rate)
         robot.each_joint_state.append(self._on_joint_state)
         self._advance(_LISTENING * tracks.command_timeout)
 
@@ -145,6 +151,12 @@ class OfflineTeleop(TeleopPort):
                 )
             )
         return ProximityState(stamp, dict(zip(joints, near.positions)), tuple(pairs))
+
+    def reset(self) -> None:
+        """Put robot and scene back to where they began, and have the cores forget all motion."""
+        self._robot.simulation.reset()
+        for core in (*self._joints.values(), self._tracks):
+            core.restart(self._now)
 
     # --- the port --------------------------------------------------------------------------------
 
@@ -219,13 +231,19 @@ class OfflineTeleop(TeleopPort):
         pose = self._robot.object_pose(name)
         return None if pose is None else make_pose(*pose)
 
+    def answer(self, question: str, answer: str) -> None:
+        """See `TeleopPort.answer`."""
+        if self._on_answer is None:
+            raise NotManagedError(f"question {question!r} cannot be answered: nobody asks")
+        self._on_answer(question, answer)
+
 
 class _Due:
-    """Something that comes at a period of sim time (s)."""
+    """Something that comes at a rate (1/s of sim time); never at 0."""
 
-    def __init__(self, period: float) -> None:
-        self._period = period
-        self._next = -1.0
+    def __init__(self, rate: float) -> None:
+        self._period = 1.0 / rate if rate else math.inf
+        self._next = -1.0 if rate else math.inf
 
     def due(self, stamp: float) -> bool:
         """Whether it comes now; then it does not again before its period is over."""

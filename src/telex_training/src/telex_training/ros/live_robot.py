@@ -10,7 +10,8 @@ import numpy as np
 import rospy
 from geometry_msgs.msg import Twist
 from std_msgs.msg import Bool, Float64
-from telex_msgs.srv import SetMode
+from telex_msgs.msg import SimStatus
+from telex_msgs.srv import AnswerQuestion, SetMode
 
 from telex_control.ros.ros_node_handle import RosNodeHandle
 
@@ -52,8 +53,11 @@ class LiveRobot(TeleopPort):
         self.urdf = self.node.param("robot_description", str)
         self._observer = Observer(self.node, teleop=True)
         self._publishers = TopicPublishers(self.node)
-        # Made now, so that it is connected by the first command.
+        # Made now, so that they are connected by the first command.
         self._publishers.publisher("track_teleop/cmd_vel", Twist)
+        self._publishers.publisher("e_stop", Bool)
+        self._stopped: Optional[bool] = None
+        self.node.subscribe("sim/status", SimStatus, self._on_status)
         self._objects: Optional[ObjectPoses] = None
         self._await(lambda: self._observer.time >= 0.0, "joint states and base pose")
 
@@ -88,8 +92,24 @@ class LiveRobot(TeleopPort):
             raise NotManagedError(f"arm_teleop/set_mode {name}: {answer.message}")
 
     def e_stop(self, active: bool) -> None:
-        """See `TeleopPort.e_stop`."""
-        self._tell("e_stop", Bool(active))
+        """See `TeleopPort.e_stop`; returns once the robot's status confirms it.
+
+        Raises
+        ------
+        NotManagedError
+            It does not.
+        """
+
+        def confirmed() -> bool:
+            if self._stopped is not active:
+                self._publishers.publish("e_stop", Bool(active))
+            return self._stopped is active
+
+        wanted = "emergency stop" if active else "release of the emergency stop"
+        self._await(confirmed, f"{wanted} in sim/status")
+
+    def _on_status(self, message: Any) -> None:
+        self._stopped = bool(message.e_stop)
 
     def zoom(self, camera: str, factor: float) -> None:
         """See `TeleopPort.zoom`."""
@@ -120,6 +140,12 @@ class LiveRobot(TeleopPort):
         if not objects.known:
             self._await(lambda: objects.known, "poses of the scene")
         return objects.find(name)
+
+    def answer(self, question: str, answer: str) -> None:
+        """See `TeleopPort.answer`."""
+        said = self.call("training/answer", AnswerQuestion, question=question, answer=answer)
+        if not said.success:
+            raise NotManagedError(f"training/answer {question}: {said.message}")
 
     def call(self, service: str, kind: Any, **request: Any) -> Any:
         """Call a service in the robot's namespace.
