@@ -16,7 +16,6 @@ from telex_sim.cameras.drawing.gl_context import create_context
 from telex_sim.cameras.drawing.light.daylight import Lighting
 from telex_sim.cameras.drawing.quality import TIERS
 from telex_sim.cameras.drawing.renderer import Renderer
-from telex_sim.cameras.drawing.tiny_renderer import TinyRenderer
 from telex_sim.cameras.optics.camera_sensor import CameraSensor
 from telex_sim.cameras.optics.exposure import ExposureConfig, ExposureControl
 from telex_sim.cameras.optics.lens import DistortionError, LensCamera, LensMap
@@ -33,22 +32,10 @@ POSE = np.eye(4)
 
 
 @pytest.fixture(scope="module")
-def opengl():
+def renderer():
     renderer = Renderer(create_context(), TIERS["software"], Lighting(), rospkg.RosPack().get_path)
     yield renderer
     renderer.release()
-
-
-@pytest.fixture(scope="module")
-def tiny():
-    renderer = TinyRenderer(rospkg.RosPack().get_path)
-    yield renderer
-    renderer.release()
-
-
-@pytest.fixture(params=["opengl", "tiny"])
-def renderer(request):
-    return request.getfixturevalue(request.param)
 
 
 def show(renderer, *visuals, daylight=None):
@@ -67,8 +54,8 @@ def ball(point, radius=0.03):
     )
 
 
-def sensor(config=CONFIG, zoom=1.0, detail=1.0):
-    return CameraSensor(config, zoom, 7, ExposureControl(), detail)
+def sensor(config=CONFIG, zoom=1.0):
+    return CameraSensor(config, zoom, 7, ExposureControl())
 
 
 def take(renderer, camera, stamp=SECOND):
@@ -114,7 +101,7 @@ class TestProjection:
         ],
     )
     def test_points_are_where_camera_info_says(self, renderer, distortion, zoom, detail):
-        camera = sensor(replace(CONFIG, distortion=distortion), zoom, detail)
+        camera = sensor(replace(CONFIG, distortion=distortion, detail=detail), zoom)
         points = spread(camera.camera)
         show(renderer, *(ball(point, 0.012 * point[2] / zoom) for point in points))
         seen = balls_in(take(renderer, camera))
@@ -241,15 +228,15 @@ class TestExposure:
         control.meter(self.gray(0))
         assert control.expose(self.auto, SECOND) == control.expose(self.auto, 0) == 0.0
 
-    def test_settles_at_a_medium_brightness(self, opengl):
+    def test_settles_at_a_medium_brightness(self, renderer):
         wall = Visual("world", VisualShape.BOX, (200.0, 200.0, 0.1), (0.0, 0.0, 10.0), glow=1.0)
         config = replace(CONFIG, exposure=replace(self.auto, min_ev=-8.0, max_ev=8.0))
         shown = []
         for color in ((0.2, 0.2, 0.2, 1.0), (0.9, 0.9, 0.9, 1.0)):
-            show(opengl, replace(wall, color=color), daylight=NIGHT)
+            show(renderer, replace(wall, color=color), daylight=NIGHT)
             camera = sensor(config)
             for step in range(16):
-                picture = take(opengl, camera, step * SECOND // 4)
+                picture = take(renderer, camera, step * SECOND // 4)
             shown.append(float(picture[..., 1].mean()))
         assert shown == pytest.approx([135.0, 135.0], abs=8.0)
 
@@ -273,15 +260,15 @@ class TestNoise:
             correlation = (first * other).mean() / first.var()
             assert abs(correlation) < 0.02
 
-    def test_none_by_default(self, opengl):
-        show(opengl, ball((0.0, 0.0, 2.0)))
+    def test_none_by_default(self, renderer):
+        show(renderer, ball((0.0, 0.0, 2.0)))
         camera = sensor()
-        assert (take(opengl, camera, 1).copy() == take(opengl, camera, 2)).all()
+        assert (take(renderer, camera, 1).copy() == take(renderer, camera, 2)).all()
 
-    def test_grows_with_the_exposure(self, opengl):
-        show(opengl, daylight=NIGHT)
+    def test_grows_with_the_exposure(self, renderer):
+        show(renderer, daylight=NIGHT)
         noisy = [
-            take(opengl, sensor(replace(CONFIG, noise=4.0, exposure=ExposureConfig(ev=ev))))
+            take(renderer, sensor(replace(CONFIG, noise=4.0, exposure=ExposureConfig(ev=ev))))
             for ev in (0.0, 2.0)
         ]
         dark, amplified = (picture[..., :3].astype(float).std() for picture in noisy)
@@ -321,10 +308,10 @@ class TestRadiation:
 
 
 class TestShutter:
-    def test_what_moves_is_smeared_over_its_way(self, opengl):
+    def test_what_moves_is_smeared_over_its_way(self, renderer):
         """The scene is placed anew for each moment of the exposure."""
         wall = Visual("world", VisualShape.BOX, (0.2, 0.2, 0.1), (0.0, 0.0, 2.0), glow=1.0)
-        show(opengl, wall, daylight=NIGHT)
+        show(renderer, wall, daylight=NIGHT)
         config = replace(CONFIG, distortion=(0.0,) * 5, shutter=0.02, shutter_samples=8)
         camera = sensor(config)
         assert camera.moments == pytest.approx(np.linspace(0.02, 0.0, 8))
@@ -333,12 +320,12 @@ class TestShutter:
             for back in camera.moments:
                 frame = np.eye(4)
                 frame[0, 3] = -10.0 * back
-                opengl.place(frame[None], np.zeros(3))
+                renderer.place(frame[None], np.zeros(3))
                 yield POSE
 
-        lit = camera.take(opengl, moments(), SECOND)[240, :, 1] > 10
+        lit = camera.take(renderer, moments(), SECOND)[240, :, 1] > 10
         still = sensor(replace(config, shutter=0.0))
-        sharp = take(opengl, still)[240, :, 1] > 10
+        sharp = take(renderer, still)[240, :, 1] > 10
         # 0.2 m at 1.95 m, with 320 pixels of focal length.
         assert lit.sum() - sharp.sum() == pytest.approx(0.2 / 1.95 * 320.0, abs=3)
         # It ends where the scene is at the stamp.
@@ -346,45 +333,6 @@ class TestShutter:
 
     def test_off_by_default(self):
         assert sensor().moments == (0.0,)
-
-
-class TestTinyRenderer:
-    def test_colors_and_the_light_of_the_exposure(self, tiny):
-        wall = Visual(
-            "world", VisualShape.BOX, (9.0, 9.0, 0.1), (0, 0, 3.0), color=(0.1, 0.2, 0.9, 1.0)
-        )
-        show(tiny, wall, daylight=Daylight(to_sun=(0.0, 0.0, -1.0)))
-        plain = take(tiny, sensor())[240, 320].tolist()
-        dim = take(tiny, sensor(replace(CONFIG, exposure=ExposureConfig(ev=-2.0))))[240, 320]
-        assert plain[2] > 3 * plain[1] > 0
-        assert dim[2] == pytest.approx(0.5 * plain[2], abs=2)
-
-    def test_a_mesh_that_is_missing_is_named_and_the_rest_is_there(self, tiny):
-        lost = Visual(
-            "world", VisualShape.MESH, (1, 1, 1), mesh="package://telex_description/no.obj"
-        )
-        (problem,) = tiny.load_scene(VisualScene(1, ("world",), (lost, ball((0, 0, 2)))))
-        assert "no.obj" in problem
-        tiny.place(np.eye(4)[None], np.zeros(3))
-        assert len(balls_in(take(tiny, sensor()))) >= 1
-
-    def test_things_move_with_their_frames(self, tiny):
-        show(tiny, ball((0.0, 0.0, 2.0)))
-        # Turned by each of the axes that a quaternion may be largest along.
-        for axis in np.eye(3):
-            frame = np.eye(4)
-            frame[:3, :3] = cv2.Rodrigues(axis * 2.9)[0]
-            frame[:3, 3] = (0.0, 0.0, 4.0)
-            tiny.place(frame[None], np.zeros(3))
-            point = (frame @ [0.0, 0.0, 2.0, 1.0])[:3]
-            camera = sensor()
-            (seen,) = balls_in(take(tiny, camera))
-            assert np.linalg.norm(seen - camera.camera.project([point])[0]) < 1.0
-
-    def test_the_number_of_poses_must_be_right(self, tiny):
-        show(tiny, ball((0.0, 0.0, 2.0)))
-        with pytest.raises(ValueError, match="poses of 2 frames for a scene of 1"):
-            tiny.place(np.zeros((2, 4, 4)), np.zeros(3))
 
 
 class TestOverviewRig:

@@ -95,13 +95,6 @@ def seen(master, tmp_path_factory):
     return run(master, tmp_path_factory.mktemp("cameras") / "log", PARAMS, "drill")
 
 
-@pytest.fixture(scope="module")
-def seen_without_opengl(master, tmp_path_factory):
-    """What was seen of a node on a machine without EGL."""
-    environment = {**master, **NO_EGL}
-    return run(environment, tmp_path_factory.mktemp("tiny") / "log", PARAMS, "look")
-
-
 def run(master, log, params, drill):
     set_params(master, params)
     with log.open("w") as output:
@@ -262,19 +255,6 @@ def test_the_overview_goes_where_it_is_sent(seen):
     assert "camera overview: mode is 'fly'; follow, orbit, fixed are possible" in seen["log"]
 
 
-def test_without_opengl_tiny_renderer_draws_and_the_log_says_what_to_install(seen_without_opengl):
-    seen = seen_without_opengl
-    assert "apt-get install libegl1 libgl1 libgl1-mesa-dri" in seen["log"]
-    assert "TinyRenderer draws" in seen["log"]
-    assert looks(seen["front"], RED)
-    assert seen["front"]["size"] == list(SIZE)
-    assert seen["depth"]["middle"] == pytest.approx(2.75, abs=0.02)
-    assert seen["info"]["k"][0] == pytest.approx(FOCAL)
-    assert seen["alive"]
-    assert seen["exit"] == 0
-    assert "Traceback" not in seen["log"]
-
-
 def test_nothing_is_drawn_for_nobody_and_everybody_is_served(master):
     set_params(master, PARAMS)
     drill = subprocess.run(
@@ -345,11 +325,8 @@ def test_the_node_survives_all_that_and_ends_in_order(seen):
     [
         ({**PARAMS, "cameras": {}}, {}, "cameras is empty"),
         ({**PARAMS, "colour": "red"}, {}, "colour is unknown"),
-        (
-            {**PARAMS, "renderer": "opengl"},
-            NO_EGL,
-            "apt-get install libegl1 libgl1 libgl1-mesa-dri",
-        ),
+        ({**PARAMS, "renderer": "tiny"}, {}, "renderer is 'tiny'; auto, opengl are possible"),
+        (PARAMS, NO_EGL, "apt-get install libegl1 libgl1 libgl1-mesa-dri"),
     ],
 )
 def test_what_cannot_work_ends_with_one_line(master, params, environment, complaint):
@@ -685,20 +662,6 @@ def fly():
     return seen[:2] + seen[3:]
 
 
-def look():
-    """Look once through the front camera."""
-    import rospy
-    from sensor_msgs.msg import CameraInfo, CompressedImage, Image
-
-    miss_nothing()
-    rospy.init_node("look")
-    Simulator().describe(RED)
-    kinds = {"image_raw/compressed": CompressedImage, "camera_info": CameraInfo, "depth": Image}
-    viewers = [Viewer(f"cameras/front/{topic}", kind) for topic, kind in kinds.items()]
-    front, info, depth = (viewer.wait() for viewer in viewers)
-    print(json.dumps({"front": front, "info": info, "depth": depth}))
-
-
 class CountingRenderer:
     """Counts pictures by the direction in which the camera looks."""
 
@@ -803,4 +766,4 @@ def count():
 
 
 if __name__ == "__main__":
-    {"drill": drill, "look": look, "count": count}[sys.argv[1]]()
+    {"drill": drill, "count": count}[sys.argv[1]]()

@@ -45,7 +45,7 @@ STRETCHES = 4
 # After that, until pictures count (s).
 CATCH_UP = 0.3
 # Ratios to a bare getCameraImage before it was improved: of one quiet run at edd3d52, with what the
-# bare picture cost then by that of TinyRenderer's other pictures.
+# bare picture cost then by that of other pictures of getCameraImage.
 BEFORE = {
     "six 640x480, none first: slowest x bare getCameraImage": 1.99,
     "six 640x480: bare getCameraImage / age": 8.25,

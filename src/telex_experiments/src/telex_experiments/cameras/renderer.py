@@ -25,13 +25,13 @@ from telex_sim.cameras.drawing.light.daylight import Lighting
 from telex_sim.cameras.drawing.quality import choose_quality
 from telex_sim.cameras.drawing.renderer import Renderer
 from telex_sim.cameras.drawing.scene_renderer import SceneRenderer
-from telex_sim.cameras.drawing.tiny_renderer import TinyRenderer
 from telex_sim.cameras.optics.camera_sensor import CameraSensor
 from telex_sim.cameras.optics.exposure import ExposureControl
 from telex_sim.cameras.optics.pinhole import PinholeCamera
 from telex_sim.scene.visual_scene import Daylight, Visual, VisualLamp, VisualScene, VisualShape
 
 from ..workspace import ROOT
+from .bare_picture import BarePicture
 
 WORLD = "training_hall"
 NAMES = ("front", "rear", "arm", "gripper", "turret", "mast")
@@ -41,6 +41,8 @@ RECORDING = Path(__file__).with_name(f"{WORLD}.npz")
 PACKAGES = ROOT / "src"
 QUALITY = 80
 """Of JPEG, as the node's."""
+LEAST_RATIO = 5.0
+"""How many pictures with JPEG must cost less than a bare getCameraImage."""
 
 
 def package_path(name: str) -> str:
@@ -100,28 +102,14 @@ def _tuples(content: Dict[str, Any]) -> Dict[str, Any]:
     }
 
 
-class BarePicture:
-    """The front camera's 640x480 by getCameraImage, with nothing around it but an array."""
-
-    def __init__(self) -> None:
-        recording = hall()
-        self._renderer = TinyRenderer(package_path)
-        self._renderer.load_scene(recording.scene)
-        self._renderer.place(recording.frames_in_world, np.zeros(3))
-        self._pose = recording.camera("front")
-        self._camera = PinholeCamera(LARGE["width"], LARGE["height"], 1.5, 0.05, 100.0)
-
-    def cost(self) -> float:
-        """CPU time of a picture (s)."""
-        began = time.thread_time()
-        self._renderer.render(self._camera, self._pose)
-        return time.thread_time() - began
-
-
 @functools.lru_cache(maxsize=None)
 def bare_picture() -> BarePicture:
-    """The one of this process, and of those that are forked from it."""
-    return BarePicture()
+    """The front camera's 640x480; the one of this process, and of those that are forked from it."""
+    recording = hall()
+    camera = PinholeCamera(LARGE["width"], LARGE["height"], 1.5, 0.05, 100.0)
+    return BarePicture(
+        recording.scene, recording.frames_in_world, camera, recording.camera("front"), package_path
+    )
 
 
 class Cost(NamedTuple):
@@ -194,36 +182,29 @@ def told(figures: List[Figure]) -> List[Figure]:
 
 
 def renderer_figures(rounds: int) -> List[Figure]:
-    """The same views by both renderers, in turn, so that both meet the same machine."""
+    """Cost of a picture, beside that of a bare getCameraImage between the rounds."""
     views = Views(NAMES, LARGE)
     context = create_context()
     quality = choose_quality("auto", context.info["GL_RENDERER"])
-    own = Renderer(context, quality, Lighting(), package_path)
-    others = {"without": TinyRenderer(package_path), "with": TinyRenderer(package_path, True)}
-    for renderer in (own, *others.values()):
-        views.load(renderer)
+    renderer = Renderer(context, quality, Lighting(), package_path)
+    views.load(renderer)
     costs: List[Cost] = []
-    times: Dict[str, List[float]] = {name: [] for name in others}
+    bare: List[float] = []
     for number in range(1, rounds + 1):
-        costs.append(views.round(own, number))
-        for name, renderer in others.items():
-            times[name].append(views.round(renderer, number).cpu)
+        costs.append(views.round(renderer, number))
+        bare.append(bare_picture().cost())
         print(f"  {number} of {rounds} rounds", flush=True)
-    cpu = statistics.median(cost.cpu for cost in costs)
-    figures = [Figure("640x480 with JPEG, mean of six views: CPU", cpu * 1e3, "ms")]
-    for (name, found), least in zip(times.items(), (5.0, 12.0)):
-        other = statistics.median(found)
-        label = f"TinyRenderer {name} shadow"
-        figures += [
-            Figure(f"{label}: CPU", other * 1e3, "ms"),
-            Figure(f"{label} / ours", other / cpu, "times", at_least=least),
-        ]
-    figures += timed("six 640x480", views, own, context, rounds)
+    cpu, other = statistics.median(cost.cpu for cost in costs), statistics.median(bare)
+    figures = [
+        Figure("640x480 with JPEG, mean of six views: CPU", cpu * 1e3, "ms"),
+        Figure("bare getCameraImage: CPU", other * 1e3, "ms"),
+        Figure("bare getCameraImage / picture", other / cpu, "times", at_least=LEAST_RATIO),
+    ]
+    figures += timed("six 640x480", views, renderer, context, rounds)
     main = Views(NAMES[:1], MAIN)
-    main.load(own)
-    figures += timed("1280x720", main, own, context, rounds)
-    for renderer in (own, *others.values()):
-        renderer.release()
+    main.load(renderer)
+    figures += timed("1280x720", main, renderer, context, rounds)
+    renderer.release()
     print(f"  OpenGL: {context.info['GL_RENDERER']}", flush=True)
     return told(figures)
 

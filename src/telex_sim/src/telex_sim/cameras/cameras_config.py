@@ -23,8 +23,8 @@ from .optics.lens import NO_DISTORTION, Distortion, DistortionError, LensCamera
 from .optics.noise import RadiationConfig
 from .optics.pinhole import PinholeCamera
 
-# What draws: OpenGL, or PyBullet's TinyRenderer, which needs nothing but is slow and plain.
-OPENGL, TINY = "opengl", "tiny"
+# What draws; with or without a graphics card.
+OPENGL = "opengl"
 
 # Name of the instructor's camera, and how it may go about.
 OVERVIEW = "overview"
@@ -356,10 +356,7 @@ class CamerasConfig:
     model
         Name of the robot in the scene; its frames are "<model>/<link>".
     renderer
-        "opengl", "tiny" (PyBullet's TinyRenderer: slow and plain), or "auto": OpenGL where there is
-        any.
-    tiny_detail
-        Factor on the detail of all cameras where TinyRenderer draws.
+        "opengl", or "auto", which is the same.
     quality
         Tier of quality, or "auto" to choose it by what renders.
     shadow_radius
@@ -397,7 +394,6 @@ class CamerasConfig:
     overview: Optional[OverviewConfig] = None
     model: str = "telex"
     renderer: str = AUTO
-    tiny_detail: float = 0.5
     quality: str = AUTO
     shadow_radius: float = 9.0
     repeat_rate: float = 5.0
@@ -422,8 +418,7 @@ class CamerasConfig:
             f"cameras has the key '{OVERVIEW}', which is the instructor's camera",
         )
         require_text(self, "model")
-        require_choice(self, "renderer", (AUTO, OPENGL, TINY))
-        require_range(self, "tiny_detail", 0.1, 4.0)
+        require_choice(self, "renderer", (AUTO, OPENGL))
         require_choice(self, "quality", (AUTO, *TIERS))
         require_range(self, "shadow_radius", above=0.0)
         require_range(self, "repeat_rate", above=0.0)

@@ -26,8 +26,6 @@ class CameraSensor:
         Of the noise.
     control
         Of the exposure; outlives the setting.
-    detail
-        By which the configured detail is multiplied.
 
     Attributes
     ----------
@@ -46,12 +44,11 @@ class CameraSensor:
         zoom: float,
         seed: int,
         control: ExposureControl,
-        detail: float = 1.0,
     ) -> None:
         self.config = config
         self.camera: LensCamera = config.optics(zoom)
         self._control = control
-        self._lens = LensMap(self.camera, config.detail * detail)
+        self._lens = LensMap(self.camera, config.detail)
         self._noise = SensorNoise(config.width, config.height, seed)
         # By the lens, while the renderer repeats its picture.
         self._bent: Optional[np.ndarray] = None

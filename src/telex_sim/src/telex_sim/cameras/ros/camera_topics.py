@@ -102,8 +102,6 @@ class CameraStream:
         Pictures per second while the poses stand still.
     seed
         Of its noise.
-    detail
-        By which the configured detail is multiplied.
     """
 
     def __init__(
@@ -115,7 +113,6 @@ class CameraStream:
         locate: Locate,
         repeat_rate: float,
         seed: int,
-        detail: float = 1.0,
     ) -> None:
         self.name = name
         self.scene_frame = scene_frame
@@ -127,10 +124,10 @@ class CameraStream:
         def full_size(setting: Setting, scale: float) -> CameraSensor:
             config, zoom = setting
             reduced = config.reduced(max(round(scale * config.width), config.small().width))
-            return CameraSensor(reduced, zoom, seed, exposure, detail)
+            return CameraSensor(reduced, zoom, seed, exposure)
 
         def small_size(setting: Setting, scale: float) -> CameraSensor:
-            return CameraSensor(setting[0].small(), setting[1], seed, exposure, detail)
+            return CameraSensor(setting[0].small(), setting[1], seed, exposure)
 
         self._full = PictureSize(self, full_size, FramePacer(config.rate, repeat_rate))
         preview_pacer = FramePacer(config.preview.rate, repeat_rate)

@@ -21,13 +21,12 @@ from telex_control.ros.node_start import init_node, until_shutdown
 
 from ...engine.simulator_config import read_simulator_config
 from ...scene.content_store import shared_store
-from ..cameras_config import OPENGL, TINY, CamerasConfig
+from ..cameras_config import CamerasConfig
 from ..drawing.gl_context import NoContextError, create_context
 from ..drawing.light.daylight import Lighting
 from ..drawing.quality import choose_quality
 from ..drawing.renderer import Renderer
 from ..drawing.scene_renderer import SceneRenderer
-from ..drawing.tiny_renderer import TinyRenderer
 from .camera_topics import CameraStream, PictureSize
 from .frame_pacer import next_due
 from .lamp_switches import LampSwitches
@@ -71,7 +70,6 @@ class CamerasNode:
         self._config = config
         self._make_renderer = make_renderer
         self._renderer = make_renderer(config)
-        detail = config.tiny_detail if isinstance(self._renderer, TinyRenderer) else 1.0
         self._streams = [
             CameraStream(
                 name,
@@ -81,14 +79,13 @@ class CamerasNode:
                 locate=_itself,
                 repeat_rate=config.repeat_rate,
                 seed=config.seed + number,
-                detail=detail,
             )
             for number, (name, camera) in enumerate(sorted(config.cameras.items()))
         ]
         camera_frames = [stream.scene_frame for stream in self._streams]
         if config.overview is not None:
             seed = config.seed + len(self._streams)
-            self._overview = Overview(config.overview, config.model, seed, detail)
+            self._overview = Overview(config.overview, config.model, seed)
             self._streams.append(self._overview.stream)
         self._lamps = LampSwitches(config.lamps)
         self._mirror = SceneMirror(
@@ -275,29 +272,15 @@ def make_renderer(config: CamerasConfig) -> SceneRenderer:
     Raises
     ------
     NoContextError
-        OpenGL is asked for, and there is none.
+        There is no OpenGL.
     """
-    package_path = rospkg.RosPack().get_path
-    if config.renderer == TINY:
-        rospy.loginfo("rendering with PyBullet's TinyRenderer")
-        return TinyRenderer(package_path)
-    try:
-        context = create_context(config.egl_device)
-    except NoContextError as error:
-        if config.renderer == OPENGL:
-            raise
-        rospy.logwarn(
-            "%s. Until then PyBullet's TinyRenderer draws: slowly, with neither textures nor"
-            " shadows",
-            error,
-        )
-        return TinyRenderer(package_path)
+    context = create_context(config.egl_device)
     name = context.info["GL_RENDERER"]
     rospy.loginfo("rendering with %s, quality %s", name, config.quality)
     return Renderer(
         context,
         choose_quality(config.quality, name),
         replace(Lighting(), shadow_radius=config.shadow_radius),
-        package_path,
+        rospkg.RosPack().get_path,
         shared_store(),
     )

@@ -21,7 +21,7 @@ class Overview:
         Of the camera.
     model
         Name in the scene of the robot that it follows.
-    seed, detail
+    seed
         As for `CameraStream`.
 
     Attributes
@@ -29,7 +29,7 @@ class Overview:
     stream : CameraStream
     """
 
-    def __init__(self, config: OverviewConfig, model: str, seed: int, detail: float) -> None:
+    def __init__(self, config: OverviewConfig, model: str, seed: int) -> None:
         self._rig = OverviewRig(config.start, config.smoothing)
         self.stream = CameraStream(
             OVERVIEW,
@@ -40,7 +40,6 @@ class Overview:
             # It moves while the poses stand still.
             repeat_rate=config.rate,
             seed=seed,
-            detail=detail,
         )
         self._subscriber = rospy.Subscriber(
             f"cameras/{OVERVIEW}/view", OverviewView, self._take, queue_size=1, tcp_nodelay=True
