@@ -17,7 +17,7 @@ from telex_sim.cameras.drawing.light.daylight import Lighting
 from telex_sim.cameras.drawing.quality import TIERS
 from telex_sim.cameras.drawing.renderer import Renderer
 from telex_sim.cameras.optics.camera_sensor import CameraSensor
-from telex_sim.cameras.optics.exposure import ExposureConfig, ExposureControl
+from telex_sim.cameras.optics.exposure import ExposureConfig, ExposureControl, exposure_factor
 from telex_sim.cameras.optics.lens import DistortionError, LensCamera, LensMap
 from telex_sim.cameras.optics.noise import RadiationConfig, SensorNoise
 from telex_sim.cameras.ros.messages import camera_info_message
@@ -59,7 +59,9 @@ def sensor(config=CONFIG, zoom=1.0):
 
 
 def take(renderer, camera, stamp=SECOND):
-    return camera.take(renderer, [POSE], stamp)
+    ev = camera.expose(stamp)
+    picture = renderer.render(camera.pinhole, POSE, exposure_factor(ev))
+    return camera.develop([picture], renderer.repeats, ev, stamp)
 
 
 def balls_in(picture):
@@ -133,7 +135,7 @@ class TestDepth:
         show(renderer, wall)
         camera = sensor()
         take(renderer, camera)
-        depth = camera.depth(renderer)
+        depth = camera.depth(renderer.depth(camera.pinhole))
         assert depth.shape == (480, 640)
         assert depth.dtype == np.float32
         np.testing.assert_allclose(depth, 4.0, atol=0.01)
@@ -143,7 +145,7 @@ class TestDepth:
         show(renderer, box)
         camera = sensor()
         take(renderer, camera)
-        seen = np.isfinite(camera.depth(renderer))
+        seen = np.isfinite(camera.depth(renderer.depth(camera.pinhole)))
         corners = [(x, y, 2.0) for x in (0.6, 1.2) for y in (-0.7, -0.3)]
         pixels = predicted(camera_info_message(camera.camera, Header()), corners)
         for (u, v), (x, y) in zip(pixels, ((-1, -1), (-1, 1), (1, -1), (1, 1))):
@@ -160,7 +162,7 @@ class TestDepth:
         show(renderer, near, far)
         camera = sensor()
         take(renderer, camera)
-        depth = camera.depth(renderer)
+        depth = camera.depth(renderer.depth(camera.pinhole))
         either = (np.abs(depth - 2.0) < 0.02) | (np.abs(depth - 8.0) < 0.1)
         # The box's own side is in between.
         assert either.mean() > 0.97
@@ -315,15 +317,14 @@ class TestShutter:
         config = replace(CONFIG, distortion=(0.0,) * 5, shutter=0.02, shutter_samples=8)
         camera = sensor(config)
         assert camera.moments == pytest.approx(np.linspace(0.02, 0.0, 8))
-
-        def moments():
-            for back in camera.moments:
-                frame = np.eye(4)
-                frame[0, 3] = -10.0 * back
-                renderer.place(frame[None], np.zeros(3))
-                yield POSE
-
-        lit = camera.take(renderer, moments(), SECOND)[240, :, 1] > 10
+        ev = camera.expose(SECOND)
+        pictures = []
+        for back in camera.moments:
+            frame = np.eye(4)
+            frame[0, 3] = -10.0 * back
+            renderer.place(frame[None], np.zeros(3))
+            pictures.append(renderer.render(camera.pinhole, POSE, exposure_factor(ev)).copy())
+        lit = camera.develop(pictures, renderer.repeats, ev, SECOND)[240, :, 1] > 10
         still = sensor(replace(config, shutter=0.0))
         sharp = take(renderer, still)[240, :, 1] > 10
         # 0.2 m at 1.95 m, with 320 pixels of focal length.

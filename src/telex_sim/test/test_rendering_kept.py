@@ -11,7 +11,7 @@ from telex_sim.cameras.drawing.light.daylight import Lighting
 from telex_sim.cameras.drawing.quality import TIERS
 from telex_sim.cameras.drawing.renderer import Renderer
 from telex_sim.cameras.optics.camera_sensor import CameraSensor
-from telex_sim.cameras.optics.exposure import ExposureControl
+from telex_sim.cameras.optics.exposure import ExposureControl, exposure_factor
 from telex_sim.cameras.optics.pinhole import PinholeCamera
 from telex_sim.cameras.preview.still import looking
 from telex_sim.scene.visual_scene import Daylight, Visual, VisualLamp, VisualScene, VisualShape
@@ -141,7 +141,9 @@ class TestTheRenderer:
         seen = []
         for _ in range(5):
             picture(renderer)
-            seen.append(sensor.take(renderer, [VIEW], 10**9).copy())
+            ev = sensor.expose(10**9)
+            drawn = renderer.render(sensor.pinhole, VIEW, exposure_factor(ev))
+            seen.append(sensor.develop([drawn], renderer.repeats, ev, 10**9).copy())
             picture(renderer)  # in the same memory
         assert renderer.repeats
         for each in seen[1:]:

@@ -26,7 +26,7 @@ from telex_sim.cameras.drawing.quality import choose_quality
 from telex_sim.cameras.drawing.renderer import Renderer
 from telex_sim.cameras.drawing.scene_renderer import SceneRenderer
 from telex_sim.cameras.optics.camera_sensor import CameraSensor
-from telex_sim.cameras.optics.exposure import ExposureControl
+from telex_sim.cameras.optics.exposure import ExposureControl, exposure_factor
 from telex_sim.cameras.optics.pinhole import PinholeCamera
 from telex_sim.scene.visual_scene import Daylight, Visual, VisualLamp, VisualScene, VisualShape
 
@@ -164,7 +164,9 @@ class Views:
         cpu, began, encoding = time.process_time(), time.perf_counter(), 0.0
         renderer.place(self._frames[number % 2], focus)
         for sensor, pose in self._views:
-            picture = sensor.take(renderer, [pose], number)
+            ev = sensor.expose(number)
+            seen = renderer.render(sensor.pinhole, pose, exposure_factor(ev))
+            picture = sensor.develop([seen], renderer.repeats, ev, number)
             taken = time.perf_counter()
             simplejpeg.encode_jpeg(
                 picture, QUALITY, colorspace="RGBA", colorsubsampling="420", fastdct=True

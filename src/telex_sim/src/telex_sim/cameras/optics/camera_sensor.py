@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Iterable, Iterator, Optional, Tuple
+from typing import Optional, Sequence, Tuple
 
 import numpy as np
 
 from ..cameras_config import OpticsConfig
-from ..drawing.scene_renderer import SceneRenderer
 from .exposure import ExposureControl, exposure_factor
 from .lens import LensCamera, LensMap
 from .noise import SensorNoise
+from .pinhole import PinholeCamera
 
 
 class CameraSensor:
@@ -60,16 +60,29 @@ class CameraSensor:
             return (0.0,)
         return tuple(np.linspace(self.config.shutter, 0.0, self.config.shutter_samples).tolist())
 
-    def take(self, renderer: SceneRenderer, poses: Iterable[np.ndarray], stamp: int) -> np.ndarray:
-        """Take a picture.
+    @property
+    def pinhole(self) -> PinholeCamera:
+        """The camera whose pictures `develop` takes; wider than this one where the lens bends."""
+        return self._lens.pinhole
+
+    def expose(self, stamp: int) -> float:
+        """Choose the exposure (EV) of the picture of a sim time (ns), the next one."""
+        return self._control.expose(self.config.exposure, stamp)
+
+    def develop(
+        self, pictures: Sequence[np.ndarray], repeated: bool, ev: float, stamp: int
+    ) -> np.ndarray:
+        """Make the sensor's picture of what the pinhole camera saw.
 
         Parameters
         ----------
-        renderer
-            Of the scene.
-        poses
-            Of the camera's optical frame in the world, shape (4, 4), one for each of `moments`; the
-            iterator places the scene for a moment before it gives the pose.
+        pictures
+            RGBA, shape (pinhole.height, pinhole.width, 4), uint8, one for each of `moments`; one
+            alone may be written to.
+        repeated
+            Whether they are what the view before had shown: nothing has moved.
+        ev
+            The exposure that `expose` chose, with which they were taken.
         stamp
             Sim time (ns).
 
@@ -78,13 +91,10 @@ class CameraSensor:
         numpy.ndarray
             RGBA, shape (height, width, 4), uint8; good until the next picture is taken.
         """
-        ev = self._control.expose(self.config.exposure, stamp)
-        pinhole, factor = self._lens.pinhole, exposure_factor(ev)
-        pictures = (renderer.render(pinhole, pose, factor) for pose in poses)
-        picture = _mean(pictures, len(self.moments))
+        picture = _mean(pictures)
         if self.config.exposure.auto:
             self._control.meter(picture)
-        picture = self._bend(picture, renderer.repeats)
+        picture = self._bend(picture, repeated)
         # What is amplified twice as much is sqrt(2) times as noisy, because half the light came.
         self._noise.add(picture, self.config.noise * exposure_factor(0.5 * max(ev, 0.0)), stamp)
         self._noise.irradiate(picture, self.config.radiation, stamp)
@@ -100,21 +110,26 @@ class CameraSensor:
             self._bent = bent
         return self._bent.copy()  # for what follows writes into it
 
-    def depth(self, renderer: SceneRenderer) -> np.ndarray:
-        """Return depths along z (m, inf for none) of what `take` took last.
+    def depth(self, depths: np.ndarray) -> np.ndarray:
+        """Show depths along z (m, inf for none) as the lens does.
+
+        Parameters
+        ----------
+        depths
+            Of the pinhole camera, shape (pinhole.height, pinhole.width), float32.
 
         Returns
         -------
         numpy.ndarray
             Shape (height, width), float32.
         """
-        return self._lens.bend_depth(renderer.depth(self._lens.pinhole))
+        return self._lens.bend_depth(depths)
 
 
-def _mean(pictures: Iterator[np.ndarray], count: int) -> np.ndarray:
-    """Mean light of so many pictures, each of which may overwrite the one before."""
-    if count == 1:
-        return next(pictures)
+def _mean(pictures: Sequence[np.ndarray]) -> np.ndarray:
+    """Mean light of pictures."""
+    if len(pictures) == 1:
+        return pictures[0]
     # Dark values are stretched when they are shown, about as a square root does.
     light = sum(np.square(picture, dtype=np.float32) for picture in pictures)
-    return np.sqrt(light / count).astype(np.uint8)
+    return np.sqrt(light / len(pictures)).astype(np.uint8)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import threading
-from typing import Callable, Iterator, List, Optional, Sequence, Tuple
+from typing import Callable, List, NamedTuple, Optional
 
 import cv2
 import numpy as np
@@ -13,7 +13,6 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from std_msgs.msg import Float64, Header
 
 from ..cameras_config import OpticsConfig
-from ..drawing.scene_renderer import SceneRenderer
 from ..optics.camera_sensor import CameraSensor
 from ..optics.exposure import ExposureControl
 from .frame_pacer import FramePacer
@@ -23,6 +22,7 @@ from .messages import (
     depth_message,
     image_message,
 )
+from .picture_size import PictureSize, Setting
 
 Locate = Callable[[np.ndarray, float], np.ndarray]
 """Gives the pose of the optical frame in the world, of that of the frame in the scene on which the
@@ -34,53 +34,26 @@ LARGE_WEIGHT = 3.0
 their rate until previews have fallen to a third of theirs, whichever camera somebody looks through.
 """
 
-Setting = Tuple[OpticsConfig, float]
-"""How a camera is set, and its zoom."""
 
+class Wanted(NamedTuple):
+    """Pictures of a camera that somebody waits for.
 
-class PictureSize:
-    """One of the two sizes of a camera's pictures: full, or its previews.
-
-    Parameters
+    Attributes
     ----------
-    stream
+    stream : CameraStream
         The camera's topics.
-    make_sensor
-        Makes what takes the pictures, of a setting and a scale.
-    pacer
+    is_preview : bool
+        Whether they are previews.
+    pacer : FramePacer
         Says when they are due.
+    weight : float
+        By which their rate counts, when there is too little time for all.
     """
 
-    def __init__(
-        self,
-        stream: CameraStream,
-        make_sensor: Callable[[Setting, float], CameraSensor],
-        pacer: FramePacer,
-    ) -> None:
-        self.stream = stream
-        self.pacer = pacer
-        self._make_sensor = make_sensor
-        self._made_for: Optional[Tuple[Setting, float]] = None
-        self._sensor: Optional[CameraSensor] = None
-
-    @property
-    def weight(self) -> float:
-        """By which its rate counts, when there is too little time for all."""
-        return self.stream.weight_of(self)
-
-    @property
-    def is_preview(self) -> bool:
-        """Whether it is that of the previews."""
-        return self.stream.is_preview(self)
-
-    def sensor(self) -> CameraSensor:
-        """Return the camera as it is set now; ask once for each picture."""
-        wanted = (self.stream.setting, 1.0 if self.is_preview else self.stream.scale)
-        if self._sensor is None or wanted != self._made_for:
-            self._sensor = self._make_sensor(*wanted)
-            self.pacer.rate = self._sensor.config.rate
-            self._made_for = wanted
-        return self._sensor
+    stream: CameraStream
+    is_preview: bool
+    pacer: FramePacer
+    weight: float
 
 
 class CameraStream:
@@ -129,9 +102,8 @@ class CameraStream:
         def small_size(setting: Setting, scale: float) -> CameraSensor:
             return CameraSensor(setting[0].small(), setting[1], seed, exposure)
 
-        self._full = PictureSize(self, full_size, FramePacer(config.rate, repeat_rate))
-        preview_pacer = FramePacer(config.preview.rate, repeat_rate)
-        self._small = PictureSize(self, small_size, preview_pacer)
+        self._full = PictureSize(full_size, FramePacer(config.rate, repeat_rate))
+        self._small = PictureSize(small_size, FramePacer(config.preview.rate, repeat_rate))
         # Replaced as a whole by ROS's threads, read once a picture by the one that renders.
         self._writing = threading.Lock()
         self._setting: Setting = (config, 1.0)
@@ -141,11 +113,6 @@ class CameraStream:
         self._zoom: Optional[rospy.Subscriber] = None
 
     # ------------------------------------------------------------ any thread
-
-    @property
-    def setting(self) -> Setting:
-        """How the camera is set now, and its zoom; another object whenever that changes."""
-        return self._setting
 
     @property
     def config(self) -> OpticsConfig:
@@ -214,109 +181,104 @@ class CameraStream:
             self._depth.unregister()
             self._depth = None
 
-    def is_preview(self, size: PictureSize) -> bool:
-        """Whether a size is that of the previews."""
-        return size is self._small
-
-    def weight_of(self, size: PictureSize) -> float:
-        """How much a size's rate counts, when there is too little time for all."""
-        return LARGE_WEIGHT * (1.0 + self.config.priority) if size is self._full else 1.0
-
     @property
-    def wanted(self) -> List[PictureSize]:
-        """The sizes that somebody waits for.
+    def wanted(self) -> List[Wanted]:
+        """What somebody waits for, in each of the sizes.
 
         Where pictures of full size are taken, previews are made of them.
         """
         if not self._publishers:
             return []
-        sizes = []
+        wanted = []
         if self.wants_picture or _is_heard(self._info):
-            sizes.append(self._full)
+            weight = LARGE_WEIGHT * (1.0 + self.config.priority)
+            wanted.append(Wanted(self, False, self._full.pacer, weight))
         if _is_heard(self._preview) and not self.wants_picture:
-            sizes.append(self._small)
-        return sizes
+            wanted.append(Wanted(self, True, self._small.pacer, 1.0))
+        return wanted
 
     @property
     def wants_picture(self) -> bool:
         """Whether pictures of full size must be drawn."""
         if not self._publishers:
             return False
-        return _is_heard(self._compressed) or _is_heard(self._raw) or self._wants_depth
+        return _is_heard(self._compressed) or _is_heard(self._raw) or self.wants_depth
 
     @property
-    def _wants_depth(self) -> bool:
+    def wants_depth(self) -> bool:
+        """Whether somebody listens to depths."""
         return self._depth is not None and _is_heard(self._depth)
 
-    def serve(
-        self,
-        size: PictureSize,
-        renderer: SceneRenderer,
-        poses: Callable[[Sequence[float]], Iterator[np.ndarray]],
-        stamp: rospy.Time,
-        now: float,
-    ) -> None:
-        """Take a picture, and publish it in the forms that somebody listens to.
+    def begin(self, preview: bool, stamp: rospy.Time, now: float) -> CameraSensor:
+        """Note that a picture is being taken, and return the camera that takes it.
 
         Parameters
         ----------
-        size
-            Which is due.
-        renderer
-            Of the scene, which is placed.
-        poses
-            As for `CameraSensor.take`, given the times before the stamp (s) at which to look.
+        preview
+            Whether it is a preview.
         stamp
-            Sim time of the poses.
+            Sim time of its poses.
         now
             Monotonic time (s).
         """
-        sensor = size.sensor()
+        setting = self._setting
+        size = self._small if preview else self._full
+        sensor = size.sensor(setting) if preview else size.sensor(setting, self._scale_now)
         size.pacer.sent(now, stamp.to_nsec())
-        if size is self._small:
-            picture = sensor.take(renderer, poses(sensor.moments), stamp.to_nsec())
-            self._publish_preview(sensor, picture, stamp)
-            return
-        if _is_heard(self._info):
+        if not preview and _is_heard(self._info):
             self._info.publish(camera_info_message(sensor.camera, self._header(stamp)))
-        if not self.wants_picture:
-            return
-        picture = sensor.take(renderer, poses(sensor.moments), stamp.to_nsec())
-        self._publish_picture(sensor, picture, renderer, stamp)
-        small = self._small.sensor()
-        if _is_heard(self._preview) and self._small.pacer.is_due(now, stamp.to_nsec()):
-            self._small.pacer.sent(now, stamp.to_nsec())
-            shape = (small.config.width, small.config.height)
-            reduced = cv2.resize(picture, shape, interpolation=cv2.INTER_AREA)
-            self._publish_preview(small, reduced, stamp)
+        return sensor
 
-    def scale_by(self, scale: float) -> None:
-        """Make pictures of full size smaller by a factor, where `scale` lets that be."""
-        self._scale = scale
-
-    @property
-    def scale(self) -> float:
-        """Factor on the size of full pictures: 1 where others than eyes have use of them."""
-        used = _is_heard(self._raw) or _is_heard(self._info) or self._wants_depth
-        return 1.0 if used else self._scale
-
-    def _publish_preview(
-        self, sensor: CameraSensor, picture: np.ndarray, stamp: rospy.Time
-    ) -> None:
+    def publish_preview(self, sensor: CameraSensor, picture: np.ndarray, stamp: rospy.Time) -> None:
+        """Publish a small picture."""
         quality = sensor.config.jpeg_quality
         self._preview.publish(compressed_image_message(picture, quality, self._header(stamp)))
 
-    def _publish_picture(
-        self, sensor: CameraSensor, picture: np.ndarray, renderer: SceneRenderer, stamp: rospy.Time
+    def publish(
+        self,
+        sensor: CameraSensor,
+        picture: np.ndarray,
+        depth: Optional[np.ndarray],
+        stamp: rospy.Time,
+        now: float,
     ) -> None:
+        """Publish a picture of full size in the forms that somebody listens to, previews as well.
+
+        Parameters
+        ----------
+        sensor
+            That took it, as `begin` returned it.
+        picture
+            RGBA, shape (height, width, 4), uint8.
+        depth
+            Along z (m, inf for none), shape (height, width), float32; None where nobody asks.
+        stamp, now
+            As for `begin`.
+        """
         header = self._header(stamp)
         if _is_heard(self._compressed):
             quality = sensor.config.jpeg_quality
             self._compressed.publish(compressed_image_message(picture, quality, header))
         if _is_heard(self._raw):
             self._raw.publish(image_message(picture, header))
-        if self._depth is not None and self._wants_depth:
-            self._depth.publish(depth_message(sensor.depth(renderer), header))
+        if self._depth is not None and depth is not None:
+            self._depth.publish(depth_message(depth, header))
+        small = self._small.sensor(self._setting)
+        if _is_heard(self._preview) and self._small.pacer.is_due(now, stamp.to_nsec()):
+            self._small.pacer.sent(now, stamp.to_nsec())
+            shape = (small.config.width, small.config.height)
+            reduced = cv2.resize(picture, shape, interpolation=cv2.INTER_AREA)
+            self.publish_preview(small, reduced, stamp)
+
+    def scale_by(self, scale: float) -> None:
+        """Make pictures of full size smaller by a factor, where nobody but eyes has use of them."""
+        self._scale = scale
+
+    @property
+    def _scale_now(self) -> float:
+        """Factor on the size of full pictures: 1 where others than eyes have use of them."""
+        used = _is_heard(self._raw) or _is_heard(self._info) or self.wants_depth
+        return 1.0 if used else self._scale
 
     def _header(self, stamp: rospy.Time) -> Header:
         return Header(stamp=stamp, frame_id=self._optical_frame)

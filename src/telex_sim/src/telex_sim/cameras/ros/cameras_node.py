@@ -7,7 +7,7 @@ import os
 import sys
 import time
 from dataclasses import replace
-from typing import Callable, Iterator, List, Optional, Sequence
+from typing import Callable, List, Optional
 
 import cv2
 import numpy as np
@@ -27,7 +27,9 @@ from ..drawing.light.daylight import Lighting
 from ..drawing.quality import choose_quality
 from ..drawing.renderer import Renderer
 from ..drawing.scene_renderer import SceneRenderer
-from .camera_topics import CameraStream, PictureSize
+from ..optics.camera_sensor import CameraSensor
+from ..optics.exposure import exposure_factor
+from .camera_topics import CameraStream, Wanted
 from .frame_pacer import next_due
 from .lamp_switches import LampSwitches
 from .overview import Overview
@@ -112,7 +114,7 @@ class CamerasNode:
         while not rospy.is_shutdown():
             self._take_news()
             now = time.monotonic()
-            wanted = [size for stream in self._streams for size in stream.wanted]
+            wanted = [each for stream in self._streams for each in stream.wanted]
             self._follow_poses(bool(wanted), now)
             self._choose_sizes(wanted, now)
             # News come first after every picture: when there is more to show than time, one is
@@ -146,10 +148,10 @@ class CamerasNode:
         self._mirror.change_renderer(self._renderer)
         self._placed = None
 
-    def _choose_sizes(self, wanted: List[PictureSize], now: float) -> None:
+    def _choose_sizes(self, wanted: List[Wanted], now: float) -> None:
         """Make full pictures smaller where there is no time for previews beside them."""
         before = self._sizes.scale
-        self._sizes.judge(now, sum(size.pacer.rate for size in wanted if size.is_preview))
+        self._sizes.judge(now, sum(each.pacer.rate for each in wanted if each.is_preview))
         if self._sizes.scale != before:
             rospy.loginfo("pictures of full size are scaled by %g", self._sizes.scale)
             for stream in self._streams:
@@ -173,18 +175,18 @@ class CamerasNode:
             self._poses_subscriber = None
             self._inbox.drop_poses()
 
-    def _show_next(self, wanted: List[PictureSize], now: float) -> bool:
+    def _show_next(self, wanted: List[Wanted], now: float) -> bool:
         """Take the picture that is due first, if any, of poses that are fresh enough."""
         newest = self._inbox.newest_poses()
         if newest is None:
             return False
-        size = next_due(wanted, now, newest.poses.header.stamp.to_nsec())
-        if size is None or not self._place(newest, size, now):
+        due = next_due(wanted, now, newest.poses.header.stamp.to_nsec())
+        if due is None or not self._place(newest, due, now):
             return False
-        self._take(size, now)
+        self._take(due, now)
         return True
 
-    def _place(self, newest: Arrival, size: PictureSize, now: float) -> bool:
+    def _place(self, newest: Arrival, due: Wanted, now: float) -> bool:
         """Have poses placed that a camera may be shown; returns whether there are any."""
         period = self._config.shadow_period * self._sizes.shadow_spacing
         recast = now - self._cast_time >= period
@@ -195,7 +197,7 @@ class CamerasNode:
                     return True
             elif (
                 now - placed.time <= self._config.max_pose_age
-                and placed.poses.header.stamp.to_nsec() != size.pacer.stamp
+                and placed.poses.header.stamp.to_nsec() != due.pacer.stamp
             ):
                 return True
         if not self._mirror.place(newest.poses, recast=recast):
@@ -206,28 +208,36 @@ class CamerasNode:
             self._cast, self._cast_time = newest, now
         return True
 
-    def _take(self, size: PictureSize, now: float) -> None:
-        """Take a camera's picture of the poses that are placed, and publish it."""
+    def _take(self, due: Wanted, now: float) -> None:
+        """Take a picture of the poses that are placed, and publish it."""
         assert self._placed is not None
-        stream = size.stream
-        if size.is_preview:
+        stream, stamp = due.stream, self._placed.poses.header.stamp
+        sensor = stream.begin(due.is_preview, stamp, now)
+        if due.is_preview:
             self._sizes.shown()
+            stream.publish_preview(sensor, self._picture(stream, sensor, self._placed, now), stamp)
+        elif stream.wants_picture:
+            picture = self._picture(stream, sensor, self._placed, now)
+            depth = None
+            if stream.wants_depth:
+                depth = sensor.depth(self._renderer.depth(sensor.pinhole))
+            stream.publish(sensor, picture, depth, stamp, now)
 
-        def moments(times: Sequence[float]) -> Iterator[np.ndarray]:
-            return self._moments(stream, times, now)
-
-        stamp = self._placed.poses.header.stamp
-        stream.serve(size, self._renderer, moments, stamp, now)
-
-    def _moments(
-        self, stream: CameraStream, times: Sequence[float], now: float
-    ) -> Iterator[np.ndarray]:
-        """Place the scene for times before its stamp (s), and give the camera's pose at each."""
-        assert self._placed is not None
-        for back in times:
-            if len(times) > 1:
-                self._mirror.place(self._placed.poses, self._placed.earlier, back)
-            yield stream.locate(self._mirror.frame_in_world(stream.scene_frame), now)
+    def _picture(
+        self, stream: CameraStream, sensor: CameraSensor, placed: Arrival, now: float
+    ) -> np.ndarray:
+        """Show the scene as a camera sees it: where its frame is, exposed, drawn, developed."""
+        stamp = placed.poses.header.stamp.to_nsec()
+        ev = sensor.expose(stamp)
+        pictures = []
+        for back in sensor.moments:
+            if len(sensor.moments) > 1:
+                self._mirror.place(placed.poses, placed.earlier, back)
+            pose = stream.locate(self._mirror.frame_in_world(stream.scene_frame), now)
+            picture = self._renderer.render(sensor.pinhole, pose, exposure_factor(ev))
+            # The next picture would overwrite it.
+            pictures.append(picture.copy() if back > 0.0 else picture)
+        return sensor.develop(pictures, self._renderer.repeats, ev, stamp)
 
 
 def _itself(frame_in_world: np.ndarray, now: float) -> np.ndarray:
