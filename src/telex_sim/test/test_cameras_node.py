@@ -681,7 +681,7 @@ class CountingRenderer:
     def place(self, frames_in_world, focus, recast=True):
         pass
 
-    def render(self, camera, optical_in_world, exposure=1.0):
+    def render(self, camera, optical_in_world, exposure=1.0, coarse=False):
         time.sleep(self.seconds)
         self.counts["ahead" if optical_in_world[0, 2] > 0.0 else "back"] += 1
         self.sizes.add(camera.width)

@@ -1,19 +1,21 @@
-"""Full pictures become smaller while previews fall behind."""
+"""Previews lose detail and full pictures become smaller while previews fall behind."""
 
 import pytest
 
 from telex_sim.cameras.ros.size_by_load import SizeByLoad
 
+FULL, COARSER, SMALLER, SMALLEST = (1.0, 1.0), (1.0, 0.75), (0.75, 0.75), (0.5, 0.75)
+
 
 def run(sizes, seconds, previews, asked=50.0, busy=1.0, begin=0.0):
-    """Let time pass in which so many previews come in each second; the scales in each of them."""
+    """Let time pass in which so many previews come in each second; scale and detail in each."""
     seen = []
     for second in range(seconds):
         for _ in range(previews):
             sizes.shown()
         sizes.rested(1.0 - busy)
         sizes.judge(begin + second + 1.0, asked)
-        seen.append(sizes.scale)
+        seen.append((sizes.step.scale, sizes.step.preview_detail))
     return seen
 
 
@@ -24,45 +26,47 @@ def sizes():
     return found
 
 
-def test_smaller_while_previews_fall_behind_and_not_beyond_the_smallest(sizes):
-    assert sizes.shadow_spacing == 1.0
-    assert run(sizes, 6, previews=30) == [1.0, 0.75, 0.75, 0.5, 0.5, 0.5]
-    assert sizes.shadow_spacing == 4.0
+def test_previews_lose_detail_first_and_full_pictures_are_not_below_the_smallest(sizes):
+    assert sizes.step.shadow_spacing == 1.0
+    steps = run(sizes, 8, previews=30)
+    assert steps == [FULL, COARSER, COARSER, SMALLER, SMALLER, SMALLEST, SMALLEST, SMALLEST]
+    assert sizes.step.shadow_spacing == 4.0
+    assert sizes.step.coarse
 
 
 def test_previews_may_give_way_a_little_first(sizes):
-    assert set(run(sizes, 10, previews=41)) == {1.0}
+    assert set(run(sizes, 10, previews=41)) == {FULL}
 
 
 def test_who_has_time_is_not_behind_for_want_of_it(sizes):
-    assert set(run(sizes, 10, previews=25, busy=0.5)) == {1.0}
+    assert set(run(sizes, 10, previews=25, busy=0.5)) == {FULL}
 
 
 def test_nobody_watches_previews(sizes):
-    assert set(run(sizes, 10, previews=0, asked=0.0)) == {1.0}
+    assert set(run(sizes, 10, previews=0, asked=0.0)) == {FULL}
 
 
 def test_one_bad_second_changes_nothing(sizes):
     run(sizes, 1, previews=10)
     run(sizes, 1, previews=50, busy=0.85, begin=1.0)
-    assert run(sizes, 1, previews=10, begin=2.0) == [1.0]
+    assert run(sizes, 1, previews=10, begin=2.0) == [FULL]
 
 
 def test_larger_again_when_there_is_time_and_ever_more_seldom_where_it_was_too_much(sizes):
     run(sizes, 2, previews=30)
-    assert sizes.scale == 0.75
+    assert sizes.step.coarse_previews
     eased = run(sizes, 6, previews=50, busy=0.6, begin=2.0)
-    assert eased == [0.75] * 4 + [1.0] * 2
+    assert eased == [COARSER] * 4 + [FULL] * 2
     run(sizes, 2, previews=30, begin=8.0)
-    assert run(sizes, 12, previews=50, busy=0.6, begin=10.0) == [0.75] * 9 + [1.0] * 3
+    assert run(sizes, 12, previews=50, busy=0.6, begin=10.0) == [COARSER] * 9 + [FULL] * 3
 
 
 def test_the_time_before_a_silence_does_not_count(sizes):
     sizes.judge(100.0, 50.0)
-    assert set(run(sizes, 1, previews=10, begin=100.0)) == {1.0}
+    assert set(run(sizes, 1, previews=10, begin=100.0)) == {FULL}
 
 
 def test_never_where_that_is_not_wanted():
     sizes = SizeByLoad(1.0)
     sizes.judge(0.0, 50.0)
-    assert set(run(sizes, 10, previews=10)) == {1.0}
+    assert set(run(sizes, 10, previews=10)) == {FULL}

@@ -7,6 +7,7 @@ import pytest
 
 from telex_control.common.geometry.matrices import pose_matrices
 from telex_control.urdf.elements import UrdfError
+from telex_sim.cameras.drawing.gl_context import create_context
 from telex_sim.cameras.drawing.light.daylight import Lighting
 from telex_sim.cameras.drawing.meshes.batching import VERTEX
 from telex_sim.cameras.drawing.meshes.belts import (
@@ -17,6 +18,7 @@ from telex_sim.cameras.drawing.meshes.belts import (
     wheel_radius,
 )
 from telex_sim.cameras.drawing.quality import TIERS
+from telex_sim.cameras.drawing.renderer import Renderer
 from telex_sim.cameras.optics.pinhole import PinholeCamera
 from telex_sim.cameras.preview.still import Still, looking
 from telex_sim.robot.urdf.visuals import urdf_visuals
@@ -165,6 +167,34 @@ def test_a_cleat_is_seen_to_run_with_the_wheel(tmp_path):
         assert back < rest - 10
     finally:
         still.release()
+
+
+def test_a_coarser_belt_runs_with_the_finer_one(tmp_path):
+    belt_obj(tmp_path / "belt.obj")
+    belt = Visual(
+        "world", VisualShape.MESH, (1.0,) * 3, mesh=f"file://{tmp_path}/belt.obj", drive="wheel"
+    )
+    renderer = Renderer(create_context(), TIERS["software"], Lighting(), lambda name: name)
+    camera = PinholeCamera(320, 240, 0.9, 0.05, 20.0)
+    pose = looking((LENGTH / 2, -1.0, 0.2), (LENGTH / 2, 0.0, 0.1))
+    try:
+        assert renderer.load_scene(VisualScene(1, ("world", "wheel"), (belt,))) == []
+        pictures = []
+        for angle in (0.0, 0.5, 1.0):
+            renderer.place(pose_matrices([turned(0.0), turned(angle)]), np.zeros(3))
+            for coarse in (False, True):
+                picture = renderer.render(camera, pose, coarse=coarse)
+                pictures.append(picture[..., :3].astype(int))
+    finally:
+        renderer.release()
+
+    def changed(a, b):
+        return np.count_nonzero(np.abs(pictures[a] - pictures[b]).max(axis=2) > 40)
+
+    # It is not the same mesh, but it is where the finer one is.
+    assert (pictures[0] != pictures[1]).any()
+    for fine in (0, 2, 4):
+        assert changed(fine, fine + 1) < 0.3 * min(changed(0, 2), changed(2, 4))
 
 
 LINK = '<link name="%s"/>'

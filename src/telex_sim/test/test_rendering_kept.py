@@ -47,6 +47,12 @@ class TestWhatIsKept:
         assert kept.find(CAMERA, looking((-2.0, 0.0, 1.001), (2.0, 0.0, 1.0)), 1.0) is None
         assert kept.find(CAMERA, VIEW, 1.1) is None
 
+    def test_a_coarser_one_is_another(self, kept):
+        assert kept.find(CAMERA, VIEW, 1.0, coarse=True) is None
+        kept.keep(CAMERA, VIEW, 1.0, PICTURE + 1, coarse=True)
+        assert np.array_equal(kept.find(CAMERA, VIEW, 1.0), PICTURE)
+        assert np.array_equal(kept.find(CAMERA, VIEW, 1.0, coarse=True), PICTURE + 1)
+
     def test_a_picture_of_another_exposure_takes_its_place(self, kept):
         kept.keep(CAMERA, VIEW, 2.0, PICTURE + 1)
         assert kept.find(CAMERA, VIEW, 1.0) is None

@@ -4,7 +4,8 @@ import struct
 import numpy as np
 import pytest
 
-from telex_sim.cameras.drawing.meshes.simplification import simplified
+from telex_sim.cameras.drawing.meshes.batching import VERTEX
+from telex_sim.cameras.drawing.meshes.simplification import coarser, simplified
 from telex_sim.scene.meshes import mesh_files
 from telex_sim.scene.meshes.mesh_files import MeshFileError, load_mesh
 from telex_sim.scene.meshes.meshes import Mesh, box_mesh, cylinder_mesh, plane_mesh, sphere_mesh
@@ -198,6 +199,51 @@ class TestSimplification:
         grain = box_mesh((0.001, 0.001, 0.001))
         _, triangles = simplified(grain.positions + 0.005, grain.triangles, 0.02)
         assert len(triangles) == 12
+
+
+def vertices_of(mesh, color=(200, 0, 0, 0)):
+    vertices = np.zeros(len(mesh.positions), VERTEX)
+    vertices["position"], vertices["normal"] = mesh.positions, mesh.normals
+    vertices["color"] = color
+    return vertices
+
+
+class TestCoarser:
+    def test_a_box_keeps_its_edges(self):
+        box = box_mesh((0.5, 0.3, 0.2))
+        vertices, triangles = coarser(vertices_of(box), box.triangles, 0.01)
+        assert (len(vertices), len(triangles)) == (24, 12)
+        sides = np.abs(vertices["normal"]).max(axis=1)
+        assert sides == pytest.approx(np.ones(24))
+
+    def test_a_fine_mesh_becomes_coarse_and_has_no_gaps(self):
+        ball = sphere_mesh(0.05)
+        vertices, triangles = coarser(vertices_of(ball), ball.triangles, 0.02)
+        assert len(triangles) < len(ball.triangles) / 2
+        mesh = Mesh(vertices["position"], vertices["normal"], None, triangles)
+        assert volume_of(mesh) > 0.6 * volume_of(ball)
+        # Each edge has a triangle on both sides.
+        _, corner = np.unique(vertices["position"], axis=0, return_inverse=True)
+        edges = corner.reshape(-1)[triangles][:, [(0, 1), (1, 2), (2, 0)]].reshape(-1, 2)
+        there, back = (set(map(tuple, each.tolist())) for each in (edges, edges[:, ::-1]))
+        assert there == back
+        outwards = vertices["position"] / np.linalg.norm(
+            vertices["position"], axis=1, keepdims=True
+        )
+        assert np.einsum("ij,ij->i", outwards, vertices["normal"]).min() > 0.8
+
+    def test_colours_stay_apart(self):
+        ball = sphere_mesh(0.05)
+        vertices = vertices_of(ball)
+        vertices["color"][ball.positions[:, 2] > 0.0, 1] = 255
+        colors = np.unique(coarser(vertices, ball.triangles, 0.02)[0]["color"], axis=0)
+        assert colors.tolist() == [[200, 0, 0, 0], [200, 255, 0, 0]]
+
+    def test_what_is_smaller_than_a_cell_does_not_vanish(self):
+        grain = box_mesh((0.001, 0.001, 0.001))
+        vertices = vertices_of(grain)
+        vertices["position"] += 0.005
+        assert len(coarser(vertices, grain.triangles, 0.02)[1]) == 12
 
 
 class TestNormalsByAngle:

@@ -32,6 +32,7 @@ FOLLOW, ORBIT, FIXED = VIEW_MODES = ("follow", "orbit", "fixed")
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*\Z")
 _MIN_SIZE, _MAX_SIZE = 16, 4096
+LEAST_DETAIL = 0.1
 _MAX_FOV = 3.0
 _MAX_RATE = 240.0
 _MAX_ZOOM = 100.0
@@ -140,7 +141,7 @@ class OpticsConfig:
         require(
             self.far > self.near, f"far is {self.far}; it must be beyond near, which is {self.near}"
         )
-        require_range(self, "detail", 0.1, 4.0)
+        require_range(self, "detail", LEAST_DETAIL, 4.0)
         require_range(self, "rate", above=0.0, maximum=_MAX_RATE)
         require_range(self, "priority", 0, 100)
         require_range(self, "jpeg_quality", 1, 100)
@@ -368,11 +369,12 @@ class CamerasConfig:
         share poses share what these cost.
     shadow_period
         Time between the shadows of moving things (s), as far as newer ones are needed: when
-        pictures follow each other closely, several share them. Longer while full pictures are
-        smaller, by the inverse of their area.
+        pictures follow each other closely, several share them. Longer while pictures give way to
+        load.
     smallest
-        While somebody watches previews and they fall behind for want of time, pictures of full size
-        become smaller, at least by this factor of width and height; 1: they keep their size.
+        While somebody watches previews and they fall behind for want of time, these lose detail,
+        and then pictures of full size become smaller, at most by this factor of width and height;
+        1: all stay as they are.
     seed
         Of all noise.
     niceness

@@ -19,11 +19,16 @@ class _Kept(NamedTuple):
     camera: PinholeCamera
     optical_in_world: np.ndarray
     exposure: float
+    coarse: bool
     picture: np.ndarray
 
-    def is_of(self, camera: PinholeCamera, optical_in_world: np.ndarray) -> bool:
+    def is_of(self, camera: PinholeCamera, optical_in_world: np.ndarray, coarse: bool) -> bool:
         """Whether the view is the same."""
-        return self.camera == camera and is_still(optical_in_world, self.optical_in_world)
+        return (
+            self.camera == camera
+            and self.coarse == coarse
+            and is_still(optical_in_world, self.optical_in_world)
+        )
 
 
 class KeptPictures:
@@ -56,12 +61,16 @@ class KeptPictures:
         self._kept.clear()
 
     def find(
-        self, camera: PinholeCamera, optical_in_world: np.ndarray, exposure: float
+        self,
+        camera: PinholeCamera,
+        optical_in_world: np.ndarray,
+        exposure: float,
+        coarse: bool = False,
     ) -> Optional[np.ndarray]:
         """Return the picture that `Renderer.render` would draw with these, if it is kept."""
         for kept in self._kept:
             alike = abs(exposure - kept.exposure) <= _ALIKE * kept.exposure
-            if alike and kept.is_of(camera, optical_in_world):
+            if alike and kept.is_of(camera, optical_in_world, coarse):
                 return kept.picture
         return None
 
@@ -71,11 +80,12 @@ class KeptPictures:
         optical_in_world: np.ndarray,
         exposure: float,
         picture: np.ndarray,
+        coarse: bool = False,
     ) -> None:
         """Keep a copy of a picture, if it is worth it."""
         if not self._at_rest or self._shadows_late:
             return
         # One of the same view was exposed differently.
-        others = [kept for kept in self._kept if not kept.is_of(camera, optical_in_world)]
-        new = _Kept(camera, optical_in_world.copy(), exposure, picture.copy())
+        others = [kept for kept in self._kept if not kept.is_of(camera, optical_in_world, coarse)]
+        new = _Kept(camera, optical_in_world.copy(), exposure, coarse, picture.copy())
         self._kept = [*others, new][-_MOST:]

@@ -113,7 +113,7 @@ class Renderer:
         self._kept = KeptPictures()
         self._depth_source: Optional[FrameTarget] = None
         # Picture that was given again, as `_draw` takes it: its depths are those of another one.
-        self._not_drawn: Optional[Tuple[PinholeCamera, np.ndarray, float]] = None
+        self._not_drawn: Optional[Tuple[PinholeCamera, np.ndarray, float, bool]] = None
         self._take_light(VisualScene(0, (), ()))
 
     def load_scene(self, scene: VisualScene) -> List[str]:
@@ -252,7 +252,11 @@ class Renderer:
         self._uniforms.update(self._shadows.uniforms())
 
     def render(
-        self, camera: PinholeCamera, optical_in_world: np.ndarray, exposure: float = 1.0
+        self,
+        camera: PinholeCamera,
+        optical_in_world: np.ndarray,
+        exposure: float = 1.0,
+        coarse: bool = False,
     ) -> np.ndarray:
         """Take a picture.
 
@@ -264,6 +268,8 @@ class Renderer:
             Pose of the optical frame, shape (4, 4).
         exposure
             Factor on all light; 1 suits a bright day.
+        coarse
+            Whether shapes are coarser, which takes less time.
 
         Returns
         -------
@@ -275,17 +281,21 @@ class Renderer:
             self._warm_up()
         self._shown = True
         self._prepare()
-        kept = self._kept.find(camera, optical_in_world, exposure)
+        kept = self._kept.find(camera, optical_in_world, exposure, coarse)
         self.repeats = kept is not None
         if kept is not None:
-            self._not_drawn = (camera, optical_in_world, exposure)
+            self._not_drawn = (camera, optical_in_world, exposure, coarse)
             return self._target(camera.width, camera.height).lend(kept)
-        picture = self._draw(camera, optical_in_world, exposure)
-        self._kept.keep(camera, optical_in_world, exposure, picture)
+        picture = self._draw(camera, optical_in_world, exposure, coarse)
+        self._kept.keep(camera, optical_in_world, exposure, picture, coarse)
         return picture
 
     def _draw(
-        self, camera: PinholeCamera, optical_in_world: np.ndarray, exposure: float
+        self,
+        camera: PinholeCamera,
+        optical_in_world: np.ndarray,
+        exposure: float,
+        coarse: bool = False,
     ) -> np.ndarray:
         """Draw what `render` returns."""
         self._not_drawn = None
@@ -300,12 +310,12 @@ class Renderer:
         self._begin_pass()
         framebuffer = target.begin()
         self._use_maps()
-        drawing.draw(solid)
+        drawing.draw(solid, coarse)
         self._sky.draw(clip_from_optical, optical_in_world, exposure)
         if transparent.size:
             self._context.enable(moderngl.BLEND)
             framebuffer.depth_mask = False
-            drawing.draw(transparent)
+            drawing.draw(transparent, coarse)
             framebuffer.depth_mask = True
         self._depth_source = target
         picture = target.read()
@@ -403,21 +413,24 @@ class Renderer:
         for name in ("sky_ambient", "ground_ambient"):
             uniforms[name] = uniforms[name] + chosen.rest.astype(np.float32)
         # Each surface is drawn with the lamps that reach it alone: every one takes time.
-        radii = self._scene.radii[numbers]
-        reached = self._lamps.reach(chosen.numbers, self._centers[numbers], radii)
-        masks, mask_of = np.unique(reached, axis=0, return_inverse=True)
+        if len(chosen.numbers):
+            radii = self._scene.radii[numbers]
+            reached = self._lamps.reach(chosen.numbers, self._centers[numbers], radii)
+            masks, mask_of = np.unique(reached, axis=0, return_inverse=True)
+        else:
+            masks, mask_of = np.zeros((1, 0), dtype=bool), np.zeros(len(numbers), dtype=np.intp)
         groups = []
         for mask in masks:
             room = _room_for(int(mask.sum()), self._quality.lamps)
             lamps = chosen.numbers[mask]
-            values = {
-                **self._lamps.uniforms(lamps, chosen.levels[mask], room),
-                **self._lamp_shadows.uniforms(self._lamps, lamps, room),
-            }
+            values: Dict[str, np.ndarray] = {}
+            if room:
+                values.update(self._lamps.uniforms(lamps, chosen.levels[mask], room))
+                values.update(self._lamp_shadows.uniforms(self._lamps, lamps, room))
             variants = tuple(
                 replace(self._base, textured=textured, lamps=room) for textured in (False, True)
             )
-            groups.append(_LampGroup(variants, values if room else {}))
+            groups.append(_LampGroup(variants, values))
         group_of = dict(zip(numbers.tolist(), mask_of.reshape(-1).tolist()))
         return _Drawing(self._scene, self._model, self._programs, uniforms, groups, group_of)
 
@@ -457,17 +470,21 @@ class _Drawing:
         self._group_of = group_of
         # The group whose lamps each program has at present.
         self._current: Dict[LitVariant, int] = {}
+        # What was drawn last: group, whether with a texture, and its program.
+        self._last: Optional[Tuple[int, bool, LitProgram]] = None
 
-    def draw(self, numbers: np.ndarray) -> None:
+    def draw(self, numbers: np.ndarray, coarse: bool) -> None:
         """Draw surfaces in the given order."""
         matrices = column_major(self._model[numbers])
         for number, matrix in zip(numbers.tolist(), matrices):
             drawable = self._scene.drawables[number]
             program = self._program(self._group_of[number], drawable.texture is not None)
             program.world_from_model.write(matrix.tobytes())
-            drawable.draw(program)
+            drawable.draw(program, coarse)
 
     def _program(self, number: int, textured: bool) -> LitProgram:
+        if self._last is not None and self._last[:2] == (number, textured):
+            return self._last[2]
         group = self._groups[number]
         variant = group.variants[textured]
         program = self._programs.get(variant)
@@ -476,6 +493,7 @@ class _Drawing:
         if self._current.get(variant) != number:
             program.set(group.uniforms)
             self._current[variant] = number
+        self._last = number, textured, program
         return program
 
 

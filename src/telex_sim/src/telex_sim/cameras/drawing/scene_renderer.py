@@ -34,9 +34,16 @@ class SceneRenderer(Protocol):
         """
 
     def render(
-        self, camera: PinholeCamera, optical_in_world: np.ndarray, exposure: float = 1.0
+        self,
+        camera: PinholeCamera,
+        optical_in_world: np.ndarray,
+        exposure: float = 1.0,
+        coarse: bool = False,
     ) -> np.ndarray:
-        """Take a picture: RGBA, uint8, in memory that the next picture may overwrite."""
+        """Take a picture: RGBA, uint8, in memory that the next picture may overwrite.
+
+        Coarse ones may do without small shapes.
+        """
 
     def depth(self, camera: PinholeCamera) -> np.ndarray:
         """Return depths along z (m, inf for none) of the picture that was taken last."""

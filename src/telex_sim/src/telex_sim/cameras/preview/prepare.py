@@ -64,7 +64,8 @@ def draw(subject: Subject, config: CamerasConfig, renderer: Renderer) -> None:
             pose = subject.frame(f"{subject.model}/{camera.frame}")
             if pose is not None:
                 renderer.place(subject.frames_in_world, pose[:3, 3])
-                renderer.render(camera.pinhole(), pose)
+                for coarse in (False, True):
+                    renderer.render(camera.pinhole(), pose, coarse=coarse)
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import threading
+from dataclasses import replace
 from typing import Callable, List, NamedTuple, Optional
 
 import cv2
@@ -12,7 +13,7 @@ import rospy
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from std_msgs.msg import Float64, Header
 
-from ..cameras_config import OpticsConfig
+from ..cameras_config import LEAST_DETAIL, OpticsConfig
 from ..optics.camera_sensor import CameraSensor
 from ..optics.exposure import ExposureControl
 from .frame_pacer import FramePacer
@@ -23,6 +24,7 @@ from .messages import (
     image_message,
 )
 from .picture_size import PictureSize, Setting
+from .size_by_load import STEPS, Step
 
 Locate = Callable[[np.ndarray, float], np.ndarray]
 """Gives the pose of the optical frame in the world, of that of the frame in the scene on which the
@@ -54,6 +56,21 @@ class Wanted(NamedTuple):
     is_preview: bool
     pacer: FramePacer
     weight: float
+
+
+class View(NamedTuple):
+    """How to take a picture.
+
+    Attributes
+    ----------
+    sensor : CameraSensor
+        That takes it.
+    coarse : bool
+        Whether shapes may be coarser.
+    """
+
+    sensor: CameraSensor
+    coarse: bool
 
 
 class CameraStream:
@@ -100,14 +117,17 @@ class CameraStream:
             return CameraSensor(reduced, zoom, seed, exposure)
 
         def small_size(setting: Setting, scale: float) -> CameraSensor:
-            return CameraSensor(setting[0].small(), setting[1], seed, exposure)
+            config, zoom = setting
+            small = config.small()
+            reduced = replace(small, detail=max(scale * small.detail, LEAST_DETAIL))
+            return CameraSensor(reduced, zoom, seed, exposure)
 
         self._full = PictureSize(full_size, FramePacer(config.rate, repeat_rate))
         self._small = PictureSize(small_size, FramePacer(config.preview.rate, repeat_rate))
         # Replaced as a whole by ROS's threads, read once a picture by the one that renders.
         self._writing = threading.Lock()
         self._setting: Setting = (config, 1.0)
-        self._scale = 1.0
+        self._step = STEPS[0]
         self._publishers: List[rospy.Publisher] = []
         self._depth: Optional[rospy.Publisher] = None
         self._zoom: Optional[rospy.Subscriber] = None
@@ -209,8 +229,8 @@ class CameraStream:
         """Whether somebody listens to depths."""
         return self._depth is not None and _is_heard(self._depth)
 
-    def begin(self, preview: bool, stamp: rospy.Time, now: float) -> CameraSensor:
-        """Note that a picture is being taken, and return the camera that takes it.
+    def begin(self, preview: bool, stamp: rospy.Time, now: float) -> View:
+        """Note that a picture is being taken, and return how to take it.
 
         Parameters
         ----------
@@ -221,13 +241,21 @@ class CameraStream:
         now
             Monotonic time (s).
         """
-        setting = self._setting
-        size = self._small if preview else self._full
-        sensor = size.sensor(setting) if preview else size.sensor(setting, self._scale_now)
-        size.pacer.sent(now, stamp.to_nsec())
-        if not preview and _is_heard(self._info):
-            self._info.publish(camera_info_message(sensor.camera, self._header(stamp)))
-        return sensor
+        if preview:
+            view = View(self._small_sensor(), self._step.coarse_previews)
+            self._small.pacer.sent(now, stamp.to_nsec())
+            return view
+        # Where others than eyes have use of pictures, they stay as they are.
+        used = _is_heard(self._raw) or _is_heard(self._info) or self.wants_depth
+        step = STEPS[0] if used else self._step
+        view = View(self._full.sensor(self._setting, step.scale), step.coarse)
+        self._full.pacer.sent(now, stamp.to_nsec())
+        if _is_heard(self._info):
+            self._info.publish(camera_info_message(view.sensor.camera, self._header(stamp)))
+        return view
+
+    def _small_sensor(self) -> CameraSensor:
+        return self._small.sensor(self._setting, self._step.preview_detail)
 
     def publish_preview(self, sensor: CameraSensor, picture: np.ndarray, stamp: rospy.Time) -> None:
         """Publish a small picture."""
@@ -263,22 +291,16 @@ class CameraStream:
             self._raw.publish(image_message(picture, header))
         if self._depth is not None and depth is not None:
             self._depth.publish(depth_message(depth, header))
-        small = self._small.sensor(self._setting)
+        small = self._small_sensor()
         if _is_heard(self._preview) and self._small.pacer.is_due(now, stamp.to_nsec()):
             self._small.pacer.sent(now, stamp.to_nsec())
             shape = (small.config.width, small.config.height)
             reduced = cv2.resize(picture, shape, interpolation=cv2.INTER_AREA)
             self.publish_preview(small, reduced, stamp)
 
-    def scale_by(self, scale: float) -> None:
-        """Make pictures of full size smaller by a factor, where nobody but eyes has use of them."""
-        self._scale = scale
-
-    @property
-    def _scale_now(self) -> float:
-        """Factor on the size of full pictures: 1 where others than eyes have use of them."""
-        used = _is_heard(self._raw) or _is_heard(self._info) or self.wants_depth
-        return 1.0 if used else self._scale
+    def give_way(self, step: Step) -> None:
+        """Have pictures lose so much detail, where nobody but eyes has use of them."""
+        self._step = step
 
     def _header(self, stamp: rospy.Time) -> Header:
         return Header(stamp=stamp, frame_id=self._optical_frame)

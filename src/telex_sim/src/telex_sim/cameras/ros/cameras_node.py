@@ -27,9 +27,8 @@ from ..drawing.light.daylight import Lighting
 from ..drawing.quality import choose_quality
 from ..drawing.renderer import Renderer
 from ..drawing.scene_renderer import SceneRenderer
-from ..optics.camera_sensor import CameraSensor
 from ..optics.exposure import exposure_factor
-from .camera_topics import CameraStream, Wanted
+from .camera_topics import CameraStream, View, Wanted
 from .frame_pacer import next_due
 from .lamp_switches import LampSwitches
 from .overview import Overview
@@ -149,13 +148,18 @@ class CamerasNode:
         self._placed = None
 
     def _choose_sizes(self, wanted: List[Wanted], now: float) -> None:
-        """Make full pictures smaller where there is no time for previews beside them."""
-        before = self._sizes.scale
+        """Have pictures lose detail where there is no time for previews."""
+        before = self._sizes.step
         self._sizes.judge(now, sum(each.pacer.rate for each in wanted if each.is_preview))
-        if self._sizes.scale != before:
-            rospy.loginfo("pictures of full size are scaled by %g", self._sizes.scale)
+        step = self._sizes.step
+        if step != before:
+            rospy.loginfo(
+                "pictures of full size are scaled by %g, detail of previews by %g",
+                step.scale,
+                step.preview_detail,
+            )
             for stream in self._streams:
-                stream.scale_by(self._sizes.scale)
+                stream.give_way(step)
 
     def _follow_poses(self, wanted: bool, now: float) -> None:
         """Listen to the poses only while somebody looks: they come many times a second."""
@@ -188,7 +192,7 @@ class CamerasNode:
 
     def _place(self, newest: Arrival, due: Wanted, now: float) -> bool:
         """Have poses placed that a camera may be shown; returns whether there are any."""
-        period = self._config.shadow_period * self._sizes.shadow_spacing
+        period = self._config.shadow_period * self._sizes.step.shadow_spacing
         recast = now - self._cast_time >= period
         placed = self._placed
         if placed is not None:
@@ -212,21 +216,21 @@ class CamerasNode:
         """Take a picture of the poses that are placed, and publish it."""
         assert self._placed is not None
         stream, stamp = due.stream, self._placed.poses.header.stamp
-        sensor = stream.begin(due.is_preview, stamp, now)
+        view = stream.begin(due.is_preview, stamp, now)
+        sensor = view.sensor
         if due.is_preview:
             self._sizes.shown()
-            stream.publish_preview(sensor, self._picture(stream, sensor, self._placed, now), stamp)
+            stream.publish_preview(sensor, self._picture(stream, view, self._placed, now), stamp)
         elif stream.wants_picture:
-            picture = self._picture(stream, sensor, self._placed, now)
+            picture = self._picture(stream, view, self._placed, now)
             depth = None
             if stream.wants_depth:
                 depth = sensor.depth(self._renderer.depth(sensor.pinhole))
             stream.publish(sensor, picture, depth, stamp, now)
 
-    def _picture(
-        self, stream: CameraStream, sensor: CameraSensor, placed: Arrival, now: float
-    ) -> np.ndarray:
+    def _picture(self, stream: CameraStream, view: View, placed: Arrival, now: float) -> np.ndarray:
         """Show the scene as a camera sees it: where its frame is, exposed, drawn, developed."""
+        sensor, coarse = view
         stamp = placed.poses.header.stamp.to_nsec()
         ev = sensor.expose(stamp)
         pictures = []
@@ -234,7 +238,7 @@ class CamerasNode:
             if len(sensor.moments) > 1:
                 self._mirror.place(placed.poses, placed.earlier, back)
             pose = stream.locate(self._mirror.frame_in_world(stream.scene_frame), now)
-            picture = self._renderer.render(sensor.pinhole, pose, exposure_factor(ev))
+            picture = self._renderer.render(sensor.pinhole, pose, exposure_factor(ev), coarse)
             # The next picture would overwrite it.
             pictures.append(picture.copy() if back > 0.0 else picture)
         return sensor.develop(pictures, self._renderer.repeats, ev, stamp)

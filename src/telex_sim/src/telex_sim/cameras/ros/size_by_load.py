@@ -1,11 +1,40 @@
-"""Size of full pictures, by the load of the renderer."""
+"""Detail of previews and size of full pictures, by the load of the renderer."""
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
-SCALES = (1.0, 0.75, 0.5)
-"""Of width and height."""
+
+class Step(NamedTuple):
+    """How far pictures give way.
+
+    Attributes
+    ----------
+    scale : float
+        Of the width and height of full pictures.
+    preview_detail : float
+        Factor on the pixels that are drawn for one of a preview, along each axis.
+    coarse_previews, coarse : bool
+        Whether previews, and full pictures, are drawn with coarser shapes.
+    shadow_spacing : float
+        Factor on the time between shadows.
+    """
+
+    scale: float
+    preview_detail: float
+    coarse_previews: bool
+    coarse: bool
+    shadow_spacing: float
+
+
+# Previews first; full pictures are as small as previews in the end.
+STEPS = (
+    Step(1.0, 1.0, False, False, 1.0),
+    Step(1.0, 0.75, True, False, 1.4),
+    Step(0.75, 0.75, True, False, 1.8),
+    Step(0.5, 0.75, True, True, 4.0),
+)
 
 # Time over which is judged (s), and how many of them in a row make pictures smaller, or larger.
 _PERIOD = 1.0
@@ -19,26 +48,23 @@ _MOST_PATIENCE = 80
 # there is enough for larger pictures.
 _FULL, _EASY = 0.95, 0.75
 
-# Previews may fall to this share of their rate before full pictures become smaller.
+# Previews may fall to this share of their rate before pictures lose detail.
 _LEAST_PREVIEWS = 0.8
 
 
 class SizeByLoad:
-    """Makes full pictures smaller while previews fall behind for want of time.
+    """Has pictures lose detail, then size, while previews fall behind for want of time.
 
     Parameters
     ----------
     smallest
-        Least scale of width and height; 1: they always keep their size.
-
-    Attributes
-    ----------
-    scale : float
-        Of full pictures at present.
+        Least scale of width and height of full pictures; 1: all pictures stay as they are.
     """
 
     def __init__(self, smallest: float) -> None:
-        self._scales = [scale for scale in SCALES if scale >= smallest]
+        self._steps = [step for step in STEPS if step.scale >= smallest]
+        if smallest >= 1.0:
+            self._steps = self._steps[:1]
         self._number = 0
         self._patience = _AT_EASE_FOR
         self._since_larger = _MOST_PATIENCE
@@ -48,14 +74,9 @@ class SizeByLoad:
         self._rest, self._previews, self._asked = 0.0, 0, math.inf
 
     @property
-    def scale(self) -> float:
-        """Of full pictures at present."""
-        return self._scales[self._number]
-
-    @property
-    def shadow_spacing(self) -> float:
-        """Factor on the time between shadows: the smaller pictures are, the more seldom."""
-        return self.scale**-2
+    def step(self) -> Step:
+        """How far pictures give way at present."""
+        return self._steps[self._number]
 
     def rested(self, seconds: float) -> None:
         """Tell of time in which there was nothing to draw (s)."""
@@ -97,7 +118,7 @@ class SizeByLoad:
             return
         # So many periods in a row: too busy where positive, at ease where negative.
         self._streak = verdict if self._streak * verdict < 0 else self._streak + verdict
-        if self._streak >= _TOO_BUSY_FOR and self._number < len(self._scales) - 1:
+        if self._streak >= _TOO_BUSY_FOR and self._number < len(self._steps) - 1:
             if self._since_larger < _MOST_PATIENCE:
                 self._patience = min(2 * self._patience, _MOST_PATIENCE)
             self._number += 1

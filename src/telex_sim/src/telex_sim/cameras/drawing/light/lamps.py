@@ -127,6 +127,8 @@ class LampRig:
             How many can be had.
         """
         burning = self.levels * self._lights.max(axis=1, initial=0.0) > 1e-4
+        if not burning.any():
+            return ChosenLamps(np.zeros(0, dtype=np.intp), np.zeros(0), np.zeros(3))
         seen = np.flatnonzero(burning & cones_in_view(clip_from_world, self._lit(slice(None))))
         ahead = eye + _INTEREST * unit(clip_from_world[3, :3])
         squares = np.square(self.positions[seen] - ahead).sum(axis=1)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Dict, Optional
+from typing import Dict, Optional, Tuple
 
 import moderngl
 import numpy as np
@@ -18,7 +18,7 @@ from .belts import (
     subdivided,
     wheel_radius,
 )
-from .simplification import simplified
+from .simplification import coarser, simplified
 
 # The fields of `batching.VERTEX` as OpenGL takes them: form, bytes, name.
 _ATTRIBUTES = (
@@ -27,6 +27,11 @@ _ATTRIBUTES = (
     ("4f1", 4, "in_color"),
     ("2f", 8, "in_uv"),
 )
+
+
+# What is smaller need not show in small pictures while there is too little time (m), and what has
+# fewer triangles is not worth it.
+_COARSE_DETAIL, _COARSE_FROM = 0.01, 100
 
 
 class GpuMesh:
@@ -58,6 +63,10 @@ class GpuMesh:
         store: ContentStore,
     ) -> None:
         self._context = context
+        self._store = store
+        self._fine = vertices, triangles
+        self._coarse: Optional[Tuple[moderngl.Buffer, moderngl.Buffer]] = None
+        self._coarse_arrays: Dict[moderngl.Program, moderngl.VertexArray] = {}
         self._vertices = context.buffer(vertices.tobytes())
         self._triangles = context.buffer(np.ascontiguousarray(triangles).tobytes())
         positions = vertices["position"]
@@ -70,17 +79,45 @@ class GpuMesh:
     def array(self, program: moderngl.Program) -> moderngl.VertexArray:
         """What draws it with a program."""
         if program not in self._arrays:
-            # A program takes the attributes that it knows of the vertex.
-            layout, names = [], []
-            for form, size, name in _ATTRIBUTES:
-                if name in program:
-                    layout.append(form)
-                    names.append(name)
-                else:
-                    layout.append(f"{size}x")
-            content = [(self._vertices, " ".join(layout), *names)]
-            self._arrays[program] = self._context.vertex_array(program, content, self._triangles)
+            self._arrays[program] = self._array(program, self._vertices, self._triangles)
         return self._arrays[program]
+
+    def coarse_array(self, program: moderngl.Program) -> moderngl.VertexArray:
+        """What draws it with fewer triangles; made when it is first asked for.
+
+        What has a texture stays as it is: merged, its vertices would pull the texture about.
+        """
+        vertices, triangles = self._fine
+        if len(triangles) < _COARSE_FROM or vertices["uv"].any():
+            return self.array(program)
+        if self._coarse is None:
+            self._coarse = self._upload(*self._store.get(coarser, *self._fine, _COARSE_DETAIL))
+        if program not in self._coarse_arrays:
+            self._coarse_arrays[program] = self._array(program, *self._coarse)
+        return self._coarse_arrays[program]
+
+    def _upload(
+        self, vertices: np.ndarray, triangles: np.ndarray
+    ) -> Tuple[moderngl.Buffer, moderngl.Buffer]:
+        """Take over the coarser mesh."""
+        return (
+            self._context.buffer(vertices.tobytes()),
+            self._context.buffer(np.ascontiguousarray(triangles).tobytes()),
+        )
+
+    def _array(
+        self, program: moderngl.Program, vertices: moderngl.Buffer, triangles: moderngl.Buffer
+    ) -> moderngl.VertexArray:
+        # A program takes the attributes that it knows of the vertex.
+        layout, names = [], []
+        for form, size, name in _ATTRIBUTES:
+            if name in program:
+                layout.append(form)
+                names.append(name)
+            else:
+                layout.append(f"{size}x")
+        content = [(vertices, " ".join(layout), *names)]
+        return self._context.vertex_array(program, content, triangles)
 
     def outline(self, program: moderngl.Program) -> moderngl.VertexArray:
         """What draws its shape alone, more coarsely, with a program that takes positions."""
@@ -92,9 +129,9 @@ class GpuMesh:
 
     def release(self) -> None:
         """Free the memory."""
-        for array in self._arrays.values():
+        for array in (*self._arrays.values(), *self._coarse_arrays.values()):
             array.release()
-        for buffer in (self._vertices, self._triangles, *self._outline):
+        for buffer in (self._vertices, self._triangles, *self._outline, *(self._coarse or ())):
             buffer.release()
 
 
@@ -131,6 +168,8 @@ class BeltMesh(GpuMesh):
         self._surface = self._riders(store, rest["position"], rest["normal"])
         silhouette = np.frombuffer(self._outline[0].read(), dtype=np.float32).reshape(-1, 3)
         self._silhouette = self._riders(store, silhouette)
+        self._coarse_running = rest
+        self._coarse_surface: Optional[Riders] = None
         self._radius: Optional[float] = None
         self._angle = 0.0
         self._shown = 0.0
@@ -140,6 +179,18 @@ class BeltMesh(GpuMesh):
     ) -> Riders:
         places = Carried(*store.get(carried, self._path, positions))
         return Riders(self._path, places, positions, normals)
+
+    def _upload(
+        self, vertices: np.ndarray, triangles: np.ndarray
+    ) -> Tuple[moderngl.Buffer, moderngl.Buffer]:
+        self._coarse_running = vertices.copy()
+        self._coarse_surface = self._riders(self._store, vertices["position"], vertices["normal"])
+        self._carry(self._coarse_surface, self._coarse_running)
+        return super()._upload(self._coarse_running, triangles)
+
+    def _carry(self, riders: Riders, vertices: np.ndarray) -> None:
+        """Move vertices to where the belt is shown."""
+        vertices["position"], vertices["normal"] = riders.at(self._shown)
 
     def run(self, belt_in_world: np.ndarray, wheel_in_world: np.ndarray) -> None:
         """Move to where the wheel that drives it has turned; poses have the shape (4, 4)."""
@@ -153,8 +204,10 @@ class BeltMesh(GpuMesh):
         if abs(travel - self._shown) < _STILL:
             return
         self._shown = travel
-        vertices = self._running
-        vertices["position"], vertices["normal"] = self._surface.at(travel)
-        self._vertices.write(vertices)
+        self._carry(self._surface, self._running)
+        self._vertices.write(self._running)
+        if self._coarse is not None and self._coarse_surface is not None:
+            self._carry(self._coarse_surface, self._coarse_running)
+            self._coarse[0].write(self._coarse_running)
         silhouette, _ = self._silhouette.at(travel)
         self._outline[0].write(silhouette)

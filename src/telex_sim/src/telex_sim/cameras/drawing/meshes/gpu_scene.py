@@ -34,12 +34,14 @@ class Drawable:
     texture: Optional[moderngl.Texture]
     opacity: float
 
-    def draw(self, program: LitProgram) -> None:
-        """Draw it where the program has been told that it is."""
+    def draw(self, program: LitProgram, coarse: bool = False) -> None:
+        """Draw it, or a coarser shape of it, where the program has been told that it is."""
         if self.texture is not None:
             self.texture.use(PICTURE_UNIT)
         program.opacity.value = self.opacity
-        self.mesh.array(program.program).render()
+        mesh = self.mesh
+        array = mesh.coarse_array if coarse else mesh.array
+        array(program.program).render()
 
 
 class GpuScene:

@@ -1,10 +1,13 @@
-"""Coarser meshes, for shadows."""
+"""Coarser meshes, for shadows and for small pictures."""
 
 from __future__ import annotations
 
 from typing import Tuple
 
 import numpy as np
+
+# Cells' borders avoid zero and round numbers, where rounding would part points in the same place.
+_OFF_GRID = 0.3819
 
 
 def simplified(
@@ -33,23 +36,67 @@ def simplified(
     """
     # Without a grid, the bits of the numbers tell points apart.
     cells = np.floor(positions / detail).astype(np.int32) if detail else positions
-    _, first, cluster = np.unique(cells, axis=0, return_index=True, return_inverse=True)
-    cluster = cluster.reshape(-1)
-    count = np.bincount(cluster)
-    if detail:
-        merged = np.stack(
-            [np.bincount(cluster, positions[:, axis]) / count for axis in range(3)], axis=1
-        )
-    else:
-        merged = positions[first]
-    kept = cluster[triangles]
-    a, b, c = kept.T
-    kept = kept[(a != b) & (b != c) & (c != a)]
-    # The same corner first, so that equal triangles are equal rows; the winding stays.
-    turn = kept.argmin(axis=1)[:, None]
-    kept = np.take_along_axis(kept, (np.arange(3) + turn) % 3, axis=1)
-    kept = np.unique(kept, axis=0)
+    first, cluster = _groups(cells)
+    merged = _means(positions, cluster) if detail else positions[first]
+    kept = _distinct(cluster[triangles])
     if not len(kept):
         # All of it is smaller than a cell.
         return positions.astype(np.float32), triangles.astype(np.int32)
     return merged.astype(np.float32), kept.astype(np.int32)
+
+
+def coarser(
+    vertices: np.ndarray, triangles: np.ndarray, detail: float
+) -> Tuple[np.ndarray, np.ndarray]:
+    """Merge vertices in the same cell of a grid that face about the same way in the same colour.
+
+    Parameters
+    ----------
+    vertices
+        Shape (V,), of `batching.VERTEX`; without a texture.
+    triangles, detail
+        As for `simplified`; above 0.
+
+    Returns
+    -------
+    tuple of two numpy.ndarray
+        Vertices and triangles, shapes (W,) and (U, 3), as they came. No gaps open: all vertices of
+        a cell are in the same place. What would vanish altogether stays as it is.
+    """
+    positions, normals = vertices["position"], vertices["normal"]
+    _, cell = _groups(np.floor(positions / detail + _OFF_GRID).astype(np.int32))
+    sides = np.round(normals).astype(np.int32)
+    alike = np.column_stack([cell, sides, vertices["color"].astype(np.int32)])
+    first, cluster = _groups(alike)
+    corners = cell[triangles]
+    a, b, c = corners.T
+    kept = _distinct(cluster[triangles[(a != b) & (b != c) & (c != a)]])
+    if not len(kept):
+        return vertices, triangles
+    merged = vertices[first].copy()
+    merged["position"] = _means(positions, cell)[cell[first]]
+    means = _means(normals, cluster)
+    sizes = np.linalg.norm(means, axis=1, keepdims=True)
+    merged["normal"] = np.where(sizes > 1e-3, means / np.maximum(sizes, 1e-3), normals[first])
+    return merged, kept.astype(np.int32)
+
+
+def _groups(rows: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """First of the equal rows, shape (W,), and the group of each row, shape (V,)."""
+    _, first, group = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+    return first, group.reshape(-1)
+
+
+def _means(vectors: np.ndarray, group: np.ndarray) -> np.ndarray:
+    """Mean of the vectors of each group."""
+    count = np.bincount(group)
+    return np.stack([np.bincount(group, vectors[:, axis]) / count for axis in range(3)], axis=1)
+
+
+def _distinct(triangles: np.ndarray) -> np.ndarray:
+    """Triangles with three corners, each once."""
+    a, b, c = triangles.T
+    kept = triangles[(a != b) & (b != c) & (c != a)]
+    # The same corner first, so that equal triangles are equal rows; the winding stays.
+    turn = kept.argmin(axis=1)[:, None]
+    return np.unique(np.take_along_axis(kept, (np.arange(3) + turn) % 3, axis=1), axis=0)
