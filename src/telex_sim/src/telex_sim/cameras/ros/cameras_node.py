@@ -98,6 +98,8 @@ class CamerasNode:
         self._sizes = SizeByLoad(config.smallest)
         self._inbox = SceneInbox()
         self._placed: Optional[Arrival] = None
+        # Whether the last picture of full size was the one before it once more.
+        self._resting = False
         # Of which poses the shadows are, and since when.
         self._cast: Optional[Arrival] = None
         self._cast_time = -math.inf
@@ -184,16 +186,28 @@ class CamerasNode:
         newest = self._inbox.newest_poses()
         if newest is None:
             return False
-        due = next_due(wanted, now, newest.poses.header.stamp.to_nsec())
-        if due is None or not self._place(newest, due, now):
+        woken = self._first_of_a_motion(wanted, newest)
+        due = woken or next_due(wanted, now, newest.poses.header.stamp.to_nsec())
+        if due is None or not self._place(newest, due, now, recast=woken is None):
             return False
         self._take(due, now)
         return True
 
-    def _place(self, newest: Arrival, due: Wanted, now: float) -> bool:
+    def _first_of_a_motion(self, wanted: List[Wanted], newest: Arrival) -> Optional[Wanted]:
+        """Choose a full picture that need not wait for its turn, because something begins to move.
+
+        Its shadows come with the next one.
+        """
+        if not self._resting or not self._mirror.moves(newest.poses):
+            return None
+        self._resting = False
+        full = [each for each in wanted if not each.is_preview and each.stream.wants_picture]
+        return max(full, key=lambda each: each.weight) if full else None
+
+    def _place(self, newest: Arrival, due: Wanted, now: float, recast: bool) -> bool:
         """Have poses placed that a camera may be shown; returns whether there are any."""
         period = self._config.shadow_period * self._sizes.step.shadow_spacing
-        recast = now - self._cast_time >= period
+        recast = recast and now - self._cast_time >= period
         placed = self._placed
         if placed is not None:
             if placed.poses is newest.poses:
@@ -223,6 +237,7 @@ class CamerasNode:
             stream.publish_preview(sensor, self._picture(stream, view, self._placed, now), stamp)
         elif stream.wants_picture:
             picture = self._picture(stream, view, self._placed, now)
+            self._resting = self._renderer.repeats
             depth = None
             if stream.wants_depth:
                 depth = sensor.depth(self._renderer.depth(sensor.pinhole))

@@ -9,6 +9,7 @@ import numpy as np
 import rospy
 from telex_msgs.msg import SceneDescription, ScenePoses
 
+from ...scene.transforms import is_still
 from ...scene.visual_scene import VisualLamp, VisualScene
 from ..drawing.scene_renderer import SceneRenderer
 from .messages import frames_from_message, scene_from_message
@@ -50,6 +51,7 @@ class SceneMirror:
         self._numbers: Dict[str, int] = {}
         self._others: Dict[str, int] = {}
         self._frames_in_world = np.zeros((0, 4, 4))
+        self._poses = np.zeros(0)
 
     def load(self, message: SceneDescription) -> None:
         """Show another scene from now on."""
@@ -126,7 +128,14 @@ class SceneMirror:
             rospy.logwarn_throttle(_WARNING_PERIOD, f"poses are left out: {error}")
             return False
         self._frames_in_world = frames_in_world
+        self._poses = np.asarray(message.poses)
         return True
+
+    def moves(self, message: ScenePoses) -> bool:
+        """Whether anybody could see that these poses differ from those that were placed last."""
+        return message.revision == self._revision and not is_still(
+            np.asarray(message.poses), self._poses
+        )
 
     def _focus(self, frames_in_world: np.ndarray) -> np.ndarray:
         """Choose the point around which shadows matter: amid the cameras."""

@@ -31,8 +31,8 @@ class Step(NamedTuple):
 # Previews first; full pictures are as small as previews in the end.
 STEPS = (
     Step(1.0, 1.0, False, False, 1.0),
-    Step(1.0, 0.75, True, False, 1.4),
-    Step(0.75, 0.75, True, False, 1.8),
+    Step(1.0, 0.75, True, False, 2.0),
+    Step(0.75, 0.75, True, False, 2.0),
     Step(0.5, 0.75, True, True, 4.0),
 )
 
