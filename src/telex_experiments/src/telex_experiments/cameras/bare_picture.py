@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import Any, Dict, List
+from typing import Any, Dict
 
-import cv2
 import numpy as np
 import pybullet
 
+from telex_control.common.geometry.matrices import inverse, pose_matrices, quaternion_tuple
 from telex_sim.cameras.optics.pinhole import PinholeCamera
 from telex_sim.scene.addresses import PackagePath, resolve_address
-from telex_sim.scene.transforms import pose_matrices, rigid_inverse
 from telex_sim.scene.visual_scene import Visual, VisualScene, VisualShape
 
 # Between OpenGL's eye (x right, y up, looking against z) and the optical frame.
@@ -52,7 +51,7 @@ class BarePicture:
         for visual in scene.visuals:
             if visual.color[3] > 0.0:
                 self._add(visual, frames_in_world[number[visual.frame]], package_path)
-        view = _EYE_FROM_OPTICAL @ rigid_inverse(optical_in_world)
+        view = _EYE_FROM_OPTICAL @ inverse(optical_in_world)
         upright = np.diag([1.0, -1.0, 1.0, 1.0])
         projection = upright @ camera.clip_from_optical() @ _EYE_FROM_OPTICAL
         # OpenGL takes matrices column by column.
@@ -70,7 +69,7 @@ class BarePicture:
         pybullet.createMultiBody(
             baseVisualShapeIndex=shape,
             basePosition=world_from_visual[:3, 3].tolist(),
-            baseOrientation=_quaternion(world_from_visual[:3, :3]),
+            baseOrientation=quaternion_tuple(world_from_visual),
             physicsClientId=self._client,
         )
 
@@ -113,10 +112,3 @@ def _shape(visual: Visual, package_path: PackagePath) -> Dict[str, Any]:
         "halfExtents": (0.5 * x, 0.5 * y, 0.5 * z),
         "visualFramePosition": (0.0, 0.0, below),
     }
-
-
-def _quaternion(rotation: np.ndarray) -> List[float]:
-    """Quaternion x y z w of a rotation, shape (3, 3)."""
-    vector = cv2.Rodrigues(rotation)[0].reshape(3)
-    half = 0.5 * np.linalg.norm(vector)
-    return [*(0.5 * np.sinc(half / np.pi) * vector), np.cos(half)]

@@ -9,9 +9,9 @@ import numpy as np
 import rospy
 from telex_msgs.msg import SceneDescription, ScenePoses
 
-from ...scene.transforms import is_still
 from ...scene.visual_scene import VisualLamp, VisualScene
 from ..drawing.scene_renderer import SceneRenderer
+from ..drawing.stillness import is_still
 from .messages import frames_from_message, scene_from_message
 
 _WARNING_PERIOD = 5.0
