@@ -42,7 +42,9 @@ def bench():
     world = World(0.002, 50)
     client = world.client
     ground = pybullet.createMultiBody(
-        0.0, pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=client)
+        0.0,
+        pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=client),
+        physicsClientId=client,
     )
     body = world.load_robot(ARM, lambda name: name, (0.0, 0.0, HEIGHT), 0.3, {}, fixed_base=True)
     names = {ground: "floor"}
