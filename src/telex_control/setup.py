@@ -11,6 +11,7 @@ setup(
             "telex_control.base",
             "telex_control.command_lines",
             "telex_control.common",
+            "telex_control.common.geometry",
             "telex_control.controllers",
             "telex_control.follow_trajectory",
             "telex_control.hardware",
