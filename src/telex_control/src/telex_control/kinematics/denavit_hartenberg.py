@@ -13,6 +13,7 @@ from typing import List, Sequence, Tuple
 
 import numpy as np
 
+from telex_control.common.geometry.matrices import inverse
 from telex_control.urdf.joints import PRISMATIC
 
 from .chain import Chain
@@ -158,7 +159,7 @@ def dh_chain(chain: Chain) -> DHChain:
             origin, x = _normal(axis, following, before)
         frame = _frame(origin, x, axis.direction)
         rows.append(_row(chain, index, before, frame))
-    return DHChain(base, tuple(rows), np.linalg.inv(frame) @ tip)
+    return DHChain(base, tuple(rows), inverse(frame) @ tip)
 
 
 def _axes(chain: Chain) -> List[_Axis]:
