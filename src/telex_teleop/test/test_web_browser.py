@@ -779,6 +779,7 @@ def test_a_page_that_is_not_told_the_actions_says_so_and_stops_all_the_same(robo
     wait_until(lambda: page.script("return document.querySelectorAll('[data-action]').length") > 40)
     assert not page.element("#keys-band").is_displayed()
     page.load()
+    page.wait_until_all_is_shown()
     page.errors()
     robot.forget()
     with page.hold("w"):
