@@ -15,7 +15,7 @@ from telex_control.urdf.elements import (
     root_links,
     vector,
 )
-from telex_control.urdf.joints import MOVABLE
+from telex_control.urdf.joints import MOVABLE, parse_urdf
 from telex_control.urdf.model import Joint, Link, Robot
 
 FIXED = "fixed"
@@ -110,6 +110,11 @@ class UrdfTree:
                 f"robot_description: only {reached} of {len(self.inertials)} links hang on "
                 f"'{self.root}'; the others form a loop"
             )
+
+    @classmethod
+    def from_urdf(cls, urdf: str) -> UrdfTree:
+        """Make the tree from the text of a URDF; see the class."""
+        return cls(parse_urdf(urdf))
 
     def _add(self, joint: TreeJoint) -> None:
         for role, link in (("parent", joint.parent), ("child", joint.child)):
