@@ -80,6 +80,8 @@ SLOW = (
     "src/telex_teleop/test/test_arm_telex.py",
     "src/telex_teleop/test/test_arm_tool_motion.py",
     "src/telex_teleop/test/test_teleop_reference.py",
+    "src/telex_training/test/exercises/test_check.py",
+    "src/telex_training/test/exercises/test_exercise_file.py",
     "src/telex_training/test/test_rehearsal.py",
     "tests/test_benchmarks_smoke.py",
     "tests/test_mobility.py",

@@ -8,6 +8,7 @@ setup(
     **generate_distutils_setup(
         packages=[
             "telex_training",
+            "telex_training.exercises",
             "telex_training.operators",
             "telex_training.operators.tasks",
             "telex_training.operators.terrain",

@@ -1,0 +1,1 @@
+"""Exercise files: their reading, their checks, and the scenes that they stand in."""

@@ -1,0 +1,138 @@
+"""``rosrun telex_training exercise``: lists, checks and draws exercises; needs no ROS master."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import List, Optional, Sequence, Tuple
+
+from .catalog import PATH_VARIABLE, exercises, find_exercise
+from .exercise_file import ExerciseError, ExerciseFile, load_exercise
+from .model import PRACTICE
+
+_LARGEST_SIDE = 4096
+
+
+def main(arguments: Optional[Sequence[str]] = None) -> int:
+    """Run a command; returns the exit status."""
+    options = _parser().parse_args(arguments)
+    try:
+        return options.run(options)
+    except ExerciseError as error:
+        print(error, file=sys.stderr)
+        return 1
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="exercise",
+        description="Exercises; docs/instructor/exercises.md describes their files.",
+        epilog=f"Exercises are also found by name in the folders of {PATH_VARIABLE} (separated"
+        " by :).",
+    )
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    listing = commands.add_parser("list", help="list the exercises that have a name")
+    listing.set_defaults(run=_list)
+    check = commands.add_parser("check", help="say whether exercise files are right")
+    check.add_argument("exercises", nargs="+", metavar="FILE", help="file, or name of an exercise")
+    check.add_argument(
+        "--no-robot",
+        action="store_true",
+        help="leave out whether the robot has what is asked for, and room at its start",
+    )
+    check.set_defaults(run=_check)
+    preview = commands.add_parser("preview", help="draw scene, zones and names of an exercise")
+    preview.add_argument("exercise", metavar="FILE", help="file, or name of an exercise")
+    preview.add_argument(
+        "-o", "--output", metavar="PICTURE", help="default: the exercise's name.png"
+    )
+    preview.add_argument("--setting", default="", metavar="NAME", help="default: the first")
+    preview.add_argument("--seed", type=_seed, metavar="N", help="default: that of practice")
+    preview.add_argument(
+        "--size", type=_size, default=(1280, 720), metavar="WxH", help="pixels; default 1280x720"
+    )
+    preview.add_argument("--top", action="store_true", help="look straight down")
+    preview.add_argument(
+        "--quality", default="still", metavar="NAME", help="as for scene preview; default: still"
+    )
+    preview.set_defaults(run=_preview)
+    return parser
+
+
+def _list(options: argparse.Namespace) -> int:
+    wrong = 0
+    for name, path in exercises().items():
+        try:
+            first = load_exercise(path).first
+        except ExerciseError as error:
+            print(error, file=sys.stderr)
+            wrong += 1
+            continue
+        print(f"{name}: {first.title}")
+        if first.description:
+            print(f"    {first.description}")
+        print(f"    settings: {', '.join(first.settings)}; {', '.join(first.modes)}")
+        print(f"    {path}")
+    return 1 if wrong else 0
+
+
+def _check(options: argparse.Namespace) -> int:
+    # Physics takes a moment to load, which the other commands do without.
+    from .check import check_file
+
+    wrong = 0
+    for name in options.exercises:
+        try:
+            path = find_exercise(name)
+            file = load_exercise(path)
+        except ExerciseError as error:
+            print(error, file=sys.stderr)
+            wrong += 1
+            continue
+        findings = check_file(file, not options.no_robot)
+        bad = [finding for finding in findings if finding.wrong]
+        for finding in findings:
+            print(f"{path}: {finding}", file=sys.stderr if finding.wrong else sys.stdout)
+        if not bad:
+            print(f"{path}: OK, {_counts(file)}")
+        wrong += bool(bad)
+    return 1 if wrong else 0
+
+
+def _counts(file: ExerciseFile) -> str:
+    first = file.first
+    counts: List[Tuple[int, str]] = [
+        (len(file.settings), "setting"),
+        (len(first.steps), "step"),
+        (len(first.zones), "zone"),
+        (len(first.metrics), "metric"),
+    ]
+    return ", ".join(f"{count} {word}{'' if count == 1 else 's'}" for count, word in counts)
+
+
+def _preview(options: argparse.Namespace) -> int:
+    from .preview import draw_preview
+
+    exercise = load_exercise(find_exercise(options.exercise)).setting(options.setting)
+    seed = exercise.seeds.of(PRACTICE) if options.seed is None else options.seed
+    output = Path(options.output or f"{exercise.name}.png")
+    draw_preview(exercise, seed or 0, output, options.size, options.top, options.quality)
+    print(output)
+    return 0
+
+
+def _seed(text: str) -> int:
+    if not text.isdigit() or int(text) >= 2**63:
+        raise argparse.ArgumentTypeError(f"'{text}'; a whole number from 0 is needed")
+    return int(text)
+
+
+def _size(text: str) -> Tuple[int, int]:
+    width, _, height = text.partition("x")
+    if not (width.isdigit() and height.isdigit()):
+        raise argparse.ArgumentTypeError(f"'{text}'; WIDTHxHEIGHT is needed, as 1280x720")
+    size = int(width), int(height)
+    if not all(16 <= side <= _LARGEST_SIDE for side in size):
+        raise argparse.ArgumentTypeError(f"'{text}'; sides of 16 to {_LARGEST_SIDE} are possible")
+    return size

@@ -1,0 +1,488 @@
+"""Exercise files: YAML in, checked `Exercise`s out. docs/instructor/exercises.md has the schema."""
+
+from __future__ import annotations
+
+import difflib
+import hashlib
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple, Type, TypeVar
+
+from telex_control.common.params import ConfigError, read_struct, read_value, require
+from telex_sim.scene.files.yaml_text import read_yaml
+from telex_sim.scene.model import require_name
+
+from .conditions import Condition, read_condition
+from .metric_kinds import KINDS
+from .model import (
+    MODES,
+    PRACTICE,
+    Contacts,
+    Exercise,
+    Expert,
+    Fault,
+    Hint,
+    Malfunction,
+    Metric,
+    Penalty,
+    PutBack,
+    Question,
+    Repetitions,
+    Reserved,
+    SceneSource,
+    Seeds,
+    Source,
+    Step,
+    Vary,
+    Zone,
+    require_label,
+)
+
+SUFFIX = ".yaml"
+STANDARD = "standard"
+"""Name of the one setting of an exercise that gives none."""
+MOST_BYTES = 200_000
+"""A longer file is refused before it is read."""
+_DRAWN = "drawn"
+_LARGEST_SEED = 2**63 - 1
+_MOST = 100
+_CONDITIONS = ("begin", "until", "when")
+_SCENE_CHANGES = ("floor", "lights", "start", "objects")
+_RESERVED = ("link", "malfunctions", "sources", "limits", "history")
+KEYS = (
+    "name",
+    "title",
+    "description",
+    "scene",
+    *_SCENE_CHANGES,
+    "variant",
+    "mode",
+    "seed",
+    "vary",
+    "settings",
+    "zones",
+    "begin",
+    "steps",
+    "any_order",
+    "repetitions",
+    "put_back",
+    "faults",
+    "penalties",
+    "contacts",
+    "questions",
+    "metrics",
+    "expert",
+    "hints",
+    *_RESERVED,
+)
+"""What an exercise file may have on its top level."""
+
+Made = TypeVar("Made")
+
+
+class ExerciseError(ValueError):
+    """An exercise cannot be used; the message names file, key, value and what would be right."""
+
+
+@dataclass(frozen=True)
+class ExerciseFile:
+    """An exercise in all of its settings.
+
+    Attributes
+    ----------
+    path : Path
+    text : str
+        As it stands in the file.
+    settings : dict of str to Exercise
+        In the order of the file, which is that of difficulty.
+    """
+
+    path: Path
+    text: str
+    settings: Dict[str, Exercise]
+
+    @property
+    def first(self) -> Exercise:
+        """The exercise in its first setting."""
+        return next(iter(self.settings.values()))
+
+    def setting(self, name: str) -> Exercise:
+        """Return the exercise in one of its settings; empty: the first.
+
+        Raises
+        ------
+        ExerciseError
+        """
+        if not name:
+            return self.first
+        if name not in self.settings:
+            raise ExerciseError(
+                f"{self.path}: setting is '{name}'; there are: {', '.join(self.settings)}"
+            )
+        return self.settings[name]
+
+
+def load_exercise(path: Path) -> ExerciseFile:
+    """Read an exercise file.
+
+    Raises
+    ------
+    ExerciseError
+        ``FILE: where: what``.
+    """
+    try:
+        size = path.stat().st_size
+        if size > MOST_BYTES:
+            raise ExerciseError(f"{path}: it has {size} bytes; at most {MOST_BYTES} are read")
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "it is no UTF-8 text"
+        raise ExerciseError(f"{path}: {reason}") from error
+    return parse_exercise(text, path)
+
+
+def parse_exercise(text: str, path: Path) -> ExerciseFile:
+    """Read the text of an exercise file.
+
+    Parameters
+    ----------
+    text : str
+    path : Path
+        Of the file: for messages, for relative paths, and for the name where it gives none.
+
+    Raises
+    ------
+    ExerciseError
+        ``FILE: where: what``.
+    """
+    try:
+        content = read_yaml(text, MOST_BYTES)
+        require(isinstance(content, Mapping), "a struct with the key 'steps' is needed")
+        digest = hashlib.sha256(text.encode("utf-8")).hexdigest()
+        return ExerciseFile(path, text, _settings(content, path, digest))
+    except ConfigError as error:
+        raise ExerciseError(f"{path}: {error}") from error
+
+
+def merged(base: Any, change: Any, key: str = "") -> Any:
+    """Lay a setting's values over those of the exercise.
+
+    Structs are joined key by key, a null takes a key away; lists, and conditions as wholes, take
+    the place of what was there.
+    """
+    replaces = key in _CONDITIONS or not isinstance(base, Mapping)
+    if replaces or not isinstance(change, Mapping):
+        return change
+    made = dict(base)
+    for name, value in change.items():
+        if value is None:
+            made.pop(name, None)
+        else:
+            made[name] = merged(made[name], value, name) if name in made else value
+    return made
+
+
+def _settings(content: Mapping[str, Any], path: Path, digest: str) -> Dict[str, Exercise]:
+    _known_keys(content, "")
+    base = {key: value for key, value in content.items() if key != "settings"}
+    changes = content.get("settings")
+    if changes is None:
+        return {STANDARD: _exercise(base, path, digest, (STANDARD,), STANDARD)}
+    require(isinstance(changes, list) and bool(changes), "settings: a list of structs is needed")
+    require(len(changes) <= _MOST, f"settings has {len(changes)} entries; at most {_MOST} fit")
+    names: List[str] = []
+    for i, change in enumerate(changes):
+        require(isinstance(change, Mapping), f"settings[{i}]: a struct with a name is needed")
+        name = read_value(str, change.get("name"), f"settings[{i}]/name")
+        require_name(name, f"settings[{i}]/name")
+        require(name not in names, f"settings[{i}]/name is '{name}'; another one has it already")
+        names.append(name)
+    try:
+        _exercise(base, path, digest, tuple(names), names[0])
+        wrong = ""
+    except ConfigError as error:
+        wrong = str(error)
+    made = {}
+    for i, (name, change) in enumerate(zip(names, changes)):
+        rest = {key: value for key, value in change.items() if key != "name"}
+        where = f"settings[{i}] ({name})"
+        try:
+            _known_keys(rest, "")
+            require("settings" not in rest, "settings: a setting has none of its own")
+            made[name] = _exercise(merged(base, rest), path, digest, tuple(names), name)
+        except ConfigError as error:
+            # What is wrong without the setting is not the setting's.
+            raise ConfigError(str(error) if str(error) == wrong else f"{where}: {error}") from None
+    return made
+
+
+def _known_keys(content: Mapping[str, Any], where: str) -> None:
+    for key in content:
+        if key not in KEYS:
+            near = difflib.get_close_matches(str(key), KEYS, n=1, cutoff=0.6)
+            rest = [name for name in KEYS if name not in near]
+            raise ConfigError(f"{where}{key} is unknown; known are {', '.join(near + rest)}")
+
+
+def _exercise(
+    content: Mapping[str, Any], path: Path, digest: str, names: Tuple[str, ...], setting: str
+) -> Exercise:
+    def text(key: str, default: str = "") -> str:
+        return " ".join(read_value(str, content.get(key, default), key).split())
+
+    name = text("name", path.stem)
+    require_name(name, "name")
+    title = text("title", name.replace("_", " "))
+    require_label(title, "title")
+    description = text("description")
+    require(len(description) <= 2000, f"description has {len(description)} characters; 2000 fit")
+    require("scene" in content, "scene is missing; a name, a path or the content is needed")
+    require("steps" in content, "steps is missing; one step at least is needed")
+    variant = text("variant", "standard")
+    require(bool(variant), "variant is ''; a variant of the robot is needed")
+    steps = _named(content, "steps", _step)
+    require(bool(steps), "steps is []; one step at least is needed")
+    zones = {
+        zone: read_struct(Zone, given, f"zones/{zone}")
+        for zone, given in _struct(content, "zones").items()
+    }
+    for zone in zones:
+        require_name(zone, "name of a zone")
+    folder = Path(os.path.abspath(path)).parent
+    return Exercise(
+        path=path,
+        sha256=digest,
+        name=name,
+        title=title,
+        description=description,
+        variant=variant,
+        modes=_modes(content),
+        settings=names,
+        setting=setting,
+        scene=SceneSource(_base(content), folder, _changes(content)),
+        seeds=_seeds(content),
+        vary=_listed(content, "vary", Vary),
+        zones=zones,
+        begin=read_condition(content.get("begin", {"event": {"name": "command"}}), "begin"),
+        steps=steps,
+        any_order=read_value(bool, content.get("any_order", False), "any_order"),
+        repetitions=read_struct(Repetitions, _struct(content, "repetitions"), "repetitions"),
+        put_back=read_struct(PutBack, _struct(content, "put_back"), "put_back"),
+        faults=_named(content, "faults", _fault),
+        penalties=_named(content, "penalties", _penalty),
+        contacts=read_struct(Contacts, _struct(content, "contacts"), "contacts"),
+        questions=_distinct(_listed(content, "questions", Question), "questions"),
+        metrics=_metrics(content),
+        expert=read_struct(Expert, _struct(content, "expert"), "expert"),
+        hints=_hints(content),
+        reserved=_reserved(content),
+    )
+
+
+def _struct(content: Mapping[str, Any], key: str) -> Mapping[str, Any]:
+    given = content.get(key)
+    if given is None:
+        return {}
+    require(isinstance(given, Mapping), f"{key} is {str(given)[:60]!r}; a struct is needed")
+    require(len(given) <= _MOST, f"{key} has {len(given)} entries; at most {_MOST} fit")
+    return {str(name): value for name, value in given.items()}
+
+
+def _list(content: Mapping[str, Any], key: str) -> List[Any]:
+    given = content.get(key)
+    if given is None:
+        return []
+    require(isinstance(given, list), f"{key} is {str(given)[:60]!r}; a list is needed")
+    require(len(given) <= _MOST, f"{key} has {len(given)} entries; at most {_MOST} fit")
+    return given
+
+
+def _listed(content: Mapping[str, Any], key: str, kind: Type[Made]) -> Tuple[Made, ...]:
+    return tuple(
+        read_struct(kind, given, f"{key}[{i}]") for i, given in enumerate(_list(content, key))
+    )
+
+
+def _named(
+    content: Mapping[str, Any], key: str, make: Callable[[Mapping[str, Any], str], Made]
+) -> Tuple[Made, ...]:
+    """Entries of a list that have a name and a condition; their names differ."""
+    made = []
+    for i, given in enumerate(_list(content, key)):
+        name = given.get("name") if isinstance(given, Mapping) else None
+        where = f"{key}[{i}] ({name})" if isinstance(name, str) else f"{key}[{i}]"
+        require(isinstance(given, Mapping), f"{where}: a struct with a name is needed")
+        require_label(read_value(str, name, f"{where}/name"), f"{where}/name")
+        made.append(make(given, where))
+    return _distinct(tuple(made), key)
+
+
+def _distinct(items: Tuple[Made, ...], key: str) -> Tuple[Made, ...]:
+    names = [item.name for item in items]  # type: ignore[attr-defined]
+    for i, name in enumerate(names):
+        require(name not in names[:i], f"{key}[{i}]/name is '{name}'; another one has it already")
+    return items
+
+
+def _fields(given: Mapping[str, Any], where: str, condition: str, *more: str) -> Condition:
+    known = ("name", condition, *more)
+    for field in given:
+        require(field in known, f"{where}/{field} is unknown; known are {', '.join(known)}")
+    for field in known:
+        require(field in given, f"{where}/{field} is missing")
+    return read_condition(given[condition], f"{where}/{condition}")
+
+
+def _step(given: Mapping[str, Any], where: str) -> Step:
+    return Step(given["name"], _fields(given, where, "until"))
+
+
+def _fault(given: Mapping[str, Any], where: str) -> Fault:
+    return Fault(given["name"], _fields(given, where, "when"))
+
+
+def _penalty(given: Mapping[str, Any], where: str) -> Penalty:
+    when = _fields(given, where, "when", "seconds")
+    seconds = read_value(float, given["seconds"], f"{where}/seconds")
+    require(0.0 < seconds <= 3600.0, f"{where}/seconds is {seconds}; above 0, to 3600, is needed")
+    return Penalty(given["name"], when, seconds)
+
+
+def _modes(content: Mapping[str, Any]) -> Tuple[str, ...]:
+    given = content.get("mode", list(MODES))
+    modes = read_value(Tuple[str, ...], [given] if isinstance(given, str) else given, "mode")
+    require(
+        bool(modes) and len(set(modes)) == len(modes) and set(modes) <= set(MODES),
+        f"mode is {list(modes)}; {' and '.join(MODES)}, or one of them, are possible",
+    )
+    return modes
+
+
+def _seeds(content: Mapping[str, Any]) -> Seeds:
+    given = _struct(content, "seed")
+    made: Dict[str, Optional[int]] = {}
+    for mode, seed in given.items():
+        require(mode in MODES, f"seed/{mode} is unknown; known are {', '.join(MODES)}")
+        if seed == _DRAWN:
+            made[mode] = None
+            continue
+        whole = isinstance(seed, int) and not isinstance(seed, bool)
+        require(
+            whole and 0 <= seed <= _LARGEST_SEED,
+            f"seed/{mode} is {str(seed)[:60]!r}; a whole number from 0, or {_DRAWN}, is needed",
+        )
+        made[mode] = seed
+    require(
+        made.get(PRACTICE, 1) is not None,
+        f"seed/{PRACTICE} is {_DRAWN}; practice has a fixed one",
+    )
+    return Seeds(**made)
+
+
+def _base(content: Mapping[str, Any]) -> Any:
+    base = content["scene"]
+    fits = (isinstance(base, str) and bool(base)) or isinstance(base, Mapping)
+    require(
+        fits, f"scene is {str(base)[:60]!r}; a name, a path or the content of a scene is needed"
+    )
+    return base
+
+
+def _changes(content: Mapping[str, Any]) -> Dict[str, Any]:
+    made = {key: _struct(content, key) for key in _SCENE_CHANGES if key in content}
+    for name, change in made.get("objects", {}).items():
+        require(isinstance(change, Mapping), f"objects/{name}: a struct is needed")
+        require(
+            not {"name", "type"} & set(change), f"objects/{name}: name and type cannot be changed"
+        )
+    return made
+
+
+def _hints(content: Mapping[str, Any]) -> Tuple[Hint, ...]:
+    """Read the hints; YAML 1.1 takes a bare ``on``, also as a key, for true."""
+    made = []
+    for i, given in enumerate(_list(content, "hints")):
+        named = given
+        if isinstance(given, Mapping):
+            named = {("on" if key is True else key): value for key, value in given.items()}
+        made.append(read_struct(Hint, named, f"hints[{i}]"))
+    return tuple(made)
+
+
+def _metrics(content: Mapping[str, Any]) -> Tuple[Metric, ...]:
+    made = []
+    for name, given in _struct(content, "metrics").items():
+        where = f"metrics/{name}"
+        require_name(name, "name of a metric")
+        require(isinstance(given, Mapping), f"{where} is {str(given)[:60]!r}; a struct is needed")
+        for key in ("name", "bound"):
+            require(key not in given, f"{where}/{key} is unknown; known are {_METRIC_KEYS}")
+        fields = {("bound" if key == "pass" else key): value for key, value in given.items()}
+        kind = fields.setdefault("kind", name)
+        require(
+            isinstance(kind, str) and kind in KINDS,
+            f"{where}/kind is {str(kind)[:60]!r}; {', '.join(KINDS)} are possible",
+        )
+        try:
+            made.append(read_struct(Metric, {**fields, "name": name}, where))
+        except ConfigError as error:
+            text = str(error).replace(f"{where}/bound", f"{where}/pass")
+            if " is unknown" in text:
+                text = text.split(";")[0] + f"; known are {_METRIC_KEYS}"
+            raise ConfigError(text) from None
+    return tuple(made)
+
+
+_METRIC_KEYS = "expert, height, kind, length, object, over, pass"
+
+
+def _reserved(content: Mapping[str, Any]) -> Reserved:
+    link = content.get("link", "perfect")
+    if isinstance(link, Mapping):
+        link = read_value(Dict[str, float], link, "link")
+    elif not isinstance(link, str):
+        link = read_value(float, link, "link")
+        require(link >= 0.0, f"link is {link}; a delay (ms) of 0 or more is needed")
+    doses = {}
+    for key, given in _struct(content, "limits").items():
+        require(key == "dose", f"limits/{key} is unknown; known is dose")
+        doses = read_value(Dict[str, float], given, "limits/dose")
+    history = read_value(Dict[str, float], _struct(content, "history"), "history")
+    for key, values in (("limits/dose", doses), ("history", history)):
+        for name, value in values.items():
+            require(value >= 0.0, f"{key}/{name} is {value}; 0 or more (Gy) is needed")
+    given_keys = tuple(
+        key for key in _RESERVED if content.get(key) and content.get(key) != "perfect"
+    )
+    return Reserved(
+        link,
+        tuple(_malfunction(x, f"malfunctions[{i}]") for i, x in _numbered(content)),
+        _listed(content, "sources", Source),
+        doses,
+        history,
+        given_keys,
+    )
+
+
+def _numbered(content: Mapping[str, Any]) -> List[Tuple[int, Any]]:
+    return list(enumerate(_list(content, "malfunctions")))
+
+
+def _malfunction(given: Any, where: str) -> Malfunction:
+    require(isinstance(given, Mapping), f"{where} is {str(given)[:60]!r}; a struct is needed")
+    for key in ("when", "kind"):
+        require(key in given, f"{where}/{key} is missing")
+    rest = {key: value for key, value in given.items() if key not in ("when", "kind")}
+    for key, value in rest.items():
+        require(
+            isinstance(value, (str, bool, int, float)),
+            f"{where}/{key} is {str(value)[:60]!r}; a word or a number is needed",
+        )
+        if isinstance(value, float):
+            read_value(float, value, f"{where}/{key}")
+    return Malfunction(
+        read_condition(given["when"], f"{where}/when"),
+        read_value(str, given["kind"], f"{where}/kind"),
+        {str(key): value for key, value in rest.items()},
+    )
