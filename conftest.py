@@ -82,6 +82,7 @@ SLOW = (
     "src/telex_teleop/test/test_teleop_reference.py",
     "src/telex_training/test/exercises/test_check.py",
     "src/telex_training/test/exercises/test_exercise_file.py",
+    "src/telex_training/test/judging/test_judge.py",
     "src/telex_training/test/test_rehearsal.py",
     "tests/test_benchmarks_smoke.py",
     "tests/test_mobility.py",

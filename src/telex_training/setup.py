@@ -9,6 +9,7 @@ setup(
         packages=[
             "telex_training",
             "telex_training.exercises",
+            "telex_training.judging",
             "telex_training.operators",
             "telex_training.operators.tasks",
             "telex_training.operators.terrain",

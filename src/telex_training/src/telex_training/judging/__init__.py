@@ -1,0 +1,1 @@
+"""The judge: a fold over what was recorded, and the sheet that comes of it."""

@@ -1,0 +1,574 @@
+"""The judge: folds the entries of a trial into its state and its score sheet."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import struct
+from dataclasses import dataclass, field
+from typing import Any, Callable, Dict, List, Optional
+
+from ..exercises.conditions import EVENTS
+from ..exercises.model import EXAM, MODES, PRACTICE, Exercise
+from ..exercises.seeds import scene_of
+from . import sheet as sheets
+from .activity import COMMANDS, STATUSES, ActivityRecord
+from .conditions import Context
+from .entries import (
+    CLIENTS,
+    INPUTS,
+    NAMES,
+    STATUS,
+    TELEMETRY,
+    TRUTH,
+    BadEntryError,
+    Entry,
+    decode,
+    json_of,
+    number_field,
+    text_field,
+)
+from .handling import goal_zones
+from .repetition import GIVEN_UP, Happening, Repetition
+from .stats import raw_tlx
+from .truth import Names, World, read_sample
+from .validity import MOST_SLOW, Continuity, Pace
+
+IDLE, READY, PREPARING, WAITING = "idle", "ready", "preparing", "waiting"
+RUNNING, BETWEEN, ENDED = "running", "between", "ended"
+_MOST_EVENTS = 10_000
+_MOST_REASONS = 20
+_NAMES_PATIENCE = 1.0
+_RATINGS = 6
+_UNCOUNTED = ("command", "answer", "step", "penalty", "contact", "drop", "tipped")
+"""Events that the repetition counts itself."""
+
+
+@dataclass(frozen=True)
+class JudgeEvent:
+    """Something that the judge saw or decided.
+
+    Attributes
+    ----------
+    time : float
+        Sim time (s).
+    event, name : str
+        As in telex_msgs/TrainingEvent.
+    detail : dict
+        Plain data.
+    """
+
+    time: float
+    event: str
+    name: str = ""
+    detail: Dict[str, Any] = field(default_factory=dict)
+
+
+class Judge:
+    """A pure fold over the entries of one trial: the same entries make the same sheet.
+
+    No entry makes it raise: one that cannot be used is an event "invalid" with the reason.
+
+    Parameters
+    ----------
+    exercise : Exercise
+        In the setting of the trial.
+    scene : str
+        Text of the scene as it was loaded; without one, zones in the frame of what stands fast
+        contain nothing.
+    urdf : str
+        Of the robot; without one, nothing of the tool is measured.
+
+    Attributes
+    ----------
+    phase : str
+        As in telex_msgs/TrainingState.
+
+    Raises
+    ------
+    telex_training.exercises.exercise_file.ExerciseError
+        The scene cannot be read.
+    telex_control.urdf.joints.UrdfError
+        The URDF cannot.
+    """
+
+    def __init__(self, exercise: Exercise, scene: str = "", urdf: str = "") -> None:
+        self.exercise = exercise
+        self.phase = IDLE
+        self._world = World(scene_of(exercise, scene) if scene else None, urdf)
+        self._context = Context(self._world, exercise.zones)
+        self._goals = goal_zones(exercise)
+        self._digest = hashlib.sha256()
+        self._continuity = Continuity()
+        self._pace = Pace()
+        self._activity = ActivityRecord()
+        self._header: Dict[str, Any] = {}
+        self._repetition: Optional[Repetition] = None
+        self._finished: List[Dict[str, Any]] = []
+        self._expected: Dict[str, str] = {}
+        self._events: List[JudgeEvent] = []
+        self._new: List[JudgeEvent] = []
+        self._reasons: List[str] = []
+        self._marks: List[Dict[str, Any]] = []
+        self._notes: List[Dict[str, Any]] = []
+        self._tlx: Optional[Dict[str, Any]] = None
+        self._trial_time = 0.0
+        self._ended_by = ""
+        self._hint = self._message = ""
+        self._time = 0.0
+        self._last: Optional[float] = None
+        self._last_steps = 0
+        self._nameless: Optional[float] = None
+        self._resets_due = 0
+        self._paused = False
+        self._handlers: Dict[str, Callable[[Entry], None]] = {
+            TRUTH: self._take_truth,
+            NAMES: self._take_names,
+            STATUS: self._take_status,
+            CLIENTS: self._activity.clients,
+            TELEMETRY: self._take_telemetry,
+            INPUTS: self._take_input,
+            **dict.fromkeys(COMMANDS, self._take_command),
+            **dict.fromkeys(STATUSES, self._take_teleop_status),
+        }
+        self._inputs: Dict[str, Callable[[Dict[str, Any]], None]] = {
+            "open": self._open,
+            "start": self._start,
+            "ready": self._ready,
+            "drawn": self._drawn,
+            "answer": self._answer,
+            "again": self._again,
+            "abort": self._abort,
+            "pause": self._pause,
+            "mark": self._mark,
+            "note": self._note,
+            "tlx": self._rate,
+            "outside": self._outside,
+        }
+
+    def feed(self, entry: Entry) -> List[JudgeEvent]:
+        """Take the next entry.
+
+        Once the trial has ended, only the training's own inputs are looked at: a recording that was
+        closed a little later makes the same sheet.
+
+        Returns
+        -------
+        list of JudgeEvent
+            What happened with it.
+        """
+        if self.phase == ENDED and entry.channel != INPUTS:
+            return []
+        self._new = []
+        channel = entry.channel.encode("utf-8", "replace")
+        self._digest.update(struct.pack("<II", len(channel), len(entry.data)))
+        self._digest.update(channel)
+        self._digest.update(entry.data)
+        if math.isfinite(entry.time):
+            self._time = entry.time
+        if self.phase != ENDED:
+            wrong = self._continuity.entry(entry.number)
+            if wrong:
+                self._invalidate("entries of the recording are missing", at=wrong)
+        handle = self._handlers.get(entry.channel)
+        if handle is not None:
+            try:
+                if not math.isfinite(entry.time):
+                    raise BadEntryError(f"its time is {entry.time}; a finite one is needed")
+                handle(entry)
+            except BadEntryError as error:
+                self._invalidate(f"{entry.channel}: {error}")
+        return self._new
+
+    # What comes from the simulator
+
+    def _take_truth(self, entry: Entry) -> None:
+        if entry.kind != "telex_msgs/TruthSample":
+            raise BadEntryError(f"its type is '{entry.kind}'; telex_msgs/TruthSample is needed")
+        sample = read_sample(entry.data)
+        was_reset = self._continuity.resets(sample)
+        wrong = self._continuity.sample(sample)
+        if self.phase not in (IDLE, READY):
+            for reason in wrong:
+                self._invalidate(reason)
+        wanted = sample.resets == self._resets_due
+        if was_reset and not wanted and self.phase in (WAITING, RUNNING, BETWEEN):
+            self._invalidate("the simulation was reset from outside")
+        self._time = self._context.time = sample.time
+        if self._pace_counts() and self._pace.sample(sample.time, sample.wall_time):
+            self._say("slow")
+        if not self._world.knows(sample):
+            self._miss_names(sample.time)
+            return
+        self._nameless = None
+        self._world.take(sample)
+        # Time in which the apparatus is put back does not count.
+        counts = self.phase in (WAITING, RUNNING) and self._last is not None
+        span = max(0.0, sample.time - (self._last or 0.0)) if counts else 0.0
+        steps = max(0, sample.steps - self._last_steps)
+        self._last, self._last_steps = sample.time, sample.steps
+        self._judge(span, steps)
+
+    def _pace_counts(self) -> bool:
+        # While the apparatus is put back, the simulator may stand.
+        return self.phase in (WAITING, RUNNING, BETWEEN)
+
+    def _miss_names(self, time: float) -> None:
+        if self._nameless is None:
+            self._nameless = time
+        elif time - self._nameless > _NAMES_PATIENCE and self.phase in (WAITING, RUNNING):
+            self._invalidate("the names of the truth are missing")
+
+    def _judge(self, span: float, steps: int) -> None:
+        repetition = self._repetition
+        if repetition is None or self.phase not in (WAITING, RUNNING):
+            return
+        sample = self._world.sample
+        if self.phase == WAITING and sample is not None and sample.resets < self._resets_due:
+            # It was on its way when the apparatus was put back.
+            return
+        self._trial_time += span
+        if self.phase == WAITING:
+            if repetition.wait():
+                self.phase = RUNNING
+                self._say("begin", detail={"repetition": repetition.number})
+                self._hint_on(repetition.current_step)
+        else:
+            step = repetition.current_step
+            self._tell(repetition.run(span, steps))
+            if repetition.current_step not in ("", step):
+                self._hint_on(repetition.current_step)
+            if repetition.ended:
+                self._finish(repetition)
+        limit = self.exercise.repetitions.trial_time
+        if limit and self._trial_time >= limit and self.phase != ENDED:
+            self._end("time")
+
+    def _tell(self, happened: List[Happening]) -> None:
+        for event, name, detail in happened:
+            self._say(event, name, detail)
+            # A step's hint is for when it becomes due.
+            self._hint_on(event, "" if event == "step" else name)
+
+    def _take_names(self, entry: Entry) -> None:
+        before = self._world.names
+        names = Names(decode(entry, "telex_msgs/TruthNames"))
+        changed = before is not None and (
+            before.objects != names.objects or before.bodies != names.bodies
+        )
+        looked = self._repetition is not None and self._repetition.looked
+        if changed and looked and self.phase in (WAITING, RUNNING, BETWEEN):
+            self._invalidate("objects were put into the scene or taken out")
+        self._world.name(names)
+
+    def _take_status(self, entry: Entry) -> None:
+        message = decode(entry, "telex_msgs/SimStatus")
+        for event in self._activity.sim_status(message):
+            self._say(event)
+        self._pace.pause(bool(message.paused))
+        if bool(message.paused) != self._paused:
+            self._paused = bool(message.paused)
+            if self.phase != IDLE:
+                self._say("pause", detail={"on": self._paused})
+
+    # What the operator does
+
+    def _take_command(self, entry: Entry) -> None:
+        event = self._activity.command(entry)
+        if event and self._repetition is not None and self.phase in (WAITING, RUNNING):
+            self._repetition.count(event)
+
+    def _take_teleop_status(self, entry: Entry) -> None:
+        event = self._activity.teleop_status(entry)
+        if event:
+            self._say(event)
+
+    def _take_telemetry(self, entry: Entry) -> None:
+        event = self._activity.telemetry(entry)
+        if event:
+            self._say(event)
+
+    # The training's own inputs
+
+    def _take_input(self, entry: Entry) -> None:
+        content = json_of(entry)
+        kind = text_field(content, "input")
+        act = self._inputs.get(kind)
+        if act is None:
+            raise BadEntryError(f"input is '{kind[:40]}'; {', '.join(self._inputs)} are possible")
+        act(content)
+
+    def _allowed(self, content: Dict[str, Any], *phases: str) -> bool:
+        if self.phase in phases:
+            return True
+        self._message = f"{content['input']}: not now, the trial is {self.phase}"
+        self._say("refused", content["input"], {"phase": self.phase})
+        return False
+
+    def _open(self, content: Dict[str, Any]) -> None:
+        if not self._allowed(content, IDLE):
+            return
+        header = {
+            key: text_field(content, key)
+            for key in ("trial", "operator", "mode", "setting", "software")
+        }
+        header["mode"] = header["mode"] or PRACTICE
+        seed = content.get("seed")
+        if header["mode"] not in MODES:
+            raise BadEntryError(f"mode is '{header['mode']}'; {' or '.join(MODES)} is needed")
+        if isinstance(seed, bool) or not isinstance(seed, (int, type(None))):
+            raise BadEntryError(f"seed is {str(seed)[:40]!r}; a whole number is needed")
+        if header["setting"] not in ("", self.exercise.setting):
+            self._invalidate(f"the trial is of the setting '{header['setting']}'")
+        self._header = {**header, "seed": seed}
+        self.phase = READY
+        self._say("open", self.exercise.name)
+
+    def _start(self, content: Dict[str, Any]) -> None:
+        if self._allowed(content, READY):
+            self.phase = PREPARING
+
+    def _ready(self, content: Dict[str, Any]) -> None:
+        due = number_field(content, "resets") if "resets" in content else 0
+        if not self._allowed(content, PREPARING):
+            return
+        self._resets_due = int(due)
+        self._pace.cut()
+        self._repetition = Repetition(
+            len(self._finished) + 1,
+            self.exercise,
+            self._context,
+            self._goals,
+            self._activity,
+            self._expected,
+        )
+        self._expected = {}
+        self._hint = self._message = ""
+        self.phase = WAITING
+
+    def _drawn(self, content: Dict[str, Any]) -> None:
+        answers = content.get("answers")
+        if not isinstance(answers, dict):
+            raise BadEntryError("answers: a struct of texts is needed")
+        if self._allowed(content, READY, PREPARING):
+            self._expected = {str(name): text_field(answers, name) for name in answers}
+
+    def _answer(self, content: Dict[str, Any]) -> None:
+        question, given = text_field(content, "question"), text_field(content, "answer")
+        if not self._allowed(content, RUNNING) or self._repetition is None:
+            return
+        if self._repetition.answer(question, given):
+            self._say("answer", question)
+        else:
+            self._message = f"'{question}' is no question, or is answered already"
+            self._say("refused", "answer", {"question": question[:60]})
+
+    def _again(self, content: Dict[str, Any]) -> None:
+        if not self._allowed(content, WAITING, RUNNING, BETWEEN):
+            return
+        if self.phase == RUNNING and self._repetition is not None:
+            self._tell(self._repetition.spoil(GIVEN_UP))
+            self._finish(self._repetition)
+        if self.phase != ENDED:
+            self._repetition = None
+            self.phase = PREPARING
+
+    def _abort(self, content: Dict[str, Any]) -> None:
+        reason, by = text_field(content, "reason", "aborted"), text_field(content, "by")
+        if self._allowed(content, READY, PREPARING, WAITING, RUNNING, BETWEEN):
+            self._end(reason or "aborted", by)
+
+    def _pause(self, content: Dict[str, Any]) -> None:
+        self._say("pause", text_field(content, "by"), {"on": content.get("on", True) is not False})
+
+    def _mark(self, content: Dict[str, Any]) -> None:
+        value = text_field(content, "verdict")
+        if value not in (sheets.PASSED, sheets.FAILED):
+            raise BadEntryError(f"verdict is '{value[:40]}'; passed or failed is needed")
+        given = {"verdict": value, "by": text_field(content, "by")}
+        self._marks.append({**given, "reason": text_field(content, "reason"), "time": self._time})
+        self._say("mark", value)
+
+    def _note(self, content: Dict[str, Any]) -> None:
+        text = text_field(content, "text")
+        self._notes.append({"by": text_field(content, "by"), "text": text, "time": self._time})
+        self._say("note", detail={"text": text})
+
+    def _rate(self, content: Dict[str, Any]) -> None:
+        values = content.get("values")
+        if not isinstance(values, list) or len(values) != _RATINGS:
+            raise BadEntryError(f"values is {str(values)[:40]!r}; six numbers are needed")
+        ratings = [number_field({"values": value}, "values") for value in values]
+        if not all(0.0 <= rating <= 100.0 for rating in ratings):
+            raise BadEntryError(f"values is {str(values)[:60]}; 0 to 100 is possible")
+        self._tlx = {"ratings": ratings, "raw": raw_tlx(ratings)}
+        self._say("tlx")
+
+    def _outside(self, content: Dict[str, Any]) -> None:
+        what = text_field(content, "what") or "something"
+        if self.phase in (PREPARING, WAITING, RUNNING, BETWEEN):
+            self._invalidate(f"{what[:80]} from outside")
+
+    # What comes of it
+
+    def _finish(self, repetition: Repetition) -> None:
+        made = repetition.sheet()
+        made["passed"] = sheets.passes(self.exercise, made)
+        self._finished.append(made)
+        self._say(
+            "repetition",
+            "passed" if repetition.completed else repetition.fault,
+            {"number": repetition.number, "seconds": repetition.time},
+        )
+        self.phase = BETWEEN
+        most = self.exercise.repetitions.most
+        if most and len(self._finished) >= most:
+            self._end("complete")
+
+    def _end(self, reason: str, by: str = "") -> None:
+        self._ended_by = reason
+        if self._header.get("mode") == EXAM and self._pace.slow_share > MOST_SLOW:
+            self._invalidate("the simulation did not keep up with the wall's time")
+        self.phase = ENDED
+        self._say("end", reason, {"by": by} if by else {})
+
+    def _verdict(self, found: List[Dict[str, Any]], completed: int) -> str:
+        """Empty while it goes on, and where the trial is invalid or was left."""
+        left = self._ended_by not in ("complete", "time")
+        exam = self._header.get("mode") == EXAM
+        if self.phase != ENDED or (exam and (self._reasons or left)):
+            return ""
+        if left and completed < self.exercise.repetitions.least:
+            return ""
+        return sheets.verdict(self.exercise, completed, found)
+
+    def _invalidate(self, reason: str, **detail: Any) -> None:
+        known = reason in self._reasons
+        if not known and len(self._reasons) < _MOST_REASONS:
+            self._reasons.append(reason)
+        self._say("invalid", reason, detail)
+
+    def _say(self, event: str, name: str = "", detail: Optional[Dict[str, Any]] = None) -> None:
+        made = JudgeEvent(self._time, event, name, sheets.rounded(detail or {}))
+        self._new.append(made)
+        if len(self._events) < _MOST_EVENTS:
+            self._events.append(made)
+        running = self._repetition is not None and self.phase == RUNNING
+        if running and event in EVENTS and event not in _UNCOUNTED:
+            assert self._repetition is not None
+            self._repetition.count(event)
+
+    def _hint_on(self, *names: str) -> None:
+        """Show the hint that belongs to a step, a fault, a penalty or an event, in practice."""
+        if self._header.get("mode") == EXAM:
+            return
+        for hint in self.exercise.hints:
+            if hint.on in names and hint.on:
+                self._hint = hint.text
+                self._say("hint", hint.on, {"text": hint.text})
+
+    def state(self) -> Dict[str, Any]:
+        """Return the fields of telex_msgs/TrainingState, but its header."""
+        exercise, repetition = self.exercise, self._repetition
+        running = repetition if repetition is not None and self.phase != IDLE else None
+        answered = running.answers if running else {}
+        return {
+            "phase": self.phase,
+            "trial": self._header.get("trial", ""),
+            "exercise": exercise.name,
+            "title": exercise.title,
+            "setting": exercise.setting,
+            "mode": self._header.get("mode", ""),
+            "operator": self._header.get("operator", ""),
+            "valid": not self._reasons,
+            "invalid_because": list(self._reasons),
+            "repetition": running.number if running else len(self._finished) + 1,
+            "repetitions": exercise.repetitions.most,
+            "results": [
+                "passed" if made["completed"] else made["fault"] for made in self._finished
+            ],
+            "elapsed": running.seconds if running else 0.0,
+            "penalty": running.penalty if running else 0.0,
+            "trial_elapsed": self._trial_time,
+            "trial_limit": exercise.repetitions.trial_time,
+            "steps": [step.name for step in exercise.steps],
+            "steps_done": [
+                time is not None
+                for time in (running.step_times if running else [None] * len(exercise.steps))
+            ],
+            "faults": list(running.marks) if running else [],
+            "questions": [
+                {
+                    "name": question.name,
+                    "ask": question.ask,
+                    "choices": list(question.choices),
+                    "answered": question.name in answered,
+                }
+                for question in exercise.questions
+            ],
+            "hint": self._hint,
+            "message": self._message,
+            "verdict": self.sheet()["verdict"] if self.phase == ENDED else "",
+        }
+
+    def sheet(self) -> Dict[str, Any]:
+        """Return the score sheet as plain data, rounded; `sheet_text` writes it."""
+        exercise = self.exercise
+        figures = sheets.summary(exercise, self._finished)
+        found = sheets.results(exercise, self._finished, figures)
+        header = self._header
+        return sheets.rounded(
+            {
+                "format": sheets.FORMAT,
+                "exercise": {
+                    "name": exercise.name,
+                    "title": exercise.title,
+                    "sha256": exercise.sha256,
+                    "setting": exercise.setting,
+                    "seed": header.get("seed"),
+                },
+                "trial": header.get("trial", ""),
+                "operator": header.get("operator", ""),
+                "mode": header.get("mode", ""),
+                "software": header.get("software", ""),
+                "log": {
+                    "sha256": self._digest.hexdigest(),
+                    "samples": self._continuity.samples,
+                    "gaps": self._continuity.gaps,
+                },
+                "valid": not self._reasons,
+                "invalid_because": list(self._reasons),
+                "real_time_factor": {
+                    **self._pace.figures(),
+                    "slow_share": self._pace.slow_share,
+                    "slow": self._pace.stretches,
+                },
+                "ended": self._ended_by,
+                "trial_seconds": self._trial_time,
+                "repetitions": self._finished,
+                "summary": figures,
+                "metrics": found,
+                "expert": {
+                    "provisional": exercise.expert.by == "script",
+                    "sees": exercise.expert.sees,
+                    "repetitions": exercise.expert.repetitions,
+                },
+                "verdict": self._verdict(found, figures["completed"]),
+                "marks": self._marks,
+                "notes": self._notes,
+                "tlx": self._tlx,
+                "events": [
+                    {
+                        "time": event.time,
+                        "event": event.event,
+                        "name": event.name,
+                        "detail": event.detail,
+                    }
+                    for event in self._events
+                ],
+            }
+        )
+
+    def text(self) -> str:
+        """Return the score sheet as JSON with sorted keys."""
+        return sheets.sheet_text(self.sheet())

@@ -1,0 +1,283 @@
+"""One repetition: its conditions, its clock, and what is measured in it."""
+
+from __future__ import annotations
+
+from typing import Any, Dict, FrozenSet, List, Optional, Tuple
+
+from ..exercises.metric_kinds import KINDS
+from ..exercises.model import Exercise, Metric
+from .activity import ActivityRecord
+from .conditions import SLACK, Context, Evaluator
+from .contacts import APART, ContactRecord
+from .handling import HandlingRecord
+from .motion import BalanceRecord, MotionRecord
+
+TIME_FAULT = "time"
+GIVEN_UP = "given up"
+"""Faults that no exercise names: the repetition's time was over; the operator began anew."""
+_CONTACTS = ("contacts", "peak_force", "impulse", "pushing")
+_MOTION = (
+    "base_path",
+    "tool_path",
+    "base_path_ratio",
+    "tool_path_ratio",
+    "reversals",
+    "sparc",
+    "move_and_wait",
+)
+_BALANCE = ("margin", "caution", "tips")
+Happening = Tuple[str, str, Dict[str, Any]]
+"""An event without its time: kind, name, details."""
+
+
+class Repetition:
+    """A repetition from "ready" to its end.
+
+    Parameters
+    ----------
+    number : int
+        From 1.
+    exercise : Exercise
+    context : Context
+        Whose world is at the start.
+    goals : dict of str to frozenset of str
+        See `handling.goal_zones`.
+    activity : ActivityRecord
+    expected : dict of str to str
+        Right answers of this repetition.
+
+    Attributes
+    ----------
+    began : float, optional
+        s; None: it has not.
+    looked : bool
+        Whether a sample of the start was seen.
+    ended : bool
+    seconds : float
+        Without penalties (s of sim time), while it lasts and when it has ended.
+    penalty : float
+        s.
+    fault : str
+        Empty: none.
+    completed : bool
+    step_times : list of float or None
+        When each step was done (s from the begin), None: it was not.
+    marks : list of str
+        Names of its penalties and its fault.
+    answers : dict of str to str
+        As they were given.
+    """
+
+    def __init__(
+        self,
+        number: int,
+        exercise: Exercise,
+        context: Context,
+        goals: Dict[str, FrozenSet[str]],
+        activity: ActivityRecord,
+        expected: Dict[str, str],
+    ) -> None:
+        self.number = number
+        self.began: Optional[float] = None
+        self.ended = self.completed = False
+        self.seconds = self.penalty = 0.0
+        self.fault = ""
+        self.step_times: List[Optional[float]] = [None] * len(exercise.steps)
+        self.marks: List[str] = []
+        self.answers: Dict[str, str] = {}
+        self._exercise = exercise
+        self._context = context
+        self._expected = {
+            question.name: expected.get(question.name, question.answer)
+            for question in exercise.questions
+        }
+        self._begin = Evaluator(exercise.begin)
+        self._steps = [Evaluator(step.until) for step in exercise.steps]
+        self._faults = [Evaluator(fault.when) for fault in exercise.faults]
+        self._penalties = [Evaluator(penalty.when) for penalty in exercise.penalties]
+        self._holding: List[Optional[float]] = [None] * len(exercise.penalties)
+        self._penalty_count = 0
+        heights = [metric.height for metric in exercise.metrics]
+        self._contacts = ContactRecord(exercise.contacts)
+        self._handling = HandlingRecord(goals, heights)
+        self._motion = MotionRecord()
+        self._balance = BalanceRecord()
+        self._activity = activity
+        self.looked = False
+        activity.begin()
+        context.began = None
+        context.places = {}
+        context.answers = {}
+        context.counts = {}
+
+    @property
+    def current_step(self) -> str:
+        """Name of the step that is due; empty: all are done, or they have no order."""
+        if self._exercise.any_order or None not in self.step_times:
+            return ""
+        return self._exercise.steps[self.step_times.index(None)].name
+
+    def wait(self) -> bool:
+        """Look at a sample before the begin; tells whether the repetition begins with it."""
+        if not self.looked:
+            self.looked = True
+            self._context.places = self._context.world.places()
+        if not self._begin.holds(self._context):
+            return False
+        self.began = self._context.began = self._context.time
+        self._activity.begin()
+        self._measure(0.0, 0)
+        return True
+
+    def run(self, span: float, steps: int) -> List[Happening]:
+        """Look at a sample, `span` (s) and a number of physics steps after the one before."""
+        assert self.began is not None
+        self.seconds = self._context.time - self.began
+        happened = self._measure(span, steps)
+        for kind, _, _ in happened:
+            self.count(kind)
+        happened += self._penalise()
+        fault = self._spoilt()
+        if fault:
+            return [*happened, *self.spoil(fault)]
+        return happened + self._advance()
+
+    def count(self, event: str) -> None:
+        """Count an event for the condition ``event``."""
+        self._context.counts[event] = self._context.counts.get(event, 0) + 1
+
+    def answer(self, question: str, given: str) -> bool:
+        """Take an answer; the first to a question counts, others are refused."""
+        if question not in self._expected or question in self.answers:
+            return False
+        self.answers[question] = given
+        self._context.answers[question] = self._is_right(question)
+        self.count("answer")
+        return True
+
+    def spoil(self, fault: str) -> List[Happening]:
+        """End it with a fault."""
+        self.ended, self.fault = True, fault
+        self.marks.append(fault)
+        return [("fault", fault, {})]
+
+    def _is_right(self, question: str) -> Optional[bool]:
+        expected = self._expected[question]
+        if not expected:
+            return None
+        given = self.answers[question]
+        return _plain(given) == _plain(expected)
+
+    def _measure(self, span: float, steps: int) -> List[Happening]:
+        context, world, time = self._context, self._context.world, self._context.time
+        happened: List[Happening] = [
+            ("contact", f"{new['group']} {new['object']}", new)
+            for new in self._contacts.sample(world, time, span, steps)
+        ]
+        happened += [("drop", name, {}) for name in self._handling.sample(context, span)]
+        self._motion.sample(world, time, span)
+        if self._balance.sample(world, time, span):
+            happened.append(("tipped", "", {}))
+        self._activity.sample(time, span)
+        return happened
+
+    def _penalise(self) -> List[Happening]:
+        happened: List[Happening] = []
+        for i, (penalty, evaluator) in enumerate(zip(self._exercise.penalties, self._penalties)):
+            if not evaluator.holds(self._context):
+                continue
+            # What comes and goes within half a second is one occasion, as with contacts.
+            before, self._holding[i] = self._holding[i], self._context.time
+            if before is None or self._context.time - before >= APART:
+                self.penalty += penalty.seconds
+                self._penalty_count += 1
+                self.marks.append(penalty.name)
+                self.count("penalty")
+                happened.append(("penalty", penalty.name, {"seconds": penalty.seconds}))
+        return happened
+
+    def _spoilt(self) -> str:
+        spoilt = [evaluator.holds(self._context) for evaluator in self._faults]
+        for fault, holds in zip(self._exercise.faults, spoilt):
+            if holds:
+                return fault.name
+        limit = self._exercise.repetitions.time
+        return TIME_FAULT if limit and self.seconds >= limit - SLACK else ""
+
+    def _advance(self) -> List[Happening]:
+        """At most one step a sample where they have an order: the next is due from then on."""
+        happened: List[Happening] = []
+        for i, (step, evaluator) in enumerate(zip(self._exercise.steps, self._steps)):
+            if self.step_times[i] is not None:
+                continue
+            if evaluator.holds(self._context):
+                self.step_times[i] = self.seconds
+                self.count("step")
+                happened.append(("step", step.name, {}))
+            if not self._exercise.any_order:
+                break
+        if None not in self.step_times:
+            self.ended = self.completed = True
+        return happened
+
+    @property
+    def time(self) -> float:
+        """With penalties (s)."""
+        return self.seconds + self.penalty
+
+    def figure(self, metric: Metric) -> Optional[float]:
+        """Measure a metric; None where it could not be measured."""
+        kind = metric.kind
+        if kind == "time":
+            return self.time
+        if kind == "penalties":
+            return float(self._penalty_count)
+        if kind == "answers":
+            return self._right_share()
+        if kind in _CONTACTS:
+            return self._contacts.figure(kind, metric.object)
+        if kind in ("drops", "slip"):
+            return self._handling.figure(kind, metric.object, metric.height)
+        if kind in _MOTION:
+            return self._motion.figure(kind, metric.length)
+        if kind in _BALANCE:
+            return self._balance.figure(kind)
+        return self._activity.figure(kind)
+
+    def _right_share(self) -> Optional[float]:
+        rights = [self._is_right(name) for name in self.answers]
+        if None in rights or not self._expected:
+            return None
+        return sum(map(bool, rights)) / len(self._expected)
+
+    def sheet(self) -> Dict[str, Any]:
+        """What the sheet says of it, not yet rounded; to be asked when it has ended."""
+        kinds = {
+            name: Metric(name, name)
+            for name, kind in KINDS.items()
+            if not kind.of_trial and not kind.needs_length
+        }
+        kinds.update(
+            (metric.name, metric)
+            for metric in self._exercise.metrics
+            if not KINDS[metric.kind].of_trial
+        )
+        return {
+            "began": self.began,
+            "seconds": self.seconds,
+            "penalty": self.penalty,
+            "completed": self.completed,
+            "fault": self.fault or None,
+            "marks": list(self.marks),
+            "steps": list(self.step_times),
+            "answers": {
+                name: {"given": given, "right": self._is_right(name)}
+                for name, given in self.answers.items()
+            },
+            "dead_man": self._activity.releases(),
+            "metrics": {name: self.figure(metric) for name, metric in kinds.items()},
+        }
+
+
+def _plain(text: str) -> str:
+    return " ".join(text.replace(",", " ").split()).casefold()

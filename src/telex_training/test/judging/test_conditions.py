@@ -1,0 +1,206 @@
+"""Every kind of condition over a synthetic truth stream."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from training_truth import LEVEL, SCENE, Trial, exercise
+
+GO = "zones:\n  goal: {center: [3, 0, 0], radius: 0.5}\n  cup: {of: cube, size: [1, 1, 1]}\n"
+
+
+def trial(condition, more=""):
+    """A trial whose only step is done by the condition, and whose clock runs at once."""
+    text = f"{GO}begin: {{elapsed: 0}}\nsteps: [{{name: go, until: {condition}}}]\n{more}"
+    text = text.replace("{elapsed: 0}", "{not: {inside: {what: robot, zone: goal}}}")
+    return Trial(exercise(text), scene=SCENE).begin()
+
+
+def done(made):
+    return "step" in made.kinds()
+
+
+def test_inside_a_cylinder_that_has_no_end():
+    made = trial("{inside: {what: robot, zone: goal}}")
+    made.at(2.4, 0.0, 5.0)
+    assert not done(made)
+    made.at(2.6, 0.0, 5.0)
+    assert done(made)
+
+
+def test_inside_a_zone_that_moves_with_an_object():
+    made = trial("{inside: {what: robot, zone: cup}}")
+    made.sample()
+    assert not done(made)
+    quarter = (0.0, 0.0, math.sqrt(0.5), math.sqrt(0.5))
+    made.bodies["cube/cube"] = ((0.4, 0.0, 0.0), quarter)
+    made.sample()
+    assert done(made)
+
+
+def test_inside_a_box_that_is_turned():
+    more = "".replace("", "")
+    text = "zones: {goal: {center: [0, 0, 0], size: [4, 0.2, 1], yaw: 1.5708}}\n"
+    text += "begin: {event: {name: command}}\n"
+    text += "steps: [{name: go, until: {inside: {what: robot, zone: goal}}}]\n" + more
+    made = Trial(exercise(text)).begin()
+    made.robot = ((1.5, 0.0, 0.0), LEVEL)
+    made.command(0.1)
+    made.sample(2)
+    assert not done(made)
+    made.at(0.0, 1.5, 0.0)
+    assert done(made)
+
+
+def test_for_needs_the_whole_time_without_a_break():
+    made = trial("{inside: {what: robot, zone: goal}, for: 0.5}")
+    made.robot = ((3.0, 0.0, 0.0), LEVEL)
+    made.seconds(0.4)
+    made.at(0.0)
+    made.robot = ((3.0, 0.0, 0.0), LEVEL)
+    made.seconds(0.5)
+    assert not done(made)
+    made.sample()
+    assert done(made)
+    assert made.events[-1].event == "repetition"
+
+
+def test_joints_and_latches():
+    made = trial("{joint: {object: door, joint: hinge, above: 0.5, below: 1.0}}")
+    for hinge, wanted in ((0.5, False), (1.2, False), (0.7, True)):
+        made.hinge = hinge
+        made.sample()
+        assert done(made) is wanted
+    made = trial("{joint: {object: robot, joint: elbow_joint, below: -0.2}}")
+    made.sample()
+    made.joints[3] = -0.3
+    assert not done(made)
+    made.sample()
+    assert done(made)
+    made = trial("{latch: {object: plug, joint: latch, held: false}}")
+    made.sample()
+    assert not done(made)
+    made.latched = False
+    made.sample()
+    assert done(made)
+
+
+def test_held_by_more_than_a_force():
+    made = trial("{held: {object: cube, above: 20}}")
+    made.held, made.grip = "plug", 50.0
+    made.sample()
+    made.held, made.grip = "cube", 10.0
+    made.sample()
+    assert not done(made)
+    made.grip = 30.0
+    made.sample()
+    assert done(made)
+
+
+def test_dropped_is_a_fall_outside_of_the_zones():
+    made = trial("{dropped: {object: cube, height: 0.1, outside: [goal]}}")
+    for x in (3.0, 2.0):
+        made.bodies["cube/cube"] = ((x, 0.0, 0.5), LEVEL)
+        made.held = "cube"
+        made.sample()
+        made.held = None
+        made.sample()
+        made.bodies["cube/cube"] = ((x, 0.0, 0.45), LEVEL)
+        made.sample()
+        assert not done(made)
+        made.bodies["cube/cube"] = ((x, 0.0, 0.3), LEVEL)
+        made.sample()
+    assert done(made)
+    assert made.kinds().count("step") == 1
+
+
+def test_touches_and_force_by_group():
+    made = trial("{touches: {object: wall, group: arm}}")
+    made.contacts = [("base", "wall", 5.0), ("arm", "cube", 5.0)]
+    made.sample()
+    assert not done(made)
+    made.contacts = [("arm", "wall", 5.0)]
+    made.sample()
+    assert done(made)
+    made = trial("{force: {object: floor, above: 300}}")
+    made.contacts = [("tracks", "floor", 290.0)]
+    made.sample()
+    assert not done(made)
+    made.contacts = [("tracks", "floor", 310.0)]
+    made.sample()
+    assert done(made)
+
+
+def test_tilted_and_moved():
+    made = trial("{tilted: {what: cube, angle: 0.5}}")
+    for angle, wanted in ((0.45, False), (0.55, True)):
+        made.bodies["cube/cube"] = (
+            (2.0, 0.0, 0.0),
+            (math.sin(angle / 2), 0.0, 0.0, math.cos(angle / 2)),
+        )
+        made.sample()
+        assert done(made) is wanted
+    made = trial("{moved: {what: cube, distance: 0.2}}")
+    for x, wanted in ((2.15, False), (2.25, True)):
+        made.bodies["cube/cube"] = ((x, 0.0, 0.0), LEVEL)
+        made.sample()
+        assert done(made) is wanted
+
+
+ASK = "questions: [{name: ring, ask: Where?, answer: Up Left}]\n"
+
+
+@pytest.mark.parametrize(
+    ("right", "given", "wanted"),
+    [
+        ("", "down", True),
+        (", right: true", "down", False),
+        (", right: true", " up  LEFT ", True),
+        (", right: false", "down", True),
+    ],
+)
+def test_answered(right, given, wanted):
+    made = trial(f"{{answered: {{question: ring{right}}}}}", ASK)
+    made.sample()
+    assert not done(made)
+    made.input("answer", question="ring", answer=given)
+    made.sample()
+    assert done(made) is wanted
+
+
+def test_elapsed_counts_from_the_begin():
+    made = trial("{elapsed: 1.0}")
+    made.seconds(0.98)
+    assert not done(made)
+    made.sample(2)
+    assert done(made)
+
+
+def test_events_are_counted_in_this_repetition():
+    made = trial("{event: {name: e_stop, count: 2}}")
+    for _ in range(2):
+        assert not done(made)
+        made.status(e_stop=True)
+        made.status(e_stop=False)
+        made.sample()
+    assert done(made)
+
+
+def test_all_any_and_not():
+    made = trial("{all: [{held: {}}, {not: {touches: {object: wall}}}, {any: [{elapsed: 0}]}]}")
+    made.held, made.contacts = "cube", [("base", "wall", 5.0)]
+    made.sample()
+    assert not done(made)
+    made.contacts = []
+    made.sample()
+    assert done(made)
+
+
+def test_what_the_stream_does_not_know_does_not_hold():
+    made = trial("{any: [{inside: {what: ghost, zone: goal}}, {touches: {object: ghost}}]}")
+    made.sample(3)
+    assert not done(made)
+    made = trial("{any: [{dose: {what: robot, above: 0}}, {inside: {what: tool, zone: goal}}]}")
+    made.sample(3)
+    assert not done(made)
