@@ -15,8 +15,8 @@ import time
 import numpy as np
 import pytest
 
-from telex_control.ros.private_master import PrivateMaster
 from telex_control.ros.rospy_fixes.connecting import miss_nothing
+from telex_experiments.rigs.private_master import PrivateMaster
 
 # A second between pictures, unless something begins to move.
 RATE = 1.0
