@@ -28,6 +28,7 @@ from telex_sim.cameras.drawing.scene_renderer import SceneRenderer
 from telex_sim.cameras.optics.camera_sensor import CameraSensor
 from telex_sim.cameras.optics.exposure import ExposureControl, exposure_factor
 from telex_sim.cameras.optics.pinhole import PinholeCamera
+from telex_sim.cameras.ros.size_by_load import STEPS, Step
 from telex_sim.scene.visual_scene import Daylight, Visual, VisualLamp, VisualScene, VisualShape
 
 from ..workspace import ROOT
@@ -36,6 +37,7 @@ from .bare_picture import BarePicture
 WORLD = "training_hall"
 NAMES = ("front", "rear", "arm", "gripper", "turret", "mast")
 LARGE = {"width": 640, "height": 480}
+SMALL = {"width": 320, "height": 240}
 MAIN = {"width": 1280, "height": 720}
 RECORDING = Path(__file__).with_name(f"{WORLD}.npz")
 PACKAGES = ROOT / "src"
@@ -128,22 +130,27 @@ class Views:
     names : tuple of str
     size : dict
         Width and height (pixels).
+    step : Step
+        How far these pictures give way, as if they were previews.
     """
 
-    def __init__(self, names: tuple, size: Dict[str, int]) -> None:
+    def __init__(self, names: tuple, size: Dict[str, int], step: Step = STEPS[0]) -> None:
         recording = self._recording = hall()
+        self._coarse = step.coarse_previews
         path = f"{package_path('telex_description')}/config/cameras.yaml"
         with open(path) as file:
             config = read_config(CamerasConfig, yaml.safe_load(file), "cameras.yaml")
-        self._views = [
-            (
-                CameraSensor(
-                    dataclasses.replace(config.cameras[name], **size), 1.0, 0, ExposureControl()
-                ),
-                recording.camera(name),
+        self._views = []
+        for name in names:
+            camera = config.cameras[name]
+            camera = dataclasses.replace(
+                camera,
+                detail=step.preview_detail * camera.detail,
+                width=size["width"],
+                height=size["height"],
             )
-            for name in names
-        ]
+            sensor = CameraSensor(camera, 1.0, 0, ExposureControl())
+            self._views.append((sensor, recording.camera(name)))
         robot = [frame.startswith(f"{recording.model}/") for frame in recording.scene.frames]
         # So that its shadows have to be cast anew.
         self._frames = [recording.frames_in_world, recording.frames_in_world.copy()]
@@ -165,7 +172,7 @@ class Views:
         renderer.place(self._frames[number % 2], focus)
         for sensor, pose in self._views:
             ev = sensor.expose(number)
-            seen = renderer.render(sensor.pinhole, pose, exposure_factor(ev))
+            seen = renderer.render(sensor.pinhole, pose, exposure_factor(ev), self._coarse)
             picture = sensor.develop([seen], renderer.repeats, ev, number)
             taken = time.perf_counter()
             simplejpeg.encode_jpeg(
@@ -202,6 +209,8 @@ def renderer_figures(rounds: int) -> List[Figure]:
         Figure("bare getCameraImage: CPU", other * 1e3, "ms"),
         Figure("bare getCameraImage / picture", other / cpu, "times", at_least=LEAST_RATIO),
     ]
+    figures += giving_way(renderer, rounds)
+    views.load(renderer)
     figures += timed("six 640x480", views, renderer, context, rounds)
     main = Views(NAMES[:1], MAIN)
     main.load(renderer)
@@ -209,6 +218,23 @@ def renderer_figures(rounds: int) -> List[Figure]:
     renderer.release()
     print(f"  OpenGL: {context.info['GL_RENDERER']}", flush=True)
     return told(figures)
+
+
+def giving_way(renderer: Renderer, rounds: int) -> List[Figure]:
+    """Cost of previews as they are set, and of those that give way to load, in turn."""
+    plain, coarse = (Views(NAMES[1:], SMALL, step) for step in STEPS[:2])
+    for views in (plain, coarse):
+        views.load(renderer)
+        views.round(renderer, 1)
+    costs = []
+    for number in range(2, 4 * rounds + 2):
+        costs.append([views.round(renderer, number).cpu for views in (plain, coarse)])
+    before, after = np.median(costs, axis=0).tolist()
+    return [
+        Figure("five 320x240 with JPEG, mean: CPU", before * 1e3, "ms"),
+        Figure("five 320x240 that give way, mean: CPU", after * 1e3, "ms"),
+        Figure("five 320x240: as set / giving way", before / after, "times", at_least=1.2),
+    ]
 
 
 class OnCard:
