@@ -1,0 +1,205 @@
+"""What a recording holds beside its entries, and the sheet that its entries make."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+from io import BytesIO
+from pathlib import Path
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
+
+from mcap.reader import make_reader
+from std_msgs.msg import String
+
+from telex_control.common.params import ConfigError, read_struct
+
+from ..exercises.exercise_file import ExerciseError, parse_exercise
+from ..exercises.model import Exercise
+from ..judging.entries import INPUTS, Entry
+from ..judging.judge import Judge
+from .reader import Recording, repair
+from .writer import Attachment, RecordingError, RecordingWriter
+
+EXERCISE, SCENE, ROBOT = "exercise.yaml", "scene.yaml", "robot.urdf"
+CAMERAS, MESHES, TRIAL, SHEET = "cameras.json", "meshes.json", "trial.json", "sheet.json"
+SUFFIX = ".mcap"
+_YAML, _XML, _JSON = "text/yaml", "text/xml", "application/json"
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Of what and whom a recording is.
+
+    Attributes
+    ----------
+    trial : str
+        Its name, which is that of the file without its suffix.
+    exercise : str
+        Path of the exercise's file when the trial began.
+    setting, mode, operator, software : str
+    seed : int
+    """
+
+    trial: str
+    exercise: str
+    setting: str
+    mode: str
+    operator: str
+    software: str
+    seed: int
+
+
+def attachments(
+    trial: Trial,
+    exercise: str,
+    scene: str,
+    urdf: str,
+    cameras: Mapping[str, Any],
+    meshes: Mapping[str, str],
+) -> Dict[str, Attachment]:
+    """Attachments of a recording that begins.
+
+    Parameters
+    ----------
+    trial : Trial
+    exercise, scene, urdf : str
+        Texts of the exercise's file, of the scene as it was loaded, and of the robot.
+    cameras : mapping
+        The cameras' configuration.
+    meshes : mapping of str to str
+        SHA-256 of each mesh file, by its address.
+    """
+    return {
+        TRIAL: Attachment(_JSON, _json(asdict(trial))),
+        EXERCISE: Attachment(_YAML, exercise.encode()),
+        SCENE: Attachment(_YAML, scene.encode()),
+        ROBOT: Attachment(_XML, urdf.encode()),
+        CAMERAS: Attachment(_JSON, _json(cameras)),
+        MESHES: Attachment(_JSON, _json(meshes)),
+    }
+
+
+def input_entry(number: int, time_ns: int, content: Mapping[str, Any]) -> Entry:
+    """Entry of one of the training's own inputs."""
+    return Entry(number, time_ns / 1e9, INPUTS, "std_msgs/String", serialised_input(content))
+
+
+def serialised_input(content: Mapping[str, Any]) -> bytes:
+    """Serialise one of the training's own inputs: JSON in a std_msgs/String."""
+    file = BytesIO()
+    String(json.dumps(content, sort_keys=True, allow_nan=False)).serialize(file)
+    return file.getvalue()
+
+
+def sheet_attachment(text: str) -> Attachment:
+    """Attachment of a score sheet's text."""
+    return Attachment(_JSON, text.encode())
+
+
+def trial_of(recording: Recording) -> Tuple[Trial, Exercise]:
+    """Of what a recording is.
+
+    Raises
+    ------
+    RecordingError
+        An attachment is missing or wrong.
+    """
+    path = recording.path
+    try:
+        trial = read_struct(Trial, json.loads(_text(recording, TRIAL)))
+        file = parse_exercise(_text(recording, EXERCISE), Path(trial.exercise))
+        return trial, file.setting(trial.setting)
+    except (ConfigError, ExerciseError, ValueError) as error:
+        raise RecordingError(f"{path}: {error}") from error
+
+
+def judged(recording: Recording) -> Judge:
+    """Fold a recording's entries anew.
+
+    Raises
+    ------
+    RecordingError
+        The recording does not say of what it is.
+    """
+    _, exercise = trial_of(recording)
+    try:
+        judge = Judge(exercise, _text(recording, SCENE), _text(recording, ROBOT))
+    except ValueError as error:  # of the exercise, the scene or the URDF
+        raise RecordingError(f"{recording.path}: {error}") from error
+    for entry in recording.entries:
+        judge.feed(entry)
+    return judge
+
+
+def amend(path: Path, inputs: Sequence[Mapping[str, Any]], wall_ns: int) -> str:
+    """Add inputs to a recording that is closed, such as a mark or a note, and judge it anew.
+
+    The file is replaced as a whole, so that a reader finds the old or the new one.
+
+    Parameters
+    ----------
+    path : Path
+    inputs : sequence of mapping
+    wall_ns : int
+        Wall time of them (ns).
+
+    Returns
+    -------
+    str
+        The new score sheet.
+
+    Raises
+    ------
+    RecordingError
+    """
+    recording = repair(path)
+    entries, walls = list(recording.entries), list(recording.walls)
+    last = entries[-1] if entries else Entry(-1, 0.0, "", "", b"")
+    for number, content in enumerate(inputs, last.number + 1):
+        entries.append(input_entry(number, round(last.time * 1e9), content))
+        walls.append(wall_ns)
+    text = judged(Recording(path, entries, walls, recording.attachments)).text()
+    kept = {name: found for name, found in recording.attachments.items() if name != SHEET}
+    draft = path.with_name(f".{path.name}.amended")
+    draft.unlink(missing_ok=True)
+    writer = RecordingWriter(draft, kept)
+    for entry, wall in zip(entries, walls):
+        writer.put(entry, wall)
+    writer.close({SHEET: sheet_attachment(text)})
+    try:
+        draft.replace(path)
+    except OSError as error:
+        raise RecordingError(f"{path}: {error.strerror}") from error
+    return text
+
+
+def read_sheet(path: Path) -> Optional[Dict[str, Any]]:
+    """Read the sheet that a closed recording ends with; None: there is none."""
+    try:
+        with path.open("rb") as file:
+            for attachment in make_reader(file).iter_attachments():
+                if attachment.name == SHEET:
+                    made = json.loads(attachment.data)
+                    return made if isinstance(made, dict) else None
+    except Exception:  # damaged bytes raise whatever they lead the reader to
+        return None
+    return None
+
+
+def trials(folder: Path) -> List[Path]:
+    """Recordings of a folder, the newest last."""
+    return sorted(path for path in folder.glob(f"*{SUFFIX}") if not path.name.startswith("."))
+
+
+def _text(recording: Recording, name: str) -> str:
+    found = recording.attachments.get(name)
+    if found is None:
+        raise RecordingError(f"{recording.path}: it has no attachment '{name}'")
+    try:
+        return found.data.decode()
+    except UnicodeDecodeError:
+        raise RecordingError(f"{recording.path}: '{name}' is no UTF-8 text") from None
+
+
+def _json(content: Mapping[str, Any]) -> bytes:
+    return (json.dumps(content, sort_keys=True, indent=1) + "\n").encode()
