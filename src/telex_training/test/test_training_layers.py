@@ -17,7 +17,7 @@ FURTHER = {
     "ros": ("telex_control.ros",),
 }
 """What single rooms may import as well."""
-DECODING = ("judging", "recording")
+DECODING = ("judging", "recording", "command_lines")
 """Rooms that know messages, for they read and write them serialised, but no node."""
 ROS = ("rospy", "roslib", "rosgraph", "actionlib", "tf2_ros")
 WITH_ROS = ("telex_teleop.ros", "telex_teleop.operating", "telex_teleop.web", "telex_teleop.joy")

@@ -1,0 +1,1 @@
+"""What is typed: scoring and exporting of recordings."""

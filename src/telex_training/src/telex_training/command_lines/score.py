@@ -1,0 +1,133 @@
+"""The command ``score``: sheets of recordings, judged anew from what they hold."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Dict, List, Optional, Sequence
+
+from ..exercises.exercise_file import ExerciseError, load_exercise
+from ..judging.judge import Judge
+from ..judging.sheet import sheet_text
+from ..recording.reader import Recording, read_recording
+from ..recording.sheet_table import sheet_csv
+from ..recording.trial_file import EXERCISE, SHEET, judged
+from ..recording.writer import Attachment, RecordingError
+
+_TEXT, _JSON, _CSV = "text", "json", "csv"
+
+
+def main(arguments: Optional[Sequence[str]] = None) -> int:
+    """Run the command; returns its exit status: 0, or 1 where a recording cannot be scored."""
+    given = _parser().parse_args(arguments)
+    status = 0
+    for path in given.files:
+        try:
+            recording = read_recording(path)
+            if given.exercise is not None:
+                recording = with_exercise(recording, given.exercise)
+            judge = judged(recording)
+        except (RecordingError, ExerciseError) as error:
+            print(f"score: {error}", file=sys.stderr)
+            status = 1
+            continue
+        print(_shown(recording, judge, given.form, given.exercise is not None), end="")
+    return status
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="score", description=__doc__)
+    parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="a recording (.mcap)")
+    forms = parser.add_mutually_exclusive_group()
+    forms.add_argument(
+        "--json", dest="form", action="store_const", const=_JSON, help="the sheet as it was shown"
+    )
+    forms.add_argument(
+        "--csv", dest="form", action="store_const", const=_CSV, help="a row a repetition"
+    )
+    parser.add_argument(
+        "--exercise",
+        type=Path,
+        metavar="FILE",
+        help="judge by this exercise (other metrics, pass values) in place of the recorded one",
+    )
+    parser.set_defaults(form=_TEXT)
+    return parser
+
+
+def with_exercise(recording: Recording, path: Path) -> Recording:
+    """Return a recording with another exercise in place of its own.
+
+    Raises
+    ------
+    ExerciseError
+    """
+    text = load_exercise(path).text.encode()
+    changed = {**recording.attachments, EXERCISE: Attachment("text/yaml", text)}
+    return replace(recording, attachments=changed)
+
+
+def _shown(recording: Recording, judge: Judge, form: str, other: bool) -> str:
+    sheet = judge.sheet()
+    if form == _JSON:
+        return sheet_text(sheet)
+    if form == _CSV:
+        return sheet_csv(sheet)
+    remarks = [] if recording.whole else ["cut off: scored as far as it goes"]
+    shown = recording.attachments.get(SHEET)
+    if shown is not None and not other:
+        same = shown.data == sheet_text(sheet).encode()
+        remarks.append("the same sheet as was shown" if same else "ANOTHER SHEET THAN WAS SHOWN")
+    return sheet_report(sheet, f"{recording.path}", remarks)
+
+
+def sheet_report(sheet: Dict[str, Any], name: str, remarks: Sequence[str]) -> str:
+    """Write a sheet for people."""
+    summary = sheet["summary"]
+    verdict = sheet["verdict"] or ("invalid" if not sheet["valid"] else "no verdict")
+    done, tried = summary["completed"], summary["completed"] + summary["faults"]
+    lines = [
+        f"{name}: {'; '.join(remarks)}" if remarks else name,
+        f"{sheet['exercise']['title']}, {sheet['exercise']['setting']}, "
+        f"{sheet['operator'] or 'no name'}, {sheet['mode']}",
+        f"{verdict.upper()}: {done} of {tried} repetitions"
+        + _share(", proficiency", summary["proficiency"], sheet["expert"])
+        + _bound(summary),
+    ]
+    lines += [f"  not valid: {reason}" for reason in sheet["invalid_because"]]
+    lines += [f"  {_metric(item)}" for item in sheet["metrics"]]
+    for number, rep in enumerate(sheet["repetitions"], 1):
+        fault = rep["fault"] or "completed"
+        lines.append(
+            f"  repetition {number}: {rep['seconds']:.1f} s + {rep['penalty']:g} s, {fault}"
+        )
+    return "\n".join(lines) + "\n\n"
+
+
+def _share(words: str, share: Optional[float], expert: Dict[str, Any]) -> str:
+    if share is None:
+        return ""
+    provisional = " (provisional)" if expert["provisional"] else ""
+    return f"{words} {100.0 * share:.0f} % of the expert{provisional}"
+
+
+def _bound(summary: Dict[str, Any]) -> str:
+    bound = summary["reliability"]
+    if bound is None:
+        return ""
+    return (
+        f", reliability at least {100.0 * bound:.0f} % ({100.0 * summary['confidence']:.0f} % sure)"
+    )
+
+
+def _metric(item: Dict[str, Any]) -> str:
+    value = "-" if item["value"] is None else f"{item['value']:g}"
+    parts: List[str] = [f"{item['text']}: {value} {item['unit']}".rstrip()]
+    if item["pass"] is not None:
+        sign = ">=" if item["more_is_better"] else "<="
+        parts.append(f"{sign} {item['pass']:g}: {'ok' if item['within'] else 'MISSED'}")
+    if item["expert"] is not None:
+        parts.append(f"expert {item['expert'][0]:g}")
+    return ", ".join(parts)
