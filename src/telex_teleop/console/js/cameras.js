@@ -115,6 +115,9 @@ class Thumbnail {
   }
 }
 
+/** Age (ms) from which a picture counts as none. */
+const LONGEST_AGE = 3_600_000;
+
 export class Cameras {
   /**
    * @param {VideoConfig} config
@@ -174,6 +177,12 @@ export class Cameras {
   /** Whether the large view still has to show the scene that was loaded. */
   get awaitsScene() {
     return Date.now() - this._sceneLoaded < SCENE_WITHIN && !((this.main.report?.captured ?? -Infinity) > this._sceneLoaded);
+  }
+
+  /** What is seen in the large view: its camera, and how old (s) its picture is by the wall's clock; null: there is none. */
+  get seen() {
+    const { age, camera } = this.main;
+    return { view: camera, picture_age: age < LONGEST_AGE ? age / 1000 : null };
   }
 
   /** Show the next camera large. */

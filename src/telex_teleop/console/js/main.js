@@ -32,6 +32,10 @@ import { FLIPPER_NODE, JOINT_NODES, MOVED_CAMERA, TRACK_NODE, TYPES } from "./ro
 import { SILENT_AFTER, StatusView } from "./status.js";
 import { TOOL_TYPES, ToolCommander, ToolPanel } from "./tool.js";
 import { Tour } from "./tour.js";
+import { ExerciseChooser } from "./training/chooser.js";
+import { TrainingClient } from "./training/client.js";
+import { TrainingStrip } from "./training/strip.js";
+import { tellTelemetry } from "./training/telemetry.js";
 import { RobotModel } from "./urdf.js";
 import { fetchVocabulary } from "./vocabulary.js";
 
@@ -111,6 +115,9 @@ class Console {
     this._control = new ControlView(this._bridge, topic, letGo, warn);
     this._motion = new Motion(this._control, (device) => this._status.log(`${device} moves the robot`, "warning"));
     this._size = new PictureSize(this._bridge, topic);
+    this._training = new TrainingClient(this._bridge, topic, warn);
+    this._strip = new TrainingStrip(this._training, GIVEN, letGo);
+    this._chooser = new ExerciseChooser(this._training, GIVEN, letGo);
     this._health = new Health(this._status, letGo);
     // What the operator presses.
     this._keymap = new KeyMap(localStorage, vocabulary);
@@ -249,6 +256,7 @@ class Console {
     else if (status.estopped) status.warn("e-stop is active: release it first");
     else if (control.isWatching) status.warn(`${control.holderName} has control: you are watching`);
     else if (this._keyDialog.isOpen) status.warn("close the list of keys first");
+    else if (this._chooser.isOpen) status.warn("close the list of exercises first");
     else return true;
     return false;
   }
@@ -300,6 +308,8 @@ class Console {
 
   _subscribe() {
     this._control.subscribe();
+    this._training.subscribe((state) => this._strip.show(state));
+    tellTelemetry(this._bridge, this._topic, () => this._control.isMine && this._control.isKnown ? this._cameras.seen : null);
     this._subscribeToSimulator();
     this._subscribeToNodes();
   }

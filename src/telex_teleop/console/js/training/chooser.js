@@ -1,0 +1,121 @@
+// @ts-check
+/** The chooser of exercises: pictures, settings, one's own best, and whose trial it will be. */
+
+import { onClick } from "../buttons.js";
+import { byId, setText } from "../panels.js";
+import { addressOf, clockText, rememberOperator, rememberedOperator } from "./client.js";
+
+export class ExerciseChooser {
+  /**
+   * @param {import("./client.js").TrainingClient} client
+   * @param {URLSearchParams} given
+   * @param {(reason: string) => void} letGo
+   */
+  constructor(client, given, letGo) {
+    this._client = client;
+    this._given = given;
+    this._letGo = letGo;
+    this._dialog = byId("exercises");
+    const name = this._nameField;
+    name.value = rememberedOperator();
+    for (const kind of ["keydown", "keyup"]) name.addEventListener(kind, (event) => event.stopPropagation());
+    name.addEventListener("change", () => {
+      rememberOperator(name.value.trim());
+      this._fill();
+    });
+    onClick(byId("exercises-open"), () => this.toggle());
+    onClick(byId("exercises-close"), () => this.toggle());
+  }
+
+  get _nameField() {
+    return /** @type {HTMLInputElement} */ (byId("exercises-operator"));
+  }
+
+  get isOpen() {
+    return !this._dialog.hidden;
+  }
+
+  toggle() {
+    this._letGo("the list of exercises");
+    this._dialog.hidden = this.isOpen;
+    if (this.isOpen) this._fill();
+  }
+
+  async _fill() {
+    const note = byId("exercises-note");
+    setText(note, "asking for the exercises …");
+    try {
+      const exercises = await this._client.list(this._nameField.value.trim());
+      setText(note, exercises.length === 0 ? "there are no exercises" : "");
+      byId("exercises-list").replaceChildren(...exercises.map((exercise) => this._card(exercise)));
+    } catch (error) {
+      setText(note, `no exercises: ${/** @type {Error} */ (error).message}; is the training node running?`);
+    }
+  }
+
+  /** @param {import("./client.js").Exercise} exercise */
+  _card(exercise) {
+    const card = document.createElement("article");
+    if (exercise.preview !== "") {
+      const picture = document.createElement("img");
+      picture.src = addressOf(exercise.preview, this._given);
+      picture.alt = "";
+      picture.loading = "lazy";
+      card.append(picture);
+    }
+    const title = document.createElement("h3");
+    title.textContent = exercise.title || exercise.name;
+    const text = document.createElement("p");
+    text.textContent = exercise.problem || exercise.description;
+    card.append(title, text);
+    if (exercise.problem !== "") {
+      card.dataset.state = "broken";
+      return card;
+    }
+    const row = document.createElement("div");
+    const setting = chooser(exercise.settings, "setting");
+    const mode = chooser(exercise.modes, "mode");
+    const open = document.createElement("button");
+    open.type = "button";
+    open.textContent = "open";
+    onClick(open, () => this._open(exercise.name, setting.value, mode.value));
+    const best = document.createElement("span");
+    best.className = "note";
+    best.textContent = exercise.best > 0 ? `your best ${clockText(exercise.best)}` : "";
+    row.append(setting, mode, open, best);
+    card.append(row);
+    return card;
+  }
+
+  /**
+   * @param {string} exercise
+   * @param {string} setting
+   * @param {string} mode
+   */
+  async _open(exercise, setting, mode) {
+    const operator = this._nameField.value.trim();
+    if (operator === "") {
+      setText(byId("exercises-note"), "type your name first: the trial will be yours");
+      this._nameField.focus();
+      return;
+    }
+    rememberOperator(operator);
+    setText(byId("exercises-note"), "opening …");
+    const opened = await this._client.act("open", { exercise, setting, mode, operator });
+    setText(byId("exercises-note"), opened ? "" : "not opened; the messages say why");
+    if (opened) this._dialog.hidden = true;
+  }
+}
+
+/**
+ * @param {string[]} names
+ * @param {string} label
+ */
+function chooser(names, label) {
+  const made = document.createElement("select");
+  made.setAttribute("aria-label", label);
+  for (const name of names) made.append(new Option(name, name));
+  made.hidden = names.length < 2;
+  for (const kind of ["keydown", "keyup"]) made.addEventListener(kind, (event) => event.stopPropagation());
+  return made;
+}

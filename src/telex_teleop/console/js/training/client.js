@@ -1,0 +1,117 @@
+// @ts-check
+/** The training node, as the pages speak to it. */
+
+export const TYPES = {
+  state: "telex_msgs/TrainingState",
+  telemetry: "std_msgs/String",
+};
+const SLOW = 30_000; // ms within which a scene is loaded
+const OPERATOR = "telex.operator"; // where the browser keeps whose name was typed last
+
+/**
+ * @typedef {object} State  telex_msgs/TrainingState
+ * @property {string} phase
+ * @property {string} trial
+ * @property {string} exercise
+ * @property {string} title
+ * @property {string} setting
+ * @property {string} mode
+ * @property {string} operator
+ * @property {boolean} valid
+ * @property {string[]} invalid_because
+ * @property {number} repetition
+ * @property {number} repetitions
+ * @property {string[]} results
+ * @property {number} elapsed
+ * @property {number} penalty
+ * @property {number} trial_elapsed
+ * @property {number} trial_limit
+ * @property {string[]} steps
+ * @property {boolean[]} steps_done
+ * @property {string[]} faults
+ * @property {{name: string, ask: string, choices: string[], answered: boolean}[]} questions
+ * @property {string} hint
+ * @property {string} message
+ * @property {string} verdict
+ */
+
+/**
+ * @typedef {object} Exercise  telex_msgs/TrainingExercise
+ * @property {string} name
+ * @property {string} title
+ * @property {string} description
+ * @property {string[]} settings
+ * @property {string[]} modes
+ * @property {number} best
+ * @property {string} preview
+ * @property {string} problem
+ */
+
+export class TrainingClient {
+  /**
+   * @param {import("../bridge.js").Bridge} bridge
+   * @param {(name: string) => string} topic
+   * @param {(sentence: string) => void} warn
+   */
+  constructor(bridge, topic, warn) {
+    this._bridge = bridge;
+    this._topic = topic;
+    this._warn = warn;
+  }
+
+  /** @param {(state: State) => void} heard */
+  subscribe(heard) {
+    this._bridge.subscribe({ topic: this._topic("training/state"), type: TYPES.state, throttle: 100, heard });
+  }
+
+  /**
+   * Have something done; who did not get it is told why.
+   * @param {string} name  Of the service below `training/`.
+   * @param {object} [args]
+   * @returns {Promise<boolean>} Whether it was done.
+   */
+  async act(name, args = {}) {
+    try {
+      const answer = await this._bridge.call(this._topic(`training/${name}`), args, SLOW);
+      if (!answer.success) this._warn(answer.message);
+      return answer.success;
+    } catch (error) {
+      this._warn(/** @type {Error} */ (error).message);
+      return false;
+    }
+  }
+
+  /** @param {string} operator @returns {Promise<Exercise[]>} */
+  async list(operator) {
+    const { exercises } = await this._bridge.call(this._topic("training/list"), { operator }, SLOW);
+    return exercises;
+  }
+}
+
+/** Who sits here, as was typed last. */
+export function rememberedOperator() {
+  return localStorage.getItem(OPERATOR) ?? "";
+}
+
+/** @param {string} name */
+export function rememberOperator(name) {
+  localStorage.setItem(OPERATOR, name);
+}
+
+/**
+ * Address of a page or picture of the training, with what this page's own address says of who looks.
+ * @param {string} path
+ * @param {URLSearchParams} given
+ * @param {Record<string, string>} [more]
+ */
+export function addressOf(path, given, more = {}) {
+  const query = new URLSearchParams(more);
+  for (const key of ["token", "role"]) if (given.has(key)) query.set(key, given.get(key) ?? "");
+  return query.size === 0 ? path : `${path}?${query}`;
+}
+
+/** @param {number} seconds */
+export function clockText(seconds) {
+  const whole = Math.max(0, Math.floor(seconds));
+  return `${String(Math.floor(whole / 60)).padStart(2, "0")}:${String(whole % 60).padStart(2, "0")}`;
+}

@@ -1,0 +1,157 @@
+// @ts-check
+/** The strip above the picture: the exercise as it stands, questions, and what can be pressed. */
+
+import { onClick } from "../buttons.js";
+import { byId, setText } from "../panels.js";
+import { addressOf, clockText } from "./client.js";
+
+const PHASES = /** @type {Record<string, string>} */ ({
+  ready: "read the task, then start",
+  preparing: "putting everything back …",
+  waiting: "ready: the clock starts when you begin",
+  running: "",
+  between: "repetition ended",
+  ended: "trial ended",
+});
+const MARKS = /** @type {Record<string, string>} */ ({ passed: "✔" });
+
+/** @typedef {import("./client.js").State} State */
+
+export class TrainingStrip {
+  /**
+   * @param {import("./client.js").TrainingClient} client
+   * @param {URLSearchParams} given  What this page's address says.
+   * @param {(reason: string) => void} letGo  Let go of all keys.
+   */
+  constructor(client, given, letGo) {
+    this._client = client;
+    this._given = given;
+    this._letGo = letGo;
+    this._asked = "";
+    /** @type {State | null} */
+    this._state = null;
+    this._listen();
+  }
+
+  /** Whether a trial is under way. */
+  get isOpen() {
+    return this._state !== null && this._state.phase !== "idle";
+  }
+
+  _listen() {
+    const press = (/** @type {string} */ id, /** @type {() => void} */ act) => onClick(byId(id), act);
+    press("training-start", () => this._act("start"));
+    press("training-again", () => this._act("again"));
+    press("training-give-up", () => this._act("abort"));
+    press("training-sheet", () => window.open(this.sheetAddress, "_blank"));
+    press("training-read", () => this._act("start"));
+  }
+
+  /** @param {string} name */
+  _act(name) {
+    // Robot and scene are put back: what is held must not go on after it.
+    this._letGo("the exercise");
+    this._client.act(name);
+  }
+
+  /** Where the sheet of this trial is shown. */
+  get sheetAddress() {
+    const state = /** @type {State} */ (this._state);
+    return addressOf("/training/sheet.html", this._given, { trial: state.trial, name: state.operator });
+  }
+
+  /** @param {State} state */
+  show(state) {
+    this._state = state;
+    const strip = byId("training");
+    strip.hidden = state.phase === "idle";
+    if (strip.hidden) return;
+    strip.dataset.phase = state.phase;
+    strip.dataset.valid = String(state.valid);
+    setText(byId("training-title"), [state.title, state.setting === "standard" ? "" : state.setting, state.mode === "exam" ? "EXAM" : ""].filter(Boolean).join(" · "));
+    setText(byId("training-repetition"), repetitionText(state));
+    setText(byId("training-results"), state.results.map((result) => MARKS[result] ?? "✘").join(" "));
+    byId("training-results").title = state.results.join(", ");
+    setText(byId("training-clock"), clockText(state.elapsed + state.penalty));
+    setText(byId("training-limit"), state.trial_limit > 0 ? `trial ${clockText(state.trial_limit - state.trial_elapsed)} left` : "");
+    setText(byId("training-step"), stepText(state));
+    setText(byId("training-faults"), state.faults.length === 0 ? "" : `! ${state.faults.join(", ")}`);
+    setText(byId("training-hint"), noteOf(state));
+    this._showButtons(state);
+    this._showQuestions(state);
+  }
+
+  /** @param {State} state */
+  _showButtons({ phase, valid, invalid_because }) {
+    const shown = { start: phase === "ready", again: ["waiting", "running", "between"].includes(phase), sheet: phase === "ended" };
+    for (const [name, visible] of Object.entries(shown)) byId(`training-${name}`).hidden = !visible;
+    byId("training-give-up").hidden = ["ready", "ended"].includes(phase);
+    byId("training-again").dataset.wanted = String(phase === "between");
+    byId("training-invalid").hidden = valid;
+    byId("training-invalid").title = invalid_because.join("; ");
+  }
+
+  /** @param {State} state */
+  _showQuestions({ phase, questions }) {
+    const open = phase === "running" ? questions.filter(({ answered }) => !answered) : [];
+    const asked = JSON.stringify(open);
+    if (asked === this._asked) return; // a field that is being typed into must stay
+    this._asked = asked;
+    byId("training-questions").replaceChildren(...open.slice(0, 3).map((question) => this._question(question)));
+  }
+
+  /** @param {State["questions"][number]} question */
+  _question({ name, ask, choices }) {
+    const line = document.createElement("form");
+    const label = document.createElement("label");
+    label.textContent = ask;
+    line.append(label);
+    const answer = (/** @type {string} */ text) => this._client.act("answer", { question: name, answer: text });
+    if (choices.length > 0) {
+      for (const choice of choices) {
+        const button = document.createElement("button");
+        button.type = "button";
+        button.className = "small";
+        button.tabIndex = -1;
+        button.textContent = choice;
+        onClick(button, () => answer(choice));
+        line.append(button);
+      }
+      return line;
+    }
+    const field = document.createElement("input");
+    field.maxLength = 200;
+    field.setAttribute("aria-label", ask);
+    label.append(" ", field);
+    // What is typed is no command to the robot.
+    for (const kind of ["keydown", "keyup"]) field.addEventListener(kind, (event) => event.stopPropagation());
+    field.addEventListener("focus", () => this._letGo("an answer is typed"));
+    line.addEventListener("submit", (event) => {
+      event.preventDefault();
+      if (field.value.trim() !== "") answer(field.value.trim());
+    });
+    return line;
+  }
+}
+
+/** @param {State} state */
+export function repetitionText({ repetition, repetitions, phase }) {
+  if (repetition === 0 || phase === "ended") return "";
+  return repetitions > 0 ? `rep ${repetition}/${repetitions}` : `rep ${repetition}`;
+}
+
+/** @param {State} state */
+export function stepText({ steps, steps_done: done, phase }) {
+  const next = steps.findIndex((_, index) => !done[index]);
+  if (!["waiting", "running"].includes(phase) || next < 0) return PHASES[phase] ?? "";
+  const made = done.filter(Boolean).length;
+  return phase === "waiting" ? `${PHASES.waiting} · first: ${steps[next]}` : `${made + 1}/${steps.length} ${steps[next]}`;
+}
+
+/** What is said under the strip: what went wrong before what helps. @param {State} state */
+export function noteOf({ message, hint, phase, verdict, results, mode }) {
+  if (message !== "") return message;
+  if (phase === "ended") return verdict === "" ? "no verdict: see the sheet" : `${verdict.toUpperCase()}: see the sheet`;
+  if (phase === "between") return results.at(-1) === "passed" ? "passed" : `fault: ${results.at(-1)}`;
+  return mode === "practice" ? hint : "";
+}

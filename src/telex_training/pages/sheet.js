@@ -1,0 +1,122 @@
+// @ts-check
+/** Shows a score sheet: the verdict first, then each metric, then each repetition. */
+
+const GIVEN = new URLSearchParams(location.search);
+const VERDICTS = /** @type {Record<string, string>} */ ({ passed: "PASSED", failed: "NOT PASSED" });
+
+/**
+ * Address below the training's, with what this page's own says of who looks.
+ * @param {string} path
+ */
+function address(path) {
+  const query = new URLSearchParams();
+  for (const key of ["token", "role", "name"]) if (GIVEN.has(key)) query.set(key, GIVEN.get(key) ?? "");
+  return `api/${path}/${encodeURIComponent(GIVEN.get("trial") ?? "")}?${query}`;
+}
+
+/**
+ * @param {string} kind
+ * @param {string} [text]
+ * @param {Record<string, string>} [attributes]
+ * @param {Node[]} [children]
+ */
+function element(kind, text = "", attributes = {}, children = []) {
+  const made = document.createElement(kind);
+  if (text !== "") made.textContent = text;
+  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
+  made.append(...children);
+  return made;
+}
+
+/**
+ * @param {string[]} heads
+ * @param {Node[][]} rows
+ */
+function table(heads, rows) {
+  const head = element("thead", "", {}, [element("tr", "", {}, heads.map((name) => element("th", name)))]);
+  const body = element("tbody", "", {}, rows.map((cells) => element("tr", "", {}, cells)));
+  return element("table", "", {}, [head, body]);
+}
+
+/** @param {number | null | undefined} value @param {number} [digits] */
+function number(value, digits = 2) {
+  return value === null || value === undefined ? "–" : String(Number(value.toFixed(digits)));
+}
+
+/** @param {number | null} share */
+function percent(share) {
+  return share === null ? "–" : `${Math.round(100 * share)} %`;
+}
+
+/** @param {any} sheet */
+function lead(sheet) {
+  const { completed, faults, proficiency, reliability, confidence } = sheet.summary;
+  const parts = [`${completed} of ${completed + faults} repetitions`];
+  if (proficiency !== null) {
+    parts.push(`proficiency ${percent(proficiency)} of the expert${sheet.expert.provisional ? " (provisional)" : ""}`);
+  }
+  if (reliability !== null) parts.push(`reliability at least ${percent(reliability)} (${percent(confidence)} confidence)`);
+  return parts.join(" · ");
+}
+
+/** @param {any} metric */
+function metricRow(metric) {
+  const sign = metric.more_is_better ? "≥" : "≤";
+  const within = /** @type {Record<string, string>} */ ({ true: "ok", false: "missed", null: "" })[String(metric.within)];
+  return [
+    element("td", metric.text),
+    element("td", `${number(metric.value)} ${metric.unit}`, { class: within }),
+    element("td", metric.pass === null ? "" : `${sign} ${number(metric.pass)}`),
+    element("td", metric.expert === null ? "" : `${number(metric.expert[0])} ± ${number(metric.expert[1])}`),
+  ];
+}
+
+/** @param {any} repetition @param {number} index */
+function repetitionRow(repetition, index) {
+  const ended = repetition.fault || (repetition.passed ? "passed" : "completed");
+  return [
+    element("td", String(index + 1)),
+    element("td", number(repetition.seconds, 1)),
+    element("td", repetition.penalty === 0 ? "" : `+ ${number(repetition.penalty)}`),
+    element("td", ended, { class: repetition.fault ? "missed" : "ok" }),
+  ];
+}
+
+/** @param {any} sheet */
+function show(sheet) {
+  const { exercise, verdict } = sheet;
+  document.title = `${exercise.title}: ${VERDICTS[verdict] ?? "no verdict"}`;
+  const seed = exercise.seed === null ? "" : `, seed ${exercise.seed}`;
+  const parts = [
+    element("h1", VERDICTS[verdict] ?? (sheet.valid ? "NO VERDICT" : "INVALID"), { "data-verdict": verdict }),
+    element("p", lead(sheet), { class: "lead" }),
+    element("p", `${exercise.title}, ${exercise.setting}${seed} · ${sheet.operator || "no name"} · ${sheet.mode} · ended: ${sheet.ended}`, { class: "about" }),
+  ];
+  if (!sheet.valid) parts.push(element("p", `Not valid: ${sheet.invalid_because.join("; ")}`, { class: "invalid" }));
+  for (const mark of sheet.marks) parts.push(element("p", `Instructor's mark: ${mark.verdict} (${mark.reason})`, { class: "about" }));
+  parts.push(buttons());
+  if (sheet.metrics.length > 0) parts.push(table(["metric", "you", "pass", "expert"], sheet.metrics.map(metricRow)));
+  parts.push(table(["repetition", "seconds", "penalty", "result"], sheet.repetitions.map(repetitionRow)));
+  parts.push(element("p", `Trial ${sheet.trial}, software ${sheet.software}, log ${sheet.log.sha256.slice(0, 16)}, ${sheet.log.samples} samples, ${sheet.log.gaps} gaps, real-time factor ${number(sheet.real_time_factor.mean, 3)}`, { class: "about" }));
+  const main = /** @type {HTMLElement} */ (document.getElementById("sheet"));
+  main.replaceChildren(...parts);
+  main.setAttribute("aria-busy", "false");
+}
+
+function buttons() {
+  const print = element("button", "print", { type: "button" });
+  print.addEventListener("click", () => window.print());
+  return element("div", "", { class: "buttons" }, [print, element("a", "CSV", { href: address("csv"), download: "" })]);
+}
+
+async function main() {
+  const reply = await fetch(address("sheet"), { cache: "no-store" });
+  if (reply.ok) {
+    show(await reply.json());
+    return;
+  }
+  const note = /** @type {HTMLElement} */ (document.getElementById("note"));
+  note.textContent = `The sheet cannot be shown: ${(await reply.text()).trim() || reply.status}`;
+}
+
+main();
