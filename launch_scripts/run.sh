@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Sets everything up, starts the whole simulator, and says where the console is.
 #
-#   ./launch_scripts/run.sh [roslaunch arguments, e.g. world:=stairs video_port:=8081]
+#   ./launch_scripts/run.sh [roslaunch arguments, e.g. world:=stairs video_port:=8081, or exercise:=slalom operator:=ann]
 #
 # Without world:= it starts in the training hall, without speed:= with 35 % of the speed.
 # ros_address:=NAME_OR_ADDRESS opens ROS to other machines, which know this one by it (docs/engineer/network.md).
@@ -17,7 +17,7 @@ case "${1:-}" in
 esac
 
 # roslaunch passes over what no launch file asks for: a misspelt name would go unnoticed.
-known="$(sed -n 's/^  <arg name="\([a-z_]*\)".*/\1/p' "$root/src/telex_teleop/launch/bringup.launch")"
+known="$(sed -n 's/^  <arg name="\([a-z_]*\)".*/\1/p' "$root/src/telex_training/launch/station.launch")"
 known+=$'\nros_address'
 takes_value=
 for argument in "$@"; do
@@ -82,7 +82,7 @@ expected=()
 arguments=(world:=training_hall speed:=0.35)
 for argument in "$@"; do
   case "$argument" in
-    world:=*/* | world:=*.yaml | variant:=*/* | variant:=*.yaml | robot:=*/* | token_file:=?* | instructor_token_file:=?*)
+    world:=*/* | world:=*.yaml | exercise:=*/* | exercise:=*.yaml | recordings:=?* | variant:=*/* | variant:=*.yaml | robot:=*/* | token_file:=?* | instructor_token_file:=?*)
       # Nodes do not run in the caller's folder, and the shell leaves this tilde alone.
       file="${argument#*:=}"
       argument="${argument%%:=*}:=$(realpath -m -- "${file/#\~\//$HOME/}")"
@@ -134,7 +134,7 @@ env "$mark" setsid python -c '
 import os, signal, sys
 signal.signal(signal.SIGINT, signal.SIG_DFL)
 os.execvp(sys.argv[1], sys.argv[1:])
-' roslaunch --no-summary --sigint-timeout=1.5 --sigterm-timeout=1.0 telex_teleop bringup.launch "${arguments[@]}" &
+' roslaunch --no-summary --sigint-timeout=1.5 --sigterm-timeout=1.0 telex_training station.launch "${arguments[@]}" &
 launch_pid=$!
 
 env "$mark" python "$root/launch_scripts/wait_ready.py" --namespace "$namespace" --launch-pid "$launch_pid" \

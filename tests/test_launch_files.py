@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from xml.etree import ElementTree
 
-FILES = sorted((Path(__file__).resolve().parents[1] / "src").glob("*/launch/*.launch"))
+SOURCES = Path(__file__).resolve().parents[1] / "src"
+FILES = sorted(SOURCES.glob("*/launch/*.launch"))
 
 
 def test_programs_are_not_looked_for_within_quotes():
@@ -13,3 +15,17 @@ def test_programs_are_not_looked_for_within_quotes():
     assert FILES
     quoted = re.compile(r"'\$\(find \w+\)/nodes/")
     assert not [file.name for file in FILES if quoted.search(file.read_text())]
+
+
+def test_a_station_takes_what_bringup_takes_with_the_same_defaults():
+    """roslaunch passes on what an included file asks for only where the including one names it."""
+
+    def arguments(package, name):
+        root = ElementTree.parse(SOURCES / package / "launch" / name).getroot()
+        return {
+            each.get("name"): (each.get("default"), each.get("doc")) for each in root.findall("arg")
+        }
+
+    bringup = arguments("telex_teleop", "bringup.launch")
+    station = arguments("telex_training", "station.launch")
+    assert {name: station.get(name) for name in bringup} == bringup

@@ -403,7 +403,7 @@ def test_ros_is_for_this_machine_unless_told_otherwise(given, ros_ip, master):
 
 def test_every_argument_of_the_launch_file_is_known(tmp_path):
     """With a set-up that fails, run.sh ends right after it has looked at its arguments."""
-    launch = ROOT / "src" / "telex_teleop" / "launch" / "bringup.launch"
+    launch = ROOT / "src" / "telex_training" / "launch" / "station.launch"
     for path in (launch, ROOT / "launch_scripts" / "run.sh"):
         copy = tmp_path / path.relative_to(ROOT)
         copy.parent.mkdir(parents=True)

@@ -8,11 +8,13 @@ setup(
     **generate_distutils_setup(
         packages=[
             "telex_training",
+            "telex_training.command_lines",
             "telex_training.exercises",
             "telex_training.judging",
             "telex_training.operators",
             "telex_training.operators.tasks",
             "telex_training.operators.terrain",
+            "telex_training.recording",
             "telex_training.rehearsal",
             "telex_training.ros",
         ],

@@ -1,0 +1,124 @@
+"""Topics that are recorded, as they come: nothing is decoded on its way to the recording."""
+
+from __future__ import annotations
+
+from typing import Any, Callable, Dict, List, Sequence, Tuple, Type
+
+import genpy
+import rospy
+
+from ..judging.activity import COMMANDS, STATUSES
+from ..judging.entries import CLIENTS, NAMES, STATUS, TELEMETRY, TRUTH
+
+E_STOP = "e_stop"
+WATCHED: Dict[str, str] = {
+    NAMES: "telex_msgs/TruthNames",
+    TRUTH: "telex_msgs/TruthSample",
+    STATUS: "telex_msgs/SimStatus",
+    CLIENTS: "telex_msgs/BridgeClients",
+    TELEMETRY: "std_msgs/String",
+    E_STOP: "std_msgs/Bool",
+    **COMMANDS,
+    **STATUSES,
+}
+"""Topics in the robot's namespace that are always recorded, and their types."""
+_STATE_PERIOD = 0.5
+"""Sim time after which a state is recorded though it says nothing new but positions (s)."""
+_BUFFER = 4 * 2**20
+"""Bytes of a connection that are read at once: seconds of truth."""
+
+Take = Callable[[str, str, bytes], None]
+"""Takes channel, type and serialised message, in a thread of ROS."""
+
+
+class StateChanges:
+    """Picks what is worth recording of a teleoperation node's states, of which ten come a second.
+
+    Parameters
+    ----------
+    kind : str
+        Type of the messages.
+    """
+
+    def __init__(self, kind: str) -> None:
+        self._class = genpy.message.get_message_class(kind)
+        self._told: Tuple[Any, ...] = ()
+        self._again_at = 0.0
+
+    def tells(self, data: bytes, now: float) -> bool:
+        """Whether a state says something new, or the last one was long ago.
+
+        Parameters
+        ----------
+        data : bytes
+            The serialised message.
+        now : float
+            Sim time (s).
+        """
+        try:
+            message = self._class().deserialize(data)
+        except genpy.DeserializationError:
+            return True  # the judge says what is wrong with it
+        says = tuple(
+            str(getattr(message, name, ""))
+            for name in ("mode", "active", "speed_scale", "limited", "message", "notice")
+        )
+        if says == self._told and self._again_at - _STATE_PERIOD <= now < self._again_at:
+            return False
+        self._told, self._again_at = says, now + _STATE_PERIOD
+        return True
+
+
+def hear_decoded(topic: str, kind: Type[Any], take: Callable[[Any], None]) -> rospy.Subscriber:
+    """Listen to a topic that may be recorded as well.
+
+    rospy decodes a topic for all of its listeners in a process or for none.
+
+    Parameters
+    ----------
+    topic : str
+    kind : type
+        Of its messages.
+    take : callable
+        Takes a message, in a thread of ROS.
+    """
+
+    def hear(message: rospy.AnyMsg) -> None:
+        made = kind()
+        made.deserialize(message._buff)
+        take(made)
+
+    return rospy.Subscriber(topic, rospy.AnyMsg, hear, queue_size=None, tcp_nodelay=True)
+
+
+class Channels:
+    """Listens to what is recorded.
+
+    Parameters
+    ----------
+    take : callable
+    more : sequence of str
+        Further topics that are recorded, such as lamps' and the zoom's.
+    """
+
+    def __init__(self, take: Take, more: Sequence[str] = ()) -> None:
+        # The names of the truth first, so that they are there when the first sample comes.
+        self._subscribers: List[rospy.Subscriber] = [
+            self._listen(channel, take) for channel in (*WATCHED, *more)
+        ]
+
+    def _listen(self, channel: str, take: Take) -> rospy.Subscriber:
+        changes = StateChanges(STATUSES[channel]) if channel in STATUSES else None
+
+        def hear(message: rospy.AnyMsg) -> None:
+            if changes is None or changes.tells(message._buff, rospy.get_time()):
+                take(channel, message._connection_header["type"], message._buff)
+
+        return rospy.Subscriber(
+            channel, rospy.AnyMsg, hear, queue_size=None, buff_size=_BUFFER, tcp_nodelay=True
+        )
+
+    def close(self) -> None:
+        """Hear no more."""
+        for subscriber in self._subscribers:
+            subscriber.unregister()

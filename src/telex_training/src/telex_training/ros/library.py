@@ -1,0 +1,74 @@
+"""Trials that have been recorded: their files and their sheets."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+from typing import Any, Dict, List, Optional, Tuple
+
+from ..recording.trial_file import SUFFIX, read_sheet, trials
+
+
+class Library:
+    """The recordings of a folder; a sheet is read again only where its file has changed.
+
+    Parameters
+    ----------
+    folder : Path
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._lock = threading.Lock()
+        self._known: Dict[Path, Tuple[int, Optional[Dict[str, Any]]]] = {}
+
+    def path(self, trial: str) -> Optional[Path]:
+        """Path of a trial's recording; None: there is none."""
+        path = self._folder / f"{trial}{SUFFIX}"
+        return path if trial and path.parent == self._folder and path.is_file() else None
+
+    def sheet(self, trial: str) -> Optional[Dict[str, Any]]:
+        """Sheet of a trial; None: it has none (yet)."""
+        path = self.path(trial)
+        return None if path is None else self._read(path)
+
+    def sheets(self, operator: Optional[str] = None) -> List[Dict[str, Any]]:
+        """All sheets, or an operator's, the newest first."""
+        found = [self._read(path) for path in reversed(trials(self._folder))]
+        return [
+            sheet
+            for sheet in found
+            if sheet is not None and (operator is None or sheet.get("operator") == operator)
+        ]
+
+    def best(self, operator: str) -> Dict[str, float]:
+        """An operator's best completed repetition by exercise (s, with its penalties)."""
+        best: Dict[str, float] = {}
+        if not operator:
+            return best
+        for sheet in self.sheets(operator):
+            name = sheet["exercise"]["name"]
+            for repetition in sheet["repetitions"]:
+                if repetition["completed"]:
+                    seconds = repetition["seconds"] + repetition["penalty"]
+                    best[name] = min(seconds, best.get(name, seconds))
+        return best
+
+    def forget(self) -> None:
+        """Look at every file again."""
+        with self._lock:
+            self._known.clear()
+
+    def _read(self, path: Path) -> Optional[Dict[str, Any]]:
+        try:
+            changed = path.stat().st_mtime_ns
+        except OSError:
+            return None
+        with self._lock:
+            known = self._known.get(path)
+        if known is not None and known[0] == changed:
+            return known[1]
+        sheet = read_sheet(path)
+        with self._lock:
+            self._known[path] = (changed, sheet)
+        return sheet

@@ -1,0 +1,165 @@
+"""Answers what the training's pages ask for: sheets, as JSON and CSV.
+
+The video server mounts this handler and the folder of pages at ``/training/``; it checks tokens,
+and says in headers who asks. A sheet is personal: it goes to instructors, and to whoever bears the
+name that the trial was done under.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import threading
+import urllib.parse
+from pathlib import Path
+from typing import Any, Dict, Optional
+
+import rospkg
+import rospy
+from aiohttp import web
+
+from ..judging.sheet import sheet_text
+from ..recording.sheet_table import sheet_csv
+from .library import Library
+
+_PREFIX = "/training"
+_ROLE, _NAME = "X-Telex-Role", "X-Telex-Name"
+_INSTRUCTOR = "instructor"
+_STARTING = 10.0
+
+
+class Pages:
+    """An HTTP server on 127.0.0.1, in a thread of its own.
+
+    Parameters
+    ----------
+    library : Library
+    port : int
+        0: any free one.
+    """
+
+    def __init__(self, library: Library, port: int) -> None:
+        self._library = library
+        self._port = port
+        self._loop = asyncio.new_event_loop()
+        self._ready = threading.Event()
+        self._address = ""
+        self._mounted = ""
+        self._thread = threading.Thread(target=self._run, name="pages", daemon=True)
+
+    def start(self) -> None:
+        """Listen.
+
+        Raises
+        ------
+        RuntimeError
+            The port is taken.
+        """
+        self._thread.start()
+        if not self._ready.wait(_STARTING) or not self._address:
+            raise RuntimeError(
+                f"port is {self._port}; nothing can listen there: another port, or 0, is needed"
+            )
+
+    def mount(self, video_server: str) -> None:
+        """Have a video server show folder and handler at ``/training/``."""
+        package = Path(rospkg.RosPack().get_path("telex_training"))
+        self._mounted = rospy.resolve_name(f"{video_server}/mounts/training")
+        rospy.set_param(self._mounted, {"folder": str(package / "pages"), "handler": self._address})
+
+    def preview_address(self, exercise: Path) -> str:
+        """Address of an exercise's picture below the video server's; empty: there is none."""
+        picture = exercise.parent / "previews" / f"{exercise.stem}.jpg"
+        shipped = Path(rospkg.RosPack().get_path("telex_training"), "exercises")
+        if exercise.parent != shipped or not picture.is_file():
+            return ""
+        return f"{_PREFIX}/preview/{exercise.stem}.jpg"
+
+    def close(self) -> None:
+        """Listen no more, and take the mount back."""
+        if self._mounted:
+            # The master may be gone, or the parameter.
+            with contextlib.suppress(KeyError, OSError):
+                rospy.delete_param(self._mounted)
+        self._loop.call_soon_threadsafe(self._loop.stop)
+
+    # --- the thread ------------------------------------------------------------------------------
+
+    def _run(self) -> None:
+        asyncio.set_event_loop(self._loop)
+        try:
+            self._loop.run_until_complete(self._listen())
+        except OSError:
+            self._ready.set()
+            return
+        self._ready.set()
+        self._loop.run_forever()
+
+    async def _listen(self) -> None:
+        app = web.Application(client_max_size=2**16)
+        app.router.add_get(f"{_PREFIX}/api/sheets", self._sheets)
+        app.router.add_get(f"{_PREFIX}/api/sheet/{{trial}}", self._sheet)
+        app.router.add_get(f"{_PREFIX}/api/csv/{{trial}}", self._csv)
+        app.router.add_get(f"{_PREFIX}/preview/{{name}}.jpg", self._preview)
+        runner = web.AppRunner(app, access_log=None)
+        await runner.setup()
+        site = web.TCPSite(runner, "127.0.0.1", self._port)
+        await site.start()
+        host, port = runner.addresses[0][:2]
+        self._address = f"http://{host}:{port}"
+
+    async def _sheets(self, request: web.Request) -> web.Response:
+        """List a person's sheets, or everybody's for an instructor."""
+        sheets = await self._aside(
+            self._library.sheets, None if _instructs(request) else _name(request)
+        )
+        return web.json_response([_row(sheet) for sheet in sheets])
+
+    async def _sheet(self, request: web.Request) -> web.Response:
+        sheet = await self._permitted(request)
+        return web.Response(text=sheet_text(sheet), content_type="application/json")
+
+    async def _csv(self, request: web.Request) -> web.Response:
+        sheet = await self._permitted(request)
+        name = f"{sheet['trial']}.csv"
+        return web.Response(
+            text=sheet_csv(sheet),
+            content_type="text/csv",
+            headers={"Content-Disposition": f'attachment; filename="{name}"'},
+        )
+
+    async def _permitted(self, request: web.Request) -> Dict[str, Any]:
+        sheet: Optional[Dict[str, Any]] = await self._aside(
+            self._library.sheet, request.match_info["trial"]
+        )
+        # Whose it is not must not even learn that it is there.
+        if sheet is None or not (_instructs(request) or sheet.get("operator") == _name(request)):
+            raise web.HTTPNotFound(text="There is no sheet of this trial under your name.\n")
+        return sheet
+
+    async def _preview(self, request: web.Request) -> web.StreamResponse:
+        name = request.match_info["name"]
+        folder = Path(rospkg.RosPack().get_path("telex_training"), "exercises", "previews")
+        path = folder / f"{name}.jpg"
+        if path.parent != folder or not path.is_file():
+            raise web.HTTPNotFound
+        return web.FileResponse(path)
+
+    async def _aside(self, work: Any, *arguments: Any) -> Any:
+        """Do what reads files in another thread."""
+        return await self._loop.run_in_executor(None, work, *arguments)
+
+
+def _row(sheet: Dict[str, Any]) -> Dict[str, Any]:
+    return {
+        key: sheet[key]
+        for key in ("trial", "operator", "exercise", "mode", "valid", "verdict", "summary")
+    }
+
+
+def _instructs(request: web.Request) -> bool:
+    return request.headers.get(_ROLE) == _INSTRUCTOR
+
+
+def _name(request: web.Request) -> str:
+    return urllib.parse.unquote(request.headers.get(_NAME, ""))

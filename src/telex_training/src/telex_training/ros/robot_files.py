@@ -1,0 +1,73 @@
+"""What a recording keeps of the robot and the software, so that it can be drawn again."""
+
+from __future__ import annotations
+
+import hashlib
+import subprocess
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Dict
+from xml.etree import ElementTree
+
+import rospkg
+import rospy
+
+from telex_sim.scene.addresses import AddressError, resolve_address
+
+_UNKNOWN = "unknown"
+
+
+def about_robot() -> Dict[str, Any]:
+    """Return ``urdf``, ``cameras`` and ``meshes`` of the robot in this namespace."""
+    urdf = str(rospy.get_param("robot_description", ""))
+    cameras = rospy.get_param("cameras", {})
+    return {
+        "urdf": urdf,
+        "cameras": cameras if isinstance(cameras, dict) else {},
+        "meshes": mesh_digests(urdf),
+    }
+
+
+def mesh_digests(urdf: str) -> Dict[str, str]:
+    """Return the SHA-256 of each mesh file that a URDF names, by its address."""
+    packages = rospkg.RosPack()
+    found: Dict[str, str] = {}
+    if not urdf:
+        return found
+    for mesh in ElementTree.fromstring(urdf).iter("mesh"):
+        address = mesh.get("filename", "")
+        try:
+            content = Path(resolve_address(address, packages.get_path)).read_bytes()
+        except (AddressError, OSError):
+            found[address] = _UNKNOWN
+            continue
+        found[address] = hashlib.sha256(content).hexdigest()
+    return found
+
+
+@lru_cache(maxsize=None)
+def software_version() -> str:
+    """Return the commit of the sources, with a + if they were changed; or the package's version."""
+    try:
+        folder = rospkg.RosPack().get_path("telex_training")
+    except rospkg.ResourceNotFound:
+        return _UNKNOWN
+    commit = _git(folder, "rev-parse", "--short=12", "HEAD")
+    if not commit:
+        return str(rospkg.RosPack().get_manifest("telex_training").version)
+    return commit + ("+" if _git(folder, "status", "--porcelain", "--untracked-files=no") else "")
+
+
+def _git(folder: str, *arguments: str) -> str:
+    try:
+        done = subprocess.run(
+            ["git", "-C", folder, *arguments],
+            check=True,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            timeout=10.0,
+            text=True,
+        )
+    except (OSError, subprocess.SubprocessError):
+        return ""
+    return done.stdout.strip()

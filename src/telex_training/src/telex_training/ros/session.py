@@ -1,0 +1,362 @@
+"""One trial, from the opening of its exercise to its sheet, without services and pages.
+
+Everything that may take a while (loading the scene, putting the apparatus back, closing the
+recording) happens in a thread of its own; every other method returns at once.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import re
+import secrets
+import threading
+import time
+from datetime import datetime
+from pathlib import Path
+from typing import Any, Callable, Dict, List, Mapping, Optional
+
+import rospy
+from telex_msgs.msg import SimStatus
+
+from ..exercises.exercise_file import ExerciseError, ExerciseFile
+from ..exercises.model import Exercise
+from ..exercises.readings import draw
+from ..judging.entries import INPUTS, Entry
+from ..judging.judge import ENDED, PREPARING, READY, RUNNING, Judge, JudgeEvent
+from ..recording.inbox import Inbox
+from ..recording.trial_file import (
+    SHEET,
+    SUFFIX,
+    Trial,
+    attachments,
+    serialised_input,
+    sheet_attachment,
+)
+from ..recording.writer import RecordingError, RecordingWriter, check_room
+from .apparatus import Apparatus, ApparatusError
+from .channels import Channels
+
+_MOST_SEED = 2**31
+_SETTLING = 0.3
+"""Sim time for which the robot settles on its tracks before a repetition can begin (s)."""
+_CLOSING = 30.0
+_UNSAFE = re.compile(r"[^A-Za-z0-9_-]+")
+
+
+class SessionError(RuntimeError):
+    """Something cannot be done now; the message says why and what would be right."""
+
+
+class Session:
+    """A trial of one operator.
+
+    Parameters
+    ----------
+    file : ExerciseFile
+    exercise : Exercise
+        In its setting.
+    mode, operator, software : str
+    folder : Path
+        For the recording.
+    about : mapping
+        ``urdf``, ``cameras`` and ``meshes`` of the robot, see `attachments`.
+    apparatus : Apparatus
+    recorded : sequence of str
+        Further topics that are recorded.
+    changed : callable
+        Told whenever the state may have changed; from any thread.
+    happened : callable
+        Told the trial and each event of the judge, in the inbox's thread.
+    ended : callable
+        Told the trial and the text of its sheet, once the recording is closed.
+
+    Raises
+    ------
+    ExerciseError
+    """
+
+    def __init__(
+        self,
+        file: ExerciseFile,
+        exercise: Exercise,
+        mode: str,
+        operator: str,
+        software: str,
+        folder: Path,
+        about: Mapping[str, Any],
+        apparatus: Apparatus,
+        recorded: List[str],
+        changed: Callable[[], None],
+        happened: Callable[[str, JudgeEvent], None],
+        ended: Callable[[str, str], None],
+    ) -> None:
+        self.exercise = exercise
+        self.mode = mode
+        self.operator = operator
+        self.path: Optional[Path] = None
+        self.message = ""
+        self._file = file
+        self._software = software
+        self._folder = folder
+        self._about = about
+        self._apparatus = apparatus
+        self._recorded = recorded
+        self._changed, self._happened, self._ended = changed, happened, ended
+        seed = exercise.seeds.of(mode)
+        self._seed = secrets.randbelow(_MOST_SEED) if seed is None else seed
+        self._drawn = draw(exercise, self._seed)
+        self._judge = Judge(exercise, self._drawn.scene, str(about["urdf"]))
+        self._judging = threading.Lock()
+        self._writer: Optional[RecordingWriter] = None
+        self._inbox: Optional[Inbox] = None
+        self._channels: Optional[Channels] = None
+        self._loaded = False
+        self._closing = self._restoring = False
+        self._done = threading.Event()
+        self._sheet = ""
+        # One at a time puts the apparatus back.
+        self._preparing = threading.Lock()
+        stamp = datetime.now().strftime("%Y-%m-%d_%H%M%S")
+        name = "_".join(
+            _UNSAFE.sub("-", part).strip("-") or "nobody" for part in (operator, exercise.name)
+        )
+        self.trial = f"{stamp}_{name}"
+
+    # --- what is asked for -----------------------------------------------------------------------
+
+    @property
+    def phase(self) -> str:
+        """As in telex_msgs/TrainingState."""
+        return READY if self._inbox is None and self._judge.phase != ENDED else self._judge.phase
+
+    def state(self) -> Dict[str, Any]:
+        """Return the fields of telex_msgs/TrainingState, but its header."""
+        with self._judging:
+            made = self._judge.state()
+        if self._inbox is None and made["phase"] != ENDED:
+            made.update(phase=READY, trial=self.trial, mode=self.mode, operator=self.operator)
+        made["message"] = self.message or made["message"]
+        return made
+
+    def load(self) -> None:
+        """Load the scene already, in practice: the robot stands at the start while one reads."""
+        threading.Thread(target=self._load_quietly, name="apparatus", daemon=True).start()
+
+    def _load_quietly(self) -> None:
+        with self._preparing:
+            if self._loaded:
+                return
+            try:
+                self._apparatus.load(self._drawn.scene)
+                self._loaded = True
+            except ApparatusError as error:
+                self.message = f"the scene cannot be loaded: {error}"
+            self._changed()
+
+    def start(self) -> None:
+        """Begin the trial: from now on everything is recorded.
+
+        Raises
+        ------
+        SessionError
+            It has begun already, or the recording cannot be made.
+        """
+        if self.phase != READY:
+            raise SessionError(f"the trial is {self.phase}; it can be started once")
+        try:
+            check_room(self._folder)
+            self._open_recording()
+        except RecordingError as error:
+            raise SessionError(f"the trial cannot be recorded: {error}") from error
+        self.message = ""
+        self._put(
+            {
+                "input": "open",
+                "trial": self.trial,
+                "operator": self.operator,
+                "mode": self.mode,
+                "setting": self.exercise.setting,
+                "seed": self._seed,
+                "software": self._software,
+            }
+        )
+        self._put({"input": "start"})
+        self._prepare()
+
+    def _open_recording(self) -> None:
+        path = self._folder / f"{self.trial}{SUFFIX}"
+        trial = Trial(
+            self.trial,
+            str(self._file.path),
+            self.exercise.setting,
+            self.mode,
+            self.operator,
+            self._software,
+            self._seed,
+        )
+        about = self._about
+        self._writer = RecordingWriter(
+            path,
+            attachments(
+                trial,
+                self._file.text,
+                self._drawn.scene,
+                about["urdf"],
+                about["cameras"],
+                about["meshes"],
+            ),
+        )
+        self.path = path
+        self._inbox = Inbox(self._judge_entry, self._writer)
+        self._channels = Channels(self._hear, self._recorded)
+
+    def again(self) -> None:
+        """Begin the next repetition: robot and apparatus are put back.
+
+        Raises
+        ------
+        SessionError
+        """
+        if self.phase in (READY, ENDED):
+            raise SessionError(f"the trial is {self.phase}; there is no repetition to begin")
+        if self.phase == PREPARING or self._restoring:
+            return
+        self._put({"input": "again"})
+        self._prepare()
+
+    def answer(self, question: str, answer: str) -> None:
+        """Answer a question.
+
+        Raises
+        ------
+        SessionError
+            There is no such question, or it is not asked now.
+        """
+        known = {each.name: each for each in self.exercise.questions}
+        if question not in known:
+            names = ", ".join(known) or "none"
+            raise SessionError(f"question is '{question}'; there are: {names}")
+        choices = known[question].choices
+        if choices and answer not in choices:
+            raise SessionError(f"answer is '{answer}'; there are: {', '.join(choices)}")
+        if self.phase != RUNNING:
+            raise SessionError(f"the trial is {self.phase}; questions are answered while it runs")
+        self._put({"input": "answer", "question": question, "answer": answer})
+
+    def abort(self, reason: str, by: str = "") -> None:
+        """End the trial.
+
+        Raises
+        ------
+        SessionError
+            It has ended.
+        """
+        if self.phase == ENDED:
+            raise SessionError("the trial has ended already")
+        if self._inbox is None:
+            raise SessionError("the trial has not begun; there is nothing to abort")
+        self._put({"input": "abort", "reason": reason, "by": by})
+
+    def outside(self, what: str) -> None:
+        """Note that somebody else has changed the world."""
+        self._put({"input": "outside", "what": what})
+
+    def hear_status(self, status: SimStatus) -> None:
+        """Hear the simulator's status; in a thread of ROS."""
+        writer = self._writer
+        if writer is not None and writer.problem and not self.message:
+            self.message = f"the recording is broken off: {writer.problem}"
+            self._put({"input": "outside", "what": self.message})
+            self._changed()
+
+    @property
+    def begun(self) -> bool:
+        """Whether its recording has begun and it has not ended."""
+        return self._inbox is not None and self.phase != ENDED
+
+    # --- threads ---------------------------------------------------------------------------------
+
+    def _prepare(self) -> None:
+        self._restoring = True
+        threading.Thread(target=self._put_back, name="apparatus", daemon=True).start()
+
+    def _put_back(self) -> None:
+        """Put robot and apparatus to the start, then say that a repetition may begin."""
+        with self._preparing:
+            try:
+                resets = self._restore()
+            except (ApparatusError, ExerciseError) as error:
+                self.message = f"the apparatus cannot be put back: {error}"
+                rospy.logerr("training: %s", self.message)
+                with contextlib.suppress(SessionError):
+                    self.abort(self.message[:200], "training")
+                return
+            self._settle()
+            self._put({"input": "drawn", "answers": self._drawn.answers})
+            self._put({"input": "ready", "resets": resets})
+            self._restoring = False
+            self._changed()
+
+    def _restore(self) -> int:
+        if not self._loaded:
+            resets = self._apparatus.load(self._drawn.scene)
+            self._loaded = True
+            return resets
+        if self._drawn.entries:
+            # What was read before must not be right again.
+            self._drawn = draw(self.exercise, self._seed)
+        return self._apparatus.reset(self._drawn.entries)
+
+    def _settle(self) -> None:
+        until = rospy.get_time() + _SETTLING
+        wall = time.monotonic() + 10.0 * _SETTLING
+        while rospy.get_time() < until and time.monotonic() < wall and not rospy.is_shutdown():
+            time.sleep(0.02)
+
+    def _hear(self, channel: str, kind: str, data: bytes) -> None:
+        inbox = self._inbox
+        if inbox is not None:
+            inbox.put(channel, kind, data, rospy.get_rostime().to_nsec())
+
+    def _put(self, content: Mapping[str, Any]) -> None:
+        self._hear(INPUTS, "std_msgs/String", serialised_input(content))
+
+    def _judge_entry(self, entry: Entry) -> None:
+        """Feed the judge; in the inbox's thread."""
+        before = self._judge.phase
+        with self._judging:
+            events = self._judge.feed(entry)
+        for event in events:
+            self._happened(self.trial, event)
+        phase = self._judge.phase
+        if phase != before or events:
+            self._changed()
+        if phase == ENDED and not self._closing:
+            self._closing = True
+            threading.Thread(target=self._close, name="sheet").start()
+
+    def _close(self) -> None:
+        """Close the recording of a trial that has ended, and show its sheet."""
+        assert self._inbox is not None
+        assert self._writer is not None
+        if self._channels is not None:
+            self._channels.close()
+        self._inbox.close()
+        with self._judging:
+            self._sheet = self._judge.text()
+        try:
+            self._writer.close({SHEET: sheet_attachment(self._sheet)})
+        except RecordingError as error:
+            self.message = f"the recording is not complete: {error}"
+            rospy.logerr("training: %s", self.message)
+        self._ended(self.trial, self._sheet)
+        self._changed()
+        self._done.set()
+
+    def close(self, reason: str) -> None:
+        """End it, whatever it is doing, and wait until its recording is closed."""
+        if self.begun:
+            with contextlib.suppress(SessionError):
+                self.abort(reason, "training")
+        if self._inbox is not None:
+            self._done.wait(_CLOSING)

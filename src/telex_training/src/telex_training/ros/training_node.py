@@ -1,0 +1,359 @@
+"""The node ``training``: its services, its state, and who is at the console."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import Any, Dict, List, Optional
+
+import rospy
+from std_srvs.srv import Trigger, TriggerResponse
+from telex_msgs.msg import (
+    BridgeClients,
+    SimStatus,
+    TrainingEvent,
+    TrainingExercise,
+    TrainingQuestion,
+    TrainingSheet,
+    TrainingState,
+)
+from telex_msgs.srv import (
+    AnswerQuestion,
+    AnswerQuestionResponse,
+    ListExercises,
+    ListExercisesResponse,
+    NoteTrial,
+    NoteTrialResponse,
+    OpenExercise,
+    OpenExerciseResponse,
+)
+
+from telex_control.common.params import ConfigError, read_config
+from telex_control.ros.node_start import init_node
+
+from ..exercises.catalog import exercises, find_exercise
+from ..exercises.exercise_file import ExerciseError, load_exercise
+from ..exercises.model import PRACTICE
+from ..judging.judge import ENDED, IDLE, JudgeEvent
+from ..recording.trial_file import SUFFIX, amend
+from ..recording.writer import RecordingError
+from .apparatus import Apparatus
+from .channels import hear_decoded
+from .library import Library
+from .pages import Pages
+from .robot_files import about_robot, software_version
+from .session import Session, SessionError
+from .settings import TrainingSettings
+
+_LONGEST_NAME = 60
+_MOST_TEXT = 2000
+
+
+class TrainingNode:
+    """Lets operators and instructors open exercises, do them, and see how well it went.
+
+    Parameters
+    ----------
+    settings : TrainingSettings
+    """
+
+    def __init__(self, settings: TrainingSettings) -> None:
+        self._settings = settings
+        self._folder = Path(os.path.expanduser(settings.folder))
+        self._library = Library(self._folder)
+        self._lock = threading.RLock()
+        self._session: Optional[Session] = None
+        self._holder = ""
+        self._had_holder = False
+        self._away_since: Optional[float] = None
+        self._wanted = threading.Event()
+        self._state = rospy.Publisher("training/state", TrainingState, queue_size=4, latch=True)
+        self._events = rospy.Publisher("training/events", TrainingEvent, queue_size=100)
+        self._sheet = rospy.Publisher("training/sheet", TrainingSheet, queue_size=4, latch=True)
+        self._apparatus = Apparatus(self._on_status)
+        self._clients = hear_decoded("bridge/clients", BridgeClients, self._on_clients)
+        self.pages = Pages(self._library, settings.port)
+        self._services = [
+            rospy.Service("training/list", ListExercises, self._on_list),
+            rospy.Service("training/open", OpenExercise, self._on_open),
+            rospy.Service("training/start", Trigger, lambda _: self._trigger(Session.start)),
+            rospy.Service("training/again", Trigger, lambda _: self._trigger(Session.again)),
+            rospy.Service("training/abort", Trigger, self._on_abort),
+            rospy.Service("training/answer", AnswerQuestion, self._on_answer),
+            rospy.Service("training/note", NoteTrial, self._on_note),
+            rospy.Service("training/rate", NoteTrial, self._on_rate),
+        ]
+        self._publish_state()
+
+    # --- services --------------------------------------------------------------------------------
+
+    def _on_list(self, request: Any) -> ListExercisesResponse:
+        listed: List[TrainingExercise] = []
+        best = self._library.best(request.operator)
+        for name, path in exercises().items():
+            made = TrainingExercise(name=name)
+            try:
+                file = load_exercise(path)
+                first = file.first
+                made.title, made.description = first.title, first.description
+                made.settings, made.modes = list(file.settings), list(first.modes)
+                made.best = best.get(first.name, 0.0)
+                made.preview = self.pages.preview_address(path)
+            except ExerciseError as error:
+                made.problem = str(error)
+            listed.append(made)
+        return ListExercisesResponse(exercises=listed)
+
+    def _on_open(self, request: Any) -> OpenExerciseResponse:
+        try:
+            session = self.open(request.exercise, request.setting, request.mode, request.operator)
+        except (SessionError, ValueError) as error:
+            rospy.logwarn("training/open: %s", error)
+            return OpenExerciseResponse(success=False, message=str(error))
+        return OpenExerciseResponse(
+            success=True, message=f"opened: {session.exercise.title}", trial=session.trial
+        )
+
+    def open(self, name: str, setting: str, mode: str, operator: str) -> Session:
+        """Open an exercise.
+
+        Raises
+        ------
+        ExerciseError, SessionError, ValueError
+            With a message for a person.
+        """
+        operator = operator.strip()
+        if len(operator) > _LONGEST_NAME or not operator.isprintable():
+            raise SessionError(
+                f"operator is {operator[:_LONGEST_NAME]!r}; at most {_LONGEST_NAME} printable "
+                "characters are possible"
+            )
+        file = load_exercise(find_exercise(name))
+        exercise = file.setting(setting)
+        mode = mode or PRACTICE
+        if mode not in exercise.modes:
+            raise ExerciseError(
+                f"{file.path}: mode is '{mode}'; there are: {', '.join(exercise.modes)}"
+            )
+        with self._lock:
+            self._refuse_second()
+            session = Session(
+                file,
+                exercise,
+                mode,
+                operator,
+                software_version(),
+                self._folder,
+                about_robot(),
+                self._apparatus,
+                list(self._settings.recorded),
+                self._wanted.set,
+                self._tell,
+                self._show,
+            )
+            self._session = session
+        if mode == PRACTICE:
+            session.load()
+        self._wanted.set()
+        return session
+
+    def _refuse_second(self) -> None:
+        session = self._session
+        if session is not None and session.begun:
+            raise SessionError(
+                f"a trial of {session.exercise.title} is {session.phase} "
+                f"({session.operator or 'no name'}); training/abort ends it"
+            )
+
+    def _trigger(self, act: Any) -> TriggerResponse:
+        try:
+            session = self._open_session()
+            act(session)
+        except SessionError as error:
+            return TriggerResponse(success=False, message=str(error))
+        self._away_since = None
+        self._had_holder = bool(self._holder)
+        self._wanted.set()
+        return TriggerResponse(success=True, message="")
+
+    def _open_session(self) -> Session:
+        if self._session is None:
+            raise SessionError("no exercise is open; training/open opens one")
+        return self._session
+
+    def _on_abort(self, _request: Any) -> TriggerResponse:
+        return self._trigger(lambda session: session.abort("aborted"))
+
+    def _on_answer(self, request: Any) -> AnswerQuestionResponse:
+        try:
+            self._open_session().answer(request.question, request.answer[:_MOST_TEXT])
+        except SessionError as error:
+            return AnswerQuestionResponse(success=False, message=str(error))
+        return AnswerQuestionResponse(success=True, message="")
+
+    def _on_note(self, request: Any) -> NoteTrialResponse:
+        try:
+            content = _note_input(request)
+            self._note(request.trial, content)
+        except (SessionError, RecordingError) as error:
+            return NoteTrialResponse(success=False, message=str(error))
+        return NoteTrialResponse(success=True, message="")
+
+    def _on_rate(self, request: Any) -> NoteTrialResponse:
+        """Take the operator's own workload, of the trial that he has just done."""
+        request.kind, request.trial = "tlx", ""
+        return self._on_note(request)
+
+    def _note(self, trial: str, content: Dict[str, Any]) -> None:
+        """Add something to the recording of a trial that has ended, and show its sheet anew."""
+        session = self._session
+        if not trial:
+            if session is None or session.path is None:
+                raise SessionError("there is no trial yet; a name of one is needed")
+            trial = session.trial
+        if session is not None and trial == session.trial and session.begun:
+            raise SessionError("the trial goes on; it can be marked once it has ended")
+        path = self._library.path(trial)
+        if path is None:
+            raise SessionError(f"trial is '{trial}'; there is no recording {trial}{SUFFIX}")
+        self._publish_sheet(trial, amend(path, [content], time.time_ns()))
+
+    # --- what happens ----------------------------------------------------------------------------
+
+    def _on_status(self, status: SimStatus) -> None:
+        session = self._session
+        if session is not None:
+            session.hear_status(status)
+
+    def _on_clients(self, message: BridgeClients) -> None:
+        self._holder = message.holder
+
+    def _look_who_is_there(self) -> None:
+        """End a trial whose operator has been gone for long: his page was closed, or lost."""
+        session = self._session
+        if session is None or not session.begun or not self._settings.away:
+            self._away_since = None
+            return
+        now = rospy.get_time()
+        self._had_holder = self._had_holder or bool(self._holder)
+        if self._holder or not self._had_holder:
+            self._away_since = None
+            return
+        if self._away_since is None:
+            self._away_since = now
+        elif now - self._away_since > self._settings.away:
+            self._away_since = None
+            with contextlib.suppress(SessionError):
+                session.abort("abandoned", "training")
+
+    def _tell(self, trial: str, event: JudgeEvent) -> None:
+        message = TrainingEvent(
+            trial=trial,
+            event=event.event,
+            name=event.name,
+            detail=json.dumps(event.detail, sort_keys=True),
+        )
+        message.header.stamp = rospy.Time.from_sec(event.time)
+        self._events.publish(message)
+
+    def _show(self, trial: str, sheet: str) -> None:
+        self._library.forget()
+        self._publish_sheet(trial, sheet)
+
+    def _publish_sheet(self, trial: str, sheet: str) -> None:
+        message = TrainingSheet(trial=trial, sheet=sheet)
+        message.header.stamp = rospy.get_rostime()
+        self._sheet.publish(message)
+
+    def _publish_state(self) -> None:
+        session = self._session
+        message = TrainingState(phase=IDLE)
+        if session is not None:
+            state = session.state()
+            state["questions"] = [TrainingQuestion(**each) for each in state["questions"]]
+            message = TrainingState(**state)
+        message.header.stamp = rospy.get_rostime()
+        self._state.publish(message)
+
+    def run(self) -> None:
+        """Tell the state at every change, and at its rate while a trial runs."""
+        told_at = -1.0
+        while not rospy.is_shutdown():
+            changed = self._wanted.wait(0.05)
+            now = rospy.get_time()
+            self._look_who_is_there()
+            session = self._session
+            running = session is not None and session.begun and session.phase != ENDED
+            due = running and abs(now - told_at) >= 1.0 / self._settings.state_rate
+            if changed or due:
+                self._wanted.clear()
+                told_at = now
+                self._publish_state()
+
+    def close(self) -> None:
+        """End the trial, if one runs, and close its recording."""
+        if self._session is not None:
+            self._session.close("the training node was ended")
+        self.pages.close()
+
+
+def _note_input(request: Any) -> Dict[str, Any]:
+    """The judge's input for a note of the service.
+
+    Raises
+    ------
+    SessionError
+    """
+    value, reason = request.value[:_MOST_TEXT], request.reason[:_MOST_TEXT]
+    if request.kind == "mark":
+        if value not in ("passed", "failed"):
+            raise SessionError(f"value is '{value}'; passed or failed is needed")
+        if not reason.strip():
+            raise SessionError("reason is ''; a mark needs one")
+        return {"input": "mark", "verdict": value, "reason": reason, "by": "instructor"}
+    if request.kind == "note":
+        if not value.strip():
+            raise SessionError("value is ''; a text is needed")
+        return {"input": "note", "text": value, "by": reason or "instructor"}
+    if request.kind == "tlx":
+        try:
+            ratings = [float(part) for part in value.replace(",", " ").split()]
+        except ValueError:
+            ratings = []
+        if len(ratings) != 6 or not all(0.0 <= each <= 100.0 for each in ratings):
+            raise SessionError(f"value is '{value}'; six numbers from 0 to 100 are needed")
+        return {"input": "tlx", "values": ratings}
+    raise SessionError(f"kind is '{request.kind}'; mark, note or tlx is needed")
+
+
+def training_main() -> int:
+    """Run the node."""
+    init_node("training", coarse_clock=True)
+    try:
+        settings = read_config(TrainingSettings, rospy.get_param("~", {}), rospy.get_name())
+    except ConfigError as error:
+        rospy.logfatal("%s", error)
+        return os.EX_CONFIG
+    node = TrainingNode(settings)
+    node.pages.start()
+    if settings.video_server:
+        node.pages.mount(settings.video_server)
+    try:
+        if settings.exercise:
+            try:
+                node.open(settings.exercise, settings.setting, settings.mode, settings.operator)
+            except (SessionError, ValueError) as error:
+                rospy.logerr("training: %s", error)
+        node.run()
+    finally:
+        node.close()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(training_main())
