@@ -4,6 +4,13 @@
 import { isStale } from "./deadman.js";
 import { setText } from "./panels.js";
 
+const E_STOP = "estop"; // the action that a key has also while something is typed
+
+/** Whether a key belongs to a text that is typed, or to a list that is chosen from. @param {KeyboardEvent} event */
+export function isTyped(event) {
+  return event.target instanceof Element && event.target.matches("input, select, textarea");
+}
+
 /**
  * Let keys hold actions, by their position on the keyboard.
  * @param {import("./held.js").Held} held
@@ -20,7 +27,7 @@ export function listenToKeys(held, mayPress, find, commandOf, takes) {
       return;
     }
     const name = find(event.code);
-    if (name === undefined) return;
+    if (name === undefined || (isTyped(event) && name !== E_STOP)) return;
     event.preventDefault();
     // A key that repeats was pressed before, perhaps before everything was released: that is no new press.
     if (event.repeat) return;
@@ -31,7 +38,7 @@ export function listenToKeys(held, mayPress, find, commandOf, takes) {
   window.addEventListener("keyup", (event) => {
     // Space on a focused button would click it.
     const name = find(event.code);
-    if (name !== undefined && commandOf(name) !== undefined) event.preventDefault();
+    if (name !== undefined && commandOf(name) !== undefined && !isTyped(event)) event.preventDefault();
     held.release(`key:${event.code}`);
   }, { capture: true });
 }

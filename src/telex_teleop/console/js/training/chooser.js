@@ -18,7 +18,6 @@ export class ExerciseChooser {
     this._dialog = byId("exercises");
     const name = this._nameField;
     name.value = rememberedOperator();
-    for (const kind of ["keydown", "keyup"]) name.addEventListener(kind, (event) => event.stopPropagation());
     name.addEventListener("change", () => {
       rememberOperator(name.value.trim());
       this._fill();
@@ -77,6 +76,7 @@ export class ExerciseChooser {
     const mode = chooser(exercise.modes, "mode");
     const open = document.createElement("button");
     open.type = "button";
+    open.className = "small";
     open.textContent = "open";
     onClick(open, () => this._open(exercise.name, setting.value, mode.value));
     const best = document.createElement("span");
@@ -116,6 +116,5 @@ function chooser(names, label) {
   made.setAttribute("aria-label", label);
   for (const name of names) made.append(new Option(name, name));
   made.hidden = names.length < 2;
-  for (const kind of ["keydown", "keyup"]) made.addEventListener(kind, (event) => event.stopPropagation());
   return made;
 }

@@ -44,7 +44,6 @@ export class TrainingStrip {
     press("training-again", () => this._act("again"));
     press("training-give-up", () => this._act("abort"));
     press("training-sheet", () => window.open(this.sheetAddress, "_blank"));
-    press("training-read", () => this._act("start"));
   }
 
   /** @param {string} name */
@@ -123,8 +122,6 @@ export class TrainingStrip {
     field.maxLength = 200;
     field.setAttribute("aria-label", ask);
     label.append(" ", field);
-    // What is typed is no command to the robot.
-    for (const kind of ["keydown", "keyup"]) field.addEventListener(kind, (event) => event.stopPropagation());
     field.addEventListener("focus", () => this._letGo("an answer is typed"));
     line.addEventListener("submit", (event) => {
       event.preventDefault();

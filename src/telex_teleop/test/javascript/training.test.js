@@ -1,0 +1,46 @@
+// @ts-check
+/** What the strip of an exercise says. */
+
+import "./browser.js";
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { addressOf, clockText } from "../../console/js/training/client.js";
+import { noteOf, repetitionText, stepText } from "../../console/js/training/strip.js";
+
+const STATE = /** @type {any} */ ({
+  phase: "running", message: "", hint: "slower", mode: "practice", verdict: "", repetition: 2, repetitions: 10, results: ["passed"],
+  steps: ["out", "back"], steps_done: [true, false],
+});
+
+test("the step that is due is named with its number", () => {
+  assert.equal(stepText(STATE), "2/2 back");
+  assert.equal(stepText({ ...STATE, steps_done: [false, false] }), "1/2 out");
+  assert.match(stepText({ ...STATE, phase: "waiting", steps_done: [false, false] }), /the clock starts.*first: out/);
+  assert.equal(stepText({ ...STATE, phase: "between" }), "repetition ended");
+});
+
+test("repetitions are counted, with their limit where there is one", () => {
+  assert.equal(repetitionText(STATE), "rep 2/10");
+  assert.equal(repetitionText({ ...STATE, repetitions: 0 }), "rep 2");
+  assert.equal(repetitionText({ ...STATE, repetition: 0 }), "");
+});
+
+test("hints are for practice, and what went wrong comes first", () => {
+  assert.equal(noteOf(STATE), "slower");
+  assert.equal(noteOf({ ...STATE, mode: "exam" }), "");
+  assert.equal(noteOf({ ...STATE, message: "the disk is full" }), "the disk is full");
+  assert.equal(noteOf({ ...STATE, phase: "between", results: ["passed", "tipped"] }), "fault: tipped");
+  assert.equal(noteOf({ ...STATE, phase: "ended", verdict: "passed" }), "PASSED: see the sheet");
+  assert.equal(noteOf({ ...STATE, phase: "ended" }), "no verdict: see the sheet");
+});
+
+test("times are minutes and seconds", () => {
+  assert.equal(clockText(0), "00:00");
+  assert.equal(clockText(125.9), "02:05");
+});
+
+test("an address takes token and role along, and nothing else", () => {
+  const given = new URLSearchParams("token=a%26b&role=instructor&name=eve&debug=1");
+  assert.equal(addressOf("/training/x", given, { trial: "t 1" }), "/training/x?trial=t+1&token=a%26b&role=instructor");
+  assert.equal(addressOf("/training/x", new URLSearchParams()), "/training/x");
+});
