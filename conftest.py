@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 settings.register_profile("telex", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("telex")
 
+pytest_plugins = ["own_ros"]
+
 ROOT = Path(__file__).resolve().parent
 NEEDS_THE_MACHINE = ("ros", "browser", "real_time")
 """Markers of tests that others may not hold up."""

@@ -1,13 +1,8 @@
-"""The ``cameras`` node on a ROS master of its own, with a fake simulator.
-
-One run of this file as a program plays the simulator and the viewer, and prints what it saw as
-JSON; the tests judge that. It is a process of its own because rospy can be initialised only once
-per process.
-"""
+"""The ``cameras`` node on a ROS master of its own, with a fake simulator."""
 
 from __future__ import annotations
 
-import json
+import contextlib
 import subprocess
 import sys
 import threading
@@ -16,11 +11,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from own_ros import NodeProcess, Topics, wait_until_connected
+from waiting import wait_until
 
-from telex_control.ros.rospy_fixes.connecting import miss_nothing
-from telex_experiments.rigs.private_master import PrivateMaster, end_tree
+pytestmark = pytest.mark.ros
 
-NODE = Path(__file__).parents[1] / "nodes" / "cameras"
+HERE = Path(__file__).parent
+NODE = HERE.parent / "nodes" / "cameras"
+NAMESPACE = "/telex"
 SIZE = (160, 120)
 NO_EGL = {"__EGL_VENDOR_LIBRARY_DIRS": "/nonexistent"}
 POSES_RATE = 60.0  # 1/s
@@ -66,308 +64,59 @@ PARAMS = {
     },
     "model": "telex",
 }
+REAR = "{width: 160, height: 120, rate: 20, depth: false, exposure: {ev: 0}}"
 # Half the width of what the cameras see in the plane z = 1, and the front camera's focal length.
 EDGE = np.tan(0.6)
 FOCAL = SIZE[0] / 2 / (EDGE * (1.0 - 0.1 * EDGE**2 + 0.02 * EDGE**4))
 
 
-# ---------------------------------------------------------------- the tests
-
-
-@pytest.fixture(scope="module")
-def master():
-    """Environment of a roscore on a free port."""
-    with PrivateMaster() as master:
-        yield master.environment(ROS_NAMESPACE="/telex", PYTHONUNBUFFERED="1")
-
-
-def set_params(environment, params):
-    import rosgraph
-
-    master = rosgraph.Master("/test", master_uri=environment["ROS_MASTER_URI"])
-    master.setParam("/use_sim_time", True)
-    master.setParam("/telex/cameras", params)
-
-
-@pytest.fixture(scope="module")
-def seen(master, tmp_path_factory):
-    """What the drill saw of a node, and how the node ended."""
-    return run(master, tmp_path_factory.mktemp("cameras") / "log", PARAMS, "drill")
-
-
-def run(master, log, params, drill):
-    set_params(master, params)
-    with log.open("w") as output:
-        node = subprocess.Popen(
-            [sys.executable, str(NODE), "__name:=cameras"],
-            env=master,
-            stdout=output,
-            stderr=subprocess.STDOUT,
-            start_new_session=True,
-        )
-        try:
-            drill = subprocess.run(
-                [sys.executable, __file__, drill],
-                env=master,
-                capture_output=True,
-                text=True,
-                timeout=120.0,
-                check=False,
-            )
-            alive = node.poll() is None
-        finally:
-            end_tree(node)
-    assert drill.returncode == 0, drill.stdout[-4000:] + drill.stderr[-4000:] + log.read_text()
-    result = json.loads(drill.stdout.splitlines()[-1])
-    return {**result, "alive": alive, "exit": node.returncode, "log": log.read_text()}
-
-
-pytestmark = pytest.mark.ros
-
-
-def looks(picture, color):
-    """Whether the middle of a picture has the hue of a colour."""
-    middle = np.array(picture["middle"], dtype=float)
-    return middle.argmax() == np.argmax(color) and middle.max() > 1.5 * np.sort(middle)[1]
-
-
-def stamps(pictures):
-    return [picture["stamp"] for picture in pictures]
-
-
-def test_poses_are_not_followed_before_somebody_looks(seen):
-    assert not seen["followed_before"]
-    assert seen["followed_while_looking"]
-
-
-def test_pictures_at_the_rate_of_the_camera(seen):
-    pictures = seen["running"]["pictures"]
-    assert 10 <= len(pictures) <= 26
-    assert all(looks(picture, RED) for picture in pictures)
-
-
-def test_stamps_are_those_of_the_poses_and_none_comes_twice(seen):
-    found = stamps(seen["running"]["pictures"])
-    assert found == sorted(set(found))
-    assert all(stamp % POSES_PERIOD == 0 for stamp in found)
-
-
-def test_every_picture_has_its_camera_info(seen):
-    infos = {info["stamp"]: info for info in seen["running"]["infos"]}
-    found = stamps(seen["running"]["pictures"])
-    # The ends of the two recordings may differ.
-    assert len(set(found) & set(infos)) >= len(found) - 2
-    info = next(iter(infos.values()))
-    assert info["frame"] == "front_camera_optical_frame"
-    assert info["size"] == list(SIZE)
-    assert info["k"][2] == pytest.approx((SIZE[0] - 1) / 2)
-    assert info["k"][0] == pytest.approx(FOCAL)
-    assert info["d"] == [-0.1, 0.02, 0.0, 0.0, 0.0]
-
-
-def test_the_other_camera_looks_the_other_way(seen):
-    assert seen["rear"]
-    assert all(looks(picture, GREEN) for picture in seen["rear"])
-    assert all(picture["frame"] == "rear_camera_optical_frame" for picture in seen["rear"])
-
-
-def test_raw_pictures_while_somebody_listens(seen):
-    assert seen["raw"]
-    assert all(looks(picture, RED) for picture in seen["raw"])
-
-
-def test_previews_show_the_same_in_fewer_pixels(seen):
-    for name, color in (("preview", GREEN), ("reduced", RED)):
-        assert seen[name]
-        assert all(looks(picture, color) for picture in seen[name])
-        assert all(picture["size"] == list(SMALL) for picture in seen[name])
-    assert {picture["frame"] for picture in seen["preview"]} == {"rear_camera_optical_frame"}
-    assert all(stamp % POSES_PERIOD == 0 for stamp in stamps(seen["preview"]))
-
-
-def test_what_this_robot_lacks_is_named_once_and_not_advertised(seen):
-    assert seen["topics_before"] == []
-    assert "/telex/cameras/front/image_raw/compressed" in seen["topics"]
-    assert "/telex/cameras/rear/camera_info" in seen["topics"]
-    assert not [topic for topic in seen["topics"] if "ghost" in topic]
-    # At first, and when the link has gone again.
-    assert seen["log"].count("this robot has no telex/no_lamp_link, telex/no_such_link") == 2
-
-
-def test_zoom_is_taken_within_its_range_and_told_by_camera_info(seen):
-    factors = [1.0, 2.5, 2.5, 4.0, 1.0]
-    assert seen["zoom"] == pytest.approx([factor * FOCAL for factor in factors])
-    assert "camera front: zoom is nan; 1 to 4 is possible" in seen["log"]
-    assert "camera front: zoom is 99; 1 to 4 is possible, 4 is taken" in seen["log"]
-    assert "camera front: zoom is -1; 1 to 4 is possible, 1 is taken" in seen["log"]
-
-
-def test_a_camera_comes_and_goes_with_its_link(seen):
-    assert seen["ghost_comes"]
-    assert seen["ghost_goes"]
-
-
-def test_depth_is_in_metres_and_offered_where_it_is_wanted(seen):
-    assert all(depth["encoding"] == "32FC1" for depth in seen["depth"])
-    assert all(depth["frame"] == "front_camera_optical_frame" for depth in seen["depth"])
-    assert [depth["middle"] for depth in seen["depth"]] == pytest.approx([2.75] * 3, abs=0.01)
-    # Beside the box there is nothing.
-    assert all(depth["corner"] == np.inf for depth in seen["depth"])
-    assert "/telex/cameras/front/depth" in seen["topics"]
-    assert "/telex/cameras/rear/depth" not in seen["topics"]
-
-
-def test_parameters_are_changed_while_it_runs(seen):
-    changed = seen["changed"]
-    assert changed["success"]
-    assert "width: 80" in changed["parameters"]
-    assert changed["on_server"] == 80
-    assert changed["info"]["size"] == [80, 60]
-    assert changed["info"]["k"][0] == pytest.approx(40.0 / EDGE)
-    assert changed["picture"]["size"] == [80, 60]
-    assert 3 <= changed["pictures_in_a_second"] <= 7
-    # One EV less is half the light.
-    assert changed["picture"]["brightness"] < 0.85 * changed["brightness_before"]
-    assert changed["topics"] == ["/telex/cameras/rear/depth"]
-    assert looks(changed["renderer"], GREEN)
-
-
-def test_parameters_that_make_no_sense_are_refused_with_the_reason(seen):
-    assert seen["refused"] == [
-        "rate is -1.0; it must be above 0 and at most 240",
-        "noise is nan; it must be finite",
-        "frame cannot be changed while the node runs",
-        "camera is 'side'; front, ghost, overview, rear are possible, or nothing for what all have"
-        " in common",
-        "quality is 'ultra'; auto, software, gpu are possible",
-        "seed cannot be changed while the node runs",
-    ]
-
-
-def test_the_overview_goes_where_it_is_sent(seen):
-    before, after, refused = seen["overview"]
-    # From far ahead it sees the front box, from behind the other one.
-    assert looks(before, RED)
-    assert looks(after, GREEN)
-    assert looks(refused, GREEN)
-    assert after["frame"] == "overview_camera_optical_frame"
-    assert "camera overview: distance is nan; it must be" in seen["log"]
-    assert "camera overview: mode is 'fly'; follow, orbit, fixed are possible" in seen["log"]
-
-
-def test_nothing_is_drawn_for_nobody_and_everybody_is_served(master):
-    set_params(master, PARAMS)
-    drill = subprocess.run(
-        [sys.executable, __file__, "count"],
-        env=master,
-        capture_output=True,
-        text=True,
-        timeout=60.0,
-        check=False,
-    )
-    assert drill.returncode == 0, drill.stdout[-2000:] + drill.stderr[-4000:]
-    counted = json.loads(drill.stdout.splitlines()[-1])
-    assert counted["info"] == {"ahead": 0, "back": 0}
-    assert counted["front"]["ahead"] > 3
-    assert counted["front"]["back"] == 0
-    assert counted["rear"]["back"] > 3
-    assert counted["rear"]["ahead"] == 0
-    assert counted["sizes_alone"] == [SMALL[0]]
-    assert counted["sizes_beside"] == [SIZE[0]]
-    # At their rate of 20 in a second, none is drawn for the previews alone.
-    assert counted["beside_preview"] > 1
-    assert counted["beside"] <= 0.4 * 20.0 + 3
-    assert counted["nobody"] == {"ahead": 0, "back": 0}
-    # Whoever comes when all is late already is served as well, and who goes no more.
-    assert counted["overloaded"]["back"] > 0
-    assert counted["overloaded"]["ahead"] == 0
-
-
-def test_lamps_are_switched(seen):
-    starting, off, still_off, full = seen["lamp"]
-    assert off == still_off == 0.0
-    assert 10.0 < starting < full
-    assert "lamp head: level is nan; 0 to 1 is possible, it stays at 0" in seen["log"]
-
-
-def test_while_paused_a_picture_now_and_then(seen):
-    pictures = seen["paused"]
-    assert len(set(stamps(pictures))) == 1
-    assert 2 <= len(pictures) <= 12
-
-
-def test_poses_with_nan_move_nothing(seen):
-    assert seen["nan"] == []
-    assert "poses are left out" in seen["log"]
-    assert seen["after_nan"]
-
-
-def test_poses_wait_for_their_scene(seen):
-    assert seen["scene_missing"] == []
-    assert seen["scene_come"]
-    assert all(looks(picture, BLUE) for picture in seen["scene_come"])
-
-
-def test_a_simulator_that_starts_again_is_followed(seen):
-    assert seen["restarted"]
-    assert all(looks(picture, GREEN) for picture in seen["restarted"])
-    assert max(stamps(seen["restarted"])) < min(stamps(seen["scene_come"]))
-
-
-def test_the_node_survives_all_that_and_ends_in_order(seen):
-    assert seen["alive"]
-    assert seen["exit"] == 0
-    assert "Traceback" not in seen["log"]
-
-
-@pytest.mark.parametrize(
-    ("params", "environment", "complaint"),
-    [
-        ({**PARAMS, "cameras": {}}, {}, "cameras is empty"),
-        ({**PARAMS, "colour": "red"}, {}, "colour is unknown"),
-        ({**PARAMS, "renderer": "tiny"}, {}, "renderer is 'tiny'; auto, opengl are possible"),
-        (PARAMS, NO_EGL, "apt-get install libegl1 libgl1 libgl1-mesa-dri"),
-    ],
-)
-def test_what_cannot_work_ends_with_one_line(master, params, environment, complaint):
-    set_params(master, params)
-    node = subprocess.run(
-        [sys.executable, str(NODE), "__name:=cameras"],
-        env={**master, **environment},
-        capture_output=True,
-        text=True,
-        timeout=60.0,
-        check=False,
-    )
-    assert node.returncode == 1
-    assert complaint in node.stderr
-    assert "[FATAL]" in node.stderr
-    assert "Traceback" not in node.stderr
-
-
-# ---------------------------------------------------------------- the drill
-
-
 class Simulator:
-    """A box before and one behind the robot; poses come from a thread, as told."""
+    """A box before and one behind the robot; a thread tells poses (context manager)."""
 
-    def __init__(self):
+    def __init__(self, topics):
         import rospy
         from telex_msgs.msg import SceneDescription, ScenePoses
 
-        self._rospy = rospy
-        self._scenes = rospy.Publisher("sim/scene", SceneDescription, queue_size=1, latch=True)
-        self._poses = rospy.Publisher("sim/poses", ScenePoses, queue_size=1, tcp_nodelay=True)
-        self.revision = 1
+        self._time = rospy.Time
+        self._scenes = topics.publisher("sim/scene", SceneDescription, queue_size=1, latch=True)
+        self._poses = topics.publisher("sim/poses", ScenePoses, queue_size=1, tcp_nodelay=True)
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._described = None
+        self.revision = 0
         self.ticks = 0
         self.paused = False
         self.broken = False
         self.ghost = False
-        threading.Thread(target=self._run, daemon=True).start()
+        self.times_lacking = 1  # how often the robot has come to lack the ghost's link
+
+    def __enter__(self):
+        self._thread.start()
+        return self
+
+    def __exit__(self, *exception):
+        self._ended.set()
+        self._thread.join()
 
     @property
     def followed(self):
         return self._poses.get_num_connections() > 0
+
+    def reset(self):
+        """Go on with the red box ahead, in daylight."""
+        self.paused = self.broken = False
+        if self.ghost:
+            self.let_ghost(False)
+        if self._described != (self.revision, RED, 1.0):
+            self.revision += 1
+            self.describe(RED)
+
+    def let_ghost(self, there):
+        """Let the robot have the ghost's link, or not, in a new scene."""
+        self.times_lacking += self.ghost and not there
+        self.ghost = there
+        self.revision += 1
+        self.describe(RED)
 
     def describe(self, color, ambient=1.0):
         from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
@@ -383,6 +132,7 @@ class Simulator:
                 color=ColorRGBA(*color, 1.0),
             )
 
+        self._described = self.revision, color, ambient
         self._scenes.publish(
             SceneDescription(
                 revision=self.revision,
@@ -400,7 +150,7 @@ class Simulator:
     def _run(self):
         from telex_msgs.msg import ScenePoses
 
-        while not self._rospy.is_shutdown():
+        while not self._ended.wait(1.0 / POSES_RATE):
             if not self.paused:
                 self.ticks += 1
             poses = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
@@ -412,173 +162,133 @@ class Simulator:
                 poses[7] = float("nan")
             message = ScenePoses(revision=self.revision, poses=poses)
             nanoseconds = self.ticks * POSES_PERIOD
-            message.header.stamp = self._rospy.Time(nanoseconds // 10**9, nanoseconds % 10**9)
+            message.header.stamp = self._time(nanoseconds // 10**9, nanoseconds % 10**9)
             self._poses.publish(message)
-            time.sleep(1.0 / POSES_RATE)
+
+
+class Note:
+    """What a test asks of a picture or of a camera's description."""
+
+    def __init__(self, message):
+        self.message = message
+        self.stamp = message.header.stamp.to_nsec()
+        self.frame = message.header.frame_id
+
+    @property
+    def pixels(self):
+        """RGB values, or depths (m)."""
+        import cv2
+
+        message = self.message
+        if not hasattr(message, "encoding"):
+            bgr = cv2.imdecode(np.frombuffer(message.data, np.uint8), cv2.IMREAD_COLOR)
+            return bgr[..., ::-1]
+        if message.encoding == "32FC1":
+            return np.frombuffer(message.data, np.float32).reshape(message.height, message.width)
+        assert message.encoding == "rgb8"
+        return np.frombuffer(message.data, np.uint8).reshape(message.height, message.width, 3)
+
+    @property
+    def size(self):
+        if hasattr(self.message, "K"):
+            return self.message.width, self.message.height
+        return self.pixels.shape[1], self.pixels.shape[0]
+
+    @property
+    def focal_length(self):
+        return self.message.K[0]
+
+    @property
+    def middle(self):
+        """Mean colour of the middle, shape (3,)."""
+        pixels = self.pixels
+        rows, columns = pixels.shape[0] // 2, pixels.shape[1] // 2
+        middle = pixels[rows - 2 : rows + 3, columns - 2 : columns + 3]
+        return middle.reshape(-1, 3).mean(axis=0)
+
+    def looks(self, color):
+        """Whether the middle of a picture has the hue of a colour."""
+        middle = self.middle
+        return middle.argmax() == np.argmax(color) and middle.max() > 1.5 * np.sort(middle)[1]
 
 
 class Viewer:
     """Notes what comes on a topic."""
 
-    def __init__(self, topic, kind):
-        import rospy
-
-        self._noted = []
-        self._subscriber = rospy.Subscriber(topic, kind, self._note, queue_size=10)
+    def __init__(self, topics, topic, kind):
+        self.noted = []
+        topics.subscriber(
+            f"cameras/{topic}", kind, lambda m: self.noted.append(Note(m)), queue_size=10
+        )
 
     def note_for(self, seconds):
-        self._noted = []
+        """What comes within some time."""
+        self.noted = []
         time.sleep(seconds)
-        return list(self._noted)
+        return list(self.noted)
 
     def wait(self):
-        """Wait for the first message."""
-        deadline = time.monotonic() + 20.0
-        while not self._noted and time.monotonic() < deadline:
-            time.sleep(0.01)
-        return self._noted[-1]
+        """The last message; the first, if none has come yet."""
+        return wait_until(lambda: self.noted[-1:], "a message of a camera", 20.0)[0]
 
     def newest(self, seconds):
         """The last message of some time, on a busy machine the first after it."""
         noted = self.note_for(seconds)
         return noted[-1] if noted else self.wait()
 
+
+class Stage:
+    """A simulator and a node, and who looks at what."""
+
+    def __init__(self, simulator, log):
+        self.simulator, self.log = simulator, log
+        self.topics_before = camera_topics()
+        self.topics = Topics(NAMESPACE)  # of one test
+        self._looking = Topics(NAMESPACE)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *exception):
+        self.leave()
+        self.topics.__exit__(*exception)
+
     def leave(self):
-        self._subscriber.unregister()
+        """Let nobody look any more."""
+        self._looking.__exit__(None, None, None)
 
-    def _note(self, message):
-        header = message.header
-        note = {"stamp": header.stamp.to_nsec(), "frame": header.frame_id}
-        if hasattr(message, "K"):
-            note.update(size=[message.width, message.height], k=list(message.K), d=list(message.D))
-        elif getattr(message, "encoding", "") == "32FC1":
-            depth = np.frombuffer(message.data, np.float32).reshape(message.height, message.width)
-            middle, corner = depth[message.height // 2, message.width // 2], depth[0, 0]
-            note.update(encoding=message.encoding, middle=float(middle), corner=float(corner))
-        else:
-            pixels = self._pixels(message)
-            rows, columns = pixels.shape[0] // 2, pixels.shape[1] // 2
-            middle = pixels[rows - 2 : rows + 3, columns - 2 : columns + 3]
-            note["middle"] = middle.reshape(-1, 3).mean(axis=0).tolist()
-            note["brightness"] = float(middle.mean())
-            note["size"] = [pixels.shape[1], pixels.shape[0]]
-        self._noted.append(note)
+    @property
+    def said(self):
+        """The node's log."""
+        return self.log.read_text(errors="replace")
 
-    @staticmethod
-    def _pixels(message):
-        import cv2
+    def pictures(self, camera, kind="image_raw/compressed"):
+        return Viewer(self._looking, f"{camera}/{kind}", picture_type(kind))
 
-        if hasattr(message, "encoding"):
-            assert message.encoding == "rgb8"
-            return np.frombuffer(message.data, np.uint8).reshape(message.height, message.width, 3)
-        bgr = cv2.imdecode(np.frombuffer(message.data, np.uint8), cv2.IMREAD_COLOR)
-        return bgr[..., ::-1]
+    def infos(self, camera):
+        from sensor_msgs.msg import CameraInfo
+
+        return Viewer(self._looking, f"{camera}/camera_info", CameraInfo)
+
+    def commands(self, topic, kind):
+        """A publisher that the node hears."""
+        made = self.topics.publisher(topic, kind)
+        wait_until_connected(made)
+        return made
+
+    def configure(self, camera, parameters):
+        import rospy
+        from telex_msgs.srv import ConfigureCamera
+
+        service = rospy.ServiceProxy(f"{NAMESPACE}/cameras/configure", ConfigureCamera)
+        service.wait_for_service(10.0)
+        return service(camera, parameters)
 
 
-def drill():
-    """Play the simulator and the viewer, and print what was seen."""
-    import rospy
-    from sensor_msgs.msg import CameraInfo, CompressedImage, Image
-    from std_msgs.msg import Float64
+def picture_type(topic):
+    from sensor_msgs.msg import CompressedImage, Image
 
-    miss_nothing()
-    rospy.init_node("drill")
-    seen = {"topics_before": camera_topics()}
-    simulator = Simulator()
-    simulator.describe(RED)
-    time.sleep(0.5)
-    seen["followed_before"] = simulator.followed
-
-    front = Viewer("cameras/front/image_raw/compressed", CompressedImage)
-    infos = Viewer("cameras/front/camera_info", CameraInfo)
-    front.wait()
-    infos.wait()
-    seen["followed_while_looking"] = simulator.followed
-    with_infos = []
-    reader = threading.Thread(target=lambda: with_infos.extend(infos.note_for(1.2)))
-    reader.start()
-    pictures = front.note_for(1.2)
-    reader.join()
-    seen["running"] = {"pictures": pictures, "infos": with_infos}
-
-    for name, topic, kind in (
-        ("rear", "cameras/rear/image_raw/compressed", CompressedImage),
-        ("raw", "cameras/front/image_raw", Image),
-        ("preview", "cameras/rear/preview/compressed", CompressedImage),
-        ("reduced", "cameras/front/preview/compressed", CompressedImage),
-        ("depth", "cameras/front/depth", Image),
-    ):
-        viewer = Viewer(topic, kind)
-        seen[name] = viewer.note_for(0.6)
-        viewer.leave()
-    seen["depth"] = seen["depth"][-3:]
-    seen["topics"] = camera_topics()
-
-    simulator.paused = True
-    front.note_for(0.3)
-    seen["paused"] = front.note_for(1.0)
-    simulator.paused = False
-
-    simulator.broken = True
-    front.note_for(0.3)
-    seen["nan"] = front.note_for(0.5)
-    simulator.broken = False
-    seen["after_nan"] = front.note_for(0.5)
-
-    simulator.revision = 2
-    front.note_for(0.3)
-    seen["scene_missing"] = front.note_for(0.5)
-    simulator.describe(BLUE)
-    front.note_for(0.3)
-    seen["scene_come"] = front.note_for(0.5)
-
-    simulator.revision, simulator.ticks = 1, 0
-    simulator.describe(GREEN)
-    front.note_for(0.3)
-    seen["restarted"] = front.note_for(0.5)
-
-    def command(topic, values, look):
-        """Look once before and once after each of the values."""
-        publisher = rospy.Publisher(topic, Float64, queue_size=1)
-        seen_values = [look()]
-        while not publisher.get_num_connections():
-            time.sleep(0.01)
-        for value in values:
-            publisher.publish(value)
-            time.sleep(0.2)
-            seen_values.append(look())
-        return seen_values
-
-    seen["zoom"] = command(
-        "cameras/front/zoom",
-        (2.5, float("nan"), 99.0, -1.0),
-        lambda: infos.newest(0.2)["k"][0],
-    )
-    simulator.revision = 2
-    simulator.describe(RED, ambient=0.0)
-    front.note_for(0.3)
-    seen["lamp"] = command(
-        "lamps/head/command",
-        (0.0, float("nan"), 1.0),
-        lambda: max(front.newest(0.3)["middle"]),
-    )
-    simulator.ghost = True
-    simulator.revision += 1
-    simulator.describe(RED)
-    seen["ghost_comes"] = eventually(
-        lambda: "/telex/cameras/ghost/image_raw/compressed" in camera_topics()
-    )
-    simulator.ghost = False
-    simulator.revision += 1
-    simulator.describe(RED)
-    seen["ghost_goes"] = eventually(
-        lambda: not [topic for topic in camera_topics() if "ghost" in topic]
-    )
-    front.leave()
-    infos.leave()
-    seen.update(configure())
-    seen["overview"] = fly()
-    print(json.dumps(seen))
+    return CompressedImage if topic.endswith("compressed") else Image
 
 
 def camera_topics():
@@ -587,183 +297,414 @@ def camera_topics():
     return [topic for topic, _ in rospy.get_published_topics() if "/telex/cameras/" in topic]
 
 
-def eventually(condition):
-    deadline = time.monotonic() + 10.0
-    while not condition() and time.monotonic() < deadline:
-        time.sleep(0.05)
-    return condition()
+def stamps(pictures):
+    return [picture.stamp for picture in pictures]
 
 
-def configure():
-    """Change parameters of the rear camera; some that make no sense first."""
+@contextlib.contextmanager
+def running(environment, log, *command):
+    """Give a stage with a node; afterwards the node must be there still, and end in order."""
     import rospy
-    from sensor_msgs.msg import CameraInfo, CompressedImage
-    from telex_msgs.srv import ConfigureCamera
 
-    service = rospy.ServiceProxy("cameras/configure", ConfigureCamera)
-    service.wait_for_service(10.0)
-    rear = Viewer("cameras/rear/image_raw/compressed", CompressedImage)
-    before = rear.wait()
-    refused = []
-    for camera, parameters in (
-        ("rear", "{rate: -1, width: 32}"),
-        ("rear", "{noise: .nan}"),
-        ("rear", "{frame: lamp_link}"),
-        ("side", "{rate: 5}"),
-        ("", "{quality: ultra}"),
-        ("", "{seed: 5}"),
+    rospy.set_param("/use_sim_time", True)
+    rospy.set_param(f"{NAMESPACE}/cameras", PARAMS)
+    with Topics(NAMESPACE) as topics, Simulator(topics) as simulator, log.open("w") as output:
+        stage = Stage(simulator, log)
+        with NodeProcess(
+            [sys.executable, *command, "__name:=cameras"],
+            dict(environment, ROS_NAMESPACE=NAMESPACE, PYTHONUNBUFFERED="1"),
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        ) as node:
+            simulator.reset()
+            yield stage
+            assert node.process.poll() is None, stage.said
+            assert node.end() == 0, stage.said
+    assert "Traceback" not in stage.said
+
+
+@pytest.fixture
+def stage(started):
+    with started:
+        started.simulator.reset()
+        yield started
+
+
+class TestCameras:
+    @pytest.fixture(scope="class")
+    def started(self, master, tmp_path_factory):
+        with running(master, tmp_path_factory.mktemp("cameras") / "log", NODE) as stage:
+            yield stage
+
+    @pytest.fixture
+    def front(self, stage):
+        """Who looks at the front camera and sees the red box of the scene that is there now."""
+        viewer = stage.pictures("front")
+        wait_until(lambda: viewer.wait().looks(RED), "the red box", 20.0)
+        return viewer
+
+    def test_poses_are_not_followed_before_somebody_looks(self, stage):
+        # For a while they are, after somebody has looked.
+        wait_until(lambda: not stage.simulator.followed, "nobody to follow the poses", 20.0)
+        time.sleep(0.5)
+        assert not stage.simulator.followed
+        stage.pictures("front").wait()
+        assert stage.simulator.followed
+
+    def test_pictures_at_the_rate_of_the_camera_with_stamps_of_the_poses_and_infos(
+        self, stage, front
     ):
-        answer = service(camera, parameters)
+        infos = stage.infos("front")
+        infos.wait()
+        infos.note_for(0.0)
+        pictures = front.note_for(1.2)
+        noted = {info.stamp: info for info in infos.noted}
+        assert 10 <= len(pictures) <= 26
+        assert all(picture.looks(RED) for picture in pictures)
+        # None comes twice.
+        found = stamps(pictures)
+        assert found == sorted(set(found))
+        assert all(stamp % POSES_PERIOD == 0 for stamp in found)
+        # The ends of the two recordings may differ.
+        assert len(set(found) & set(noted)) >= len(found) - 2
+        info = next(iter(noted.values()))
+        assert info.frame == "front_camera_optical_frame"
+        assert info.size == SIZE
+        assert info.message.K[2] == pytest.approx((SIZE[0] - 1) / 2)
+        assert info.focal_length == pytest.approx(FOCAL)
+        assert list(info.message.D) == [-0.1, 0.02, 0.0, 0.0, 0.0]
+
+    def test_the_other_camera_looks_the_other_way(self, stage):
+        viewer = stage.pictures("rear")
+        viewer.wait()
+        seen = viewer.note_for(0.4)
+        assert seen
+        assert all(picture.looks(GREEN) for picture in seen)
+        assert all(picture.frame == "rear_camera_optical_frame" for picture in seen)
+
+    def test_raw_pictures_while_somebody_listens(self, stage):
+        viewer = stage.pictures("front", "image_raw")
+        viewer.wait()
+        seen = viewer.note_for(0.4)
+        assert seen
+        assert all(picture.looks(RED) for picture in seen)
+
+    @pytest.mark.parametrize(("camera", "color"), [("rear", GREEN), ("front", RED)])
+    def test_previews_show_the_same_in_fewer_pixels(self, stage, camera, color):
+        viewer = stage.pictures(camera, "preview/compressed")
+        viewer.wait()
+        seen = viewer.note_for(0.4)
+        assert seen
+        assert all(picture.looks(color) for picture in seen)
+        assert all(picture.size == SMALL for picture in seen)
+        assert {picture.frame for picture in seen} == {f"{camera}_camera_optical_frame"}
+        assert all(stamp % POSES_PERIOD == 0 for stamp in stamps(seen))
+
+    def test_topics_of_cameras_that_the_robot_has(self, stage):
+        assert stage.topics_before == []
+        wait_until(lambda: "/telex/cameras/front/depth" in camera_topics(), "the topics")
+        topics = camera_topics()
+        assert "/telex/cameras/front/image_raw/compressed" in topics
+        assert "/telex/cameras/rear/camera_info" in topics
+        assert "/telex/cameras/rear/depth" not in topics
+
+    def test_a_camera_comes_and_goes_with_its_link_whose_lack_is_named_once(self, stage):
+        lack = "this robot has no telex/no_lamp_link, telex/no_such_link"
+
+        def ghosts():
+            return [topic for topic in camera_topics() if "ghost" in topic]
+
+        wait_until(lambda: not ghosts(), "no ghost")
+        assert stage.said.count(lack) == stage.simulator.times_lacking
+        stage.simulator.let_ghost(True)
+        wait_until(lambda: "/telex/cameras/ghost/image_raw/compressed" in ghosts(), "the ghost")
+        stage.simulator.let_ghost(False)
+        wait_until(lambda: not ghosts(), "no ghost")
+        # Once more, when the link has gone again.
+        assert stage.said.count(lack) == stage.simulator.times_lacking
+
+    def test_zoom_is_taken_within_its_range_and_told_by_camera_info(self, stage):
+        from std_msgs.msg import Float64
+
+        infos = stage.infos("front")
+        assert infos.wait().focal_length == pytest.approx(FOCAL)
+        zoom = stage.commands("cameras/front/zoom", Float64)
+        for value, factor in ((2.5, 2.5), (float("nan"), 2.5), (99.0, 4.0), (-1.0, 1.0)):
+            zoom.publish(value)
+            time.sleep(0.2)
+            assert infos.newest(0.2).focal_length == pytest.approx(factor * FOCAL)
+        assert "camera front: zoom is nan; 1 to 4 is possible" in stage.said
+        assert "camera front: zoom is 99; 1 to 4 is possible, 4 is taken" in stage.said
+        assert "camera front: zoom is -1; 1 to 4 is possible, 1 is taken" in stage.said
+
+    def test_depth_is_in_metres(self, stage):
+        viewer = stage.pictures("front", "depth")
+        viewer.wait()
+        seen = viewer.note_for(0.6)[-3:]
+        assert seen
+        for depth in seen:
+            assert depth.message.encoding == "32FC1"
+            assert depth.frame == "front_camera_optical_frame"
+            assert depth.pixels[SIZE[1] // 2, SIZE[0] // 2] == pytest.approx(2.75, abs=0.01)
+            # Beside the box there is nothing.
+            assert depth.pixels[0, 0] == np.inf
+
+    def test_parameters_are_changed_while_it_runs(self, stage):
+        import rospy
+
+        rear, infos = stage.pictures("rear"), stage.infos("rear")
+        brightness = rear.wait().middle.mean()
+        topics = set(camera_topics())
+        try:
+            answer = stage.configure(
+                "rear", "{width: 80, height: 60, rate: 5, depth: true, exposure: {ev: -1}}"
+            )
+            assert answer.success
+            assert "width: 80" in answer.parameters
+            rear.note_for(0.5)
+            infos.note_for(0.0)
+            pictures = rear.note_for(1.0)
+            assert 3 <= len(pictures) <= 7
+            assert pictures[-1].size == (80, 60)
+            # One EV less is half the light.
+            assert pictures[-1].middle.mean() < 0.85 * brightness
+            assert rospy.get_param(f"{NAMESPACE}/cameras/cameras/rear/width") == 80
+            assert infos.wait().size == (80, 60)
+            assert infos.wait().focal_length == pytest.approx(40.0 / EDGE)
+            assert set(camera_topics()) - topics == {"/telex/cameras/rear/depth"}
+            # Another renderer takes the place of the first.
+            assert stage.configure("", "{shadow_radius: 3}").success
+            rear.note_for(0.3)
+            assert rear.wait().looks(GREEN)
+        finally:
+            assert stage.configure("rear", REAR).success
+        wait_until(lambda: "/telex/cameras/rear/depth" not in camera_topics(), "no depth")
+
+    @pytest.mark.parametrize(
+        ("camera", "parameters", "reason"),
+        [
+            ("rear", "{rate: -1, width: 32}", "rate is -1.0; it must be above 0 and at most 240"),
+            ("rear", "{noise: .nan}", "noise is nan; it must be finite"),
+            ("rear", "{frame: lamp_link}", "frame cannot be changed while the node runs"),
+            (
+                "side",
+                "{rate: 5}",
+                "camera is 'side'; front, ghost, overview, rear are possible, or nothing for what"
+                " all have in common",
+            ),
+            ("", "{quality: ultra}", "quality is 'ultra'; auto, software, gpu are possible"),
+            ("", "{seed: 5}", "seed cannot be changed while the node runs"),
+        ],
+    )
+    def test_parameters_that_make_no_sense_are_refused_with_the_reason(
+        self, stage, camera, parameters, reason
+    ):
+        answer = stage.configure(camera, parameters)
         assert not answer.success
-        refused.append(answer.message)
-    topics = set(camera_topics())
-    answer = service("rear", "{width: 80, height: 60, rate: 5, depth: true, exposure: {ev: -1}}")
-    info = Viewer("cameras/rear/camera_info", CameraInfo)
-    rear.note_for(0.5)
-    pictures = rear.note_for(1.0)
-    changed = {
-        "success": answer.success,
-        "parameters": answer.parameters,
-        "on_server": rospy.get_param("cameras/cameras/rear/width"),
-        "brightness_before": before["brightness"],
-        "pictures_in_a_second": len(pictures),
-        "picture": pictures[-1] if pictures else rear.wait(),
-        "info": info.wait(),
-        "topics": sorted(set(camera_topics()) - topics),
-    }
-    # Another renderer takes the place of the first.
-    assert service("", "{shadow_radius: 3}").success
-    rear.note_for(0.3)
-    changed["renderer"] = rear.wait()
-    rear.leave()
-    info.leave()
-    return {"changed": changed, "refused": refused}
+        assert answer.message == reason
 
+    def test_the_overview_goes_where_it_is_sent(self, stage):
+        from telex_msgs.msg import OverviewView
 
-def fly():
-    """Send the overview camera to the other side, and then nowhere."""
-    import rospy
-    from sensor_msgs.msg import CompressedImage
-    from telex_msgs.msg import OverviewView
-
-    viewer = Viewer("cameras/overview/image_raw/compressed", CompressedImage)
-    sender = rospy.Publisher("cameras/overview/view", OverviewView, queue_size=1)
-    seen = [viewer.wait()]
-    while not sender.get_num_connections():
-        time.sleep(0.01)
-    for view in (
-        OverviewView(mode="fixed", azimuth=np.pi, distance=6.0),
-        OverviewView(mode="fixed", distance=float("nan")),
-        OverviewView(mode="fly", distance=6.0),
-    ):
-        sender.publish(view)
-        seen.append(viewer.newest(0.5))
-    viewer.leave()
-    return seen[:2] + seen[3:]
-
-
-class CountingRenderer:
-    """Counts pictures by the direction in which the camera looks."""
-
-    repeats = False
-
-    def __init__(self):
-        self.counts = {"ahead": 0, "back": 0}
-        self.sizes = set()
-        self.seconds = 0.0
-
-    def load_scene(self, scene):
-        return []
-
-    def set_lamp_levels(self, levels):
-        pass
-
-    def place(self, frames_in_world, focus, recast=True):
-        pass
-
-    def render(self, camera, optical_in_world, exposure=1.0, coarse=False):
-        time.sleep(self.seconds)
-        self.counts["ahead" if optical_in_world[0, 2] > 0.0 else "back"] += 1
-        self.sizes.add(camera.width)
-        return np.zeros((camera.height, camera.width, 4), np.uint8)
-
-    def depth(self, camera):
-        return np.zeros((camera.height, camera.width), np.float32)
-
-    def release(self):
-        pass
-
-
-def count():
-    """Count what a node draws for whom, in this process."""
-    import rospy
-    from sensor_msgs.msg import CameraInfo, CompressedImage
-
-    from telex_control.common.params import read_config
-    from telex_control.ros.node_start import until_shutdown
-    from telex_sim.cameras.cameras_config import CamerasConfig
-    from telex_sim.cameras.ros.cameras_node import CamerasNode
-
-    miss_nothing()
-    rospy.init_node("count")
-    renderer = CountingRenderer()
-    node = CamerasNode(read_config(CamerasConfig, PARAMS, "count"), lambda config: renderer)
-    Simulator().describe(RED)
-    counted = {}
-
-    def watch():
-        for name, topic, kind in (
-            ("info", "front/camera_info", CameraInfo),
-            ("front", "front/image_raw/compressed", CompressedImage),
-            ("rear", "rear/image_raw/compressed", CompressedImage),
+        viewer = stage.pictures("overview")
+        sender = stage.commands("cameras/overview/view", OverviewView)
+        sender.publish(OverviewView(mode="fixed", distance=6.0))
+        # From far ahead it sees the front box, from behind the other one.
+        wait_until(lambda: viewer.wait().looks(RED), "the overview ahead")
+        sender.publish(OverviewView(mode="fixed", azimuth=np.pi, distance=6.0))
+        after = viewer.newest(0.5)
+        assert after.looks(GREEN)
+        assert after.frame == "overview_camera_optical_frame"
+        for refused in (
+            OverviewView(mode="fixed", distance=float("nan")),
+            OverviewView(mode="fly", distance=6.0),
         ):
-            viewer = Viewer(f"cameras/{topic}", kind)
-            viewer.wait()
-            before = dict(renderer.counts)
-            viewer.note_for(0.5)
-            counted[name] = {way: renderer.counts[way] - before[way] for way in before}
-            viewer.leave()
-        # Whoever looks at the small pictures alone has nothing larger drawn; beside the pictures of
-        # full size, they cost nothing.
-        preview = Viewer("cameras/rear/preview/compressed", CompressedImage)
+            sender.publish(refused)
+            assert viewer.newest(0.5).looks(GREEN)
+        assert "camera overview: distance is nan; it must be" in stage.said
+        assert "camera overview: mode is 'fly'; follow, orbit, fixed are possible" in stage.said
+
+    def test_lamps_are_switched(self, stage, front):
+        from std_msgs.msg import Float64
+
+        level = stage.commands("lamps/head/command", Float64)
+        stage.simulator.revision += 1
+        stage.simulator.describe(RED, ambient=0.0)
+        front.note_for(0.3)
+        starting = front.newest(0.3).middle.max()
+        seen = []
+        for value in (0.0, float("nan"), 1.0, 0.5):
+            level.publish(value)
+            time.sleep(0.2)
+            seen.append(front.newest(0.3).middle.max())
+        off, still_off, full, _ = seen
+        assert off == still_off == 0.0
+        assert 10.0 < starting < full
+        assert "lamp head: level is nan; 0 to 1 is possible, it stays at 0" in stage.said
+
+    def test_while_paused_a_picture_now_and_then(self, stage, front):
+        stage.simulator.paused = True
+        front.note_for(0.3)
+        pictures = front.note_for(1.0)
+        assert len(set(stamps(pictures))) == 1
+        assert 2 <= len(pictures) <= 12
+
+    def test_poses_with_nan_move_nothing(self, stage, front):
+        stage.simulator.broken = True
+        front.note_for(0.3)
+        assert front.note_for(0.5) == []
+        assert "poses are left out" in stage.said
+        stage.simulator.broken = False
+        assert front.note_for(0.5)
+
+    def test_poses_wait_for_their_scene(self, stage, front):
+        stage.simulator.revision += 1
+        front.note_for(0.3)
+        assert front.note_for(0.5) == []
+        stage.simulator.describe(BLUE)
+        front.note_for(0.3)
+        come = front.note_for(0.5)
+        assert come
+        assert all(picture.looks(BLUE) for picture in come)
+
+    def test_a_simulator_that_starts_again_is_followed(self, stage, front):
+        stage.simulator.ticks += round(60.0 * POSES_RATE)  # later than it will be again
+        front.note_for(0.3)
+        before = front.note_for(0.3)
+        assert before
+        stage.simulator.revision, stage.simulator.ticks = 1, 0
+        stage.simulator.describe(GREEN)
+        front.note_for(0.3)
+        restarted = front.note_for(0.5)
+        assert restarted
+        assert all(picture.looks(GREEN) for picture in restarted)
+        assert max(stamps(restarted)) < min(stamps(before))
+
+
+class Counter:
+    """Counts the pictures that a node of counting_cameras.py draws."""
+
+    def __init__(self, stage):
+        from std_msgs.msg import Float64, String
+
+        self._rendered = []  # direction and width of each
+        self._time = stage.commands("render_time", Float64)
+        wait_until_connected(
+            stage.topics.subscriber(
+                "rendered", String, lambda m: self._rendered.append(m.data.split())
+            )
+        )
+        self.take_for_each(0.0)
+
+    def take_for_each(self, seconds):
+        """Let each picture take so long (s)."""
+        from std_msgs.msg import Float64
+
+        self._time.publish(Float64(seconds))
+
+    def within(self, seconds):
+        """How many are drawn in each direction within some time (s), and in which widths."""
+        begin = len(self._rendered)
+        time.sleep(seconds)
+        ways, widths = zip(*self._rendered[begin:]) if self._rendered[begin:] else ((), ())
+        counts = {"ahead": ways.count("ahead"), "back": ways.count("back")}
+        return counts, {int(width) for width in widths}
+
+
+class TestCounted:
+    """What a node draws for whom."""
+
+    @pytest.fixture(scope="class")
+    def started(self, master, tmp_path_factory):
+        log = tmp_path_factory.mktemp("counting") / "log"
+        with running(master, log, HERE / "counting_cameras.py") as stage:
+            yield stage
+
+    @pytest.fixture
+    def counter(self, stage):
+        counter = Counter(stage)
+        yield counter
+        counter.take_for_each(0.0)
+
+    def test_nothing_is_drawn_for_infos(self, stage, counter):
+        stage.infos("front").wait()
+        counts, _ = counter.within(0.5)
+        assert counts == {"ahead": 0, "back": 0}
+
+    @pytest.mark.parametrize(
+        ("camera", "looks", "not_there"), [("front", "ahead", "back"), ("rear", "back", "ahead")]
+    )
+    def test_one_camera_is_drawn_for_who_looks_at_it(
+        self, stage, counter, camera, looks, not_there
+    ):
+        stage.pictures(camera).wait()
+        counts, _ = counter.within(0.5)
+        assert counts[looks] > 3
+        assert counts[not_there] == 0
+
+    def test_nothing_larger_is_drawn_for_who_looks_at_previews(self, stage, counter):
+        stage.pictures("rear", "preview/compressed").wait()
+        time.sleep(0.2)
+        _, widths = counter.within(0.3)
+        assert widths == {SMALL[0]}
+
+    def test_previews_cost_nothing_beside_pictures_of_full_size(self, stage, counter):
+        preview = stage.pictures("rear", "preview/compressed")
         preview.wait()
+        stage.pictures("rear").wait()
         time.sleep(0.2)
-        renderer.sizes.clear()
-        preview.note_for(0.3)
-        counted["sizes_alone"] = sorted(renderer.sizes)
-        full = Viewer("cameras/rear/image_raw/compressed", CompressedImage)
-        full.wait()
-        time.sleep(0.2)
-        renderer.sizes.clear()
-        before = renderer.counts["back"]
-        counted["beside_preview"] = len(preview.note_for(0.4))
-        counted["beside"] = renderer.counts["back"] - before
-        counted["sizes_beside"] = sorted(renderer.sizes)
-        preview.leave()
-        full.leave()
+        preview.note_for(0.0)
+        counts, widths = counter.within(0.4)
+        assert len(preview.noted) > 1
+        # At their rate of 20 in a second, none is drawn for the previews alone.
+        assert counts["back"] <= 0.4 * 20.0 + 3
+        assert widths == {SIZE[0]}
+
+    def test_nothing_is_drawn_for_nobody_any_more(self, stage, counter):
+        stage.pictures("rear").wait()
+        stage.leave()
         time.sleep(0.3)
-        before = dict(renderer.counts)
-        time.sleep(0.5)
-        counted["nobody"] = {way: renderer.counts[way] - before[way] for way in before}
+        counts, _ = counter.within(0.5)
+        assert counts == {"ahead": 0, "back": 0}
+
+    def test_when_all_is_late_who_comes_is_served_and_who_goes_no_more(self, stage, counter):
         # Far longer than the period of the cameras: one of them is always late.
-        renderer.seconds = 0.15
-        front = Viewer("cameras/front/image_raw/compressed", CompressedImage)
-        front.wait()
-        Viewer("cameras/rear/image_raw/compressed", CompressedImage).wait()
-        front.leave()
-        time.sleep(0.5)
-        before = dict(renderer.counts)
-        time.sleep(0.5)
-        counted["overloaded"] = {way: renderer.counts[way] - before[way] for way in before}
-        rospy.signal_shutdown("counted")
-
-    watcher = threading.Thread(target=watch)
-    watcher.start()
-    with until_shutdown():  # a picture may be under way
-        node.run()
-    watcher.join()
-    print(json.dumps(counted))
+        counter.take_for_each(0.15)
+        stage.pictures("front").wait()
+        with Topics(NAMESPACE) as topics:
+            rear = Viewer(topics, "rear/image_raw/compressed", picture_type("compressed"))
+            rear.wait()
+            stage.leave()
+            time.sleep(0.5)
+            counts, _ = counter.within(0.5)
+        assert counts["back"] > 0
+        assert counts["ahead"] == 0
 
 
-if __name__ == "__main__":
-    {"drill": drill, "count": count}[sys.argv[1]]()
+@pytest.mark.parametrize(
+    ("params", "environment", "complaint"),
+    [
+        ({**PARAMS, "cameras": {}}, {}, "cameras is empty"),
+        ({**PARAMS, "colour": "red"}, {}, "colour is unknown"),
+        ({**PARAMS, "renderer": "tiny"}, {}, "renderer is 'tiny'; auto, opengl are possible"),
+        (PARAMS, NO_EGL, "apt-get install libegl1 libgl1 libgl1-mesa-dri"),
+    ],
+)
+def test_what_cannot_work_ends_with_one_line(master, params, environment, complaint):
+    import rospy
+
+    rospy.set_param(f"{NAMESPACE}/wrong", params)
+    node = subprocess.run(
+        [sys.executable, str(NODE), "__name:=wrong", f"__ns:={NAMESPACE}"],
+        env={**master, **environment},
+        capture_output=True,
+        text=True,
+        timeout=60.0,
+        check=False,
+    )
+    rospy.delete_param(f"{NAMESPACE}/wrong")
+    assert node.returncode == 1
+    assert complaint in node.stderr
+    assert "[FATAL]" in node.stderr
+    assert "Traceback" not in node.stderr

@@ -1,25 +1,22 @@
-"""What the drills of the real nodes share: a fake robot, nodes as processes, keys that are held.
-
-Messages are imported where they are needed: the tests that judge a drill do not need rospy.
-"""
+"""A robot without physics for the real nodes: its joints are where their last references say."""
 
 from __future__ import annotations
 
 import contextlib
-import subprocess
-import sys
 import threading
 import time
 from pathlib import Path
+
+from waiting import wait_until
 
 PACKAGE = Path(__file__).resolve().parents[1]
 TICK = 0.01  # s between joint states
 
 
 class FakeRobot:
-    """Publishes /clock and joint states; every joint is where its last reference says."""
+    """Publishes /clock and joint states; ends with its context."""
 
-    def __init__(self, joints):
+    def __init__(self, topics, joints):
         import rospy
         from rosgraph_msgs.msg import Clock
         from sensor_msgs.msg import JointState
@@ -33,25 +30,29 @@ class FakeRobot:
         self.paused = False
         self.each = None  # called with the stamp of every joint state, before it is published
         self._ended = False
+        self._time = rospy.Time.from_sec
         self._state = JointState
         self._clock_message = Clock
-        self._clock = rospy.Publisher("/clock", Clock, queue_size=10)
-        self._joint_states = rospy.Publisher("joint_states", JointState, queue_size=10)
+        self._clock = topics.publisher("/clock", Clock)
+        self._joint_states = topics.publisher("joint_states", JointState)
         for joint in joints:
             topic = joint.replace("_joint", "_position_controller/command")
-            rospy.Subscriber(
-                topic, Float64, self._on_reference, callback_args=joint, tcp_nodelay=True
-            )
+            topics.subscriber(topic, Float64, self._on_reference, callback_args=joint)
         self._thread = threading.Thread(target=self._run, daemon=True)
+
+    def __enter__(self):
         self._thread.start()
+        return self
+
+    def __exit__(self, *exception):
+        self._ended = True
+        self._thread.join()
 
     def _on_reference(self, message, joint):
         self.positions[joint] = message.data
         self.messages += 1
 
     def _run(self):
-        import rospy
-
         due = time.monotonic()
         while not self._ended:
             due += TICK
@@ -59,7 +60,7 @@ class FakeRobot:
             if self.paused:
                 continue
             self.sim_time = round(self.sim_time + TICK, 6)
-            stamp = rospy.Time.from_sec(self.sim_time)
+            stamp = self._time(self.sim_time)
             state = self._state(name=self.joints, position=list(self.positions.values()))
             state.header.stamp = stamp
             self.history.append((self.sim_time, dict(self.positions)))
@@ -68,15 +69,29 @@ class FakeRobot:
             self._clock.publish(self._clock_message(clock=stamp))
             self._joint_states.publish(state)
 
-    def end(self):
-        self._ended = True
-        self._thread.join()
-
     def rate(self, joint, duration):
         """Mean velocity over the last `duration` seconds of sim time."""
         count = round(duration / TICK)
         (start, before), (end, after) = self.history[-count - 1], self.history[-1]
         return (after[joint] - before[joint]) / (end - start)
+
+    def travel(self, joint, action):
+        """How far a joint moves while something is done."""
+        before = self.positions[joint]
+        action()
+        return abs(self.positions[joint] - before)
+
+    def rest(self, duration=0.32, timeout=20.0):
+        """Wait until no joint has moved for a while (s) from now: longer than a command lives."""
+        ticks = round(duration / TICK)
+        begin = len(self.history) + ticks
+        wait_until(
+            lambda: (
+                len(self.history) >= begin and self.history[-1][1] == self.history[-1 - ticks][1]
+            ),
+            "the robot at rest",
+            timeout,
+        )
 
 
 def description(joints):
@@ -90,68 +105,35 @@ def description(joints):
     return f'<robot name="fake"><link name="base_link"/>{links}{parts}</robot>'
 
 
-class Node:
-    """One of our nodes as a process."""
-
-    def __init__(self, name):
-        self.name = name
-        self.start()
-
-    def start(self):
-        command = [str(PACKAGE / "nodes" / self.name)]
-        # not our stdout: that carries the results, and its reader waits until everybody closes it
-        self.process = subprocess.Popen(command, stdout=sys.stderr)
-
-    def kill(self):
-        self.process.kill()
-        self.process.wait()
-
-    def end(self):
-        self.process.terminate()
-        try:
-            self.process.wait(10.0)
-        except subprocess.TimeoutExpired:
-            self.kill()
-
-
 def repeat(publisher, message, duration):
     """Publish at 50 Hz, as a held key does."""
-    end = time.monotonic() + duration
-    while time.monotonic() < end:
+    with holding(publisher, message):
+        time.sleep(duration)
+
+
+@contextlib.contextmanager
+def holding(publisher, message):
+    """Publish at 50 Hz while something else is done."""
+    ended = threading.Event()
+
+    def run():
         publisher.publish(message)
-        time.sleep(0.02)
+        while not ended.wait(0.02):
+            publisher.publish(message)
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()
 
 
-def wait_for(condition, what, timeout=60.0):
-    """Wait until something is so, or raise a TimeoutError after `timeout` (s).
-
-    A message that has not come yet (LookupError) counts as false.
-    """
-    deadline = time.monotonic() + timeout
-    while True:
-        with contextlib.suppress(LookupError):
-            if condition():
-                return
-        if time.monotonic() > deadline:
-            raise TimeoutError(what)
-        time.sleep(0.01)
-
-
-class Held:
-    """Publishes at 50 Hz while something else is done."""
-
-    def __init__(self, publisher, message):
-        self._publisher, self._message = publisher, message
-        self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._run)
-
-    def _run(self):
-        while not self._ended.wait(0.02):
-            self._publisher.publish(self._message)
-
-    def __enter__(self):
-        self._thread.start()
-
-    def __exit__(self, *exception):
-        self._ended.set()
-        self._thread.join()
+def wait_until_listening(statuses):
+    """Wait until a node has joint states and the time is over in which it is deaf."""
+    wait_until(
+        lambda: not statuses[-1].message.startswith(("just started", "no joint")),
+        lambda: f"the node to listen (its status: {statuses[-1:]})",
+        60.0,
+    )
