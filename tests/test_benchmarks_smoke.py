@@ -7,12 +7,12 @@ import os
 import signal
 import subprocess
 import sys
-import time
 import uuid
 from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from waiting import wait_until
 
 from telex_control.common.child_processes import DIES_WITH_US
 from telex_experiments.rigs.private_master import end_tree
@@ -64,10 +64,9 @@ def test_it_still_runs(benchmark, tmp_path):
         told = output.read_text(errors="replace")[-6000:]
         assert process.poll() == 0, told
         assert json.loads(figures.read_text())["figures"], told
-        end = time.monotonic() + ENDING
-        while bearing(mark.encode()) and time.monotonic() < end:
-            time.sleep(0.1)
-        assert bearing(mark.encode()) == {}, told
+        wait_until(
+            lambda: bearing(mark.encode()) == {}, f"the end of its processes: {told}", ENDING
+        )
     finally:
         end_tree(process)
         for pid in bearing(mark.encode()):

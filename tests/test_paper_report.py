@@ -16,6 +16,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+from waiting import wait_until
 
 from telex_experiments.paper import __main__ as program
 from telex_experiments.paper import registry, schedule
@@ -456,7 +457,8 @@ def test_one_that_takes_too_long_is_ended_with_all_that_it_started(fakes, monkey
     (outcome,) = Schedule(fakes, False, 1, lambda line: None).run(registry.select(["endless"]))
     assert "ended after 4 s" in outcome.result.error
     assert not outcome.result.ok
-    assert not runs(int((fakes / "endless" / "child").read_text()))
+    child = int((fakes / "endless" / "child").read_text())
+    wait_until(lambda: not runs(child), "the child to end", 5.0)
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
@@ -480,22 +482,16 @@ def test_an_interrupted_run_leaves_no_process_behind(fakes, number):
     said = process.stdout.read()
     assert process.wait(30.0) == program.INTERRUPTED
     assert "Ending what was started" in said
-    assert not runs(child)
+    wait_until(lambda: not runs(child), "the child to end", 5.0)
     assert not (fakes / "report.html").exists()
 
 
 def runs(pid):
-    """Tell whether a process runs, or ends within a moment."""
-    end = time.monotonic() + 5.0
-    while time.monotonic() < end:
-        try:
-            state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
-        except FileNotFoundError:
-            return False
-        if state == "Z":
-            return False
-        time.sleep(0.05)
-    return True
+    """Tell whether a process runs."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
 
 
 def test_what_an_experiment_raises_is_its_error():

@@ -7,11 +7,11 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
 import rosgraph
+from waiting import wait_until
 
 from telex_experiments.rigs import private_master
 from telex_experiments.rigs.private_master import (
@@ -52,10 +52,7 @@ def test_no_descendant_remains(manner, end):
         child = int(process.stdout.readline())
         assert child in descendants(process.pid)
         end_tree(process, timeout=5.0 if end == signal.SIGINT else 0.5)
-    deadline = time.monotonic() + 5.0
-    while is_running(child) and time.monotonic() < deadline:
-        time.sleep(0.01)
-    assert not is_running(child)
+    wait_until(lambda: not is_running(child), "the child to end", 5.0)
     assert process.returncode == -end
 
 
@@ -132,7 +129,4 @@ def test_a_master_does_not_outlive_a_starter_that_is_killed():
         assert tree
         assert rosgraph.is_master_online(uri)
         starter.kill()
-    deadline = time.monotonic() + 15.0
-    while any(map(is_running, tree)) and time.monotonic() < deadline:
-        time.sleep(0.05)
-    assert not any(map(is_running, tree))
+    wait_until(lambda: not any(map(is_running, tree)), "the master to end", 15.0)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import subprocess
-import time
 from pathlib import Path
 
 import pytest
 import yaml
+from waiting import wait_until
 
 from telex_experiments.rigs.private_master import PrivateMaster, end_tree
 
@@ -37,6 +37,11 @@ def text_of(master: PrivateMaster, *command: str) -> str:
     ).stdout
 
 
+def frames_of_six_cameras(master: PrivateMaster) -> str:
+    frames = text_of(master, "timeout", "10", "rostopic", "echo", "-n1", "/tf_static")
+    return frames if frames.count("optical_frame") >= 6 else ""
+
+
 @pytest.mark.ros
 def test_description_launch_publishes_frames_without_a_warning(tmp_path: Path) -> None:
     launch, output = tmp_path / "description.launch", tmp_path / "output.txt"
@@ -50,10 +55,9 @@ def test_description_launch_publishes_frames_without_a_warning(tmp_path: Path) -
             start_new_session=True,
         )
         try:
-            frames = ""
-            deadline = time.monotonic() + 60
-            while time.monotonic() < deadline and frames.count("optical_frame") < 6:
-                frames = text_of(master, "timeout", "10", "rostopic", "echo", "-n1", "/tf_static")
+            frames = wait_until(
+                lambda: frames_of_six_cameras(master), "the frames of six cameras", 60.0
+            )
             descriptions = {
                 name: yaml.safe_load(
                     text_of(master, "rosparam", "get", f"{name}/robot_description")

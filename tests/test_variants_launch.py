@@ -6,10 +6,10 @@ import os
 import re
 import signal
 import subprocess
-import time
 
 import pytest
 import yaml
+from waiting import wait_until
 
 from telex_experiments.rigs.private_master import PrivateMaster, end_tree
 
@@ -35,10 +35,7 @@ def pid_of(environment, node):
 
 def becomes(condition, what, output):
     """Wait for a condition; where it does not come, tell what roslaunch said meanwhile."""
-    end = time.monotonic() + START
-    while not condition():
-        assert time.monotonic() < end, f"{what}:\n{output.read_text(errors='replace')}"
-        time.sleep(0.2)
+    wait_until(condition, lambda: f"{what}:\n{output.read_text(errors='replace')}", START, 0.2)
 
 
 def running(environment):
@@ -69,10 +66,13 @@ def test_a_variant_comes_up_with_what_it_has(variant, lacking, gripper, tmp_path
         )
         try:
             expected = CONTROLLERS - len(lacking)
-            end = time.monotonic() + START
-            found = set()
-            while len(found) < expected and time.monotonic() < end and launch.poll() is None:
+
+            def found_all():
+                assert launch.poll() is None, output.read_text(errors="replace")
                 found = running(environment)
+                return len(found) >= expected and found
+
+            found = wait_until(found_all, f"{expected} controllers", START)
             status = ask(environment, "rostopic", "echo", "-n", "1", "/telex/gripper_teleop/status")
         finally:
             end_tree(launch)

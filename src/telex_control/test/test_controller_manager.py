@@ -5,6 +5,7 @@ import threading
 import time
 
 import pytest
+from waiting import wait_until
 
 from telex_control.hardware.hardware_interface import (
     EffortJointInterface,
@@ -93,14 +94,7 @@ def recorders(bench):
 
 
 def wait_for_switch(bench):
-    eventually(lambda: bench.manager._switch is not None, "a switch to reach the loop")
-
-
-def eventually(condition, what):
-    end = time.monotonic() + 5.0
-    while not condition():
-        assert time.monotonic() < end, f"not within 5 s: {what}"
-        time.sleep(0.001)
+    wait_until(lambda: bench.manager._switch is not None, "a switch to reach the loop")
 
 
 class Call(threading.Thread):

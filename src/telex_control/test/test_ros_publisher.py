@@ -1,10 +1,10 @@
 from __future__ import annotations
 
 import threading
-import time
 
 import pytest
 import rospy
+from waiting import wait_until
 
 from telex_control.ros import publisher as ros_publisher
 from telex_control.ros.publisher import RosPublisher
@@ -41,18 +41,11 @@ def publisher(monkeypatch):
     return RosPublisher("/topic", None, queue_size=3)
 
 
-def eventually(condition):
-    end = time.monotonic() + 5.0
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.001)
-
-
 def test_messages_are_sent_in_order_by_another_thread(publisher):
     fake = publisher._publisher
     for number in range(3):
         publisher.publish(number)
-    eventually(lambda: fake.sent == [0, 1, 2])
+    wait_until(lambda: fake.sent == [0, 1, 2])
     assert threading.current_thread() not in fake.threads
 
 
@@ -64,9 +57,9 @@ def test_a_sender_that_is_held_up_holds_nobody_up_and_drops_the_oldest(publisher
     for number in range(10):
         publisher.publish(number)
     fake.gate.set()
-    eventually(lambda: fake.sent == ["first", 7, 8, 9])
+    wait_until(lambda: fake.sent == ["first", 7, 8, 9])
     publisher.publish("last")
-    eventually(lambda: fake.sent[-1] == "last")
+    wait_until(lambda: fake.sent[-1] == "last")
 
 
 @pytest.mark.parametrize(
@@ -81,7 +74,7 @@ def test_what_cannot_be_sent_does_not_end_the_sending(publisher, error, caplog):
     publisher.publish(error)
     publisher.publish(error)
     publisher.publish("next")
-    eventually(lambda: publisher._publisher.sent == ["next"])
+    wait_until(lambda: publisher._publisher.sent == ["next"])
     complaints = caplog.text.count(f"topic /topic: a message is dropped: {error!r}")
     assert complaints == (type(error) is not rospy.ROSException)
 
@@ -96,4 +89,4 @@ def test_many_messages_from_many_threads_arrive(publisher):
         each.start()
     for each in threads:
         each.join()
-    eventually(lambda: len(publisher._publisher.sent) == 4000)
+    wait_until(lambda: len(publisher._publisher.sent) == 4000)

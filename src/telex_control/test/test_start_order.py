@@ -1,11 +1,11 @@
 import os
 import subprocess
 import threading
-import time
 from pathlib import Path
 from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
+from waiting import wait_until
 
 from telex_control.ros.start_order import START_AFTER, wait_for_turn
 
@@ -51,9 +51,8 @@ def test_it_waits_until_all_are_known(known, monkeypatch, second, asked, comes):
     known["/a/simulator"] = known["/other/image"] = True
     waiting = threading.Thread(target=wait_for_turn, args=(FOREVER,))
     waiting.start()
-    while known[""].count(asked) < 3:
-        assert waiting.is_alive()
-        time.sleep(0.01)
+    wait_until(lambda: known[""].count(asked) >= 3, "the master to be asked", FOREVER)
+    assert waiting.is_alive()
     known[comes] = True
     waiting.join(FOREVER)
     assert not waiting.is_alive()

@@ -16,6 +16,7 @@ from urllib.parse import urlsplit
 import pytest
 import rosgraph
 import rosgraph.xmlrpc
+from waiting import wait_until
 
 from telex_control.common.child_processes import DIES_WITH_US
 from telex_control.ros.rospy_fixes.xmlrpc_guard import (
@@ -173,10 +174,7 @@ def test_no_page_reaches_master_node_or_roslaunch():
         )
         try:
             asked = rosgraph.Master("/test", master_uri=master.uri)
-            end = time.monotonic() + 20.0
-            while "/listener" not in str(asked.getSystemState()):
-                assert time.monotonic() < end
-                time.sleep(0.05)
+            wait_until(lambda: "/listener" in str(asked.getSystemState()), "the node", 20.0)
             listener = asked.lookupNode("/listener")
             launches = list(asked.getParam("/roslaunch/uris").values())
             update = call("publisherUpdate", "/evil", "/topic", ["http://127.0.0.1:1/"])

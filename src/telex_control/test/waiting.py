@@ -1,14 +1,18 @@
 """Waiting for a condition in a test: one contract for all of them.
 
-What is awaited is given in words. When it does not come in time, an `AssertionError` says so, with
-the last value that was seen. An element that is not there yet (LookupError) is not yet so.
+When it does not come in time, an `AssertionError` says what was awaited, in words or else by the
+condition's source, and the last value that was seen. An element that is not there yet (LookupError)
+is not yet so.
 """
 
 from __future__ import annotations
 
 import asyncio
+import inspect
 import time
 from typing import Any, Callable, Iterator, Union
+
+What = Union[None, str, Callable[[], str]]
 
 PERIOD = 0.01
 """Time (s) between two looks."""
@@ -18,7 +22,7 @@ LONGEST_SHOWN = 2000
 
 def wait_until(
     condition: Callable[[], Any],
-    what: Union[str, Callable[[], str]],
+    what: What = None,
     timeout: float = 10.0,
     period: float = PERIOD,
 ) -> Any:
@@ -29,7 +33,8 @@ def wait_until(
     condition
         Called again and again. LookupError counts as false; any other exception ends the wait.
     what
-        What is awaited, for the failure's message; a function is called when it has failed.
+        What is awaited, for the failure's message; a function is called when it has failed. By
+        default, the source of the condition.
     timeout
         Time (s) after which the wait fails. The condition is looked at once more after it.
     period
@@ -49,7 +54,7 @@ def wait_until(
 
 async def wait_until_async(
     condition: Callable[[], Any],
-    what: Union[str, Callable[[], str]],
+    what: What = None,
     timeout: float = 10.0,
     period: float = PERIOD,
 ) -> Any:
@@ -61,9 +66,7 @@ async def wait_until_async(
     raise AssertionError("unreachable: the looks end by a value or by an error")
 
 
-def _looks(
-    condition: Callable[[], Any], what: Union[str, Callable[[], str]], timeout: float
-) -> Iterator[Any]:
+def _looks(condition: Callable[[], Any], what: What, timeout: float) -> Iterator[Any]:
     """Yield what a condition says, until the time is over."""
     deadline = time.monotonic() + timeout
     while True:
@@ -74,7 +77,14 @@ def _looks(
             value, seen = None, error
         yield value
         if last_look:
-            words = what if isinstance(what, str) else what()
+            words = what() if callable(what) else what or _source_of(condition)
             raise AssertionError(
                 f"not within {timeout:g} s: {words}; last seen: {repr(seen)[:LONGEST_SHOWN]}"
             )
+
+
+def _source_of(condition: Callable[[], Any]) -> str:
+    try:
+        return " ".join(inspect.getsource(condition).split())
+    except (OSError, TypeError):
+        return repr(condition)

@@ -16,6 +16,7 @@ from unittest import mock
 import numpy as np
 import pytest
 import rospkg
+from waiting import wait_until
 
 from telex_control.common.params import ConfigError
 from telex_control.urdf.joints import UrdfError
@@ -259,8 +260,7 @@ def test_what_tries_ends_with_its_process(tmp_path):
     asking = threading.Thread(target=ask)
     asking.start()
     children = Path(f"/proc/{parent}/task/{parent}/children")
-    while not children.read_text():
-        time.sleep(0.01)
+    wait_until(children.read_text, "the child", 20.0)
     time.sleep(0.1)
     child = int(children.read_text())
     os.kill(child, signal.SIGSTOP)
@@ -268,10 +268,7 @@ def test_what_tries_ends_with_its_process(tmp_path):
     asking.join()
     client.close()
     try:
-        until = time.monotonic() + 5.0
-        while _runs(child) and time.monotonic() < until:
-            time.sleep(0.01)
-        assert not _runs(child)
+        wait_until(lambda: not _runs(child), "the child to end", 5.0)
     finally:
         with contextlib.suppress(ProcessLookupError):
             os.kill(child, signal.SIGKILL)

@@ -11,8 +11,8 @@ from control_msgs.msg import JointJog
 from geometry_msgs.msg import Twist, TwistStamped, Vector3
 from std_msgs.msg import Header, String
 from telex_msgs.msg import FlipperPresetHold
+from waiting import wait_until_async
 from web_fakes import on_loop
-from web_waits import becomes
 
 from telex_teleop.web.bridge.protocol.operations import MAX_DIGITS
 from telex_teleop.web.bridge.topics.commands import stop_for
@@ -30,7 +30,7 @@ async def test_advertise_publish_unadvertise():
     assert bench.ros.events == [("advertise", "/telex/chat", "std_msgs/String", True, 5)]
     assert bench.ros.published == [("/telex/chat", String("hello"))]
     client.say("unadvertise", topic="chat")
-    await becomes(lambda: bench.ros.events[-1] == ("unregister", "/telex/chat"))
+    await wait_until_async(lambda: bench.ros.events[-1] == ("unregister", "/telex/chat"))
     assert len(client.outbox) == len(bench.publishers) == 0
 
 
@@ -55,7 +55,7 @@ async def test_subscribers_that_do_not_connect_are_waited_for_only_so_long():
     bench.ros.expected = 1
     client = Client(bench)
     client.say("publish", topic="/known", msg={"data": "1"})
-    await becomes(lambda: bench.ros.published)
+    await wait_until_async(lambda: bench.ros.published)
     assert [message.data for _, message in bench.ros.published] == ["1"]
 
 

@@ -12,8 +12,8 @@ from bridge_bench import JOG, TWIST, Bench, Client
 from std_msgs.msg import Bool
 from telex_msgs.msg import FlipperPresetActionResult
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+from waiting import wait_until_async
 from web_fakes import FakeRos, on_loop
-from web_waits import becomes
 
 from telex_teleop.web.bridge.clients.access import Access
 from telex_teleop.web.bridge.clients.control import Control, ControlError, Member
@@ -452,7 +452,7 @@ async def test_goals_are_cancelled_with_their_client():
     client.say("advertise", topic=GOAL, type=GOAL_TYPE)
     client.say("publish", topic=GOAL, msg=HIGH)
     client.say("publish", topic=GOAL, msg={"goal": {"preset": "low"}})
-    await becomes(lambda: len(bench.ros.published) == 2)
+    await wait_until_async(lambda: len(bench.ros.published) == 2)
     (_, first), (_, second) = bench.ros.published
     assert first.goal_id.id == "g1"
     assert second.goal_id.id  # made up, so that it can be cancelled
@@ -462,7 +462,7 @@ async def test_goals_are_cancelled_with_their_client():
         (CANCEL, "g1"),
         (CANCEL, second.goal_id.id),
     ]
-    await becomes(lambda: len(bench.publishers) == 0)
+    await wait_until_async(lambda: len(bench.publishers) == 0)
 
 
 @on_loop
@@ -477,7 +477,7 @@ async def test_goals_end_with_their_results_and_are_bounded():
     for number in range(MAX_GOALS):
         send(number)
         if number % 10 == 9:  # of more that wait for their servers the oldest would be lost
-            await becomes(lambda number=number: len(bench.ros.published) == number + 1)
+            await wait_until_async(lambda number=number: len(bench.ros.published) == number + 1)
     send(MAX_GOALS)
     assert f"the results of {MAX_GOALS} goals of this client" in (await client.hear())["msg"]
     for number in range(3):
@@ -486,7 +486,7 @@ async def test_goals_end_with_their_results_and_are_bounded():
         bench.ros.receivers[GOAL.replace("goal", "result")](result, None)
     await bench.settle()
     send(MAX_GOALS + 1)
-    await becomes(lambda: len(bench.ros.published) == MAX_GOALS + 1)
+    await wait_until_async(lambda: len(bench.ros.published) == MAX_GOALS + 1)
     del bench.ros.published[:]
     client.session.close()
     left = [*range(3, MAX_GOALS), MAX_GOALS + 1]
@@ -504,7 +504,7 @@ async def test_goals_of_other_clients_are_neither_cancelled_nor_taken_over():
     goal = {"topic": f"{TF}/goal", "type": TF_GOAL}
     cancel = {"topic": f"{TF}/cancel", "type": "actionlib_msgs/GoalID", "msg": {"id": "g1"}}
     owner.say("publish", **goal, msg={"goal_id": {"id": "g1"}})
-    await becomes(lambda: len(bench.ros.published) == 1)
+    await wait_until_async(lambda: len(bench.ros.published) == 1)
     other.say("publish", **cancel)
     assert "this goal is another client's" in (await other.hear())["msg"]
     other.say("publish", **goal, msg={"goal_id": {"id": "g1"}})
@@ -516,10 +516,10 @@ async def test_goals_of_other_clients_are_neither_cancelled_nor_taken_over():
     await bench.settle()
     assert len(bench.ros.published) == 1
     owner.say("publish", **cancel)
-    await becomes(lambda: len(bench.ros.published) == 2)
+    await wait_until_async(lambda: len(bench.ros.published) == 2)
     assert bench.ros.published[1][1].id == "g1"
     owner.say("publish", topic=f"{TF}/cancel", msg={})  # all of one's own
-    await becomes(lambda: len(bench.ros.published) == 3)
+    await wait_until_async(lambda: len(bench.ros.published) == 3)
 
 
 @on_loop
@@ -529,7 +529,7 @@ async def test_the_id_of_a_goal_is_bounded():
     client.say("publish", topic=GOAL, type=GOAL_TYPE, msg={"goal_id": {"id": "g" * 1001}})
     assert "the goal's id has 1001 characters; at most 1000" in (await client.hear())["msg"]
     client.say("publish", topic=GOAL, msg={"goal_id": {"id": "g" * 1000}})
-    await becomes(lambda: len(bench.ros.published) == 1)
+    await wait_until_async(lambda: len(bench.ros.published) == 1)
 
 
 @on_loop
@@ -538,7 +538,7 @@ async def test_goals_are_forgotten_though_they_cannot_be_cancelled():
     clients = [Client(bench), Client(bench)]
     for number, client in enumerate(clients, start=1):
         client.say("publish", topic=f"{TF}/goal", type=TF_GOAL, msg={"goal_id": {"id": "g1"}})
-        await becomes(lambda number=number: len(bench.ros.published) == number)
+        await wait_until_async(lambda number=number: len(bench.ros.published) == number)
         with mock.patch.object(SharedPublisher, "publish", side_effect=OperationError("closed")):
             client.session.close()
 
@@ -557,7 +557,7 @@ async def test_a_goal_waits_until_its_answers_can_come_back():
     assert bench.ros.published == []
     assert ("ask", "/telex/flipper_teleop/preset") in bench.ros.events
     bench.ros.action_ready = True
-    await becomes(lambda: len(bench.ros.published) == 2)
+    await wait_until_async(lambda: len(bench.ros.published) == 2)
     assert [message.goal.preset for _, message in bench.ros.published] == ["high", "low"]
 
 
@@ -574,7 +574,7 @@ async def test_of_more_goals_than_can_wait_each_that_is_dropped_is_told():
         assert (status["op"], status["id"]) == ("status", f"op{number}")
         assert f"publish to {GOAL}: dropped; {MAX_HELD} newer goals wait" in status["msg"]
     bench.ros.action_ready = True
-    await becomes(lambda: len(bench.ros.published) == MAX_HELD)
+    await wait_until_async(lambda: len(bench.ros.published) == MAX_HELD)
     assert bench.ros.published[0][1].goal.preset == "p2"
 
 
@@ -600,7 +600,7 @@ async def test_a_goal_that_waits_is_forgotten_with_its_client():
     await bench.settle()
     client.session.close()
     bench.ros.action_ready = True
-    await becomes(lambda: len(bench.publishers) == 0)
+    await wait_until_async(lambda: len(bench.publishers) == 0)
     assert bench.ros.published == []
 
 

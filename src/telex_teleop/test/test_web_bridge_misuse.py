@@ -10,8 +10,8 @@ import sys
 import aiohttp
 import pytest
 from bridge_bench import Bench, Client
+from waiting import wait_until_async
 from web_fakes import FakeRos, on_loop, served
-from web_waits import becomes
 
 from telex_teleop.web.bridge.bridge_app import Rosbridge
 from telex_teleop.web.server_config import RosbridgeConfig
@@ -79,7 +79,7 @@ async def test_any_nonsense_is_survived():
     for client in clients:
         client.session.close()
     assert bench.control.members == [sane.member]
-    await becomes(lambda: len(bench.subscribers) == len(bench.publishers) == 0)
+    await wait_until_async(lambda: len(bench.subscribers) == len(bench.publishers) == 0)
 
 
 @pytest.mark.parametrize(
@@ -148,18 +148,18 @@ async def test_ten_thousand_subscriptions_and_a_flood_leave_the_operator_alone()
             if number % 1000 == 0:
                 value = {"linear": {"x": number + 1.0}}
                 await operator.send_json({"op": "publish", "topic": DRIVE, "msg": value})
-        await becomes(lambda: len(heard) == 9800, 18.0)
+        await wait_until_async(lambda: len(heard) == 9800, timeout=18.0)
         assert {answer["msg"] for answer in heard} == {
             "subscribe: a client may subscribe to 200 topics at most"
         }
-        await becomes(lambda: len(ros.published) == 10)
+        await wait_until_async(lambda: len(ros.published) == 10)
         assert [message.linear.x for _, message in ros.published] == [
             1000.0 * number + 1.0 for number in range(10)
         ]
         assert len(bridge.shared.subscribers) == 200
         await greedy.close()
         await listening
-        await becomes(lambda: len(bridge.shared.subscribers) == 0)
+        await wait_until_async(lambda: len(bridge.shared.subscribers) == 0)
         await operator.close()
 
 

@@ -8,8 +8,8 @@ import json
 import aiohttp
 import pytest
 from geometry_msgs.msg import Twist
+from waiting import wait_until_async
 from web_fakes import FakeRos, on_loop, served
-from web_waits import becomes
 
 from telex_teleop.web.bridge.bridge_app import Rosbridge
 from telex_teleop.web.server_config import RosbridgeConfig
@@ -44,9 +44,9 @@ async def test_operations_travel_both_ways():
             await socket.send_bytes(b"\x00")
             assert "must be text" in (await socket.receive_json(timeout=5))["msg"]
             await other.send_json({"op": "subscribe", "topic": "/known"})
-            await becomes(lambda: "/known" in bench.ros.receivers and bench.ros.published)
+            await wait_until_async(lambda: "/known" in bench.ros.receivers and bench.ros.published)
             assert bench.ros.published[0][1].linear.x == 1.0
-        await becomes(lambda: ("unsubscribe", "/known") in bench.ros.events)
+        await wait_until_async(lambda: ("unsubscribe", "/known") in bench.ros.events)
         assert bench.ros.published[-1] == ("/drive", Twist())
 
 
@@ -74,7 +74,7 @@ async def test_each_connection_has_a_name_of_its_own():
         for socket in sockets:
             await socket.send_json({"op": "advertise", "topic": "/presets", "type": kind})
             await socket.send_json({"op": "publish", "topic": "/presets", "msg": {}})
-        await becomes(lambda: len(bench.ros.published) == 2)
+        await wait_until_async(lambda: len(bench.ros.published) == 2)
         for socket in sockets:
             await socket.close()
     assert sorted(message.client for _, message in bench.ros.published) == ["1", "2"]
@@ -87,9 +87,9 @@ async def test_a_connection_that_is_cut_stops_what_it_drove():
         socket = await client.ws_connect(url)
         await socket.send_json(DRIVE)
         await socket.send_json(AHEAD)
-        await becomes(lambda: bench.ros.published)
+        await wait_until_async(lambda: bench.ros.published)
         socket._response.connection.transport.abort()
-        await becomes(lambda: len(bench.ros.published) == 2, 1.0)
+        await wait_until_async(lambda: len(bench.ros.published) == 2, timeout=1.0)
         assert bench.ros.published[-1] == ("/drive", Twist())
 
 
@@ -103,7 +103,7 @@ async def test_the_bridges_end_stops_what_its_clients_drove():
             silent = await client.ws_connect(url, autoclose=False)
             await socket.send_json(DRIVE)
             await socket.send_json(AHEAD)
-            await becomes(lambda: bench.ros.published)
+            await wait_until_async(lambda: bench.ros.published)
             ended = loop.time()
         # Neither of the two has answered the closing handshake.
         assert loop.time() - ended < 0.8
@@ -132,7 +132,7 @@ async def test_a_client_that_stops_reading_costs_bounded_memory_and_delays_nobod
     async with bench.served() as url, aiohttp.ClientSession() as client:
         stalled = await client.ws_connect(url)
         await stalled.send_json({"op": "subscribe", "topic": "/known"})
-        await becomes(lambda: "/known" in bench.ros.receivers)
+        await wait_until_async(lambda: "/known" in bench.ros.receivers)
         stalled._response.connection.transport.pause_reading()
         async with client.ws_connect(url) as reader:
             await reader.send_json({"op": "subscribe", "topic": "/known", "queue_length": 1})
@@ -223,7 +223,7 @@ async def test_no_more_clients_than_allowed():
             assert (await refusal(http, url))[0] == 503  # the last place is for an instructor
             async with http.ws_connect(teachers):
                 assert (await refusal(http, teachers))[0] == 503
-        await becomes(lambda: not bench.bridge.shared.control.members)
+        await wait_until_async(lambda: not bench.bridge.shared.control.members)
         async with http.ws_connect(teachers), http.ws_connect(url), http.ws_connect(url):
             assert (await refusal(http, url))[0] == 503
 
@@ -251,7 +251,7 @@ async def test_who_is_still_shaking_hands_has_a_place():
         outcomes = await asyncio.gather(*tries, return_exceptions=True)
         refused = [each.status for each in outcomes if isinstance(each, Exception)]
         assert refused == [503] * 4
-    await becomes(lambda: not bench.bridge.shared.control.members)
+    await wait_until_async(lambda: not bench.bridge.shared.control.members)
 
 
 @on_loop
@@ -266,7 +266,7 @@ async def test_everybody_can_see_who_is_there():
         await first.send_json(
             {"op": "publish", "topic": "track_teleop/cmd_vel", "msg": AHEAD["msg"]}
         )
-        await becomes(lambda: bench.ros.rosters and bench.ros.rosters[-1].holder == "1")
+        await wait_until_async(lambda: bench.ros.rosters and bench.ros.rosters[-1].holder == "1")
         rows = [
             (client.id, client.name, client.role, client.address, client.in_control)
             for client in bench.ros.rosters[-1].clients
@@ -276,7 +276,7 @@ async def test_everybody_can_see_who_is_there():
             ("2", "", "instructor", "127.0.0.1", False),
         ]
         await first.close()
-        await becomes(lambda: len(bench.ros.rosters[-1].clients) == 1)
+        await wait_until_async(lambda: len(bench.ros.rosters[-1].clients) == 1)
         assert bench.ros.rosters[-1].holder == ""
         await teacher.close()
 
@@ -288,7 +288,7 @@ async def test_a_client_can_ask_for_warnings_by_its_address():
         first, second = await http.ws_connect(url), await http.ws_connect(f"{url}/?status=1")
         drive = {"op": "publish", "topic": "track_teleop/cmd_vel", "type": "geometry_msgs/Twist"}
         await first.send_json({**drive, "msg": AHEAD["msg"]})
-        await becomes(lambda: bench.bridge.shared.control.holder is not None)
+        await wait_until_async(lambda: bench.bridge.shared.control.holder is not None)
         await second.send_json({**drive, "msg": AHEAD["msg"]})
         assert "client 1 holds control" in (await second.receive_json(timeout=5))["msg"]
         await first.close()

@@ -16,6 +16,7 @@ import pytest
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
+from waiting import wait_until
 from web_harness import Ros
 from web_robot import (
     ARM,
@@ -34,7 +35,6 @@ from web_robot import (
     camera_picture,
     describe,
 )
-from web_waits import wait_until
 
 pytestmark = [pytest.mark.ros, pytest.mark.browser]
 
@@ -62,7 +62,7 @@ class Page:
 
     def load(self):
         self.driver.get(self.url)
-        wait_until(lambda: self.attribute("link", "data-state") == "up", 15.0)
+        wait_until(lambda: self.attribute("link", "data-state") == "up", timeout=15.0)
         # On a busy machine a page that is being built stands still now and then, which lets go.
         self.driver.set_script_timeout(60.0)
         self.driver.execute_async_script("""
@@ -137,7 +137,7 @@ class Page:
             ];
         """
         shown = ["40 %", "running", True, *["live"] * 6]
-        wait_until(lambda: self.script(script) == shown, 20.0)
+        wait_until(lambda: self.script(script) == shown, timeout=20.0)
 
     def all_live(self):
         return all(state == "live" for _, state in self.thumbnails())
@@ -310,17 +310,21 @@ def test_six_views_are_live_and_a_click_makes_one_large(page):
 def test_pictures_that_are_smaller_than_the_cameras_own_are_explained(ros, robot, page):
     ros.master.setParam("/telex/cameras/cameras/front/width", 640)
     robot.publish_camera("front", camera_picture(480, 360), rate=15)
-    wait_until(lambda: page.text("picture-size") == "smaller pictures: the machine is busy", 20.0)
+    wait_until(
+        lambda: page.text("picture-size") == "smaller pictures: the machine is busy", timeout=20.0
+    )
     sentence, modes = page.element("#picture-size").rect, page.element(".modes").rect
     right, below = modes["x"] + modes["width"], modes["y"] + modes["height"]
     assert sentence["x"] > right or sentence["y"] > below
     robot.publish_camera("front", rate=15)
-    wait_until(lambda: "fps" in page.text("camera-rate") and not page.text("picture-size"), 20.0)
+    wait_until(
+        lambda: "fps" in page.text("camera-rate") and not page.text("picture-size"), timeout=20.0
+    )
 
 
 def test_heading_gripper_and_link_stand_over_the_picture(robot, page):
     wait_until(lambda: page.text("heading") == "090°")  # clockwise
-    wait_until(lambda: page.text("link-quality") == "link good", 20.0)
+    wait_until(lambda: page.text("link-quality") == "link good", timeout=20.0)
     # 0.3 rad open; 2 Nm on either finger at a lever of 0.143 m
     assert page.text("grip") == "114 mm open, force 14 N"
     robot.publish_effort("right_finger_base_joint", 2.0)
@@ -393,7 +397,7 @@ def test_the_heading_follows_as_often_as_pictures_come(robot, page):
 
 
 def test_slow_pictures_are_not_blamed_on_the_link(robot, page):
-    wait_until(lambda: page.text("link-quality") == "link good", 20.0)
+    wait_until(lambda: page.text("link-quality") == "link good", timeout=20.0)
     robot.publish_camera("front", rate=2)
     wait_until(lambda: page.text("picture-quality") == "picture poor")
     assert page.text("link-quality") == "link good"
@@ -404,7 +408,7 @@ def test_slow_pictures_are_not_blamed_on_the_link(robot, page):
 
 def test_an_answer_that_is_still_to_come_makes_the_link_poor(page):
     # A page that has just been loaded may have been late itself.
-    wait_until(lambda: page.text("link-quality") == "link good", 20.0)
+    wait_until(lambda: page.text("link-quality") == "link good", timeout=20.0)
     page.script("""
         const send = WebSocket.prototype.send;
         WebSocket.prototype.send = function (text) {
@@ -418,7 +422,7 @@ def test_an_answer_that_is_still_to_come_makes_the_link_poor(page):
     wait_until(lambda: page.text("link-quality") == "link poor")
     assert float(page.text("link-text").split()[1]) >= 500.0  # it is rounded
     page.script("answer()")
-    wait_until(lambda: page.text("link-quality") == "link good", 20.0)
+    wait_until(lambda: page.text("link-quality") == "link good", timeout=20.0)
 
 
 def test_what_moves_and_what_moves_it(robot, page):
@@ -428,7 +432,7 @@ def test_what_moves_and_what_moves_it(robot, page):
     def parts():
         return set(moves()[0].split(", "))
 
-    wait_until(lambda: moves() == (NOTHING, NOTHING), 3.0)
+    wait_until(lambda: moves() == (NOTHING, NOTHING), timeout=3.0)
     robot.publish_node_status(commanders=["/telex/rosbridge"])
     with page.hold("w"):
         wait_until(lambda: "tracks ahead" in moves()[0] and moves()[1] == "you (keys)")
@@ -438,7 +442,7 @@ def test_what_moves_and_what_moves_it(robot, page):
     with page.hold("r"):
         wait_until(lambda: "front flippers up" in parts())
     robot.publish_node_status()
-    wait_until(lambda: moves() == (NOTHING, NOTHING), 3.0)
+    wait_until(lambda: moves() == (NOTHING, NOTHING), timeout=3.0)
     robot.publish_node_status(commanders=["/telex/joy_teleop"])
     wait_until(lambda: page.text("moved-by") == "the robot's gamepad")
     assert page.text("moves") == "tracks, flippers, arm, gripper"
@@ -446,7 +450,7 @@ def test_what_moves_and_what_moves_it(robot, page):
     robot.publish_node_status(commanders=["/rostopic_12_1600000000000"])
     wait_until(lambda: page.text("moved-by") == "the program rostopic")
     robot.publish_node_status()
-    wait_until(lambda: moves() == (NOTHING, NOTHING), 3.0)
+    wait_until(lambda: moves() == (NOTHING, NOTHING), timeout=3.0)
     wait_until(lambda: not page.element("#others").is_displayed())
     assert "the robot's gamepad moves the robot" in page.text("log")
 
@@ -524,7 +528,7 @@ def drawing(page, name):
 
 
 def test_bars_and_drawing_follow_joints_and_urdf(robot, page):
-    wait_until(lambda: bar(page, "shoulder_joint") == ("near", 0.05), 15.0)
+    wait_until(lambda: bar(page, "shoulder_joint") == ("near", 0.05), timeout=15.0)
     side, top = drawing(page, "side"), drawing(page, "top")
     robot.publish_joint("shoulder_joint", 0.0)
     wait_until(lambda: bar(page, "shoulder_joint") == ("free", 0.55))
@@ -634,17 +638,19 @@ def test_a_stick_drives_by_its_deflection_and_must_come_back_to_rest(robot, page
     robot.forget()
     # Half of the way beyond the dead zone, of which 0.4 count by their cube.
     page.script("pad.axes[1] = -0.56")
-    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == pytest.approx(1.2 * 0.35), 5.0)
+    wait_until(
+        lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == pytest.approx(1.2 * 0.35), timeout=5.0
+    )
     page.script("window.dispatchEvent(new Event('blur'))")
-    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, 2.0)
+    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, timeout=2.0)
     assert robot.is_quiet(DRIVE)
     page.script("pad.axes[1] = 0")
     time.sleep(0.1)
     robot.forget()
     page.script("pad.axes[1] = -1")
-    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == pytest.approx(1.2), 5.0)
+    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == pytest.approx(1.2), timeout=5.0)
     page.script("navigator.getGamepads = () => []; dispatchEvent(new Event('gamepaddisconnected'))")
-    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, 2.0)
+    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, timeout=2.0)
     page.press(Keys.TAB)
 
 
@@ -924,7 +930,7 @@ def test_a_held_key_drives_50_times_a_second_until_it_is_let_go(robot, page):
     with page.hold("w"):
         robot.wait_for(DRIVE, 40)
         assert "held" in page.element('[data-action="drive:forward"]').get_attribute("class")
-    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, 2.0)
+    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, timeout=2.0)
     assert robot.is_quiet(DRIVE)
     commands = robot.heard(DRIVE)
     assert {command["linear"]["x"] for command in commands[:-1]} == {1.2}
@@ -944,8 +950,8 @@ def test_driving(robot, page, keys, linear, angular):
         return last["linear"]["x"], last["angular"]["z"]
 
     with page.hold(*keys):
-        wait_until(lambda: command() == (linear, angular), 2.0)
-    wait_until(lambda: command() == (0.0, 0.0), 2.0)
+        wait_until(lambda: command() == (linear, angular), timeout=2.0)
+    wait_until(lambda: command() == (0.0, 0.0), timeout=2.0)
 
 
 @pytest.mark.parametrize(
@@ -969,7 +975,7 @@ def test_joints_move_at_their_own_limit_and_stop(robot, page, topic, key, joints
         jog = robot.wait_for(topic, 3)[0]
     assert (jog["joint_names"], jog["velocities"]) == (joints, [velocity] * len(joints))
     assert jog["header"]["stamp"]["secs"] > 0
-    wait_until(lambda: robot.heard(topic)[-1]["velocities"] == [0.0] * len(joints), 2.0)
+    wait_until(lambda: robot.heard(topic)[-1]["velocities"] == [0.0] * len(joints), timeout=2.0)
     assert robot.is_quiet(topic, 0.1)
 
 
@@ -1009,7 +1015,7 @@ def test_a_digit_holds_a_flipper_preset_until_it_is_let_go(robot, page):
     with page.hold("4"):
         robot.wait_for(PRESETS, 10)
         assert "held" in page.element('[data-action="preset:3"]').get_attribute("class")
-    wait_until(lambda: robot.heard(PRESETS)[-1]["preset"] == "", 2.0)
+    wait_until(lambda: robot.heard(PRESETS)[-1]["preset"] == "", timeout=2.0)
     assert robot.is_quiet(PRESETS)
     commands = robot.heard(PRESETS)
     assert {command["preset"] for command in commands[:-1]} == {"climb"}
@@ -1026,7 +1032,7 @@ def test_presets_are_buttons_with_the_robots_names(robot, page):
     ]
     assert buttons[0].get_attribute("title") == "for flat"
     ActionChains(page.driver).click_and_hold(buttons[5]).pause(0.3).release().perform()
-    wait_until(lambda: robot.heard(PRESETS)[-1]["preset"] == "", 2.0)
+    wait_until(lambda: robot.heard(PRESETS)[-1]["preset"] == "", timeout=2.0)
     assert {command["preset"] for command in robot.heard(PRESETS)[:-1]} == {"high"}
 
 
@@ -1040,7 +1046,7 @@ def test_two_presets_at_once_stand_still(robot, page):
     with page.hold("1"):
         robot.wait_for(PRESETS, 3)
         with page.hold("2"):
-            wait_until(lambda: robot.heard(PRESETS)[-1]["preset"] == "", 2.0)
+            wait_until(lambda: robot.heard(PRESETS)[-1]["preset"] == "", timeout=2.0)
             assert robot.is_quiet(PRESETS)
 
 
@@ -1054,7 +1060,7 @@ def test_a_button_moves_while_the_pointer_holds_it(robot, page):
     # Beside the button it is still held: the pointer belongs to it until it is lifted.
     actions = ActionChains(page.driver).click_and_hold(button).pause(0.1).move_by_offset(-300, 0)
     actions.pause(0.5).release().perform()
-    wait_until(lambda: robot.heard(ARM)[-1]["velocities"] == [0.0], 2.0)
+    wait_until(lambda: robot.heard(ARM)[-1]["velocities"] == [0.0], timeout=2.0)
     assert robot.is_quiet(ARM)
     held = robot.heard(ARM)[:-1]
     assert {jog["velocities"][0] for jog in held} == {0.6}
@@ -1073,7 +1079,7 @@ def test_losing_the_operator_stops_and_only_a_new_press_moves(robot, page, loss)
     with page.hold("w"):
         robot.wait_for(DRIVE, 5)
         page.script(LOSSES[loss])
-        wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, 2.0)
+        wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, timeout=2.0)
         # The key is still down, and the keyboard repeats it.
         page.script(
             "window.dispatchEvent(new KeyboardEvent('keydown', {code: 'KeyW', repeat: true}))"
@@ -1091,19 +1097,19 @@ def test_a_page_that_is_left_gives_its_connections_up_until_it_is_shown_again(ro
     def names():
         return [client["id"] for client in robot.probe.messages(CLIENTS)[-1]["clients"]]
 
-    wait_until(lambda: len(names()) == 1, 20.0)
+    wait_until(lambda: len(names()) == 1, timeout=20.0)
     (before,) = names()
     with page.hold("w"):
         robot.wait_for(DRIVE, 5)
         page.script("window.dispatchEvent(new Event('pagehide'))")
-        wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, 5.0)
+        wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, timeout=5.0)
         assert "released: the page was left" in page.text("warning")
         # Whoever opens the page anew does not find that this one has control.
-        wait_until(lambda: names() == [], 20.0)
-        wait_until(lambda: ros.subscribers(PICTURE) == [], 20.0)
+        wait_until(lambda: names() == [], timeout=20.0)
+        wait_until(lambda: ros.subscribers(PICTURE) == [], timeout=20.0)
     page.script("window.dispatchEvent(new Event('pageshow'))")
-    wait_until(lambda: len(names()) == 1 and names() != [before], 20.0)
-    wait_until(lambda: page.attribute("link", "data-state") == "up", 20.0)
+    wait_until(lambda: len(names()) == 1 and names() != [before], timeout=20.0)
+    wait_until(lambda: page.attribute("link", "data-state") == "up", timeout=20.0)
     page.wait_until_all_is_shown()
     robot.forget()
     with page.hold("w"):
@@ -1113,7 +1119,7 @@ def test_a_page_that_is_left_gives_its_connections_up_until_it_is_shown_again(ro
 def test_a_page_that_comes_back_from_the_history_is_connected(robot, page):
     page.driver.get("about:blank")
     page.driver.back()
-    wait_until(lambda: page.attribute("link", "data-state") == "up", 30.0)
+    wait_until(lambda: page.attribute("link", "data-state") == "up", timeout=30.0)
     page.wait_until_all_is_shown()
 
 
@@ -1122,10 +1128,10 @@ def test_another_tab_in_front_stops(ros, robot, page):
     page.down("w")
     robot.wait_for(DRIVE, 5)
     page.driver.switch_to.new_window("tab")
-    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, 2.0)
+    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, timeout=2.0)
     assert robot.is_quiet(DRIVE)
     # Nobody sees the pictures: the cameras need not draw them.
-    wait_until(lambda: ros.subscribers(PICTURE) == [], 20.0)
+    wait_until(lambda: ros.subscribers(PICTURE) == [], timeout=20.0)
     page.driver.close()
     page.driver.switch_to.window(first)
     assert robot.is_quiet(DRIVE)
@@ -1136,7 +1142,7 @@ def test_losing_the_operator_stops_a_preset(robot, page):
     with page.hold("6"):
         robot.wait_for(PRESETS, 3)
         page.script(LOSSES["blur"])
-        wait_until(lambda: robot.heard(PRESETS)[-1]["preset"] == "", 2.0)
+        wait_until(lambda: robot.heard(PRESETS)[-1]["preset"] == "", timeout=2.0)
         assert robot.is_quiet(PRESETS)
 
 
@@ -1148,7 +1154,7 @@ def test_keys_with_modifiers_and_space(robot, page):
     with page.hold("w"):
         robot.wait_for(DRIVE, 3)
         page.press(" ")
-        wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, 2.0)
+        wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, timeout=2.0)
         assert robot.is_quiet(DRIVE)
 
 
@@ -1175,7 +1181,7 @@ def test_estop_lets_go_and_holds_until_it_is_released(robot, page):
         robot.wait_for(DRIVE, 3)
         page.press("\ue00c")  # Escape
         assert robot.wait_for(ESTOP)[-1] == {"data": True}
-        wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, 2.0)
+        wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, timeout=2.0)
         robot.publish_sim(e_stop=True)
         wait_until(lambda: page.element("#estop-band").is_displayed())
         robot.forget()
@@ -1237,7 +1243,7 @@ def test_a_lost_bridge_releases_is_announced_and_found_again(ros, robot, page):
         assert "Connection lost" in page.text("link-band")
         robot.forget()
         ros.bridge, _ = ros.serve("rosbridge")
-        wait_until(lambda: page.attribute("link", "data-state") == "up", 15.0)
+        wait_until(lambda: page.attribute("link", "data-state") == "up", timeout=15.0)
         wait_until(lambda: not page.element("#link-band").is_displayed())
         assert robot.is_quiet(DRIVE)
         assert robot.heard(DRIVE) == []
@@ -1248,8 +1254,8 @@ def test_a_lost_bridge_releases_is_announced_and_found_again(ros, robot, page):
         return any(command["linear"]["x"] == 1.2 for command in robot.heard(DRIVE))
 
     # A bridge that has only just started may be too late for the first press.
-    wait_until(drives, 15.0)
-    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, 2.0)
+    wait_until(drives, timeout=15.0)
+    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, timeout=2.0)
     # The browser itself reports connections that fail; nothing else may be there.
     others = itertools.filterfalse(lambda text: "WebSocket connection to" in text, page.errors())
     assert list(others) == []
@@ -1259,6 +1265,6 @@ def test_closing_the_page_stops(robot, page):
     page.down("w")
     robot.wait_for(DRIVE, 5)
     page.driver.get("about:blank")
-    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, 2.0)
+    wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, timeout=2.0)
     assert robot.is_quiet(DRIVE)
     page.up("w")

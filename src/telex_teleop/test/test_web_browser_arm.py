@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from selenium.webdriver.common.keys import Keys
 from test_web_browser import page, robot, ros
+from waiting import wait_until
 from web_robot import ARM, ARM_JOINTS, PRESETS
-from web_waits import wait_until
 
 # the fixtures of the console's other tests, started anew for this file
 __all__ = ["page", "robot", "ros"]
@@ -96,7 +96,7 @@ def in_mode(arm, page):
 
     def put(mode, **what):
         arm.report(mode, **what)
-        wait_until(lambda: is_checked(page, f'[data-mode="{mode}"]'), 3.0)
+        wait_until(lambda: is_checked(page, f'[data-mode="{mode}"]'), timeout=3.0)
         for topic in (TWIST, POSE, ARM):
             arm.probe.heard[topic].clear()
         arm.probe.requests.clear()
@@ -111,7 +111,7 @@ def is_checked(page, selector):
 
 def test_panel_shows_joints_or_tool_by_the_mode(arm, page, in_mode, tmp_path):
     in_mode("JOINT")
-    wait_until(lambda: page.element('[data-action="preset:6"]').is_displayed(), 3.0)
+    wait_until(lambda: page.element('[data-action="preset:6"]').is_displayed(), timeout=3.0)
     assert page.element("#arm-rows").is_displayed()
     assert not page.element("#tool-rows").is_displayed()
     folder = Path(os.environ.get("TELEX_SCREENSHOTS", tmp_path))
@@ -129,7 +129,7 @@ def test_panel_shows_joints_or_tool_by_the_mode(arm, page, in_mode, tmp_path):
 
 @pytest.mark.parametrize("size", [(1280, 720), (1366, 768), (1920, 1080)])
 def test_everything_is_in_view_in_both_modes(page, in_mode, size):
-    wait_until(lambda: page.element('[data-action="preset:6"]').is_displayed(), 3.0)
+    wait_until(lambda: page.element('[data-action="preset:6"]').is_displayed(), timeout=3.0)
     for mode in MODES:
         in_mode(mode)
         page.resize(*size)
@@ -194,24 +194,24 @@ def test_keys_of_the_arm_move_the_tool_in_cartesian_mode(arm, page, in_mode, key
     for _ in range(3):
         # A page that the machine has held up lets go of all keys, and wants them pressed anew.
         with page.hold(key), contextlib.suppress(AssertionError):
-            wait_until(lambda: wanted in arm.twists(), 5.0)
+            wait_until(lambda: wanted in arm.twists(), timeout=5.0)
             break
     assert wanted in arm.twists()
-    wait_until(lambda: arm.twists()[-1] == [0.0] * 6, 10.0)
+    wait_until(lambda: arm.twists()[-1] == [0.0] * 6, timeout=10.0)
     assert arm.probe.messages(ARM) == []
 
 
 def test_joint_keys_without_meaning_for_the_tool_do_nothing(arm, page, in_mode):
     in_mode("CARTESIAN")
     with page.hold("p"), page.hold("o"):
-        wait_until(lambda: len(arm.twists()) > 5, 10.0)
+        wait_until(lambda: len(arm.twists()) > 5, timeout=10.0)
     assert arm.probe.messages(ARM) == []
 
 
 def test_the_same_keys_move_joints_in_joint_mode(arm, page, in_mode):
     in_mode("JOINT")
     with page.hold("o"):
-        wait_until(lambda: len(arm.probe.messages(ARM)) > 3, 10.0)
+        wait_until(lambda: len(arm.probe.messages(ARM)) > 3, timeout=10.0)
     assert arm.probe.messages(ARM)[0]["joint_names"] == ["telescope_joint"]
     assert arm.twists() == []
 
@@ -222,8 +222,8 @@ def test_frame_is_chosen_by_key_and_by_button(arm, page, in_mode):
     for frame in ("tool_link", "base_link", "world"):
         arm.probe.heard[TWIST].clear()
         with page.hold("i"):
-            wait_until(lambda: arm.frames(), 10.0)
-        wait_until(lambda: arm.twists()[-1] == [0.0] * 6, 10.0)
+            wait_until(lambda: arm.frames(), timeout=10.0)
+        wait_until(lambda: arm.twists()[-1] == [0.0] * 6, timeout=10.0)
         assert set(arm.frames()) == {frame}
         page.press("y")
     page.element('[data-frame="1"]').click()
@@ -235,19 +235,19 @@ def test_frame_is_chosen_by_key_and_by_button(arm, page, in_mode):
 def test_mode_is_asked_for_by_key_and_by_button(arm, page, in_mode, mode, other):
     in_mode(mode)
     page.press(Keys.TAB)
-    wait_until(lambda: arm.probe.requests == [{"mode": other}], 10.0)
+    wait_until(lambda: arm.probe.requests == [{"mode": other}], timeout=10.0)
     page.element(f'[data-mode="{other}"]').click()
-    wait_until(lambda: arm.probe.requests == [{"mode": other}] * 2, 10.0)
+    wait_until(lambda: arm.probe.requests == [{"mode": other}] * 2, timeout=10.0)
     assert is_checked(page, f'[data-mode="{mode}"]')  # only the arm itself says which mode it is in
 
 
 def test_change_of_mode_lets_go(arm, page, in_mode):
     in_mode("CARTESIAN")
     with page.hold("j"):
-        wait_until(lambda: len(arm.twists()) > 3, 10.0)
+        wait_until(lambda: len(arm.twists()) > 3, timeout=10.0)
         arm.report("JOINT")
-        wait_until(lambda: arm.twists()[-1] == [0.0] * 6, 10.0)
-        wait_until(lambda: is_checked(page, '[data-mode="JOINT"]'), 10.0)
+        wait_until(lambda: arm.twists()[-1] == [0.0] * 6, timeout=10.0)
+        wait_until(lambda: is_checked(page, '[data-mode="JOINT"]'), timeout=10.0)
     assert arm.probe.messages(ARM) == []
 
 
@@ -258,8 +258,8 @@ def test_named_pose_is_asked_for_while_its_key_is_held(arm, page, in_mode, mode)
 
     in_mode(mode)
     with page.hold("c"):
-        wait_until(lambda: len(names()) > 10, 10.0)
-    wait_until(lambda: names()[-1] == "", 10.0)
+        wait_until(lambda: len(names()) > 10, timeout=10.0)
+    wait_until(lambda: names()[-1] == "", timeout=10.0)
     assert set(names()[:-1]) == {"ready"}
 
 
@@ -269,11 +269,11 @@ def test_two_poses_at_once_stand_still(arm, page, in_mode):
 
     in_mode("JOINT")
     with page.hold("c"):
-        wait_until(lambda: "ready" in names(), 10.0)
+        wait_until(lambda: "ready" in names(), timeout=10.0)
         with page.hold("z"):
-            wait_until(lambda: names()[-1] == "", 10.0)
-        wait_until(lambda: names()[-1] == "ready", 10.0)
-    wait_until(lambda: names()[-1] == "", 10.0)
+            wait_until(lambda: names()[-1] == "", timeout=10.0)
+        wait_until(lambda: names()[-1] == "ready", timeout=10.0)
+    wait_until(lambda: names()[-1] == "", timeout=10.0)
     assert set(names()) == {"ready", ""}
 
 
@@ -282,26 +282,28 @@ def test_flipper_presets_have_their_keys_in_both_modes(robot, arm, page, in_mode
     in_mode(mode)
     robot.forget()
     with page.hold("4"):
-        wait_until(lambda: robot.heard(PRESETS), 10.0)
-    wait_until(lambda: robot.heard(PRESETS)[-1]["preset"] == "", 10.0)
+        wait_until(lambda: robot.heard(PRESETS), timeout=10.0)
+    wait_until(lambda: robot.heard(PRESETS)[-1]["preset"] == "", timeout=10.0)
     assert {message["preset"] for message in robot.heard(PRESETS)} == {"climb", ""}
     assert arm.twists() == []
 
 
 def test_pose_that_the_robot_does_not_have_cannot_be_held(page, in_mode):
     in_mode("JOINT")
-    wait_until(lambda: not page.element('[data-action="pose:floor_pick"]').is_enabled(), 3.0)
+    wait_until(
+        lambda: not page.element('[data-action="pose:floor_pick"]').is_enabled(), timeout=3.0
+    )
     assert page.element('[data-action="pose:stow"]').is_enabled()
 
 
 def test_holding_the_tool_and_the_guard_are_switched(arm, page, in_mode):
     in_mode("CARTESIAN", holds=False)
     page.press("h")
-    wait_until(lambda: arm.probe.requests == [{"data": True}], 10.0)
+    wait_until(lambda: arm.probe.requests == [{"data": True}], timeout=10.0)
     in_mode("CARTESIAN", holds=True)
-    wait_until(lambda: is_checked(page, "#hold-tool"), 3.0)
+    wait_until(lambda: is_checked(page, "#hold-tool"), timeout=3.0)
     page.element("#hold-tool").click()
-    wait_until(lambda: arm.probe.requests == [{"data": False}], 10.0)
+    wait_until(lambda: arm.probe.requests == [{"data": False}], timeout=10.0)
     arm.probe.requests.clear()
     page.element("#guard").click()
-    wait_until(lambda: arm.probe.requests == [{"data": False}], 10.0)
+    wait_until(lambda: arm.probe.requests == [{"data": False}], timeout=10.0)

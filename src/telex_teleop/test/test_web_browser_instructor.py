@@ -9,8 +9,8 @@ from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.actions.wheel_input import ScrollOrigin
 from selenium.webdriver.common.keys import Keys
 from test_web_browser import NOTHING, OTHER, Page, robot, ros
+from waiting import wait_until
 from web_robot import ESTOP, THUMBNAILS
-from web_waits import wait_until
 
 # the fixtures of the console's tests, started anew for this file
 __all__ = ["robot", "ros"]
@@ -81,12 +81,12 @@ def answer(page, button):
 
 
 def test_overview_and_all_cameras_are_live(page):
-    wait_until(lambda: page.attribute("view", "data-state") == "live", 20.0)
+    wait_until(lambda: page.attribute("view", "data-state") == "live", timeout=20.0)
     assert page.text("camera-name") == "overview"
     wait_until(
         lambda: sorted(page.thumbnails())
         == [[camera, "live"] for camera in sorted([*THUMBNAILS, "front"])],
-        20.0,
+        timeout=20.0,
     )
     wait_until(lambda: page.text("sim-state") == "running")
     assert page.text("scene-name") == "hall"

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 from test_web_browser import Page, robot, ros
+from waiting import wait_until
 from web_robot import ESTOP, describe
-from web_waits import wait_until
 
 # the fixtures of the console's other tests, started anew for this file
 __all__ = ["robot", "ros"]

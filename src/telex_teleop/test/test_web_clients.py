@@ -18,8 +18,8 @@ import cv2
 import pytest
 import simplejpeg
 from test_web_pictures import RED, is_like, two_halves
+from waiting import wait_until, wait_until_async
 from web_fakes import FakePictures, served
-from web_waits import becomes, wait_until
 
 from telex_teleop.web import serving
 from telex_teleop.web.server_config import VideoServerConfig
@@ -73,7 +73,7 @@ class RunningServer:
             self.port = int(self.url.rpartition(":")[2])
             self._ready.set()
             await self._stop.wait()
-        await becomes(lambda: len(self.server.hubs) == 0)
+        await wait_until_async(lambda: len(self.server.hubs) == 0)
 
     def _feed(self):
         self._ready.wait(10.0)
@@ -218,7 +218,7 @@ def test_ffmpeg_reads_ten_seconds_of_a_stream_while_others_misbehave(server, wat
     """
     saved = tmp_path / "saved.mjpeg"
     ffmpeg = Ffmpeg(server.stream(), saved)
-    wait_until(lambda: ffmpeg.frames > 5, 20.0)
+    wait_until(lambda: ffmpeg.frames > 5, timeout=20.0)
     before = (server.fed, watcher.seen, ffmpeg.frames)
     began, own, its = time.monotonic(), server.waited(), ffmpeg.waited()
     subprocess.run(

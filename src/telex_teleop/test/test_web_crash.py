@@ -6,8 +6,8 @@ import re
 from pathlib import Path
 
 import pytest
+from waiting import wait_until_async
 from web_fakes import FakeRos, on_loop, served
-from web_waits import becomes
 
 from telex_teleop.web.bridge.bridge_app import Rosbridge
 from telex_teleop.web.bridge.status_topics import LOOKS_PER_LIST, NodeWatch
@@ -75,11 +75,11 @@ def bridge(ros):
 async def test_a_node_that_has_crashed_is_named_until_it_answers():
     ros = FakeRos()
     async with bridge(ros):
-        await becomes(lambda: ros.missing == [[]])
+        await wait_until_async(lambda: ros.missing == [[]])
         ros.crashed.add("/telex/arm_teleop")
-        await becomes(lambda: ros.missing[-1] == ["/telex/arm_teleop"])
+        await wait_until_async(lambda: ros.missing[-1] == ["/telex/arm_teleop"])
         ros.crashed.clear()
-        await becomes(lambda: ros.missing[-1] == [])
+        await wait_until_async(lambda: ros.missing[-1] == [])
     # Nothing is repeated that has not changed.
     assert len(ros.missing) == 3
 
@@ -90,7 +90,7 @@ async def test_nodes_elsewhere_are_none_of_its_business():
     ros.nodes = lambda: ["/other/arm_teleop", "/telex2/cameras", "/telex/cameras"]
     ros.crashed.update(ros.nodes())
     async with bridge(ros):
-        await becomes(lambda: ros.missing == [["/telex/cameras"]])
+        await wait_until_async(lambda: ros.missing == [["/telex/cameras"]])
 
 
 def test_the_master_is_seldom_asked_which_nodes_there_are():

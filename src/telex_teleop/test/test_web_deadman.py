@@ -13,8 +13,8 @@ import time
 
 import pytest
 from test_web_browser import page, robot, ros
+from waiting import wait_until
 from web_robot import ARM_JOINTS, DRIVE, POSITIONS
-from web_waits import wait_until
 
 from telex_experiments.rigs.private_master import descendants
 
@@ -58,15 +58,15 @@ class Tracks:
 def tracks(ros, robot, page):
     tracks = Tracks(ros, robot)
     # The page has to know how fast the tracks may run, and the node who sends commands.
-    wait_until(lambda: drives(page, tracks), 20.0, 0.3)
+    wait_until(lambda: drives(page, tracks), timeout=20.0, period=0.3)
     return tracks
 
 
 def drives(page, tracks):
     with page.hold("w"), contextlib.suppress(AssertionError):
-        wait_until(tracks.run, 0.5)
+        wait_until(tracks.run, timeout=0.5)
     with contextlib.suppress(AssertionError):
-        wait_until(tracks.stand, 0.5)
+        wait_until(tracks.stand, timeout=0.5)
         return 1.2 in tracks.speeds()
     return False
 
@@ -169,7 +169,7 @@ def test_commands_that_were_held_up_on_their_way_are_dropped(robot, page, tracks
         assert tracks.speeds() == []
     finally:
         page.load()
-    wait_until(lambda: drives(page, tracks), 10.0)
+    wait_until(lambda: drives(page, tracks), timeout=10.0)
 
 
 def test_a_bridge_that_is_killed_stops_and_needs_a_new_press_when_it_is_back(ros, page, tracks):
@@ -179,10 +179,10 @@ def test_a_bridge_that_is_killed_stops_and_needs_a_new_press_when_it_is_back(ros
         wait_until(tracks.stand)
         wait_until(lambda: page.attribute("link", "data-state") != "up")
         ros.bridge = ros.start_node("rosbridge", "_port:=0", "__name:=rosbridge")
-        wait_until(lambda: page.attribute("link", "data-state") == "up", 30.0)
+        wait_until(lambda: page.attribute("link", "data-state") == "up", timeout=30.0)
         say_again(page)
         assert tracks.stay()
-    wait_until(lambda: drives(page, tracks), 10.0)
+    wait_until(lambda: drives(page, tracks), timeout=10.0)
 
 
 def test_a_browser_that_is_killed_stops(page, tracks):

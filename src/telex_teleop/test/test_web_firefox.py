@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 from firefox import Firefox, firefox
+from waiting import wait_until
 from web_harness import Ros
 from web_robot import ARM, DRIVE, ESTOP, THUMBNAILS, Robot, describe
-from web_waits import wait_until
 
 pytestmark = [pytest.mark.ros, pytest.mark.browser]
 
@@ -54,8 +54,8 @@ def page(ros, robot, tmp_path_factory):
     try:
         page.resize(1280, 720)
         page.get(url)
-        wait_until(lambda: state(page, "link") == "up", 30.0)
-        wait_until(lambda: state(page, "view") == "live", 30.0)
+        wait_until(lambda: state(page, "link") == "up", timeout=30.0)
+        wait_until(lambda: state(page, "view") == "live", timeout=30.0)
         page.click("#tour-skip")
         yield page
     finally:
@@ -67,10 +67,12 @@ def state(page, element, of="state"):
 
 
 def test_six_views_are_live_and_the_page_fits_the_window(robot, page):
-    wait_until(lambda: page.evaluate(LIVE) == THUMBNAILS, 30.0)
+    wait_until(lambda: page.evaluate(LIVE) == THUMBNAILS, timeout=30.0)
     size = "[document.documentElement.scrollWidth, document.documentElement.scrollHeight]"
     assert page.evaluate(size) == [1280, 720]
-    wait_until(lambda: state(page, "view", "picture") == "good", 30.0)  # by its rate over 2 s
+    wait_until(
+        lambda: state(page, "view", "picture") == "good", timeout=30.0
+    )  # by its rate over 2 s
     # The box that the fake camera shows, in the large view, with nothing over it.
     red, green, blue, _ = page.evaluate(f"({LARGE_VIEW_AT})(0.72, 0.5)")
     assert red > 150 > green > blue

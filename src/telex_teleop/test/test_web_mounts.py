@@ -10,8 +10,8 @@ import socket
 import aiohttp
 import pytest
 from aiohttp import web
+from waiting import wait_until_async
 from web_fakes import FakePictures, FakeRos, served
-from web_waits import becomes
 from yarl import URL
 
 from telex_teleop.web.bridge.clients.access import Access
@@ -442,7 +442,7 @@ def test_a_handler_that_is_silent_is_504_and_its_connection_ends(bench):
             async with http.get(f"/training/x?{CLIENT}") as reply:
                 assert reply.status == 504
                 assert "Nothing has moved for 0.2 s" in await reply.text()
-            await becomes(lambda: ended)
+            await wait_until_async(lambda: ended)
 
     run(check())
 
@@ -501,7 +501,7 @@ def test_a_handler_hears_when_its_client_has_gone(bench):
             async with http.get(f"/training/x?{CLIENT}") as reply:
                 assert await reply.content.readany() == b"half"
                 reply.close()
-            await becomes(lambda: ended)
+            await wait_until_async(lambda: ended)
 
     run(check())
 

@@ -6,7 +6,7 @@ import asyncio
 
 import pytest
 from std_msgs.msg import Int32
-from web_waits import becomes
+from waiting import wait_until_async
 
 from telex_teleop.web.bridge.clients.outbox import Outbox, OutboxFullError
 from telex_teleop.web.bridge.protocol.compression import TopicMessage
@@ -136,17 +136,17 @@ def test_throttle_lets_the_newest_through_when_it_is_due():
         subscription.add("one", Wish(throttle=0.05, depth=4, compression="none"), limit=10)
         for value in range(5):
             subscription.deliver(number(value))
-        await becomes(lambda: sent == [("4", 4)])
+        await wait_until_async(lambda: sent == [("4", 4)])
         begun = asyncio.get_running_loop().time()
         for value in range(5, 8):
             subscription.deliver(number(value))
-        await becomes(lambda: sent == [("4", 4), ("7", 4)])
+        await wait_until_async(lambda: sent == [("4", 4), ("7", 4)])
         # The first one went just before the measurement of time began.
         assert asyncio.get_running_loop().time() - begun > 0.03
         await asyncio.sleep(0.08)
         assert len(sent) == 2
         subscription.deliver(number(9))
-        await becomes(lambda: sent[-1] == ("9", 4))
+        await wait_until_async(lambda: sent[-1] == ("9", 4))
 
     run(check())
 

@@ -17,8 +17,8 @@ import aiohttp
 import numpy as np
 import pytest
 import simplejpeg
+from waiting import wait_until
 from web_harness import Ros
-from web_waits import wait_until
 
 from telex_experiments.rigs.private_master import free_port
 
@@ -324,7 +324,7 @@ def test_a_client_that_is_killed_stops_what_it_drove(probe, bridge):
         client.socket._response.connection.transport.abort()
 
     on_bridge(bridge, check)
-    wait_until(lambda: len(probe.heard[DRIVE]) == 2, 2.0)
+    wait_until(lambda: len(probe.heard[DRIVE]) == 2, timeout=2.0)
     assert [message["linear"]["x"] for message in probe.messages(DRIVE)] == [1.0, 0.0]
 
 
@@ -368,7 +368,7 @@ def test_tokens_that_the_bridge_made_stand_in_files_of_its_user_alone(ros, bridg
         stderr=-1,
         text=True,
     )
-    url = wait_until(lambda: ros.param("/telex/open/url"), 20.0)
+    url = wait_until(lambda: ros.param("/telex/open/url"), timeout=20.0)
     files = [Path(ros.param(f"/telex/open/{each}token_file")) for each in ("", "instructor_")]
     for file in files:
         assert stat.S_IMODE(file.stat().st_mode) == 0o600
@@ -397,7 +397,7 @@ def test_tokens_that_the_bridge_made_stand_in_files_of_its_user_alone(ros, bridg
     ros.stop(process, signal.SIGKILL)
     process = ros.start_node("rosbridge", "_port:=0", "_address:=0.0.0.0", "__name:=open")
     host, port = url[len("ws://") :].split(":")
-    wait_until(lambda: answers(f"http://{host}:{port}/"), 60.0)
+    wait_until(lambda: answers(f"http://{host}:{port}/"), timeout=60.0)
     assert [file.read_text().strip() for file in files] == [client, instructor]
     ros.stop(process)
     assert get(streams)[0] == 401
@@ -442,9 +442,9 @@ def test_the_launch_file_starts_both_nodes():
         launched = ros.start(
             ["roslaunch", "telex_teleop", "console.launch", *arguments], stdout=-3, stderr=-3
         )
-        url = wait_until(lambda: ros.param("/telex/video_server/url"), 30.0)
+        url = wait_until(lambda: ros.param("/telex/video_server/url"), timeout=30.0)
         assert url == f"http://127.0.0.1:{ports['video_port']}"
-        bridge = wait_until(lambda: ros.param("/telex/rosbridge/url"), 30.0)
+        bridge = wait_until(lambda: ros.param("/telex/rosbridge/url"), timeout=30.0)
         assert bridge == f"ws://127.0.0.1:{ports['bridge_port']}"
         assert json.loads(get(f"{url}/config.json")[1])["rosbridge"] == bridge
         ros.stop(launched)

@@ -13,8 +13,8 @@ import aiohttp
 import pytest
 import simplejpeg
 from test_web_pictures import jpeg, raw, two_halves
+from waiting import wait_until_async
 from web_fakes import FakePictures, served
-from web_waits import becomes
 
 from telex_teleop.web.server_config import VideoServerConfig
 from telex_teleop.web.video import video_server_app as video_app
@@ -55,7 +55,7 @@ class Bench:
         return served(self.server.make_app())
 
     async def feed(self, data, topic=COMPRESSED, stamp=1.25):
-        await becomes(lambda: topic in self.pictures.receivers)
+        await wait_until_async(lambda: topic in self.pictures.receivers)
         self.pictures.feed(topic, CompressedPicture(stamp, data))
 
 
@@ -131,7 +131,7 @@ def test_subscriptions_last_from_the_first_client_to_the_last(bench):
         async with bench.served() as url:
             assert bench.pictures.events == []
             first = Stream(url, f"/stream?topic={CAMERA}")
-            await becomes(lambda: bench.pictures.events == [("subscribe", COMPRESSED)])
+            await wait_until_async(lambda: bench.pictures.events == [("subscribe", COMPRESSED)])
             second = Stream(url, "/stream?topic=cameras/front/image_raw&width=32")
             await second.until(b"--boundarydonotcross\r\n")
             first.socket.close()
@@ -140,10 +140,10 @@ def test_subscriptions_last_from_the_first_client_to_the_last(bench):
             assert simplejpeg.decode_jpeg_header(data)[:2] == (48, 32)
             assert len(bench.pictures.events) == 1
             second.socket.close()
-            await becomes(lambda: bench.pictures.events[-1] == ("unsubscribe", COMPRESSED))
+            await wait_until_async(lambda: bench.pictures.events[-1] == ("unsubscribe", COMPRESSED))
             assert len(bench.server.hubs) == 0
             third = Stream(url, f"/stream?topic={CAMERA}")
-            await becomes(lambda: len(bench.pictures.events) == 3)
+            await wait_until_async(lambda: len(bench.pictures.events) == 3)
             third.socket.close()
 
     run(check())
@@ -182,7 +182,7 @@ def test_each_variant_is_encoded_once_for_all_its_clients(bench, monkeypatch):
             clients = [Stream(url, f"/stream?topic=/raw{target}") for target in targets]
             for client in clients:
                 await client.until(b"--boundarydonotcross\r\n")
-            await becomes(lambda: "/raw" in bench.pictures.receivers)
+            await wait_until_async(lambda: "/raw" in bench.pictures.receivers)
             bench.pictures.feed("/raw", raw("rgb8", two_halves()))
             for client in clients:
                 await client.part()
@@ -201,7 +201,7 @@ def test_a_stalled_client_delays_nobody_and_gets_fresh_pictures_afterwards(tmp_p
             stalled = Stream(url, f"/stream?topic={CAMERA}", receive_buffer=4096)
             reader = Stream(url, f"/stream?topic={CAMERA}")
             await reader.until(b"--boundarydonotcross\r\n")
-            await becomes(lambda: COMPRESSED in bench.pictures.receivers)
+            await wait_until_async(lambda: COMPRESSED in bench.pictures.receivers)
             for number, data in enumerate(pictures):
                 await bench.feed(data, stamp=number)
                 headers, received = await reader.part()
@@ -233,7 +233,7 @@ def test_a_client_that_takes_nothing_is_dropped_after_a_while(tmp_path, monkeypa
             stalled = Stream(url, f"/stream?topic={CAMERA}", receive_buffer=4096)
             await bench.feed(jpeg()[:-2] + bytes(2000000) + b"\xff\xd9")
             assert len(bench.server.hubs) == 1
-            await becomes(lambda: len(bench.server.hubs) == 0)
+            await wait_until_async(lambda: len(bench.server.hubs) == 0)
             stalled.socket.close()
 
     run(check())
@@ -245,7 +245,7 @@ def test_unusable_pictures_are_skipped_with_a_warning(bench):
             client = Stream(url, f"/stream?topic={CAMERA}")
             await client.until(b"--boundarydonotcross\r\n")
             await bench.feed(b"nonsense")
-            await becomes(lambda: bench.warnings)
+            await wait_until_async(lambda: bench.warnings)
             assert bench.warnings[0] == (
                 f"dropped a picture of {COMPRESSED}: it is neither JPEG nor PNG"
             )
@@ -274,14 +274,14 @@ def test_snapshot_is_the_next_picture(bench):
     async def check():
         async with bench.served() as url, aiohttp.ClientSession() as http:
             asked = asyncio.ensure_future(http.get(f"{url}/snapshot?topic=/raw&width=32"))
-            await becomes(lambda: "/raw" in bench.pictures.receivers)
+            await wait_until_async(lambda: "/raw" in bench.pictures.receivers)
             bench.pictures.feed("/raw", raw("rgb8", two_halves()))
             reply = await asked
             assert (reply.status, reply.content_type) == (200, "image/jpeg")
             assert reply.headers["X-Timestamp"] == "1.500000"
             assert reply.headers["Access-Control-Allow-Origin"] == "*"
             assert simplejpeg.decode_jpeg_header(await reply.read())[:2] == (48, 32)
-            await becomes(lambda: bench.pictures.events[-1] == ("unsubscribe", "/raw"))
+            await wait_until_async(lambda: bench.pictures.events[-1] == ("unsubscribe", "/raw"))
 
     run(check())
 
@@ -295,7 +295,7 @@ def test_snapshot_of_a_silent_topic_says_so_and_of_a_latched_one_repeats(tmp_pat
             assert reply.status == 504
             assert "within 0.2 s" in await reply.text()
             watcher = Stream(url, f"/stream?topic={CAMERA}")
-            await becomes(lambda: len(bench.pictures.events) == 3)
+            await wait_until_async(lambda: len(bench.pictures.events) == 3)
             await bench.feed(jpeg())
             await watcher.until(b"\xff\xd9")
             reply = await http.get(f"{url}/snapshot?topic={CAMERA}")

@@ -10,8 +10,8 @@ import subprocess
 import numpy as np
 import pytest
 from test_web_pictures import BLUE, RED, two_halves
+from waiting import wait_until
 from web_harness import Ros, stop_process
-from web_waits import wait_until
 
 pytestmark = [
     pytest.mark.ros,
@@ -84,12 +84,12 @@ def test_rviz_shows_a_camera(display, tmp_path):
             CAMERA, "sensor_msgs/Image", message, rate=5, hex={"data": picture.tobytes().hex()}
         )
         ros.start(["rviz", "-d", str(config)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        wait_until(lambda: any("rviz" in node for node in ros.subscribers(CAMERA)), 60.0)
+        wait_until(lambda: any("rviz" in node for node in ros.subscribers(CAMERA)), timeout=60.0)
 
         def places(colour):
             """Return the columns of the pixels of a colour."""
             return np.nonzero(abs(pixels(screen).astype(int) - colour).max(axis=2) < 6)[1]
 
         # As large as a stamp at least, and both halves of it.
-        wait_until(lambda: min(map(len, map(places, (RED, BLUE)))) > 2000, 60.0, period=0.2)
+        wait_until(lambda: min(map(len, map(places, (RED, BLUE)))) > 2000, timeout=60.0, period=0.2)
         assert places(RED).max() < places(BLUE).min()

@@ -11,8 +11,8 @@ import aiohttp
 import pytest
 import simplejpeg
 from test_web_pictures import jpeg, two_halves
+from waiting import wait_until_async
 from web_fakes import FakePictures, served
-from web_waits import becomes
 
 from telex_teleop.web.server_config import VideoServerConfig
 from telex_teleop.web.video.cameras import CameraList
@@ -178,7 +178,7 @@ class Bench:
                 yield Client(socket)
 
     async def feed(self, topic, data, captured=1.0):
-        await becomes(lambda: topic in self.pictures.receivers)
+        await wait_until_async(lambda: topic in self.pictures.receivers)
         thread = self.pictures.feed(topic, CompressedPicture(0.5, data, captured))
         await asyncio.get_running_loop().run_in_executor(None, thread.join)
         await asyncio.sleep(0.02)
@@ -455,7 +455,7 @@ async def test_a_preview_that_is_too_small_gives_way_to_the_full_picture(bench, 
     await client.nothing_comes(0.0)
     await bench.feed(FRONT, jpeg(80, two_halves(800, 600)))
     assert simplejpeg.decode_jpeg_header((await client.picture())[3])[:2] == (300, 400)
-    await becomes(lambda: len(bench.pictures.events) == 3)
+    await wait_until_async(lambda: len(bench.pictures.events) == 3)
     assert ("unsubscribe", PREVIEW) in bench.pictures.events
 
 
@@ -475,7 +475,7 @@ async def test_a_swap_changes_between_preview_and_full_picture(bench, client):
     small, large = {"camera": "front", "width": 320, "rate": 10}, {"camera": "front", "rate": 30}
     for wish, topic in ((small, PREVIEW), (large, FRONT), (small, PREVIEW)):
         await client.say(show=[wish])
-        await becomes(lambda topic=topic: list(bench.pictures.receivers) == [topic])
+        await wait_until_async(lambda topic=topic: list(bench.pictures.receivers) == [topic])
         await bench.feed(topic, SMALL)
         await client.picture()
 
@@ -527,16 +527,18 @@ async def test_views_change_and_subscriptions_follow(bench, client):
         return bench.pictures.events
 
     await client.say(show=[{"camera": "front"}])
-    await becomes(lambda: events() == [("subscribe", FRONT)])
+    await wait_until_async(lambda: events() == [("subscribe", FRONT)])
     await bench.feed(FRONT, jpeg())
     _, number, _, _ = await client.picture()
     await client.say(show=[{"camera": "front", "rate": 10}, {"camera": "rear"}])
-    await becomes(lambda: events() == [("subscribe", FRONT), ("subscribe", REAR)])
+    await wait_until_async(lambda: events() == [("subscribe", FRONT), ("subscribe", REAR)])
     # The view is new: it begins with the last picture, and does not wait for the old one's ack.
     _, newer, _, _ = await client.picture()
     assert newer > number
     await client.say(show=[])
-    await becomes(lambda: sorted(events()[2:]) == [("unsubscribe", FRONT), ("unsubscribe", REAR)])
+    await wait_until_async(
+        lambda: sorted(events()[2:]) == [("unsubscribe", FRONT), ("unsubscribe", REAR)]
+    )
     await client.ack(0, newer)  # comes late, and is no mistake
     await client.nothing_comes()
     assert len(bench.server.hubs) == 0
@@ -545,10 +547,10 @@ async def test_views_change_and_subscriptions_follow(bench, client):
 @on_bench
 async def test_a_client_that_goes_leaves_nothing(bench, client):
     await client.say(show=[{"camera": "front"}, {"camera": "rear"}])
-    await becomes(lambda: len(bench.server.hubs) == 2)
+    await wait_until_async(lambda: len(bench.server.hubs) == 2)
     client.socket._response.connection.transport.abort()
-    await becomes(lambda: len(bench.server.hubs) == 0)
-    await becomes(lambda: len(bench.pictures.events) == 4)
+    await wait_until_async(lambda: len(bench.server.hubs) == 0)
+    await wait_until_async(lambda: len(bench.pictures.events) == 4)
 
 
 @on_bench
@@ -619,7 +621,7 @@ async def test_a_flooding_client_that_never_reads_is_cut_off(bench, client):
         for _ in range(3000):
             await flood.send_str('{"ping": 1}')
             await asyncio.sleep(0)
-    await becomes(lambda: len(bench.server.sockets._clients) == 1)
+    await wait_until_async(lambda: len(bench.server.sockets._clients) == 1)
     await client.say(ping=2)
     assert (await client.hear())["pong"] == 2
 
@@ -637,11 +639,11 @@ def test_new_cameras_are_announced(monkeypatch, tmp_path):
         described = await client.hear()
         assert described["cameras"][2] == {"name": "mast", "topic": mast}
         await client.say(show=[{"camera": "mast"}])
-        await becomes(lambda: bench.pictures.events == [("subscribe", mast)])
+        await wait_until_async(lambda: bench.pictures.events == [("subscribe", mast)])
         # Its compressed topic comes a moment later: that is the one to watch.
         bench.pictures.published[f"{mast}/compressed"] = COMPRESSED_TYPE
-        await becomes(lambda: ("subscribe", f"{mast}/compressed") in bench.pictures.events)
-        await becomes(lambda: bench.pictures.events[-1] == ("unsubscribe", mast))
+        await wait_until_async(lambda: ("subscribe", f"{mast}/compressed") in bench.pictures.events)
+        await wait_until_async(lambda: bench.pictures.events[-1] == ("unsubscribe", mast))
 
     check(tmp_path)
 

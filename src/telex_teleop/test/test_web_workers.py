@@ -9,7 +9,7 @@ from unittest import mock
 
 import pytest
 from aiohttp.test_utils import make_mocked_request
-from web_waits import wait_until
+from waiting import wait_until
 
 from telex_teleop.web import workers
 from telex_teleop.web.video.viewers import client_of

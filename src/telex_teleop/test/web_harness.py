@@ -13,7 +13,7 @@ import threading
 from pathlib import Path
 
 import rosgraph
-from web_waits import wait_until
+from waiting import wait_until
 
 from telex_control.common.child_processes import DIES_WITH_US
 from telex_experiments.rigs.private_master import PrivateMaster
@@ -84,7 +84,7 @@ class Ros:
         """Start a server node on a free port; return its process and its address."""
         node_name = node_name or name
         process = self.start_node(name, "_port:=0", f"__name:={node_name}", *arguments)
-        return process, wait_until(lambda: self.param(f"/telex/{node_name}/url"), 20.0)
+        return process, wait_until(lambda: self.param(f"/telex/{node_name}/url"), timeout=20.0)
 
     def param(self, name):
         try:

@@ -8,7 +8,7 @@ import time
 import cv2
 import numpy as np
 import simplejpeg
-from web_waits import wait_until
+from waiting import wait_until
 
 DRIVE = "/telex/track_teleop/cmd_vel"
 ARM = "/telex/arm_teleop/delta_joint_cmds"
@@ -172,7 +172,7 @@ class Robot:
             messages.clear()
 
     def wait_for(self, topic, count=1, timeout=5.0):
-        wait_until(lambda: len(self.probe.heard[topic]) >= count, timeout)
+        wait_until(lambda: len(self.probe.heard[topic]) >= count, timeout=timeout)
         return self.heard(topic)
 
     def is_quiet(self, topic, period=0.3):
