@@ -113,7 +113,7 @@ def test_a_standing_robot_does_not_turn_by_its_gyroscopes_noise():
     source = random.Random(3)
     robot.rest(20.0, bias=0.004, noise=lambda: source.gauss(0.0, 2.5e-3))
     assert abs(robot.odometry.heading) < 0.004  # of the time before it counted as at rest
-    assert robot.imu._bias[2] == pytest.approx(0.004, abs=3e-4)
+    assert robot.imu.bias[2] == pytest.approx(0.004, abs=3e-4)
     before = robot.odometry.heading
     for _ in range(500):
         robot.cycle(0.005, (0.0, 0.0, 0.004 + source.gauss(0.0, 2.5e-3)))
@@ -126,7 +126,7 @@ def test_a_robot_that_something_turns_at_rest_knows_it():
     for _ in range(100):
         robot.cycle(0.0, (0.0, 0.0, 0.5), standing=True)
     assert robot.odometry.heading == pytest.approx(0.5)
-    assert robot.imu._bias == pytest.approx((0.0, 0.0, 0.0))
+    assert robot.imu.bias == pytest.approx((0.0, 0.0, 0.0))
 
 
 @pytest.mark.parametrize("rate", [0.045, 0.02, -0.005])
@@ -139,17 +139,17 @@ def test_a_slow_turn_at_rest_is_no_bias(rate, rested):
 
     robot = Robot()
     robot.rest(rested, 0.004, noise)
-    known, before = robot.imu._bias[2], robot.odometry.heading
+    known, before = robot.imu.bias[2], robot.odometry.heading
     robot.rest(10.0, 0.004 + rate, noise)  # it slides, or its flippers move
     seen = robot.odometry.heading - before
     # What passes until it is noticed, and the bias as well as it was known.
     deviation = math.sqrt(robot.imu.bias_variance)
     assert seen == pytest.approx(10.0 * rate, abs=3e-3 + 3.0 * 10.0 * deviation)
-    assert robot.imu._bias[2] == pytest.approx(known, abs=1e-3)
-    assert abs(robot.imu._bias[2] - 0.004) < 3.0 * deviation
+    assert robot.imu.bias[2] == pytest.approx(known, abs=1e-3)
+    assert abs(robot.imu.bias[2] - 0.004) < 3.0 * deviation
     robot.rest(5.0, 0.004, noise)
     assert robot.imu.at_rest
-    assert abs(robot.imu._bias[2] - 0.004) < 3.0 * math.sqrt(robot.imu.bias_variance)
+    assert abs(robot.imu.bias[2] - 0.004) < 3.0 * math.sqrt(robot.imu.bias_variance)
 
 
 def test_noise_is_not_taken_for_a_turn():
@@ -166,7 +166,7 @@ def test_a_slow_tilting_at_rest_spoils_no_bias():
     robot.rest(5.0)
     for _ in range(1000):
         robot.cycle(0.0, (0.0, 0.012, 0.0), standing=True)
-    assert robot.imu._bias == pytest.approx((0.0, 0.0, 0.0), abs=1e-4)
+    assert robot.imu.bias == pytest.approx((0.0, 0.0, 0.0), abs=1e-4)
 
 
 def test_a_bias_that_really_changes_is_accepted_in_the_end_and_doubted_until_then():
@@ -178,7 +178,7 @@ def test_a_bias_that_really_changes_is_accepted_in_the_end_and_doubted_until_the
     assert robot.imu.bias_variance > 4.0 * sure
     robot.rest(120.0, 0.004)
     assert robot.imu.at_rest
-    assert robot.imu._bias[2] == pytest.approx(0.004, abs=2e-4)
+    assert robot.imu.bias[2] == pytest.approx(0.004, abs=2e-4)
 
 
 def test_doubt_goes_no_further_than_before_the_first_rest():
@@ -187,7 +187,7 @@ def test_doubt_goes_no_further_than_before_the_first_rest():
     for _ in range(20_000):
         robot.cycle(0.0, (0.0, 0.0, 0.03), standing=True)
     assert robot.imu.bias_variance <= 1e-3**2 * 1.01
-    assert robot.imu._bias[2] == pytest.approx(0.0, abs=1e-6)
+    assert robot.imu.bias[2] == pytest.approx(0.0, abs=1e-6)
 
 
 def test_the_covariance_is_that_of_many_runs():

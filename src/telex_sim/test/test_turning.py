@@ -16,6 +16,8 @@ from std_msgs.msg import Float64
 from telex_sim.engine.world import GRAVITY
 from telex_sim.offline.simulation import package_file
 
+pytestmark = pytest.mark.slow
+
 FLIPPERS = ("front_left", "front_right", "rear_left", "rear_right")
 
 
@@ -160,10 +162,10 @@ def bias_error(tested):
         for each in tested.simulation.controllers._controllers
         if each.name == "track_controller"
     )
-    (sensor,) = tested.simulation.hw._imus
+    (sensor,) = tested.simulation.hw.imus
     imu = controller._imu
     # The mount is not turned: the sensor's axes are the base's.
-    wrong = np.subtract(imu._bias, sensor._errors._gyroscope._bias)
+    wrong = np.subtract(imu.bias, sensor.errors.gyroscope(0.0))
     return np.abs(wrong).max(), math.sqrt(imu.bias_variance)
 
 

@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import struct
 import time
+import unittest.mock
 
 import aiohttp
 import pytest
@@ -289,24 +290,26 @@ async def test_a_stalled_camera_does_not_hold_up_another(bench, client):
 
 @on_bench
 async def test_a_box_scales_once_for_all_clients(bench, client):
-    encoded = []
-    encode = bench.server.hubs._encode
-    bench.server.hubs._encode = lambda *args: encoded.append(args) or encode(*args)
+    picture = jpeg(90, two_halves(640, 480))
+    encode = unittest.mock.patch.object(
+        simplejpeg, "encode_jpeg", side_effect=simplejpeg.encode_jpeg
+    )
     async with bench.http.ws_connect(bench.url) as socket:
         other = Client(socket)
         await other.hear()
         for each in (client, other):
             await each.say(show=[{"camera": "front", "width": 32, "height": 32}])
             await each.nothing_comes(0.0)
-        await bench.feed(FRONT, jpeg(90, two_halves(640, 480)))
-        for each in (client, other):
-            data = (await each.picture())[3]
-            assert simplejpeg.decode_jpeg_header(data)[:2] == (24, 32)
-        assert len(encoded) == 1
-        # Neither has acknowledged: after a while nothing is made for them any more.
-        await asyncio.sleep(0.55)
-        await bench.feed(FRONT, jpeg(90, two_halves(640, 480)))
-        assert len(encoded) == 1
+        with encode as encoded:
+            await bench.feed(FRONT, picture)
+            for each in (client, other):
+                data = (await each.picture())[3]
+                assert simplejpeg.decode_jpeg_header(data)[:2] == (24, 32)
+            assert encoded.call_count == 1
+            # Neither has acknowledged: after a while nothing is made for them any more.
+            await asyncio.sleep(0.55)
+            await bench.feed(FRONT, picture)
+            assert encoded.call_count == 1
 
 
 def test_only_so_many_different_pictures_are_encoded(tmp_path):

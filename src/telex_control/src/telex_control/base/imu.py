@@ -93,6 +93,8 @@ class BaseImu:
     rates : Vector3 or None
         Angular velocity of the base in its axes (rad/s), without bias; 0 at rest, so that noise
         does not turn a standing robot in its own eyes. None while there are no readings.
+    bias : Vector
+        Bias of the gyroscope in the base's axes (rad/s), as far as it is known.
     bias_variance : float
         Of each rate's bias (rad^2/s^2).
     at_rest : bool
@@ -106,7 +108,7 @@ class BaseImu:
 
     def reset(self) -> None:
         """Forget everything: the sensor was switched on anew."""
-        self._bias: Vector3 = _ZERO
+        self.bias: Vector3 = _ZERO
         self.bias_variance = self._config.turn_on_bias**2
         self.restart()
 
@@ -127,7 +129,7 @@ class BaseImu:
     def _begin_to_learn(self) -> None:
         """Keep what is known, to return to it if this turns out to be no rest."""
         # What was known of the bias `_SETS_IN` ago at least, and what to keep for later.
-        self._before = self._next = (self._bias, self.bias_variance)
+        self._before = self._next = (self.bias, self.bias_variance)
         self._until_next = _SETS_IN
 
     def update(self, standing: bool, period: float) -> None:
@@ -153,7 +155,7 @@ class BaseImu:
             return
         assert reading is not None
         self._reading = reading
-        bias = self._bias
+        bias = self.bias
         rates = (reading[0] - bias[0], reading[1] - bias[1], reading[2] - bias[2])
         rested = self.at_rest
         still = max(map(abs, rates)) <= config.still_rate
@@ -165,7 +167,7 @@ class BaseImu:
             self.rates = _ZERO
             return
         if rested and standing:
-            self._bias, self.bias_variance = self._before
+            self.bias, self.bias_variance = self._before
         if not still:
             self._stir()
         self.rates = transform_by_rows(self._mount, rates)
@@ -186,7 +188,7 @@ class BaseImu:
             rest * mean[2] + share * reading[2],
         )
         self._mean_variance = rest**2 * self._mean_variance + share**2 * white
-        bias = self._bias
+        bias = self.bias
         innovation = max(abs(mean[0] - bias[0]), abs(mean[1] - bias[1]), abs(mean[2] - bias[2]))
         if innovation**2 <= _CREDIBLE**2 * (self.bias_variance + self._mean_variance):
             return True
@@ -199,13 +201,13 @@ class BaseImu:
         """Take what is measured at rest for the bias, as far as it is better known than before."""
         self._until_next -= period
         if self._until_next <= 0.0:
-            self._before, self._next = self._next, (self._bias, self.bias_variance)
+            self._before, self._next = self._next, (self.bias, self.bias_variance)
             self._until_next = _SETS_IN
         white = self._config.noise_density**2 / period
         gain = self.bias_variance / (self.bias_variance + white)
         self.bias_variance *= 1.0 - gain
-        bias = self._bias
-        self._bias = (
+        bias = self.bias
+        self.bias = (
             bias[0] + gain * rates[0],
             bias[1] + gain * rates[1],
             bias[2] + gain * rates[2],

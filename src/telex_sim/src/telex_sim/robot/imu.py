@@ -36,13 +36,15 @@ class Imu:
     Attributes
     ----------
     handle : ImuSensorHandle
+    errors : ImuErrors or None
+        What is added to the truth; None where it is exact.
     """
 
     def __init__(
         self, name: str, link: str, noise: Optional[ImuNoise] = None, robot: str = ""
     ) -> None:
         self.handle = ImuSensorHandle(name, link)
-        self._errors = None if noise is None else ImuErrors(noise, f"{robot}/{name}")
+        self.errors = None if noise is None else ImuErrors(noise, f"{robot}/{name}")
         self.handle.orientation_covariance = _EXACT
         self.handle.angular_velocity_covariance = _EXACT
         self.handle.linear_acceleration_covariance = _EXACT
@@ -57,8 +59,8 @@ class Imu:
         self._link, position, orientation = body.place(self.handle.frame_id)
         self._offset = (position, orientation)
         self._velocity = None
-        if self._errors is not None:
-            self._errors.restart()
+        if self.errors is not None:
+            self.errors.restart()
         self.read(0.0)
 
     def read(self, period: float) -> None:
@@ -78,8 +80,8 @@ class Imu:
         handle.orientation = orientation
         handle.angular_velocity = _into(m, turning)
         handle.linear_acceleration = _into(m, (felt[0], felt[1], felt[2]))
-        if self._errors is not None:
-            self._add(self._errors, m, period)
+        if self.errors is not None:
+            self._add(self.errors, m, period)
 
     def _add(self, errors: ImuErrors, m: Tuple[float, ...], period: float) -> None:
         """Add the sensor's errors to what it measures; `m` is its rotation matrix."""

@@ -81,7 +81,7 @@ class RobotHWSim(RobotHW):
         self._passive: List[UrdfJoint] = []
         # Of those, the ones whose states are told: they follow others, or a transmission asks it.
         self._watched: Dict[str, JointStateHandle] = {}
-        self._imus: List[Imu] = []
+        self.imus: List[Imu] = []
         # By controller, so that one that ends takes nothing from the next that has its joint.
         self._claims: Dict[str, Set[str]] = {}
         self._e_stop = False
@@ -123,7 +123,7 @@ class RobotHWSim(RobotHW):
         self._couple(described)
         self._watch([name for name in watched if name in described])
         self._surfaces = LinkSurfaces(self._robot, self._config)
-        self._imus = [
+        self.imus = [
             Imu(name, link, self._config.imu_noise.get(name), root.namespace)
             for name, link in self._config.imus.items()
         ]
@@ -250,7 +250,7 @@ class RobotHWSim(RobotHW):
             commands[drive.interface].register_handle(drive.handle)
         for state in self._watched.values():
             states.register_handle(state)
-        for imu in self._imus:
+        for imu in self.imus:
             imus.register_handle(imu.handle)
         self.register_interface(states)
         for interface in commands.values():
@@ -305,7 +305,7 @@ class RobotHWSim(RobotHW):
         self._surfaces.apply(body)
         self._indices = [drive.index for drive in self._moved]
         self._indices += [body.joints[name] for name in self._watched]
-        for imu in self._imus:
+        for imu in self.imus:
             imu.attach(body)
         for belt in self._belts:
             state = self._joints[belt].state
@@ -420,7 +420,7 @@ class RobotHWSim(RobotHW):
             handle.effort = drive.force if drive.takes_effort and not drive.braked else state[3]
         for handle, state in zip(self._watched.values(), states[len(self._moved) :]):
             handle.position, handle.velocity, handle.effort = state[0], state[1], state[3]
-        for imu in self._imus:
+        for imu in self.imus:
             imu.read(period)
 
     def write(self, time: float, period: float) -> None:

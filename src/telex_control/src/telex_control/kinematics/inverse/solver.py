@@ -92,6 +92,8 @@ class IKSolver:
     ----------
     chain : Chain
     options : IKOptions
+    numerics : ChainNumerics
+        The compiled kinematics that it computes with.
 
     Raises
     ------
@@ -130,12 +132,12 @@ class IKSolver:
         self._bounded = np.isfinite(lower) & np.isfinite(upper)
         self._middle = np.zeros(self._count)
         self._middle[self._bounded] = 0.5 * (lower[self._bounded] + upper[self._bounded])
-        self._numerics = _numerics(chain, self.options)
-        self._iterations = int(self.options.iterations or self._numerics.default_iterations)
+        self.numerics = _numerics(chain, self.options)
+        self._iterations = int(self.options.iterations or self.numerics.default_iterations)
         self._shapes: Dict[Optional[Tolerance], TaskShape] = {}
         for tolerance in (None, self.options.tolerance):
             self._shapes[tolerance] = self._shape(self.options.tolerance)
-        self._search = PostureSearch(self._numerics, self._box, self.options)
+        self._search = PostureSearch(self.numerics, self._box, self.options)
         # Not imported before numba is needed: see `_numerics`.
         from .joint_path import JointPath
 
@@ -149,18 +151,18 @@ class IKSolver:
 
     def warm_up(self) -> None:
         """Compile, or load from the cache, what will be needed. Takes seconds the first time."""
-        target = self._numerics.forward(self._middle)
+        target = self.numerics.forward(self._middle)
         task = self._shapes[None].at(target)
         middle = self._middle.copy()
-        self._numerics.jacobian(middle)
-        self._numerics.solve(task, middle, self._box, self._numerics.random(0), 1)
-        self._numerics.descend(task, middle, self._box, 1)
-        self._numerics.tick(task, middle, self._box, np.ones(self._count), 1)
+        self.numerics.jacobian(middle)
+        self.numerics.solve(task, middle, self._box, self.numerics.random(0), 1)
+        self.numerics.descend(task, middle, self._box, 1)
+        self.numerics.tick(task, middle, self._box, np.ones(self._count), 1)
         self._way.warm_up()
         for kind in (DISTANCE, SINGULARITY):
             goal = GoalFunction(kind, middle, np.ones(self._count))
-            self._numerics.goal_value(task, middle, goal)
-            self._numerics.slide(task, middle, self._box, goal, 1)
+            self.numerics.goal_value(task, middle, goal)
+            self.numerics.slide(task, middle, self._box, goal, 1)
 
     # ---------------------------------------------------------------- at once
 
@@ -196,7 +198,7 @@ class IKSolver:
         if seed is not None:
             start = vector(seed, self._count, "seed", LARGEST_POSITION)
         options = self.options
-        random = self._numerics.random(options.random_seed)
+        random = self.numerics.random(options.random_seed)
         if options.mode == Mode.BEST:
             outcome = self._best(task, start, random)
         else:
@@ -211,7 +213,7 @@ class IKSolver:
         """Return the first solution found within the budget."""
         options = self.options
         if options.time_limit is None:
-            return self._numerics.solve(task, start, self._box, random, self._iterations)
+            return self.numerics.solve(task, start, self._box, random, self._iterations)
         end = time.monotonic() + options.time_limit
         slices = _Slices(self._iterations)
         while slices.left and not slices.converged and time.monotonic() < end:
@@ -231,7 +233,7 @@ class IKSolver:
             slices.add(found)
             if not found.converged:
                 continue
-            value = self._numerics.goal_value(task, found.q, goal)
+            value = self.numerics.goal_value(task, found.q, goal)
             if value < least:
                 best, least = found, value
         if best is None:
@@ -239,7 +241,7 @@ class IKSolver:
         return best._replace(iterations=slices.iterations, restarts=slices.restarts)
 
     def _slice(self, task: Task, start: np.ndarray, random: Any, slices: _Slices) -> Outcome:
-        return self._numerics.solve(
+        return self.numerics.solve(
             task,
             start,
             self._box,
@@ -250,8 +252,8 @@ class IKSolver:
 
     def _slide(self, task: Task, outcome: Outcome, goal: GoalFunction) -> Outcome:
         """Move a solution towards the goal; the answer is a solution as well."""
-        moved, used = self._numerics.slide(task, outcome.q, self._box, goal, _SLIDES)
-        checked = self._numerics.descend(task, moved, self._box, 1)
+        moved, used = self.numerics.slide(task, outcome.q, self._box, goal, _SLIDES)
+        checked = self.numerics.descend(task, moved, self._box, 1)
         iterations = outcome.iterations + used
         if not checked.converged:
             return outcome._replace(iterations=iterations)
@@ -330,7 +332,7 @@ class IKSolver:
         if tick is not None and way.count == 0 and not was_late:
             return self._answer(here, dt, tick, status, posture)
         moved = way.position
-        tick = self._numerics.tick(task, moved, self._box, self._standing, 0)
+        tick = self.numerics.tick(task, moved, self._box, self._standing, 0)
         if tick.outcome.converged:
             status = IKStatus.CONVERGED
         elif status is IKStatus.CONVERGED:
@@ -349,7 +351,7 @@ class IKSolver:
                 self._planned_dt = min(self._planned_dt, _UNEVEN * min(dt, self._last_dt))
         else:
             self._way.begin(here)
-            self._on_path = self._numerics.forward(here)
+            self._on_path = self.numerics.forward(here)
             self._ahead.clear()
         self._last_dt = dt
 
@@ -405,7 +407,7 @@ class IKSolver:
         for _ in range(_TRIALS):
             there = min(share + part, 1.0)
             pose = line.at(there) if there < 1.0 else self._ahead[0]
-            found = self._numerics.descend(
+            found = self.numerics.descend(
                 task._replace(target=pose), end, self._box, self.options.track_iterations
             )
             # The largest of plain floats: numpy's own takes several times as long on so few.
@@ -434,7 +436,7 @@ class IKSolver:
         destination = self._search.destination(task)
         if destination is not None:
             return self._walk(task, here, reach, destination)
-        tick = self._numerics.tick(
+        tick = self.numerics.tick(
             task, here, self._box, reach, self.options.track_iterations, measured=measured
         )
         if tick.outcome.converged:
@@ -457,7 +459,7 @@ class IKSolver:
         way = destination - here
         ticks = max(1.0, float((abs(way) / reach).max()))
         moved = here + way / ticks if ticks > 1.0 else destination
-        tick = self._numerics.tick(task, moved, (moved, moved), np.zeros(self._count), 0)
+        tick = self.numerics.tick(task, moved, (moved, moved), np.zeros(self._count), 0)
         if tick.outcome.converged:
             self._search.forget()
             return tick, IKStatus.CONVERGED, None
@@ -468,8 +470,8 @@ class IKSolver:
         """Move on towards the goal, with what a tick that has reached its target leaves."""
         goal = self._goal(here)
         box = self._tick_box(here, reach)
-        moved, _ = self._numerics.slide(task, tick.outcome.q, box, goal, 1)
-        checked = self._numerics.tick(task, moved, box, np.zeros(self._count), 0)
+        moved, _ = self.numerics.slide(task, tick.outcome.q, box, goal, 1)
+        checked = self.numerics.tick(task, moved, box, np.zeros(self._count), 0)
         return checked if checked.outcome.converged else tick
 
     def track_twist(
@@ -517,7 +519,7 @@ class IKSolver:
         reach = self._reach(dt)
         shape = self._shape_of(tolerance)
         fine = shape._replace(position=_FINE, rotation=_FINE)
-        numerics, box = self._numerics, self._box
+        numerics, box = self.numerics, self._box
         begin = numerics.forward(here)
         target = move_pose(begin, speeds, dt, frame)
         damping = self._damping(numerics.tick(fine.at(target), here, box, reach, 0).sigma)
@@ -545,7 +547,7 @@ class IKSolver:
 
     def _against(self, task: Task, q: np.ndarray) -> Outcome:
         """Return how a posture stands to a target."""
-        return self._numerics.descend(task, q, (q, q), 0)
+        return self.numerics.descend(task, q, (q, q), 0)
 
     def _share_done(
         self, shape: TaskShape, begin: np.ndarray, end: np.ndarray, asked: np.ndarray
