@@ -17,6 +17,8 @@ from waiting import wait_until
 from telex_control.common.child_processes import DIES_WITH_US
 from telex_experiments.rigs.private_master import end_tree
 
+pytestmark = pytest.mark.slow
+
 BENCHMARKS = Path(__file__).resolve().parents[1] / "benchmarks"
 OFFLINE = ("grasping", "ik", "mobility", "step_response", "trajectory")
 LIMIT = 900.0

@@ -30,6 +30,8 @@ from telex_control.urdf.joints import joints, parse_urdf
 from telex_experiments.rigs.private_master import PrivateMaster
 from telex_sim.offline.simulation import robot_description
 
+pytestmark = pytest.mark.waiting
+
 BASE, TOOL = "base_link", "tool_link"
 POSES = 1000
 EXACT = 1e-9  # m, rad

@@ -23,6 +23,8 @@ from telex_training.operators.terrain import footing, rough, stairs
 from telex_training.operators.terrain.stairs import Stairs
 from telex_training.operators.terrain.step import Step
 
+pytestmark = pytest.mark.slow
+
 OBSTACLES: Dict[str, Obstacle] = {obstacle.name: obstacle for obstacle in all_obstacles()}
 
 

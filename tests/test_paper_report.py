@@ -28,6 +28,8 @@ from telex_experiments.paper.schedule import Outcome, Schedule, planned
 from telex_experiments.paper.session import Session
 from telex_experiments.rigs.private_master import PrivateMaster, end_tree
 
+pytestmark = pytest.mark.waiting
+
 ROOT = Path(__file__).resolve().parents[1]
 
 RUN = Run("2026-01-01 12:00", "a processor", "commit abc", False, 1, 90.0)

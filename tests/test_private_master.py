@@ -22,6 +22,8 @@ from telex_experiments.rigs.private_master import (
     free_port,
 )
 
+pytestmark = pytest.mark.waiting
+
 # Starts a child in a session of its own, as roslaunch does, says its id, and waits.
 PARENT = """
 import signal, subprocess, sys, time

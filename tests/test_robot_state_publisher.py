@@ -11,6 +11,8 @@ from waiting import wait_until
 
 from telex_experiments.rigs.private_master import PrivateMaster, end_tree
 
+pytestmark = pytest.mark.waiting
+
 LAUNCH = """
 <launch>
   <group ns="one"><include file="$(find telex_description)/launch/description.launch"/></group>

@@ -9,6 +9,8 @@ import pytest
 
 from telex_experiments.mobility.balance import stopping
 
+pytestmark = pytest.mark.slow
+
 WAYS = {"silence": (stopping.fall_silent, 0.55, 0.45), "closed": (stopping.close, 0.30, 0.15)}
 
 

@@ -25,6 +25,8 @@ from telex_control.kinematics import (
 )
 from telex_control.kinematics.inverse.task import SINGULARITY
 
+pytestmark = pytest.mark.slow
+
 
 def joint(index, kind, xyz, axis, lower, upper):
     return (
@@ -94,7 +96,7 @@ def assert_within(q):
 
 
 def test_compiled_kinematics_are_those_of_kdl(solver):
-    numerics = solver._numerics
+    numerics = solver.numerics
     for q in postures(50):
         assert abs(numerics.forward(q) - CHAIN.forward(q)).max() < 1e-12
         assert abs(numerics.jacobian(q) - CHAIN.jacobian(q)).max() < 1e-12
@@ -133,7 +135,7 @@ def jacobian_by_kdl(task, q):
     ],
 )
 def test_it_measures_what_kdl_and_numpy_do(solver, tolerance):
-    numerics = solver._numerics
+    numerics = solver.numerics
     for q, other in zip(postures(20, 1), postures(20, 2)):
         task = solver._task(CHAIN.forward(other), tolerance)
         measured = numerics.descend(task, q, (q, q), 0)
@@ -158,7 +160,7 @@ def test_half_a_turn_is_measured():
     solver = IKSolver(CHAIN)
     for axis in np.eye(4)[:3]:
         target = CHAIN.forward(BENT) @ make_pose((0, 0, 0), axis)
-        found = solver._numerics.descend(solver._task(target, None), BENT, (BENT, BENT), 0)
+        found = solver.numerics.descend(solver._task(target, None), BENT, (BENT, BENT), 0)
         assert found.orientation_error == pytest.approx(math.pi, abs=1e-9)
         assert found.position_error == pytest.approx(0.0, abs=1e-12)
 
@@ -309,7 +311,7 @@ def test_fewer_joints_than_directions():
 
 
 def goal_value(solver, target, q, seed):
-    return solver._numerics.goal_value(solver._task(target, None), q, solver._goal(seed))
+    return solver.numerics.goal_value(solver._task(target, None), q, solver._goal(seed))
 
 
 @pytest.mark.parametrize("goal", [Goal.SEED, Goal.MID_RANGE, Goal.MANIPULABILITY])
@@ -337,7 +339,7 @@ def test_the_goal_is_at_a_minimum_along_the_self_motion():
     motion = np.linalg.svd(CHAIN.jacobian(q))[2][-1]
     least = goal_value(solver, target, q, BENT)
     for step in (0.05, -0.05):
-        moved = solver._numerics.descend(
+        moved = solver.numerics.descend(
             solver._task(target, None), q + step * motion, solver._box, 20
         )
         assert moved.converged

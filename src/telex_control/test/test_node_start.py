@@ -15,6 +15,8 @@ from telex_control.ros import node_start
 from telex_control.ros.node_start import until_shutdown
 from telex_experiments.rigs.private_master import PrivateMaster
 
+pytestmark = pytest.mark.waiting
+
 # Is told to end while it talks to the master: rospy's lock of that connection is taken.
 NODE = """
 import os, signal, sys, time

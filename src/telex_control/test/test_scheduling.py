@@ -8,7 +8,7 @@ import sys
 import pytest
 
 # What comes before all others would hold up a browser that another worker tests.
-pytestmark = pytest.mark.real_time
+pytestmark = [pytest.mark.real_time, pytest.mark.waiting]
 
 START = """
 import ctypes, os, struct, sys, threading, time

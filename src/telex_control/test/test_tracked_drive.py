@@ -22,6 +22,8 @@ from telex_control.hardware.hardware_interface import (
     VelocityJointInterface,
 )
 
+pytestmark = pytest.mark.slow
+
 RADIUS, GAUGE, FACTOR = 0.1, 0.4, 2.0
 BELTS = ("left", "right")
 

@@ -26,6 +26,8 @@ from telex_control.ros.rospy_fixes.xmlrpc_guard import (
 )
 from telex_experiments.rigs.private_master import PrivateMaster, end_tree
 
+pytestmark = pytest.mark.waiting
+
 XML = {"Content-Type": "text/xml"}
 NODE = """
 import rospy

@@ -16,6 +16,8 @@ from telex_cad.link_model import LinkModel
 from telex_cad.upper import arm, gripper, turret
 from urdf_parser_py.urdf import URDF, Box, Collision, Cylinder
 
+pytestmark = pytest.mark.slow
+
 SIDES = ("left", "right")
 PARTS = {"base": 1, "middle": 1, "tip": -2}
 MASSES = {

@@ -23,6 +23,8 @@ from telex_cad.materials import MATERIALS
 from telex_cad.solids import box, cylinder, hose, outline_of, ring, warning_stripes
 from urdf_parser_py.urdf import URDF, Mesh
 
+pytestmark = pytest.mark.slow
+
 SCRIPT = PACKAGE / "scripts" / "generate_model"
 MESH_ADDRESS = "package://telex_description"
 

@@ -19,6 +19,8 @@ from telex_control.urdf.joints import joints, parse_urdf
 from telex_control.urdf.transmission_parser import driven_joints
 from telex_experiments.rigs.private_master import PrivateMaster, end_tree
 
+pytestmark = pytest.mark.waiting
+
 PACKAGE = Path(__file__).resolve().parents[1]
 VARIANTS = ("standard", "six_axis", "carrier")
 PATIENCE = 30.0  # s

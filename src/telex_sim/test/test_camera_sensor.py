@@ -24,6 +24,8 @@ from telex_sim.cameras.ros.messages import camera_info_message
 from telex_sim.cameras.ros.overview_rig import OverviewRig
 from telex_sim.scene.visual_scene import Daylight, Visual, VisualScene, VisualShape
 
+pytestmark = pytest.mark.slow
+
 SECOND = 10**9
 BARREL = (-0.12, 0.02, 0.002, -0.003, 0.0)
 CONFIG = CameraConfig(640, 480, 1.5708, distortion=BARREL, zoom_max=4.0, frame="optical")

@@ -13,6 +13,8 @@ import yaml
 from telex_control.urdf.joints import joints, parse_urdf
 from telex_sim.offline.simulation import OfflineSimulation, package_file
 
+pytestmark = pytest.mark.slow
+
 ARM = (
     "turret_joint",
     "shoulder_joint",

@@ -13,6 +13,8 @@ from telex_control.hardware.hardware_interface import ControllerInfo
 from telex_control.urdf.joints import joints, parse_urdf
 from telex_sim.offline.simulation import OfflineSimulation
 
+pytestmark = pytest.mark.slow
+
 INERTIA = 0.5  # kg m2; kg of the sliding joint
 EFFORT = 10.0
 RIG = """

@@ -13,6 +13,8 @@ from std_msgs.msg import Float64
 from telex_control.urdf.joints import joints, parse_urdf
 from telex_sim.offline.simulation import OfflineSimulation, shipped_config
 
+pytestmark = pytest.mark.slow
+
 STEP = 0.002
 RATE = 1.0
 """The flippers' rated velocity (rad/s)."""

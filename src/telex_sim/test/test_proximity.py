@@ -18,6 +18,8 @@ from telex_sim.proximity.monitor import ProximityMonitor
 from telex_sim.proximity.proximity_config import ProximityConfig
 from telex_sim.robot.self_collision import SelfCollisionConfig
 
+pytestmark = pytest.mark.slow
+
 ARM = """
 <robot name="arm">
   <link name="post">

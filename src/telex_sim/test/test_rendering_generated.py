@@ -19,6 +19,8 @@ from telex_sim.scene.textures.procedural import (
 )
 from telex_sim.scene.visual_scene import Daylight, Visual, VisualScene, VisualShape
 
+pytestmark = pytest.mark.slow
+
 PICTURES = ("sign", "label", "chart", "optotype")
 NOT_TILED = (*PICTURES, "crate")
 TINTED = sorted(set(texture_names()) - {*PICTURES, "hazard_stripes"})

@@ -13,6 +13,8 @@ from telex_sim.cameras.optics.pinhole import PinholeCamera
 from telex_sim.cameras.preview.still import Still, looking
 from telex_sim.scene.visual_scene import Daylight, Visual, VisualScene, VisualShape
 
+pytestmark = pytest.mark.slow
+
 CAMERA = PinholeCamera(320, 240, 1.2, 0.05, 60.0)
 RED, GREEN, BLUE = (0.9, 0.05, 0.05, 1.0), (0.05, 0.8, 0.05, 1.0), (0.05, 0.1, 0.9, 1.0)
 MAGENTA, GRAY = (1.0, 0.0, 1.0, 1.0), (0.5, 0.5, 0.5, 1.0)

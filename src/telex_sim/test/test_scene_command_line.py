@@ -17,6 +17,8 @@ from telex_sim.scene.library import object_types
 from telex_sim.scene.library.object_type import ObjectType
 from telex_sim.scene.type_texts import parameters, summary
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):

@@ -16,6 +16,8 @@ from telex_sim.cameras.preview.scene_preview import (
 )
 from telex_sim.cameras.preview.still import looking
 
+pytestmark = pytest.mark.slow
+
 SCENE = """
 floor: {surface: {color: [0.5, 0.5, 0.5, 1.0], texture: ""}}
 objects:

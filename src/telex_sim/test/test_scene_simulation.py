@@ -12,6 +12,8 @@ from geometry_msgs.msg import Twist
 from telex_control.common.params import ConfigError
 from telex_sim.scene.files.scene_file import SceneError
 
+pytestmark = pytest.mark.slow
+
 BLOCK = "{{type: custom, name: {name}, position: {at}, links: [{{name: body, mass: {mass},\
  friction: {friction}, parts: [{{box: {size}, position: [0, 0, {half}]}}]}}]}}"
 

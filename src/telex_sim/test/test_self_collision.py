@@ -16,6 +16,8 @@ from telex_control.urdf.joints import joints, parse_urdf
 from telex_sim.offline.simulation import OfflineSimulation, shipped_config
 from telex_sim.robot.self_collision import SelfCollisionConfig
 
+pytestmark = pytest.mark.slow
+
 CORNERS = [f"{end}_{side}" for end in ("front", "rear") for side in ("left", "right")]
 PADS = frozenset(("left_finger_tip_link", "right_finger_tip_link"))
 STIFF = 2.0e-3

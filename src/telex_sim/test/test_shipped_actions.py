@@ -16,6 +16,8 @@ from control_msgs.msg import (
 )
 from trajectory_msgs.msg import JointTrajectoryPoint
 
+pytestmark = pytest.mark.slow
+
 FINGER_TIPS = ("left_finger_tip_link", "right_finger_tip_link")
 
 

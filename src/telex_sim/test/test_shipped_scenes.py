@@ -12,6 +12,8 @@ import pytest
 from telex_sim.offline.simulation import package_file
 from telex_sim.scene.files.scene_file import load_scene
 
+pytestmark = pytest.mark.slow
+
 TRAINING = [
     "accelerator_tunnel", "manipulation_bench", "mobility_lane", "stairs", "training_hall",
 ]  # fmt: skip

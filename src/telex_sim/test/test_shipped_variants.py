@@ -12,6 +12,8 @@ from geometry_msgs.msg import Twist
 from telex_sim.engine.world import WorldError
 from telex_sim.offline.simulation import OfflineSimulation, package_file
 
+pytestmark = pytest.mark.slow
+
 SCRIPT = package_file("telex_description", "scripts", "robot_description")
 with open(package_file("telex_description", "config", "variants.yaml")) as file:
     VARIANTS = list(yaml.safe_load(file)["variants"])

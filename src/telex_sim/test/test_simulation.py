@@ -14,6 +14,8 @@ from std_msgs.msg import Float64
 from telex_control.common.params import ConfigError
 from telex_sim.offline.simulation import OfflineSimulation
 
+pytestmark = pytest.mark.slow
+
 ARM = (
     "turret_joint",
     "shoulder_joint",

@@ -12,6 +12,8 @@ from telex_control.common.params import ConfigError
 from telex_sim.tracks.belt_drive import BeltDrive, BeltDriveConfig
 from telex_sim.tracks.law import Patch, TractionLaw
 
+pytestmark = pytest.mark.slow
+
 CONFIG = BeltDriveConfig(
     force=540.0, power=250.0, acceleration=5.0, inertia=15.0, brake_force=900.0
 )

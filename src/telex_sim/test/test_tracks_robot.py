@@ -9,6 +9,8 @@ import pytest
 from geometry_msgs.msg import Twist
 from std_msgs.msg import Float64
 
+pytestmark = pytest.mark.slow
+
 BELTS = ("front_left", "rear_left", "front_right", "rear_right")
 RADIUS = 0.110
 STEPS = [0.004, 0.002, 0.001]

@@ -7,6 +7,8 @@ from hypothesis import strategies as st
 
 from telex_teleop.arm.tool_clearance import scaled_clear, slid_clear, tool_effects
 
+pytestmark = pytest.mark.slow
+
 WALL = np.array([[-1.0, 0.0, 0.0, 0.0, 0.0, 0.0]])  # the tool's x closes it
 CORNER = np.array([[-1.0, 0.0, 0.0, 0.0, 0.0, 0.0], [-0.6, -0.8, 0.0, 0.0, 0.0, 0.0]])
 

@@ -16,6 +16,8 @@ from telex_teleop.motion.axis import AxisSettings
 from telex_teleop.motion.joint_jog import InvalidCommand, JogCommand
 from telex_teleop.motion.speed import SpeedScale
 
+pytestmark = pytest.mark.slow
+
 AHEAD = twist("base", 0.1, 0.0, 0.0)
 
 

@@ -18,7 +18,7 @@ from waiting import wait_until
 from telex_control.kinematics import Chain, quaternion_of
 from telex_teleop.motion.rigid_motion import advanced, pose_error
 
-pytestmark = pytest.mark.ros
+pytestmark = [pytest.mark.ros, pytest.mark.waiting]
 
 NAMESPACE = "/telex"
 DESCRIPTION = PACKAGE.parent / "telex_description"

@@ -19,6 +19,8 @@ from telex_teleop.arm.ik_kinematics import IKKinematics
 from telex_teleop.arm.tool_motion import ToolMotion
 from telex_teleop.motion.limits import limits_from_urdf
 
+pytestmark = pytest.mark.slow
+
 SOURCE = Path(__file__).parents[2]
 DESCRIPTION = SOURCE / "telex_description"
 AXES = [sign * axis for axis in np.eye(3) for sign in (1.0, -1.0)]

@@ -25,6 +25,8 @@ from telex_control.common.params import ConfigError
 from telex_teleop.arm.tool_settings import ToolSettings
 from telex_teleop.motion.rigid_motion import advanced, pose_error
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def rig():

@@ -11,7 +11,7 @@ import pytest
 from own_ros import NodeProcess, Topics, wait_until_connected
 from waiting import wait_until
 
-pytestmark = pytest.mark.ros
+pytestmark = [pytest.mark.ros, pytest.mark.waiting]
 
 NODES = Path(__file__).parents[1] / "nodes"
 ROBOT = "/robot7"

@@ -22,6 +22,8 @@ from waiting import wait_until
 from telex_control.common.scheduling import may_come_first
 from telex_experiments.rigs.private_master import free_port
 
+pytestmark = pytest.mark.waiting
+
 NODE = Path(__file__).parents[1] / "nodes" / "keyboard_teleop"
 ROBOT = "/robot7"
 TURRET = "turret_joint"
@@ -348,26 +350,6 @@ class TestPlainTerminal:
         wait_until(lambda: robot.e_stops[1:], "the release")
         assert robot.e_stops == [True, False]
 
-    def test_status_of_the_simulator_tells_whether_the_e_stop_holds(self, keyboard):
-        """Tell of an e-stop that nobody's message told of, then of its release."""
-        from std_msgs.msg import Bool
-        from telex_msgs.msg import SimStatus
-
-        with Topics(ROBOT) as topics:
-            status = topics.publisher("sim/status", SimStatus, queue_size=1, latch=True)
-            other = topics.publisher("e_stop", Bool, queue_size=1, latch=True)
-            wait_until_connected(status, other)
-            keyboard.shown.clear()
-            status.publish(SimStatus(e_stop=True))
-            keyboard.wait_for(b"E-STOP IS ACTIVE", 1.0)
-            keyboard.shown.clear()
-            other.publish(Bool(False))
-            time.sleep(1.0)
-            assert b"READY" not in keyboard.shown
-            keyboard.shown.clear()
-            status.publish(SimStatus(e_stop=False))
-            keyboard.wait_for(b"READY", 1.0)
-
     def test_speed(self, keyboard, robot):
         for count in (1, 2):
             keyboard.type(b"-")
@@ -436,6 +418,29 @@ class TestEnd:
             assert keyboard.shows_the_normal_screen()
         if way == "SIGTERM":
             assert b"\x1b[<u" in keyboard.shown  # the protocol of kitty is given back
+
+
+@pytest.mark.ros
+def test_status_of_the_simulator_tells_whether_the_e_stop_holds(start):
+    """Tell of an e-stop that nobody's message told of, then of its release."""
+    keyboard = start()  # of its own: once it is told by the status, it believes no other release
+    from std_msgs.msg import Bool
+    from telex_msgs.msg import SimStatus
+
+    with Topics(ROBOT) as topics:
+        status = topics.publisher("sim/status", SimStatus, queue_size=1, latch=True)
+        other = topics.publisher("e_stop", Bool, queue_size=1, latch=True)
+        wait_until_connected(status, other)
+        keyboard.shown.clear()
+        status.publish(SimStatus(e_stop=True))
+        keyboard.wait_for(b"E-STOP IS ACTIVE", 1.0)
+        keyboard.shown.clear()
+        other.publish(Bool(False))
+        time.sleep(1.0)
+        assert b"READY" not in keyboard.shown
+        keyboard.shown.clear()
+        status.publish(SimStatus(e_stop=False))
+        keyboard.wait_for(b"READY", 1.0)
 
 
 def assert_screen(shown):

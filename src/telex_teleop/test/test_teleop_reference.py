@@ -8,6 +8,8 @@ from hypothesis import strategies as st
 
 from telex_teleop.motion.reference import MotionLimits, ReferenceGenerator
 
+pytestmark = pytest.mark.slow
+
 DT = 0.01
 
 

@@ -20,7 +20,7 @@ from fake_robot import (
 from own_ros import NodeProcess, Topics, wait_until_connected
 from waiting import wait_until
 
-pytestmark = pytest.mark.ros
+pytestmark = [pytest.mark.ros, pytest.mark.waiting]
 
 NAMESPACE = "/telex"
 LONGEST_SILENCE = 0.5  # s from the last message to the first sign of the stop

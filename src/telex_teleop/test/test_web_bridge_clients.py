@@ -15,7 +15,7 @@ import pytest
 from waiting import wait_until
 from web_harness import Ros
 
-pytestmark = pytest.mark.ros
+pytestmark = [pytest.mark.ros, pytest.mark.waiting]
 
 CLIENTS = Path(__file__).with_name("bridge_clients")
 SUCCEEDED = 3

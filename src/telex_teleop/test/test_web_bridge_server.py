@@ -15,7 +15,7 @@ from telex_teleop.web.bridge.bridge_app import Rosbridge
 from telex_teleop.web.server_config import RosbridgeConfig
 from telex_teleop.web.tokens import Tokens
 
-pytestmark = pytest.mark.real_time
+pytestmark = [pytest.mark.real_time, pytest.mark.waiting]
 
 DRIVE = {"op": "advertise", "topic": "/drive", "type": "geometry_msgs/Twist"}
 AHEAD = {"op": "publish", "topic": "/drive", "msg": {"linear": {"x": 1.0}}}

@@ -21,7 +21,7 @@ from telex_experiments.rigs.private_master import descendants
 # the fixtures of the console's other tests, started anew for this file
 __all__ = ["page", "robot", "ros"]
 
-pytestmark = [pytest.mark.ros, pytest.mark.browser]
+pytestmark = [pytest.mark.ros, pytest.mark.browser, pytest.mark.waiting]
 
 TRACKS = "/telex/track_controller/cmd_vel"
 PULSE = "front_left_track_joint"

@@ -22,7 +22,7 @@ from web_harness import Ros
 
 from telex_experiments.rigs.private_master import free_port
 
-pytestmark = pytest.mark.ros
+pytestmark = [pytest.mark.ros, pytest.mark.waiting]
 
 CAMERA = "/telex/cameras/front/image_raw"
 COMPRESSED = f"{CAMERA}/compressed"

@@ -21,7 +21,7 @@ from telex_teleop.web.video import video_server_app as video_app
 from telex_teleop.web.video.pictures import CompressedPicture
 from telex_teleop.web.video.video_server_app import VideoServer
 
-pytestmark = pytest.mark.real_time
+pytestmark = [pytest.mark.real_time, pytest.mark.waiting]
 
 CAMERA = "/telex/cameras/front/image_raw"
 COMPRESSED = f"{CAMERA}/compressed"

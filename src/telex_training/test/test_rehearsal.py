@@ -26,6 +26,8 @@ from telex_training.operators.tasks.briefcase import Briefcase
 from telex_training.rehearsal.controllers import OfflineControllers
 from telex_training.rehearsal.teleop import OfflineTeleop
 
+pytestmark = pytest.mark.slow
+
 
 def simulation(folder: Path, **objects: dict) -> OfflineSimulation:
     scene = folder / "scene.yaml"

@@ -14,6 +14,8 @@ from telex_training.exercises.command_line import main
 from telex_training.exercises.exercise_file import load_exercise, parse_exercise
 from telex_training.exercises.seeds import scene_of, scene_text
 
+pytestmark = pytest.mark.slow
+
 SCENE = """
 scene:
   floor: {size: 20}

@@ -13,6 +13,8 @@ from hypothesis import strategies as st
 from telex_training.exercises.catalog import exercises, find_exercise
 from telex_training.exercises.exercise_file import ExerciseError, load_exercise, parse_exercise
 
+pytestmark = pytest.mark.slow
+
 PATH = Path("/exercises/drill.yaml")
 LEAST = """
 scene: floor

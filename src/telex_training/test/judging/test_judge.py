@@ -17,6 +17,8 @@ from telex_training.judging.entries import Entry
 from telex_training.judging.judge import Judge
 from telex_training.judging.truth import read_sample
 
+pytestmark = pytest.mark.slow
+
 DRILL = """
 title: Drill
 zones:
