@@ -56,7 +56,7 @@ async def wait_until_async(
     condition: Callable[[], Any],
     what: What = None,
     timeout: float = 10.0,
-    period: float = PERIOD,
+    period: float = 0.5 * PERIOD,
 ) -> Any:
     """Do the same in an event loop, which goes on meanwhile."""
     for value in _looks(condition, what, timeout):

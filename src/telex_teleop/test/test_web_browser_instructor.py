@@ -61,7 +61,7 @@ def page(ros, simulator, tmp_path_factory):
     start = {"mode": "orbit", "azimuth": 1.0, "elevation": 0.5, "distance": 4.0}
     ros.master.setParam("/telex/cameras/overview/start", {**start, "center": [0.0, 0.0, 0.2]})
     _, url = ros.serve("video_server")
-    ros.serve("rosbridge")
+    ros.bridge, _ = ros.serve("rosbridge")
     page = Page(f"{url}/instructor", tmp_path_factory.mktemp("profile"))
     try:
         page.resize(1280, 720)
@@ -326,9 +326,13 @@ def test_a_lost_bridge_is_said(ros, simulator, page):
     page.element('[data-scene="yard"] button').click()
     answer(page, "yes")
     wait_until(lambda: page.element("#scene-progress").is_displayed())
-    ros.stop(ros.processes[-1])
-    wait_until(lambda: page.text("scene-note") == "the connection was lost")
-    assert not page.element("#scene-progress").is_displayed()
-    wait_until(lambda: "Connection lost" in page.text("link-band"))
-    assert page.element("#link-band").is_displayed()
-    assert page.text("sim-state") == "NO STATUS"
+    ros.stop(ros.bridge)
+    try:
+        wait_until(lambda: page.text("scene-note") == "the connection was lost")
+        assert not page.element("#scene-progress").is_displayed()
+        wait_until(lambda: "Connection lost" in page.text("link-band"))
+        assert page.element("#link-band").is_displayed()
+        assert page.text("sim-state") == "NO STATUS"
+    finally:
+        ros.bridge, _ = ros.serve("rosbridge")
+        page.load()
