@@ -103,6 +103,10 @@ class CpuTimes:
         self.marked: Set[str] = set()
         self._before = cpu_time()
 
+    def pytest_collection_finish(self) -> None:
+        """Begin to count: what importing takes is nobody's alone."""
+        self._before = cpu_time()
+
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_makereport(self, item: pytest.Item) -> Iterator[None]:
         """Note in each report what its phase took; another worker's process may print it."""
@@ -118,28 +122,34 @@ class CpuTimes:
         """Add up; and name tests without the group that xdist appends, to be run again by it."""
         if in_a_worker():
             return
-        report.nodeid = report.nodeid.rsplit("@", 1)[0] if "@" in report.nodeid else report.nodeid
         file = report.nodeid.split("::", 1)[0]
+        name, _, group = report.nodeid.rpartition("@")
+        if group in (HEAVY, LIGHT, file):
+            report.nodeid = name
         if not getattr(report, "in_wall_time", True):
             self.of_file[file] += report.cpu_time
             if report.marked_slow:
                 self.marked.add(file)
 
-    def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
+    def pytest_terminal_summary(
+        self, terminalreporter: pytest.TerminalReporter, exitstatus: int
+    ) -> None:
         """Name the files whose mark says what is not so."""
         config = terminalreporter.config
-        if config.option.keyword or any("::" in each for each in config.args):
-            return  # less than whole files
+        less = config.option.keyword or any("::" in each for each in config.args)
+        if less or exitstatus != pytest.ExitCode.OK:
+            return  # these were not whole files
         for file, seconds in sorted(self.of_file.items(), key=lambda each: -each[1]):
             if seconds > SLOW and file not in self.marked:
                 terminalreporter.line(f"{file} took {seconds:.1f} s of CPU time: mark it slow")
             elif seconds < NOT_SLOW and file in self.marked:
                 terminalreporter.line(f"{file} took {seconds:.1f} s of CPU time: it is not slow")
-        if config.option.verbose > 0:
-            total = sum(self.of_file.values())
-            terminalreporter.line(f"CPU time of the tests that need no clock: {total:.0f} s")
-            for file, seconds in sorted(self.of_file.items(), key=lambda each: -each[1])[:40]:
+        if config.option.durations:
+            terminalreporter.section(f"slowest {config.option.durations} files in CPU time")
+            slowest = sorted(self.of_file.items(), key=lambda each: -each[1])
+            for file, seconds in slowest[: config.option.durations]:
                 terminalreporter.line(f"{seconds:6.2f} s {file}")
+            terminalreporter.line(f"{sum(self.of_file.values()):6.2f} s in all files")
 
 
 def cpu_time() -> float:

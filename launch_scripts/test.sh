@@ -3,7 +3,7 @@
 #
 #   ./launch_scripts/test.sh [--fast] [pytest arguments]
 #
-# --fast: lint, types and what is quick and needs no ROS master, browser or wall time: two minutes on two cores.
+# --fast: lint, types and what is quick and needs no ROS master, browser or wall time.
 # Further arguments go to pytest (-n 0: all tests in one process, as --pdb wants it).
 set -uo pipefail
 

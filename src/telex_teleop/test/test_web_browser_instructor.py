@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 
 import pytest
 from selenium.webdriver.common.action_chains import ActionChains
@@ -25,6 +26,16 @@ LOADED = {"success": True, "message": "scene yard: 2 objects in 0.10 s"}
 REFUSED = {"success": False, "message": "yard.yaml: objects[0]: type is 'unicorn'"}
 
 
+START = {
+    "mode": "orbit",
+    "azimuth": 1.0,
+    "elevation": 0.5,
+    "distance": 4.0,
+    "center": {"x": 0.0, "y": 0.0, "z": 0.2},
+}
+"""View of the overview camera at first."""
+
+
 class Simulator:
     """Plays the simulator's services."""
 
@@ -34,10 +45,16 @@ class Simulator:
         for name in ("pause", "unpause", "reset"):
             self.serve(name, "std_srvs/Empty")
         self.serve("step", "telex_msgs/Step", success=True)
+        self.probe.subscribe(VIEW, "telex_msgs/OverviewView")
+        self.reset()
+
+    def reset(self):
+        """Forget what was asked, and be in the first scene, at rest."""
         scenes = [HALL, YARD, BROKEN]
         self.serve("list_scenes", "telex_msgs/ListScenes", scenes=scenes, current=HALL["path"])
-        self.probe.subscribe(VIEW, "telex_msgs/OverviewView")
         self.tell()
+        self.robot.publish_camera("overview", rate=1)
+        self.probe.forget_requests()
 
     def serve(self, name, kind, delay=0.0, **response):
         service = f"/telex/sim/{name}"
@@ -45,6 +62,10 @@ class Simulator:
 
     def tell(self, **changes):
         self.robot.publish_sim(world="hall", step_size=0.002, resets=3, **changes)
+
+    def send_view(self, view):
+        """Send the overview camera somewhere, as another page would."""
+        self.probe.publish(VIEW, "telex_msgs/OverviewView", view)
 
     def asked(self, name):
         """Requests of a service so far."""
@@ -58,8 +79,8 @@ def simulator(robot):
 
 @pytest.fixture(scope="module")
 def page(ros, simulator, tmp_path_factory):
-    start = {"mode": "orbit", "azimuth": 1.0, "elevation": 0.5, "distance": 4.0}
-    ros.master.setParam("/telex/cameras/overview/start", {**start, "center": [0.0, 0.0, 0.2]})
+    start = {**START, "center": list(START["center"].values())}
+    ros.master.setParam("/telex/cameras/overview/start", start)
     _, url = ros.serve("video_server")
     ros.bridge, _ = ros.serve("rosbridge")
     page = Page(f"{url}/instructor", tmp_path_factory.mktemp("profile"))
@@ -69,6 +90,18 @@ def page(ros, simulator, tmp_path_factory):
         yield page
     finally:
         page.driver.quit()
+
+
+@pytest.fixture(autouse=True)
+def clean(simulator, page):
+    """Begin each test with a page that was just loaded, whatever the last one left."""
+    simulator.reset()
+    page.load()
+    # Where the last test has sent the camera is known to the bridge still.
+    simulator.send_view(START)
+    wait_until(lambda: page.text("view-hint") == "orbit · 4.0 m")
+    time.sleep(0.2)  # the rest of the view came with it
+    simulator.probe.heard[VIEW].clear()
 
 
 def answer(page, button):
@@ -130,7 +163,7 @@ def test_the_camera_can_be_sent_about_while_no_picture_comes(simulator, page):
     heard = simulator.probe.heard[VIEW]
     simulator.robot.publish_camera("overview")
     wait_until(lambda: page.element("#no-picture").is_displayed())
-    before = heard[-1][1]
+    before = START
     actions = ActionChains(page.driver)
     actions.click_and_hold(page.element("#picture")).move_by_offset(50, 0).release().perform()
     wait_until(lambda: heard[-1][1]["azimuth"] == pytest.approx(before["azimuth"] - 0.3))
@@ -147,7 +180,7 @@ def test_another_mode_keeps_the_place_of_the_camera(simulator, page):
     base_pose = {"pose": pose}
     simulator.probe.publish("/telex/sim/base_pose", "geometry_msgs/PoseStamped", base_pose, rate=10)
     wait_until(lambda: page.text("robot-place") == "2.0 1.0 m")
-    before = heard[-1][1]
+    before = START
     page.element('[data-view="fixed"]').click()
     wait_until(lambda: heard[-1][1]["mode"] == "fixed")
     fixed = heard[-1][1]
@@ -335,4 +368,3 @@ def test_a_lost_bridge_is_said(ros, simulator, page):
         assert page.text("sim-state") == "NO STATUS"
     finally:
         ros.bridge, _ = ros.serve("rosbridge")
-        page.load()

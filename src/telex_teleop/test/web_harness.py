@@ -152,5 +152,9 @@ class Probe:
         """Return what was asked of a service so far, None for an empty request."""
         return list(self._requests_of.get(service, []))
 
+    def forget_requests(self):
+        self.requests.clear()
+        self._requests_of.clear()
+
     def messages(self, topic):
         return [message for _, message in tuple(self.heard[topic])]
