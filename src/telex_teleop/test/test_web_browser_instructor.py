@@ -65,7 +65,7 @@ class Simulator:
 
     def send_view(self, view):
         """Send the overview camera somewhere, as another page would."""
-        self.probe.publish(VIEW, "telex_msgs/OverviewView", view)
+        self.probe.publish(VIEW, "telex_msgs/OverviewView", view, latch=True)
 
     def asked(self, name):
         """Requests of a service so far."""
