@@ -240,8 +240,9 @@ class Viewer:
 class Stage:
     """A simulator and a node, and who looks at what."""
 
-    def __init__(self, simulator, log):
+    def __init__(self, topics, simulator, log):
         self.simulator, self.log = simulator, log
+        self._all_along, self._commands = topics, {}
         self.topics_before = camera_topics()
         self.topics = Topics(NAMESPACE)  # of one test
         self._looking = Topics(NAMESPACE)
@@ -272,9 +273,12 @@ class Stage:
 
     def commands(self, topic, kind):
         """A publisher that the node hears."""
-        made = self.topics.publisher(topic, kind)
-        wait_until_connected(made)
-        return made
+        # Not anew for each test: a node that has not noticed yet that the last one went would not
+        # connect to the next, which has the same address.
+        if topic not in self._commands:
+            self._commands[topic] = self._all_along.publisher(topic, kind)
+        wait_until_connected(self._commands[topic])
+        return self._commands[topic]
 
     def configure(self, camera, parameters):
         import rospy
@@ -309,7 +313,7 @@ def running(environment, log, *command):
     rospy.set_param("/use_sim_time", True)
     rospy.set_param(f"{NAMESPACE}/cameras", PARAMS)
     with Topics(NAMESPACE) as topics, Simulator(topics) as simulator, log.open("w") as output:
-        stage = Stage(simulator, log)
+        stage = Stage(topics, simulator, log)
         with NodeProcess(
             [sys.executable, *command, "__name:=cameras"],
             dict(environment, ROS_NAMESPACE=NAMESPACE, PYTHONUNBUFFERED="1"),
@@ -624,6 +628,8 @@ class TestCounted:
     @pytest.fixture
     def counter(self, stage):
         counter = Counter(stage)
+        nothing = {"ahead": 0, "back": 0}
+        wait_until(lambda: counter.within(0.3)[0] == nothing, "who looked before to be gone")
         yield counter
         counter.take_for_each(0.0)
 
