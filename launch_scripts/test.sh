@@ -79,8 +79,10 @@ fi
 # What works hard in wall time, what waits in wall time, and, at low priority, what needs none: each
 # has workers of its own; conftest.py says which.
 workers=$(($(nproc) + 1))
+# Without those that wait, one more would only import everything once more.
+[ -z "$fast" ] || workers=$(nproc)
 [ "$workers" -le 5 ] || workers=5
-[ "$workers" -eq 2 ] || pytest_arguments=(-n "$workers" --dist loadgroup "${pytest_arguments[@]}")
+[ "$(nproc)" -eq 1 ] || pytest_arguments=(-n "$workers" --dist loadgroup "${pytest_arguments[@]}")
 
 # pytest comes last, so that its closing line counts the tests.
 if [ ${#failed[@]} -gt 0 ]; then printf '\nFailed so far: %s\n' "${failed[*]}"; fi
