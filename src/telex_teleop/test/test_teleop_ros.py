@@ -566,11 +566,11 @@ class TrackOperator:
         message = Twist(linear=Vector3(x=linear, y=lateral), angular=Vector3(z=angular))
         repeat(self.twists, message, duration)
 
-    def driven(self):
-        """Twists of the last second that are no stops."""
+    def driven(self, now):
+        """Twists from a second before a moment on (s of sim time) that are no stops."""
         from geometry_msgs.msg import Twist
 
-        since = self.robot.sim_time - 1.0
+        since = now - 1.0
         return [twist for moment, twist in self.sent if moment > since and twist != Twist()]
 
     def reset(self):
@@ -606,7 +606,8 @@ class TestTracks:
         tracks.speed.publish(Float64(0.5))
         time.sleep(0.1)
         tracks.drive(1.2, 2.0, angular=-0.5, lateral=1.0)
-        last, driven = tracks.robot.sim_time, tracks.driven()
+        last = tracks.robot.sim_time
+        driven = tracks.driven(last)
         assert len(driven) == pytest.approx(50, abs=4)
         assert driven[-1].linear.x == pytest.approx(0.6)  # 2 m/s clamped to 1.2, at half speed
         assert driven[-1].angular.z == pytest.approx(-0.25)
@@ -623,7 +624,8 @@ class TestTracks:
 
         with holding(tracks.other, JointState(name=["wheel_joint"], position=[0.0])):
             tracks.drive(1.2, 0.5)
-            assert len(tracks.driven()) == pytest.approx(50, abs=4)
+            last = tracks.robot.sim_time
+        assert len(tracks.driven(last)) == pytest.approx(50, abs=4)
 
     def test_bad_twists_drive_nothing(self, tracks):
         tracks.drive(0.3, float("nan"))

@@ -26,6 +26,8 @@ from telex_teleop.web.server_config import VideoServerConfig
 from telex_teleop.web.video.pictures import CompressedPicture
 from telex_teleop.web.video.video_server_app import VideoServer
 
+pytestmark = pytest.mark.slow
+
 CAMERA = "/telex/cameras/front/image_raw"
 COMPRESSED = f"{CAMERA}/compressed"
 RATE = 30.0

@@ -21,6 +21,8 @@ from telex_teleop.web.video import handlers
 from telex_teleop.web.video.mounts import Mount
 from telex_teleop.web.video.video_server_app import VideoServer
 
+pytestmark = pytest.mark.slow
+
 CLIENT, INSTRUCTOR = "token=sesame", "token=teacher&role=instructor"
 
 

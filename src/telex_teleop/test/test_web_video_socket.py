@@ -26,6 +26,8 @@ from telex_teleop.web.video.websocket.feed import Pacer
 from telex_teleop.web.video.websocket.frame_head import binary_frame_head
 from telex_teleop.web.video.websocket.messages import Ack, Ping, ProtocolError, Show, View
 
+pytestmark = pytest.mark.slow
+
 FRONT, REAR, OVERVIEW = (
     f"/telex/cameras/{name}/image_raw/compressed" for name in ("front", "rear", "overview")
 )
