@@ -21,6 +21,8 @@ from telex_experiments.grasping.holding import (
 from telex_experiments.grasping.rig import OBLIQUE, TOP, Rig
 from telex_experiments.grasping.things import PAD_FRICTION, THINGS
 
+pytestmark = pytest.mark.slow
+
 
 def test_the_pads_press_as_they_are_told_and_let_go() -> None:
     thing = THINGS["cube 5 cm"]

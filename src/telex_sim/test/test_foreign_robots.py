@@ -23,6 +23,8 @@ from telex_sim.engine.simulator_config import RobotConfig, SimulatorConfig
 from telex_sim.robot.model import robot_model
 from telex_sim.scene.addresses import resolve_address
 
+pytestmark = pytest.mark.slow
+
 DATA = Path(pybullet_data.getDataPath())
 TRANSMISSION = """
 <transmission name="{joint}_drive"><type>transmission_interface/SimpleTransmission</type>

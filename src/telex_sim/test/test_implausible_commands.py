@@ -6,6 +6,8 @@ import pytest
 from geometry_msgs.msg import Twist
 from std_msgs.msg import Float64
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("huge", [1e308, -1e308, 1e39, 1e17, -1e5])
 def test_nothing_moves_by_such_commands(robot, huge):

@@ -7,6 +7,8 @@ from telex_control.follow_trajectory import TrajectoryError
 from telex_control.follow_trajectory.paths import Shape
 from telex_sim.offline.arm import OfflineArm, plan_circle
 
+pytestmark = pytest.mark.slow
+
 JOINTS = ("turret_joint", "shoulder_joint")
 STEP = 0.002
 

@@ -13,6 +13,8 @@ from telex_sim.scene.files.scene_file import SceneError
 from telex_sim.scene.library import object_types
 from telex_sim.scene.objects.assembly import MOST_AT_ONCE
 
+pytestmark = pytest.mark.slow
+
 NEED_MORE = ("custom", "mesh")
 CRATE = "{{type: crate, name: {name}, position: [{x}, {y}, {z}]}}"
 

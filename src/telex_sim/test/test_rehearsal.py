@@ -32,6 +32,8 @@ from telex_sim.scene.catalog import PATH_VARIABLE, scenes
 from telex_sim.scene.files.scene_file import SceneError
 from telex_sim.scene.model import Floor, Start
 
+pytestmark = pytest.mark.slow
+
 LINK = """<link name="base"><inertial><mass value="{mass}"/>
 <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
 <collision><geometry>{shape}</geometry></collision></link>"""

@@ -12,6 +12,8 @@ from telex_sim.scene.meshes.mesh_files import MeshFileError, load_mesh
 from telex_sim.scene.textures.procedural import generate_texture
 from telex_sim.scene.visual_scene import Visual, VisualShape
 
+pytestmark = pytest.mark.slow
+
 TEXTURE = "generated:concrete?seed=77"
 
 

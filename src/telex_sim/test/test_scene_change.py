@@ -15,6 +15,8 @@ from telex_sim.offline.simulation import shipped_config
 from telex_sim.scene.catalog import scenes
 from telex_sim.scene.files.scene_file import SceneError
 
+pytestmark = pytest.mark.slow
+
 PAGE = resource.getpagesize()
 BLOCK = "{{type: platform, name: {name}, length: 0.4, width: 0.4, height: 0.4, position: {at}}}"
 

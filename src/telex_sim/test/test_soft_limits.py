@@ -10,6 +10,8 @@ from std_msgs.msg import Float64
 
 from telex_control.urdf.joints import CONTINUOUS, PRISMATIC, joints, parse_urdf
 
+pytestmark = pytest.mark.slow
+
 UP, DOWN = -math.pi / 2.0, math.radians(60.0)  # of the shoulder
 FOLDED = {"elbow_joint": 0.0, "wrist_pitch_joint": 0.0}
 

@@ -15,6 +15,8 @@ from telex_sim.offline.simulation import OfflineSimulation
 from telex_sim.stability.force_angle import force_angle
 from telex_sim.stability.monitor import StabilityMonitor
 
+pytestmark = pytest.mark.slow
+
 
 def put(tested, position, roll=0.0, pitch=0.0):
     """Put the robot's root link somewhere else."""
