@@ -23,6 +23,8 @@ import rosgraph
 
 from telex_experiments.rigs.private_master import free_port
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parents[1]
 OPENS_ROS = ("ROS_IP", "ROS_HOSTNAME")
 LOOPBACK = "0100007F"

@@ -13,6 +13,8 @@ from telex_cad.assembly import Assembly, Gap, models_by_link
 from telex_cad.figures import Figures
 from urdf_parser_py.urdf import URDF
 
+pytestmark = pytest.mark.slow
+
 FLOOR = -0.110
 SIDES = ("left", "right")
 FLIPPERS = [f"{end}_{side}_flipper_joint" for end in ("front", "rear") for side in SIDES]

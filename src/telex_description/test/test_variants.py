@@ -13,6 +13,8 @@ import pytest
 import yaml
 from urdf_parser_py.urdf import URDF
 
+pytestmark = pytest.mark.slow
+
 PACKAGE = Path(__file__).resolve().parents[1]
 SCRIPT = PACKAGE / "scripts" / "robot_description"
 MODEL = PACKAGE / "urdf" / "telex.urdf.xacro"
