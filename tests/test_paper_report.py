@@ -28,7 +28,7 @@ from telex_experiments.paper.schedule import Outcome, Schedule, planned
 from telex_experiments.paper.session import Session
 from telex_experiments.rigs.private_master import PrivateMaster, end_tree
 
-pytestmark = pytest.mark.waiting
+pytestmark = [pytest.mark.waiting, pytest.mark.slow]
 
 ROOT = Path(__file__).resolve().parents[1]
 
