@@ -168,14 +168,11 @@ class TestInbox:
 CHILD = """
 import sys, time
 from pathlib import Path
-from telex_training.judging.entries import Entry
+from telex_training.recording.trial_file import input_entry
 from telex_training.recording.writer import RecordingWriter
-sys.path.insert(0, {tests!r})
-from test_recording import serialised
-writer = RecordingWriter(Path(sys.argv[1]), {{}})
+writer = RecordingWriter(Path(sys.argv[1]), {})
 for number in range(10**6):
-    writer.put(Entry(number, number * 0.02, "sim/truth", "std_msgs/String",
-                     serialised("x" * 180 + str(number))), 0)
+    writer.put(input_entry(number, 20_000_000 * number, {"input": f"{number:0170d}"}), 0)
     print(number, flush=True)
     time.sleep(0.002)
 """
@@ -185,9 +182,8 @@ class TestBrokenRecordings:
     @pytest.mark.real_time
     def test_a_killed_process_loses_two_seconds_at_most(self, tmp_path):
         path = tmp_path / "a.mcap"
-        program = CHILD.format(tests=os.path.dirname(__file__))
         child = subprocess.Popen(
-            [sys.executable, "-c", program, str(path)], stdout=subprocess.PIPE, text=True
+            [sys.executable, "-c", CHILD, str(path)], stdout=subprocess.PIPE, text=True
         )
         for line in child.stdout:
             if int(line) >= 600:

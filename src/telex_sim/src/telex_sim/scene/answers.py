@@ -1,4 +1,4 @@
-"""What there is to be read on charts and in pipes, for whoever judges an operator's answers."""
+"""Right answers of charts and pipes, for whoever judges an operator."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What a simulation knows of a robot and its surroundings, for scoring and for drawing it again."""
+"""Ground truth of a robot and its surroundings, for scoring and for drawing it again."""

@@ -1,4 +1,4 @@
-"""What touches a robot between two samples, and how hard, whatever the size of a step.
+"""Contact ledger of a robot: forces and impulses between two samples, for any size of step.
 
 The force of a single step says little: it doubles when the step is halved. A mean over 20 ms and
 the impulse of the first 0.2 s do not depend on the step (`../../../../benchmarks/RESULTS.md`,

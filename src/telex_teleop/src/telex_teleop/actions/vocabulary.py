@@ -1,4 +1,4 @@
-"""What an operator can do, by which key and under which title: the file ``config/actions.yaml``.
+"""Vocabulary of actions, with keys and titles: the file ``config/actions.yaml``.
 
 The console's page gets it as JSON, the terminal takes its keys from it.
 """

@@ -1,4 +1,4 @@
-"""What keys and gamepads do, for the console in the browser and for other GUIs."""
+"""Maps of keys and gamepads, for the console in the browser and for other GUIs."""
 
 from __future__ import annotations
 

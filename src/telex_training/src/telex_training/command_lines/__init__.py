@@ -1,1 +1,1 @@
-"""What is typed: scoring and exporting of recordings."""
+"""Commands that score and export recordings."""

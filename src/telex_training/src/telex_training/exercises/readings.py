@@ -1,4 +1,4 @@
-"""What is to be read in an exercise: drawn anew for each repetition, told to the judge alone."""
+"""Charts and pipes of an exercise, drawn anew for each repetition; the judge alone is told."""
 
 from __future__ import annotations
 

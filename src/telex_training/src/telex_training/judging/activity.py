@@ -1,4 +1,4 @@
-"""What the operator did in a repetition: commands, switches, stops; and what he saw."""
+"""Record of the operator in a repetition: commands, switches, stops; and the pictures he saw."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether a trial counts: nothing is lost, nobody interferes, the simulation keeps up."""
+"""Validity of a trial: nothing is lost, nobody interferes, the simulation keeps up."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a recording holds beside its entries, and the sheet that its entries make."""
+"""Attachments of a recording, and the sheet that its entries make."""
 
 from __future__ import annotations
 

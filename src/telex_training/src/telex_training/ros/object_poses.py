@@ -1,4 +1,4 @@
-"""Where objects are in the world, by what the simulator tells renderers."""
+"""Poses of objects in the world, as the simulator tells them to renderers."""
 
 from __future__ import annotations
 

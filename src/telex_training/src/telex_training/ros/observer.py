@@ -1,4 +1,4 @@
-"""What the topics of a robot tell an operator."""
+"""Observations of an operator, from the topics of a robot."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a recording keeps of the robot and the software, so that it can be drawn again."""
+"""Robot and software as a recording keeps them, so that it can be drawn again."""
 
 from __future__ import annotations
 

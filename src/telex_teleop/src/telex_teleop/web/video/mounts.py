@@ -1,4 +1,4 @@
-"""What other processes mount on the video server: folders of files, and HTTP handlers.
+"""Mounts of other processes on the video server: folders of files, and HTTP handlers.
 
 The parameter `~mounts/NAME` of the video server, which any process of the master may set and delete
 at any time, mounts what it names at `/NAME/`.

@@ -1,1 +1,1 @@
-"""What an operator does with the robot from begin to end, one task a module."""
+"""Tasks that an operator does from begin to end, one a module."""

@@ -1,1 +1,1 @@
-"""What a client is: what it may do, whether it has control, and what goes to it."""
+"""Clients of the bridge: their rights, control of the robot, and what goes to them."""

@@ -1,4 +1,4 @@
-"""Who is connected and who has control of the robot; the services `bridge/...` about it."""
+"""Connected clients and control of the robot; the services `bridge/...` about it."""
 
 from __future__ import annotations
 
