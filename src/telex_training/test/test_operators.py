@@ -118,6 +118,13 @@ class TestDriving:
         assert abs(floor.y - 0.05) < 0.03
         assert min(speed.linear for speed in floor.speeds) < -0.3
 
+    def test_drives_backwards_onto_a_line_beside_it(
+        self, station: Station, floor: FlatFloor
+    ) -> None:
+        driving.run_to(station, (-2.5, 0.2), 0.4, backwards=True, heading=0.0)
+        assert abs(floor.y - 0.2) < 0.03
+        assert abs(floor.yaw) < 0.1
+
     def test_says_what_it_tried_and_where_it_was(self, station: Station, floor: FlatFloor) -> None:
         floor.deaf = True
         with pytest.raises(NotManagedError, match=r"x 1\.00 y 0\.00 m; at .* s, x 0\.00 y 0\.00"):

@@ -133,7 +133,7 @@ def run_to(
         line = math.atan2(along[1], along[0]) + (math.pi if backwards else 0.0)
         # Near the place it is too late to come nearer to the line, and the heading counts.
         back = max(-0.4, min(0.4, 2.0 * aside)) * min(1.0, max(0.0, left() / _LATE))
-        error = math.remainder(line - sign * back - station.pose.yaw, 2.0 * math.pi)
+        error = math.remainder(line - back - station.pose.yaw, 2.0 * math.pi)
         rate = max(-_MOST_STEER, min(_MOST_STEER, _STEER_GAIN * error))
         pace = min(speed, max(_CREEP, _SLOWING * left()))
         # Slower while it does not look along its way yet.
