@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from genpy import Time
 from std_msgs.msg import String
-from telex_msgs.msg import TruthContact, TruthNames, TruthSample
 
 from telex_sim.offline.simulation import OfflineSimulation, robot_description
+from telex_sim.truth.messages import names_message, sample_message
 from telex_sim.truth.sampler import TruthSampler
 from telex_training.exercises.catalog import find_exercise
 from telex_training.exercises.exercise_file import load_exercise
@@ -44,11 +44,7 @@ class Simulated:
         self.judge = Judge(made, text, urdf)
         self.world = World(None, urdf)
         self.number = self.sequence = 0
-        names = self.sampler.names
-        message = TruthNames(revision=1, robot=names.robot)
-        for field in ("joints", "groups", "links", "objects", "bodies", "mechanisms", "latches"):
-            setattr(message, field, list(getattr(names, field)))
-        message.group_of = bytes(names.group_of)
+        message = names_message(self.sampler.names, 1)
         self.feed("sim/truth_names", "telex_msgs/TruthNames", message)
         self.world.name(Names(message))
 
@@ -66,21 +62,11 @@ class Simulated:
             self.simulation.step()
         made = self.sampler.sample()
         self.sequence += 1
-        message = TruthSample(
-            sequence=self.sequence,
-            steps=self.sequence * STEPS,
-            revision=1,
-            wall_time=1e9 + self.simulation.time,
-            margin=1.0,
-            contacts=[
-                TruthContact(x.group, x.other, x.peak, x.impulse, x.steps, x.point)
-                for x in made.contacts
-            ],
-        )
+        message = sample_message(made)
+        message.sequence, message.steps = self.sequence, self.sequence * STEPS
+        message.revision, message.margin = 1, 1.0
+        message.wall_time = 1e9 + self.simulation.time
         message.header.stamp = Time.from_sec(self.simulation.time)
-        for field in ("base", "twist", "joints", "mechanisms", "latched", "whole", "moved"):
-            setattr(message, field, getattr(made, field))
-        message.poses, message.held, message.grip = made.poses, made.held, made.grip
         self.world.take(read_sample(serialized(message)))
         return self.feed("sim/truth", "telex_msgs/TruthSample", message)
 

@@ -6,11 +6,11 @@ import time as wall
 from typing import Optional
 
 import rospy
-from telex_msgs.msg import TruthContact, TruthNames, TruthSample
+from telex_msgs.msg import TruthNames, TruthSample
 
 from ..engine.simulation import Simulation
 from ..robot.robot import Robot
-from ..scene.model import WORLD_FRAME
+from ..truth.messages import names_message, sample_message
 from ..truth.sampler import Sample, TruthSampler
 
 _KEPT = 500
@@ -74,48 +74,16 @@ class TruthPublisher:
         self._sequence += 1
 
     def _publish_names(self, sampler: TruthSampler, stamp: rospy.Time) -> None:
-        names = sampler.names
         self._revision += 1
-        message = TruthNames(
-            revision=self._revision,
-            robot=names.robot,
-            joints=list(names.joints),
-            groups=list(names.groups),
-            links=list(names.links),
-            group_of=bytes(names.group_of),
-            objects=list(names.objects),
-            bodies=list(names.bodies),
-            mechanisms=list(names.mechanisms),
-            latches=list(names.latches),
-        )
+        message = names_message(sampler.names, self._revision)
         message.header.stamp = stamp
         self._names.publish(message)
 
     def _message(self, sample: Sample, resets: int, margin: float) -> TruthSample:
-        message = TruthSample(
-            sequence=self._sequence,
-            revision=self._revision,
-            resets=resets,
-            wall_time=wall.time(),
-            base=sample.base,
-            twist=sample.twist,
-            joints=sample.joints,
-            mechanisms=sample.mechanisms,
-            latched=sample.latched,
-            whole=sample.whole,
-            moved=sample.moved,
-            poses=sample.poses,
-            margin=margin,
-            held=sample.held,
-            grip=sample.grip,
-            contacts=[
-                TruthContact(
-                    each.group, each.other, each.peak, each.impulse, each.steps, each.point
-                )
-                for each in sample.contacts
-            ],
-        )
-        message.header.frame_id = WORLD_FRAME
+        message = sample_message(sample)
+        message.sequence, message.revision = self._sequence, self._revision
+        message.resets, message.margin = resets, margin
+        message.wall_time = wall.time()
         return message
 
     def close(self) -> None:
