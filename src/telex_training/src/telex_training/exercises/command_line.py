@@ -43,14 +43,26 @@ def _parser() -> argparse.ArgumentParser:
     )
     check.set_defaults(run=_check)
     preview = commands.add_parser("preview", help="draw scene, zones and names of an exercise")
-    preview.add_argument("exercise", metavar="FILE", help="file, or name of an exercise")
+    which = preview.add_mutually_exclusive_group(required=True)
+    which.add_argument("exercise", nargs="?", metavar="FILE", help="file, or name of an exercise")
+    which.add_argument(
+        "--all",
+        metavar="FOLDER",
+        help="draw all exercises that have a name, as NAME.jpg in a folder",
+    )
+    preview.add_argument(
+        "--sheet", metavar="PICTURE", help="with --all: also one picture with all of them"
+    )
     preview.add_argument(
         "-o", "--output", metavar="PICTURE", help="default: the exercise's name.png"
     )
     preview.add_argument("--setting", default="", metavar="NAME", help="default: the first")
     preview.add_argument("--seed", type=_seed, metavar="N", help="default: that of practice")
     preview.add_argument(
-        "--size", type=_size, default=(1280, 720), metavar="WxH", help="pixels; default 1280x720"
+        "--size",
+        type=_size,
+        metavar="WxH",
+        help="pixels; default 1280x720, with --all 480x270",
     )
     preview.add_argument("--top", action="store_true", help="look straight down")
     preview.add_argument(
@@ -112,13 +124,30 @@ def _counts(file: ExerciseFile) -> str:
 
 
 def _preview(options: argparse.Namespace) -> int:
+    if options.all is not None:
+        return _preview_all(options)
     from .preview import draw_preview
 
+    if options.sheet is not None:
+        raise ExerciseError("--sheet belongs to --all")
     exercise = load_exercise(find_exercise(options.exercise)).setting(options.setting)
     seed = exercise.seeds.of(PRACTICE) if options.seed is None else options.seed
     output = Path(options.output or f"{exercise.name}.png")
-    draw_preview(exercise, seed or 0, output, options.size, options.top, options.quality)
+    size = options.size or (1280, 720)
+    draw_preview(exercise, seed or 0, output, size=size, top=options.top, quality=options.quality)
     print(output)
+    return 0
+
+
+def _preview_all(options: argparse.Namespace) -> int:
+    from .preview_sheet import SIZE, draw_all
+
+    if options.output or options.setting or options.top or options.seed is not None:
+        raise ExerciseError("--all takes no --output, --setting, --seed or --top")
+    sheet = None if options.sheet is None else Path(options.sheet)
+    size = options.size or SIZE
+    for path in draw_all(exercises().values(), Path(options.all), sheet, size, options.quality):
+        print(path)
     return 0
 
 

@@ -29,6 +29,9 @@ _MARGIN = 0.08
 _ROOM = 0.8
 """What the robot takes up around its start (m)."""
 _ROUND = 32
+_JPEG_QUALITY = 82
+_SMALLEST_LETTERS = 0.33
+"""In the font's own unit: such that they can be read in a small picture, too."""
 _COLORS = (
     (255, 200, 80),
     (120, 255, 120),
@@ -92,22 +95,19 @@ class Camera:
         return [(int(round(x)), int(round(y))) for x, y in ends]
 
 
-def draw_preview(
+def preview_picture(
     exercise: Exercise,
     seed: int,
-    output: Path,
     size: Tuple[int, int] = (1280, 720),
     top: bool = False,
     quality: str = "still",
-) -> None:
-    """Draw an exercise into a file.
+) -> np.ndarray:
+    """Draw an exercise.
 
     Parameters
     ----------
     exercise : Exercise
     seed : int
-    output : Path
-        Of the picture.
     size : tuple of int
         Pixels.
     top : bool
@@ -115,20 +115,52 @@ def draw_preview(
     quality : str
         As for ``scene preview``.
 
+    Returns
+    -------
+    ndarray, shape (height, width, 3), uint8
+        BGR.
+
     Raises
     ------
     ExerciseError
-        The scene cannot be drawn, or the picture not be written.
+        The scene cannot be drawn.
     """
-    if not cv2.haveImageWriter(str(output)):
-        raise ExerciseError(f"{output}: unknown kind of picture; a name ending in .png is usual")
     text = scene_text(exercise, seed)
     scene = scene_of(exercise, text)
     camera = framed(exercise, scene, size, top)
     picture = _photograph(text, exercise, camera, quality)
     annotate(picture, exercise, scene, camera)
+    return picture
+
+
+def draw_preview(exercise: Exercise, seed: int, output: Path, **options: Any) -> None:
+    """Draw an exercise into a file; see `preview_picture`.
+
+    Raises
+    ------
+    ExerciseError
+        The scene cannot be drawn, or the picture not be written.
+    """
+    require_writer(output)
+    write_picture(output, preview_picture(exercise, seed, **options))
+
+
+def require_writer(output: Path) -> None:
+    """Raise an `ExerciseError` unless a file of this name can hold a picture."""
+    if not cv2.haveImageWriter(str(output)):
+        raise ExerciseError(f"{output}: unknown kind of picture; a name ending in .png is usual")
+
+
+def write_picture(output: Path, picture: np.ndarray) -> None:
+    """Write a picture, shape (height, width, 3), BGR.
+
+    Raises
+    ------
+    ExerciseError
+        It cannot be written.
+    """
     try:
-        written = cv2.imwrite(str(output), picture)
+        written = cv2.imwrite(str(output), picture, (cv2.IMWRITE_JPEG_QUALITY, _JPEG_QUALITY))
     except cv2.error as error:
         raise ExerciseError(f"{output}: {error.err}") from error
     if not written:
@@ -304,7 +336,7 @@ def _label(
     if seen[0, 2] <= _NEAR:
         return
     x, y = (int(round(value)) for value in camera.pixels(seen)[0])
-    scale = camera.height / 1200.0
+    scale = max(_SMALLEST_LETTERS, camera.height / 1200.0)
     font = cv2.FONT_HERSHEY_SIMPLEX
     (width, height), below = cv2.getTextSize(text, font, scale, 1)
     # Below its place, which stays to be seen.
@@ -315,5 +347,5 @@ def _label(
     ):
         y += height + below
     taken.append((x, y - height, x + width, y))
-    cv2.putText(picture, text, (x, y), font, scale, (0, 0, 0), 4, cv2.LINE_AA)
+    cv2.putText(picture, text, (x, y), font, scale, (0, 0, 0), 3, cv2.LINE_AA)
     cv2.putText(picture, text, (x, y), font, scale, color, 1, cv2.LINE_AA)
