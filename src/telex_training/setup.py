@@ -12,6 +12,7 @@ setup(
             "telex_training.exercises",
             "telex_training.judging",
             "telex_training.operators",
+            "telex_training.operators.experts",
             "telex_training.operators.tasks",
             "telex_training.operators.terrain",
             "telex_training.recording",

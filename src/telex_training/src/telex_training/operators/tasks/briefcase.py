@@ -48,38 +48,8 @@ class Briefcase(Task):
 
     def act(self, hand: Hand) -> None:
         """Carry it; see `Task.act`."""
+        take(hand)
         station = hand.station
-        case = station.object_pose("briefcase")
-        heading = heading_of(case)
-        # The handle is gripped across: from either end of the case, whichever is nearer.
-        if abs(math.remainder(heading - station.pose.yaw, 2.0 * math.pi)) > 0.5 * math.pi:
-            heading += math.pi
-
-        def before(distance: float) -> driving.Point:
-            return (
-                case[0, 3] - distance * math.cos(heading),
-                case[1, 3] - distance * math.sin(heading),
-            )
-
-        driving.drive_to(station, before(_APPROACH))
-        driving.turn_to(station, heading)
-        station.hold_preset("approach")
-        hand.to_named_pose("ready")
-        hand.open(_OPENING)
-        station.hold_preset("")
-        hand.to(aimed(_REACH, 0.0, HANDLE - 0.11 + 0.14, 0.0, _DOWN), tolerance=0.02)
-        driving.run_to(station, before(_REACH), 0.3, heading=heading)
-        station.stop()
-        station.wait(0.4)
-
-        case_here = inverse(station.base()) @ station.object_pose("briefcase")
-        x, y, z = (case_here @ (0.0, 0.0, HANDLE, 1.0))[:3]
-        # The bar points the same way after half a turn.
-        yaw = math.remainder(heading_of(case_here), math.pi)
-        hand.to(aimed(x, y, z + _OVER, yaw, _DOWN), tolerance=0.01)
-        hand.to(aimed(x, y, z, yaw, _DOWN))
-        hand.grip(_FORCE)
-        hand.to(aimed(x, y, z + _LIFT, yaw, _DOWN), tolerance=0.01)
         base, way = station.pose, WAY + _SPARE
         away = (base.x - way * math.cos(base.yaw), base.y - way * math.sin(base.yaw))
         driving.run_to(station, away, _SPEED, True)
@@ -93,3 +63,44 @@ class Briefcase(Task):
         lift = float(pose[2, 3])
         done = way >= WAY and lift > _CLEAR and pose[2, 2] > 0.9
         return Verdict(done, way, f"{way:.2f} m away, {100.0 * lift:.0f} cm off the floor")
+
+
+def take(hand: Hand) -> None:
+    """Drive to the case, grip it by its handle, and lift it.
+
+    Raises
+    ------
+    NotManagedError
+    """
+    station = hand.station
+    case = station.object_pose("briefcase")
+    heading = heading_of(case)
+    # The handle is gripped across: from either end of the case, whichever is nearer.
+    if abs(math.remainder(heading - station.pose.yaw, 2.0 * math.pi)) > 0.5 * math.pi:
+        heading += math.pi
+
+    def before(distance: float) -> driving.Point:
+        return (
+            case[0, 3] - distance * math.cos(heading),
+            case[1, 3] - distance * math.sin(heading),
+        )
+
+    driving.drive_to(station, before(_APPROACH))
+    driving.turn_to(station, heading)
+    station.hold_preset("approach")
+    hand.to_named_pose("ready")
+    hand.open(_OPENING)
+    station.hold_preset("")
+    hand.to(aimed(_REACH, 0.0, HANDLE - 0.11 + 0.14, 0.0, _DOWN), tolerance=0.02)
+    driving.run_to(station, before(_REACH), 0.3, heading=heading)
+    station.stop()
+    station.wait(0.4)
+
+    case_here = inverse(station.base()) @ station.object_pose("briefcase")
+    x, y, z = (case_here @ (0.0, 0.0, HANDLE, 1.0))[:3]
+    # The bar points the same way after half a turn.
+    yaw = math.remainder(heading_of(case_here), math.pi)
+    hand.to(aimed(x, y, z + _OVER, yaw, _DOWN), tolerance=0.01)
+    hand.to(aimed(x, y, z, yaw, _DOWN))
+    hand.grip(_FORCE)
+    hand.to(aimed(x, y, z + _LIFT, yaw, _DOWN), tolerance=0.01)

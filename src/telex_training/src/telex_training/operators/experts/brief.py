@@ -1,0 +1,30 @@
+"""What a scripted expert is told of an exercise beforehand."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Callable, Mapping
+
+from ..handling import Hand
+
+
+@dataclass(frozen=True)
+class Brief:
+    """An exercise as one knows it who has built it up.
+
+    Attributes
+    ----------
+    setting : str
+    entries : mapping of str to mapping
+        Of the scene's file, by the objects' names.
+    answers : mapping of str to str
+        Right ones, by question.
+    """
+
+    setting: str
+    entries: Mapping[str, Mapping[str, Any]]
+    answers: Mapping[str, str] = field(default_factory=dict)
+
+
+Expert = Callable[[Hand, Brief], None]
+"""Does one repetition from the start; raises `NotManagedError` where it gives up."""

@@ -1,0 +1,23 @@
+"""Experts of the shipped exercises."""
+
+from __future__ import annotations
+
+from typing import Dict
+
+from . import driving_exercises, handling_exercises, reading
+from .brief import Expert
+
+EXPERTS: Dict[str, Expert] = {
+    "acuity": reading.acuity,
+    "briefcase": handling_exercises.briefcase,
+    "confinement": driving_exercises.confinement,
+    "cube_to_bin": handling_exercises.cube_to_bin,
+    "gap": driving_exercises.over_gap,
+    "hurdle": driving_exercises.over_hurdle,
+    "incline": driving_exercises.incline,
+    "pallet": handling_exercises.pallet,
+    "slalom": driving_exercises.slalom,
+    "stairs": driving_exercises.over_stairs,
+    "valve": handling_exercises.valve,
+}
+"""By exercise."""

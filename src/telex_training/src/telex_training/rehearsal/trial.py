@@ -1,0 +1,209 @@
+"""A trial in one process with the simulation: what a scripted expert does, and its score sheet."""
+
+from __future__ import annotations
+
+import io
+import json
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Dict, Optional
+
+import genpy
+import yaml
+from std_msgs.msg import String
+from telex_msgs.msg import SimStatus
+
+from telex_sim.offline.robot import OfflineRobot
+from telex_sim.offline.simulation import OfflineSimulation
+from telex_sim.scene.robot_in_scene import robot_description
+from telex_sim.stability.monitor import StabilityMonitor
+from telex_sim.truth.messages import names_message, sample_message
+from telex_sim.truth.sampler import TruthSampler
+
+from ..exercises.model import PRACTICE, Exercise
+from ..exercises.questions import right_answers
+from ..exercises.seeds import scene_text
+from ..judging.entries import INPUTS, NAMES, STATUS, TRUTH, Entry
+from ..judging.judge import ENDED, Judge
+from ..operators.experts.brief import Brief, Expert
+from ..operators.handling import Hand
+from ..operators.port import Command
+from ..operators.station import Station
+from ..ros.commands import message_of
+from .teleop import OfflineTeleop
+
+_SETTLING = 0.2
+"""Between the inputs and the expert, and for how long the robot stands before (s)."""
+_PATIENCE = 5.0
+"""How long the judge may need after the expert has done (s)."""
+
+
+def rehearse(exercise: Exercise, expert: Expert, seed: Optional[int] = None) -> Dict[str, Any]:
+    """Let an expert do one repetition of an exercise.
+
+    Parameters
+    ----------
+    exercise : Exercise
+        In one of its settings.
+    expert : callable
+    seed : int, optional
+        That of practice by default.
+
+    Returns
+    -------
+    dict
+        The score sheet of a trial of this one repetition.
+
+    Raises
+    ------
+    telex_training.operators.port.NotManagedError
+        The expert gave up; the message says what was tried, and where.
+    """
+    if seed is None:
+        seed = exercise.seeds.of(PRACTICE) or 0
+    single = replace(exercise, repetitions=replace(exercise.repetitions, most=1, least=1))
+    with tempfile.TemporaryDirectory() as folder:
+        trial = RehearsedTrial(single, seed, Path(folder))
+        try:
+            trial.begin()
+            trial.perform(expert)
+        finally:
+            trial.close()
+    return trial.judge.sheet()
+
+
+class RehearsedTrial:
+    """An exercise's scene in the simulation, whose truth and commands a judge is fed with.
+
+    Parameters
+    ----------
+    exercise : Exercise
+        In one of its settings.
+    seed : int
+    folder : Path
+        For the scene's file.
+
+    Attributes
+    ----------
+    judge : Judge
+    port : TeleopPort
+        To the robot; what is sent through it, the judge hears.
+    """
+
+    def __init__(self, exercise: Exercise, seed: int, folder: Path) -> None:
+        self._exercise, self._seed = exercise, seed
+        text = scene_text(exercise, seed)
+        path = folder / f"{exercise.name}.yaml"
+        path.write_text(text, encoding="utf-8")
+        urdf = robot_description(exercise.variant)
+        self._answers = right_answers(exercise, text)
+        entries = {entry["name"]: entry for entry in yaml.safe_load(text)["objects"]}
+        self._brief = Brief(exercise.setting, entries, self._answers)
+        self.judge = Judge(exercise, text, urdf)
+        offline = OfflineSimulation(urdf, world=str(path))
+        self._simulation = offline.simulation
+        robot = self._simulation.robots[0]
+        self._sampler = TruthSampler(self._simulation, robot)
+        self._monitor = StabilityMonitor(robot)
+        self._stuck = False
+        self._number = self._sequence = 0
+        publish, step = self._simulation.config.publish, self._simulation.config.timing.step_size
+        self._truth_every = round(1.0 / (publish.truth_rate * step))
+        self._stability_every = round(1.0 / (publish.stability_rate * step))
+        self._step_size = step
+        self._feed(NAMES, names_message(self._sampler.names, 1))
+        self.port = _HeardTeleop(OfflineRobot(offline), self)
+
+    def begin(self) -> None:
+        """Open and start the trial, until the judge waits for the first repetition's begin."""
+        self._input(
+            "open",
+            operator="script",
+            mode=PRACTICE,
+            setting=self._exercise.setting,
+            seed=self._seed,
+        )
+        self._input("start")
+        self._input("drawn", answers=self._answers)
+        self._input("ready")
+        self.advance(_SETTLING)
+
+    def perform(self, expert: Expert) -> None:
+        """Let an expert work, and wait for the judge.
+
+        Raises
+        ------
+        NotManagedError
+        """
+        station = Station(self.port)
+        expert(Hand(station), self._brief)
+        station.release()
+        until = station.time + _PATIENCE
+        while self.judge.phase != ENDED and station.time < until:
+            station.tick()
+
+    def advance(self, seconds: float) -> None:
+        """Let so much sim time (s) pass."""
+        for _ in range(round(seconds / self._step_size)):
+            self._simulation.step()
+            steps = self._simulation.steps
+            if steps % self._stability_every == 0:
+                self._watch()
+            if steps % self._truth_every == 0:
+                self._sample()
+
+    def answer(self, question: str, answer: str) -> None:
+        """Tell the judge what the operator answers."""
+        self._input("answer", question=question, answer=answer)
+
+    def hear(self, command: Command) -> None:
+        """Tell the judge what the operator commands."""
+        topic, message = message_of(command)
+        self._feed(topic, message)
+
+    def _watch(self) -> None:
+        time = self._simulation.time
+        self._monitor.observe(time)
+        self._monitor.margin(time)
+        if self._monitor.stuck != self._stuck:
+            self._stuck = self._monitor.stuck
+            self._feed(STATUS, SimStatus(stuck=self._stuck))
+
+    def _sample(self) -> None:
+        time = self._simulation.time
+        message = sample_message(self._sampler.sample())
+        self._sequence += 1
+        message.sequence, message.steps = self._sequence, self._simulation.steps
+        message.revision, message.wall_time = 1, time
+        message.margin = self._monitor.warning.margin
+        message.header.stamp = genpy.Time.from_sec(time)
+        self._feed(TRUTH, message)
+
+    def _input(self, kind: str, **fields: Any) -> None:
+        self._feed(INPUTS, String(data=json.dumps({"input": kind, **fields})))
+
+    def _feed(self, channel: str, message: Any) -> None:
+        self._number += 1
+        buffer = io.BytesIO()
+        message.serialize(buffer)
+        time, data = self._simulation.time, buffer.getvalue()
+        self.judge.feed(Entry(self._number, time, channel, message._type, data))
+
+    def close(self) -> None:
+        """End the simulation."""
+        self._sampler.close()
+        self._simulation.close()
+
+
+class _HeardTeleop(OfflineTeleop):
+    """A robot whose commands a judge hears as well."""
+
+    def __init__(self, robot: OfflineRobot, trial: RehearsedTrial) -> None:
+        self._trial = trial
+        super().__init__(robot, trial.advance, trial.answer)
+
+    def send(self, command: Command) -> None:
+        """See `Port.send`."""
+        self._trial.hear(command)
+        super().send(command)
