@@ -109,8 +109,15 @@ function buttons() {
   return element("div", "", { class: "buttons" }, [print, element("a", "CSV", { href: address("csv"), download: "" })]);
 }
 
+const TRIES = 20; // a trial's recording is closed a moment after its end
+const RETRY_AFTER = 500; // ms
+
 async function main() {
-  const reply = await fetch(address("sheet"), { cache: "no-store" });
+  let reply = await fetch(address("sheet"), { cache: "no-store" });
+  for (let tries = 1; reply.status === 404 && tries < TRIES; tries += 1) {
+    await new Promise((resolve) => setTimeout(resolve, RETRY_AFTER));
+    reply = await fetch(address("sheet"), { cache: "no-store" });
+  }
   if (reply.ok) {
     show(await reply.json());
     return;

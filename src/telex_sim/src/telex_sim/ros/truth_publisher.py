@@ -58,6 +58,8 @@ class TruthPublisher:
             Tip-over margin, 1 where none is known.
         """
         if not self.heard:
+            # Samples that nobody hears are missing to who hears the next one, and are seen to be.
+            self._sequence += 1
             if self._sampler is not None:
                 self._sampler.close()
                 self._sampler = None

@@ -80,16 +80,19 @@ def write_csv(recording: Recording, path: Path) -> int:
 def _rows(recording: Recording) -> Iterator[List[Any]]:
     """Heading and rows; of the names that come first, as long as they fit."""
     names: Any = None
+    objects: List[str] = []
     for entry in recording.entries:
         try:
-            if entry.channel == NAMES and names is None:
-                names = decode(entry, "telex_msgs/TruthNames")
-                yield _heading(names)
+            if entry.channel == NAMES:
+                newest = decode(entry, "telex_msgs/TruthNames")
+                objects = newest.objects
+                if names is None:
+                    names = newest
+                    yield _heading(names)
             elif entry.channel == TRUTH and names is not None:
                 sample = read_sample(entry.data)
                 if len(sample.joints) != len(names.joints):
                     continue
-                objects = names.objects
                 held = objects[sample.held] if 0 <= sample.held < len(objects) else ""
                 position, orientation = sample.base
                 fits = len(sample.mechanisms) == len(names.mechanisms)

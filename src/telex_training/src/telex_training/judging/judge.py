@@ -178,6 +178,8 @@ class Judge:
                 handle(entry)
             except BadEntryError as error:
                 self._invalidate(f"{entry.channel}: {error}")
+            except Exception as error:  # live and from the file alike, and never the trial's end
+                self._invalidate(f"{entry.channel}: the judge fails: {type(error).__name__}")
         return self._new
 
     # What comes from the simulator

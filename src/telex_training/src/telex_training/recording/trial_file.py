@@ -17,6 +17,7 @@ from ..exercises.exercise_file import ExerciseError, parse_exercise
 from ..exercises.model import Exercise
 from ..judging.entries import INPUTS, Entry
 from ..judging.judge import Judge
+from ..judging.sheet import FORMAT
 from .reader import Recording, repair
 from .writer import Attachment, RecordingError, RecordingWriter
 
@@ -180,7 +181,8 @@ def read_sheet(path: Path) -> Optional[Dict[str, Any]]:
             for attachment in make_reader(file).iter_attachments():
                 if attachment.name == SHEET:
                     made = json.loads(attachment.data)
-                    return made if isinstance(made, dict) else None
+                    known = isinstance(made, dict) and made.get("format") == FORMAT
+                    return made if known else None
     except Exception:  # damaged bytes raise whatever they lead the reader to
         return None
     return None

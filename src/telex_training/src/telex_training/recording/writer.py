@@ -7,6 +7,7 @@ it was last on the disk, loses the last chunk at most.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import queue
 import threading
@@ -92,12 +93,16 @@ class RecordingWriter:
         self.path = path
         self._sync_period = sync_period
         self._problem = ""
+        self._ended = False
         self._ending: Dict[str, Attachment] = {}
         self._queue: queue.SimpleQueue[Optional[_Queued]] = queue.SimpleQueue()
         self._channels: Dict[str, int] = {}
         self._schemas: Dict[str, int] = {}
         try:
             self._file = path.open("xb")
+        except OSError as error:
+            raise RecordingError(f"{path}: {error.strerror}") from error
+        try:
             self._writer = Writer(
                 self._file,
                 chunk_size=CHUNK,
@@ -109,6 +114,9 @@ class RecordingWriter:
             self._attach(attachments)
             self._sync()
         except OSError as error:
+            with contextlib.suppress(OSError):
+                self._file.close()
+            path.unlink()
             raise RecordingError(f"{path}: {error.strerror}") from error
         self._thread = threading.Thread(target=self._run, name="recording", daemon=True)
         self._thread.start()
@@ -151,16 +159,16 @@ class RecordingWriter:
             self._attach(self._ending)
             self._writer.finish()
             self._sync()
-        except OSError as error:
-            self._problem = error.strerror or str(error)
+        except Exception as error:  # whatever ends it has to be told
+            self._problem = _reason(error)
             # What still comes is taken from the queue, so that it does not grow for ever.
-            while self._queue.get() is not None:
-                pass
+            while not self._ended:
+                self._ended = self._queue.get() is None
         finally:
             try:
                 self._file.close()
             except OSError as error:
-                self._problem = self._problem or error.strerror or str(error)
+                self._problem = self._problem or _reason(error)
 
     def _write_all(self) -> None:
         sync_at = time.monotonic() + self._sync_period
@@ -178,6 +186,7 @@ class RecordingWriter:
                     # To the system: what it has, the end of this process does not lose.
                     self._file.flush()
             if ended:
+                self._ended = True
                 return
             if time.monotonic() >= sync_at:
                 self._sync()
@@ -217,3 +226,8 @@ class RecordingWriter:
     def _sync(self) -> None:
         self._file.flush()
         os.fsync(self._file.fileno())
+
+
+def _reason(error: Exception) -> str:
+    """Why something failed, in words."""
+    return getattr(error, "strerror", None) or str(error) or type(error).__name__

@@ -30,10 +30,16 @@ class Apparatus:
     ----------
     on_status : callable
         Told each status of the simulator, in a thread of ROS.
+
+    Attributes
+    ----------
+    busy : threading.Lock
+        To be held by who loads or resets: one at a time.
     """
 
     def __init__(self, on_status: Callable[[SimStatus], None]) -> None:
         self._on_status = on_status
+        self.busy = threading.Lock()
         self._status: Optional[SimStatus] = None
         self._news = threading.Condition()
         self._subscriber = hear_decoded("sim/status", SimStatus, self._take)

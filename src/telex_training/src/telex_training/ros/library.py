@@ -25,7 +25,10 @@ class Library:
     def path(self, trial: str) -> Optional[Path]:
         """Path of a trial's recording; None: there is none."""
         path = self._folder / f"{trial}{SUFFIX}"
-        return path if trial and path.parent == self._folder and path.is_file() else None
+        try:
+            return path if trial and path.parent == self._folder and path.is_file() else None
+        except OSError:  # the name is too long
+            return None
 
     def sheet(self, trial: str) -> Optional[Dict[str, Any]]:
         """Sheet of a trial; None: it has none (yet)."""

@@ -32,9 +32,11 @@ def mesh_digests(urdf: str) -> Dict[str, str]:
     """Return the SHA-256 of each mesh file that a URDF names, by its address."""
     packages = rospkg.RosPack()
     found: Dict[str, str] = {}
-    if not urdf:
+    try:
+        meshes = list(ElementTree.fromstring(urdf).iter("mesh"))
+    except ElementTree.ParseError:
         return found
-    for mesh in ElementTree.fromstring(urdf).iter("mesh"):
+    for mesh in meshes:
         address = mesh.get("filename", "")
         try:
             content = Path(resolve_address(address, packages.get_path)).read_bytes()

@@ -18,7 +18,7 @@ from typing import Any, Callable, Dict, List, Mapping, Optional
 import rospy
 from telex_msgs.msg import SimStatus
 
-from ..exercises.exercise_file import ExerciseError, ExerciseFile
+from ..exercises.exercise_file import ExerciseFile
 from ..exercises.model import Exercise
 from ..exercises.readings import draw
 from ..judging.entries import INPUTS, Entry
@@ -114,8 +114,7 @@ class Session:
         self._closing = self._restoring = False
         self._done = threading.Event()
         self._sheet = ""
-        # One at a time puts the apparatus back.
-        self._preparing = threading.Lock()
+        self._left = False
         stamp = datetime.now().strftime("%Y-%m-%d_%H%M%S")
         name = "_".join(
             _UNSAFE.sub("-", part).strip("-") or "nobody" for part in (operator, exercise.name)
@@ -143,8 +142,8 @@ class Session:
         threading.Thread(target=self._load_quietly, name="apparatus", daemon=True).start()
 
     def _load_quietly(self) -> None:
-        with self._preparing:
-            if self._loaded:
+        with self._apparatus.busy:
+            if self._loaded or self._left:
                 return
             try:
                 self._apparatus.load(self._drawn.scene)
@@ -181,6 +180,7 @@ class Session:
             }
         )
         self._put({"input": "start"})
+        self._channels = Channels(self._hear, self._recorded)
         self._prepare()
 
     def _open_recording(self) -> None:
@@ -208,7 +208,6 @@ class Session:
         )
         self.path = path
         self._inbox = Inbox(self._judge_entry, self._writer)
-        self._channels = Channels(self._hear, self._recorded)
 
     def again(self) -> None:
         """Begin the next repetition: robot and apparatus are put back.
@@ -257,9 +256,13 @@ class Session:
             raise SessionError("the trial has not begun; there is nothing to abort")
         self._put({"input": "abort", "reason": reason, "by": by})
 
-    def outside(self, what: str) -> None:
-        """Note that somebody else has changed the world."""
-        self._put({"input": "outside", "what": what})
+    def leave(self) -> None:
+        """Touch the apparatus no more: another session begins."""
+        self._left = True
+
+    def wait_closed(self) -> bool:
+        """Wait until its recording is complete, if one was begun; returns whether it is."""
+        return self._inbox is None or self._done.wait(_CLOSING)
 
     def hear_status(self, status: SimStatus) -> None:
         """Hear the simulator's status; in a thread of ROS."""
@@ -282,10 +285,12 @@ class Session:
 
     def _put_back(self) -> None:
         """Put robot and apparatus to the start, then say that a repetition may begin."""
-        with self._preparing:
+        with self._apparatus.busy:
+            if self._left or self.phase == ENDED:
+                return
             try:
                 resets = self._restore()
-            except (ApparatusError, ExerciseError) as error:
+            except Exception as error:  # whatever it is, the trial must not wait for ever
                 self.message = f"the apparatus cannot be put back: {error}"
                 rospy.logerr("training: %s", self.message)
                 with contextlib.suppress(SessionError):
@@ -326,8 +331,11 @@ class Session:
         before = self._judge.phase
         with self._judging:
             events = self._judge.feed(entry)
-        for event in events:
-            self._happened(self.trial, event)
+        try:
+            for event in events:
+                self._happened(self.trial, event)
+        except Exception as error:  # telling must not end the judging
+            rospy.logerr("training/events: %s", error)
         phase = self._judge.phase
         if phase != before or events:
             self._changed()
@@ -337,6 +345,12 @@ class Session:
 
     def _close(self) -> None:
         """Close the recording of a trial that has ended, and show its sheet."""
+        try:
+            self._finish()
+        finally:
+            self._done.set()
+
+    def _finish(self) -> None:
         assert self._inbox is not None
         assert self._writer is not None
         if self._channels is not None:
@@ -351,12 +365,10 @@ class Session:
             rospy.logerr("training: %s", self.message)
         self._ended(self.trial, self._sheet)
         self._changed()
-        self._done.set()
 
     def close(self, reason: str) -> None:
         """End it, whatever it is doing, and wait until its recording is closed."""
         if self.begun:
             with contextlib.suppress(SessionError):
                 self.abort(reason, "training")
-        if self._inbox is not None:
-            self._done.wait(_CLOSING)
+        self.wait_closed()

@@ -50,8 +50,10 @@ from .robot_files import about_robot, software_version
 from .session import Session, SessionError
 from .settings import TrainingSettings
 
-_LONGEST_NAME = 60
+_LONGEST_NAME = 40  # as of clients of the bridge and the video server
 _MOST_TEXT = 2000
+_SILENT = 5.0
+"""Wall time without a word of the bridge, which speaks every second, after which it is gone (s)."""
 
 
 class TrainingNode:
@@ -67,8 +69,10 @@ class TrainingNode:
         self._folder = Path(os.path.expanduser(settings.folder))
         self._library = Library(self._folder)
         self._lock = threading.RLock()
+        self._amending = threading.Lock()
         self._session: Optional[Session] = None
         self._holder = ""
+        self._heard_of_clients = 0.0
         self._had_holder = False
         self._away_since: Optional[float] = None
         self._wanted = threading.Event()
@@ -142,6 +146,9 @@ class TrainingNode:
             )
         with self._lock:
             self._refuse_second()
+            if self._session is not None:
+                self._session.leave()
+                self._session.wait_closed()
             session = Session(
                 file,
                 exercise,
@@ -172,8 +179,8 @@ class TrainingNode:
 
     def _trigger(self, act: Any) -> TriggerResponse:
         try:
-            session = self._open_session()
-            act(session)
+            with self._lock:
+                act(self._open_session())
         except SessionError as error:
             return TriggerResponse(success=False, message=str(error))
         self._away_since = None
@@ -218,10 +225,15 @@ class TrainingNode:
             trial = session.trial
         if session is not None and trial == session.trial and session.begun:
             raise SessionError("the trial goes on; it can be marked once it has ended")
+        if session is not None and not session.begun and not session.wait_closed():
+            raise SessionError("the recording is still being closed; again in a moment")
         path = self._library.path(trial)
         if path is None:
             raise SessionError(f"trial is '{trial}'; there is no recording {trial}{SUFFIX}")
-        self._publish_sheet(trial, amend(path, [content], time.time_ns()))
+        with self._amending:
+            sheet = amend(path, [content], time.time_ns())
+        self._library.forget()
+        self._publish_sheet(trial, sheet)
 
     # --- what happens ----------------------------------------------------------------------------
 
@@ -231,7 +243,7 @@ class TrainingNode:
             session.hear_status(status)
 
     def _on_clients(self, message: BridgeClients) -> None:
-        self._holder = message.holder
+        self._holder, self._heard_of_clients = message.holder, time.monotonic()
 
     def _look_who_is_there(self) -> None:
         """End a trial whose operator has been gone for long: his page was closed, or lost."""
@@ -240,6 +252,8 @@ class TrainingNode:
             self._away_since = None
             return
         now = rospy.get_time()
+        if self._holder and time.monotonic() - self._heard_of_clients > _SILENT:
+            self._holder = ""  # the bridge itself is gone
         self._had_holder = self._had_holder or bool(self._holder)
         if self._holder or not self._had_holder:
             self._away_since = None
@@ -248,7 +262,7 @@ class TrainingNode:
             self._away_since = now
         elif now - self._away_since > self._settings.away:
             self._away_since = None
-            with contextlib.suppress(SessionError):
+            with contextlib.suppress(SessionError), self._lock:
                 session.abort("abandoned", "training")
 
     def _tell(self, trial: str, event: JudgeEvent) -> None:
