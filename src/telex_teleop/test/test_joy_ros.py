@@ -269,7 +269,7 @@ def test_what_is_held_at_the_start_moves_nothing_and_the_end_is_a_zero(player, s
     assert player.modes[0] == "DRIVE"
     wait_until(lambda: "let go first" in log_of(log), "the hint")
     assert player.twists == []
-    assert "pad xbox" in log_of(log)
+    wait_until(lambda: "pad xbox" in log_of(log), "the pad's name")
     assert "let go first, nothing moves by it: left_stick_y" in log_of(log)
     player.push(player.twists, y=-1.0)
     assert node.end() == 0

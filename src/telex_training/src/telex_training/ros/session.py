@@ -7,6 +7,7 @@ recording) happens in a thread of its own; every other method returns at once.
 from __future__ import annotations
 
 import contextlib
+import itertools
 import re
 import secrets
 import threading
@@ -119,7 +120,7 @@ class Session:
         name = "_".join(
             _UNSAFE.sub("-", part).strip("-") or "nobody" for part in (operator, exercise.name)
         )
-        self.trial = f"{stamp}_{name}"
+        self.trial = free_name(folder, f"{stamp}_{name}")
 
     # --- what is asked for -----------------------------------------------------------------------
 
@@ -372,3 +373,9 @@ class Session:
             with contextlib.suppress(SessionError):
                 self.abort(reason, "training")
         self.wait_closed()
+
+
+def free_name(folder: Path, name: str) -> str:
+    """Name of a recording that there is not yet: the name, or with a number where it is taken."""
+    names = itertools.chain([name], (f"{name}_{number}" for number in itertools.count(2)))
+    return next(each for each in names if not (folder / f"{each}{SUFFIX}").exists())
