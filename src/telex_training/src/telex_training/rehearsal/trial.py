@@ -7,7 +7,7 @@ import json
 import tempfile
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Dict, Optional
+from typing import Any, Dict, List, Optional
 
 import genpy
 import yaml
@@ -87,6 +87,8 @@ class RehearsedTrial:
     Attributes
     ----------
     judge : Judge
+    entries : list of Entry
+        All that it was fed with.
     port : TeleopPort
         To the robot; what is sent through it, the judge hears.
     """
@@ -101,6 +103,7 @@ class RehearsedTrial:
         entries = {entry["name"]: entry for entry in yaml.safe_load(text)["objects"]}
         self._brief = Brief(exercise.setting, entries, self._answers)
         self.judge = Judge(exercise, text, urdf)
+        self.entries: List[Entry] = []
         offline = OfflineSimulation(urdf, world=str(path))
         self._simulation = offline.simulation
         robot = self._simulation.robots[0]
@@ -188,7 +191,9 @@ class RehearsedTrial:
         buffer = io.BytesIO()
         message.serialize(buffer)
         time, data = self._simulation.time, buffer.getvalue()
-        self.judge.feed(Entry(self._number, time, channel, message._type, data))
+        entry = Entry(self._number, time, channel, message._type, data)
+        self.entries.append(entry)
+        self.judge.feed(entry)
 
     def close(self) -> None:
         """End the simulation."""
