@@ -88,8 +88,6 @@ class TruthSampler:
     Attributes
     ----------
     names : Names
-    revision : int
-        One more whenever `names` has changed.
     """
 
     names: Names
@@ -97,7 +95,6 @@ class TruthSampler:
     def __init__(self, simulation: Simulation, robot: Robot) -> None:
         self._simulation = simulation
         self._robot = robot
-        self.revision = 0
         self._changes = -1
         self._whole_at = 0.0
         self.refresh()
@@ -139,7 +136,6 @@ class TruthSampler:
             latches=tuple(each.name for each in self._latches),
         )
         self._told: Optional[np.ndarray] = None
-        self.revision += 1
         return True
 
     def sample(self) -> Sample:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-import time
 from typing import Any, Callable, Mapping, Optional
 
 import rospy
@@ -134,13 +133,3 @@ class Apparatus:
     def close(self) -> None:
         """Hear no more."""
         self._subscriber.unregister()
-
-
-def wait_until(condition: Callable[[], bool], seconds: float) -> bool:
-    """Wait in wall time until something holds; returns whether it does."""
-    until = time.monotonic() + seconds
-    while not condition():
-        if time.monotonic() > until or rospy.is_shutdown():
-            return False
-        time.sleep(0.02)
-    return True

@@ -1,4 +1,4 @@
-"""What a scripted expert is told of an exercise beforehand."""
+"""Brief of a scripted expert: what he is told of an exercise beforehand."""
 
 from __future__ import annotations
 

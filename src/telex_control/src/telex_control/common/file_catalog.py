@@ -1,0 +1,78 @@
+"""Files by name: the shipped ones, and those in folders that an environment variable names."""
+
+from __future__ import annotations
+
+import difflib
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Dict, List
+
+import rospkg
+
+
+@dataclass(frozen=True)
+class FileCatalog:
+    """Files of one kind, by their names without the suffix.
+
+    Attributes
+    ----------
+    kind : str
+        What a file is, in messages.
+    variable : str
+        Environment variable with further folders, separated by colons; they come first.
+    package, folder : str
+        ROS package, and the folder in it that has the shipped ones.
+    suffix : str
+    error : type
+        Of the exception that is raised.
+    """
+
+    kind: str
+    variable: str
+    package: str
+    folder: str
+    suffix: str
+    error: type
+
+    def folders(self) -> List[Path]:
+        """Folders in which files are looked up by name, first come, first served."""
+        given = [Path(part) for part in os.environ.get(self.variable, "").split(os.pathsep) if part]
+        return [*given, Path(rospkg.RosPack().get_path(self.package), self.folder)]
+
+    def files(self) -> Dict[str, Path]:
+        """All that have a name, and their files."""
+        found: Dict[str, Path] = {}
+        for folder in self.folders():
+            for path in sorted(folder.glob(f"*{self.suffix}")):
+                found.setdefault(path.stem, path)
+        return found
+
+    def find(self, name: str) -> Path:
+        """Find a file.
+
+        Parameters
+        ----------
+        name : str
+            Its name, or a path: what has a slash or ends in the suffix.
+
+        Raises
+        ------
+        Exception
+            `error`: there is none; the message says which there are.
+        """
+        if "/" in name or name.endswith(self.suffix):
+            path = Path(name).expanduser()
+            if not path.is_file():
+                start = "" if path.is_absolute() else f" (a relative path starts from {Path.cwd()})"
+                raise self.error(f"{path}: there is no such file{start}")
+            return path
+        known = self.files()
+        if name not in known:
+            near = difflib.get_close_matches(name, known, n=3, cutoff=0.5)
+            names = near + [other for other in known if other not in near]
+            raise self.error(
+                f"there is no {self.kind} '{name}'; there are: {', '.join(names)}; or give a "
+                "file's path"
+            )
+        return known[name]
