@@ -98,6 +98,16 @@ class Robot:
             f"{', '.join(wanted)} to obey",
         )
 
+    def wait_until_still(self, timeout: float = 10.0) -> None:
+        """Wait until no joint moves by more than 0.1 mrad within a tenth of a second (sim time)."""
+
+        def still() -> bool:
+            before = self.positions()
+            self.sleep(0.1)
+            return all(abs(at - before[joint]) < 1e-4 for joint, at in self.positions().items())
+
+        eventually(still, timeout, "every joint at rest")
+
     def wait_until_controllable(self, timeout: float = 60.0) -> None:
         """Wait until the controllers that run from the start do, and the joint states come."""
         rospy.wait_for_service("controller_manager/list_controllers", timeout)

@@ -6,10 +6,13 @@ Nor do web pages reach them.
 from __future__ import annotations
 
 import contextlib
+import io
 import signal
+import sys
 import threading
+import weakref
 from types import FrameType
-from typing import Iterator, Optional
+from typing import Any, Iterator, Optional
 
 import rospy
 from rospy.core import is_shutdown_requested
@@ -20,7 +23,10 @@ from .rospy_fixes.connecting import miss_nothing
 from .rospy_fixes.direct_sending import send_directly
 from .rospy_fixes.xmlrpc_guard import guard_xmlrpc
 
-__all__ = ["init_node", "until_shutdown"]
+__all__ = ["end_quietly", "init_node", "until_shutdown"]
+
+LONGEST_CALLBACK = 2.0
+"""Time (s) that the end of a node waits for a callback of an action server."""
 
 
 def init_node(
@@ -48,6 +54,9 @@ def init_node(
     send_directly()
     if coarse_clock:
         read_clock_seldom()
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        # rospy flushes nothing: a pipe or a file would get what a node says long after.
+        sys.stdout.reconfigure(line_buffering=True)
     rospy.init_node(name, anonymous=anonymous, disable_signals=True)
     calm_log()
     if own_signals:
@@ -65,6 +74,28 @@ def until_shutdown() -> Iterator[None]:
         # rospy closes the topics before it says that it is shut down.
         if not (rospy.is_shutdown() or is_shutdown_requested()):
             raise
+
+
+def end_quietly(server: Any) -> None:
+    """Keep the status timer of an action server from publishing while its node shuts down.
+
+    actionlib asks whether the node is shut down, then publishes. rospy closes the topics in
+    between, and the timer's thread ends with a traceback.
+
+    Parameters
+    ----------
+    server : actionlib.ActionServer
+        It may be forgotten before the node ends.
+    """
+    known = weakref.ref(server)
+
+    def silence() -> None:
+        server = known()
+        if server is not None and server.lock.acquire(timeout=LONGEST_CALLBACK):
+            server.started = False
+            server.lock.release()
+
+    rospy.on_shutdown(silence)
 
 
 def _on_signal(number: int, frame: Optional[FrameType]) -> None:

@@ -20,6 +20,7 @@ from .node_handle import (
     ServiceError,
     Subscription,
 )
+from .node_start import end_quietly
 from .publisher import RosPublisher
 from .rospy_fixes.connections import is_connected, sender_of
 
@@ -108,6 +109,7 @@ class RosActionServer:
         self._thread = threading.Thread(target=self._run, name=f"{name} server", daemon=True)
         self._thread.start()
         self._server.start()
+        end_quietly(self._server)
 
     def _receive_goal(self, handle: Any) -> None:
         # Under actionlib's lock, as is every cancel request.

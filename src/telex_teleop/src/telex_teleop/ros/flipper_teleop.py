@@ -16,6 +16,7 @@ from telex_msgs.msg import (
     FlipperPresets,
 )
 
+from telex_control.ros.node_start import end_quietly
 from telex_teleop.flippers.flipper_teleop import FlipperTeleop
 from telex_teleop.flippers.presets import EndedGoal, GoalEnd
 from telex_teleop.motion.joint_jog import InvalidCommand
@@ -62,6 +63,7 @@ class FlipperTeleopNode(JointTeleopNode):
             auto_start=False,
         )
         self._server.start()
+        end_quietly(self._server)
 
     def _listen(self) -> None:
         super()._listen()

@@ -17,7 +17,7 @@ from tf2_web_republisher.msg import TFArray, TFSubscriptionAction, TFSubscriptio
 from tf2_web_republisher.srv import RepublishTFs, RepublishTFsResponse
 
 from telex_control.common.params import ConfigError, read_config
-from telex_control.ros.node_start import init_node
+from telex_control.ros.node_start import end_quietly, init_node
 
 from .watch import Audience, TransformsConfig, Watch, WishError
 
@@ -142,6 +142,7 @@ class TransformsNode:
             config.action, TFSubscriptionAction, self._take_goal, self._cancel, auto_start=False
         )
         self._server.start()
+        end_quietly(self._server)
         rospy.Service(config.service, RepublishTFs, self._republish)
 
     def _require_room(self) -> None:
