@@ -7,8 +7,8 @@ import os
 from pathlib import Path
 
 import pytest
+from console_page import page, robot, ros
 from selenium.webdriver.common.keys import Keys
-from test_web_browser import page, robot, ros
 from waiting import wait_until
 from web_robot import ARM, ARM_JOINTS, PRESETS
 

@@ -6,10 +6,10 @@ import math
 import time
 
 import pytest
+from console_page import NOTHING, OTHER, Page, robot, ros
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.actions.wheel_input import ScrollOrigin
 from selenium.webdriver.common.keys import Keys
-from test_web_browser import NOTHING, OTHER, Page, robot, ros
 from waiting import wait_until
 from web_robot import ESTOP, THUMBNAILS
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from test_web_browser import Page, robot, ros
+from console_page import Page, robot, ros
 from waiting import wait_until
 from web_robot import ESTOP, describe
 

@@ -17,7 +17,7 @@ from pathlib import Path
 import cv2
 import pytest
 import simplejpeg
-from test_web_pictures import RED, is_like, two_halves
+from sample_pictures import RED, is_like, two_halves
 from waiting import wait_until, wait_until_async
 from web_fakes import FakePictures, served
 

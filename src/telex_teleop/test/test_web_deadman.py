@@ -12,7 +12,7 @@ import signal
 import time
 
 import pytest
-from test_web_browser import page, robot, ros
+from console_page import page, robot, ros
 from waiting import wait_until
 from web_robot import ARM_JOINTS, DRIVE, POSITIONS
 

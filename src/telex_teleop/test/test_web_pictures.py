@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 import pytest
 import simplejpeg
+from sample_pictures import BLUE, RED, is_like, jpeg, raw, two_halves
 
 from telex_teleop.web.video import mjpeg, pages, query
 from telex_teleop.web.video.pictures import (
@@ -18,19 +19,6 @@ from telex_teleop.web.video.pictures import (
 )
 from telex_teleop.web.video.topics import PictureTopic, base_topics, find_cameras, find_topic
 
-RED, BLUE = (220, 20, 20), (20, 20, 220)
-
-
-def two_halves(width=64, height=48):
-    """Left red, right blue (RGB)."""
-    pixels = np.zeros((height, width, 3), np.uint8)
-    pixels[:, : width // 2], pixels[:, width // 2 :] = RED, BLUE
-    return pixels
-
-
-def jpeg(quality=90, pixels=None):
-    return simplejpeg.encode_jpeg(two_halves() if pixels is None else pixels, quality=quality)
-
 
 def shown(encoded):
     """Return size and the colours left and right of the middle."""
@@ -38,17 +26,6 @@ def shown(encoded):
     height, width = pixels.shape[:2]
     middle = pixels[height // 2]
     return (width, height), middle[width // 4], middle[3 * width // 4]
-
-
-def is_like(colour, wanted):
-    return np.abs(colour.astype(int) - wanted).max() < 30
-
-
-def raw(encoding, pixels, padding=0):
-    rows = pixels.reshape(pixels.shape[0], -1)
-    padded = np.pad(rows, ((0, 0), (0, padding)))
-    step = padded.shape[1]
-    return RawPicture(1.5, pixels.shape[1], pixels.shape[0], step, encoding, padded.tobytes())
 
 
 # Encoding

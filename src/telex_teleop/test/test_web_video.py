@@ -12,7 +12,7 @@ import time
 import aiohttp
 import pytest
 import simplejpeg
-from test_web_pictures import jpeg, raw, two_halves
+from sample_pictures import jpeg, raw, two_halves
 from waiting import wait_until_async
 from web_fakes import FakePictures, served
 

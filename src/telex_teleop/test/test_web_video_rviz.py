@@ -9,7 +9,7 @@ import subprocess
 
 import numpy as np
 import pytest
-from test_web_pictures import BLUE, RED, two_halves
+from sample_pictures import BLUE, RED, two_halves
 from waiting import wait_until
 from web_harness import Ros, stop_process
 

@@ -11,7 +11,7 @@ import unittest.mock
 import aiohttp
 import pytest
 import simplejpeg
-from test_web_pictures import jpeg, two_halves
+from sample_pictures import jpeg, two_halves
 from waiting import wait_until_async
 from web_fakes import FakePictures, served
 
