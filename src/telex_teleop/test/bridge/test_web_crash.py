@@ -1,0 +1,107 @@
+"""What a server that was started again has in common with the one that crashed, and who is told."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from waiting import wait_until_async
+from web_fakes import FakeRos, on_loop, served
+
+from telex_teleop.web.bridge.bridge_app import Rosbridge
+from telex_teleop.web.bridge.status_topics import LOOKS_PER_LIST, NodeWatch
+from telex_teleop.web.server_config import RosbridgeConfig
+from telex_teleop.web.serving import bind, bind_again, url_of
+
+PACKAGE = Path(__file__).resolve().parents[2]
+INCLUDE = re.compile(r'<include file="\$\(find (\w+)\)/(\S+)"')
+NODE = re.compile(r'<node [^>]*\bname="(\w+)"')
+
+
+def launched(path):
+    """Nodes of a launch file and of those that it includes."""
+    text = path.read_text()
+    names = set(NODE.findall(text))
+    for package, file in INCLUDE.findall(text):
+        names |= launched(PACKAGE.parent / package / file)
+    return names
+
+
+def test_the_console_knows_what_each_node_is_for():
+    """One that it does not know would be called no part of the robot when it has crashed."""
+    text = (PACKAGE / "console" / "js" / "health.js").read_text()
+    known = set(re.findall(r'^  (\w+): "', text, re.MULTILINE))
+    # Without rosbridge the console hears of nothing, and says so otherwise.
+    assert known == launched(PACKAGE / "launch" / "bringup.launch") - {"rosbridge"}
+
+
+def port_of(listener):
+    return listener.getsockname()[1]
+
+
+def test_a_server_comes_back_at_its_port():
+    with bind("127.0.0.1", 0, "/v") as first:
+        url, port = url_of("http", first), port_of(first)
+    with bind_again("127.0.0.1", 0, "/v", url) as second:
+        assert port_of(second) == port
+
+
+def test_it_takes_another_one_if_somebody_has_it_now():
+    with bind("127.0.0.1", 0, "/v") as taken, bind_again(
+        "127.0.0.1", 0, "/v", url_of("http", taken)
+    ) as second:
+        assert port_of(second) != port_of(taken)
+
+
+def test_a_port_that_is_asked_for_is_taken_whatever_was_before():
+    with bind("127.0.0.1", 0, "/v") as probe:
+        wanted = port_of(probe)
+    with bind_again("127.0.0.1", wanted, "/v", "http://127.0.0.1:1") as second:
+        assert port_of(second) == wanted
+
+
+@pytest.mark.parametrize("left", [None, 3, "", "nonsense", "http://host", "http://host:99999999"])
+def test_an_address_that_makes_no_sense_is_passed_over(left):
+    with bind_again("127.0.0.1", 0, "/v", left) as listener:
+        assert port_of(listener) > 0
+
+
+def bridge(ros):
+    return served(Rosbridge(RosbridgeConfig(), ros, lambda sentence: None).make_app(), "ws")
+
+
+@on_loop
+async def test_a_node_that_has_crashed_is_named_until_it_answers():
+    ros = FakeRos()
+    async with bridge(ros):
+        await wait_until_async(lambda: ros.missing == [[]])
+        ros.crashed.add("/telex/arm_teleop")
+        await wait_until_async(lambda: ros.missing[-1] == ["/telex/arm_teleop"])
+        ros.crashed.clear()
+        await wait_until_async(lambda: ros.missing[-1] == [])
+    # Nothing is repeated that has not changed.
+    assert len(ros.missing) == 3
+
+
+@on_loop
+async def test_nodes_elsewhere_are_none_of_its_business():
+    ros = FakeRos()
+    ros.nodes = lambda: ["/other/arm_teleop", "/telex2/cameras", "/telex/cameras"]
+    ros.crashed.update(ros.nodes())
+    async with bridge(ros):
+        await wait_until_async(lambda: ros.missing == [["/telex/cameras"]])
+
+
+def test_the_master_is_seldom_asked_which_nodes_there_are():
+    ros = FakeRos()
+    asked = []
+    ros.nodes = lambda: asked.append("list") or ["/telex/a", "/other/b"]
+    watch = NodeWatch(ros, None)
+    found = [watch._missing() for _ in range(LOOKS_PER_LIST)]
+    ros.crashed.add("/telex/a")
+    found.append(watch._missing())
+    ros.crashed.clear()
+    found.append(watch._missing())
+    assert found == [[]] * LOOKS_PER_LIST + [["/telex/a"], []]
+    assert len(asked) == 2
