@@ -42,10 +42,13 @@ class BenchHW(RobotHW):
         }
         state_interface = JointStateInterface()
         interfaces = [EffortJointInterface(), VelocityJointInterface(), PositionJointInterface()]
-        for state in self.states.values():
+        self.efforts: Dict[str, JointHandle] = {}
+        for name, state in self.states.items():
             state_interface.register_handle(state)
-            for interface in interfaces:
-                interface.register_handle(JointHandle(state))
+            handles = [JointHandle(state) for _ in interfaces]
+            for interface, handle in zip(interfaces, handles):
+                interface.register_handle(handle)
+            self.efforts[name] = handles[0]
         for interface in (state_interface, *interfaces):
             self.register_interface(interface)
         self.switches: List[Any] = []
@@ -91,8 +94,7 @@ class Bench:
         for name in names:
             assert self.manager.load_controller(name)
         assert self.switch(start=names)
-        loaded = {c.name: c.controller for c in self.manager._controllers}
-        return [loaded[name] for name in names]
+        return [self.manager.loaded[name].controller for name in names]
 
     def states(self) -> Dict[str, str]:
         return {info.name: state.value for info, state in self.manager.list_controllers()}

@@ -23,7 +23,7 @@ def test_a_started_position_controller_holds_what_it_finds(bench):
     (controller,) = tested.load_and_start("c")
     tested.cycle(3)
     assert controller.set_point == 0.7
-    assert controller._joint.command == pytest.approx(0.0)
+    assert tested.hw.efforts["elbow"].command == pytest.approx(0.0)
 
 
 def test_a_command_is_followed_and_clamped_to_the_joint(bench):
@@ -32,7 +32,7 @@ def test_a_command_is_followed_and_clamped_to_the_joint(bench):
     command = tested.node.advertise("c/command", Float64)
     command.publish(Float64(0.5))
     tested.cycle()
-    assert controller._joint.command == pytest.approx(5.0)
+    assert tested.hw.efforts["elbow"].command == pytest.approx(5.0)
     command.publish(Float64(99.0))
     assert controller.set_point == 2.0
     command.publish(Float64(-99.0))
@@ -50,11 +50,11 @@ def test_commands_that_are_no_number_are_dropped(bench, bad, caplog):
 
 def test_continuous_joints_take_the_short_way(bench):
     tested = bench({"c": position_controller("wheel", d=0.0)})
-    (controller,) = tested.load_and_start("c")
+    tested.load_and_start("c")
     tested.hw.states["wheel"].position = 3.0
     tested.node.advertise("c/command", Float64).publish(Float64(-3.0))
     tested.cycle()
-    assert controller._joint.command == pytest.approx(10.0 * (2.0 * math.pi - 6.0))
+    assert tested.hw.efforts["wheel"].command == pytest.approx(10.0 * (2.0 * math.pi - 6.0))
 
 
 def test_the_command_filter_takes_the_kick_out_of_a_stream(bench):
@@ -62,7 +62,7 @@ def test_the_command_filter_takes_the_kick_out_of_a_stream(bench):
     smooth = bench({"c": {**position_controller("elbow"), "command_filter_frequency": 100.0}})
     efforts = []
     for tested in (plain, smooth):
-        (controller,) = tested.load_and_start("c")
+        tested.load_and_start("c")
         command = tested.node.advertise("c/command", Float64)
         seen = []
         for step in range(100):  # led at 0.2 rad/s by commands at 100 Hz, and following
@@ -71,7 +71,7 @@ def test_the_command_filter_takes_the_kick_out_of_a_stream(bench):
                 tested.hw.states["elbow"].velocity = 0.2
                 tested.hw.states["elbow"].position += 0.2 * tested.period
                 tested.cycle()
-                seen.append(controller._joint.command)
+                seen.append(tested.hw.efforts["elbow"].command)
         efforts.append(max(seen[250:]) - min(seen[250:]))
     # d = 1: a step of 0.002 rad in one cycle of 0.002 s kicks by 1
     assert efforts[0] > 0.9
@@ -94,12 +94,12 @@ def test_a_continuous_joint_takes_the_short_way_with_the_command_filter_too(benc
 
 def test_a_stopped_position_controller_leaves_no_effort(bench):
     tested = bench({"c": position_controller("elbow")})
-    (controller,) = tested.load_and_start("c")
+    tested.load_and_start("c")
     tested.node.advertise("c/command", Float64).publish(Float64(1.0))
     tested.cycle()
-    assert controller._joint.command != 0.0
+    assert tested.hw.efforts["elbow"].command != 0.0
     assert tested.switch(stop=["c"])
-    assert controller._joint.command == 0.0
+    assert tested.hw.efforts["elbow"].command == 0.0
 
 
 def test_a_stopped_position_controller_obeys_no_command(bench):
@@ -108,7 +108,7 @@ def test_a_stopped_position_controller_obeys_no_command(bench):
     assert tested.switch(stop=["c"])
     tested.node.advertise("c/command", Float64).publish(Float64(1.0))
     tested.cycle(3)
-    assert controller._joint.command == 0.0
+    assert tested.hw.efforts["elbow"].command == 0.0
     assert tested.switch(start=["c"])
     assert controller.set_point == 0.0
 

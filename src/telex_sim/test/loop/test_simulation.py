@@ -245,7 +245,7 @@ def test_braked_joints_show_the_brakes_effort_not_a_command(robot):
 def test_a_controller_that_ends_badly_leaves_its_joint_to_the_next(robot):
     tested = robot()
     tested.run(0.2)
-    loaded = {c.name: c for c in tested.simulation.controllers._controllers}
+    loaded = tested.simulation.controllers.loaded
     first = loaded["turret_position_controller"]
     hw = tested.simulation.hw
     second = type(first.info)("other", first.info.type, first.info.claimed_resources)
@@ -260,7 +260,7 @@ def test_joints_without_a_controller_are_held_by_their_brakes(robot):
     tested = robot()
     tested.run(0.2)
     before = tested.positions()["shoulder_joint"]
-    loaded = {c.name: c for c in tested.simulation.controllers._controllers}
+    loaded = tested.simulation.controllers.loaded
     shoulder = loaded["shoulder_position_controller"]
     shoulder.stop(tested.simulation.time)
     tested.simulation.hw.do_switch([], [shoulder.info])

@@ -144,7 +144,7 @@ def test_the_robots_turret_breaks_away_at_the_friction_of_its_urdf(urdf):
         robot.run(1.0)
         hw = robot.simulation.hw
         turret = hw._joints["turret_joint"].handle
-        loaded = {c.name: c for c in robot.simulation.controllers._controllers}
+        loaded = robot.simulation.controllers.loaded
         controller = loaded["turret_position_controller"]
         controller.stop(robot.simulation.time)
         hw.do_switch(

@@ -157,11 +157,7 @@ def flipper_commands(tested):
 
 def bias_error(tested):
     """How wrong the bias is that was learnt, and its standard deviation (rad/s)."""
-    (controller,) = (
-        each.controller
-        for each in tested.simulation.controllers._controllers
-        if each.name == "track_controller"
-    )
+    controller = tested.simulation.controllers.loaded["track_controller"].controller
     (sensor,) = tested.simulation.hw.imus
     imu = controller._imu
     # The mount is not turned: the sensor's axes are the base's.

@@ -235,6 +235,11 @@ class ControllerManager:
 
     # --- the services' side ------------------------------------------------------------------
 
+    @property
+    def loaded(self) -> Dict[str, LoadedController]:
+        """The controllers that are loaded, by their names."""
+        return {each.name: each for each in self._controllers}
+
     def list_controllers(self) -> List[Tuple[ControllerInfo, ControllerState]]:
         """All loaded controllers in load order, and their states. Never blocks."""
         return [(loaded.info, loaded.state) for loaded in self._controllers]
