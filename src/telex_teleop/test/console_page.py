@@ -37,8 +37,19 @@ class Page:
 
     def __init__(self, url, profile):
         self.url = url
+        self._profile = str(profile)
+        self._start()
+
+    def _start(self):
         logs = {"browser": "ALL", "performance": "ALL"}
-        self.driver = headless_chromium.start(str(profile), logs=logs)
+        self.driver = headless_chromium.start(self._profile, logs=logs)
+
+    def start_again(self):
+        """Take another browser for one that was killed."""
+        self.driver.quit()
+        self._start()
+        self.resize(1280, 720)
+        self.load()
 
     def resize(self, width, height):
         metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}

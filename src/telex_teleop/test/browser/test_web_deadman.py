@@ -166,7 +166,7 @@ def test_commands_that_were_held_up_on_their_way_are_dropped(robot, page, tracks
             assert "released:" in page.element("#log").text
         wait_until(lambda: robot.heard(DRIVE))
         assert {command["linear"]["x"] for command in robot.heard(DRIVE)} == {0.0}
-        assert tracks.speeds() == []
+        assert set(tracks.speeds()) <= {0.0}  # the end of what an earlier test drove
     finally:
         page.load()
     wait_until(lambda: drives(page, tracks), timeout=10.0)
@@ -188,8 +188,12 @@ def test_a_bridge_that_is_killed_stops_and_needs_a_new_press_when_it_is_back(ros
 def test_a_browser_that_is_killed_stops(page, tracks):
     page.down("w")
     wait_until(tracks.run)
-    for pid in processes(page):
-        with contextlib.suppress(ProcessLookupError):
-            os.kill(pid, signal.SIGKILL)
-    wait_until(tracks.stand)
-    assert tracks.stay()
+    try:
+        for pid in processes(page):
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+        wait_until(tracks.stand)
+        assert tracks.stay()
+    finally:
+        page.start_again()
+    wait_until(lambda: drives(page, tracks), timeout=10.0)
