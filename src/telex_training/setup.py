@@ -8,6 +8,7 @@ setup(
     **generate_distutils_setup(
         packages=[
             "telex_training",
+            "telex_training.briefing",
             "telex_training.command_lines",
             "telex_training.exercises",
             "telex_training.judging",

@@ -32,6 +32,7 @@ import { FLIPPER_NODE, JOINT_NODES, MOVED_CAMERA, TRACK_NODE, TYPES } from "./ro
 import { SILENT_AFTER, StatusView } from "./status.js";
 import { TOOL_TYPES, ToolCommander, ToolPanel } from "./tool.js";
 import { Tour } from "./tour.js";
+import { ExerciseBrief } from "./training/brief.js";
 import { ExerciseChooser } from "./training/chooser.js";
 import { TrainingClient } from "./training/client.js";
 import { TrainingStrip } from "./training/strip.js";
@@ -125,6 +126,7 @@ class Console {
     this._keyDialog = new KeyDialog(vocabulary, this._keymap, relabel);
     this._keymap.changed = relabel;
     this._tour = new Tour(localStorage, relabel);
+    this._brief = new ExerciseBrief(vocabulary, GIVEN, () => this._strip.start(), letGo, relabel);
     relabel();
     this._held = new Held(() => this._heldChanged());
     this._commands = this._makeCommands();
@@ -257,6 +259,7 @@ class Console {
     else if (control.isWatching) status.warn(`${control.holderName} has control: you are watching`);
     else if (this._keyDialog.isOpen) status.warn("close the list of keys first");
     else if (this._chooser.isOpen) status.warn("close the list of exercises first");
+    else if (this._brief.isOpen) status.warn("close the brief first");
     else return true;
     return false;
   }
@@ -308,7 +311,10 @@ class Console {
 
   _subscribe() {
     this._control.subscribe();
-    this._training.subscribe((state) => this._strip.show(state));
+    this._training.subscribe((state) => {
+      this._strip.show(state);
+      this._brief.show(state);
+    });
     tellTelemetry(this._bridge, this._topic, () => this._control.isMine && this._control.isKnown ? this._cameras.seen : null);
     this._subscribeToSimulator();
     this._subscribeToNodes();

@@ -40,10 +40,14 @@ export class TrainingStrip {
 
   _listen() {
     const press = (/** @type {string} */ id, /** @type {() => void} */ act) => onClick(byId(id), act);
-    press("training-start", () => this._act("start"));
+    press("training-start", () => this.start());
     press("training-again", () => this._act("again"));
     press("training-give-up", () => this._act("abort"));
     press("training-sheet", () => window.open(this.sheetAddress, "_blank"));
+  }
+
+  start() {
+    this._act("start");
   }
 
   /** @param {string} name */
@@ -72,7 +76,7 @@ export class TrainingStrip {
     setText(byId("training-results"), state.results.map((result) => MARKS[result] ?? "✘").join(" "));
     byId("training-results").title = state.results.join(", ");
     setText(byId("training-clock"), clockText(state.elapsed + state.penalty));
-    setText(byId("training-limit"), state.trial_limit > 0 ? `trial ${clockText(state.trial_limit - state.trial_elapsed)} left` : "");
+    setText(byId("training-limit"), state.trial_limit > 0 && state.phase !== "ready" ? `trial ${clockText(state.trial_limit - state.trial_elapsed)} left` : "");
     setText(byId("training-step"), stepText(state));
     setText(byId("training-faults"), state.faults.length === 0 ? "" : `! ${state.faults.join(", ")}`);
     setText(byId("training-hint"), noteOf(state));

@@ -16,6 +16,7 @@ from telex_sim.scene.model import require_name
 from .conditions import Condition, read_condition
 from .metric_kinds import KINDS
 from .model import (
+    CONTROLS,
     MODES,
     PRACTICE,
     Contacts,
@@ -74,6 +75,7 @@ KEYS = (
     "metrics",
     "expert",
     "hints",
+    "controls",
     *_RESERVED,
 )
 """What an exercise file may have on its top level."""
@@ -276,6 +278,7 @@ def _exercise(
         metrics=_metrics(content),
         expert=read_struct(Expert, _struct(content, "expert"), "expert"),
         hints=_hints(content),
+        controls=_controls(content),
         reserved=_reserved(content),
     )
 
@@ -357,6 +360,15 @@ def _modes(content: Mapping[str, Any]) -> Tuple[str, ...]:
         f"mode is {list(modes)}; {' and '.join(MODES)}, or one of them, are possible",
     )
     return modes
+
+
+def _controls(content: Mapping[str, Any]) -> Tuple[str, ...]:
+    given = read_value(Tuple[str, ...], _list(content, "controls"), "controls")
+    require(
+        set(given) <= set(CONTROLS) and len(set(given)) == len(given),
+        f"controls is {list(given)}; {', '.join(CONTROLS)} are possible, each once",
+    )
+    return given
 
 
 def _seeds(content: Mapping[str, Any]) -> Seeds:

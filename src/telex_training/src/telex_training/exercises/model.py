@@ -15,6 +15,10 @@ from .metric_kinds import KINDS, OVERS
 
 PRACTICE, EXAM = "practice", "exam"
 MODES = (PRACTICE, EXAM)
+TRACKS, FLIPPERS, ARM, GRIPPER = "tracks", "flippers", "arm", "gripper"
+CAMERA, LAMPS = "camera", "lamps"
+CONTROLS = (TRACKS, FLIPPERS, ARM, GRIPPER, CAMERA, LAMPS)
+"""What an operator can be told the keys of."""
 ALL = "all"
 """Stands for every object in what is put back."""
 ANY = "any"
@@ -290,6 +294,11 @@ class Metric:
                 " needed",
             )
 
+    @property
+    def text(self) -> str:
+        """What it measures, for people."""
+        return KINDS[self.kind].text + (f", {self.object}" if self.object else "")
+
 
 @dataclass(frozen=True)
 class Expert:
@@ -419,6 +428,8 @@ class Exercise:
         Which of the `settings` this is.
     begin : Condition
         With which the clock of a repetition starts.
+    controls : tuple of str
+        Those of `CONTROLS` that it needs; empty: what its steps show.
     """
 
     path: Path
@@ -446,6 +457,7 @@ class Exercise:
     metrics: Tuple[Metric, ...]
     expert: Expert
     hints: Tuple[Hint, ...]
+    controls: Tuple[str, ...]
     reserved: Reserved
 
     def conditions(self) -> Iterator[Tuple[str, Condition]]:

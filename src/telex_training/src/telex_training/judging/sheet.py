@@ -99,7 +99,7 @@ def _result(
         "name": metric.name,
         "kind": metric.kind,
         "unit": kind.unit,
-        "text": kind.text + (f", {metric.object}" if metric.object else ""),
+        "text": metric.text,
         "more_is_better": kind.more_is_better,
         "over": None if kind.of_trial else over,
         "value": value,

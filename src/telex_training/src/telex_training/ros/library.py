@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Dict, Iterator, List, Optional, Tuple
 
 from ..recording.trial_file import SUFFIX, read_sheet, trials
 
@@ -47,15 +47,26 @@ class Library:
     def best(self, operator: str) -> Dict[str, float]:
         """An operator's best completed repetition by exercise (s, with its penalties)."""
         best: Dict[str, float] = {}
-        if not operator:
-            return best
-        for sheet in self.sheets(operator):
-            name = sheet["exercise"]["name"]
+        for name, _, seconds in self._completed(operator):
+            best[name] = min(seconds, best.get(name, seconds))
+        return best
+
+    def best_in(self, operator: str, exercise: str, setting: str) -> Optional[float]:
+        """An operator's best completed repetition of an exercise in a setting (s); None: none."""
+        times = [
+            seconds
+            for name, of, seconds in self._completed(operator)
+            if (name, of) == (exercise, setting)
+        ]
+        return min(times, default=None)
+
+    def _completed(self, operator: str) -> Iterator[Tuple[str, str, float]]:
+        """Exercise, setting and time (s, with penalties) of each repetition that was completed."""
+        for sheet in self.sheets(operator) if operator else []:
+            of = sheet["exercise"]
             for repetition in sheet["repetitions"]:
                 if repetition["completed"]:
-                    seconds = repetition["seconds"] + repetition["penalty"]
-                    best[name] = min(seconds, best.get(name, seconds))
-        return best
+                    yield of["name"], of["setting"], repetition["seconds"] + repetition["penalty"]
 
     def forget(self) -> None:
         """Look at every file again."""

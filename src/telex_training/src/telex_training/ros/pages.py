@@ -20,6 +20,7 @@ from aiohttp import web
 
 from ..judging.sheet import sheet_text
 from ..recording.sheet_table import sheet_csv
+from .brief_pages import BriefPages
 from .library import Library
 
 _PREFIX = "/training"
@@ -34,12 +35,19 @@ class Pages:
     Parameters
     ----------
     library : Library
+    folder : Path
+        Of the recordings.
     port : int
         0: any free one.
+
+    Attributes
+    ----------
+    briefs : BriefPages
     """
 
-    def __init__(self, library: Library, port: int) -> None:
+    def __init__(self, library: Library, folder: Path, port: int) -> None:
         self._library = library
+        self.briefs = BriefPages(library, folder, _is_for)
         self._port = port
         self._loop = asyncio.new_event_loop()
         self._ready = threading.Event()
@@ -69,11 +77,8 @@ class Pages:
 
     def preview_address(self, exercise: Path) -> str:
         """Address of an exercise's picture below the video server's; empty: there is none."""
-        picture = exercise.parent / "previews" / f"{exercise.stem}.jpg"
-        shipped = Path(rospkg.RosPack().get_path("telex_training"), "exercises")
-        if exercise.parent != shipped or not picture.is_file():
-            return ""
-        return f"{_PREFIX}/preview/{exercise.stem}.jpg"
+        name = self.briefs.pictures.shipped(exercise)
+        return f"{_PREFIX}/preview/{name}.jpg" if name else ""
 
     def close(self) -> None:
         """Listen no more, and take the mount back."""
@@ -100,7 +105,7 @@ class Pages:
         app.router.add_get(f"{_PREFIX}/api/sheets", self._sheets)
         app.router.add_get(f"{_PREFIX}/api/sheet/{{trial}}", self._sheet)
         app.router.add_get(f"{_PREFIX}/api/csv/{{trial}}", self._csv)
-        app.router.add_get(f"{_PREFIX}/preview/{{name}}.jpg", self._preview)
+        self.briefs.route(app.router, _PREFIX)
         runner = web.AppRunner(app, access_log=None)
         await runner.setup()
         site = web.TCPSite(runner, "127.0.0.1", self._port)
@@ -133,17 +138,9 @@ class Pages:
             self._library.sheet, request.match_info["trial"]
         )
         # Whose it is not must not even learn that it is there.
-        if sheet is None or not (_instructs(request) or sheet.get("operator") == _name(request)):
+        if sheet is None or not _is_for(request, sheet.get("operator", "")):
             raise web.HTTPNotFound(text="There is no sheet of this trial under your name.\n")
         return sheet
-
-    async def _preview(self, request: web.Request) -> web.StreamResponse:
-        name = request.match_info["name"]
-        folder = Path(rospkg.RosPack().get_path("telex_training"), "exercises", "previews")
-        path = folder / f"{name}.jpg"
-        if path.parent != folder or not path.is_file():
-            raise web.HTTPNotFound
-        return web.FileResponse(path)
 
     async def _aside(self, work: Any, *arguments: Any) -> Any:
         """Do what reads files in another thread."""
@@ -159,6 +156,10 @@ def _row(sheet: Dict[str, Any]) -> Dict[str, Any]:
 
 def _instructs(request: web.Request) -> bool:
     return request.headers.get(_ROLE) == _INSTRUCTOR
+
+
+def _is_for(request: web.Request, operator: str) -> bool:
+    return _instructs(request) or operator == _name(request)
 
 
 def _name(request: web.Request) -> str:

@@ -43,6 +43,7 @@ from ..judging.judge import ENDED, IDLE, JudgeEvent
 from ..recording.trial_file import SUFFIX, amend
 from ..recording.writer import RecordingError
 from .apparatus import Apparatus
+from .brief_pages import OpenTrial
 from .channels import hear_decoded
 from .library import Library
 from .pages import Pages
@@ -81,7 +82,8 @@ class TrainingNode:
         self._sheet = rospy.Publisher("training/sheet", TrainingSheet, queue_size=4, latch=True)
         self._apparatus = Apparatus(self._on_status)
         self._clients = hear_decoded("bridge/clients", BridgeClients, self._on_clients)
-        self.pages = Pages(self._library, settings.port)
+        self.pages = Pages(self._library, self._folder, settings.port)
+        self.pages.briefs.opened = self._opened
         self._services = [
             rospy.Service("training/list", ListExercises, self._on_list),
             rospy.Service("training/open", OpenExercise, self._on_open),
@@ -168,6 +170,12 @@ class TrainingNode:
             session.load()
         self._wanted.set()
         return session
+
+    def _opened(self) -> Optional[OpenTrial]:
+        session = self._session
+        if session is None:
+            return None
+        return OpenTrial(session.trial, session.exercise, session.mode, session.operator)
 
     def _refuse_second(self) -> None:
         session = self._session

@@ -1,0 +1,219 @@
+// @ts-check
+/** The brief that is read before the start: the goal's picture, the task, what counts, times, and the keys that it takes. */
+
+import { onClick } from "../buttons.js";
+import { byId, element, rowsOf, setText } from "../panels.js";
+import { addressOf, clockText } from "./client.js";
+
+/** @typedef {import("../vocabulary.js").Action} Action */
+
+/**
+ * @typedef {object} Brief  As /training/api/brief/TRIAL has it; times in s.
+ * @property {string} trial
+ * @property {string} title
+ * @property {string} setting
+ * @property {string} mode
+ * @property {string} description
+ * @property {string} begins
+ * @property {{name: string, until: string}[]} steps
+ * @property {boolean} any_order
+ * @property {{name: string, when: string}[]} faults
+ * @property {{name: string, when: string, seconds: number}[]} penalties
+ * @property {Metric[]} metrics
+ * @property {{most: number, least: number, time: number, trial_time: number}} repetitions
+ * @property {string[]} controls
+ * @property {{seconds: number, spread: number, provisional: boolean, sees: string} | null} expert
+ * @property {number | null} best
+ * @property {string} picture
+ *
+ * @typedef {{text: string, unit: string, more_is_better: boolean, pass: number, expert: [number, number] | null}} Metric
+ */
+
+/** Which actions of the vocabulary belong to a control of an exercise. @type {Record<string, (action: Action) => boolean>} */
+const NEEDED = {
+  tracks: ({ does }) => does.kind === "drive",
+  flippers: ({ does }) => (does.kind === "jog" && does.node === "flipper") || does.kind === "preset" || does.kind === "side",
+  arm: ({ does }) => does.kind === "tool" || does.kind === "pose" || (does.kind === "command" && does.name === "mode"),
+  gripper: ({ does }) => does.kind === "jog" && does.node === "gripper",
+  camera: ({ does, name }) => name.startsWith("look:") || (does.kind === "command" && does.name === "next camera"),
+  lamps: ({ does }) => does.kind === "lamps",
+};
+/** Needed always. */
+const ALWAYS = ["stop", "e-stop", "slower", "faster", "help"];
+
+export class ExerciseBrief {
+  /**
+   * @param {import("../vocabulary.js").Vocabulary} vocabulary
+   * @param {URLSearchParams} given  What this page's address says.
+   * @param {() => void} start  Begins the trial.
+   * @param {(reason: string) => void} letGo  Lets go of all keys.
+   * @param {() => void} relabel  Shows the keys on the page anew.
+   */
+  constructor(vocabulary, given, start, letGo, relabel) {
+    this._vocabulary = vocabulary;
+    this._given = given;
+    this._letGo = letGo;
+    this._relabel = relabel;
+    this._dialog = byId("brief");
+    this._picture = /** @type {HTMLImageElement} */ (byId("brief-picture"));
+    /** Trial whose brief was opened, or closed, last. */
+    this._trial = "";
+    this._phase = "idle";
+    this._operator = "";
+    onClick(byId("brief-start"), start);
+    onClick(byId("brief-close"), () => this._close());
+    onClick(byId("training-brief"), () => (this.isOpen ? this._close() : this._open()));
+    this._picture.addEventListener("load", () => setText(byId("brief-caption"), this._caption));
+    this._picture.addEventListener("error", () => setText(byId("brief-caption"), "There is no picture of the goal."));
+    this._caption = "";
+  }
+
+  get isOpen() {
+    return !this._dialog.hidden;
+  }
+
+  /** Open with a trial that can be started, close once it is. @param {import("./client.js").State} state */
+  show({ phase, trial, operator }) {
+    const isNew = phase === "ready" && trial !== this._trial;
+    const begins = phase !== this._phase && phase !== "ready";
+    this._phase = phase;
+    this._operator = operator;
+    byId("brief-start").hidden = phase !== "ready";
+    if (trial !== "") this._trial = trial;
+    if (isNew) this._open();
+    else if (begins && this.isOpen) this._close();
+  }
+
+  _close() {
+    this._dialog.hidden = true;
+  }
+
+  async _open() {
+    this._letGo("the brief of the exercise");
+    this._dialog.hidden = false;
+    const trial = this._trial;
+    setText(byId("brief-note"), "asking for the brief …");
+    try {
+      const address = addressOf(`/training/api/brief/${encodeURIComponent(trial)}`, this._given, { name: this._operator });
+      const reply = await fetch(address, { cache: "no-store" });
+      if (!reply.ok) throw new Error((await reply.text()).trim() || `the video server says ${reply.status}`);
+      const brief = await reply.json();
+      if (trial === this._trial) this._fill(brief);
+    } catch (error) {
+      setText(byId("brief-note"), `no brief: ${/** @type {Error} */ (error).message}`);
+    }
+  }
+
+  /** @param {Brief} brief */
+  _fill(brief) {
+    setText(byId("brief-note"), "");
+    setText(byId("brief-title"), [brief.title, brief.setting === "standard" ? "" : brief.setting, brief.mode === "exam" ? "EXAM" : ""].filter(Boolean).join(" · "));
+    setText(byId("brief-description"), brief.description);
+    this._caption = brief.mode === "exam" ? "As in practice: in an exam things stand elsewhere." : "Names and outlines are not to be seen on the robot's cameras.";
+    setText(byId("brief-caption"), "the picture is being drawn …");
+    this._picture.src = addressOf(brief.picture, this._given);
+    setText(byId("brief-task"), brief.any_order ? "Task, in any order" : "Task, in this order");
+    byId("brief-steps").replaceChildren(...brief.steps.map(({ name, until }) => item(name, until)));
+    fill("brief-faults", brief.faults.map(({ name, when }) => item(name, when)));
+    fill("brief-penalties", brief.penalties.map(({ name, when, seconds }) => item(`${name}, + ${seconds} s`, when)));
+    fill("brief-metrics", metricRows(brief.metrics));
+    byId("brief-times").replaceChildren(...timesOf(brief).flatMap(([name, text]) => [element("dt", "", name), element("dd", "", text)]));
+    byId("brief-keys").replaceChildren(...this._keys(brief.controls));
+    this._relabel();
+  }
+
+  /** @param {string[]} controls */
+  _keys(controls) {
+    const has = (/** @type {(action: Action) => boolean} */ needed) => this._vocabulary.all.filter((action) => action.code !== null && needed(action));
+    const always = has(({ does }) => does.kind === "command" && ALWAYS.includes(does.name));
+    const rows = controls.filter((control) => control in NEEDED).map((control) => keyRow(control, has(NEEDED[control])));
+    return [...rows, keyRow("always", always)];
+  }
+}
+
+/**
+ * A list, and its section; hidden where it is empty.
+ * @param {string} id
+ * @param {Node[]} children
+ */
+function fill(id, children) {
+  const list = byId(id);
+  list.replaceChildren(...children);
+  /** @type {HTMLElement} */ (list.parentElement).hidden = children.length === 0;
+}
+
+/** @param {string} name @param {string} words */
+function item(name, words) {
+  const made = element("li", "", `${name} `);
+  made.append(element("span", "", words));
+  return made;
+}
+
+/** @param {string} name @param {Action[]} actions */
+function keyRow(name, actions) {
+  const made = element("div");
+  made.append(element("b", "", name), ...rowsOf(actions).map(keysOf));
+  return made;
+}
+
+/** The keys of actions that belong together, before what they do. @param {Action[]} actions */
+function keysOf(actions) {
+  const made = element("span");
+  for (const { name } of actions) {
+    const cap = element("kbd");
+    cap.dataset.binding = name;
+    made.append(cap, " ");
+  }
+  made.append(actions.length === 1 ? actions[0].title : deedsOf(actions));
+  return made;
+}
+
+/** What several actions with the same first part of the name do: "x ahead, back". @param {Action[]} actions */
+export function deedsOf(actions) {
+  const labels = actions.map(({ label }) => label);
+  const row = actions[0].row.split(" ")[0];
+  return ["drive", "gripper", "preset", "pose"].includes(actions[0].name.split(":")[0]) ? labels.join(", ") : `${row} ${labels.join(", ")}`;
+}
+
+/** @param {Metric[]} metrics */
+function metricRows(metrics) {
+  if (metrics.length === 0) return [];
+  const withExpert = metrics.some(({ expert }) => expert !== null);
+  const line = (/** @type {string} */ tag, /** @type {string[]} */ cells) => {
+    const made = element("tr");
+    made.append(...cells.map((cell) => element(tag, "", cell)));
+    return made;
+  };
+  return [
+    line("th", ["", "pass", ...(withExpert ? ["expert"] : [])]),
+    ...metrics.map((metric) => line("td", [metric.text, passOf(metric), ...(withExpert ? [expertOf(metric.expert, metric.unit)] : [])])),
+  ];
+}
+
+/** @param {Metric} metric */
+export function passOf({ pass, unit, more_is_better: more }) {
+  if (pass === 0 && !more) return "none";
+  return `${more ? "at least" : "at most"} ${pass} ${unit}`.trim();
+}
+
+/** @param {[number, number] | null} expert @param {string} unit */
+function expertOf(expert, unit) {
+  if (expert === null) return "";
+  const [mean, spread] = expert;
+  return `${mean}${spread > 0 ? ` ± ${spread}` : ""} ${unit}`.trim();
+}
+
+/** Limits and comparisons, with their names. @param {Brief} brief @returns {[string, string][]} */
+export function timesOf({ repetitions: { most, least, time, trial_time: trial }, begins, best, expert }) {
+  /** @type {[string, string][]} */
+  const rows = [["clock starts", `when ${begins}`]];
+  rows.push(["repetitions", `${most > 0 ? `${most} at most` : "as many as you like"}, ${least} completed for a verdict`]);
+  if (time > 0) rows.push(["each", `${clockText(time)} at most`]);
+  if (trial > 0) rows.push(["trial", `${clockText(trial)} at most`]);
+  rows.push(["your best", best === null ? "none in this setting yet" : `${best.toFixed(1)} s`]);
+  if (expert !== null) {
+    const sees = expert.sees === "" ? "" : `, which knows ${expert.sees}`;
+    rows.push(["expert", `${expert.seconds} s${expert.provisional ? `; provisional, by a script${sees}` : ""}`]);
+  }
+  return rows;
+}

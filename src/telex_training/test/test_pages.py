@@ -1,0 +1,83 @@
+"""The pages' handler: the brief of the trial that is open, and whom it tells what."""
+
+from __future__ import annotations
+
+import json
+import urllib.error
+import urllib.request
+from types import SimpleNamespace
+
+import pytest
+
+from telex_training.exercises.catalog import find_exercise
+from telex_training.exercises.exercise_file import load_exercise
+from telex_training.ros.brief_pages import OpenTrial
+from telex_training.ros.library import Library
+from telex_training.ros.pages import Pages
+
+
+def sheet(operator, setting, *times):
+    return {
+        "operator": operator,
+        "exercise": {"name": "slalom", "setting": setting},
+        "repetitions": [{"completed": True, "seconds": t, "penalty": 5.0} for t in times],
+    }
+
+
+@pytest.fixture
+def station(tmp_path, monkeypatch):
+    library = Library(tmp_path)
+    done = [sheet("ann", "day", 80.0, 70.0), sheet("ann", "night", 60.0), sheet("bob", "day", 50.0)]
+    monkeypatch.setattr(
+        library,
+        "sheets",
+        lambda operator=None: [each for each in done if operator in (None, each["operator"])],
+    )
+    pages = Pages(library, tmp_path, 0)
+    pages.start()
+    exercise = load_exercise(find_exercise("slalom")).first
+    pages.briefs.opened = lambda: OpenTrial("t1", exercise, "exam", "ann")
+
+    def get(path, name="", role="operator"):
+        headers = {"X-Telex-Role": role, "X-Telex-Name": name}
+        request = urllib.request.Request(f"{pages._address}/training{path}", headers=headers)
+        try:
+            with urllib.request.urlopen(request, timeout=20.0) as reply:
+                return reply.status, reply.read()
+        except urllib.error.HTTPError as error:
+            return error.code, error.read()
+
+    yield SimpleNamespace(get=get, pages=pages)
+    pages.close()
+
+
+def test_the_brief_is_that_of_the_open_trial(station):
+    status, content = station.get("/api/brief/t1", "ann")
+    assert status == 200
+    brief = json.loads(content)
+    assert (brief["exercise"], brief["setting"], brief["mode"]) == ("slalom", "day", "exam")
+    assert brief["picture"] == "/training/api/goal/t1.jpg"
+    assert station.get("/api/brief/t2", "ann")[0] == 404
+    station.pages.briefs.opened = lambda: None
+    assert station.get("/api/brief/t1", "ann") == (404, b"This trial is not open.\n")
+
+
+def test_ones_best_in_this_setting_is_told_to_oneself_and_to_instructors(station):
+    def best(*who):
+        return json.loads(station.get("/api/brief/t1", *who)[1])["best"]
+
+    assert best("ann") == 75.0
+    assert best("", "instructor") == 75.0
+    assert best("bob") is None
+
+
+def test_the_goal_is_a_picture(station):
+    status, content = station.get("/api/goal/t1.jpg")
+    assert status == 200
+    assert content[:3] == b"\xff\xd8\xff"
+    assert station.get("/api/goal/t2.jpg")[0] == 404
+
+
+@pytest.mark.parametrize("name", ["slalom", "..%2F..%2Fslalom", "..%2Fprevious", "none"])
+def test_previews_are_those_that_are_shipped(station, name):
+    assert station.get(f"/preview/{name}.jpg")[0] == (200 if name == "slalom" else 404)
