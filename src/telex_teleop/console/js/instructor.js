@@ -16,6 +16,9 @@ import { JOINT_NODES, TRACK_NODE, TYPES } from "./robot.js";
 import { Roster } from "./roster.js";
 import { SceneChooser } from "./scenes.js";
 import { StatusView } from "./status.js";
+import { TrainingClient } from "./training/client.js";
+import { ExercisePanel } from "./training/instructor_panel.js";
+import { TrainingStrip } from "./training/strip.js";
 
 const DISPLAY_PERIOD = 200; // ms
 const STEP = 0.1; // s of sim time that a step takes
@@ -61,6 +64,7 @@ async function start() {
       status.log("connected");
       roster.connected();
       scenes.list();
+      exercises.list();
       overview.connected();
     },
     lost: (reason) => {
@@ -73,6 +77,9 @@ async function start() {
   });
   const roster = new Roster(bridge, topic, log, warn);
   const scenes = new SceneChooser(bridge, topic, log, warn, () => cameras.newScene());
+  const training = new TrainingClient(bridge, topic, warn);
+  const strip = new TrainingStrip(training, given, () => {}); // nothing is held here
+  const exercises = new ExercisePanel(training, given, () => roster.drivers, log);
   const overview = new OverviewControl(bridge, topic, () => cameras.main.camera);
 
   const size = new PictureSize(bridge, topic);
@@ -157,6 +164,10 @@ async function start() {
   });
   roster.subscribe();
   overview.subscribe();
+  training.subscribe((state) => {
+    strip.show(state);
+    exercises.show(state);
+  });
 
   setInterval(() => {
     status.showLink(bridge);

@@ -99,6 +99,11 @@ export class Roster {
     this._show();
   }
 
+  /** Names of the clients that may drive and are no instructors. */
+  get drivers() {
+    return this._clients.filter(({ role }) => role !== "instructor").map(({ name }) => name);
+  }
+
   /** @param {string} id */
   _nameOf(id) {
     return this._clients.find((client) => client.id === id)?.name || `client ${id}`;

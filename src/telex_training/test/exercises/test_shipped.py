@@ -8,10 +8,15 @@ import cv2
 import numpy as np
 import pytest
 
-from telex_training.exercises.catalog import exercise_folders, exercises
+from telex_training.exercises.catalog import (
+    exercise_folders,
+    exercises,
+    find_exercise,
+    known_exercise,
+)
 from telex_training.exercises.check import check_file
 from telex_training.exercises.command_line import main
-from telex_training.exercises.exercise_file import load_exercise
+from telex_training.exercises.exercise_file import ExerciseError, load_exercise
 from telex_training.exercises.preview_sheet import sheet_of
 from telex_training.operators.experts.catalog import EXPERTS
 
@@ -81,3 +86,14 @@ def test_a_sheet_has_its_pictures_in_rows_over_their_titles() -> None:
 def test_options_that_do_not_go_together_are_refused(given: list, reason: str, capsys) -> None:
     assert main(["preview", *given]) == 1
     assert reason in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", [str(FILES[0]), f"./{FILES[0].stem}", FILES[0].name, ""])
+def test_a_path_is_no_name(name: str) -> None:
+    with pytest.raises(ExerciseError, match="there is no exercise '.*'; there are: "):
+        known_exercise(name)
+
+
+def test_a_name_and_the_path_find_the_same_file() -> None:
+    path = FILES[0]
+    assert known_exercise(path.stem) == find_exercise(path.stem) == find_exercise(str(path)) == path

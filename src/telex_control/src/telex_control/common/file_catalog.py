@@ -67,12 +67,24 @@ class FileCatalog:
                 start = "" if path.is_absolute() else f" (a relative path starts from {Path.cwd()})"
                 raise self.error(f"{path}: there is no such file{start}")
             return path
+        return self._known(name, "; or give a file's path")
+
+    def find_by_name(self, name: str) -> Path:
+        """Find a file by its name alone: what looks like a path is no name.
+
+        Raises
+        ------
+        Exception
+            `error`: there is none; the message says which there are.
+        """
+        return self._known(name, "")
+
+    def _known(self, name: str, otherwise: str) -> Path:
         known = self.files()
         if name not in known:
             near = difflib.get_close_matches(name, known, n=3, cutoff=0.5)
             names = near + [other for other in known if other not in near]
             raise self.error(
-                f"there is no {self.kind} '{name}'; there are: {', '.join(names)}; or give a "
-                "file's path"
+                f"there is no {self.kind} '{name}'; there are: {', '.join(names)}{otherwise}"
             )
         return known[name]

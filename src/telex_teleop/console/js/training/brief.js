@@ -62,7 +62,10 @@ export class ExerciseBrief {
     this._operator = "";
     onClick(byId("brief-start"), start);
     onClick(byId("brief-close"), () => this._close());
-    onClick(byId("training-brief"), () => (this.isOpen ? this._close() : this._open()));
+    const button = byId("training-brief"); // of the strip, which other pages show without a brief
+    button.title = "Task, what counts, keys";
+    button.hidden = false;
+    onClick(button, () => (this.isOpen ? this._close() : this._open()));
     this._picture.addEventListener("load", () => setText(byId("brief-caption"), this._caption));
     this._picture.addEventListener("error", () => setText(byId("brief-caption"), "There is no picture of the goal."));
     this._caption = "";

@@ -2,7 +2,7 @@
 /** The strip above the picture: the exercise as it stands, questions, and what can be pressed. */
 
 import { onClick } from "../buttons.js";
-import { byId, setText } from "../panels.js";
+import { byId, element, setText } from "../panels.js";
 import { addressOf, clockText } from "./client.js";
 
 const PHASES = /** @type {Record<string, string>} */ ({
@@ -17,6 +17,7 @@ const MARKS = /** @type {Record<string, string>} */ ({ passed: "✔" });
 
 /** @typedef {import("./client.js").State} State */
 
+/** The same on every page that has a `<section id="training">`. */
 export class TrainingStrip {
   /**
    * @param {import("./client.js").TrainingClient} client
@@ -30,6 +31,7 @@ export class TrainingStrip {
     this._asked = "";
     /** @type {State | null} */
     this._state = null;
+    build(byId("training"));
     this._listen();
   }
 
@@ -133,6 +135,31 @@ export class TrainingStrip {
     });
     return line;
   }
+}
+
+/** @param {HTMLElement} strip */
+function build(strip) {
+  const part = (/** @type {string} */ tag, /** @type {string} */ name, /** @type {string} */ className = "", role = "") => {
+    const made = element(tag, className);
+    made.id = `training-${name}`;
+    if (role !== "") made.setAttribute("role", role);
+    return made;
+  };
+  const button = (/** @type {string} */ name, /** @type {string} */ text) => {
+    const made = /** @type {HTMLButtonElement} */ (part("button", name, "small"));
+    Object.assign(made, { type: "button", tabIndex: -1, hidden: true, textContent: text });
+    return made;
+  };
+  const invalid = part("span", "invalid", "badge");
+  Object.assign(invalid, { hidden: true, textContent: "NOT VALID" });
+  invalid.dataset.state = "silent";
+  const line = element("div", "training-line");
+  line.append(
+    part("b", "title"), invalid, part("span", "repetition", "num"), part("span", "results"), part("b", "clock", "num"),
+    part("span", "step"), part("span", "faults", "", "status"), element("span", "fill"), part("span", "limit", "num note"),
+    button("brief", "brief"), button("start", "start"), button("again", "again"), button("give-up", "give up"), button("sheet", "score sheet"),
+  );
+  strip.replaceChildren(line, part("div", "hint", "training-hint", "status"), part("div", "questions", "training-questions"));
 }
 
 /** @param {State} state */

@@ -16,3 +16,5 @@ exercise_folders = _CATALOG.folders
 exercises = _CATALOG.files
 find_exercise = _CATALOG.find
 """Raises an `ExerciseError`."""
+known_exercise = _CATALOG.find_by_name
+"""Raises an `ExerciseError`."""

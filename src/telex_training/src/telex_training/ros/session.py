@@ -257,6 +257,10 @@ class Session:
             raise SessionError("the trial has not begun; there is nothing to abort")
         self._put({"input": "abort", "reason": reason, "by": by})
 
+    def note(self, content: Mapping[str, Any]) -> None:
+        """Put an instructor's note, an input of the judge, where it belongs in time."""
+        self._put(content)
+
     def leave(self) -> None:
         """Touch the apparatus no more: another session begins."""
         self._left = True

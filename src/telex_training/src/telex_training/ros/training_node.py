@@ -36,7 +36,7 @@ from telex_msgs.srv import (
 from telex_control.common.params import ConfigError, read_config
 from telex_control.ros.node_start import init_node
 
-from ..exercises.catalog import exercises, find_exercise
+from ..exercises.catalog import exercises, find_exercise, known_exercise
 from ..exercises.exercise_file import ExerciseError, load_exercise
 from ..exercises.model import PRACTICE
 from ..judging.judge import ENDED, IDLE, JudgeEvent
@@ -117,7 +117,9 @@ class TrainingNode:
 
     def _on_open(self, request: Any) -> OpenExerciseResponse:
         try:
-            session = self.open(request.exercise, request.setting, request.mode, request.operator)
+            # Callers may sit anywhere: which files the station has is not for them to try out.
+            path = known_exercise(request.exercise)
+            session = self.open(path, request.setting, request.mode, request.operator)
         except (SessionError, ValueError) as error:
             rospy.logwarn("training/open: %s", error)
             return OpenExerciseResponse(success=False, message=str(error))
@@ -125,8 +127,16 @@ class TrainingNode:
             success=True, message=f"opened: {session.exercise.title}", trial=session.trial
         )
 
-    def open(self, name: str, setting: str, mode: str, operator: str) -> Session:
+    def open(self, path: Path, setting: str, mode: str, operator: str) -> Session:
         """Open an exercise.
+
+        Parameters
+        ----------
+        path : Path
+            Of its file.
+        setting, mode : str
+            Empty: the first setting, practice.
+        operator : str
 
         Raises
         ------
@@ -139,7 +149,7 @@ class TrainingNode:
                 f"operator is {operator[:_LONGEST_NAME]!r}; at most {_LONGEST_NAME} printable "
                 "characters are possible"
             )
-        file = load_exercise(find_exercise(name))
+        file = load_exercise(path)
         exercise = file.setting(setting)
         mode = mode or PRACTICE
         if mode not in exercise.modes:
@@ -225,14 +235,22 @@ class TrainingNode:
         return self._on_note(request)
 
     def _note(self, trial: str, content: Dict[str, Any]) -> None:
-        """Add something to the recording of a trial that has ended, and show its sheet anew."""
+        """Add something to the recording of a trial; of one that has ended the sheet is shown anew.
+
+        Raises
+        ------
+        SessionError, RecordingError
+        """
         session = self._session
         if not trial:
             if session is None or session.path is None:
                 raise SessionError("there is no trial yet; a name of one is needed")
             trial = session.trial
         if session is not None and trial == session.trial and session.begun:
-            raise SessionError("the trial goes on; it can be marked once it has ended")
+            if content["input"] != "note":
+                raise SessionError("the trial goes on; it can be marked once it has ended")
+            session.note(content)
+            return
         if session is not None and not session.begun and not session.wait_closed():
             raise SessionError("the recording is still being closed; again in a moment")
         path = self._library.path(trial)
@@ -368,7 +386,8 @@ def training_main() -> int:
     try:
         if settings.exercise:
             try:
-                node.open(settings.exercise, settings.setting, settings.mode, settings.operator)
+                path = find_exercise(settings.exercise)
+                node.open(path, settings.setting, settings.mode, settings.operator)
             except (SessionError, ValueError) as error:
                 rospy.logerr("training: %s", error)
         node.run()
