@@ -1,4 +1,4 @@
-"""The console's page in headless Chromium, as an operator uses it."""
+"""The station's pages in headless Chromium, as people use them."""
 
 from __future__ import annotations
 
@@ -13,14 +13,17 @@ RELEASED = "released: "
 
 
 class Page:
-    """The console at an address, connected and with a picture; `quit` ends the browser."""
+    """A page at an address; `quit` ends the browser."""
 
     def __init__(self, url: str) -> None:
-        self._browser = Chromium(f"{url}/", listens=True)
-        eventually(self.settled, 30.0, "the console to be connected and to show a picture")
+        self._browser = Chromium(url, listens=True)
 
     def quit(self) -> None:
         self._browser.close()
+
+    def show(self, url: str) -> None:
+        """Go to another page."""
+        self._browser.call("Page.navigate", url=url)
 
     @property
     def complaints(self) -> List[str]:
@@ -31,21 +34,55 @@ class Page:
         """Return what a script returns in the page."""
         return self._browser.evaluate(f"(() => {{ {script} }})()")
 
+    def wait_for(self, what: str, script: str) -> Any:
+        """Wait until an expression on the page is true, and return its value."""
+        return self._browser.wait_for(what, script)
+
+    def click(self, selector: str) -> None:
+        """Click the first element of a CSS selector."""
+        self._browser.click(selector)
+
     def text(self, element: str) -> str:
         """Text of an element, by its id; empty while it is hidden."""
         return self.ask(
             f"const e = document.getElementById('{element}'); return e.hidden ? '' : e.textContent;"
         )
 
+
+class ConsolePage(Page):
+    """The console, connected and with a picture.
+
+    Parameters
+    ----------
+    url : str
+    cameras : bool
+        Whether there are pictures to wait for.
+    """
+
+    def __init__(self, url: str, cameras: bool = True) -> None:
+        super().__init__(url)
+        self._cameras = cameras
+        self.settle()
+
+    def settle(self) -> None:
+        """Wait until an operator would begin."""
+        eventually(self.settled, 30.0, "the console to be connected and to show a picture")
+
     def settled(self) -> bool:
         """Tell whether an operator would begin: a page that still loads lets go of held keys."""
+        view = 'document.getElementById("view")?.dataset.state === "live"'
         return self.ask(
-            """
+            f"""
             return document.getElementById("link")?.dataset.state === "up"
-              && document.getElementById("view")?.dataset.state === "live"
+              && {view if self._cameras else "true"}
               && document.getElementById("speed")?.textContent.includes("%");
             """
         )
+
+    def reload(self) -> None:
+        """Load the page anew."""
+        self._browser.call("Page.reload")
+        self.settle()
 
     def log(self) -> List[str]:
         """Lines of the console's log, newest first."""

@@ -1,6 +1,9 @@
 // @ts-check
 /** Shows a score sheet: the verdict first, then each metric, then each repetition. */
 
+import { element } from "./elements.js";
+import { workloadPart } from "./workload.js";
+
 const GIVEN = new URLSearchParams(location.search);
 const VERDICTS = /** @type {Record<string, string>} */ ({ passed: "PASSED", failed: "NOT PASSED" });
 
@@ -12,20 +15,6 @@ function address(path) {
   const query = new URLSearchParams();
   for (const key of ["token", "role", "name"]) if (GIVEN.has(key)) query.set(key, GIVEN.get(key) ?? "");
   return `api/${path}/${encodeURIComponent(GIVEN.get("trial") ?? "")}?${query}`;
-}
-
-/**
- * @param {string} kind
- * @param {string} [text]
- * @param {Record<string, string>} [attributes]
- * @param {Node[]} [children]
- */
-function element(kind, text = "", attributes = {}, children = []) {
-  const made = document.createElement(kind);
-  if (text !== "") made.textContent = text;
-  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
-  made.append(...children);
-  return made;
 }
 
 /**
@@ -101,6 +90,16 @@ function show(sheet) {
   const main = /** @type {HTMLElement} */ (document.getElementById("sheet"));
   main.replaceChildren(...parts);
   main.setAttribute("aria-busy", "false");
+  // The workload is the operator's own, and nobody else's to rate.
+  if (GIVEN.get("role") !== "instructor") showWorkload(main, sheet.mode === "exam");
+}
+
+/** @param {HTMLElement} main @param {boolean} isAsked */
+async function showWorkload(main, isAsked) {
+  const part = await workloadPart(address("workload"), isAsked);
+  if (part === null) return;
+  if (isAsked) main.querySelector(".buttons")?.before(part);
+  else main.append(part);
 }
 
 function buttons() {

@@ -312,12 +312,29 @@ def test_an_instructors_mark_stands_beside_the_verdict():
     before = trial.judge.sheet()["verdict"]
     trial.input("mark", verdict="failed", by="eve", reason="drove too fast")
     trial.input("note", text="see 0:12", by="eve")
-    trial.input("tlx", values=[10, 20, 30, 40, 50, 60])
     sheet = trial.judge.sheet()
     assert sheet["verdict"] == before == "passed"
     assert sheet["marks"][0]["reason"] == "drove too fast"
     assert sheet["notes"][0]["text"] == "see 0:12"
-    assert sheet["tlx"] == {"ratings": [10.0, 20.0, 30.0, 40.0, 50.0, 60.0], "raw": 35.0}
+
+
+def test_a_rating_of_the_workload_leaves_the_sheet_as_it_is():
+    trial = ready()
+    lap(trial)
+    trial.input("tlx", values=[10, 20, 30, 40, 50, 60])
+    assert trial.judge.workload is None  # the trial goes on
+    trial.input("abort")
+    shown = trial.judge.text()
+    trial.input("tlx", values=[1, 2, 3])
+    trial.input("tlx", values=[0, 0, 0, 0, 0, 101])
+    assert trial.judge.workload is None
+    trial.input("tlx", values=[10, 20, 30, 40, 50, 60])
+    assert trial.judge.workload == {"ratings": [10, 20, 30, 40, 50, 60], "raw": 35.0}
+    assert trial.judge.text() == shown
+    trial.input("note", text="after it", by="eve")
+    assert trial.judge.sheet()["notes"][0]["text"] == "after it"
+    assert folded(trial).text() == trial.judge.text()
+    assert folded(trial).workload == trial.judge.workload
 
 
 def test_a_lost_sample_is_a_gap():

@@ -80,6 +80,8 @@ def _shown(recording: Recording, judge: Judge, form: str, other: bool) -> str:
     if shown is not None and not other:
         same = shown.data == sheet_text(sheet).encode()
         remarks.append("the same sheet as was shown" if same else "ANOTHER SHEET THAN WAS SHOWN")
+    if judge.workload is not None:
+        remarks.append(f"workload {judge.workload['raw']:.0f} of 100 (raw NASA-TLX)")
     return sheet_report(sheet, f"{recording.path}", remarks)
 
 

@@ -30,16 +30,16 @@ from .entries import (
 )
 from .handling import goal_zones
 from .repetition import GIVEN_UP, Happening, Repetition
-from .stats import raw_tlx
 from .truth import Names, World, read_sample
 from .validity import MOST_SLOW, Continuity, Pace
+from .workload import INPUT as TLX
+from .workload import workload_of
 
 IDLE, READY, PREPARING, WAITING = "idle", "ready", "preparing", "waiting"
 RUNNING, BETWEEN, ENDED = "running", "between", "ended"
 _MOST_EVENTS = 10_000
 _MOST_REASONS = 20
 _NAMES_PATIENCE = 1.0
-_RATINGS = 6
 _UNCOUNTED = ("command", "answer", "step", "penalty", "contact", "drop", "tipped")
 """Events that the repetition counts itself."""
 
@@ -83,6 +83,8 @@ class Judge:
     ----------
     phase : str
         As in telex_msgs/TrainingState.
+    workload : dict, optional
+        The operator's own ratings of the trial that has ended, see `workload_of`; None: not given.
 
     Raises
     ------
@@ -111,7 +113,7 @@ class Judge:
         self._reasons: List[str] = []
         self._marks: List[Dict[str, Any]] = []
         self._notes: List[Dict[str, Any]] = []
-        self._tlx: Optional[Dict[str, Any]] = None
+        self.workload: Optional[Dict[str, Any]] = None
         self._trial_time = 0.0
         self._ended_by = ""
         self._hint = self._message = ""
@@ -142,7 +144,7 @@ class Judge:
             "pause": self._pause,
             "mark": self._mark,
             "note": self._note,
-            "tlx": self._rate,
+            TLX: self._rate,
             "outside": self._outside,
         }
 
@@ -150,16 +152,17 @@ class Judge:
         """Take the next entry.
 
         Once the trial has ended, only the training's own inputs are looked at: a recording that was
-        closed a little later makes the same sheet.
+        closed a little later makes the same sheet. Ratings of the workload leave no trace in it, so
+        that a sheet that was printed is still that of the recording.
 
         Returns
         -------
         list of JudgeEvent
             What happened with it.
         """
-        if self.phase == ENDED and entry.channel != INPUTS:
-            return []
         self._new = []
+        if self.phase == ENDED and (entry.channel != INPUTS or self._takes_rating(entry)):
+            return self._new
         channel = entry.channel.encode("utf-8", "replace")
         self._digest.update(struct.pack("<II", len(channel), len(entry.data)))
         self._digest.update(channel)
@@ -397,14 +400,23 @@ class Judge:
         self._say("note", detail={"text": text})
 
     def _rate(self, content: Dict[str, Any]) -> None:
-        values = content.get("values")
-        if not isinstance(values, list) or len(values) != _RATINGS:
-            raise BadEntryError(f"values is {str(values)[:40]!r}; six numbers are needed")
-        ratings = [number_field({"values": value}, "values") for value in values]
-        if not all(0.0 <= rating <= 100.0 for rating in ratings):
-            raise BadEntryError(f"values is {str(values)[:60]}; 0 to 100 is possible")
-        self._tlx = {"ratings": ratings, "raw": raw_tlx(ratings)}
-        self._say("tlx")
+        self._allowed(content, ENDED)
+
+    def _takes_rating(self, entry: Entry) -> bool:
+        """Take an input of the trial that has ended, if it is a rating; tells whether it is one."""
+        try:
+            content = json_of(entry)
+        except BadEntryError:
+            return False
+        if content.get("input") != TLX:
+            return False
+        try:
+            self.workload = workload_of(content.get("values"))
+        except BadEntryError as error:
+            self._new.append(JudgeEvent(self._time, "refused", TLX, {"reason": str(error)}))
+        else:
+            self._new.append(JudgeEvent(self._time, TLX, "", sheets.rounded(self.workload)))
+        return True
 
     def _outside(self, content: Dict[str, Any]) -> None:
         what = text_field(content, "what") or "something"
@@ -558,7 +570,6 @@ class Judge:
                 "verdict": self._verdict(found, figures["completed"]),
                 "marks": self._marks,
                 "notes": self._notes,
-                "tlx": self._tlx,
                 "events": [
                     {
                         "time": event.time,

@@ -15,9 +15,11 @@ from telex_control.common.params import ConfigError, read_struct
 
 from ..exercises.exercise_file import ExerciseError, parse_exercise
 from ..exercises.model import Exercise
-from ..judging.entries import INPUTS, Entry
+from ..judging.entries import INPUTS, Entry, json_of
 from ..judging.judge import Judge
 from ..judging.sheet import FORMAT
+from ..judging.workload import INPUT as TLX
+from ..judging.workload import workload_of
 from .reader import Recording, repair
 from .writer import Attachment, RecordingError, RecordingWriter
 
@@ -135,7 +137,8 @@ def judged(recording: Recording) -> Judge:
 def amend(path: Path, inputs: Sequence[Mapping[str, Any]], wall_ns: int) -> str:
     """Add inputs to a recording that is closed, such as a mark or a note, and judge it anew.
 
-    The file is replaced as a whole, so that a reader finds the old or the new one.
+    The file is replaced as a whole, so that a reader finds the old or the new one. Ratings of the
+    workload leave its sheet as it is.
 
     Parameters
     ----------
@@ -159,7 +162,11 @@ def amend(path: Path, inputs: Sequence[Mapping[str, Any]], wall_ns: int) -> str:
     for number, content in enumerate(inputs, last.number + 1):
         entries.append(input_entry(number, round(last.time * 1e9), content))
         walls.append(wall_ns)
-    text = judged(Recording(path, entries, walls, recording.attachments)).text()
+    shown = recording.attachments.get(SHEET)
+    if shown is not None and all(content["input"] == TLX for content in inputs):
+        text = _text(recording, SHEET)
+    else:
+        text = judged(Recording(path, entries, walls, recording.attachments)).text()
     kept = {name: found for name, found in recording.attachments.items() if name != SHEET}
     draft = path.with_name(f".{path.name}.amended")
     draft.unlink(missing_ok=True)
@@ -186,6 +193,21 @@ def read_sheet(path: Path) -> Optional[Dict[str, Any]]:
     except Exception:  # damaged bytes raise whatever they lead the reader to
         return None
     return None
+
+
+def read_workload(path: Path) -> Optional[Dict[str, Any]]:
+    """Read the operator's ratings of a trial, see `workload_of`; None: there are none."""
+    found = None
+    try:
+        with path.open("rb") as file:
+            for schema, _, message in make_reader(file).iter_messages(topics=[INPUTS]):
+                kind = "" if schema is None else schema.name
+                content = json_of(Entry(message.sequence, 0.0, INPUTS, kind, message.data))
+                if content.get("input") == TLX:
+                    found = workload_of(content.get("values"))
+    except Exception:  # damaged bytes raise whatever they lead the reader to
+        return None
+    return found
 
 
 def trials(folder: Path) -> List[Path]:

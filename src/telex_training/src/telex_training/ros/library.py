@@ -6,7 +6,7 @@ import threading
 from pathlib import Path
 from typing import Any, Dict, Iterator, List, Optional, Tuple
 
-from ..recording.trial_file import SUFFIX, read_sheet, trials
+from ..recording.trial_file import SUFFIX, read_sheet, read_workload, trials
 
 
 class Library:
@@ -34,6 +34,11 @@ class Library:
         """Sheet of a trial; None: it has none (yet)."""
         path = self.path(trial)
         return None if path is None else self._read(path)
+
+    def workload(self, trial: str) -> Optional[Dict[str, Any]]:
+        """Ratings of a trial's workload by its operator; None: there are none."""
+        path = self.path(trial)
+        return None if path is None else read_workload(path)
 
     def sheets(self, operator: Optional[str] = None) -> List[Dict[str, Any]]:
         """All sheets, or an operator's, the newest first."""

@@ -1,4 +1,4 @@
-"""Answers what the training's pages ask for: sheets, as JSON and CSV.
+"""Answers what the training's pages ask for: sheets, as JSON and CSV, and takes ratings.
 
 The video server mounts this handler and the folder of pages at ``/training/``; it checks tokens,
 and says in headers who asks. A sheet is personal: it goes to instructors, and to whoever bears the
@@ -12,13 +12,15 @@ import contextlib
 import threading
 import urllib.parse
 from pathlib import Path
-from typing import Any, Dict, Optional
+from typing import Any, Callable, Dict, List, Optional
 
 import rospkg
 import rospy
 from aiohttp import web
 
+from ..judging.entries import BadEntryError
 from ..judging.sheet import sheet_text
+from ..judging.workload import workload_of
 from ..recording.sheet_table import sheet_csv
 from .brief_pages import BriefPages
 from .library import Library
@@ -27,6 +29,9 @@ _PREFIX = "/training"
 _ROLE, _NAME = "X-Telex-Role", "X-Telex-Name"
 _INSTRUCTOR = "instructor"
 _STARTING = 10.0
+
+Rate = Callable[[str, List[float]], None]
+"""Adds an operator's ratings of his workload to a trial's recording; raises a RuntimeError."""
 
 
 class Pages:
@@ -39,16 +44,18 @@ class Pages:
         Of the recordings.
     port : int
         0: any free one.
+    rate : callable
 
     Attributes
     ----------
     briefs : BriefPages
     """
 
-    def __init__(self, library: Library, folder: Path, port: int) -> None:
+    def __init__(self, library: Library, folder: Path, port: int, rate: Rate) -> None:
         self._library = library
         self.briefs = BriefPages(library, folder, _is_for)
         self._port = port
+        self._rate = rate
         self._loop = asyncio.new_event_loop()
         self._ready = threading.Event()
         self._address = ""
@@ -73,7 +80,10 @@ class Pages:
         """Have a video server show folder and handler at ``/training/``."""
         package = Path(rospkg.RosPack().get_path("telex_training"))
         self._mounted = rospy.resolve_name(f"{video_server}/mounts/training")
-        rospy.set_param(self._mounted, {"folder": str(package / "pages"), "handler": self._address})
+        # The pages' own files need no token, for nothing in a page gives it to its scripts; what is
+        # personal comes from the handler, which nobody reaches without one.
+        mount = {"folder": str(package / "pages"), "handler": self._address, "access": "all"}
+        rospy.set_param(self._mounted, mount)
 
     def preview_address(self, exercise: Path) -> str:
         """Address of an exercise's picture below the video server's; empty: there is none."""
@@ -105,6 +115,8 @@ class Pages:
         app.router.add_get(f"{_PREFIX}/api/sheets", self._sheets)
         app.router.add_get(f"{_PREFIX}/api/sheet/{{trial}}", self._sheet)
         app.router.add_get(f"{_PREFIX}/api/csv/{{trial}}", self._csv)
+        app.router.add_get(f"{_PREFIX}/api/workload/{{trial}}", self._workload)
+        app.router.add_post(f"{_PREFIX}/api/workload/{{trial}}", self._take_workload)
         self.briefs.route(app.router, _PREFIX)
         runner = web.AppRunner(app, access_log=None)
         await runner.setup()
@@ -132,6 +144,31 @@ class Pages:
             content_type="text/csv",
             headers={"Content-Disposition": f'attachment; filename="{name}"'},
         )
+
+    async def _workload(self, request: web.Request) -> web.Response:
+        """Tell the ratings of a trial, or null."""
+        await self._permitted(request)
+        return web.json_response(
+            await self._aside(self._library.workload, request.match_info["trial"])
+        )
+
+    async def _take_workload(self, request: web.Request) -> web.Response:
+        """Take an operator's ratings of his own trial."""
+        sheet = await self._permitted(request)
+        if sheet.get("operator") != _name(request):
+            raise web.HTTPForbidden(text="The workload is rated by who did the trial.\n")
+        # A page of another site cannot send this type without being asked whether it may.
+        if request.content_type != "application/json":
+            raise web.HTTPUnsupportedMediaType(text="application/json is needed.\n")
+        try:
+            given = workload_of(await request.json())
+        except (BadEntryError, ValueError, RecursionError) as error:
+            raise web.HTTPBadRequest(text=f"{error}\n") from error
+        try:
+            await self._aside(self._rate, request.match_info["trial"], given["ratings"])
+        except RuntimeError as error:
+            raise web.HTTPConflict(text=f"{error}\n") from error
+        return web.json_response(given)
 
     async def _permitted(self, request: web.Request) -> Dict[str, Any]:
         sheet: Optional[Dict[str, Any]] = await self._aside(

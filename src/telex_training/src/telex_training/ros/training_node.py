@@ -9,7 +9,7 @@ import sys
 import threading
 import time
 from pathlib import Path
-from typing import Any, Dict, List, Optional
+from typing import Any, Dict, List, Optional, Tuple
 
 import rospy
 from std_srvs.srv import Trigger, TriggerResponse
@@ -40,6 +40,8 @@ from ..exercises.catalog import exercises, find_exercise, known_exercise
 from ..exercises.exercise_file import ExerciseError, load_exercise
 from ..exercises.model import PRACTICE
 from ..judging.judge import ENDED, IDLE, JudgeEvent
+from ..judging.workload import INPUT as TLX
+from ..judging.workload import workload_of
 from ..recording.trial_file import SUFFIX, amend
 from ..recording.writer import RecordingError
 from .apparatus import Apparatus
@@ -71,6 +73,7 @@ class TrainingNode:
         self._library = Library(self._folder)
         self._lock = threading.RLock()
         self._amending = threading.Lock()
+        self._offers: Dict[Path, Tuple[int, Dict[str, Any]]] = {}
         self._session: Optional[Session] = None
         self._holder = ""
         self._heard_of_clients = 0.0
@@ -82,7 +85,7 @@ class TrainingNode:
         self._sheet = rospy.Publisher("training/sheet", TrainingSheet, queue_size=4, latch=True)
         self._apparatus = Apparatus(self._on_status)
         self._clients = hear_decoded("bridge/clients", BridgeClients, self._on_clients)
-        self.pages = Pages(self._library, self._folder, settings.port)
+        self.pages = Pages(self._library, self._folder, settings.port, self._rate)
         self.pages.briefs.opened = self._opened
         self._services = [
             rospy.Service("training/list", ListExercises, self._on_list),
@@ -99,21 +102,43 @@ class TrainingNode:
     # --- services --------------------------------------------------------------------------------
 
     def _on_list(self, request: Any) -> ListExercisesResponse:
-        listed: List[TrainingExercise] = []
         best = self._library.best(request.operator)
+        listed = []
         for name, path in exercises().items():
-            made = TrainingExercise(name=name)
-            try:
-                file = load_exercise(path)
-                first = file.first
-                made.title, made.description = first.title, first.description
-                made.settings, made.modes = list(file.settings), list(first.modes)
-                made.best = best.get(first.name, 0.0)
-                made.preview = self.pages.preview_address(path)
-            except ExerciseError as error:
-                made.problem = str(error)
-            listed.append(made)
+            offer = self._offer(path)
+            listed.append(
+                TrainingExercise(name=name, best=best.get(offer.pop("own", ""), 0.0), **offer)
+            )
         return ListExercisesResponse(exercises=listed)
+
+    def _offer(self, path: Path) -> Dict[str, Any]:
+        """What the list says of an exercise's file; read again only where that has changed.
+
+        ``own`` is the name by which sheets know it.
+        """
+        try:
+            changed = path.stat().st_mtime_ns
+        except OSError:
+            changed = -1
+        known = self._offers.get(path)
+        if known is None or known[0] != changed:
+            known = self._offers[path] = (changed, self._read_offer(path))
+        return dict(known[1])
+
+    def _read_offer(self, path: Path) -> Dict[str, Any]:
+        try:
+            file = load_exercise(path)
+        except ExerciseError as error:
+            return {"problem": str(error)}
+        first = file.first
+        return {
+            "own": first.name,
+            "title": first.title,
+            "description": first.description,
+            "settings": list(file.settings),
+            "modes": list(first.modes),
+            "preview": self.pages.preview_address(path),
+        }
 
     def _on_open(self, request: Any) -> OpenExerciseResponse:
         try:
@@ -231,8 +256,12 @@ class TrainingNode:
 
     def _on_rate(self, request: Any) -> NoteTrialResponse:
         """Take the operator's own workload, of the trial that he has just done."""
-        request.kind, request.trial = "tlx", ""
+        request.kind, request.trial = TLX, ""
         return self._on_note(request)
+
+    def _rate(self, trial: str, ratings: List[float]) -> None:
+        """Add an operator's ratings of his workload; for the sheet's page."""
+        self._note(trial, {"input": TLX, "values": ratings})
 
     def _note(self, trial: str, content: Dict[str, Any]) -> None:
         """Add something to the recording of a trial; of one that has ended the sheet is shown anew.
@@ -360,14 +389,14 @@ def _note_input(request: Any) -> Dict[str, Any]:
         if not value.strip():
             raise SessionError("value is ''; a text is needed")
         return {"input": "note", "text": value, "by": reason or "instructor"}
-    if request.kind == "tlx":
+    if request.kind == TLX:
         try:
             ratings = [float(part) for part in value.replace(",", " ").split()]
-        except ValueError:
-            ratings = []
-        if len(ratings) != 6 or not all(0.0 <= each <= 100.0 for each in ratings):
-            raise SessionError(f"value is '{value}'; six numbers from 0 to 100 are needed")
-        return {"input": "tlx", "values": ratings}
+            return {"input": TLX, "values": workload_of(ratings)["ratings"]}
+        except ValueError:  # BadEntryError is one
+            raise SessionError(
+                f"value is '{value[:60]}'; six numbers from 0 to 100 are needed"
+            ) from None
     raise SessionError(f"kind is '{request.kind}'; mark, note or tlx is needed")
 
 

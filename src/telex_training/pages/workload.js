@@ -1,0 +1,83 @@
+// @ts-check
+/** The operator's own workload, by NASA-TLX: six sliders, and what they gave. */
+
+import { element } from "./elements.js";
+
+/** What is rated, with the words at both ends; in the order of the ratings. */
+const SCALES = [
+  ["Mental demand", "How much thinking, deciding, searching?", "low", "high"],
+  ["Physical demand", "How much pressing, turning, holding?", "low", "high"],
+  ["Temporal demand", "How hurried was the pace?", "low", "high"],
+  ["Performance", "How successful were you?", "perfect", "failed"],
+  ["Effort", "How hard did you have to work for it?", "low", "high"],
+  ["Frustration", "How discouraged, irritated, stressed?", "low", "high"],
+];
+
+/** @typedef {{ratings: number[], raw: number}} Workload */
+
+/**
+ * @param {string} address  At which it is read and sent.
+ * @param {boolean} isAsked  Whether the sliders are open at once: after an exam.
+ * @returns {Promise<HTMLElement | null>} null: it cannot be rated now.
+ */
+export async function workloadPart(address, isAsked) {
+  /** @type {Workload | null} */
+  let given;
+  try {
+    const reply = await fetch(address, { cache: "no-store" });
+    if (!reply.ok) return null;
+    given = await reply.json();
+  } catch {
+    return null;
+  }
+  return given === null ? form(address, isAsked) : result(given);
+}
+
+/** @param {Workload} workload */
+function result({ ratings, raw }) {
+  const parts = SCALES.map(([name], index) => `${name.toLowerCase()} ${ratings[index]}`);
+  return element("p", `Workload ${Math.round(raw)} of 100 (NASA-TLX, unweighted): ${parts.join(", ")}`, { id: "workload", class: "about" });
+}
+
+/** @param {string} address @param {boolean} isAsked */
+function form(address, isAsked) {
+  const send = /** @type {HTMLButtonElement} */ (element("button", "send", { type: "submit", disabled: "" }));
+  const note = element("span", "move each slider once", { role: "status" });
+  const sliders = SCALES.map(([name]) => (
+    /** @type {HTMLInputElement} */ (element("input", "", { type: "range", min: "0", max: "100", step: "5", value: "50", "aria-label": name }))
+  ));
+  /** Where a slider stands first is nobody's rating. @type {Set<HTMLInputElement>} */
+  const moved = new Set();
+  const lines = SCALES.map(([name, question, low, high], index) => {
+    const slider = sliders[index];
+    const value = element("output", "–");
+    const touch = () => {
+      moved.add(slider);
+      value.textContent = slider.value;
+      send.disabled = moved.size < SCALES.length;
+      if (!send.disabled) note.textContent = "";
+    };
+    // A click where it stands already is a rating as well.
+    for (const event of ["input", "pointerup"]) slider.addEventListener(event, touch);
+    const scale = element("span", "", { class: "scale" }, [element("small", low), slider, element("small", high)]);
+    return element("label", "", {}, [element("span", "", {}, [element("b", name), element("small", ` ${question}`)]), scale, value]);
+  });
+  const made = /** @type {HTMLFormElement} */ (element("form", "", {}, [...lines, element("p", "", { class: "buttons" }, [send, note])]));
+  const part = element("details", "", { id: "workload" }, [element("summary", "How demanding was it? (NASA-TLX)"), made]);
+  if (isAsked) part.setAttribute("open", "");
+  made.addEventListener("submit", async (event) => {
+    event.preventDefault();
+    send.disabled = true;
+    note.textContent = "sending …";
+    try {
+      const body = JSON.stringify(sliders.map((slider) => Number(slider.value)));
+      const reply = await fetch(address, { method: "POST", headers: { "Content-Type": "application/json" }, body });
+      if (!reply.ok) throw new Error((await reply.text()).trim() || String(reply.status));
+      part.replaceWith(result(await reply.json()));
+    } catch (error) {
+      note.textContent = `not sent: ${/** @type {Error} */ (error).message}`;
+      send.disabled = false;
+    }
+  });
+  return part;
+}
