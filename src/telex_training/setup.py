@@ -16,6 +16,7 @@ setup(
             "telex_training.operators.experts",
             "telex_training.operators.tasks",
             "telex_training.operators.terrain",
+            "telex_training.progress",
             "telex_training.recording",
             "telex_training.rehearsal",
             "telex_training.ros",

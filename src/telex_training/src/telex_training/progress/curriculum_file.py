@@ -1,0 +1,270 @@
+"""Curriculum files: YAML in, checked `Curriculum`s out.
+
+docs/instructor/progress.md describes the keys.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Dict, List, Mapping, Optional, Tuple, Type, TypeVar
+
+from telex_control.common.file_catalog import FileCatalog
+from telex_control.common.params import (
+    ConfigError,
+    read_struct,
+    read_value,
+    require,
+    require_names,
+    require_range,
+    require_text,
+)
+from telex_sim.scene.files.yaml_text import read_yaml
+from telex_sim.scene.model import require_name
+
+from ..exercises.model import require_label
+
+SUFFIX = ".yaml"
+MOST_BYTES = 100_000
+"""A longer file is refused before it is read."""
+PATH_VARIABLE = "TELEX_CURRICULUM_PATH"
+"""Environment variable with further folders, separated by colons; they come first."""
+KEYS = ("name", "title", "description", "modules", "exam", "currency")
+_MOST = 100
+
+Made = TypeVar("Made")
+
+
+class CurriculumError(ValueError):
+    """A curriculum cannot be used; the message names file, key, value and what would be right."""
+
+
+@dataclass(frozen=True)
+class Proficient:
+    """When an exercise is mastered.
+
+    Attributes
+    ----------
+    consecutive : int
+        Repetitions in a row that have to pass.
+    more : int
+        Further ones that have to pass after those, in a row or not.
+    most : int
+        Repetitions within which all this has to happen; 0: any number.
+    """
+
+    consecutive: int = 2
+    more: int = 0
+    most: int = 0
+
+    def __post_init__(self) -> None:
+        require_range(self, "consecutive", 1, 1000)
+        require_range(self, "more", 0, 1000)
+        require_range(self, "most", 0, 100_000)
+        least = self.consecutive + self.more
+        require(
+            self.most == 0 or self.most >= least,
+            f"most is {self.most}; consecutive and more ask for {least} repetitions at least, so "
+            f"{least} or more, or 0 for any number, is needed",
+        )
+
+
+@dataclass(frozen=True)
+class Module:
+    """An exercise to be mastered.
+
+    Attributes
+    ----------
+    exercise : str
+    setting : str
+        Empty: the exercise's first.
+    name : str
+        Of the module; by default the exercise's.
+    needs : tuple of str
+        Names of the modules that come before it.
+    proficient : Proficient
+    """
+
+    exercise: str
+    setting: str = ""
+    name: str = ""
+    needs: Tuple[str, ...] = ()
+    proficient: Proficient = field(default_factory=Proficient)
+
+    def __post_init__(self) -> None:
+        require_text(self, "exercise")
+        if self.needs:
+            require_names(self, "needs")
+
+
+@dataclass(frozen=True)
+class ExamPart:
+    """A trial in exam mode that has to be passed.
+
+    Attributes
+    ----------
+    exercise, setting : str
+    repetitions : int
+        That the trial has at least.
+    faults : int
+        Of them, those with a fault at most.
+    """
+
+    exercise: str
+    setting: str = ""
+    repetitions: int = 1
+    faults: int = 0
+
+    def __post_init__(self) -> None:
+        require_text(self, "exercise")
+        require_range(self, "repetitions", 1, 1000)
+        require_range(self, "faults", 0, 1000)
+        require(
+            self.faults < self.repetitions,
+            f"faults is {self.faults}; of {self.repetitions} repetitions, fewer than that can be "
+            "allowed to fail",
+        )
+
+
+@dataclass(frozen=True)
+class Currency:
+    """A skill that is lost without practice.
+
+    Attributes
+    ----------
+    days : float
+        For which a passed repetition counts.
+    exercise, setting : str
+        In which it has to be.
+    """
+
+    days: float
+    exercise: str
+    setting: str = ""
+
+    def __post_init__(self) -> None:
+        require_range(self, "days", above=0.0, maximum=36500.0)
+        require_text(self, "exercise")
+
+
+@dataclass(frozen=True)
+class Curriculum:
+    """What is learned, in which order, and when it is mastered.
+
+    Attributes
+    ----------
+    path : Path
+    name, title, description : str
+    modules : tuple of Module
+        In the order in which they are offered.
+    exam : tuple of ExamPart
+    currency : Currency or None
+    """
+
+    path: Path
+    name: str
+    title: str
+    description: str
+    modules: Tuple[Module, ...]
+    exam: Tuple[ExamPart, ...] = ()
+    currency: Optional[Currency] = None
+
+
+_CATALOG = FileCatalog(
+    "curriculum", PATH_VARIABLE, "telex_training", "curricula", SUFFIX, CurriculumError
+)
+curricula = _CATALOG.files
+find_curriculum = _CATALOG.find
+"""Raises a `CurriculumError`."""
+
+
+def load_curriculum(path: Path) -> Curriculum:
+    """Read a curriculum file.
+
+    Raises
+    ------
+    CurriculumError
+        ``FILE: where: what``.
+    """
+    try:
+        size = path.stat().st_size
+        if size > MOST_BYTES:
+            raise CurriculumError(f"{path}: it has {size} bytes; at most {MOST_BYTES} are read")
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "it is no UTF-8 text"
+        raise CurriculumError(f"{path}: {reason}") from error
+    return parse_curriculum(text, path)
+
+
+def parse_curriculum(text: str, path: Path) -> Curriculum:
+    """Read the text of a curriculum file.
+
+    Parameters
+    ----------
+    text : str
+    path : Path
+        Of the file: for messages, and for the name where it gives none.
+
+    Raises
+    ------
+    CurriculumError
+        ``FILE: where: what``.
+    """
+    try:
+        content = read_yaml(text, MOST_BYTES)
+        require(isinstance(content, Mapping), "a struct with the key 'modules' is needed")
+        return _curriculum(content, path)
+    except ConfigError as error:
+        raise CurriculumError(f"{path}: {error}") from error
+
+
+def _curriculum(content: Mapping[str, Any], path: Path) -> Curriculum:
+    for key in content:
+        require(key in KEYS, f"{key} is unknown; known are {', '.join(KEYS)}")
+
+    def text(key: str, default: str = "") -> str:
+        return " ".join(read_value(str, content.get(key, default), key).split())
+
+    name = text("name", path.stem)
+    require_name(name, "name")
+    title = text("title", name.replace("_", " "))
+    require_label(title, "title")
+    require("modules" in content, "modules is missing; one module at least is needed")
+    modules = _modules(content)
+    currency = content.get("currency")
+    return Curriculum(
+        path=path,
+        name=name,
+        title=title,
+        description=text("description"),
+        modules=modules,
+        exam=_listed(content, "exam", ExamPart),
+        currency=None if currency is None else read_struct(Currency, currency, "currency"),
+    )
+
+
+def _modules(content: Mapping[str, Any]) -> Tuple[Module, ...]:
+    read = _listed(content, "modules", Module)
+    require(bool(read), "modules is []; one module at least is needed")
+    found: Dict[str, Module] = {}
+    for i, module in enumerate(read):
+        name = module.name or Path(module.exercise).stem
+        require_name(name, f"modules[{i}]/name")
+        require(
+            name not in found,
+            f"modules[{i}]/name is '{name}'; another module has it already, so a name of its own "
+            "is needed",
+        )
+        found[name] = Module(module.exercise, module.setting, name, module.needs, module.proficient)
+    return tuple(found.values())
+
+
+def _listed(content: Mapping[str, Any], key: str, kind: Type[Made]) -> Tuple[Made, ...]:
+    given = content.get(key)
+    if given is None:
+        return ()
+    require(isinstance(given, list), f"{key} is {str(given)[:60]!r}; a list is needed")
+    require(len(given) <= _MOST, f"{key} has {len(given)} entries; at most {_MOST} fit")
+    made: List[Made] = [read_struct(kind, item, f"{key}[{i}]") for i, item in enumerate(given)]
+    return tuple(made)
