@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import asdict, dataclass
 from io import BytesIO
 from pathlib import Path
@@ -26,7 +27,10 @@ from .writer import Attachment, RecordingError, RecordingWriter
 EXERCISE, SCENE, ROBOT = "exercise.yaml", "scene.yaml", "robot.urdf"
 CAMERAS, MESHES, TRIAL, SHEET = "cameras.json", "meshes.json", "trial.json", "sheet.json"
 SUFFIX = ".mcap"
+FOLDER = "~/.ros/telex_training"
+"""Of the recordings, where nobody says otherwise."""
 _YAML, _XML, _JSON = "text/yaml", "text/xml", "application/json"
+_UNSAFE = re.compile(r"[^A-Za-z0-9_-]+")
 
 
 @dataclass(frozen=True)
@@ -50,6 +54,11 @@ class Trial:
     operator: str
     software: str
     seed: int
+
+
+def safe_name(name: str) -> str:
+    """Spell a name, of a person or an exercise, as a trial's name and its file's can have it."""
+    return _UNSAFE.sub("-", name).strip("-") or "nobody"
 
 
 def attachments(

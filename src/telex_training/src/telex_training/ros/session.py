@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import contextlib
 import itertools
-import re
 import secrets
 import threading
 import time
@@ -30,6 +29,7 @@ from ..recording.trial_file import (
     SUFFIX,
     Trial,
     attachments,
+    safe_name,
     serialised_input,
     sheet_attachment,
 )
@@ -41,7 +41,6 @@ _MOST_SEED = 2**31
 _SETTLING = 0.3
 """Sim time for which the robot settles on its tracks before a repetition can begin (s)."""
 _CLOSING = 30.0
-_UNSAFE = re.compile(r"[^A-Za-z0-9_-]+")
 
 
 class SessionError(RuntimeError):
@@ -117,10 +116,7 @@ class Session:
         self._sheet = ""
         self._left = False
         stamp = datetime.now().strftime("%Y-%m-%d_%H%M%S")
-        name = "_".join(
-            _UNSAFE.sub("-", part).strip("-") or "nobody" for part in (operator, exercise.name)
-        )
-        self.trial = free_name(folder, f"{stamp}_{name}")
+        self.trial = free_name(folder, f"{stamp}_{safe_name(operator)}_{safe_name(exercise.name)}")
 
     # --- what is asked for -----------------------------------------------------------------------
 

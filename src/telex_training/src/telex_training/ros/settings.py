@@ -8,6 +8,7 @@ from typing import Tuple
 from telex_control.common.params import require_choice, require_range
 
 from ..exercises.model import MODES
+from ..recording.trial_file import FOLDER
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,7 @@ class TrainingSettings:
         Node at which the pages are mounted; empty: nowhere.
     """
 
-    folder: str = "~/.ros/telex_training"
+    folder: str = FOLDER
     exercise: str = ""
     setting: str = ""
     mode: str = "practice"

@@ -1,0 +1,352 @@
+"""The index of people, trials and repetitions: an SQLite file made from the trials' recordings.
+
+Nothing stands in it that is not in the recordings: deleted, damaged or of another version, it is
+made anew.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sqlite3
+import threading
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any, Dict, Iterator, List, Optional, Tuple
+
+from ..recording.trial_file import trials
+from ..recording.writer import RecordingError
+from .trial_facts import MetricFacts, RepetitionFacts, TrialFacts, read_trial
+
+FILE = "progress.sqlite"
+VERSION = 1
+_PATIENCE = 30.0
+"""Wall time for which another process may hold the index (s)."""
+
+_SCHEMA = """
+CREATE TABLE files (
+    file TEXT PRIMARY KEY, size INTEGER NOT NULL, changed_ns INTEGER NOT NULL,
+    trial TEXT, problem TEXT NOT NULL
+);
+CREATE TABLE trials (
+    trial TEXT PRIMARY KEY, file TEXT NOT NULL REFERENCES files(file) ON DELETE CASCADE,
+    began_ns INTEGER NOT NULL, operator TEXT NOT NULL, exercise TEXT NOT NULL, title TEXT NOT NULL,
+    setting TEXT NOT NULL, mode TEXT NOT NULL, software TEXT NOT NULL, ended TEXT NOT NULL,
+    seed INTEGER, seconds REAL NOT NULL, valid INTEGER NOT NULL, verdict TEXT NOT NULL,
+    provisional INTEGER NOT NULL, log TEXT NOT NULL
+);
+CREATE INDEX trials_of ON trials (operator, exercise, setting, began_ns);
+CREATE TABLE repetitions (
+    trial TEXT NOT NULL REFERENCES trials(trial) ON DELETE CASCADE, number INTEGER NOT NULL,
+    began REAL NOT NULL, seconds REAL NOT NULL, penalty REAL NOT NULL, fault TEXT NOT NULL,
+    completed INTEGER NOT NULL, passed INTEGER NOT NULL, PRIMARY KEY (trial, number)
+);
+CREATE TABLE figures (
+    trial TEXT NOT NULL, number INTEGER NOT NULL, name TEXT NOT NULL, value REAL,
+    PRIMARY KEY (trial, number, name),
+    FOREIGN KEY (trial, number) REFERENCES repetitions(trial, number) ON DELETE CASCADE
+);
+CREATE TABLE metrics (
+    trial TEXT NOT NULL REFERENCES trials(trial) ON DELETE CASCADE, place INTEGER NOT NULL,
+    name TEXT NOT NULL, kind TEXT NOT NULL, unit TEXT NOT NULL, text TEXT NOT NULL,
+    more_is_better INTEGER NOT NULL, value REAL, bound REAL, expert REAL,
+    PRIMARY KEY (trial, place)
+);
+CREATE VIEW people AS
+    SELECT operator AS name, count(*) AS trials, min(began_ns) AS first_ns, max(began_ns) AS last_ns
+    FROM trials GROUP BY operator;
+CREATE VIEW progress AS
+    SELECT operator, exercise, setting, count(DISTINCT trials.trial) AS trials,
+        count(number) AS repetitions, coalesce(sum(completed), 0) AS completed,
+        coalesce(sum(passed), 0) AS passed,
+        min(CASE WHEN completed THEN repetitions.seconds + penalty END) AS best,
+        max(trials.began_ns) AS last_ns
+    FROM trials LEFT JOIN repetitions USING (trial) WHERE valid
+    GROUP BY operator, exercise, setting;
+"""
+_TRIAL = tuple(
+    field.name for field in fields(TrialFacts) if field.name not in ("repetitions", "metrics")
+)
+_REPETITION = tuple(field.name for field in fields(RepetitionFacts) if field.name != "metrics")
+_METRIC = tuple(field.name for field in fields(MetricFacts))
+
+
+class ProgressIndexError(RuntimeError):
+    """The index cannot be made or read; the message names the file and says why."""
+
+
+@dataclass(frozen=True)
+class Person:
+    """Somebody who has done trials.
+
+    Attributes
+    ----------
+    name : str
+        Empty: trials under no name.
+    trials : int
+    first, last : float
+        Wall times of the first and the last trial (s since the epoch).
+    """
+
+    name: str
+    trials: int
+    first: float
+    last: float
+
+
+class ProgressIndex:
+    """The index of a folder of recordings. Its methods may be called from any thread.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the recordings; the index stands in it.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.path = folder / FILE
+        self._lock = threading.Lock()
+
+    def rebuild(self) -> List[str]:
+        """Make the index anew from all files; returns what `refresh` does."""
+        with self._lock:
+            self._remove()
+        return self.refresh()
+
+    def refresh(self) -> List[str]:
+        """Take in what is new or has changed, and drop what is gone.
+
+        Returns
+        -------
+        list of str
+            Of each file that cannot be used, why not.
+
+        Raises
+        ------
+        ProgressIndexError
+        """
+        with self._open() as base:
+            known = {
+                row[0]: (row[1], row[2])
+                for row in base.execute(
+                    "SELECT file, size, changed_ns FROM files WHERE problem = ''"
+                )
+            }
+            there = self._there()
+            gone = [
+                (name,)
+                for (name,) in base.execute("SELECT file FROM files")
+                if known.get(name) != there.get(name)
+            ]
+            base.executemany("DELETE FROM files WHERE file = ?", gone)
+            for name, state in there.items():
+                if known.get(name) != state:
+                    self._take(base, name, state)
+            return [
+                row[0]
+                for row in base.execute(
+                    "SELECT problem FROM files WHERE problem != '' ORDER BY file"
+                )
+            ]
+
+    def people(self) -> List[Person]:
+        """Everybody who has done trials, by name."""
+        with self._open() as base:
+            rows = base.execute("SELECT name, trials, first_ns, last_ns FROM people ORDER BY name")
+            return [
+                Person(name, count, first / 1e9, last / 1e9) for name, count, first, last in rows
+            ]
+
+    def trials(
+        self, operator: Optional[str] = None, exercise: Optional[str] = None
+    ) -> List[TrialFacts]:
+        """Trials, the oldest first.
+
+        Parameters
+        ----------
+        operator, exercise : str, optional
+            Only theirs.
+        """
+        wanted = {"operator": operator, "exercise": exercise}
+        given = {key: value for key, value in wanted.items() if value is not None}
+        where = "".join(f" AND {key} = :{key}" for key in given)
+        with self._open() as base:
+            rows = base.execute(
+                f"SELECT {', '.join(_TRIAL)} FROM trials WHERE true{where}"
+                " ORDER BY began_ns, trial",
+                given,
+            ).fetchall()
+            repetitions, metrics = _parts(base, where, given)
+        return [_trial(row, repetitions.get(row[0], []), metrics.get(row[0], [])) for row in rows]
+
+    def file_of(self, trial: str) -> Optional[Path]:
+        """Path of a trial's recording; None: the index has no such trial."""
+        with self._open() as base:
+            row = base.execute("SELECT file FROM trials WHERE trial = ?", (trial,)).fetchone()
+        return None if row is None else self.folder / row[0]
+
+    # --- the file --------------------------------------------------------------------------------
+
+    def _there(self) -> Dict[str, Tuple[int, int]]:
+        """Size and time of change (ns) of each recording."""
+        found = {}
+        for path in trials(self.folder):
+            with contextlib.suppress(OSError):  # it was taken away meanwhile
+                state = path.stat()
+                found[path.name] = state.st_size, state.st_mtime_ns
+        return found
+
+    def _take(self, base: sqlite3.Connection, name: str, state: Tuple[int, int]) -> None:
+        try:
+            facts: Optional[TrialFacts] = read_trial(self.folder / name)
+            problem = ""
+        except RecordingError as error:
+            facts, problem = None, str(error)
+        if facts is not None:
+            other = base.execute(
+                "SELECT file FROM trials WHERE trial = ?", (facts.trial,)
+            ).fetchone()
+            if other is not None:
+                problem = (
+                    f"{self.folder / name}: its trial {facts.trial} stands in {other[0]} already, "
+                    "which counts; one of the two is one too many"
+                )
+        base.execute(
+            "INSERT INTO files VALUES (?, ?, ?, ?, ?)",
+            (name, *state, None if facts is None else facts.trial, problem),
+        )
+        if facts is not None and not problem:
+            _insert(base, name, facts)
+
+    @contextlib.contextmanager
+    def _open(self) -> Iterator[sqlite3.Connection]:
+        """Yield a connection, in one transaction; a file that is no index of today is made anew."""
+        with self._lock:
+            try:
+                self.folder.mkdir(parents=True, exist_ok=True)
+                base = self._connect()
+            except (OSError, sqlite3.Error) as error:
+                raise ProgressIndexError(f"{self.path}: {_reason(error)}") from error
+            try:
+                with base:
+                    base.execute("BEGIN IMMEDIATE")
+                    yield base
+            except sqlite3.Error as error:
+                raise ProgressIndexError(
+                    f"{self.path}: {error}; rosrun telex_training progress rebuild makes it anew"
+                ) from error
+            finally:
+                base.close()
+
+    def _connect(self) -> sqlite3.Connection:
+        try:
+            return self._made(_connection(self.path))
+        except sqlite3.DatabaseError as error:
+            # Locked, or a disk that is full: nothing is wrong with the file.
+            if isinstance(error, sqlite3.OperationalError):
+                raise
+        self._remove()
+        return self._made(_connection(self.path))
+
+    def _made(self, base: sqlite3.Connection) -> sqlite3.Connection:
+        """Return the connection, of an index that has its tables."""
+        try:
+            # Under the lock, for another process may be making them.
+            base.execute("BEGIN IMMEDIATE")
+            version = base.execute("PRAGMA user_version").fetchone()[0]
+            tables = base.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]
+            if tables and version != VERSION:
+                raise sqlite3.DatabaseError("an index of another version")
+            if not tables:
+                for statement in _SCHEMA.split(";"):
+                    base.execute(statement)
+                base.execute(f"PRAGMA user_version = {VERSION}")
+            base.execute("COMMIT")
+        except BaseException:
+            base.close()
+            raise
+        return base
+
+    def _remove(self) -> None:
+        for suffix in ("", "-journal"):
+            with contextlib.suppress(FileNotFoundError):
+                self.path.with_name(self.path.name + suffix).unlink()
+
+
+def _connection(path: Path) -> sqlite3.Connection:
+    # It has names and results of people: for the station's user alone.
+    os.close(os.open(path, os.O_CREAT | os.O_RDWR, 0o600))
+    base = sqlite3.connect(str(path), timeout=_PATIENCE, isolation_level=None)
+    base.execute("PRAGMA foreign_keys = ON")
+    base.execute("PRAGMA secure_delete = ON")
+    return base
+
+
+def _insert(base: sqlite3.Connection, file: str, facts: TrialFacts) -> None:
+    base.execute(
+        f"INSERT INTO trials (file, {', '.join(_TRIAL)}) VALUES (?{', ?' * len(_TRIAL)})",
+        (file, *(getattr(facts, name) for name in _TRIAL)),
+    )
+    for number, repetition in enumerate(facts.repetitions, 1):
+        base.execute(
+            f"INSERT INTO repetitions (trial, number, {', '.join(_REPETITION)})"
+            f" VALUES (?, ?{', ?' * len(_REPETITION)})",
+            (facts.trial, number, *(getattr(repetition, name) for name in _REPETITION)),
+        )
+        base.executemany(
+            "INSERT INTO figures VALUES (?, ?, ?, ?)",
+            [(facts.trial, number, *item) for item in repetition.metrics.items()],
+        )
+    base.executemany(
+        f"INSERT INTO metrics (trial, place, {', '.join(_METRIC)})"
+        f" VALUES (?, ?{', ?' * len(_METRIC)})",
+        [
+            (facts.trial, place, *(getattr(metric, name) for name in _METRIC))
+            for place, metric in enumerate(facts.metrics)
+        ],
+    )
+
+
+def _parts(
+    base: sqlite3.Connection, where: str, given: Dict[str, Any]
+) -> Tuple[Dict[str, List[RepetitionFacts]], Dict[str, List[MetricFacts]]]:
+    """Repetitions and metrics of the trials that are asked for."""
+    chosen = f"trial IN (SELECT trial FROM trials WHERE true{where})"
+    figures: Dict[Tuple[str, int], Dict[str, Optional[float]]] = {}
+    for trial, number, name, value in base.execute(
+        f"SELECT trial, number, name, value FROM figures WHERE {chosen}", given
+    ):
+        figures.setdefault((trial, number), {})[name] = value
+    repetitions: Dict[str, List[RepetitionFacts]] = {}
+    for trial, number, *row in base.execute(
+        f"SELECT trial, number, {', '.join(_REPETITION)} FROM repetitions WHERE {chosen}"
+        " ORDER BY trial, number",
+        given,
+    ):
+        made: Dict[str, Any] = dict(zip(_REPETITION, row))
+        made.update(completed=bool(made["completed"]), passed=bool(made["passed"]))
+        repetitions.setdefault(trial, []).append(
+            RepetitionFacts(**made, metrics=figures.get((trial, number), {}))
+        )
+    metrics: Dict[str, List[MetricFacts]] = {}
+    for trial, *row in base.execute(
+        f"SELECT trial, {', '.join(_METRIC)} FROM metrics WHERE {chosen} ORDER BY trial, place",
+        given,
+    ):
+        made = dict(zip(_METRIC, row))
+        made["more_is_better"] = bool(made["more_is_better"])
+        metrics.setdefault(trial, []).append(MetricFacts(**made))
+    return repetitions, metrics
+
+
+def _trial(
+    row: Tuple[Any, ...], repetitions: List[RepetitionFacts], metrics: List[MetricFacts]
+) -> TrialFacts:
+    made: Dict[str, Any] = dict(zip(_TRIAL, row))
+    made.update(valid=bool(made["valid"]), provisional=bool(made["provisional"]))
+    return TrialFacts(**made, repetitions=tuple(repetitions), metrics=tuple(metrics))
+
+
+def _reason(error: Exception) -> str:
+    return getattr(error, "strerror", None) or str(error)

@@ -1,0 +1,86 @@
+"""Pieces of reports, which are HTML pages that need nothing beside themselves."""
+
+from __future__ import annotations
+
+import time
+from html import escape
+from pathlib import Path
+from typing import Optional, Sequence, Tuple
+
+import rospkg
+
+from .standing import LOCKED, OPEN, PROFICIENT, SPENT, WORKING
+from .trial_facts import TrialFacts
+
+NONE = "-"
+NOBODY = "no name"
+MARKS = {PROFICIENT: "●", WORKING: "◐", OPEN: "○", LOCKED: NONE, SPENT: "!"}
+_STYLE = ("pages", "report.css")
+
+
+def page(title: str, parts: Sequence[str]) -> str:
+    """Put parts into an HTML page with its style in it."""
+    style = Path(rospkg.RosPack().get_path("telex_training"), *_STYLE).read_text(encoding="utf-8")
+    return (
+        '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<title>{escape(title)}</title>\n<style>\n{style}</style>\n</head>\n<body>\n<main>\n"
+        + "\n".join(parts)
+        + "\n</main>\n</body>\n</html>\n"
+    )
+
+
+def lead(trials: Sequence[TrialFacts], now: float, people: Optional[int] = None) -> str:
+    """Say of whom and of when a report is."""
+    words = [] if people is None else [count(people, "person", "people")]
+    words.append(count(len(trials), "trial"))
+    if trials:
+        words[-1] += f" from {day(trials[0].began)} to {day(trials[-1].began)}"
+    words.append(f"as of {day(now)}")
+    return f'<p class="dim">{escape(", ".join(words))}</p>'
+
+
+def table(
+    heads: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    text: Tuple[int, ...] = (),
+    mark: Tuple[int, ...] = (),
+    head: bool = True,
+) -> str:
+    """Make a table of cells that are HTML already."""
+
+    def cell(kind: str, place: int, content: str) -> str:
+        name = "text" if place in text else "mark" if place in mark else ""
+        given = f' class="{name}"' if name else ""
+        return f"<{kind}{given}>{content}</{kind}>"
+
+    def row(kind: str, cells: Sequence[str]) -> str:
+        return f"<tr>{''.join(cell(kind, i, each) for i, each in enumerate(cells))}</tr>"
+
+    top = f"<thead>{row('th', heads)}</thead>" if head else ""
+    return f"<table>{top}<tbody>{''.join(row('td', each) for each in rows)}</tbody></table>"
+
+
+def figure(svg: str, caption: str) -> str:
+    """Put a caption under an SVG."""
+    return f"<figure>{svg}<figcaption>{escape(caption)}</figcaption></figure>"
+
+
+def number(value: Optional[float], unit: str) -> str:
+    """Write a figure with its unit."""
+    return NONE if value is None else escape(f"{value:.4g} {unit}".rstrip())
+
+
+def percent(share: Optional[float]) -> str:
+    """Write a share in per cent."""
+    return NONE if share is None else f"{100 * share:.0f} %"
+
+
+def count(count: int, one: str, several: str = "") -> str:
+    """Write a number of things."""
+    return f"{count} {one if count == 1 else several or one + 's'}"
+
+
+def day(wall: float, clock: bool = False) -> str:
+    """Write a wall time (s since the epoch) as a local date, with the time of day or without."""
+    return time.strftime("%Y-%m-%d %H:%M" if clock else "%Y-%m-%d", time.localtime(wall))

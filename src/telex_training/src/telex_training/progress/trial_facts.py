@@ -1,0 +1,272 @@
+"""Facts of a trial as its recording's sheet has them, checked: the index is made of them."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Dict, List, Mapping, Optional, Tuple
+
+from mcap.reader import make_reader
+
+from telex_control.common.params import ConfigError, read_struct, read_value, require
+
+from ..exercises.metric_kinds import KINDS
+from ..judging.sheet import FORMAT, PASSED, sheet_text
+from ..recording.reader import read_recording
+from ..recording.trial_file import SHEET, SUFFIX, judged
+from ..recording.writer import PROFILE, RecordingError
+
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,199}")
+_MOST_REPETITIONS = 10_000
+
+
+@dataclass(frozen=True)
+class RepetitionFacts:
+    """A repetition that has ended.
+
+    Attributes
+    ----------
+    began, seconds, penalty : float
+        Sim time of its beginning, its time, and what penalties add (s).
+    fault : str
+        Empty: none.
+    completed : bool
+    passed : bool
+        Completed, with every metric within its bound.
+    metrics : dict of str to float or None
+        None: it could not be measured.
+    """
+
+    began: float
+    seconds: float
+    penalty: float
+    fault: str
+    completed: bool
+    passed: bool
+    metrics: Dict[str, Optional[float]]
+
+    @property
+    def time(self) -> float:
+        """With its penalties (s)."""
+        return self.seconds + self.penalty
+
+
+@dataclass(frozen=True)
+class MetricFacts:
+    """A metric of the exercise, and what the trial made of it.
+
+    Attributes
+    ----------
+    name, kind, unit, text : str
+    more_is_better : bool
+    value, bound, expert : float or None
+        Of the trial, to pass, and the expert's mean.
+    """
+
+    name: str
+    kind: str
+    unit: str
+    text: str
+    more_is_better: bool
+    value: Optional[float]
+    bound: Optional[float]
+    expert: Optional[float]
+
+    @property
+    def of_trial(self) -> bool:
+        """Whether it is of the whole trial, not of each repetition."""
+        return self.kind in KINDS and KINDS[self.kind].of_trial
+
+
+@dataclass(frozen=True)
+class TrialFacts:
+    """A trial that has ended.
+
+    Attributes
+    ----------
+    trial : str
+        By which trials are told apart: its name.
+    began_ns : int
+        Wall time of its first entry (ns since the epoch).
+    operator, exercise, title, setting, mode, software, ended : str
+    seed : int or None
+    seconds : float
+        Its length in sim time (s).
+    valid : bool
+    verdict : str
+        ``passed``, ``failed``, or empty: none.
+    provisional : bool
+        Whether the expert's figures are a script's.
+    log : str
+        SHA-256 over the recorded entries.
+    repetitions : tuple of RepetitionFacts
+    metrics : tuple of MetricFacts
+    """
+
+    trial: str
+    began_ns: int
+    operator: str
+    exercise: str
+    title: str
+    setting: str
+    mode: str
+    software: str
+    ended: str
+    seed: Optional[int]
+    seconds: float
+    valid: bool
+    verdict: str
+    provisional: bool
+    log: str
+    repetitions: Tuple[RepetitionFacts, ...]
+    metrics: Tuple[MetricFacts, ...]
+
+    @property
+    def began(self) -> float:
+        """Wall time of its beginning (s since the epoch)."""
+        return self.began_ns / 1e9
+
+    @property
+    def passed(self) -> bool:
+        """Whether it is valid and its verdict is passed."""
+        return self.valid and self.verdict == PASSED
+
+    @property
+    def faults(self) -> int:
+        """Repetitions that were not completed."""
+        return sum(not repetition.completed for repetition in self.repetitions)
+
+
+def read_trial(path: Path, verify: bool = False) -> TrialFacts:
+    """Read what the index keeps of a recording.
+
+    Parameters
+    ----------
+    path : Path
+    verify : bool
+        Whether to judge the recording anew, too: its sheet has to be the one that comes of it.
+
+    Raises
+    ------
+    RecordingError
+        It is damaged, not closed, no trial, or not judged like this; the message names file and
+        reason.
+    """
+    began, text = _first_and_sheet(path)
+    try:
+        sheet = json.loads(text)
+        # Half a surrogate pair, which JSON can spell, is no text that could be stored.
+        json.dumps(sheet, ensure_ascii=False).encode()
+        facts = _facts(sheet, began)
+    except (ConfigError, ValueError, RecursionError) as error:
+        raise RecordingError(f"{path}: its {SHEET} is wrong: {error}") from error
+    if verify and sheet_text(judged(read_recording(path)).sheet()).encode() != text:
+        raise RecordingError(
+            f"{path}: judged anew, it makes another sheet than its {SHEET}; it was changed, or "
+            "made by another version of the software"
+        )
+    return facts
+
+
+def _first_and_sheet(path: Path) -> Tuple[int, bytes]:
+    """Wall time of the first entry (ns), and the sheet; without reading what is between."""
+    try:
+        with path.open("rb") as file:
+            reader = make_reader(file, validate_crcs=True)
+            if reader.get_header().profile != PROFILE:
+                raise ValueError(f"its profile is no {PROFILE}")
+            sheets = [each.data for each in reader.iter_attachments() if each.name == SHEET]
+            first = next(iter(reader.iter_messages(log_time_order=False)), None)
+    except OSError as error:
+        raise RecordingError(f"{path}: {error.strerror}") from error
+    except Exception as error:  # damaged bytes raise whatever they lead the reader to
+        raise RecordingError(
+            f"{path}: it is damaged, was cut off, or is still written ({error}); "
+            "rosrun telex_training score shows what can be read of it"
+        ) from error
+    if not sheets or first is None:
+        raise RecordingError(f"{path}: it has no {SHEET}; the trial in it was not ended")
+    return first[2].publish_time, sheets[-1]
+
+
+def _facts(sheet: Any, began_ns: int) -> TrialFacts:
+    require(isinstance(sheet, Mapping), "a struct is needed")
+    form = sheet.get("format")
+    require(form == FORMAT, f"format is {str(form)[:40]}; {FORMAT} is read")
+    trial = _text(sheet, "trial")
+    require(
+        bool(_NAME.fullmatch(trial)),
+        f"trial is {trial[:60]!r}; letters, digits, _ and - are possible",
+    )
+    seed = _at(sheet, "exercise/seed")
+    require(began_ns < 2**63, f"the first entry's time is {began_ns} ns; at most 2^63 is possible")
+    return TrialFacts(
+        trial=trial,
+        began_ns=began_ns,
+        operator=_text(sheet, "operator"),
+        exercise=_text(sheet, "exercise/name"),
+        title=_text(sheet, "exercise/title"),
+        setting=_text(sheet, "exercise/setting"),
+        mode=_text(sheet, "mode"),
+        software=_text(sheet, "software"),
+        ended=_text(sheet, "ended"),
+        seed=seed if isinstance(seed, int) and abs(seed) < 2**63 else None,
+        seconds=read_value(float, _at(sheet, "trial_seconds"), "trial_seconds"),
+        valid=read_value(bool, _at(sheet, "valid"), "valid"),
+        verdict=_text(sheet, "verdict"),
+        provisional=read_value(bool, _at(sheet, "expert/provisional"), "expert/provisional"),
+        log=_text(sheet, "log/sha256"),
+        repetitions=tuple(
+            _repetition(given, f"repetitions[{i}]")
+            for i, given in enumerate(_list(sheet, "repetitions"))
+        ),
+        metrics=tuple(
+            _metric(given, f"metrics[{i}]") for i, given in enumerate(_list(sheet, "metrics"))
+        ),
+    )
+
+
+def _repetition(given: Any, where: str) -> RepetitionFacts:
+    keys = ("began", "seconds", "penalty", "completed", "passed", "metrics")
+    fields = {key: _at(given, key, where) for key in keys}
+    fault = _at(given, "fault", where)
+    return read_struct(RepetitionFacts, {**fields, "fault": "" if fault is None else fault}, where)
+
+
+def _metric(given: Any, where: str) -> MetricFacts:
+    keys = ("name", "kind", "unit", "text", "more_is_better", "value")
+    fields = {key: _at(given, key, where) for key in keys}
+    expert = _at(given, "expert", where)
+    if expert is not None:
+        expert = read_value(List[float], expert, f"{where}/expert")
+    fields["bound"] = _at(given, "pass", where)
+    fields["expert"] = expert[0] if expert else None
+    return read_struct(MetricFacts, fields, where)
+
+
+def _at(content: Any, keys: str, where: str = "") -> Any:
+    """Value under keys that are joined by slashes."""
+    for key in keys.split("/"):
+        inside = f"{where}/" if where else ""
+        require(isinstance(content, Mapping), f"{where or 'it'}: a struct is needed")
+        require(key in content, f"{inside}{key} is missing")
+        content, where = content[key], f"{inside}{key}"
+    return content
+
+
+def _text(content: Any, keys: str) -> str:
+    return str(read_value(str, _at(content, keys), keys))
+
+
+def _list(content: Any, key: str) -> List[Any]:
+    given = _at(content, key)
+    fits = isinstance(given, list) and len(given) <= _MOST_REPETITIONS
+    require(fits, f"{key}: a list of at most {_MOST_REPETITIONS} structs is needed")
+    return list(given)
+
+
+def file_of(folder: Path, trial: str) -> Path:
+    """Path of a trial's recording."""
+    return folder / f"{trial}{SUFFIX}"

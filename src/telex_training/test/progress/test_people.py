@@ -1,0 +1,194 @@
+"""Forgetting people: nothing of a name is left, and nothing else is lost."""
+
+import json
+import os
+import re
+
+import pytest
+from recorded_trials import judged_trial, record, wall_of
+
+from telex_training.progress.index import ProgressIndex
+from telex_training.progress.people import EXPORTS, PeopleError, expire, forget, new_pseudonym
+from telex_training.progress.trial_facts import read_trial
+from telex_training.recording.pseudonym import MARK, operator_of, rename_person
+from telex_training.recording.reader import read_recording
+
+
+@pytest.fixture
+def index(tmp_path):
+    return ProgressIndex(tmp_path / "recordings")
+
+
+def everything(path):
+    """All that can be read of a recording, with its name."""
+    recording = read_recording(path)
+    parts = [path.name.encode(), *(each.data for each in recording.attachments.values())]
+    return b"\n".join([*parts, *(entry.data for entry in recording.entries)])
+
+
+class TestRename:
+    def test_the_name_is_gone_and_the_sheet_fits_the_new_log(self, tmp_path, judged):
+        path = judged(tmp_path)
+        before = read_trial(path)
+        renamed = rename_person(path, "ann", "person-1")
+        assert renamed.own
+        assert renamed.left == []
+        assert not path.exists()
+        assert renamed.path.name == "2026-03-01_101500_person-1_drill.mcap"
+        assert not re.search(rb"\bann\b", everything(renamed.path))
+        recording = read_recording(renamed.path)
+        assert recording.whole
+        assert MARK in recording.attachments
+        after = read_trial(renamed.path, verify=True)
+        assert after.operator == "person-1"
+        assert after.trial == renamed.path.stem
+        assert after.log != before.log
+        assert (after.verdict, after.repetitions, after.metrics, after.began_ns) == (
+            before.verdict,
+            before.repetitions,
+            before.metrics,
+            before.began_ns,
+        )
+
+    def test_notes_are_kept_but_for_the_name(self, tmp_path, judged):
+        renamed = rename_person(judged(tmp_path), "ann", "person-1")
+        sheet = json.loads(read_recording(renamed.path).attachments["sheet.json"].data)
+        assert sheet["notes"][0]["by"] == "person-1"
+        assert sheet["notes"][0]["text"] == "person-1 was faster than anns brother"
+        assert sheet["marks"][0]["reason"] == "well done, person-1!"
+        assert sheet["marks"][0]["by"] == "instructor"
+
+    def test_the_path_of_the_exercise_goes_with_it(self, tmp_path, judged):
+        renamed = rename_person(judged(tmp_path), "ann", "person-1")
+        trial = json.loads(read_recording(renamed.path).attachments["trial.json"].data)
+        assert trial["exercise"] == "drill.yaml"
+
+    def test_somebody_at_the_bridge_is_renamed_in_others_recordings(self, tmp_path, judged):
+        path = judged(tmp_path)
+        before = read_trial(path)
+        assert b"192.0.2.7" in everything(path)
+        renamed = rename_person(path, "bob", "person-2")
+        assert (renamed.own, renamed.path) == (False, path)
+        assert b"bob" not in everything(path)
+        after = read_trial(path, verify=True)
+        assert (after.operator, after.trial, after.verdict) == ("ann", path.stem, before.verdict)
+
+    def test_a_recording_without_the_name_is_left_alone(self, tmp_path, judged):
+        path = judged(tmp_path)
+        before = path.read_bytes()
+        assert rename_person(path, "eve", "person-3") is None
+        assert path.read_bytes() == before
+
+    @pytest.mark.parametrize("name", ["goal", "1", "drill", "Jörg O'Brien", "there", "true"])
+    def test_a_name_that_is_a_word_of_the_exercise_changes_no_verdict(self, tmp_path, name):
+        path = judged_trial(tmp_path, name)
+        before = read_trial(path)
+        renamed = rename_person(path, name, "person-4")
+        after = read_trial(renamed.path, verify=True)
+        assert (after.verdict, after.repetitions) == (before.verdict, before.repetitions)
+        assert after.exercise == "drill"
+
+    def test_a_recording_that_was_cut_off_is_renamed_as_far_as_it_goes(self, tmp_path, judged):
+        path = judged(tmp_path)
+        path.write_bytes(path.read_bytes()[:-2000])
+        assert operator_of(path) == "ann"
+        renamed = rename_person(path, "ann", "person-1")
+        assert operator_of(renamed.path) == "person-1"
+        assert not re.search(rb"\bann\b", everything(renamed.path))
+
+    def test_where_a_name_is_still_written_is_told(self, tmp_path, judged):
+        text = (
+            "# by ann\n"
+            + read_recording(judged(tmp_path / "a")).attachments["exercise.yaml"].data.decode()
+        )
+        path = record(
+            tmp_path / "b", entries=read_recording(judged(tmp_path / "a")).entries, text=text
+        )
+        assert rename_person(path, "ann", "person-1").left == ["exercise.yaml"]
+
+
+class TestForget:
+    def test_removing_takes_recordings_exports_and_rows(self, index, judged):
+        path = judged(index.folder)
+        record(index.folder, "eve")
+        (index.folder / f"{path.stem}.csv").write_text("of the trial")
+        (index.folder / f".{path.name}.repaired").write_text("a draft")
+        exports = index.folder / EXPORTS
+        exports.mkdir()
+        (exports / "class.html").write_text("<td>ann</td>")
+        (exports / "eve.html").write_text("<h1>eve</h1>")
+        index.refresh()
+        done = forget(index, "ann")
+        assert done.removed == [path]
+        assert done.left == []
+        assert sorted(each.name for each in done.exports) == sorted(
+            [f"{path.stem}.csv", f".{path.name}.repaired", "class.html"]
+        )
+        assert [each.name for each in index.people()] == ["eve"]
+        assert (exports / "eve.html").exists()
+        assert b"ann" not in index.path.read_bytes()
+
+    def test_a_pseudonym_keeps_progress_together(self, index, judged):
+        judged(index.folder)
+        record(index.folder, stamp="2026-03-05_080000", mode="exam")
+        index.refresh()
+        pseudonym = new_pseudonym()
+        done = forget(index, "ann", pseudonym)
+        assert len(done.renamed) == 2
+        assert [(each.name, each.trials) for each in index.people()] == [(pseudonym, 2)]
+        assert not any(b"ann" in path.read_bytes() for path in index.folder.glob("*.sqlite*"))
+
+    def test_others_keep_their_trials(self, index, judged):
+        path = judged(index.folder)
+        done = forget(index, "bob")
+        assert (done.removed, done.mentioned) == ([], [path])
+        assert [each.name for each in index.people()] == ["ann"]
+
+    @pytest.mark.parametrize("name", ["Ann", "nobody at all"])
+    def test_an_unknown_name_is_refused_with_the_known_ones(self, index, name):
+        record(index.folder)
+        with pytest.raises(PeopleError, match=f"name is '{name}'; .* trials of: ann"):
+            forget(index, name)
+        assert len(index.trials()) == 1
+
+    def test_trials_under_no_name_are_nobodys(self, index):
+        record(index.folder, "")
+        with pytest.raises(PeopleError, match="belong to nobody"):
+            forget(index, "")
+
+    def test_a_trial_that_runs_is_left_alone(self, index, judged):
+        path = judged(index.folder)
+        path.write_bytes(path.read_bytes()[:-2000])
+        with pytest.raises(PeopleError, match="this trial runs"):
+            forget(index, "ann")
+        os.utime(path, (0, 0))
+        assert forget(index, "ann").removed == [path]
+
+    def test_a_file_that_cannot_be_searched_is_told(self, index):
+        record(index.folder)
+        (index.folder / "bad.mcap").write_text("nonsense")
+        done = forget(index, "ann")
+        assert len(done.removed) == 1
+        assert len(done.left) == 1
+        assert "bad.mcap" in done.left[0]
+
+
+class TestExpire:
+    def test_what_is_older_goes_by_the_trials_beginning(self, index):
+        old, new = record(index.folder), record(index.folder, stamp="2026-03-05_101500")
+        (index.folder / EXPORTS).mkdir()
+        export = index.folder / EXPORTS / "class.html"
+        export.write_text("")
+        os.utime(export, (wall_of("2026-03-01_101500"),) * 2)
+        now = wall_of("2026-03-06_101500")
+        assert expire(index, 30.0, now) == []
+        assert expire(index, 3.0, now) == [old, export]
+        assert new.exists()
+        assert len(index.trials()) == 1
+
+    def test_a_damaged_file_goes_by_its_last_change(self, index):
+        index.folder.mkdir()
+        bad = index.folder / "bad.mcap"
+        bad.write_text("nonsense")
+        assert expire(index, 1.0) == []
+        assert expire(index, 1.0, bad.stat().st_mtime + 2 * 86400.0) == [bad]
