@@ -33,7 +33,7 @@ def station(tmp_path, monkeypatch):
         "sheets",
         lambda operator=None: [each for each in done if operator in (None, each["operator"])],
     )
-    pages = Pages(library, tmp_path, 0)
+    pages = Pages(library, tmp_path, 0, lambda trial, ratings: None)
     pages.start()
     exercise = load_exercise(find_exercise("slalom")).first
     pages.briefs.opened = lambda: OpenTrial("t1", exercise, "exam", "ann")
