@@ -18,6 +18,16 @@ function address(path) {
 }
 
 /**
+ * Address of somebody's progress.
+ * @param {string} person
+ */
+function progressOf(person) {
+  const query = new URLSearchParams({ person });
+  for (const key of ["token", "role", "name"]) if (GIVEN.has(key)) query.set(key, GIVEN.get(key) ?? "");
+  return `/progress/?${query}`;
+}
+
+/**
  * @param {string[]} heads
  * @param {Node[][]} rows
  */
@@ -83,7 +93,7 @@ function show(sheet) {
   ];
   if (!sheet.valid) parts.push(element("p", `Not valid: ${sheet.invalid_because.join("; ")}`, { class: "invalid" }));
   for (const mark of sheet.marks) parts.push(element("p", `Instructor's mark: ${mark.verdict} (${mark.reason})`, { class: "about" }));
-  parts.push(buttons());
+  parts.push(buttons(sheet.operator));
   if (sheet.metrics.length > 0) parts.push(table(["metric", "you", "pass", "expert"], sheet.metrics.map(metricRow)));
   parts.push(table(["repetition", "seconds", "penalty", "result"], sheet.repetitions.map(repetitionRow)));
   parts.push(element("p", `Trial ${sheet.trial}, software ${sheet.software}, log ${sheet.log.sha256.slice(0, 16)}, ${sheet.log.samples} samples, ${sheet.log.gaps} gaps, real-time factor ${number(sheet.real_time_factor.mean, 3)}`, { class: "about" }));
@@ -102,10 +112,15 @@ async function showWorkload(main, isAsked) {
   else main.append(part);
 }
 
-function buttons() {
+/** @param {string} person */
+function buttons(person) {
   const print = element("button", "print", { type: "button" });
   print.addEventListener("click", () => window.print());
-  return element("div", "", { class: "buttons" }, [print, element("a", "CSV", { href: address("csv"), download: "" })]);
+  return element("div", "", { class: "buttons" }, [
+    print,
+    element("a", "CSV", { href: address("csv"), download: "" }),
+    ...(person ? [element("a", "progress", { href: progressOf(person) })] : []),
+  ]);
 }
 
 const TRIES = 20; // a trial's recording is closed a moment after its end

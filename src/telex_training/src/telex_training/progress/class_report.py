@@ -3,21 +3,32 @@
 from __future__ import annotations
 
 from html import escape
-from typing import Dict, List, Sequence, Tuple
+from typing import Dict, List, Mapping, Sequence, Tuple
 
 from ..judging.stats import CONFIDENCE
 from .comparison import TIME, Comparison
 from .curriculum_file import Curriculum
 from .figures import strip_figure
 from .inference import GROUP_CONFIDENCE
-from .report_pieces import MARKS, NOBODY, NONE, figure, lead, number, page, percent, table
+from .report_pieces import (
+    MARKS,
+    NOBODY,
+    NONE,
+    exam_mark,
+    figure,
+    lead,
+    number,
+    page,
+    percent,
+    table,
+)
 from .skill import Skill, skills
 from .standing import WORKING, ModuleStanding, Standing, standing
 from .trial_facts import TrialFacts
 
 
 def class_report(
-    people: Dict[str, Sequence[TrialFacts]],
+    people: Mapping[str, Sequence[TrialFacts]],
     courses: Sequence[Curriculum],
     now: float,
     title: str = "Class",
@@ -26,7 +37,7 @@ def class_report(
 
     Parameters
     ----------
-    people : dict of str to sequence of TrialFacts
+    people : mapping of str to sequence of TrialFacts
         By name, each the oldest first.
     courses : sequence of Curriculum
         Those that somebody has begun are shown.
@@ -117,7 +128,7 @@ def _course(course: Curriculum, stands: Dict[str, Standing]) -> str:
     rows = []
     for name, each in stands.items():
         cells = [_mark(one) for one in each.modules]
-        cells += ["●" if exam.passed else "○" for exam in each.exam]
+        cells += [exam_mark(each, exam) for exam in each.exam]
         rows.append([escape(name or NOBODY), *cells])
     legend = (
         "● mastered · ◐ begun, with passed repetitions · ○ open · - after others · "
@@ -166,7 +177,7 @@ def _exercise(found: Sequence[Skill]) -> str:
     if any(skill.times for skill in found):
         total = sum(len(skill.times) for skill in found)
         caption = f"Times of completed repetitions, n = {total}; bars: medians"
-        parts.append(figure(strip_figure(times, "s"), caption))
+        parts.append(figure(strip_figure(times, "s", first.expert), caption))
     note = f"Reliability: lower bound, {100 * CONFIDENCE:.0f} % sure, of the last repetitions."
     if any(skill.provisional for skill in found):
         note += " Proficiency: to a script's rate, provisional."

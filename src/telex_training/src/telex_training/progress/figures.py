@@ -10,7 +10,7 @@ from ..judging.stats import Cusum, median
 from .inference import CurvePoint
 
 _WIDTH, _HEIGHT = 420.0, 220.0
-_LEFT, _RIGHT, _TOP, _BOTTOM = 46.0, 12.0, 14.0, 34.0
+_LEFT, _RIGHT, _TOP, _BOTTOM = 46.0, 12.0, 22.0, 34.0
 _ROW = 26.0
 _NAMES = 130.0
 
@@ -67,11 +67,11 @@ class _Plot:
             f'<circle cx="{self.x(x):.1f}" cy="{self.y(y):.1f}" r="{radius:g}" class="{kind}"/>'
         )
 
-    def x_axis(self, label: str) -> None:
+    def x_axis(self, label: str, whole: bool = False) -> None:
         bottom = self.height - _BOTTOM
         self.line(self._left, bottom, _WIDTH - _RIGHT, bottom, "axis")
         low, high = self._x
-        step = nice_step(high - low, 8)
+        step = max(nice_step(high - low, 8), 1.0 if whole else 0.0)
         for i in range(math.ceil(low / step), math.floor(high / step) + 1):
             self.line(self.x(i * step), bottom, self.x(i * step), bottom + 4.0, "axis")
             self.text(self.x(i * step), bottom + 15.0, f"{i * step:g}")
@@ -129,7 +129,7 @@ def learning_figure(
         plot.dot(curve[-1].number, curve[-1].expected, "goal", 4.0)
     for number, time in enumerate(times, 1):
         plot.dot(number, time, "point")
-    plot.x_axis("completed repetition")
+    plot.x_axis("completed repetition", whole=True)
     return plot.svg("times of the completed repetitions, with learning curve")
 
 
@@ -150,7 +150,7 @@ def cusum_figure(chart: Cusum) -> str:
     for i, value in enumerate(chart.sums):
         before = chart.sums[i - 1] if i else 0.0
         plot.dot(i + 1, value, "fault" if value > before else "point", 2.5)
-    plot.x_axis("repetition")
+    plot.x_axis("repetition", whole=True)
     return plot.svg("CUSUM of failures: falls with success, rises with failure")
 
 

@@ -14,6 +14,7 @@ from .report_pieces import (
     NONE,
     count,
     day,
+    exam_mark,
     figure,
     lead,
     number,
@@ -82,7 +83,7 @@ def _modules(each: Standing) -> str:
         part = exam.part
         rows.append(
             [
-                f"{MARKS[PROFICIENT if exam.passed else OPEN]} exam",
+                f"{exam_mark(each, exam)} exam",
                 escape(f"{part.exercise}, {part.setting}".rstrip(", ")),
                 f"passed: {escape(exam.passed)}" if exam.passed else "not passed",
                 count(exam.tries, "try", "tries"),
@@ -117,7 +118,7 @@ def _skill(skill: Skill) -> str:
             f"n = {len(skill.repetitions)}",
             f"{len(skill.times)} completed, {skill.passed} passed",
         ],
-        ["reliability", _bound(skill), "share of completed repetitions"],
+        ["reliability", *_bound(skill)],
         [
             "proficiency",
             percent(skill.proficiency),
@@ -134,7 +135,7 @@ def _skill(skill: Skill) -> str:
     if skill.times:
         with_curve = " and learning curve with its band" if skill.curve else ""
         caption = f"Times{with_curve}, n = {len(skill.times)}"
-        figures.append(figure(learning_figure(skill.times, skill.curve), caption))
+        figures.append(figure(learning_figure(skill.times, skill.curve, skill.expert), caption))
     figures.append(
         figure(
             cusum_figure(skill.cusum),
@@ -146,12 +147,12 @@ def _skill(skill: Skill) -> str:
     return f'<section class="skill">{head}{shown}{drawn}</section>'
 
 
-def _bound(skill: Skill) -> str:
-    if skill.reliability is None:
-        return NONE
+def _bound(skill: Skill) -> Tuple[str, str]:
+    faults = count(skill.recent_faults, "fault")
     return (
-        f"≥ {percent(skill.reliability)} ({100 * CONFIDENCE:.0f} % sure; last n = {skill.recent}, "
-        f"{count(skill.recent_faults, 'fault')})"
+        f"≥ {percent(skill.reliability)}",
+        f"lower bound of the share of completed repetitions, {100 * CONFIDENCE:.0f} % sure; "
+        f"last n = {skill.recent} with {faults}",
     )
 
 

@@ -9,7 +9,7 @@ from typing import Optional, Sequence, Tuple
 
 import rospkg
 
-from .standing import LOCKED, OPEN, PROFICIENT, SPENT, WORKING
+from .standing import LOCKED, OPEN, PROFICIENT, SPENT, WORKING, ExamStanding, Standing
 from .trial_facts import TrialFacts
 
 NONE = "-"
@@ -38,6 +38,14 @@ def lead(trials: Sequence[TrialFacts], now: float, people: Optional[int] = None)
         words[-1] += f" from {day(trials[0].began)} to {day(trials[-1].began)}"
     words.append(f"as of {day(now)}")
     return f'<p class="dim">{escape(", ".join(words))}</p>'
+
+
+def exam_mark(each: Standing, exam: ExamStanding) -> str:
+    """Mark of a part of an exam, which comes after all modules."""
+    if exam.passed:
+        return MARKS[PROFICIENT]
+    ready = all(one.state == PROFICIENT for one in each.modules)
+    return MARKS[OPEN if ready else LOCKED]
 
 
 def table(

@@ -63,6 +63,8 @@ class Skill:
         The last repetitions, at most `RECENT`, and those of them that were not completed.
     reliability : float or None
         Lower bound of the share of completed repetitions, with the confidence `stats.CONFIDENCE`.
+    expert : float or None
+        The expert's mean time (s).
     proficiency : float or None
         Rate of the recent repetitions to the expert's.
     provisional : bool
@@ -86,6 +88,7 @@ class Skill:
     recent: int
     recent_faults: int
     reliability: Optional[float]
+    expert: Optional[float]
     proficiency: Optional[float]
     provisional: bool
     weakest: Tuple[Weakness, ...]
@@ -122,6 +125,9 @@ def _skill(trials: Sequence[TrialFacts]) -> Skill:
     recent = repetitions[-RECENT:]
     faults = sum(not each.completed for each in recent)
     newest = (valid or trials)[-1]
+    expert = next((each.expert for each in newest.metrics if each.kind == "time"), None)
+    expert = expert if expert is not None and expert > 0.0 else None
+    rate = stats.rate([each.time for each in recent if each.completed])
     return Skill(
         operator=newest.operator,
         exercise=newest.exercise,
@@ -139,18 +145,11 @@ def _skill(trials: Sequence[TrialFacts]) -> Skill:
         recent=len(recent),
         recent_faults=faults,
         reliability=stats.reliability_bound(len(recent), faults),
-        proficiency=_proficiency(newest.metrics, recent),
+        expert=expert,
+        proficiency=None if expert is None or rate is None else rate * expert / 60.0,
         provisional=newest.provisional,
         weakest=_weakest(valid, newest.metrics),
     )
-
-
-def _proficiency(
-    metrics: Sequence[MetricFacts], recent: Sequence[RepetitionFacts]
-) -> Optional[float]:
-    expert = next((each.expert for each in metrics if each.kind == "time"), None)
-    rate = stats.rate([each.time for each in recent if each.completed])
-    return None if not expert or expert < 0.0 or rate is None else rate * expert / 60.0
 
 
 def _weakest(valid: Sequence[TrialFacts], metrics: Sequence[MetricFacts]) -> Tuple[Weakness, ...]:

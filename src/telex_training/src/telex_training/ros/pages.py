@@ -21,11 +21,13 @@ from aiohttp import web
 from ..judging.entries import BadEntryError
 from ..judging.sheet import sheet_text
 from ..judging.workload import workload_of
+from ..progress.index import ProgressIndex
 from ..recording.sheet_table import sheet_csv
 from .brief_pages import BriefPages
 from .library import Library
+from .progress_pages import ProgressPages
 
-_PREFIX = "/training"
+_PREFIX, _PROGRESS = "/training", "/progress"
 _ROLE, _NAME = "X-Telex-Role", "X-Telex-Name"
 _INSTRUCTOR = "instructor"
 _STARTING = 10.0
@@ -54,12 +56,13 @@ class Pages:
     def __init__(self, library: Library, folder: Path, port: int, rate: Rate) -> None:
         self._library = library
         self.briefs = BriefPages(library, folder, _is_for)
+        self._progress = ProgressPages(ProgressIndex(folder), _instructs, _name)
         self._port = port
         self._rate = rate
         self._loop = asyncio.new_event_loop()
         self._ready = threading.Event()
         self._address = ""
-        self._mounted = ""
+        self._mounted: List[str] = []
         self._thread = threading.Thread(target=self._run, name="pages", daemon=True)
 
     def start(self) -> None:
@@ -77,13 +80,15 @@ class Pages:
             )
 
     def mount(self, video_server: str) -> None:
-        """Have a video server show folder and handler at ``/training/``."""
+        """Have a video server show folder and handler at ``/training/``, progress at its own."""
         package = Path(rospkg.RosPack().get_path("telex_training"))
-        self._mounted = rospy.resolve_name(f"{video_server}/mounts/training")
         # The pages' own files need no token, for nothing in a page gives it to its scripts; what is
         # personal comes from the handler, which nobody reaches without one.
-        mount = {"folder": str(package / "pages"), "handler": self._address, "access": "all"}
-        rospy.set_param(self._mounted, mount)
+        files = {"folder": str(package / "pages"), "handler": self._address, "access": "all"}
+        for place, mount in ((_PREFIX, files), (_PROGRESS, {"handler": self._address})):
+            name = rospy.resolve_name(f"{video_server}/mounts{place}")
+            rospy.set_param(name, mount)
+            self._mounted.append(name)
 
     def preview_address(self, exercise: Path) -> str:
         """Address of an exercise's picture below the video server's; empty: there is none."""
@@ -92,10 +97,10 @@ class Pages:
 
     def close(self) -> None:
         """Listen no more, and take the mount back."""
-        if self._mounted:
+        for name in self._mounted:
             # The master may be gone, or the parameter.
             with contextlib.suppress(KeyError, OSError):
-                rospy.delete_param(self._mounted)
+                rospy.delete_param(name)
         self._loop.call_soon_threadsafe(self._loop.stop)
 
     # --- the thread ------------------------------------------------------------------------------
@@ -118,6 +123,7 @@ class Pages:
         app.router.add_get(f"{_PREFIX}/api/workload/{{trial}}", self._workload)
         app.router.add_post(f"{_PREFIX}/api/workload/{{trial}}", self._take_workload)
         self.briefs.route(app.router, _PREFIX)
+        self._progress.route(app.router, _PROGRESS)
         runner = web.AppRunner(app, access_log=None)
         await runner.setup()
         site = web.TCPSite(runner, "127.0.0.1", self._port)

@@ -32,6 +32,8 @@ class TrainingSettings:
         Of the pages' handler, on 127.0.0.1; 0: any free one.
     video_server : str
         Node at which the pages are mounted; empty: nowhere.
+    retention : float
+        Days after which recordings and exports are removed; 0: never.
     """
 
     folder: str = FOLDER
@@ -44,9 +46,11 @@ class TrainingSettings:
     recorded: Tuple[str, ...] = ()
     port: int = 0
     video_server: str = "video_server"
+    retention: float = 0.0
 
     def __post_init__(self) -> None:
         require_choice(self, "mode", MODES)
         require_range(self, "state_rate", 0.1, 50.0)
         require_range(self, "away", 0.0, 3600.0)
         require_range(self, "port", 0, 65535)
+        require_range(self, "retention", 0.0, 36500.0)

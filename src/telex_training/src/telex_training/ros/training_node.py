@@ -42,6 +42,8 @@ from ..exercises.model import PRACTICE
 from ..judging.judge import ENDED, IDLE, JudgeEvent
 from ..judging.workload import INPUT as TLX
 from ..judging.workload import workload_of
+from ..progress.index import ProgressIndex, ProgressIndexError
+from ..progress.people import expire
 from ..recording.trial_file import SUFFIX, amend
 from ..recording.writer import RecordingError
 from .apparatus import Apparatus
@@ -55,6 +57,7 @@ from .settings import TrainingSettings
 
 _LONGEST_NAME = 40  # as of clients of the bridge and the video server
 _MOST_TEXT = 2000
+_DAY = 86400.0
 _SILENT = 5.0
 """Wall time without a word of the bridge, which speaks every second, after which it is gone (s)."""
 
@@ -349,6 +352,25 @@ class TrainingNode:
         message.header.stamp = rospy.get_rostime()
         self._state.publish(message)
 
+    def keep_no_longer(self) -> None:
+        """Remove what is older than the parameter allows, now and once a day."""
+        days = self._settings.retention
+        if days > 0.0:
+            threading.Thread(
+                target=self._expire, args=(days,), name="retention", daemon=True
+            ).start()
+
+    def _expire(self, days: float) -> None:
+        index = ProgressIndex(self._folder)
+        while not rospy.is_shutdown():
+            try:
+                for path in expire(index, days):
+                    rospy.loginfo("training: older than %g days, removed: %s", days, path)
+            except (ProgressIndexError, OSError) as error:
+                rospy.logerr("training: retention: %s", error)
+            self._library.forget()
+            time.sleep(_DAY)
+
     def run(self) -> None:
         """Tell the state at every change, and at its rate while a trial runs."""
         told_at = -1.0
@@ -410,6 +432,7 @@ def training_main() -> int:
         return os.EX_CONFIG
     node = TrainingNode(settings)
     node.pages.start()
+    node.keep_no_longer()
     if settings.video_server:
         node.pages.mount(settings.video_server)
     try:
