@@ -225,6 +225,14 @@ class TestImport:
         judged(theirs)
         assert import_files(index, [theirs / ours.name])[0].what == KNOWN
 
+    def test_a_workload_that_was_rated_later_is_taken_over(self, index, tmp_path, judged):
+        ours, copied = judged(index.folder), judged(tmp_path / "usb")
+        amend(copied, [{"input": "tlx", "values": [10, 20, 30, 40, 50, 60]}], 1)
+        index.refresh()
+        assert import_files(index, [copied])[0].what == NEWER
+        assert ours.read_bytes() == copied.read_bytes()
+        assert import_files(index, [copied])[0].what == KNOWN
+
     def test_marks_of_both_sides_are_no_reason_to_lose_one(self, index, tmp_path, judged):
         theirs = tmp_path / "usb"
         ours, other = judged(index.folder), judged(theirs)
