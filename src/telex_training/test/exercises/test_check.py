@@ -50,6 +50,7 @@ def test_nothing_is_found_where_all_is_well_but_what_is_beyond_the_robots_reach(
     ("more", "said"),
     [
         (step("{inside: {what: robot, zone: gaol}}"), "zone is 'gaol'; there are: start, goal"),
+        (step("{touches: {object: cube, zone: gaol}}"), "zone is 'gaol'; there are: start, goal"),
         (step("{inside: {what: cub, zone: goal}}"), "what is 'cub'; object is 'cub'; there are: c"),
         (step("{inside: {what: door/top, zone: goal}}"), "of door, the truth has the poses of: "),
         (step("{moved: {what: wall, distance: 1}}"), "what is 'wall', which stands fast"),

@@ -132,6 +132,19 @@ def test_touches_and_force_by_group():
     assert done(made)
 
 
+def test_touches_in_a_zone():
+    zones = "zones: {dot: {of: cube, center: [-1, 0, 0.5], size: [0.1, 0.1, 0.1]}}\n"
+    text = f"{zones}begin: {{event: {{name: command}}}}\nsteps: [{{name: go, until: "
+    made = Trial(exercise(text + "{touches: {object: wall, zone: dot}}}]"), scene=SCENE).begin()
+    made.command(0.1)
+    cases = (("wall", 0.06, False), ("door", 0.04, False), ("wall", 0.04, True))
+    for thing, aside, wanted in cases:
+        made.contacts = [("arm", thing, 5.0)]
+        made.bodies["cube/cube"] = ((2.0, aside, 0.0), LEVEL)
+        made.sample()
+        assert done(made) is wanted
+
+
 def test_tilted_and_moved():
     made = trial("{tilted: {what: cube, angle: 0.5}}")
     for angle, wanted in ((0.45, False), (0.55, True)):

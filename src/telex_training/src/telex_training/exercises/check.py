@@ -305,6 +305,8 @@ class _Checker:
 def _zones_of(part: Condition) -> Sequence[str]:
     if part.kind == "inside":
         return (part.of.zone,)
+    if part.kind == "touches":
+        return (part.of.zone,) if part.of.zone else ()
     return part.of.outside if part.kind == "dropped" else ()
 
 

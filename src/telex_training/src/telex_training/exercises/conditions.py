@@ -97,10 +97,14 @@ class Dropped:
 
 @dataclass(frozen=True)
 class Touches:
-    """A group of the robot's links (empty: any) is in contact with an object."""
+    """A group of the robot's links (empty: any) is in contact with an object.
+
+    With a zone, only where the mean point of the contact is in it.
+    """
 
     object: str
     group: str = ""
+    zone: str = ""
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from telex_control.common.geometry.quaternions import Vector3, invert, rotate
 from ..exercises import conditions as data
 from ..exercises.conditions import ROBOT, Condition
 from ..exercises.model import Zone
-from .truth import World
+from .truth import Contact, World
 
 SLACK = 1e-6
 """Rounding of sim time (s)."""
@@ -175,13 +175,13 @@ class _Dropped:
         return self._fell
 
 
-def touched(context: Context, thing: str, group: str) -> List[float]:
-    """Forces (N, F20) of the contacts of a group of links (empty: any) with a thing."""
+def touched(context: Context, thing: str, group: str) -> List[Contact]:
+    """Contacts of a group of links (empty: any) with a thing."""
     names, sample = context.world.names, context.world.sample
     if names is None or sample is None:
         return []
     return [
-        contact.peak
+        contact
         for contact in sample.contacts
         if contact.steps > 0
         and names.thing(contact.object) == thing
@@ -190,12 +190,15 @@ def touched(context: Context, thing: str, group: str) -> List[float]:
 
 
 def _touches(given: data.Touches) -> Test:
-    return lambda context: bool(touched(context, given.object, given.group))
+    return lambda context: any(
+        not given.zone or context.contains(given.zone, contact.point)
+        for contact in touched(context, given.object, given.group)
+    )
 
 
 def _force(given: data.Force) -> Test:
     return lambda context: any(
-        force > given.above for force in touched(context, given.object, given.group)
+        contact.peak > given.above for contact in touched(context, given.object, given.group)
     )
 
 
