@@ -16,6 +16,7 @@ SETTINGS = {
     "hurdle": "square_20",
     "stairs": "deg_35",
     "confinement": "narrow_60",
+    "continuous_ramps": "one_ridge",
     "incline": "deg_25",
     "slalom": "cones_3",
 }

@@ -1,4 +1,4 @@
-"""Exercises of driving: slalom, confinement, gap, hurdle, stairs."""
+"""Exercises of driving: slalom, confinement, gap, hurdle, stairs, ramps, rails."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .. import driving
 from ..driving import Point
 from ..handling import Hand
 from ..station import Station
-from ..terrain import gap, hurdle, slope, stairs
+from ..terrain import gap, hurdle, rough, slope, stairs
 from .brief import Brief
 from .pursuit import pursue
 
@@ -25,6 +25,9 @@ _BEYOND_MIDDLE = 0.1
 """How far behind the platform's middle the robot turns (m)."""
 _CLEAR = 1.3
 """How far behind the last step no flipper touches it any more (m)."""
+_RAMPS, _ON_RAILS = 0.30, 0.25  # m/s
+_BEHIND_RAMPS = 1.5
+"""How far behind the last ramp the robot turns (m)."""
 
 
 def slalom(hand: Hand, brief: Brief) -> None:
@@ -158,3 +161,35 @@ def incline(hand: Hand, brief: Brief) -> None:
     driving.run_to(station, (0.0, 0.0), _NARROW, heading=math.pi)
     station.stop()
     station.wait(0.7)
+
+
+def over_ramps(hand: Hand, brief: Brief) -> None:
+    """Over ramps that rise and fall across the whole lane, and back."""
+    entry = brief.entries["ramps"]
+    length, rows = float(entry["length"]), int(entry["rows"])
+    ridge = length * math.tan(float(entry.get("angle", math.radians(15.0))))
+    middle, end = float(entry["position"][0]), float(entry["position"][0]) + 0.5 * rows * length
+
+    def height(x: float, y: float) -> float:
+        # Both ways alike: the lane is the same from either end.
+        along = abs(x - middle) / length
+        if along >= 0.5 * rows:
+            return 0.0
+        share = (0.5 * rows - along) % 2.0
+        return ridge * (share if share < 1.0 else 2.0 - share)
+
+    rough.cross(hand.station, height, end, _RAMPS)
+    back = _turned(hand.station, 2.0 * middle, end + _BEHIND_RAMPS)
+    rough.cross(back, height, end, _RAMPS)
+    _home(back, 2.0 * middle)
+
+
+def over_rails(hand: Hand, brief: Brief) -> None:
+    """Over the rails to the far platform, a turn on it, and back."""
+    station = hand.station
+    far = float(brief.entries["far_platform"]["position"][0])
+    for goal, heading in ((far, 0.0), (0.0, math.pi)):
+        driving.turn_to(station, heading)
+        driving.run_to(station, (goal, 0.0), _ON_RAILS, heading=heading)
+        station.stop()
+        station.wait(0.7)

@@ -145,7 +145,7 @@ class Stepfield:
         return field.post
 
 
-def cross(operator: Operator, ground: footing.Ground, end: float) -> None:
+def cross(operator: Operator, ground: footing.Ground, end: float, speed: float = SPEED) -> None:
     """Drive straight over rough ground, each flipper set to what lies under it.
 
     Parameters
@@ -154,15 +154,17 @@ def cross(operator: Operator, ground: footing.Ground, end: float) -> None:
     ground : callable
     end : float
         Where it is level again (m).
+    speed : float
+        m/s.
 
     Raises
     ------
     NotManagedError
     """
-    operator.keep_lane(SPEED)
+    operator.keep_lane(speed)
     operator.until(
         lambda: operator.pose.x > end + 0.8,
-        3.0 * (end + 0.8 - operator.pose.x) / SPEED,
+        3.0 * (end + 0.8 - operator.pose.x) / speed,
         "the floor behind",
         _Feeling(operator, ground).look,
     )
