@@ -36,6 +36,14 @@ from telex_training.exercises.exercise_file import ExerciseError, load_exercise,
             "the robot touches cone 1, cone 2 or cone 3",
         ),
         (
+            {"any": [{"touches": {"object": "box", "zone": f"dot_{i}"}} for i in (1, 2)]},
+            "the robot touches the box in 'dot 1' or the robot touches the box in 'dot 2'",
+        ),
+        (
+            {"all": [{"touches": {"object": "a"}}, {"not": {"held": {}}}]},
+            "the robot touches the a and the gripper does not hold anything",
+        ),
+        (
             {"not": {"any": [{"touches": {"object": f"cone_{i}"}} for i in (1, 2)]}},
             "the robot does not touch cone 1 or cone 2",
         ),

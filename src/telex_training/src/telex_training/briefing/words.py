@@ -91,15 +91,16 @@ def _merged(parts: Sequence[Condition], word: str, holds: bool) -> Optional[str]
         return None
     if word == "or" and not holds:
         return None  # "does not touch a or b" would say that it touches neither
-    alike = all(
+    if not all(
         part.kind == first.kind
         and part.seconds == 0.0
         and replace(part.of, object="", group="") == replace(first.of, object="", group="")
         for part in parts
-    )
+    ):
+        return None
     things = list(dict.fromkeys(part.of.object for part in parts))
     groups = list(dict.fromkeys(part.of.group for part in parts))
-    if not alike or len(things) * len(groups) != len(parts) or min(len(things), len(groups)) > 1:
+    if len(things) * len(groups) != len(parts) or min(len(things), len(groups)) > 1:
         return None
     who = listed([_group(group) for group in groups], word)
     what = listed([thing_words(thing) for thing in things], word if holds else "or")
@@ -174,7 +175,8 @@ def _contact(of: Any, who: str, many: bool, what: str, holds: bool) -> str:
         verb = ("push" if many else "pushes") if holds else f"{negated} push"
         return f"{who} {verb} {what} with more than {of.above:g} N"
     verb = ("touch" if many else "touches") if holds else f"{negated} touch"
-    return f"{who} {verb} {what}"
+    where = f" in '{of.zone.replace('_', ' ')}'" if of.zone else ""
+    return f"{who} {verb} {what}{where}"
 
 
 def _touches(of: Any, holds: bool) -> str:
