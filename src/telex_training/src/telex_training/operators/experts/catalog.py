@@ -16,6 +16,7 @@ EXPERTS: Dict[str, Expert] = {
     "gap": driving_exercises.over_gap,
     "hurdle": driving_exercises.over_hurdle,
     "incline": driving_exercises.incline,
+    "maze": reading.maze,
     "pallet": handling_exercises.pallet,
     "rails": driving_exercises.over_rails,
     "slalom": driving_exercises.slalom,

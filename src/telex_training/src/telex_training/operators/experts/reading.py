@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+import math
+from typing import AbstractSet, Dict, List, Sequence
+
+from telex_sim.scene.library.terrain.maze import Cell, Passage, perfect_maze
+
 from .. import driving
+from ..driving import Point
 from ..handling import Hand
 from .brief import Brief
 
 _LINE = 1.5  # m
 _LOOK = 0.6
 """At each row (s)."""
+_IN_MAZE = 0.5  # m/s
+_WALL = 0.05  # m
 
 
 def acuity(hand: Hand, brief: Brief) -> None:
@@ -20,3 +28,68 @@ def acuity(hand: Hand, brief: Brief) -> None:
     for question in brief.answers:
         station.wait(_LOOK)
         station.port.answer(question, brief.answers[question])
+
+
+def maze(hand: Hand, brief: Brief) -> None:
+    """Drive from chart to chart, by the nearest next, read each from its cell, and go out."""
+    station = hand.station
+    entry = brief.entries["maze"]
+    columns, rows = int(entry["columns"]), int(entry["rows"])
+    pitch = float(entry["corridor"]) + _WALL
+    passages = perfect_maze(columns, rows, int(entry["seed"]))
+    left = float(entry["position"][0]) - 0.5 * (columns - 1) * pitch
+    right = float(entry["position"][1]) - 0.5 * (rows - 1) * pitch
+
+    def middle(cell: Cell) -> Point:
+        return (left + cell[0] * pitch, right + cell[1] * pitch)
+
+    def cell_before(chart: str) -> Cell:
+        # Its back is at the wall: half a cell before it is the middle of the cell it looks into.
+        x, y = brief.entries[chart]["position"][:2]
+        yaw = float(brief.entries[chart]["yaw"])
+        x, y = x - 0.5 * pitch * math.cos(yaw), y - 0.5 * pitch * math.sin(yaw)
+        return (round((x - left) / pitch), round((y - right) / pitch))
+
+    station.hold_preset("folded")
+    station.wait(1.5)
+    here: Cell = (0, 0)
+    driving.follow(station, [middle(here)], _IN_MAZE)
+    unread: Dict[str, Cell] = {chart: cell_before(chart) for chart in brief.answers}
+    while unread:
+        ways = {chart: _way(passages, here, cell) for chart, cell in unread.items()}
+        chart = min(ways, key=lambda name: len(ways[name]))
+        driving.follow(station, _corners([middle(cell) for cell in ways[chart]]), _IN_MAZE)
+        here = unread.pop(chart)
+        station.wait(_LOOK)
+        station.port.answer(chart, brief.answers[chart])
+    out = middle((columns, rows - 1))
+    way = [middle(cell) for cell in _way(passages, here, (columns - 1, rows - 1))]
+    driving.follow(station, _corners([*way, out]), _IN_MAZE)
+
+
+def _way(passages: AbstractSet[Passage], start: Cell, goal: Cell) -> List[Cell]:
+    """Cells of the only way from one to another, both with it."""
+    ways = [[start]]
+    for way in ways:
+        if way[-1] == goal:
+            return way
+        ways += [
+            [*way, cell]
+            for passage in sorted(map(sorted, passages))
+            for cell in passage
+            if way[-1] in passage and cell not in way
+        ]
+    raise ValueError(f"no way leads from {start} to {goal}")
+
+
+def _corners(points: Sequence[Point]) -> List[Point]:
+    """Where a way turns, and its end; not its beginning."""
+    kept = []
+    for index, point in enumerate(points[1:], 1):
+        after = points[index + 1] if index + 1 < len(points) else None
+        before = points[index - 1]
+        if after is None or not (
+            math.isclose(before[0], after[0]) or math.isclose(before[1], after[1])
+        ):
+            kept.append(point)
+    return kept
