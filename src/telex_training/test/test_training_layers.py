@@ -14,10 +14,15 @@ ROOT = Path(__file__).resolve().parents[1] / "src" / "telex_training"
 ANYWHERE = ("telex_training", "telex_sim.scene", "telex_control.common", "telex_control.kinematics")
 FURTHER = {
     "rehearsal": ("telex_sim.offline", "telex_sim.truth", "telex_sim.stability", "telex_teleop"),
-    "ros": ("telex_control.ros",),
+    "replay": ("telex_control.urdf", "telex_sim.robot.urdf", "telex_sim.ros.scene_messages"),
+    "ros": (
+        "telex_control.ros",
+        "telex_sim.cameras.cameras_config",
+        "telex_sim.cameras.ros.overview_rig",
+    ),
 }
 """What single rooms may import as well."""
-DECODING = ("judging", "recording", "rehearsal", "command_lines")
+DECODING = ("judging", "recording", "rehearsal", "replay", "command_lines")
 """Rooms that know messages, for they read and write them serialised, but no node."""
 ROS = ("rospy", "roslib", "rosgraph", "actionlib", "tf2_ros")
 WITH_ROS = ("telex_teleop.ros", "telex_teleop.operating", "telex_teleop.web", "telex_teleop.joy")

@@ -118,8 +118,8 @@ def trial_of(recording: Recording) -> Tuple[Trial, Exercise]:
     """
     path = recording.path
     try:
-        trial = read_struct(Trial, json.loads(_text(recording, TRIAL)))
-        file = parse_exercise(_text(recording, EXERCISE), Path(trial.exercise))
+        trial = read_struct(Trial, json.loads(attached_text(recording, TRIAL)))
+        file = parse_exercise(attached_text(recording, EXERCISE), Path(trial.exercise))
         return trial, file.setting(trial.setting)
     except (ConfigError, ExerciseError, ValueError) as error:
         raise RecordingError(f"{path}: {error}") from error
@@ -135,7 +135,7 @@ def judged(recording: Recording) -> Judge:
     """
     _, exercise = trial_of(recording)
     try:
-        judge = Judge(exercise, _text(recording, SCENE), _text(recording, ROBOT))
+        judge = Judge(exercise, attached_text(recording, SCENE), attached_text(recording, ROBOT))
     except ValueError as error:  # of the exercise, the scene or the URDF
         raise RecordingError(f"{recording.path}: {error}") from error
     for entry in recording.entries:
@@ -224,7 +224,14 @@ def trials(folder: Path) -> List[Path]:
     return sorted(path for path in folder.glob(f"*{SUFFIX}") if not path.name.startswith("."))
 
 
-def _text(recording: Recording, name: str) -> str:
+def attached_text(recording: Recording, name: str) -> str:
+    """Return the text of an attachment.
+
+    Raises
+    ------
+    RecordingError
+        It is not there, or no UTF-8.
+    """
     found = recording.attachments.get(name)
     if found is None:
         raise RecordingError(f"{recording.path}: it has no attachment '{name}'")

@@ -1,0 +1,147 @@
+"""Scene and poses of a moment, as the cameras' node takes them from the simulator."""
+
+from __future__ import annotations
+
+from typing import Dict, List, Mapping, Optional, Sequence, Tuple
+
+from genpy import Time
+from telex_msgs.msg import SceneDescription, ScenePoses
+
+from telex_control.common.geometry.quaternions import Pose, compose
+from telex_sim.robot.urdf.visuals import UrdfVisual, urdf_visuals
+from telex_sim.ros.scene_messages import SceneMessages
+from telex_sim.scene.model import Motion, Scene, SceneObject
+from telex_sim.scene.objects.assembly import joint_pose
+
+from .robot_links import RobotLinks
+from .timeline import Moment, Part
+
+OUTSIDE_FRAME = "replay_outside_optical_frame"
+"""Frame of the free camera: part of the robot's frames, so that each pose of the scene has its
+own view, and a picture shows both or none."""
+
+
+class Scenery:
+    """What there is to see in a recording, and where it is.
+
+    Parameters
+    ----------
+    urdf : str
+        Of the robot.
+    scene : Scene, optional
+        As it was loaded; None: the robot alone is shown.
+
+    Raises
+    ------
+    telex_control.urdf.elements.UrdfError
+    """
+
+    def __init__(self, urdf: str, scene: Optional[Scene]) -> None:
+        self._urdf = urdf
+        self._links = RobotLinks(urdf)
+        self._visuals: Sequence[UrdfVisual] = urdf_visuals(urdf)
+        self._scene = scene if scene is not None else Scene(name="replay")
+
+    @property
+    def links(self) -> Tuple[str, ...]:
+        """Names of the robot's links."""
+        return self._links.names
+
+    def unknown(self, part: Part) -> List[str]:
+        """Objects that were there and are not in the scene that was recorded: they came later."""
+        known = {item.name for item in self._scene.objects}
+        return [name for name in part.names.objects if name not in known]
+
+    def _shown(self, part: Part) -> List[SceneObject]:
+        present = set(part.names.objects)
+        return [item for item in self._scene.objects if item.name in present]
+
+    def description(self, moment: Moment, revision: int) -> SceneDescription:
+        """What there is to see from a moment on, until the names change."""
+        part = moment.part
+        messages = SceneMessages(part.robot, self._links.names, self._urdf, self._scene)
+        messages.show(self._shown(part))
+        made = messages.description(_time(moment.stamp))
+        made.revision = revision
+        made.frames.append(f"{part.robot}/{OUTSIDE_FRAME}")
+        return made
+
+    def joints(self, moment: Moment) -> Dict[str, float]:
+        """Positions of the robot's joints (rad, m)."""
+        row = moment.part.joints[moment.row].tolist()
+        return {name: row[index] for name, index in moment.part.names.joints.items()}
+
+    def poses(self, moment: Moment, revision: int, stamp: int, outside: Pose) -> ScenePoses:
+        """Where everything was.
+
+        Parameters
+        ----------
+        moment : Moment
+        revision : int
+            Of the description.
+        stamp : int
+            Of the message (ns).
+        outside : Pose
+            Of the free camera's optical frame in the world (m, quaternion).
+        """
+        numbers: List[float] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
+        for position, orientation in self._links.poses(base_of(moment), self.joints(moment)):
+            numbers += (*position, *orientation)
+        for position, orientation in self._object_poses(moment):
+            numbers += (*position, *orientation)
+        numbers += (*outside[0], *outside[1])
+        message = ScenePoses(revision=revision, poses=numbers)
+        message.header.stamp, message.header.frame_id = _time(stamp), "world"
+        return message
+
+    def _object_poses(self, moment: Moment) -> List[Pose]:
+        part = moment.part
+        bodies = part.bodies(moment.row)
+        row = part.mechanisms[moment.row].tolist()
+        mechanisms = {name: row[index] for name, index in part.names.mechanisms.items()}
+        found: List[Pose] = []
+        for item in self._shown(part):
+            found += _link_poses(item, bodies, mechanisms)
+        return found
+
+
+def base_of(moment: Moment) -> Pose:
+    """Pose of the robot's root link in the world (m, quaternion x y z w)."""
+    return _pose(moment.part.base[moment.row].tolist())
+
+
+def _link_poses(
+    item: SceneObject,
+    bodies: Mapping[str, Sequence[float]],
+    mechanisms: Mapping[str, float],
+) -> List[Pose]:
+    """Poses of an object's moving links: told, or led by a joint from the link that carries it."""
+    model = item.model
+    joints = {joint.child: joint for joint in model.joints}
+    known: Dict[str, Pose] = {}
+
+    def pose(link: str) -> Pose:
+        if link not in known:
+            told = bodies.get(f"{item.name}/{link}")
+            joint = joints.get(link)
+            if told is not None:
+                known[link] = _pose(told)
+            elif joint is None:
+                known[link] = (item.position, item.orientation)
+            else:
+                latch = joint.motion is Motion.LATCH
+                start = 0.0 if latch else joint.start
+                position = mechanisms.get(f"{item.name}/{joint.name}", start)
+                known[link] = compose(pose(joint.parent), joint_pose(joint, position))
+        return known[link]
+
+    return [pose(link.name) for link in model.moving_links()]
+
+
+def _pose(numbers: Sequence[float]) -> Pose:
+    x, y, z, a, b, c, d = numbers
+    return (x, y, z), (a, b, c, d)
+
+
+def _time(stamp: int) -> Time:
+    return Time(stamp // 10**9, stamp % 10**9)
