@@ -19,7 +19,9 @@ setup(
             "telex_training.progress",
             "telex_training.recording",
             "telex_training.rehearsal",
+            "telex_training.replay",
             "telex_training.ros",
+            "telex_training.ros.replay",
         ],
         package_dir={"": "src"},
     )

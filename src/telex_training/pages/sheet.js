@@ -5,6 +5,7 @@ import { element } from "./elements.js";
 import { workloadPart } from "./workload.js";
 
 const GIVEN = new URLSearchParams(location.search);
+const LEAD = 5; // s before a fault from which it is watched
 const VERDICTS = /** @type {Record<string, string>} */ ({ passed: "PASSED", failed: "NOT PASSED" });
 
 /**
@@ -12,9 +13,23 @@ const VERDICTS = /** @type {Record<string, string>} */ ({ passed: "PASSED", fail
  * @param {string} path
  */
 function address(path) {
+  return `api/${path}/${encodeURIComponent(GIVEN.get("trial") ?? "")}?${whoLooks()}`;
+}
+
+/**
+ * Address of the trial's replay.
+ * @param {number} [time] sim time of what is to be seen (s)
+ */
+function replayAddress(time) {
+  const query = whoLooks();
+  if (time !== undefined) query.set("at", String(time));
+  return `/replay/${encodeURIComponent(GIVEN.get("trial") ?? "")}?${query}`;
+}
+
+function whoLooks() {
   const query = new URLSearchParams();
   for (const key of ["token", "role", "name"]) if (GIVEN.has(key)) query.set(key, GIVEN.get(key) ?? "");
-  return `api/${path}/${encodeURIComponent(GIVEN.get("trial") ?? "")}?${query}`;
+  return query;
 }
 
 /**
@@ -22,8 +37,8 @@ function address(path) {
  * @param {string} person
  */
 function progressOf(person) {
-  const query = new URLSearchParams({ person });
-  for (const key of ["token", "role", "name"]) if (GIVEN.has(key)) query.set(key, GIVEN.get(key) ?? "");
+  const query = whoLooks();
+  query.set("person", person);
   return `/progress/?${query}`;
 }
 
@@ -70,14 +85,19 @@ function metricRow(metric) {
   ];
 }
 
-/** @param {any} repetition @param {number} index */
-function repetitionRow(repetition, index) {
-  const ended = repetition.fault || (repetition.passed ? "passed" : "completed");
+/**
+ * @param {any} repetition @param {number} index @param {number | undefined} ended sim time of its end (s)
+ */
+function repetitionRow(repetition, index, ended) {
+  const result = repetition.fault || (repetition.passed ? "passed" : "completed");
+  // What led to a fault is just before it.
+  const time = ended === undefined ? undefined : Math.max(0, ended - (repetition.fault ? LEAD : repetition.seconds));
   return [
     element("td", String(index + 1)),
     element("td", number(repetition.seconds, 1)),
     element("td", repetition.penalty === 0 ? "" : `+ ${number(repetition.penalty)}`),
-    element("td", ended, { class: repetition.fault ? "missed" : "ok" }),
+    element("td", result, { class: repetition.fault ? "missed" : "ok" }),
+    element("td", "", {}, [element("a", "watch", { href: replayAddress(time) })]),
   ];
 }
 
@@ -95,7 +115,9 @@ function show(sheet) {
   for (const mark of sheet.marks) parts.push(element("p", `Instructor's mark: ${mark.verdict} (${mark.reason})`, { class: "about" }));
   parts.push(buttons(sheet.operator));
   if (sheet.metrics.length > 0) parts.push(table(["metric", "you", "pass", "expert"], sheet.metrics.map(metricRow)));
-  parts.push(table(["repetition", "seconds", "penalty", "result"], sheet.repetitions.map(repetitionRow)));
+  const ends = sheet.events.filter((/** @type {any} */ each) => each.event === "repetition").map((/** @type {any} */ each) => each.time);
+  const rows = sheet.repetitions.map((/** @type {any} */ each, /** @type {number} */ index) => repetitionRow(each, index, ends[index]));
+  parts.push(table(["repetition", "seconds", "penalty", "result", ""], rows));
   parts.push(element("p", `Trial ${sheet.trial}, software ${sheet.software}, log ${sheet.log.sha256.slice(0, 16)}, ${sheet.log.samples} samples, ${sheet.log.gaps} gaps, real-time factor ${number(sheet.real_time_factor.mean, 3)}`, { class: "about" }));
   const main = /** @type {HTMLElement} */ (document.getElementById("sheet"));
   main.replaceChildren(...parts);
@@ -117,6 +139,7 @@ function buttons(person) {
   const print = element("button", "print", { type: "button" });
   print.addEventListener("click", () => window.print());
   return element("div", "", { class: "buttons" }, [
+    element("a", "watch", { href: replayAddress() }),
     print,
     element("a", "CSV", { href: address("csv"), download: "" }),
     ...(person ? [element("a", "progress", { href: progressOf(person) })] : []),

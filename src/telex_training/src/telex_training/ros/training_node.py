@@ -434,7 +434,7 @@ def training_main() -> int:
     node.pages.start()
     node.keep_no_longer()
     if settings.video_server:
-        node.pages.mount(settings.video_server)
+        node.pages.show_at(settings.video_server)
     try:
         if settings.exercise:
             try:

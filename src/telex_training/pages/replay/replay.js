@@ -1,0 +1,334 @@
+// @ts-check
+/** Shows a trial again: a picture of any moment from any camera, and what happened along a timeline. */
+
+import { KINDS, STRETCHES, ceiling, clock, current, outline, sentence } from "./marks.js";
+
+/** @typedef {import("./marks.js").Mark} Mark */
+
+const GIVEN = new URLSearchParams(location.search);
+const TRIAL = location.pathname.split("/").pop() ?? "";
+const OUTSIDE = "outside";
+const SVG = "http://www.w3.org/2000/svg";
+const RETRY_AFTER = 1000; // ms
+
+/** @template {HTMLElement | SVGElement} T @param {string} id @returns {T} */
+const get = (id) => /** @type {any} */ (document.getElementById(id));
+const canvas = /** @type {HTMLCanvasElement} */ (get("picture"));
+const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
+const slider = /** @type {HTMLInputElement} */ (get("slider"));
+const seen = /** @type {HTMLInputElement} */ (get("seen"));
+
+const view = { azimuth: 2.6, elevation: 0.5, distance: 4.0, x: 0, y: 0, z: 0.3 };
+const state = { time: 0, duration: 1, period: 0.02, speed: 1, playing: false, camera: OUTSIDE };
+/** @type {Mark[]} */
+let marks = [];
+
+/** @param {string} path @param {Record<string, string | number>} [more] */
+function address(path, more = {}) {
+  const query = new URLSearchParams();
+  for (const key of ["token", "role", "name"]) if (GIVEN.has(key)) query.set(key, GIVEN.get(key) ?? "");
+  for (const [key, value] of Object.entries(more)) query.set(key, String(value));
+  return `api/${path}/${TRIAL}?${query}`;
+}
+
+/** @param {string} text */
+function say(text) {
+  get("note").textContent = text;
+}
+
+// --- pictures: one at a time, of what is wanted when the last one has come -------------------------
+
+let wanted = false;
+let fetching = false;
+let playedAt = 0;
+let shown = "";
+
+function want() {
+  wanted = true;
+  void pump();
+}
+
+async function pump() {
+  if (fetching) return;
+  fetching = true;
+  while (wanted || state.playing) {
+    if (state.playing) advance();
+    wanted = false;
+    try {
+      await picture();
+    } catch (error) {
+      say(String(error instanceof Error ? error.message : error));
+      await new Promise((resolve) => setTimeout(resolve, RETRY_AFTER));
+      playedAt = performance.now();
+    }
+  }
+  fetching = false;
+}
+
+function advance() {
+  const now = performance.now();
+  const time = state.time + (state.speed * (now - playedAt)) / 1000;
+  playedAt = now;
+  if (time >= state.duration) play(false);
+  show(Math.min(time, state.duration));
+}
+
+async function picture() {
+  const { camera, time } = state;
+  const asked = camera === OUTSIDE ? view : { seen: seen.checked ? 1 : 0 };
+  const reply = await fetch(address("picture", { time: time.toFixed(4), camera, ...asked }), { cache: "no-store" });
+  if (!reply.ok) throw new Error((await reply.text()).trim() || `the picture is refused: ${reply.status}`);
+  const bitmap = await createImageBitmap(await reply.blob());
+  if (canvas.width !== bitmap.width || canvas.height !== bitmap.height) {
+    canvas.width = bitmap.width;
+    canvas.height = bitmap.height;
+  }
+  context.drawImage(bitmap, 0, 0);
+  bitmap.close();
+  say("");
+  canvas.dataset.camera = camera;
+  canvas.dataset.time = reply.headers.get("X-Replay-Time") ?? "";
+  canvas.dataset.number = String(Number(canvas.dataset.number ?? 0) + 1);
+  // Cameras set their exposure by the picture before: what stands still is drawn once more.
+  const moment = `${camera} ${time} ${seen.checked}`;
+  if (camera !== OUTSIDE && moment !== shown && !state.playing) wanted = true;
+  shown = moment;
+}
+
+// --- time -------------------------------------------------------------------------------------------
+
+/** @param {number} time */
+function show(time) {
+  state.time = time;
+  slider.value = String(time);
+  get("clock").textContent = `${clock(time)} / ${clock(state.duration)}`;
+  slider.setAttribute("aria-valuetext", clock(time));
+  const track = get("track").getBoundingClientRect();
+  const line = get("timeline").getBoundingClientRect();
+  get("cursor").style.left = `${line.left - track.left + (line.width * time) / state.duration}px`;
+  const number = current(marks, time);
+  get("marks").querySelectorAll("button").forEach((button, index) => {
+    const is = String(index === number);
+    if (button.getAttribute("aria-current") !== is) button.setAttribute("aria-current", is);
+  });
+}
+
+/** @param {number} time */
+function seek(time) {
+  show(Math.min(Math.max(time, 0), state.duration));
+  playedAt = performance.now();
+  want();
+}
+
+/** @param {boolean} on */
+function play(on) {
+  if (on && state.time >= state.duration) show(0);
+  state.playing = on;
+  playedAt = performance.now();
+  get("play").textContent = on ? "pause" : "play";
+  if (on) void pump();
+}
+
+/** @param {number} by */
+function step(by) {
+  play(false);
+  seek(state.time + by);
+}
+
+// --- what happened ----------------------------------------------------------------------------------
+
+/**
+ * @param {string} kind @param {Record<string, string | number>} attributes @param {string} [title]
+ */
+function shape(kind, attributes, title = "") {
+  const made = document.createElementNS(SVG, kind);
+  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, String(value));
+  if (title) made.append(Object.assign(document.createElementNS(SVG, "title"), { textContent: title }));
+  return made;
+}
+
+/** @param {SVGElement} line */
+function seekable(line) {
+  line.addEventListener("pointerdown", (event) => {
+    const box = line.getBoundingClientRect();
+    seek(((event.clientX - box.left) / box.width) * state.duration);
+  });
+}
+
+/** @param {any} about */
+function drawTimeline(about) {
+  const line = /** @type {SVGElement} */ (get("timeline"));
+  line.setAttribute("viewBox", `0 0 ${state.duration} 1`);
+  const width = state.duration / 500;
+  for (const { kind, begin, end } of about.stretches) {
+    line.append(shape("rect", { x: begin, y: 0, width: Math.max(end - begin, width), height: 1, fill: STRETCHES[kind] ?? "#444" }, kind));
+  }
+  for (const mark of marks) {
+    const { color, top } = KINDS[mark.kind] ?? KINDS.other;
+    line.append(shape("rect", { x: mark.time - width / 2, y: top, width, height: 1 - top, fill: color }, `${clock(mark.time)} ${sentence(mark)}`));
+  }
+  seekable(line);
+}
+
+/** @param {string} name @param {SVGElement} line @param {string} kind */
+function addStrip(name, line, kind) {
+  const row = document.createElement("div");
+  row.className = `strip ${kind}`;
+  const label = document.createElement("span");
+  label.textContent = name;
+  row.append(label, line);
+  get("strips").append(row);
+  seekable(line);
+}
+
+/** @param {any} about */
+function drawStrips(about) {
+  for (const strip of about.strips) {
+    const top = strip.name === "margin" ? 1 : ceiling(strip.high);
+    const line = shape("svg", { viewBox: `0 0 ${strip.high.length} 1`, preserveAspectRatio: "none" });
+    line.append(shape("path", { d: outline(strip, top), fill: "#6ea3d4", stroke: "#6ea3d4", "stroke-width": 1, "vector-effect": "non-scaling-stroke" }));
+    const empty = strip.high.every((/** @type {number | null} */ value) => value === null);
+    addStrip(empty ? `${strip.name}: not told` : `${strip.name}, to ${top} ${strip.unit}`.trim(), /** @type {SVGElement} */ (line), "figure");
+  }
+  for (const [node, spans] of Object.entries(about.keys)) {
+    const line = shape("svg", { viewBox: `0 0 ${state.duration} 1`, preserveAspectRatio: "none" });
+    for (const [begin, end] of /** @type {[number, number][]} */ (spans)) line.append(shape("rect", { x: begin, y: 0, width: end - begin, height: 1, fill: "#5fbf77" }));
+    addStrip(`${node.replace("_teleop", "")} keys`, /** @type {SVGElement} */ (line), "keys");
+  }
+}
+
+function listMarks() {
+  for (const mark of marks) {
+    const item = document.createElement("li");
+    const button = document.createElement("button");
+    const dot = document.createElement("i");
+    dot.style.background = (KINDS[mark.kind] ?? KINDS.other).color;
+    const time = document.createElement("span");
+    time.textContent = clock(mark.time);
+    const text = document.createElement("span");
+    text.textContent = sentence(mark);
+    button.append(dot, time, text);
+    button.addEventListener("click", () => seek(mark.time));
+    item.append(button);
+    get("marks").append(item);
+  }
+}
+
+/** @param {any} about */
+function explain(about) {
+  const kinds = new Set(marks.map((mark) => mark.kind));
+  const entries = Object.entries(KINDS).filter(([kind]) => kinds.has(kind)).map(([, { color, text }]) => [text, color]);
+  const stretches = new Set(about.stretches.map((/** @type {any} */ each) => each.kind));
+  for (const [text, color] of [...entries, ...Object.entries(STRETCHES).filter(([kind]) => stretches.has(kind))]) {
+    const part = document.createElement("span");
+    const dot = document.createElement("i");
+    dot.style.background = color;
+    part.append(dot, text);
+    get("legend").append(part);
+  }
+}
+
+/** @param {string[]} names */
+function offerCameras(names) {
+  const buttons = [OUTSIDE, ...names].map((name) => {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.textContent = name;
+    button.addEventListener("click", () => choose(name));
+    return button;
+  });
+  get("cameras").append(...buttons);
+  choose(OUTSIDE);
+}
+
+/** @param {string} name */
+function choose(name) {
+  state.camera = name;
+  get("cameras").querySelectorAll("button").forEach((button) => button.setAttribute("aria-pressed", String(button.textContent === name)));
+  get("hint").style.visibility = name === OUTSIDE ? "visible" : "hidden";
+  get("seenbox").style.visibility = name === OUTSIDE ? "hidden" : "visible";
+  want();
+}
+
+// --- hands --------------------------------------------------------------------------------------------
+
+/** Seen from the camera, drag turns the scene under it, with Shift the scene goes along with the pointer. */
+function listenToPointer() {
+  canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
+  canvas.addEventListener("pointermove", (event) => {
+    if (!canvas.hasPointerCapture(event.pointerId) || state.camera !== OUTSIDE) return;
+    const scale = 3.2 / canvas.clientHeight;
+    const dx = event.movementX * scale;
+    const dy = event.movementY * scale;
+    if (event.shiftKey) {
+      const reach = 0.35 * view.distance;
+      view.x += reach * (dx * -Math.sin(view.azimuth) - dy * Math.cos(view.azimuth));
+      view.y += reach * (dx * Math.cos(view.azimuth) - dy * Math.sin(view.azimuth));
+    } else {
+      view.azimuth = Math.atan2(Math.sin(view.azimuth - dx), Math.cos(view.azimuth - dx));
+      view.elevation = Math.min(Math.max(view.elevation + dy, -0.2), 1.5);
+    }
+    want();
+  });
+  canvas.addEventListener("wheel", (event) => {
+    if (state.camera !== OUTSIDE) return;
+    event.preventDefault();
+    view.distance = Math.min(Math.max(view.distance * Math.exp(event.deltaY / 600), 0.4), 60);
+    want();
+  }, { passive: false });
+}
+
+/** @param {KeyboardEvent} event */
+function onKey(event) {
+  if (event.ctrlKey || event.altKey || event.metaKey || event.target instanceof HTMLSelectElement) return;
+  const far = event.shiftKey ? 1 : state.period;
+  if (event.key === " " && !(event.target instanceof HTMLButtonElement || event.target === seen)) play(!state.playing);
+  else if (event.key === "ArrowLeft") step(-far);
+  else if (event.key === "ArrowRight") step(far);
+  else return;
+  event.preventDefault();
+}
+
+function listen() {
+  slider.addEventListener("input", () => seek(Number(slider.value)));
+  get("play").addEventListener("click", () => play(!state.playing));
+  get("back").addEventListener("click", () => step(-state.period));
+  get("on").addEventListener("click", () => step(state.period));
+  const speed = /** @type {HTMLSelectElement} */ (get("speed"));
+  speed.addEventListener("change", () => { state.speed = Number(speed.value); });
+  seen.addEventListener("change", want);
+  document.addEventListener("keydown", onKey);
+  addEventListener("resize", () => show(state.time));
+  listenToPointer();
+}
+
+async function main() {
+  const reply = await fetch(address("trial"), { cache: "no-store" });
+  if (!reply.ok) {
+    say(`The trial cannot be shown: ${(await reply.text()).trim() || reply.status}`);
+    return;
+  }
+  const about = await reply.json();
+  marks = about.marks;
+  Object.assign(state, { duration: Math.max(about.duration, 1e-3), period: about.period });
+  slider.max = String(about.duration);
+  slider.step = "any";
+  document.title = `Replay: ${about.title}`;
+  get("title").textContent = about.title;
+  const verdict = about.valid ? about.verdict || "no verdict" : "not valid";
+  get("about").textContent = `${about.setting} · ${about.operator || "no name"} · ${about.mode} · ${verdict} · ${clock(about.duration)}`;
+  for (const problem of about.problems) get("problems").append(Object.assign(document.createElement("li"), { textContent: problem }));
+  drawTimeline(about);
+  drawStrips(about);
+  listMarks();
+  explain(about);
+  listen();
+  say("drawing the first picture …");
+  // "at" is sim time, as sheets have it.
+  const begin = GIVEN.has("at") ? Number(GIVEN.get("at")) - about.began : Number(GIVEN.get("time"));
+  show(Math.min(Math.max(begin || 0, 0), state.duration));
+  offerCameras(about.cameras);
+  get("replay").setAttribute("aria-busy", "false");
+}
+
+main().catch((error) => say(`The trial cannot be shown: ${error.message}`));

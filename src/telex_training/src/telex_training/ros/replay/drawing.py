@@ -1,0 +1,242 @@
+"""Has the cameras' node draw moments of recordings, and takes its pictures."""
+
+from __future__ import annotations
+
+import threading
+import time
+from typing import Dict, NamedTuple, Optional, Tuple
+
+import rospy
+from sensor_msgs.msg import CompressedImage, JointState
+from std_msgs.msg import Float64
+from telex_msgs.msg import SceneDescription, ScenePoses
+
+from telex_control.common.geometry.matrices import pose_matrix, quaternion_tuple
+from telex_control.common.geometry.quaternions import Pose
+from telex_sim.cameras.cameras_config import ORBIT, ViewConfig
+from telex_sim.cameras.ros.overview_rig import OverviewRig
+
+from ...replay.cameras import replay_config
+from ...replay.replay import Replay
+from ...replay.scenery import base_of
+from ...replay.timeline import Moment
+from .cameras_process import CamerasProcess
+
+_STARTING, _DRAWING = 40.0, 8.0
+"""Wall time that a picture may take (s): the first one of a process, and others."""
+_TOLD_APART = 1000
+"""Pictures of one sample that the last digits of a stamp tell apart: the stamps that were recorded
+are whole microseconds, and the digits below are the order of what was asked for."""
+_USUAL_VIEW = ViewConfig(mode=ORBIT, azimuth=2.6, elevation=0.5, distance=4.0)
+
+
+class DrawingError(RuntimeError):
+    """There is no picture; the message says why."""
+
+
+class _Shown(NamedTuple):
+    """By what a scene is told from another one."""
+
+    replay: Replay
+    robot: str
+    objects: Tuple[str, ...]
+
+
+class Drawing:
+    """Publishes what was, in the node's own namespace, and waits for its picture.
+
+    Parameters
+    ----------
+    niceness : int
+        See `ReplaySettings`.
+    idle : float
+        See `ReplaySettings`.
+    """
+
+    def __init__(self, niceness: int, idle: float) -> None:
+        self._niceness, self._idle = niceness, idle
+        self._namespace = rospy.get_name()
+        self._process = CamerasProcess(self._namespace)
+        self._turn = threading.Lock()
+        self._come = threading.Condition()
+        self._picture: Optional[CompressedImage] = None
+        self._scene = self._publisher("sim/scene", SceneDescription)
+        self._poses = self._publisher("sim/poses", ScenePoses)
+        self._joints = self._publisher("joint_states", JointState)
+        self._switches: Dict[str, rospy.Publisher] = {}
+        self._levels: Dict[str, float] = {}
+        self._subscriber: Optional[rospy.Subscriber] = None
+        self._camera = ""
+        self._shown: Optional[_Shown] = None
+        self._revision = self._number = 0
+        self._view = _USUAL_VIEW
+        self._drawn_at = 0.0
+
+    def _publisher(self, topic: str, kind: type) -> rospy.Publisher:
+        # Latched: the cameras' node comes later, and listens only while somebody looks.
+        return rospy.Publisher(
+            f"{self._namespace}/{topic}", kind, queue_size=1, latch=True, tcp_nodelay=True
+        )
+
+    def start(self, replay: Replay) -> None:
+        """Start what draws, so that the first picture comes sooner."""
+        with self._turn:
+            self._prepare(replay, replay.timeline.at(0))
+            self._drawn_at = time.monotonic()
+
+    def place(self, replay: Replay, moment: Moment) -> None:
+        """Publish scene, poses, joints and lamps of a moment, whoever listens."""
+        with self._turn:
+            self._prepare(replay, moment)
+            self._publish_switches(replay, moment)
+            self._publish_poses(replay, moment)
+            self._drawn_at = time.monotonic()
+
+    def picture(
+        self,
+        replay: Replay,
+        moment: Moment,
+        camera: str,
+        view: Optional[ViewConfig] = None,
+        spacing: float = 0.0,
+    ) -> bytes:
+        """Draw a moment.
+
+        Parameters
+        ----------
+        replay : Replay
+        moment : Moment
+        camera : str
+            One of the configuration's, see `replay_config`.
+        view : ViewConfig, optional
+            Of the outside camera; None: as it was last.
+        spacing : float
+            Time since the last picture that has to pass (s).
+
+        Returns
+        -------
+        bytes
+            JPEG.
+
+        Raises
+        ------
+        DrawingError
+        """
+        with self._turn:
+            time.sleep(max(0.0, min(spacing, self._drawn_at + spacing - time.monotonic())))
+            self._view = view or self._view
+            limit = _STARTING if self._prepare(replay, moment) else _DRAWING
+            self._look_through(camera)
+            changed = self._publish_switches(replay, moment)
+            drawn = self._draw(replay, moment, limit)
+            if changed:
+                # Lamps and zoom go by topics of their own: only the next picture surely has them.
+                drawn = self._draw(replay, moment, limit)
+            self._drawn_at = time.monotonic()
+            return drawn
+
+    def rest(self) -> None:
+        """End what draws where nobody has looked for long; call now and then."""
+        if self._process.runs and time.monotonic() - self._drawn_at > self._idle:
+            with self._turn:
+                self._release()
+
+    def close(self) -> None:
+        """End what draws."""
+        with self._turn:
+            self._release()
+
+    def _release(self) -> None:
+        if self._subscriber is not None:
+            self._subscriber.unregister()
+        self._subscriber, self._camera, self._shown = None, "", None
+        self._process.end()
+
+    # --- one at a time ---------------------------------------------------------------------------
+
+    def _prepare(self, replay: Replay, moment: Moment) -> bool:
+        """Have the scene of a moment shown; returns whether that takes long."""
+        part = moment.part
+        started = self._process.require(replay_config(replay.cameras, part.robot, self._niceness))
+        shown = _Shown(replay, part.robot, part.names.objects)
+        if shown == self._shown:
+            return started
+        self._revision += 1
+        self._scene.publish(replay.scenery.description(moment, self._revision))
+        self._shown = shown
+        return True
+
+    def _look_through(self, camera: str) -> None:
+        if camera == self._camera:
+            return
+        if self._subscriber is not None:
+            self._subscriber.unregister()
+        self._camera = camera
+        self._subscriber = rospy.Subscriber(
+            f"{self._namespace}/cameras/{camera}/image_raw/compressed",
+            CompressedImage,
+            self._take,
+            queue_size=1,
+            buff_size=2**22,
+            tcp_nodelay=True,
+        )
+
+    def _take(self, message: CompressedImage) -> None:
+        with self._come:
+            self._picture = message
+            self._come.notify_all()
+
+    def _publish_switches(self, replay: Replay, moment: Moment) -> bool:
+        """Set lamps and zooms as they were; returns whether any has changed."""
+        wanted = replay.switches(moment)
+        changed = {topic: level for topic, level in wanted.items() if level != self._level(topic)}
+        for topic, level in changed.items():
+            if topic not in self._switches:
+                self._switches[topic] = self._publisher(topic, Float64)
+            self._switches[topic].publish(level)
+            self._levels[topic] = level
+        return bool(changed)
+
+    def _level(self, topic: str) -> Optional[float]:
+        return self._levels.get(topic)
+
+    def _publish_poses(self, replay: Replay, moment: Moment) -> int:
+        """Publish where everything was; returns the stamp (ns)."""
+        self._number = (self._number + 1) % _TOLD_APART
+        stamp = moment.stamp // _TOLD_APART * _TOLD_APART + self._number
+        outside = _outside(self._view, base_of(moment))
+        self._poses.publish(replay.scenery.poses(moment, self._revision, stamp, outside))
+        joints = replay.scenery.joints(moment)
+        message = JointState(name=list(joints), position=list(joints.values()))
+        message.header.stamp = rospy.Time(moment.stamp // 10**9, moment.stamp % 10**9)
+        self._joints.publish(message)
+        return stamp
+
+    def _draw(self, replay: Replay, moment: Moment, limit: float) -> bytes:
+        stamp = self._publish_poses(replay, moment)
+        end = time.monotonic() + limit
+
+        def has_come() -> bool:
+            picture = self._picture
+            ended = rospy.is_shutdown() or not self._process.runs
+            return ended or (picture is not None and picture.header.stamp.to_nsec() == stamp)
+
+        with self._come:
+            while not has_come():
+                left = end - time.monotonic()
+                if left <= 0.0:
+                    raise DrawingError(
+                        f"no picture of the camera '{self._camera}' came within {limit:g} s"
+                    )
+                self._come.wait(min(left, 0.5))
+            picture = self._picture
+        if not self._process.runs or picture is None:
+            raise DrawingError("what draws has ended; the log says why")
+        return bytes(picture.data)
+
+
+def _outside(view: ViewConfig, base: Pose) -> Pose:
+    """Pose of the free camera (m, quaternion x y z w)."""
+    matrix = OverviewRig(view, 0.0).pose(pose_matrix(*base), 0.0)
+    x, y, z = matrix[:3, 3].tolist()
+    return (x, y, z), quaternion_tuple(matrix)

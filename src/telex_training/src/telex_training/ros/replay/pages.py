@@ -1,0 +1,152 @@
+"""Answers what the replay's page asks for: what happened in a trial, and pictures of it."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any, Callable
+
+from aiohttp import web
+
+from telex_control.common.params import ConfigError
+from telex_sim.cameras.cameras_config import ORBIT, ViewConfig
+
+from ...recording.writer import RecordingError
+from ...replay.cameras import CLEAR, OUTSIDE
+from ..page_server import PageServer, instructs, name_of
+from .drawing import Drawing, DrawingError
+from .shelf import NotHereError, Open, Shelf
+
+PREFIX = "/replay"
+_BUSY = "A trial is running on this machine; replays wait until it has ended.\n"
+_NOT_HERE = "There is no recording of this trial under your name.\n"
+
+
+class ReplayPages(PageServer):
+    """The page ``/replay/<trial>`` and what it asks for.
+
+    Parameters
+    ----------
+    shelf : Shelf
+    drawing : Drawing
+    folder : Path
+        Of the page's files.
+    port : int
+        0: any free one.
+    is_busy : callable
+        Tells whether a trial runs on the machine.
+    busy_period : float
+        See `ReplaySettings`.
+    """
+
+    def __init__(
+        self,
+        shelf: Shelf,
+        drawing: Drawing,
+        folder: Path,
+        port: int,
+        is_busy: Callable[[], bool],
+        busy_period: float,
+    ) -> None:
+        super().__init__(port)
+        self._shelf, self._drawing, self._folder = shelf, drawing, folder
+        self._is_busy, self._busy_period = is_busy, busy_period
+
+    def add_routes(self, router: web.UrlDispatcher) -> None:
+        """See `PageServer.add_routes`."""
+        router.add_get(f"{PREFIX}/api/trial/{{trial}}", self._about)
+        router.add_get(f"{PREFIX}/api/picture/{{trial}}", self._picture)
+        router.add_get(f"{PREFIX}/", self._given)
+        router.add_get(f"{PREFIX}/{{trial}}", self._page)
+
+    def show_at(self, video_server: str) -> None:
+        """Have a video server show folder and handler at ``/replay/``."""
+        self.mount(video_server, "replay", self._folder)
+
+    async def _given(self, request: web.Request) -> web.StreamResponse:
+        """Lead to the one recording that the node was given."""
+        if not self._shelf.given:
+            raise web.HTTPNotFound(text="Add the name of a trial to the address.\n")
+        query = f"?{request.query_string}" if request.query_string else ""
+        raise web.HTTPFound(f"{PREFIX}/{self._shelf.given}{query}")
+
+    async def _page(self, request: web.Request) -> web.StreamResponse:
+        return web.FileResponse(self._folder / "replay.html")
+
+    async def _about(self, request: web.Request) -> web.Response:
+        found = await self._permitted(request)
+        replay = found.replay
+        # It needs seconds to start: meanwhile the page shows what happened.
+        starting = self.aside(self._drawing.start, replay)
+        about = {**await self.aside(replay.about), "problems": found.problems}
+        await starting
+        return web.json_response(about)
+
+    async def _picture(self, request: web.Request) -> web.Response:
+        found = await self._permitted(request)
+        replay, query = found.replay, request.query
+        camera = query.get("camera", OUTSIDE)
+        if camera != OUTSIDE and camera not in replay.camera_names:
+            raise web.HTTPBadRequest(
+                text=f"camera is '{camera[:60]}'; there are {OUTSIDE}, "
+                f"{', '.join(replay.camera_names)}\n"
+            )
+        seen = query.get("seen") == "1"
+        try:
+            time = _number(query, "time", 0.0)
+            view = _view(query) if camera == OUTSIDE else None
+        except (ConfigError, ValueError) as error:
+            raise web.HTTPBadRequest(text=f"{error}\n") from None
+        moment = replay.timeline.moment(replay.seen_at(time) if seen else time)
+        name = camera if seen or camera == OUTSIDE else camera + CLEAR
+        spacing = self._busy_period if self._is_busy() else 0.0
+        try:
+            data = await self.aside(self._drawing.picture, replay, moment, name, view, spacing)
+        except DrawingError as error:
+            raise web.HTTPGatewayTimeout(text=f"{error}\n") from None
+        headers = {"X-Replay-Time": f"{moment.time:.4f}", "Cache-Control": "no-store"}
+        return web.Response(body=data, content_type="image/jpeg", headers=headers)
+
+    async def _permitted(self, request: web.Request) -> Open:
+        instructor = instructs(request)
+        if self._is_busy() and not instructor:
+            raise web.HTTPConflict(text=_BUSY)
+        trial, name = request.match_info["trial"], name_of(request)
+        try:
+            found: Open = await self.aside(self._shelf.permitted, trial, name, instructor)
+        except NotHereError:
+            raise web.HTTPNotFound(text=_NOT_HERE) from None
+        except RecordingError as error:
+            raise web.HTTPUnprocessableEntity(text=f"{error}\n") from None
+        return found
+
+
+def _view(query: Any) -> ViewConfig:
+    """View that an address asks for.
+
+    Raises
+    ------
+    ConfigError, ValueError
+    """
+    usual = ViewConfig(mode=ORBIT)
+    x, y, z = (_number(query, key, at) for key, at in zip("xyz", (0.0, 0.0, 0.3)))
+    return ViewConfig(
+        mode=ORBIT,
+        azimuth=_number(query, "azimuth", usual.azimuth),
+        elevation=_number(query, "elevation", usual.elevation),
+        distance=_number(query, "distance", 4.0),
+        center=(x, y, z),
+    )
+
+
+def _number(query: Any, key: str, default: float) -> float:
+    text = query.get(key)
+    if text is None:
+        return default
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise ValueError(f"{key} is '{text[:40]}'; a finite number is needed")
+    return number
