@@ -3,6 +3,7 @@
 #
 #   ./launch_scripts/run.sh [roslaunch arguments, e.g. world:=stairs video_port:=8081, or exercise:=slalom operator:=ann]
 #
+# replay:=FILE shows the recording of a trial again, without a simulator.
 # Without world:= it starts in the training hall, without speed:= with 35 % of the speed.
 # ros_address:=NAME_OR_ADDRESS opens ROS to other machines, which know this one by it (docs/engineer/network.md).
 # Ctrl-C ends it all. A running ROS master (ROS_MASTER_URI) is used; without one, one is started.
@@ -11,14 +12,18 @@ set -uo pipefail
 root="$(CDPATH= cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)"
 case "${1:-}" in
   -h | --help)
-    sed -n '2,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
+    sed -n '2,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
     exit 0
     ;;
 esac
 
 # roslaunch passes over what no launch file asks for: a misspelt name would go unnoticed.
-known="$(sed -n 's/^  <arg name="\([a-z_]*\)".*/\1/p' "$root/src/telex_training/launch/station.launch")"
-known+=$'\nros_address'
+launch_file=station.launch
+for argument in "$@"; do
+  case "$argument" in replay:=*) launch_file=replay.launch ;; esac
+done
+known="$(sed -n 's/^  <arg name="\([a-z_]*\)".*/\1/p' "$root/src/telex_training/launch/$launch_file")"
+known+=$'\nros_address\nreplay'
 takes_value=
 for argument in "$@"; do
   if [ -n "$takes_value" ]; then
@@ -80,12 +85,20 @@ namespace=telex
 expected=()
 # A later argument of the same name counts.
 arguments=(world:=training_hall speed:=0.35)
+if [ "$launch_file" = replay.launch ]; then
+  arguments=()
+  expected+=(--replay)
+fi
 for argument in "$@"; do
   case "$argument" in
     world:=*/* | world:=*.yaml | exercise:=*/* | exercise:=*.yaml | recordings:=?* | variant:=*/* | variant:=*.yaml | robot:=*/* | token_file:=?* | instructor_token_file:=?*)
       # Nodes do not run in the caller's folder, and the shell leaves this tilde alone.
       file="${argument#*:=}"
       argument="${argument%%:=*}:=$(realpath -m -- "${file/#\~\//$HOME/}")"
+      ;;
+    replay:=*)
+      file="${argument#*:=}"
+      argument="file:=$(realpath -m -- "${file/#\~\//$HOME/}")"
       ;;
     ros_address:=*) continue ;;
     ns:=*) namespace="${argument#ns:=}" ;;
@@ -134,7 +147,7 @@ env "$mark" setsid python -c '
 import os, signal, sys
 signal.signal(signal.SIGINT, signal.SIG_DFL)
 os.execvp(sys.argv[1], sys.argv[1:])
-' roslaunch --no-summary --sigint-timeout=1.5 --sigterm-timeout=1.0 telex_training station.launch "${arguments[@]}" &
+' roslaunch --no-summary --sigint-timeout=1.5 --sigterm-timeout=1.0 telex_training "$launch_file" "${arguments[@]}" &
 launch_pid=$!
 
 env "$mark" python "$root/launch_scripts/wait_ready.py" --namespace "$namespace" --launch-pid "$launch_pid" \

@@ -72,6 +72,14 @@ def node_answers(name: str) -> bool:
     return True
 
 
+REPLAY = """
+  Replay    {url}/replay/
+            Space plays and pauses, the arrow keys go from frame to frame.
+  ROS       source env.sh && rosservice list        (replay/open, replay/seek under {namespace})
+  Stop      Ctrl-C
+"""
+
+
 class Waiter:
     """Waits for one condition after the other, with a common deadline."""
 
@@ -187,6 +195,12 @@ class FirstPicture:
         return [topic if topic in published else topic[: -len(_COMPRESSED)] for topic in topics]
 
 
+def replays(namespace: str) -> Optional[str]:
+    """Address of the video server, if it shows a replay."""
+    mounted = rospy.get_param(f"{namespace}/video_server/mounts/replay", None)
+    return console(namespace) if mounted is not None else None
+
+
 def bridge_answers(namespace: str) -> Optional[str]:
     """Address of the bridge, if one answers there; it is read anew each time, as in `fetch`."""
     try:
@@ -228,6 +242,7 @@ def main() -> None:
     parser.add_argument("--launch-pid", type=int, default=0)
     parser.add_argument("--no-console", action="store_true", help="the console was not asked for")
     parser.add_argument("--no-picture", action="store_true", help="the cameras were not asked for")
+    parser.add_argument("--replay", action="store_true", help="a recording is shown, no simulator")
     parser.add_argument("--timeout", type=float, default=120.0, help="seconds")
     options = parser.parse_args()
     namespace = "/" + options.namespace.strip("/")
@@ -240,6 +255,11 @@ def main() -> None:
             return False
 
     waiter.wait("ROS master", master)
+    if options.replay:
+        waiter.need(f"{namespace}/replay", "its last message says why")
+        shown = str(waiter.wait("replay", lambda: replays(namespace)))
+        print(REPLAY.format(url=shown, namespace=namespace), flush=True)
+        return
     waiter.wait("robot controllable", lambda: controllers_run(namespace))
     waiter.wait(
         "teleoperation", lambda: all(node_answers(f"{namespace}/{name}") for name in _TELEOP)
