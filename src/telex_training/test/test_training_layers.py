@@ -14,7 +14,12 @@ ROOT = Path(__file__).resolve().parents[1] / "src" / "telex_training"
 ANYWHERE = ("telex_training", "telex_sim.scene", "telex_control.common", "telex_control.kinematics")
 FURTHER = {
     "rehearsal": ("telex_sim.offline", "telex_sim.truth", "telex_sim.stability", "telex_teleop"),
-    "replay": ("telex_control.urdf", "telex_sim.robot.urdf", "telex_sim.ros.scene_messages"),
+    "replay": (
+        "telex_control.urdf",
+        "telex_sim.cameras.cameras_config",
+        "telex_sim.robot.urdf",
+        "telex_sim.ros.scene_messages",
+    ),
     "ros": (
         "telex_control.ros",
         "telex_sim.cameras.cameras_config",

@@ -8,8 +8,9 @@ import numpy as np
 import pybullet
 import pytest
 from genpy import Time
+from replay_drill import CAMERAS, drill, record
 from std_msgs.msg import Float64, String
-from training_truth import SCENE, Trial, exercise, serialized
+from training_truth import serialized
 
 from telex_control.common.geometry.matrices import pose_matrices
 from telex_sim.offline.simulation import OfflineSimulation, robot_description
@@ -25,62 +26,6 @@ from telex_training.recording.writer import Attachment, RecordingError, Recordin
 from telex_training.replay.cameras import CLEAR, OUTSIDE, replay_config
 from telex_training.replay.replay import Replay
 from telex_training.replay.scenery import base_of
-
-CAMERAS = {
-    "cameras": {
-        "front": {"frame": "front_camera_optical_frame", "width": 640, "noise": 2.0},
-        "turret": {"frame": "turret_camera_optical_frame", "zoom_max": 6.0},
-        "roof": {"frame": "no_link"},
-    },
-    "lamps": {"front_left": {"frame": "front_left_lamp_link", "level": 0.5}},
-}
-TEXT = """
-name: drill
-title: A drill
-description: For tests.
-begin: {not: {inside: {what: robot, zone: start}}}
-steps: [{name: drive, until: {inside: {what: robot, zone: there}}}]
-zones:
-  start: {center: [0.0, 0.0, 0.2], size: [0.4, 1.0, 1.0]}
-  there: {center: [1.5, 0.0, 0.2], size: [1.0, 1.0, 1.0]}
-repetitions: {most: 1}
-"""
-URDF = """
-<robot name="block">
-  <link name="base_link"/><link name="turret"/><link name="front_camera_optical_frame"/>
-  <joint name="turret_joint" type="revolute">
-    <parent link="base_link"/><child link="turret"/><origin xyz="0 0 0.5" rpy="0 0 0"/>
-    <axis xyz="0 0 1"/><limit lower="-3" upper="3" velocity="1" effort="1"/>
-  </joint>
-  <joint name="camera_joint" type="fixed">
-    <parent link="turret"/><child link="front_camera_optical_frame"/><origin xyz="1 0 0"/>
-  </joint>
-</robot>
-"""
-
-
-def record(path, made, changes=(), ending=None):
-    """Write a drill's entries with its attachments."""
-    about = About("t1", "/exercises/drill.yaml", "standard", "practice", "ann", "test", 7)
-    scene = SCENE.replace("\n", "\n  ")
-    text = f"{TEXT}\nscene:{scene}"
-    digests = {"package://a/b.obj": "1234"}
-    with_all = attachments(about, text, SCENE, URDF, CAMERAS, digests)
-    with_all.update(changes)
-    writer = RecordingWriter(path, with_all)
-    for entry in made:
-        writer.put(entry, 0)
-    writer.close(ending or {})
-    return path
-
-
-def drill():
-    """A trial in which the robot drives two metres, and touches the wall at the end."""
-    trial = Trial(exercise(TEXT), scene=SCENE).begin()
-    trial.drive(2.0)
-    trial.contacts = [("base", "wall", 250.0), ("tracks", "floor", 900.0)]
-    trial.sample(5)
-    return trial
 
 
 @pytest.fixture
@@ -284,6 +229,13 @@ class TestCameras:
 
 
 class TestWhatIsNotAsItWas:
+    def test_cameras_of_other_software_give_way_to_this_machines(self, tmp_path):
+        changes = {"cameras.json": Attachment("text/json", b'{"cameras": {"a": {"lens": 1}}}')}
+        path = record(tmp_path / "t1.mcap", drill().entries, changes)
+        replay = Replay.open(path, CAMERAS)
+        assert replay.camera_names == ["front"]
+        assert any("lens" in each for each in replay.problems)
+
     def test_software_and_meshes_are_compared(self, replay):
         assert replay.compare("test", {"package://a/b.obj": "1234"}) == []
         software, meshes = replay.compare("other", {"package://a/b.obj": "5678"})

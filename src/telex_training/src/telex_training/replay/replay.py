@@ -8,7 +8,9 @@ from typing import Any, Dict, List, Mapping, Optional
 
 import numpy as np
 
+from telex_control.common.params import ConfigError, read_config
 from telex_control.urdf.elements import UrdfError
+from telex_sim.cameras.cameras_config import CamerasConfig
 from telex_sim.scene.model import Scene
 
 from ..exercises.exercise_file import ExerciseError
@@ -25,7 +27,7 @@ from ..recording.trial_file import (
     trial_of,
 )
 from ..recording.writer import RecordingError
-from .cameras import camera_names, lamp_levels
+from .cameras import camera_names, lamp_levels, replay_config
 from .scenery import Scenery
 from .series import envelope
 from .timeline import Moment, Timeline
@@ -90,10 +92,7 @@ class Replay:
         self.problems: List[str] = []
         if not recording.whole:
             self.problems.append("The recording was cut off; what is left of it is shown.")
-        self.cameras = _struct(recording, CAMERAS)
-        if not self.cameras.get("cameras"):
-            self.cameras = dict(cameras)
-            self.problems.append("It says nothing of the cameras; those of this machine are shown.")
+        self.cameras = self._cameras(recording, cameras)
         self._meshes = _struct(recording, MESHES)
         self.timeline = Timeline(recording)
         if self.timeline.bad:
@@ -120,6 +119,18 @@ class Replay:
         RecordingError
         """
         return cls(read_recording(path), cameras)
+
+    def _cameras(self, recording: Recording, others: Mapping[str, Any]) -> Mapping[str, Any]:
+        found = _struct(recording, CAMERAS)
+        if not found.get("cameras"):
+            self.problems.append("It says nothing of the cameras; those of this machine are shown.")
+            return others
+        try:
+            read_config(CamerasConfig, replay_config(found, "robot", 0), CAMERAS)
+        except ConfigError as error:
+            self.problems.append(f"Its cameras cannot be shown, this machine's are: {error}")
+            return others
+        return found
 
     def _scene(self, recording: Recording) -> Optional[Scene]:
         try:

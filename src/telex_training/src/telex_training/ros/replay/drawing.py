@@ -71,6 +71,8 @@ class Drawing:
         self._revision = self._number = 0
         self._view = _USUAL_VIEW
         self._drawn_at = 0.0
+        # Whether it has shown a picture of this scene: only the first one takes long.
+        self._draws = False
 
     def _publisher(self, topic: str, kind: type) -> rospy.Publisher:
         # Latched: the cameras' node comes later, and listens only while somebody looks.
@@ -125,7 +127,8 @@ class Drawing:
         with self._turn:
             time.sleep(max(0.0, min(spacing, self._drawn_at + spacing - time.monotonic())))
             self._view = view or self._view
-            limit = _STARTING if self._prepare(replay, moment) else _DRAWING
+            self._prepare(replay, moment)
+            limit = _DRAWING if self._draws else _STARTING
             self._look_through(camera)
             changed = self._publish_switches(replay, moment)
             drawn = self._draw(replay, moment, limit)
@@ -154,17 +157,17 @@ class Drawing:
 
     # --- one at a time ---------------------------------------------------------------------------
 
-    def _prepare(self, replay: Replay, moment: Moment) -> bool:
-        """Have the scene of a moment shown; returns whether that takes long."""
+    def _prepare(self, replay: Replay, moment: Moment) -> None:
+        """Have the scene of a moment shown, which may take a while."""
         part = moment.part
-        started = self._process.require(replay_config(replay.cameras, part.robot, self._niceness))
+        if self._process.require(replay_config(replay.cameras, part.robot, self._niceness)):
+            self._draws = False
         shown = _Shown(replay, part.robot, part.names.objects)
         if shown == self._shown:
-            return started
+            return
         self._revision += 1
         self._scene.publish(replay.scenery.description(moment, self._revision))
-        self._shown = shown
-        return True
+        self._shown, self._draws = shown, False
 
     def _look_through(self, camera: str) -> None:
         if camera == self._camera:
@@ -232,6 +235,7 @@ class Drawing:
             picture = self._picture
         if not self._process.runs or picture is None:
             raise DrawingError("what draws has ended; the log says why")
+        self._draws = True
         return bytes(picture.data)
 
 

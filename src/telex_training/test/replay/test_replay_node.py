@@ -1,0 +1,170 @@
+"""The real replay node with its own cameras: services, topics, pictures, and who may see them."""
+
+from __future__ import annotations
+
+import contextlib
+import urllib.error
+import urllib.request
+from pathlib import Path
+
+import pytest
+from own_ros import NodeProcess, Topics
+from replay_drill import drill, record
+from waiting import wait_until
+
+pytestmark = [pytest.mark.ros, pytest.mark.waiting]
+
+NODE = Path(__file__).parents[2] / "nodes" / "replay"
+ROBOT = "/robot8"
+NAMESPACE = f"{ROBOT}/replay"
+
+
+class Station:
+    """The node as the video server sees it, and as ROS does."""
+
+    def __init__(self, topics, folder):
+        from sensor_msgs.msg import JointState
+        from telex_msgs.msg import ReplayState, SceneDescription, ScenePoses, TrainingState
+        from telex_msgs.srv import OpenReplay, SeekReplay
+
+        self.folder = folder
+        self.training = topics.publisher("training/state", TrainingState, latch=True)
+        self.state_message = TrainingState
+        self.states = topics.heard("replay/state", ReplayState)
+        self.scenes = topics.heard("replay/sim/scene", SceneDescription)
+        self.poses = topics.heard("replay/sim/poses", ScenePoses)
+        self.joints = topics.heard("replay/joint_states", JointState)
+        self.open = topics.calls("replay/open", OpenReplay)
+        self.seek = topics.calls("replay/seek", SeekReplay)
+        wait_until(lambda: self.states, "the node's state", 60.0)
+        self.address = self.handler()
+
+    def handler(self):
+        import rospy
+
+        name = f"{ROBOT}/video_server/mounts/replay"
+        wait_until(lambda: rospy.has_param(name), "the mount", 60.0)
+        return rospy.get_param(name)["handler"]
+
+    def ask(self, path, name="", role="operator"):
+        """Status and body of an answer, as the video server passes requests on."""
+        headers = {"X-Telex-Role": role, "X-Telex-Name": name}
+        request = urllib.request.Request(f"{self.address}/replay/{path}", headers=headers)
+        try:
+            with urllib.request.urlopen(request, timeout=90.0) as answer:
+                return answer.status, answer.read(), dict(answer.headers)
+        except urllib.error.HTTPError as error:
+            return error.code, error.read(), dict(error.headers)
+
+    def phase(self, phase):
+        self.training.publish(self.state_message(phase=phase))
+
+
+@pytest.fixture(scope="module")
+def station(master, tmp_path_factory):
+    import rospy
+
+    folder = tmp_path_factory.mktemp("trials")
+    record(folder / "t1.mcap", drill().entries)
+    (folder / "broken.mcap").write_bytes(b"no recording")
+    for key, value in (("folder", str(folder)), ("niceness", 0), ("busy_period", 0.1)):
+        rospy.set_param(f"{NAMESPACE}/{key}", value)
+    with contextlib.ExitStack() as stack:
+        topics = stack.enter_context(Topics(ROBOT))
+        stack.enter_context(NodeProcess([NODE], {**master, "ROS_NAMESPACE": ROBOT}))
+        yield Station(topics, folder)
+
+
+class TestServices:
+    def test_a_recording_is_opened_and_sought_in(self, station):
+        opened = station.open("t1")
+        assert opened.success, opened.message
+        assert opened.trial == "t1"
+        assert "software test" in opened.message
+        assert opened.frames > 200
+        found = station.seek(1.0, 0.0)
+        assert found.success
+        assert found.time == pytest.approx(1.0, abs=0.021)
+        wait_until(
+            lambda: station.poses and station.poses[-1].header.stamp.to_sec() > 11.0, "the poses"
+        )
+        # Recorded time begins at 10.02 s.
+        assert station.poses[-1].header.stamp.to_sec() == pytest.approx(11.02, abs=0.021)
+        assert len(station.poses[-1].poses) == 7 * len(station.scenes[-1].frames)
+        assert station.poses[-1].revision == station.scenes[-1].revision
+        assert "turret_joint" in station.joints[-1].name
+
+    def test_it_plays_on_and_ends_at_the_end(self, station):
+        station.open("t1")
+        assert station.seek(0.0, 8.0).success
+        wait_until(lambda: station.states[-1].time > 1.0, "that it plays")
+        wait_until(lambda: station.states[-1].speed == 0.0, "the end")
+        assert station.states[-1].time == pytest.approx(station.states[-1].duration)
+
+    @pytest.mark.parametrize(
+        ("time", "speed", "why"),
+        [(float("nan"), 0.0, "finite"), (0.0, float("nan"), "speed"), (0.0, 9.0, "0 to 8")],
+    )
+    def test_numbers_that_make_no_sense_are_refused(self, station, time, speed, why):
+        station.open("t1")
+        answer = station.seek(time, speed)
+        assert not answer.success
+        assert why in answer.message
+
+    @pytest.mark.parametrize(("trial", "why"), [("t2", "t2"), ("broken", "no recording")])
+    def test_what_is_no_recording_is_refused(self, station, trial, why):
+        answer = station.open(trial)
+        assert not answer.success
+        assert why in answer.message
+
+    def test_there_is_no_clock(self, station):
+        import rospy
+
+        assert "/clock" not in [name for name, _ in rospy.get_published_topics()]
+
+
+class TestPages:
+    def test_whose_trial_it_is_sees_it(self, station):
+        status, body, headers = station.ask(
+            "api/picture/t1?time=2.0&azimuth=1.0&distance=3", name="ann"
+        )
+        assert status == 200, body
+        assert body.startswith(b"\xff\xd8")
+        assert float(headers["X-Replay-Time"]) == pytest.approx(2.0, abs=0.021)
+        # Neither that there is one, nor that a file is damaged.
+        for trial in ("t1", "broken", "t2"):
+            status, body, _ = station.ask(f"api/trial/{trial}", name="bob")
+            assert status == 404
+            assert b"under your name" in body
+        assert station.ask("api/trial/t1", role="instructor")[0] == 200
+        status, body, _ = station.ask("api/trial/broken", role="instructor")
+        assert status == 422
+        assert b"broken.mcap" in body
+
+    def test_another_view_makes_another_picture(self, station):
+        first, second, third = (
+            station.ask(f"api/picture/t1?time=2.0&azimuth={azimuth}", name="ann")[1]
+            for azimuth in (1.0, 2.0, 1.0)
+        )
+        assert first != second
+        assert first == third
+
+    @pytest.mark.parametrize("query", ["time=nan", "time=x", "distance=0", "camera=roof"])
+    def test_what_an_address_cannot_mean_is_refused(self, station, query):
+        assert station.ask(f"api/picture/t1?{query}", name="ann")[0] == 400
+
+    def test_while_a_trial_runs_only_instructors_see_it(self, station):
+        try:
+            station.phase("running")
+            wait_until(
+                lambda: station.ask("api/trial/t1", name="ann")[0] == 409, "that it is refused"
+            )
+            assert station.ask("api/picture/t1?time=1", role="instructor")[0] == 200
+        finally:
+            station.phase("ended")
+        wait_until(lambda: station.ask("api/trial/t1", name="ann")[0] == 200, "that it is back")
+
+    def test_the_page_is_there_for_every_trial(self, station):
+        status, body, _ = station.ask("t1")
+        assert status == 200
+        assert b"replay.js" in body

@@ -1,0 +1,66 @@
+"""A recording of a small trial: a block drives two metres and touches a wall."""
+
+from __future__ import annotations
+
+from training_truth import SCENE, Trial, exercise
+
+from telex_training.recording.trial_file import Trial as About
+from telex_training.recording.trial_file import attachments
+from telex_training.recording.writer import RecordingWriter
+
+SIZE = {"width": 320, "height": 240, "horizontal_fov": 1.2}
+CAMERAS = {
+    "cameras": {
+        "front": {"frame": "front_camera_optical_frame", "noise": 2.0, **SIZE},
+        "turret": {"frame": "turret_camera_optical_frame", "zoom_max": 6.0, **SIZE},
+        "roof": {"frame": "no_link", **SIZE},
+    },
+    "lamps": {"front_left": {"frame": "front_left_lamp_link", "level": 0.5}},
+}
+TEXT = """
+name: drill
+title: A drill
+description: For tests.
+begin: {not: {inside: {what: robot, zone: start}}}
+steps: [{name: drive, until: {inside: {what: robot, zone: there}}}]
+zones:
+  start: {center: [0.0, 0.0, 0.2], size: [0.4, 1.0, 1.0]}
+  there: {center: [1.5, 0.0, 0.2], size: [1.0, 1.0, 1.0]}
+repetitions: {most: 1}
+"""
+URDF = """
+<robot name="block">
+  <link name="base_link"/><link name="turret"/><link name="front_camera_optical_frame"/>
+  <joint name="turret_joint" type="revolute">
+    <parent link="base_link"/><child link="turret"/><origin xyz="0 0 0.5" rpy="0 0 0"/>
+    <axis xyz="0 0 1"/><limit lower="-3" upper="3" velocity="1" effort="1"/>
+  </joint>
+  <joint name="camera_joint" type="fixed">
+    <parent link="turret"/><child link="front_camera_optical_frame"/><origin xyz="1 0 0"/>
+  </joint>
+</robot>
+"""
+
+
+def record(path, made, changes=(), ending=None):
+    """Write a drill's entries with its attachments."""
+    about = About("t1", "/exercises/drill.yaml", "standard", "practice", "ann", "test", 7)
+    scene = SCENE.replace("\n", "\n  ")
+    text = f"{TEXT}\nscene:{scene}"
+    digests = {"package://a/b.obj": "1234"}
+    with_all = attachments(about, text, SCENE, URDF, CAMERAS, digests)
+    with_all.update(changes)
+    writer = RecordingWriter(path, with_all)
+    for entry in made:
+        writer.put(entry, 0)
+    writer.close(ending or {})
+    return path
+
+
+def drill():
+    """A trial in which the robot drives two metres, and touches the wall at the end."""
+    trial = Trial(exercise(TEXT), scene=SCENE).begin()
+    trial.drive(2.0)
+    trial.contacts = [("base", "wall", 250.0), ("tracks", "floor", 900.0)]
+    trial.sample(5)
+    return trial
