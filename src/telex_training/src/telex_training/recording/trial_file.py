@@ -173,7 +173,7 @@ def amend(path: Path, inputs: Sequence[Mapping[str, Any]], wall_ns: int) -> str:
         walls.append(wall_ns)
     shown = recording.attachments.get(SHEET)
     if shown is not None and all(content["input"] == TLX for content in inputs):
-        text = _text(recording, SHEET)
+        text = attached_text(recording, SHEET)
     else:
         text = judged(Recording(path, entries, walls, recording.attachments)).text()
     kept = {name: found for name, found in recording.attachments.items() if name != SHEET}
