@@ -357,6 +357,19 @@ def test_a_lost_entry_is_said():
     assert "entries of the recording are missing" in judge.state()["invalid_because"]
 
 
+def test_an_object_that_is_put_elsewhere_is_interference():
+    """Deleted and spawned in one pause, it has the same names, of another revision."""
+    trial = ready()
+    trial.drive(1.0)
+    trial.names()  # told once more
+    assert trial.judge.state()["valid"]
+    trial.revision += 1
+    trial.names()
+    trial.sample()
+    (reason,) = trial.judge.state()["invalid_because"]
+    assert reason == "objects were moved, or robots came or went, from outside"
+
+
 @pytest.mark.parametrize(
     ("act", "reason"),
     [

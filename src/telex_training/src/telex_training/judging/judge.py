@@ -258,12 +258,13 @@ class Judge:
     def _take_names(self, entry: Entry) -> None:
         before = self._world.names
         names = Names(decode(entry, "telex_msgs/TruthNames"))
-        changed = before is not None and (
-            before.objects != names.objects or before.bodies != names.bodies
-        )
         looked = self._repetition is not None and self._repetition.looked
-        if changed and looked and self.phase in (WAITING, RUNNING, BETWEEN):
-            self._invalidate("objects were put into the scene or taken out")
+        if before is not None and looked and self.phase in (WAITING, RUNNING, BETWEEN):
+            if before.objects != names.objects or before.bodies != names.bodies:
+                self._invalidate("objects were put into the scene or taken out")
+            elif before.revision != names.revision:
+                # Taken out and put in again elsewhere, in one pause; or another robot came or went.
+                self._invalidate("objects were moved, or robots came or went, from outside")
         self._world.name(names)
 
     def _take_status(self, entry: Entry) -> None:

@@ -36,6 +36,7 @@ from ..recording.trial_file import (
 from ..recording.writer import RecordingError, RecordingWriter, check_room
 from .apparatus import Apparatus, ApparatusError
 from .channels import Channels
+from .configuration import ConfigurationWatch
 
 _MOST_SEED = 2**31
 _SETTLING = 0.3
@@ -110,6 +111,7 @@ class Session:
         self._writer: Optional[RecordingWriter] = None
         self._inbox: Optional[Inbox] = None
         self._channels: Optional[Channels] = None
+        self._watch: Optional[ConfigurationWatch] = None
         self._loaded = False
         self._closing = self._restoring = False
         self._done = threading.Event()
@@ -178,6 +180,7 @@ class Session:
         )
         self._put({"input": "start"})
         self._channels = Channels(self._hear, self._recorded)
+        self._watch = ConfigurationWatch(self._reconfigured)
         self._prepare()
 
     def _open_recording(self) -> None:
@@ -273,6 +276,9 @@ class Session:
             self._put({"input": "outside", "what": self.message})
             self._changed()
 
+    def _reconfigured(self, what: str) -> None:
+        self._put({"input": "outside", "what": f"other {what}"})
+
     @property
     def begun(self) -> bool:
         """Whether its recording has begun and it has not ended."""
@@ -354,6 +360,8 @@ class Session:
     def _finish(self) -> None:
         assert self._inbox is not None
         assert self._writer is not None
+        if self._watch is not None:
+            self._watch.close()
         if self._channels is not None:
             self._channels.close()
         self._inbox.close()
