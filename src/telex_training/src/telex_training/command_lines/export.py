@@ -5,8 +5,9 @@ from __future__ import annotations
 import argparse
 import csv
 import sys
+from contextlib import suppress
 from pathlib import Path
-from typing import Any, Iterator, List, Optional, Sequence
+from typing import Any, Callable, Iterator, List, Optional, Sequence
 
 import genpy
 import rosbag
@@ -15,6 +16,9 @@ from ..judging.entries import NAMES, TRUTH, BadEntryError, decode
 from ..judging.truth import read_sample
 from ..recording.reader import Recording, read_recording
 from ..recording.writer import RecordingError
+
+_LATEST = 2.0**32
+"""Seconds that a time of ROS can have."""
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
@@ -33,7 +37,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
         recording = read_recording(given.file)
         if output.exists():
             raise RecordingError(f"{output}: it exists already; another name is needed (-o)")
-        count = write_bag(recording, output) if given.bag else write_csv(recording, output)
+        count = _write(write_bag if given.bag else write_csv, recording, output)
     except (RecordingError, OSError) as error:
         print(f"export: {error}", file=sys.stderr)
         return 1
@@ -41,11 +45,34 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     return 0
 
 
+def _write(write: Callable[[Recording, Path], int], recording: Recording, output: Path) -> int:
+    """Write to a file that takes its name once it is complete; returns the rows or messages."""
+    draft = output.with_name(f".{output.name}.draft")
+    try:
+        count = write(recording, draft)
+        draft.replace(output)
+    finally:
+        with suppress(OSError):
+            draft.unlink()
+    return count
+
+
 def write_bag(recording: Recording, path: Path) -> int:
     """Write all messages of a recording to a bag, at their sim times; returns how many.
 
     What has a type that this workspace does not know is left out.
+
+    Raises
+    ------
+    RecordingError
+        A message has a time that a bag cannot have.
     """
+    for entry in recording.entries:
+        if not 0.0 <= entry.time < _LATEST:
+            raise RecordingError(
+                f"{recording.path}: entry {entry.number} is of {entry.time:g} s; a bag takes times"
+                f" below {_LATEST:g} s"
+            )
     count = 0
     with rosbag.Bag(str(path), "w", compression="lz4") as bag:
         for entry in recording.entries:

@@ -121,7 +121,7 @@ def trial_of(recording: Recording) -> Tuple[Trial, Exercise]:
         trial = read_struct(Trial, json.loads(attached_text(recording, TRIAL)))
         file = parse_exercise(attached_text(recording, EXERCISE), Path(trial.exercise))
         return trial, file.setting(trial.setting)
-    except (ConfigError, ExerciseError, ValueError) as error:
+    except (ConfigError, ExerciseError, ValueError, RecursionError) as error:
         raise RecordingError(f"{path}: {error}") from error
 
 
