@@ -6,21 +6,20 @@ import subprocess
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Set, Tuple
+from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Set
 
 import rospkg
 import yaml
 
-from telex_control.kinematics.urdf_tree import UrdfTree
 from telex_sim.scene.library import object_types
 from telex_sim.scene.model import Motion, Scene, SceneObject
 from telex_sim.scene.robot_in_scene import robot_description
 
 from .conditions import EVENTS, FLOOR, ROBOT, TOOL, Condition
 from .exercise_file import ExerciseError, ExerciseFile
-from .metric_kinds import KINDS
 from .model import ALL, ANY, MODES, Exercise
 from .questions import read_objects, right_answers
+from .robot_needs import lacking
 from .seeds import scene_of, scene_text
 
 GROUPS = ("base", "tracks", "arm", "gripper")
@@ -29,8 +28,6 @@ NOT_MEASURED = "not measured by this version"
 _ANOTHER_ROBOT = "another robot"
 _HEIGHT = 0.112
 """Of base_link above the ground where it starts (m)."""
-_TOOL_LINK, _FINGER_LINK = "tool_link", "left_finger_tip_link"
-_OF_TOOL = ("tool_path", "tool_path_ratio", "sparc", "slip")
 _OTHER_SEEDS = (2, 3)
 _SHOWN = {
     "gap": ("gap", 0.4),
@@ -331,13 +328,12 @@ def _check_robot(exercise: Exercise, urdfs: Dict[str, str]) -> Iterator[Finding]
     try:
         if exercise.variant not in urdfs:
             urdfs[exercise.variant] = robot_description(exercise.variant)
-        tree = UrdfTree.from_urdf(urdfs[exercise.variant])
-        links, joints = set(tree.inertials), {joint.name for joint in tree.joints()}
+        lacks = list(lacking(exercise, urdfs[exercise.variant]))
     except ValueError as error:
         # The generator's own words, or those of who reads what it made.
         yield Finding("variant", str(error))
         return
-    for where, text in _lacking(exercise, links, joints):
+    for where, text in lacks:
         yield Finding(where, f"{text}, which the variant '{exercise.variant}' lacks")
     seeds = {exercise.seeds.of(mode) for mode in MODES} - {None}
     if exercise.vary and exercise.setting == exercise.settings[0]:
@@ -347,22 +343,6 @@ def _check_robot(exercise: Exercise, urdfs: Dict[str, str]) -> Iterator[Finding]
     problem = _room({seed: text for text, seed in texts.items()}, exercise.variant)
     if problem:
         yield Finding("scene", problem)
-
-
-def _lacking(exercise: Exercise, links: Set[str], joints: Set[str]) -> Iterator[Tuple[str, str]]:
-    for where, condition in exercise.conditions():
-        for part in condition.walk():
-            gripper = part.kind in ("held", "dropped") or getattr(part.of, "group", "") == "gripper"
-            if gripper and _FINGER_LINK not in links:
-                yield f"{where}/{part.kind}", "it needs a gripper"
-            if getattr(part.of, "what", "") == TOOL and _TOOL_LINK not in links:
-                yield f"{where}/{part.kind}", "it needs a tool"
-            robot = part.kind == "joint" and part.of.object == ROBOT
-            if robot and part.of.joint not in joints:
-                yield f"{where}/joint", f"it needs the joint '{part.of.joint}'"
-    for metric in exercise.metrics:
-        if metric.kind in _OF_TOOL and _TOOL_LINK not in links:
-            yield f"metrics/{metric.name}", f"{KINDS[metric.kind].text}: it needs a tool"
 
 
 def _room(texts: Dict[int, str], variant: str) -> str:

@@ -297,13 +297,14 @@ class Session:
                 return
             try:
                 resets = self._restore()
+                self._settle()
+                self._require_upright()
             except Exception as error:  # whatever it is, the trial must not wait for ever
                 self.message = f"the apparatus cannot be put back: {error}"
                 rospy.logerr("training: %s", self.message)
                 with contextlib.suppress(SessionError):
                     self.abort(self.message[:200], "training")
                 return
-            self._settle()
             self._put({"input": "drawn", "answers": self._drawn.answers})
             self._put({"input": "ready", "resets": resets})
             self._restoring = False
@@ -318,6 +319,12 @@ class Session:
             # What was read before must not be right again.
             self._drawn = draw(self.exercise, self._seed)
         return self._apparatus.reset(self._drawn.entries)
+
+    def _require_upright(self) -> None:
+        """Refuse to begin where the robot has tipped over as it was put down."""
+        status = self._apparatus.status
+        if status is not None and status.tipped_over:
+            raise ApparatusError("the robot lies on its side at its start; the scene is wrong")
 
     def _settle(self) -> None:
         until = rospy.get_time() + _SETTLING

@@ -38,7 +38,8 @@ from telex_control.ros.node_start import init_node
 
 from ..exercises.catalog import exercises, find_exercise, known_exercise
 from ..exercises.exercise_file import ExerciseError, load_exercise
-from ..exercises.model import PRACTICE
+from ..exercises.model import PRACTICE, Exercise
+from ..exercises.robot_needs import lacking
 from ..judging.judge import ENDED, IDLE, JudgeEvent
 from ..judging.workload import INPUT as TLX
 from ..judging.workload import workload_of
@@ -184,6 +185,8 @@ class TrainingNode:
             raise ExerciseError(
                 f"{file.path}: mode is '{mode}'; there are: {', '.join(exercise.modes)}"
             )
+        about = about_robot()
+        _require_robot(exercise, about["urdf"])
         with self._lock:
             self._refuse_second()
             if self._session is not None:
@@ -196,7 +199,7 @@ class TrainingNode:
                 operator,
                 software_version(),
                 self._folder,
-                about_robot(),
+                about,
                 self._apparatus,
                 list(self._settings.recorded),
                 self._wanted.set,
@@ -391,6 +394,20 @@ class TrainingNode:
         if self._session is not None:
             self._session.close("the training node was ended")
         self.pages.close()
+
+
+def _require_robot(exercise: Exercise, urdf: str) -> None:
+    """Refuse an exercise that asks for what the robot lacks.
+
+    Raises
+    ------
+    ExerciseError, ValueError
+    """
+    for where, text in lacking(exercise, urdf):
+        raise ExerciseError(
+            f"{exercise.path}: {where}: {text}, which this robot lacks; the variant "
+            f"'{exercise.variant}' is meant"
+        )
 
 
 def _note_input(request: Any) -> Dict[str, Any]:

@@ -1,0 +1,208 @@
+"""Trials that begin badly: each ends with its reason, and its recording is closed and says so."""
+
+from __future__ import annotations
+
+import json
+import threading
+import time
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from telex_msgs.msg import SimStatus
+
+from telex_sim.scene.robot_in_scene import robot_description
+from telex_training.exercises.exercise_file import ExerciseError, parse_exercise
+from telex_training.recording import writer as writing
+from telex_training.recording.reader import read_recording
+from telex_training.recording.trial_file import SHEET, judged
+from telex_training.recording.writer import RecordingError
+from telex_training.ros import session as sessions
+from telex_training.ros import training_node
+from telex_training.ros.apparatus import ApparatusError
+
+DRILL = """
+title: Drill
+zones: {start: {center: [0, 0, 0], size: [1, 2, 1]}}
+begin: {not: {inside: {what: robot, zone: start}}}
+steps: [{name: there, until: {moved: {what: robot, distance: 1}}}]
+scene: {objects: []}
+"""
+
+
+class Clock:
+    """What a session asks of rospy."""
+
+    get_time = staticmethod(time.monotonic)
+    get_rostime = staticmethod(lambda: SimpleNamespace(to_nsec=time.monotonic_ns))
+    is_shutdown = staticmethod(lambda: False)
+    logerr = staticmethod(lambda *_: None)
+
+
+class Simulator:
+    """An apparatus that does what it is told, or fails."""
+
+    def __init__(self):
+        self.busy = threading.Lock()
+        self.status = SimStatus()
+        self.problem = ""
+
+    def load(self, _scene):
+        if self.problem:
+            raise ApparatusError(self.problem)
+        return 1
+
+    def reset(self, _entries):
+        return self.load("")
+
+
+@pytest.fixture
+def simulator():
+    return Simulator()
+
+
+@pytest.fixture
+def session(tmp_path, monkeypatch, simulator):
+    monkeypatch.setattr(sessions, "rospy", Clock)
+    monkeypatch.setattr(sessions, "Channels", lambda *_: SimpleNamespace(close=lambda: None))
+    file = parse_exercise(DRILL, Path("/exercises/drill.yaml"))
+    about = {"urdf": "", "cameras": {}, "meshes": {}}
+    events = (lambda: None, lambda *_: None, lambda *_: None)
+    opened = sessions.Session(
+        file, file.first, "practice", "ann", "test", tmp_path, about, simulator, [], *events
+    )
+    yield opened
+    opened.close("the test is over")
+
+
+def wait(session, phase):
+    deadline = time.monotonic() + 20.0
+    while session.phase != phase and time.monotonic() < deadline:
+        time.sleep(0.01)
+    assert session.phase == phase
+
+
+def ended(session):
+    """The sheet of a session that ends by itself, which is that of its recording."""
+    wait(session, "ended")
+    assert session.wait_closed()
+    recording = read_recording(session.path)
+    assert recording.whole
+    text = recording.attachments[SHEET].data.decode()
+    assert judged(recording).text() == text
+    return json.loads(text)
+
+
+def test_a_scene_that_fails_ends_the_trial_and_says_why(session, simulator):
+    simulator.problem = "moon.yaml: no such mesh"
+    session.start()
+    sheet = ended(session)
+    assert sheet["ended"] == "the apparatus cannot be put back: moon.yaml: no such mesh"
+    assert sheet["verdict"] == ""
+    assert session.state()["message"] == sheet["ended"]
+
+
+def test_a_robot_that_lies_at_the_start_ends_the_trial(session, simulator):
+    simulator.status.tipped_over = True
+    session.start()
+    assert "the robot lies on its side at its start" in ended(session)["ended"]
+
+
+def test_a_scene_that_fails_again_later_ends_the_trial(session, simulator):
+    session.start()
+    wait(session, "waiting")
+    simulator.problem = "/telex/sim/reset has not answered for 20 s"
+    session.again()
+    assert "has not answered for 20 s" in ended(session)["ended"]
+
+
+def test_a_full_disk_is_said_before_the_start_and_nothing_begins(session, tmp_path, monkeypatch):
+    def full(_folder):
+        raise RecordingError(f"{tmp_path}: 3 MB are free; at least 200 MB are needed")
+
+    monkeypatch.setattr(sessions, "check_room", full)
+    with pytest.raises(sessions.SessionError, match="cannot be recorded: .* 3 MB are free"):
+        session.start()
+    assert session.phase == "ready"
+    assert not list(tmp_path.glob("*.mcap"))
+
+
+def test_a_disk_that_fills_is_said_and_makes_the_trial_invalid(session, monkeypatch):
+    session.start()
+    wait(session, "waiting")
+
+    def full(_handle):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(writing.os, "fsync", full)
+    deadline = time.monotonic() + 20.0
+    while not session.state()["message"] and time.monotonic() < deadline:
+        session.hear_status(SimStatus())
+        time.sleep(0.05)
+    assert session.state()["message"] == "the recording is broken off: No space left on device"
+    session.abort("aborted")
+    wait(session, "ended")
+    assert session.wait_closed()
+    state = session.state()
+    assert not state["valid"]
+    assert "No space left on device" in state["invalid_because"][0]
+    assert state["message"].startswith("the recording is not complete: ")
+
+
+def test_it_is_started_once_and_not_again_after_its_end(session):
+    session.start()
+    wait(session, "waiting")
+    with pytest.raises(sessions.SessionError, match="it can be started once"):
+        session.start()
+    session.abort("aborted")
+    assert ended(session)["ended"] == "aborted"
+    for act in (session.again, session.start):
+        with pytest.raises(sessions.SessionError, match="the trial is ended"):
+            act()
+
+
+def test_an_exercise_that_asks_for_what_the_robot_lacks_is_not_opened():
+    text = DRILL.replace("{moved: {what: robot, distance: 1}}", "{held: {}}")
+    holding = parse_exercise(text, Path("/exercises/drill.yaml")).first
+    training_node._require_robot(holding, robot_description("standard"))
+    probe = robot_description("standard", ["tool:=probe"])
+    with pytest.raises(ExerciseError, match="held: it needs a gripper, which this robot lacks"):
+        training_node._require_robot(holding, probe)
+    with pytest.raises(ValueError, match="is no XML"):
+        training_node._require_robot(holding, "<robot")
+
+
+class Watched:
+    """What the node looks at in a session, to see whether its operator has left."""
+
+    begun, phase = True, "running"
+
+    def __init__(self):
+        self.ended = []
+
+    def abort(self, *reason):
+        self.ended.append(reason)
+
+
+def test_a_page_that_is_gone_for_long_abandons_the_trial(monkeypatch):
+    now = [100.0]
+    monkeypatch.setattr(training_node.rospy, "get_time", lambda: now[0])
+    node = training_node.TrainingNode.__new__(training_node.TrainingNode)
+    watched = Watched()
+    node._session, node._lock = watched, threading.RLock()
+    node._settings = SimpleNamespace(away=30.0)
+    node._holder, node._had_holder, node._away_since = "ann", False, None
+
+    def look(after, holder):
+        now[0] += after
+        node._holder, node._heard_of_clients = holder, time.monotonic()
+        node._look_who_is_there()
+        return watched.ended
+
+    assert not look(0.0, "ann")
+    assert not look(1.0, "")  # reloaded
+    assert not look(29.0, "")
+    assert not look(0.5, "ann")  # and back
+    assert not look(1.0, "")
+    assert not look(29.9, "")
+    assert look(0.2, "") == [("abandoned", "training")]
