@@ -21,6 +21,7 @@ EXPERTS: Dict[str, Expert] = {
     "rails": driving_exercises.over_rails,
     "slalom": driving_exercises.slalom,
     "stairs": driving_exercises.over_stairs,
+    "stepfield": driving_exercises.over_posts,
     "valve": handling_exercises.valve,
 }
 """By exercise."""

@@ -1,8 +1,9 @@
-"""Exercises of driving: slalom, confinement, gap, hurdle, stairs, ramps, rails."""
+"""Exercises of driving: slalom, confinement, gap, hurdle, stairs, ramps, rails, posts."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import List
 
 from .. import driving
@@ -26,6 +27,12 @@ _BEYOND_MIDDLE = 0.1
 _CLEAR = 1.3
 """How far behind the last step no flipper touches it any more (m)."""
 _RAMPS, _ON_RAILS = 0.30, 0.25  # m/s
+_OVER_POSTS = 0.20
+"""Speed over posts (m/s): more slowly, the robot hangs on them."""
+_RUN_UP = 1.0
+"""How far before posts the robot slows down, with its tips still off them (m)."""
+_BEHIND_POSTS = 1.5
+"""How far behind the posts the robot turns (m)."""
 _BEHIND_RAMPS = 1.5
 """How far behind the last ramp the robot turns (m)."""
 
@@ -193,3 +200,23 @@ def over_rails(hand: Hand, brief: Brief) -> None:
         driving.run_to(station, (goal, 0.0), _ON_RAILS, heading=heading)
         station.stop()
         station.wait(0.7)
+
+
+def over_posts(hand: Hand, brief: Brief) -> None:
+    """Over the field of posts, and back."""
+    station, entry = hand.station, brief.entries["posts"]
+    posts = rough.Stepfield(entry["pattern"], int(entry["pallets"]), int(entry["seed"]))
+    middle, half = float(entry["position"][0]), 0.5 * (posts.end - posts.start)
+    posts = replace(posts, start=middle - half)
+    _up_to(station, posts.start)
+    rough.cross(station, posts.height, posts.end, _OVER_POSTS)
+    back = _turned(station, 2.0 * middle, posts.end + _BEHIND_POSTS)
+    _up_to(back, posts.start)
+    rough.cross(back, rough.from_behind(posts.height, middle), posts.end, _OVER_POSTS)
+    _home(back, 2.0 * middle)
+
+
+def _up_to(station: Station, edge: float) -> None:
+    """Drive up to rough ground, if it is still far."""
+    station.keep_lane(_SPEED)
+    station.until(lambda: station.pose.x > edge - _RUN_UP, 20.0, "the run-up")

@@ -97,12 +97,15 @@ class Stepfield:
     pattern : str
     pallets, seed : int
     friction : float
+    start : float
+        Where it begins (m).
     """
 
     pattern: str = "hill"
     pallets: int = 1
     seed: int = 5
     friction: float = 1.0
+    start: float = START
 
     @functools.cached_property
     def _field(self) -> stepfield.Stepfield:
@@ -115,7 +118,7 @@ class Stepfield:
     @property
     def end(self) -> float:
         """Where it ends (m)."""
-        return START + self._field.pitch * self.pallets
+        return self.start + self._field.pitch * self.pallets
 
     def objects(self) -> List[Dict[str, Any]]:
         """Entries of a scene file."""
@@ -123,7 +126,7 @@ class Stepfield:
             {
                 "type": "stepfield",
                 "name": "posts",
-                "position": [0.5 * (START + self.end), 0.0, 0.0],
+                "position": [0.5 * (self.start + self.end), 0.0, 0.0],
                 "pattern": self.pattern,
                 "pallets": self.pallets,
                 "seed": self.seed,
@@ -134,7 +137,7 @@ class Stepfield:
     def height(self, x: float, y: float) -> float:
         """Height of the posts, or of the frame round them (m)."""
         field = self._field
-        pallet, along = divmod(x - START, field.pitch)
+        pallet, along = divmod(x - self.start, field.pitch)
         if not 0 <= pallet < self.pallets or abs(y) > 0.5 * field.pitch:
             return 0.0
         row = math.floor((along - field.border) / field.post)
@@ -143,6 +146,11 @@ class Stepfield:
         if 0 <= row < len(posts) and 0 <= column < len(posts[row]):
             return field.post * posts[row][column]
         return field.post
+
+
+def from_behind(ground: footing.Ground, middle: float) -> footing.Ground:
+    """Return ground as it lies before one who comes back, on the course from twice `middle` (m)."""
+    return lambda x, y: ground(2.0 * middle - x, -y)
 
 
 def cross(operator: Operator, ground: footing.Ground, end: float, speed: float = SPEED) -> None:
