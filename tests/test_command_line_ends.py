@@ -21,6 +21,7 @@ COMMANDS = (
     "telex_sim/nodes/robot_model",
     "telex_sim/nodes/scene",
     "telex_training/nodes/exercise",
+    "telex_training/nodes/expert",
     "telex_training/nodes/export",
     "telex_training/nodes/score",
 )
