@@ -13,6 +13,7 @@ from .port import NotManagedError
 from .station import Station
 
 TOOL = "tool_link"
+GRIPPER_CAMERA = "gripper_camera_optical_frame"
 GRIPPER = "gripper"
 """The joint of gripper_teleop that moves all fingers."""
 OPEN = 0.5

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Dict
 
-from . import driving_exercises, handling_exercises, reading
+from . import driving_exercises, handling_exercises, mounted_exercises, reading
 from .brief import Expert
 
 EXPERTS: Dict[str, Expert] = {
@@ -16,12 +16,13 @@ EXPERTS: Dict[str, Expert] = {
     "gap": driving_exercises.over_gap,
     "hurdle": driving_exercises.over_hurdle,
     "incline": driving_exercises.incline,
+    "inspect": mounted_exercises.inspect,
     "maze": reading.maze,
     "pallet": handling_exercises.pallet,
     "rails": driving_exercises.over_rails,
     "slalom": driving_exercises.slalom,
     "stairs": driving_exercises.over_stairs,
     "stepfield": driving_exercises.over_posts,
-    "valve": handling_exercises.valve,
+    "valve": mounted_exercises.valve,
 }
 """By exercise."""

@@ -1,4 +1,4 @@
-"""Exercises of the arm: briefcase, pallet, cube, valve. The places of all objects are known."""
+"""Exercises of the arm: briefcase, pallet, cube. The places of all objects are known."""
 
 from __future__ import annotations
 
@@ -32,13 +32,6 @@ _OVER = 0.22  # m
 _CUBE_OPENING = 0.24  # rad
 
 _PALLET_LENGTH = 1.2  # m
-
-_VALVE_REACH = 0.85  # m, from base_link to the wheel's plane
-_WHEEL_AHEAD = 0.16  # m, of the wheel before the valve's middle
-_CRANK = 0.060  # m, from the axis, where the fingers push a spoke
-_THROUGH, _BEFORE = -0.03, 0.14  # m, of the tool past the wheel's plane; and before it
-_TURN, _PIECES = 2.0 * math.pi + 0.9, 28
-"""How far the fingers go round (rad): a part of it until they meet a spoke."""
 
 
 def briefcase(hand: Hand, brief: Brief) -> None:
@@ -121,56 +114,3 @@ def _upright_turn(angle: float) -> float:
     """Turn (rad) of a hand that grips a cube turned by `angle` by the nearest pair of sides."""
     quarter = 0.5 * math.pi
     return angle - quarter * round(angle / quarter)
-
-
-def valve(hand: Hand, brief: Brief) -> None:
-    """Open the valve: lead the closed fingers round between two spokes."""
-    station = hand.station
-    station.mode("CARTESIAN")
-    entry = brief.entries["valve"]
-    place, yaw = entry["position"], float(entry.get("yaw", 0.0))
-    height = float(entry["height"])
-    wheel = (
-        place[0] - _WHEEL_AHEAD * math.cos(yaw),
-        place[1] - _WHEEL_AHEAD * math.sin(yaw),
-    )
-
-    def before(distance: float) -> driving.Point:
-        return (wheel[0] - distance * math.cos(yaw), wheel[1] - distance * math.sin(yaw))
-
-    driving.drive_to(station, before(_VALVE_REACH + 0.4))
-    driving.turn_to(station, yaw)
-    station.hold_preset("approach")
-    hand.to_named_pose("ready")
-    hand.open(0.02)
-    driving.run_to(station, before(_VALVE_REACH), 0.3, heading=yaw)
-    station.stop()
-    station.wait(0.4)
-    station.hold_preset("")
-    centre = inverse(station.base()) @ (wheel[0], wheel[1], height, 1.0)
-    turn = yaw - station.pose.yaw
-
-    def at(angle: float, depth: float) -> np.ndarray:
-        """Tool beside the axis, `angle` from above against the clock as it is seen.
-
-        The hand rolls along, for closed fingers are narrow in one direction only; half a turn
-        ahead, so that its joint comes round without meeting its end.
-        """
-        aside, up = _CRANK * math.sin(angle), _CRANK * math.cos(angle)
-        return aimed(
-            centre[0] + depth * math.cos(turn) - aside * math.sin(turn),
-            centre[1] + depth * math.sin(turn) + aside * math.cos(turn),
-            centre[2] + up,
-            turn,
-            0.0,
-            math.pi - angle,
-        )
-
-    x, y, z = at(0.0, -_BEFORE)[:3, 3]
-    hand.to(aimed(x, y, z, turn, 0.0, 0.5 * math.pi), tolerance=0.02)
-    hand.to(at(0.0, -_BEFORE), tolerance=0.01)
-    hand.to(at(0.0, _THROUGH), tolerance=0.01)
-    for piece in range(1, _PIECES + 1):
-        hand.to(at(_TURN * piece / _PIECES, _THROUGH), tolerance=0.015)
-    hand.to(at(_TURN - 0.2, _THROUGH), tolerance=0.02)
-    hand.to(at(_TURN - 0.2, -_BEFORE), tolerance=0.02)

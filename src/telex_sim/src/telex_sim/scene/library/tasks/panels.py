@@ -68,12 +68,11 @@ class InspectionPipes(ObjectType):
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
         parts: List = list(mount(self.mounting, self.height, 0.62, 0.3, look.PLYWOOD))
-        centre = (-PLATE, 0.0, self.height)
         for index, ((offset, turn), gap) in enumerate(zip(self._places(), self.gaps())):
             # Pipes stand on z = 0 and point along z, towards us; those of the star lean outwards.
             opens = f"sealed={self.sealed}&of={index}" if self.sealed else f"angle={gap}"
             pipe = self._pipe(opens)
-            parts.extend(placed(placed(pipe, offset, turn), centre, TOWARDS_US))
+            parts.extend(placed(placed(pipe, offset, turn), self._centre, TOWARDS_US))
         if self.layout == "star":
             parts.append(box((0.06, 0.1, 0.1), (-PLATE - 0.03, 0.0, self.height), look.PLYWOOD))
         return standing("pipes", tuple(parts))
@@ -90,6 +89,22 @@ class InspectionPipes(ObjectType):
             # About y, z turns towards x.
             places.append((lean, product(around, _LEANING)))
         return places
+
+    def mouths(self) -> List[Tuple[Vector3, Vector3]]:
+        """Middle of each pipe's open end (m), and where it points to, in the object's frame."""
+        x, y, z = self._centre
+        found = []
+        for offset, turn in self._places():
+            axis = rotate(TOWARDS_US, rotate(turn, (0.0, 0.0, 1.0)))
+            dx, dy, dz = rotate(TOWARDS_US, offset)
+            length = self.length
+            end = (x + dx + length * axis[0], y + dy + length * axis[1], z + dz + length * axis[2])
+            found.append((end, axis))
+        return found
+
+    @property
+    def _centre(self) -> Vector3:
+        return (-PLATE, 0.0, self.height)
 
     def gaps(self) -> List[int]:
         """Where the ring of each pipe opens (degrees, anticlockwise from the right)."""

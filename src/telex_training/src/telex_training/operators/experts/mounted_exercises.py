@@ -1,0 +1,119 @@
+"""Exercises of the arm at what is mounted and looks at the robot: valve, pipes."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Mapping
+
+import numpy as np
+
+from telex_control.common.geometry.matrices import homogeneous, inverse, rotation_from_rpy
+from telex_sim.scene.library.tasks.panels import InspectionPipes
+
+from .. import driving
+from ..handling import GRIPPER_CAMERA, TOOL, Hand, aimed
+from ..tasks.task import heading_of
+from .brief import Brief
+
+_RUN_UP = 0.4
+"""How far the robot drives up to its place in a straight line (m)."""
+
+_VALVE_REACH = 0.85  # m, from base_link to the wheel's plane
+_WHEEL_AHEAD = 0.16  # m, of the wheel before the valve's middle
+_CRANK = 0.060  # m, from the axis, where the fingers push a spoke
+_THROUGH, _BEFORE = -0.03, 0.14  # m, of the tool past the wheel's plane; and before it
+_TURN, _PIECES = 2.0 * math.pi + 0.9, 28
+"""How far the fingers go round (rad): a part of it until they meet a spoke."""
+
+_PIPES_STAND = 0.85  # m, from base_link to where the camera is before the middle pipe
+_LOOK_FROM = 0.28  # m, of the camera before a pipe's mouth
+_LOOK = 0.6
+"""At the bottom of each pipe (s)."""
+
+
+def _stand_before(hand: Hand, entry: Mapping[str, Any], distance: float, opening: float) -> None:
+    """Drive so far before what is mounted (m), square to it, with the arm ready."""
+    station = hand.station
+    place, yaw = entry["position"], float(entry.get("yaw", 0.0))
+
+    def before(way: float) -> driving.Point:
+        return (place[0] - way * math.cos(yaw), place[1] - way * math.sin(yaw))
+
+    driving.drive_to(station, before(distance + _RUN_UP))
+    driving.turn_to(station, yaw)
+    station.hold_preset("approach")
+    hand.to_named_pose("ready")
+    hand.open(opening)
+    driving.run_to(station, before(distance), 0.3, heading=yaw)
+    station.stop()
+    station.wait(0.4)
+    station.hold_preset("")
+
+
+def _seen_from_base(hand: Hand, entry: Mapping[str, Any]) -> np.ndarray:
+    """Pose of a thing of the scene's file in base_link, 4x4."""
+    turn = rotation_from_rpy((0.0, 0.0, float(entry.get("yaw", 0.0))))
+    return inverse(hand.station.base()) @ homogeneous(turn, entry["position"])
+
+
+def valve(hand: Hand, brief: Brief) -> None:
+    """Open the valve: lead the closed fingers round between two spokes."""
+    station = hand.station
+    station.mode("CARTESIAN")
+    entry = brief.entries["valve"]
+    _stand_before(hand, entry, _WHEEL_AHEAD + _VALVE_REACH, 0.02)
+    here = _seen_from_base(hand, entry)
+    centre = (here @ (-_WHEEL_AHEAD, 0.0, float(entry["height"]), 1.0))[:3]
+    turn = heading_of(here)
+
+    def at(angle: float, depth: float) -> np.ndarray:
+        """Tool beside the axis, `angle` from above against the clock as it is seen.
+
+        The hand rolls along, for closed fingers are narrow in one direction only; half a turn
+        ahead, so that its joint comes round without meeting its end.
+        """
+        aside, up = _CRANK * math.sin(angle), _CRANK * math.cos(angle)
+        return aimed(
+            centre[0] + depth * math.cos(turn) - aside * math.sin(turn),
+            centre[1] + depth * math.sin(turn) + aside * math.cos(turn),
+            centre[2] + up,
+            turn,
+            0.0,
+            math.pi - angle,
+        )
+
+    x, y, z = at(0.0, -_BEFORE)[:3, 3]
+    hand.to(aimed(x, y, z, turn, 0.0, 0.5 * math.pi), tolerance=0.02)
+    hand.to(at(0.0, -_BEFORE), tolerance=0.01)
+    hand.to(at(0.0, _THROUGH), tolerance=0.01)
+    for piece in range(1, _PIECES + 1):
+        hand.to(at(_TURN * piece / _PIECES, _THROUGH), tolerance=0.015)
+    hand.to(at(_TURN - 0.2, _THROUGH), tolerance=0.02)
+    hand.to(at(_TURN - 0.2, -_BEFORE), tolerance=0.02)
+
+
+def inspect(hand: Hand, brief: Brief) -> None:
+    """Look along the axis of each pipe in turn, and say what the brief says of it."""
+    station = hand.station
+    station.mode("CARTESIAN")
+    entry = brief.entries["pipes"]
+    pipes = InspectionPipes(entry["layout"], float(entry["length"]), float(entry["height"]))
+    mouths = pipes.mouths()
+    (x, _, _), _ = mouths[0]
+    _stand_before(hand, entry, _LOOK_FROM - x + _PIPES_STAND, 0.02)
+    here = _seen_from_base(hand, entry)
+    # The tool as the camera sees it.
+    tool = inverse(station.place_of(GRIPPER_CAMERA)) @ station.place_of(TOOL)
+    for number, (mouth, towards) in enumerate(mouths, 1):
+        axis = here[:3, :3] @ towards
+        eye = (here @ (*mouth, 1.0))[:3] + _LOOK_FROM * axis
+        hand.to(_looking(eye, -axis) @ tool, tolerance=0.01)
+        station.wait(_LOOK)
+        station.port.answer(f"pipe_{number}", brief.answers[f"pipe_{number}"])
+
+
+def _looking(eye: np.ndarray, ahead: np.ndarray) -> np.ndarray:
+    """Pose of a camera's optical frame at a place, upright, that looks along a direction."""
+    right = np.cross(ahead, (0.0, 0.0, 1.0))
+    right /= np.linalg.norm(right)
+    return homogeneous(np.column_stack((right, np.cross(ahead, right), ahead)), eye)
