@@ -630,3 +630,22 @@ def test_a_goal_whose_controller_stops_while_it_is_read_is_cancelled(start, monk
     assert tested.bench.switch(start=["c"])
     tested.run(1.5)
     assert tested.positions() == [0.0, 0.0, 0.0]
+
+
+def test_a_state_that_is_restored_goes_on_along_its_trajectory_without_a_goal(start):
+    tested = start()
+    first = tested.send(trajectory((1.0, [1.0, 0.2, 2.0])))
+    tested.run(0.5)
+    saved, began = tested.bench.manager.save_state(), tested.bench.time
+    tested.run(1.0)
+    assert first.status == "succeeded"
+    second = tested.send(trajectory((2.0, [0.0, 0.0, 0.0])))
+    tested.run(0.1)
+    now = tested.bench.time
+    tested.bench.manager.restore_state(saved, now, now - began)
+    assert second.status == "cancelled"
+    assert "bookmark" in second.text
+    tested.run(0.25)
+    assert tested.positions() == pytest.approx([0.75, 0.15, 1.5], abs=0.02)
+    tested.run(0.5)
+    assert tested.positions() == pytest.approx([1.0, 0.2, 2.0])

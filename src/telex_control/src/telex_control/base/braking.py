@@ -15,6 +15,7 @@ from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
 import PyKDL
 
 from ..common.params import require_range
+from ..common.stateful import Stateful
 from ..hardware.hardware_interface import JointStateHandle
 from ..hardware.joint_limits import clamp
 from ..kinematics import KinematicsError, UrdfTree, kdl_tree
@@ -92,7 +93,7 @@ class _ArmJoint(NamedTuple):
     effort: Callable[[float], float]
 
 
-class BrakingLimit:
+class BrakingLimit(Stateful):
     """Largest deceleration of a robot that drives.
 
     Parameters
@@ -120,6 +121,9 @@ class BrakingLimit:
     KinematicsError
         The robot has no such links.
     """
+
+    SAVED = ("_limit", "_weighed", "load")
+    SAVED_TIMES = ("_until",)
 
     def __init__(
         self,

@@ -16,6 +16,7 @@ from ..common.geometry.quaternions import (
     transform_by_rows,
 )
 from ..common.params import require_range
+from ..common.stateful import Stateful
 from ..hardware.hardware_interface import ImuSensorHandle
 from ..kinematics.urdf_tree import FIXED, KinematicsError, UrdfTree
 from ..urdf.model import Robot
@@ -72,7 +73,7 @@ class BaseImuConfig:
             require_range(self, name, 0.0)
 
 
-class BaseImu:
+class BaseImu(Stateful):
     """Reads an inertial sensor, and learns the bias of its gyroscope while the robot rests.
 
     Standing drives are not yet rest: the robot may slide, sink, or be lifted by its flippers.
@@ -100,6 +101,21 @@ class BaseImu:
     at_rest : bool
     """
 
+    SAVED = (
+        "_age",
+        "_before",
+        "_mean",
+        "_mean_variance",
+        "_next",
+        "_reading",
+        "_still",
+        "_until_next",
+        "at_rest",
+        "bias",
+        "bias_variance",
+        "rates",
+    )
+
     def __init__(self, handle: ImuSensorHandle, mount: Rows, config: BaseImuConfig) -> None:
         self._handle = handle
         self._mount = mount
@@ -110,6 +126,7 @@ class BaseImu:
         """Forget everything: the sensor was switched on anew."""
         self.bias: Vector3 = _ZERO
         self.bias_variance = self._config.turn_on_bias**2
+        self._begin_to_learn()
         self.restart()
 
     def restart(self) -> None:

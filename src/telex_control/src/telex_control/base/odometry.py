@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from typing import Deque, Optional, Tuple
+from typing import ClassVar, Deque, Optional, Tuple
 
 from ..common.geometry.quaternions import Quaternion, about
+from ..common.stateful import Names, Stateful
 
 
-class RollingVelocity:
+class RollingVelocity(Stateful):
     """Mean of the last velocities.
 
     Parameters
@@ -17,6 +18,8 @@ class RollingVelocity:
     window : int
         How many.
     """
+
+    SAVED = ("_angular", "_linear", "_window")
 
     def __init__(self, window: int) -> None:
         self._window: Deque[Tuple[float, float]] = deque(maxlen=window)
@@ -40,7 +43,7 @@ class RollingVelocity:
         return self._linear / len(window), self._angular / len(window)
 
 
-class WheelOdometry:
+class WheelOdometry(Stateful):
     """What the wheels of two sides tell: way, turn, and the mean velocity of the last cycles.
 
     Parameters
@@ -53,6 +56,9 @@ class WheelOdometry:
     linear, angular : float
         Velocity along the base's x axis, and about its z axis (m/s, rad/s).
     """
+
+    SAVED: ClassVar[Names] = ("_last", "angular", "linear")
+    SAVED_PARTS = ("_mean",)
 
     def __init__(self, window: int) -> None:
         self._mean = RollingVelocity(window)
@@ -102,6 +108,8 @@ class DifferentialOdometry(WheelOdometry):
     window : int
         Number of cycles over which the reported velocity is averaged.
     """
+
+    SAVED = ("heading", "x", "y")
 
     def __init__(
         self, wheel_separation: float, left_radius: float, right_radius: float, window: int

@@ -83,6 +83,21 @@ class TrackedOdometry(WheelOdometry):
         See `WheelOdometry`.
     """
 
+    SAVED = (
+        "_ahead",
+        "_blind_turn",
+        "_covariance",
+        "_height_variance",
+        "_moved",
+        "_since_level",
+        "_time",
+        "_time_turning",
+        "_turn",
+        "_way",
+        "orientation",
+        "position",
+    )
+
     def __init__(
         self,
         window: int,

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Optional, Tuple
 
 from ..common.params import require_range
+from ..common.stateful import Stateful
 from ..hardware.joint_limits import clamp
 
 _TURNING = 0.05
@@ -93,7 +94,7 @@ class YawRateLoopConfig:
             require_range(self, name, 0.0)
 
 
-class YawRateLoop:
+class YawRateLoop(Stateful):
     """Turns a commanded twist into speeds of the left and the right belts.
 
     A robot that is told to stand gets standing belts, whatever is measured. Where the belts would
@@ -117,6 +118,20 @@ class YawRateLoop:
     integral : float
         Yaw rate that the belts make up for (rad/s).
     """
+
+    SAVED = (
+        "_angular",
+        "_difference",
+        "_expected",
+        "_fastest",
+        "_heard",
+        "_rate",
+        "_saturated",
+        "_since_answer",
+        "_taken",
+        "_turned",
+        "integral",
+    )
 
     def __init__(self, config: YawRateLoopConfig, max_speed: float) -> None:
         self._config = config

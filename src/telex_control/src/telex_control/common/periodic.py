@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from typing import Optional
 
+from .stateful import Stateful
 
-class Periodic:
+
+class Periodic(Stateful):
     """Tells when something is due; the mean rate is kept whatever the control period.
 
     Parameters
@@ -16,6 +18,7 @@ class Periodic:
     """
 
     __slots__ = ("_next", "period")
+    SAVED_TIMES = ("_next",)
 
     def __init__(self, rate: float) -> None:
         self.period = 1.0 / rate if rate > 0.0 else math.inf

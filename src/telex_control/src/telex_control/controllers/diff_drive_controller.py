@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time as wall
-from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, ClassVar, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from control_msgs.msg import JointTrajectoryControllerState
 from geometry_msgs.msg import Point, Quaternion, TransformStamped, Twist, TwistStamped, Vector3
@@ -15,6 +15,7 @@ from trajectory_msgs.msg import JointTrajectoryPoint
 from ..base.odometry import DifferentialOdometry
 from ..common.periodic import Periodic
 from ..common.plausible import speed_problem
+from ..common.stateful import Names, Stateful
 from ..hardware.hardware_interface import JointHandle, RobotHW, VelocityJointInterface
 from ..laws.speed_limiter import SpeedLimiter
 from ..manager.controller import Controller, ControllerInitError
@@ -37,6 +38,8 @@ RECONFIGURABLE = (
     ReconfigurableParameter("enable_odom_tf", True, False, True, "Publish the transform."),
 )
 """Names, defaults and ranges are those of diff_drive_controller."""
+_ROUNDING = 5e-7
+"""Time (s) by which sums of periods are wrong at most."""
 
 
 class _Command(NamedTuple):
@@ -106,6 +109,9 @@ class DiffDriveController(Controller):
             "wheel_separation_multiplier",
         )
     )
+    SAVED: ClassVar[Names] = ("_active", "_angular", "_linear")
+    SAVED_TIMES = ("_received",)
+    SAVED_PARTS: ClassVar[Names] = ("_odometry", "_publish_timer", "_wheel_state")
 
     def init(self, hw: RobotHW, root: NodeHandle, node: NodeHandle) -> None:
         """Claim the wheels and open the topics."""
@@ -285,7 +291,7 @@ class DiffDriveController(Controller):
     def _obey(self, command: _Command, time: float) -> None:
         """Take a new command over, or give up an old one."""
         if command.serial == self._obeyed:
-            if time - self._received > self._timeout or self._is_orphaned(command):
+            if time - self._received > self._timeout + _ROUNDING or self._is_orphaned(command):
                 self._active = (0.0, 0.0)
             return
         self._obeyed = command.serial
@@ -316,6 +322,14 @@ class DiffDriveController(Controller):
         """Come to rest as after an old command, within the limits."""
         self._obeyed = self._command.serial
         self._active = (0.0, 0.0)
+
+    def restore_state(self, saved: Any, elapsed: float) -> None:
+        """Take a state up again; commands from before this are forgotten.
+
+        What was obeyed then is obeyed again, until it is as old as it may be.
+        """
+        super().restore_state(saved, elapsed)
+        self._obeyed = self._command.serial
 
     def _brake(self) -> None:
         self._active = (0.0, 0.0)
@@ -350,8 +364,10 @@ class DiffDriveController(Controller):
         self._odom.publish(message)
 
 
-class _WheelStatePublisher:
+class _WheelStatePublisher(Stateful):
     """Publishes commands and measurements of the wheels in every cycle, when anybody listens."""
+
+    SAVED = ("_desired", "_last_commands", "_last_velocities")
 
     def __init__(self, node: NodeHandle, wheels: List[JointHandle]) -> None:
         self._wheels = wheels

@@ -38,6 +38,9 @@ class JointGroupPositionController(Controller):
     commands are clamped.
     """
 
+    SAVED = ("_set_points",)
+    SAVED_PARTS = ("_gravities", "_loops")
+
     def init(self, hw: RobotHW, root: NodeHandle, node: NodeHandle) -> None:
         """Claim the joints and open the topic."""
         self._node = node
@@ -60,6 +63,8 @@ class JointGroupPositionController(Controller):
                     gravity,
                 )
             )
+        self._loops = [joint.pid for joint in self._joints]
+        self._gravities = [joint.gravity for joint in self._joints if joint.gravity is not None]
         self._set_points: Tuple[float, ...] = (0.0,) * len(names)
         node.subscribe("command", Float64MultiArray, self._on_command)
 

@@ -52,6 +52,8 @@ class JointPositionController(Controller):
             "pid",
         )
     )
+    SAVED = ("_asked", "_set_point")
+    SAVED_PARTS = ("_filter", "_gravity", "_limiter", "_pid")
     interface: Type[JointCommandInterface] = EffortJointInterface
 
     def init(self, hw: RobotHW, root: NodeHandle, node: NodeHandle) -> None:

@@ -21,6 +21,8 @@ class JointVelocityController(Controller):
     """
 
     parameters = frozenset(("joint", "pid"))
+    SAVED = ("_set_point",)
+    SAVED_PARTS = ("_pid",)
 
     def init(self, hw: RobotHW, root: NodeHandle, node: NodeHandle) -> None:
         """Claim the joint and open the topics."""

@@ -37,6 +37,7 @@ class ForwardCommandController(Controller):
         Through which the joints are commanded.
     """
 
+    SAVED = ("_commands",)
     interface: Type[JointCommandInterface]
 
     def init(self, hw: RobotHW, root: NodeHandle, node: NodeHandle) -> None:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from typing import Any, Deque, NamedTuple, Optional, Tuple
+from typing import Any, ClassVar, Deque, NamedTuple, Optional, Tuple
 
 from control_msgs.msg import GripperCommandAction, GripperCommandFeedback, GripperCommandResult
 
 from ..common.periodic import Periodic
 from ..common.plausible import effort_problem, position_problem
+from ..common.stateful import Names
 from ..hardware.hardware_interface import EffortJointInterface, PositionJointInterface, RobotHW
 from ..hardware.joint_limits import clamp
 from ..laws.pid_reconfigure import PidSet
@@ -49,6 +50,9 @@ class GripperCommandController(Controller):
             "stall_velocity_threshold",
         )
     )
+    SAVED: ClassVar[Names] = ("_max_effort", "_position")
+    SAVED_TIMES = ("_moved",)
+    SAVED_PARTS: ClassVar[Names] = ("_feedback_timer",)
     goal_tolerance = 0.01
     """Default of the parameter; as are the next two."""
     stall_velocity_threshold = 0.001
@@ -185,6 +189,11 @@ class GripperCommandController(Controller):
         self._drop_goals()
         self._release()
 
+    def restore_state(self, saved: Any, elapsed: float) -> None:
+        """Take a state up again; the goal that is under way now is cancelled, none is taken up."""
+        self._cancel("the simulation went back to a bookmark")
+        super().restore_state(saved, elapsed)
+
     def _cancel(self, text: str) -> None:
         if self._active is not None:
             self._active.cancel(self._fill(GripperCommandResult(), self._measure()), text)
@@ -234,6 +243,7 @@ class EffortGripperActionController(_JointGripperController):
     """``effort_controllers/GripperActionController``: a PID (``gains/<joint>``), limited."""
 
     parameters = _JointGripperController.parameters | {"gains"}
+    SAVED_PARTS = ("_pid",)
     interface = EffortJointInterface
 
     def _init_joints(self, hw: RobotHW, root: NodeHandle, node: NodeHandle) -> None:

@@ -37,6 +37,7 @@ class JointStateController(Controller):
     """
 
     parameters = frozenset(("extra_joints", "joints", "publish_rate"))
+    SAVED_PARTS = ("_timer",)
 
     def init(self, hw: RobotHW, root: NodeHandle, node: NodeHandle) -> None:
         """Take the state handles; state handles claim nothing."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bisect
 import math
 from collections import deque
-from typing import Any, Deque, Dict, List, NamedTuple, Optional, Sequence, Tuple, Type
+from typing import Any, ClassVar, Deque, Dict, List, NamedTuple, Optional, Sequence, Tuple, Type
 
 from control_msgs.msg import (
     FollowJointTrajectoryAction,
@@ -17,6 +17,7 @@ from control_msgs.srv import QueryTrajectoryState, QueryTrajectoryStateResponse
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from ..common.periodic import Periodic
+from ..common.stateful import Names, Stateful
 from ..hardware.hardware_interface import (
     EffortJointInterface,
     JointCommandInterface,
@@ -42,7 +43,7 @@ from .joint_gravity import joint_gravity
 from .pending import drain
 
 
-class _Joint:
+class _Joint(Stateful):
     """One joint: its handle, what it is to do, and how far it is from that."""
 
     __slots__ = (
@@ -56,6 +57,7 @@ class _Joint:
         "velocity_error",
         "wraps",
     )
+    SAVED = ("desired", "path", "position_error", "velocity_error")
 
     def __init__(self, handle: JointHandle, lower: float, upper: float, wraps: bool) -> None:
         self.name = handle.name
@@ -67,6 +69,10 @@ class _Joint:
         self.desired: Sample = (handle.state.position, 0.0, 0.0)
         self.position_error = 0.0
         self.velocity_error = 0.0
+
+    def restore_state(self, saved: Any, elapsed: float) -> None:
+        super().restore_state(saved, elapsed)
+        self.path = self.path.shifted(elapsed)
 
 
 class _Order(NamedTuple):
@@ -115,6 +121,7 @@ class JointTrajectoryController(Controller):
             "stop_trajectory_duration",
         )
     )
+    SAVED_PARTS: ClassVar[Names] = ("_feedback_timer", "_joints", "_state_timer")
     interface: Type[JointCommandInterface]
 
     def init(self, hw: RobotHW, root: NodeHandle, node: NodeHandle) -> None:
@@ -260,10 +267,16 @@ class JointTrajectoryController(Controller):
         for joint in self._joints:
             joint.handle.command = self._rest_command(joint)
 
-    def _drop_orders(self) -> None:
+    def restore_state(self, saved: Any, elapsed: float) -> None:
+        """Take a state up again, and go on along its trajectory; goals are cancelled."""
+        self._cancel("the simulation went back to a bookmark")
+        self._drop_orders("the simulation went back to a bookmark")
+        super().restore_state(saved, elapsed)
+
+    def _drop_orders(self, text: str = "the controller was stopped") -> None:
         for order in drain(self._orders):
             if order.goal is not None:
-                order.goal.cancel(Result(), "the controller was stopped")
+                order.goal.cancel(Result(), text)
 
     def _cancel(self, text: str) -> None:
         if self._active is not None:
@@ -396,6 +409,7 @@ class _ClosedLoopTrajectoryController(JointTrajectoryController):
     """Commands what PIDs make of the errors, and a share of the desired velocity."""
 
     parameters = JointTrajectoryController.parameters | {"gains", "velocity_ff"}
+    SAVED_PARTS = ("_stateful_loops",)
 
     def _init_commands(self, hw: RobotHW, root: NodeHandle, node: NodeHandle) -> None:
         self._pids = PidSet(node)
@@ -408,6 +422,9 @@ class _ClosedLoopTrajectoryController(JointTrajectoryController):
                 gravity,
             )
             for joint, gravity in zip(self._joints, gravities)
+        ]
+        self._stateful_loops: List[Stateful] = [
+            part for loop in self._loops for part in (loop[1], loop[3]) if part is not None
         ]
 
     def _gravities(

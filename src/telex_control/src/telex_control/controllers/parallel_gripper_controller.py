@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import List, Optional, Tuple
 
 from ..common.params import read_config, require, require_range
+from ..common.stateful import Stateful
 from ..hardware.hardware_interface import EffortJointInterface, JointHandle, RobotHW
 from ..hardware.joint_limits import clamp
 from ..laws.gravity import JointGravity
@@ -130,10 +131,12 @@ class GripperConfig:
             require_range(self, name, above=0.0)
 
 
-class _Joint:
+class _Joint(Stateful):
     """One finger joint, and how far its reference still is from where the coupling wants it."""
 
     __slots__ = ("gains", "gravity", "handle", "offset", "ratio")
+    SAVED = ("offset",)
+    SAVED_PARTS = ("gravity",)
 
     def __init__(
         self,
@@ -172,6 +175,8 @@ class ParallelGripperController(GripperCommandController):
         "left_joints",
         "right_joints",
     }
+    SAVED = ("_force", "_reference", "_target")
+    SAVED_PARTS = ("_joints",)
     goal_tolerance = 0.002
     allow_stalling = True
 

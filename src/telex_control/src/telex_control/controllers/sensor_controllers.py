@@ -32,6 +32,7 @@ class _SensorController(Controller):
     """
 
     parameters = frozenset(("publish_rate",))
+    SAVED_PARTS = ("_timer",)
     interface: Type[HardwareInterface]
     message_type: Any
 

@@ -49,6 +49,8 @@ class TrackedDriveController(DiffDriveController):
         "odometry_errors",
         "yaw_rate_loop",
     }
+    SAVED = ("_sensor_lost",)
+    SAVED_PARTS = ("_braking_limit", "_imu", "_loop")
 
     def init(self, hw: RobotHW, root: NodeHandle, node: NodeHandle) -> None:
         """Claim the belts, find the sensor and open the topics."""

@@ -15,6 +15,7 @@ import enum
 import logging
 from typing import Dict, Generic, Iterable, List, Optional, Set, Tuple, Type, TypeVar
 
+from ..common.stateful import Stateful
 from ..ros.node_handle import NodeHandle
 
 __all__ = [
@@ -57,7 +58,7 @@ class HardwareInterfaceError(Exception):
     """A resource or interface that was asked for does not exist."""
 
 
-class NamedHandle:
+class NamedHandle(Stateful):
     """Anything that is registered under a name."""
 
     __slots__ = ("name",)
@@ -78,6 +79,7 @@ class JointStateHandle(NamedHandle):
     """
 
     __slots__ = ("absolute_position", "effort", "position", "torque_sensor", "velocity")
+    SAVED = __slots__
 
     def __init__(self, name: str) -> None:
         super().__init__(name)
@@ -99,6 +101,7 @@ class JointHandle(NamedHandle):
     """
 
     __slots__ = ("command", "state")
+    SAVED = ("command",)
 
     def __init__(self, state: JointStateHandle) -> None:
         super().__init__(state.name)
@@ -178,6 +181,14 @@ class ImuSensorHandle(NamedHandle):
         "angular_velocity",
         "angular_velocity_covariance",
         "frame_id",
+        "linear_acceleration",
+        "linear_acceleration_covariance",
+        "orientation",
+        "orientation_covariance",
+    )
+    SAVED = (
+        "angular_velocity",
+        "angular_velocity_covariance",
         "linear_acceleration",
         "linear_acceleration_covariance",
         "orientation",

@@ -62,6 +62,7 @@ class PositionJointSaturationHandle(JointLimitsHandle):
     """
 
     __slots__ = ("_high", "_low", "_previous", "_velocity")
+    SAVED = ("_previous",)
 
     def __init__(self, joint: JointHandle, limits: JointLimits) -> None:
         super().__init__(joint)
@@ -139,6 +140,7 @@ class PositionJointSoftLimitsHandle(_SoftLimitsHandle):
     """
 
     __slots__ = ("_high", "_low", "_previous")
+    SAVED = ("_previous",)
 
     def __init__(
         self, joint: JointHandle, limits: JointLimits, soft_limits: SoftJointLimits
@@ -271,6 +273,7 @@ class VelocityJointSaturationHandle(JointLimitsHandle):
     """
 
     __slots__ = ("_acceleration", "_previous", "_velocity")
+    SAVED = ("_previous",)
 
     def __init__(self, joint: JointHandle, limits: JointLimits) -> None:
         super().__init__(joint)

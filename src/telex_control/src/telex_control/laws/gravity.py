@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import math
 import weakref
-from typing import Dict, List, NamedTuple, Optional, Sequence, Set, Tuple, TypeVar
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Set, Tuple, TypeVar
 
 import PyKDL
 
+from ..common.stateful import Stateful
 from ..hardware.hardware_interface import (
     HardwareInterface,
     ImuSensorHandle,
@@ -84,10 +85,11 @@ class _Solvers:
         return efforts
 
 
-class JointGravity:
+class JointGravity(Stateful):
     """The gravity effort of one joint."""
 
     __slots__ = ("_model", "_name")
+    SAVED_PARTS = ("_model",)
 
     def __init__(self, model: GravityModel, name: str) -> None:
         self._model = model
@@ -98,7 +100,7 @@ class JointGravity:
         return self._model.efforts(time)[self._name]
 
 
-class GravityModel:
+class GravityModel(Stateful):
     """Gravity efforts of the joints of one robot.
 
     Parameters
@@ -115,6 +117,9 @@ class GravityModel:
     GravityError
         The URDF cannot be used.
     """
+
+    SAVED = ("_efforts", "_gravity", "_orientation")
+    SAVED_TIMES = ("_until",)
 
     def __init__(
         self,
@@ -168,6 +173,13 @@ class GravityModel:
         self._until = time + HOLD - 5e-7
         self._efforts = self._solvers.solve()
         return self._efforts
+
+    def restore_state(self, saved: Any, elapsed: float) -> None:
+        """Take a state up again; see `Stateful.restore_state`."""
+        before = self._gravity
+        super().restore_state(saved, elapsed)
+        if self._gravity != before:
+            self._solvers.turn(self._gravity)
 
     def _read_orientation(self) -> bool:
         """Turn gravity into the root frame; tell whether its direction has changed."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Mapping, Optional
 
 from ..common.params import ConfigError, read_value
+from ..common.stateful import Stateful
 
 _KEYS = {"p", "i", "d", "i_clamp", "i_clamp_min", "i_clamp_max", "antiwindup", "publish_state"}
 
@@ -79,7 +80,7 @@ class PidGains:
         return gains
 
 
-class Pid:
+class Pid(Stateful):
     """One PID loop.
 
     The output is ``p e + clamp(i integral(e)) + d de/dt``. Unlike control_toolbox, the first
@@ -104,6 +105,7 @@ class Pid:
         "output",
         "period",
     )
+    SAVED = ("_last_error", "error", "error_dot", "i_term", "integral", "output", "period")
 
     def __init__(self, gains: PidGains) -> None:
         self.gains = gains

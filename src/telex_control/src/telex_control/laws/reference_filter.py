@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Tuple
 
 from ..common.params import require_range
+from ..common.stateful import Stateful
 from ..hardware.joint_limits import clamp
 
 JUMP_TIME = 0.05
@@ -17,7 +18,7 @@ STANDSTILL = 1e-9
 """Speed of a reference that rests (rad/s, m/s)."""
 
 
-class ReferenceFilter:
+class ReferenceFilter(Stateful):
     """A critically damped low-pass of second order.
 
     Between two set points the input is constant, so the motion has a closed form (with e the
@@ -36,6 +37,7 @@ class ReferenceFilter:
     """
 
     __slots__ = ("_decay", "_frequency", "_period", "position", "velocity")
+    SAVED = ("position", "velocity")
 
     def __init__(self, frequency: float) -> None:
         if not 0.0 < frequency < math.inf:
@@ -89,7 +91,7 @@ class ReferenceLimits:
         require_range(self, "acceleration", above=0.0)
 
 
-class ReferenceLimiter:
+class ReferenceLimiter(Stateful):
     """Leads a reference to a set point that jumps, in the shortest time that its limits allow.
 
     A set point that moves on in small steps is followed at once: whoever sends a stream has shaped
@@ -98,6 +100,7 @@ class ReferenceLimiter:
     """
 
     __slots__ = ("_approaching", "_limits", "position", "velocity")
+    SAVED = ("_approaching", "position", "velocity")
 
     def __init__(self, limits: ReferenceLimits) -> None:
         self._limits = limits

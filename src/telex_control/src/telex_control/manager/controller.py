@@ -5,6 +5,7 @@ from __future__ import annotations
 import enum
 from typing import FrozenSet, Optional
 
+from ..common.stateful import Stateful
 from ..hardware.hardware_interface import ControllerInfo, RobotHW
 from ..ros.node_handle import NodeHandle
 
@@ -26,12 +27,15 @@ class ControllerInitError(Exception):
     """A controller cannot be initialised; the message says why, for a person."""
 
 
-class Controller:
+class Controller(Stateful):
     """A controller. A user's own class derives from this and is named by its Python path.
 
     `init` runs outside the control loop and may take its time. `starting`, `update` and
     `stopping` run inside it: they neither block nor allocate without need. Callbacks of
     subscriptions run in other threads and only store one value, by assignment.
+
+    What it remembers from cycle to cycle it declares as a `Stateful` part does, so that a bookmark
+    of the simulation can bring it back. One that declares nothing is stopped and started then.
 
     Attributes
     ----------

@@ -15,7 +15,7 @@ import math
 import sys
 import threading
 import time as wall
-from typing import Callable, Dict, Iterable, List, Optional, Sequence, Set, Tuple
+from typing import Any, Callable, Dict, Iterable, List, Optional, Sequence, Set, Tuple
 
 from ..common.params import ConfigError
 from ..controllers import controller_class
@@ -154,6 +154,56 @@ class ControllerManager:
             if self._hw.check_for_conflict([*running, loaded.info]) is None:
                 self._hw.do_switch([loaded.info], [])
                 self._guarded(loaded.start, loaded, time)
+
+    def save_state(self) -> Dict[LoadedController, Any]:
+        """Return the state of every running controller; it does not change any more."""
+        return {
+            loaded: loaded.controller.save_state()
+            for loaded in self._controllers
+            if loaded.state is ControllerState.RUNNING
+        }
+
+    def restore_running(self, saved: Dict[LoadedController, Any], time: float) -> None:
+        """Have the controllers run at `time` (s) that ran in a state, and no others.
+
+        What was unloaded since then stays so.
+
+        Parameters
+        ----------
+        saved : dict
+            What `save_state` returned.
+        time : float
+        """
+        running = [each for each in self._controllers if each.state is ControllerState.RUNNING]
+        stop = [each for each in running if each not in saved]
+        start = [each for each in self._controllers if each in saved and each not in running]
+        for loaded in stop:
+            self._guarded(loaded.stop, loaded, time)
+        if start or stop:
+            self._hw.do_switch([each.info for each in start], [each.info for each in stop])
+        for loaded in start:
+            self._guarded(loaded.start, loaded, time)
+
+    def restore_state(
+        self, saved: Dict[LoadedController, Any], time: float, elapsed: float
+    ) -> None:
+        """Let the controllers that run take a state up again, `elapsed` (s) after it was saved.
+
+        To be called at `time` (s), once the hardware has its state again. A controller that
+        declares no state is stopped and started.
+        """
+        for loaded in self._controllers:
+            if loaded not in saved or loaded.state is not ControllerState.RUNNING:
+                continue
+            if not loaded.controller.has_state():
+                if self._guarded(loaded.stop, loaded, time):
+                    self._guarded(loaded.start, loaded, time)
+                continue
+
+            def restore(_: float, loaded: LoadedController = loaded) -> None:
+                loaded.controller.restore_state(saved[loaded], elapsed)
+
+            self._guarded(restore, loaded, time)
 
     def apply_switch(self, time: float) -> None:
         """Advance a pending switch at `time` (s). Part of `update`; called alone while paused."""

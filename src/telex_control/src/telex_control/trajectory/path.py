@@ -34,6 +34,9 @@ class _PlacedTrack:
         self._segment: Optional[Segment] = None
         self.end_time = origin + track.times[-1]
 
+    def shifted(self, by: float) -> _PlacedTrack:
+        return _PlacedTrack(self._track, self._first, self._origin + by, self._turns)
+
     @property
     def start_time(self) -> float:
         return self._origin + self._track.times[self._first]
@@ -114,6 +117,10 @@ class JointPath:
     def end_time(self) -> float:
         """When its last state is reached (s)."""
         return self._pieces[-1].end_time
+
+    def shifted(self, by: float) -> JointPath:
+        """Return the same path, later by so much (s)."""
+        return JointPath([piece.shifted(by) for piece in self._pieces])
 
     def sample(self, time: float) -> Sample:
         """Return position, velocity and acceleration at `time` (s), which mostly grows."""

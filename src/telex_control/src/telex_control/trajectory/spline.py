@@ -40,6 +40,11 @@ class Segment:
         self.end = end
         self._coefficients = _coefficients(end_time - start_time, start, end)
 
+    def shifted(self, by: float) -> Segment:
+        """Return the same way, later by so much (s)."""
+        start = self.start_time + by
+        return Segment(start, self.start, start + (self.end_time - self.start_time), self.end)
+
     def sample(self, time: float) -> Sample:
         """Return the state at `time` (s); at rest before the start and after the end."""
         if time > self.end_time:
