@@ -9,7 +9,7 @@ from __future__ import annotations
 import logging
 import time
 from pathlib import Path
-from typing import Callable, Dict, Iterator, List, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple
 
 from telex_control.common.params import ConfigError
 from telex_control.manager.controller_manager import ControllerManager
@@ -32,6 +32,7 @@ from .phase_timer import PhaseTimer
 from .simulator_config import TUNED_PERIOD, RobotConfig, SimulatorConfig
 from .start_check import check_place, check_start
 from .world import Body, World, WorldError
+from .world_state import WorldState
 
 _log = logging.getLogger("rosout")
 
@@ -68,6 +69,11 @@ class Simulation:
         The one that it began with, then those that were added. Replaced as a whole.
     changes : int
         How often bodies have come, gone, or been made anew.
+    structure : int
+        How often other objects or robots have come to be there. A state can be restored as long as
+        it is the same.
+    last_change : str
+        What the last time was, in words.
 
     Raises
     ------
@@ -90,6 +96,12 @@ class Simulation:
         self._steps_per_cycle = config.timing.steps_per_cycle
         self.steps = 0
         self.changes = 0
+        self.structure = 0
+        self.last_change = ""
+        # Whether there are others than were loaded: a reset changes that back.
+        self._altered = False
+        # Of the bodies that there were at a number of `changes`.
+        self._bodies: Optional[Tuple[int, WorldState]] = None
         self._assets = Assets()
         self.robots: Tuple[Robot, ...] = ()
         self._names: Dict[int, str] = {}
@@ -212,7 +224,8 @@ class Simulation:
             raise SceneError(f"{planned.path}: {error}") from error
         self._planned = planned
         first.start_from(positions)
-        self.reset()
+        self._note_change(f"scene {planned.scene.name} was loaded")
+        self._refill()
 
     @property
     def time(self) -> float:
@@ -266,10 +279,62 @@ class Simulation:
 
     def reset(self) -> None:
         """Put everything back to where it began; time goes on."""
+        if self._altered:
+            self._note_change("a reset brought back what was loaded")
+        self._refill()
+
+    def _note_change(self, words: str) -> None:
+        self.structure += 1
+        self.last_change = words
+
+    def _refill(self) -> None:
+        self._altered = False
         self.world.clear()
         self._fill_world()
         for robot in self.robots:
             robot.controllers.reset(self.time)
+
+    def save_state(self) -> Any:
+        """Return the state of all that has one; it does not change any more.
+
+        Whatever has a state is listed here and in `Robot.save_state`: bodies, latches and
+        mechanisms; of each robot its drives, brakes, sensors, belts, controllers and watchers.
+        """
+        bodies = self._world_state()
+        return (
+            self.steps,
+            bodies.save_state(),
+            self.objects.save_state(),
+            {robot: robot.save_state() for robot in self.robots},
+        )
+
+    def restore_state(self, saved: Any) -> None:
+        """Go back to a state; sim time goes on, by less than a control period at once.
+
+        Two restores of one state, with the same commands at the same steps after it, lead to the
+        same to the last bit. An emergency stop that is set stays so.
+
+        Parameters
+        ----------
+        saved : object
+            What `save_state` returned, with the present `structure`.
+        """
+        steps, bodies, objects, robots = saved
+        # The state belongs to one step of a control cycle.
+        self.steps += (steps - self.steps) % self._steps_per_cycle
+        now, elapsed = self.time, (self.steps - steps) * self._step_size
+        self._world_state().restore_state(bodies)
+        self.objects.restore_state(objects, elapsed)
+        for robot in self.robots:
+            robot.restore_state(robots[robot], now, elapsed)
+
+    def _world_state(self) -> WorldState:
+        """What saves and restores the bodies that there are now."""
+        if self._bodies is None or self._bodies[0] != self.changes:
+            self._bodies = (self.changes, WorldState(self.world.client, self.world.bodies()))
+            # So that the constraints of latches come last, and restores change no other's place.
+            self.objects.restore_state(self.objects.save_state(), 0.0)
+        return self._bodies[1]
 
     def plan_robot(self, config: RobotConfig, urdf: str, node: NodeHandle) -> Robot:
         """Prepare a robot for `add_robot`; may be called from any thread.
@@ -302,6 +367,7 @@ class Simulation:
             self.world.remove_others(before)
             raise ConfigError(str(error)) from error
         self.robots = (*self.robots, robot)
+        self._note_change(f"robot '{robot.model}' was added")
         self._bodies_changed()
 
     def remove_robot(self, name: str) -> Robot:
@@ -321,6 +387,7 @@ class Simulation:
             if robot.namespace == name:
                 self.robots = tuple(each for each in self.robots if each is not robot)
                 self.world.remove(robot.body)
+                self._note_change(f"robot '{robot.model}' was removed")
                 self._bodies_changed()
                 self.objects.wake_all()
                 return robot
@@ -392,6 +459,8 @@ class Simulation:
             A name is taken, an object would stand in the robot, or there are too many.
         """
         yield from self.objects.add(plans, [robot.body.uid for robot in self.robots])
+        self._altered = True
+        self._note_change(f"'{plans[0].source.name}' was spawned")
         self._bodies_changed()
 
     def delete(self, name: str) -> List[str]:
@@ -405,6 +474,8 @@ class Simulation:
         gone = self.objects.remove(name)
         if not gone:
             raise ConfigError(f"name is '{name}'; there is no such object")
+        self._altered = True
+        self._note_change(f"'{name}' was deleted")
         self._bodies_changed()
         return gone
 

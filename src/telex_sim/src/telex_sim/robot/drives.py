@@ -7,6 +7,7 @@ import enum
 import math
 from typing import Dict, Optional, Tuple, Type
 
+from telex_control.common.stateful import Stateful
 from telex_control.hardware.hardware_interface import (
     EffortJointInterface,
     JointCommandInterface,
@@ -42,7 +43,7 @@ _MODES: Dict[Type[JointCommandInterface], Tuple[Mode, Mode]] = {
 }
 
 
-class Drive:
+class Drive(Stateful):
     """A driven joint: its description, its handles and its place in PyBullet.
 
     Parameters
@@ -67,6 +68,8 @@ class Drive:
         Of the joint in PyBullet's body; set with the body.
     braked : bool
         Whether its brake holds it, whatever is commanded.
+    held : float
+        Where its brake holds it (rad, m); of no meaning without.
     force : float
         Effort that was last applied to a joint with `takes_effort` (Nm, N).
     max_effort, max_velocity : float
@@ -79,6 +82,7 @@ class Drive:
         "description",
         "force",
         "handle",
+        "held",
         "index",
         "interface",
         "limits",
@@ -89,6 +93,8 @@ class Drive:
         "state",
         "takes_effort",
     )
+    SAVED = ("_previous", "braked", "force", "held")
+    SAVED_PARTS = ("handle", "limits", "pid", "state")
 
     def __init__(
         self,
@@ -108,6 +114,7 @@ class Drive:
         self.pid = pid
         self.takes_effort = self.mode not in (Mode.VELOCITY, Mode.POSITION)
         self.braked = True
+        self.held = 0.0
         self.force = 0.0
         self.index = -1
         self.max_effort = limits.max_effort

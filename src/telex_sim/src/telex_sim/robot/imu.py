@@ -8,6 +8,7 @@ from typing import Optional, Tuple
 import pybullet
 
 from telex_control.common.geometry.quaternions import IDENTITY, Pose, Quaternion, product
+from telex_control.common.stateful import Stateful
 from telex_control.hardware.hardware_interface import ImuSensorHandle
 
 from ..engine.world import GRAVITY, Body, Vector
@@ -16,7 +17,7 @@ from .imu_noise import ImuErrors, ImuNoise
 _EXACT = (1e-9, 0.0, 0.0, 0.0, 1e-9, 0.0, 0.0, 0.0, 1e-9)
 
 
-class Imu:
+class Imu(Stateful):
     """Measures the motion of one link, in the axes of its frame.
 
     The acceleration is the mean since the last reading, and proper (REP 145): at rest it is the
@@ -39,6 +40,9 @@ class Imu:
     errors : ImuErrors or None
         What is added to the truth; None where it is exact.
     """
+
+    SAVED = ("_velocity",)
+    SAVED_PARTS = ("errors", "handle")
 
     def __init__(
         self, name: str, link: str, noise: Optional[ImuNoise] = None, robot: str = ""

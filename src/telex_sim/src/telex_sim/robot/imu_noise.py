@@ -12,11 +12,13 @@ from __future__ import annotations
 import math
 import zlib
 from dataclasses import dataclass, fields
-from typing import Iterator, List, Tuple
+from operator import length_hint
+from typing import Any, Iterator, List, Tuple
 
 import numpy as np
 
 from telex_control.common.params import require_range
+from telex_control.common.stateful import Stateful
 
 Vector = Tuple[float, float, float]
 Covariance = Tuple[float, ...]
@@ -72,7 +74,7 @@ class ImuNoise:
         require_range(self, "tilt_correlation_time", above=0.0)
 
 
-class ImuErrors:
+class ImuErrors(Stateful):
     """Draws the errors of one sensor, reading by reading.
 
     Parameters
@@ -81,6 +83,19 @@ class ImuErrors:
     name : str
         Of the sensor, and of its robot: two with the same seed differ in their errors.
     """
+
+    SAVED = (
+        "_heading",
+        "_heading_bias",
+        "_heading_variance",
+        "_kept",
+        "_period",
+        "_spread",
+        "_tilt",
+        "_told",
+        "_until_told",
+    )
+    SAVED_PARTS = ("_accelerometer", "_gyroscope", "_normal")
 
     def __init__(self, noise: ImuNoise, name: str) -> None:
         self._noise = noise
@@ -91,7 +106,7 @@ class ImuErrors:
         """Switch the sensor on anew, with the same errors as the last time."""
         noise = self._noise
         seed = zlib.crc32(f"{noise.seed} {self._name}".encode())
-        self._normal = normal = _normal_numbers(seed)
+        self._normal = normal = _NormalNumbers(seed)
         self._gyroscope = _Axes(
             normal,
             noise.gyroscope_noise_density,
@@ -112,6 +127,7 @@ class ImuErrors:
         # Of the tilt: what is left of it after `_period`, and what is drawn anew.
         self._period, self._kept, self._spread = 0.0, 1.0, 0.0
         self._until_told = 0.0
+        self._told = self._computed_covariances(0.0)
 
     def gyroscope(self, period: float) -> Vector:
         """Error of the angular velocity in the sensor's axes (rad/s), after `period` (s)."""
@@ -166,8 +182,10 @@ class ImuErrors:
         )
 
 
-class _Axes:
+class _Axes(Stateful):
     """White noise and bias of three axes."""
+
+    SAVED = ("_bias", "bias_variance")
 
     def __init__(
         self, normal: Iterator[float], density: float, turn_on_bias: float, random_walk: float
@@ -202,12 +220,38 @@ class _Axes:
         return white + self.bias_variance
 
 
-def _normal_numbers(seed: int) -> Iterator[float]:
-    """Yield normally distributed numbers, of mean 0 and variance 1, without end."""
-    # RandomState, because its sequence is the same in every version of numpy.
-    source = np.random.RandomState(seed)
-    while True:
-        yield from source.standard_normal(_AT_ONCE).tolist()
+class _NormalNumbers(Stateful):
+    """Normally distributed numbers, of mean 0 and variance 1, without end."""
+
+    def __init__(self, seed: int) -> None:
+        # RandomState, because its sequence is the same in every version of numpy.
+        self._source = np.random.RandomState(seed)
+        self._draw()
+
+    def _draw(self) -> None:
+        self._begin = self._source.get_state()
+        self._numbers = iter(self._source.standard_normal(_AT_ONCE).tolist())
+
+    def __iter__(self) -> Iterator[float]:
+        return self
+
+    def __next__(self) -> float:
+        for number in self._numbers:
+            return number
+        self._draw()
+        return next(self._numbers)
+
+    def save_state(self) -> Any:
+        """Return where it is in its sequence."""
+        return self._begin, length_hint(self._numbers)
+
+    def restore_state(self, saved: Any, elapsed: float) -> None:
+        """Go back to a place in its sequence."""
+        begin, left = saved
+        self._source.set_state(begin)
+        self._draw()
+        for _ in range(_AT_ONCE - left):
+            next(self._numbers)
 
 
 def _diagonal(*variances: float) -> Covariance:

@@ -6,11 +6,12 @@ One thread, the simulation's, owns a `Robot`; only `request_e_stop` may be calle
 from __future__ import annotations
 
 import logging
-from typing import Callable, Dict, Mapping, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Tuple
 
 import pybullet
 
 from telex_control.common.params import ConfigError
+from telex_control.common.stateful import Stateful
 from telex_control.manager.controller_manager import ControllerManager
 from telex_control.ros.node_handle import NodeHandle
 from telex_control.urdf.checks import check_bodies, check_links
@@ -69,6 +70,8 @@ class Robot:
         Sums its contacts; None: nobody wants them.
     held : tuple of int
         Bodies of what its gripper holds, for the ledger.
+    watchers : tuple of Stateful
+        What looks at it from outside, and remembers what it saw.
 
     Raises
     ------
@@ -81,6 +84,7 @@ class Robot:
     gripper_contacts: Optional[GripperContacts]
     ledger: Optional[ContactLedger] = None
     held: Tuple[int, ...] = ()
+    watchers: Tuple[Stateful, ...] = ()
 
     def __init__(
         self,
@@ -216,6 +220,48 @@ class Robot:
             for contact in pybullet.getContactPoints(uid, physicsClientId=body.client)
         ]
         ledger.note(own, held, self.held)
+
+    def save_state(self) -> Any:
+        """Return the state of all that is its own, but for its body."""
+        return (
+            self.controllers.save_state(),
+            [None if part is None else part.save_state() for part in self._parts()],
+            {watcher: watcher.save_state() for watcher in self._watchers()},
+        )
+
+    def restore_state(self, saved: Any, time: float, elapsed: float) -> None:
+        """Take a state up again; the body is where it was.
+
+        An emergency stop that is set stays so. Where it was set then, and is not now, controllers
+        begin anew, and hold the joints where they are.
+
+        Parameters
+        ----------
+        saved : object
+            What `save_state` returned.
+        time, elapsed : float
+            Sim time of now, and since then (s).
+        """
+        controllers, parts, watchers = saved
+        self.controllers.restore_running(controllers, time)
+        for part, state in zip(self._parts(), parts):
+            if part is not None:
+                part.restore_state(state, elapsed)
+        self.controllers.restore_state(controllers, time, elapsed)
+        if self.hw.was_stopped(parts[0]) and not self.hw.e_stop:
+            self.controllers.restart_running(time)
+        for watcher in self._watchers():
+            if watcher in watchers:
+                watcher.restore_state(watchers[watcher], elapsed)
+            elif watcher is self.ledger:
+                self.ledger.forget()
+
+    def _parts(self) -> Tuple[Optional[Stateful], ...]:
+        """Whatever has a state, beside controllers and watchers, in the order of restoring."""
+        return self.hw, self._tracks, self.gripper_contacts
+
+    def _watchers(self) -> Tuple[Stateful, ...]:
+        return self.watchers if self.ledger is None else (*self.watchers, self.ledger)
 
     def forget_surfaces(self) -> None:
         """Look at every surface anew, after bodies have come or gone."""

@@ -16,6 +16,7 @@ from typing import Any, Collection, Dict, List, Mapping, Optional, Sequence, Set
 import pybullet
 
 from telex_control.common.params import ConfigError
+from telex_control.common.stateful import Stateful
 from telex_control.hardware.hardware_interface import (
     ControllerInfo,
     EffortJointInterface,
@@ -56,7 +57,7 @@ _GEAR_FORCE = 1.0e5
 _log = logging.getLogger("rosout")
 
 
-class RobotHWSim(RobotHW):
+class RobotHWSim(RobotHW, Stateful):
     """The joints and sensors of a robot in a PyBullet world.
 
     Parameters
@@ -67,6 +68,8 @@ class RobotHWSim(RobotHW):
     belts : collection of str
         Driven joints that the tracks move, and whose states they fill.
     """
+
+    SAVED_PARTS = ("_all", "_followers", "imus")
 
     def __init__(self, robot: Robot, config: HardwareConfig, belts: Collection[str] = ()) -> None:
         super().__init__()
@@ -87,6 +90,8 @@ class RobotHWSim(RobotHW):
         self._e_stop = False
         self._body: Optional[Body] = None
         self._indices: List[int] = []
+        # Of a state that was restored: what PyBullet has until the next step is of another.
+        self._efforts: Optional[List[float]] = None
         self._choose_driven()
 
     def init(self, root: NodeHandle, hw: NodeHandle) -> None:
@@ -420,6 +425,10 @@ class RobotHWSim(RobotHW):
             handle.effort = drive.force if drive.takes_effort and not drive.braked else state[3]
         for handle, state in zip(self._watched.values(), states[len(self._moved) :]):
             handle.position, handle.velocity, handle.effort = state[0], state[1], state[3]
+        if self._efforts is not None:
+            for handle, effort in zip(self._read_handles(), self._efforts):
+                handle.effort = effort
+            self._efforts = None
         for imu in self.imus:
             imu.read(period)
 
@@ -528,24 +537,66 @@ class RobotHWSim(RobotHW):
         self._standstill = [0.0] * len(self._by_effort)
         self._velocity_forces = [drive.motor_force for drive in self._by_velocity]
 
+    @property
+    def _followers(self) -> List[JointStateHandle]:
+        return list(self._watched.values())
+
+    def _read_handles(self) -> List[JointStateHandle]:
+        """Handles that `read` fills, but for those of belts."""
+        return [*(drive.state for drive in self._moved), *self._watched.values()]
+
+    def save_state(self) -> Any:
+        """Return the present state; see `Stateful.save_state`."""
+        return self._e_stop, super().save_state()
+
+    def restore_state(self, saved: Any, elapsed: float) -> None:
+        """Take a state up again; see `Stateful.restore_state`.
+
+        What is claimed and the emergency stop stay as they are now, and brakes with them. The body
+        is where it was.
+        """
+        _, state = saved
+        super().restore_state(state, elapsed)
+        changed = self._brake_unclaimed()
+        for drive in changed:
+            drive.held = drive.state.position
+        self._choose_driven()
+        self._hold([drive for drive in self._moved if drive.braked])
+        self._efforts = [handle.effort for handle in self._read_handles()]
+
+    def was_stopped(self, saved: Any) -> bool:
+        """Whether the emergency stop was set in a state."""
+        stopped: bool = saved[0]
+        return stopped
+
     def _set_brakes(self) -> None:
         if self._body is None:
             return
+        self._brake_unclaimed()
+        self._choose_driven()
+        braked = [drive for drive in self._moved if drive.braked]
+        for drive in braked:
+            drive.held = drive.state.position
+        self._hold(braked)
+
+    def _brake_unclaimed(self) -> List[Drive]:
+        """Set and release brakes; returns the drives whose brakes that has changed."""
         claimed: Set[str] = set().union(*self._claims.values())
+        changed = []
         for drive in self._all:
             braked = self._e_stop or drive.description.name not in claimed
             if braked != drive.braked:
                 drive.reset()
+                changed.append(drive)
             drive.braked = braked
-        self._choose_driven()
-        self._hold([drive for drive in self._moved if drive.braked])
+        return changed
 
     def _hold(self, held: List[Drive]) -> None:
         if held:
             self._control(
                 [drive.index for drive in held],
                 pybullet.POSITION_CONTROL,
-                targetPositions=[drive.state.position for drive in held],
+                targetPositions=[drive.held for drive in held],
                 forces=[drive.motor_force for drive in held],
                 positionGains=[_BRAKE_POSITION_GAIN] * len(held),
                 velocityGains=[_BRAKE_VELOCITY_GAIN] * len(held),

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from typing import Deque, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Deque, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+
+from telex_control.common.stateful import Stateful
 
 from .force_angle import StabilityConfig
 from .tipping import TippingAngle
@@ -12,7 +14,7 @@ from .tipping import TippingAngle
 Vector = Tuple[float, float, float]
 
 
-class TipOverWarning:
+class TipOverWarning(Stateful):
     """Warns before a robot tips over, and not of impacts or of rocking from edge to edge.
 
     A robot that climbs rocks over its nose and rear, and comes to rest within half a second; over
@@ -27,6 +29,9 @@ class TipOverWarning:
     margin : float
         Force-angle measure, smoothed: its mean, with weights that decay with `smoothing_time`.
     """
+
+    SAVED = ("direction", "margin", "warned")
+    SAVED_TIMES = ("_clear", "_last")
 
     def __init__(self, config: StabilityConfig) -> None:
         self._config = config
@@ -83,6 +88,16 @@ class TipOverWarning:
         else:
             self._clear = None
 
+    def save_state(self) -> Any:
+        """Return the present state; see `Stateful.save_state`."""
+        return super().save_state(), list(self._since)
+
+    def restore_state(self, saved: Any, elapsed: float) -> None:
+        """Take a state up again; see `Stateful.restore_state`."""
+        state, since = saved
+        super().restore_state(state, elapsed)
+        self._since = [None if time is None else time + elapsed for time in since]
+
     def _lasts(self, side: int, time: float, little: bool, patience: float) -> bool:
         """Whether little has been left on a side for so long."""
         since = self._since[side]
@@ -96,13 +111,16 @@ _FORGOTTEN = 0.5
 _ROUNDING = 1e-6
 
 
-class TipOverDetector:
+class TipOverDetector(Stateful):
     """Tells that a robot lies on its side or back: it is tilted far, and stays so.
 
     Attributes
     ----------
     tipped : bool
     """
+
+    SAVED = ("tipped",)
+    SAVED_TIMES = ("_since",)
 
     def __init__(self, config: StabilityConfig) -> None:
         self._config = config
@@ -129,7 +147,7 @@ class _Sample(NamedTuple):
     ways: Tuple[float, ...]
 
 
-class StuckDetector:
+class StuckDetector(Stateful):
     """Tells that the belts of a robot are told to run, but do not get it away.
 
     It compares ranges: the longest stretch of way that a belt is told to run over, with the room
@@ -147,6 +165,8 @@ class StuckDetector:
     stuck : bool
     """
 
+    SAVED = ("_heading", "_samples", "_turned", "stuck")
+
     def __init__(self, config: StabilityConfig, half_gauge: float) -> None:
         self._config = config
         self._half_gauge = half_gauge
@@ -154,6 +174,11 @@ class StuckDetector:
         self._turned = 0.0
         self._heading: Optional[float] = None
         self.stuck = False
+
+    def restore_state(self, saved: Any, elapsed: float) -> None:
+        """Take a state up again; see `Stateful.restore_state`."""
+        super().restore_state(saved, elapsed)
+        self._samples = deque(each._replace(time=each.time + elapsed) for each in self._samples)
 
     def update(self, time: float, place: Vector, heading: float, speeds: Sequence[float]) -> None:
         """Take the robot's state at `time` (s).

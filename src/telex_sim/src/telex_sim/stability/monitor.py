@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import product
-from typing import Dict, List, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 import pybullet
 
 from telex_control.common.geometry.quaternions import rpy_from_rows
+from telex_control.common.stateful import Stateful
 from telex_control.hardware.hardware_interface import VelocityJointInterface
 
 from ..engine.contacts import Contact, contacts, directed_contacts
@@ -76,7 +77,7 @@ class Margin:
     tipping: Optional[TippingAngle]
 
 
-class StabilityMonitor:
+class StabilityMonitor(Stateful):
     """Looks at a robot with belts now and then, in the simulation's thread.
 
     Inertial forces are the mean since the last margin, unless that is long ago.
@@ -93,6 +94,10 @@ class StabilityMonitor:
         Of the margins that were asked for.
     tipped, stuck : bool
     """
+
+    SAVED = ("_inertial", "_momentum", "_period", "attitude")
+    SAVED_TIMES = ("_observed",)
+    SAVED_PARTS = ("_stuck", "_tip_over", "warning")
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
@@ -163,6 +168,15 @@ class StabilityMonitor:
         self._inertial = (np.zeros(3), np.zeros(3))
         self._observed: Optional[float] = None
         self._period = math.inf
+
+    def restore_state(self, saved: Any, elapsed: float) -> None:
+        """Take a state up again; see `Stateful.restore_state`."""
+        if self._robot.body is not self._body:
+            self._begin(self._robot.body)
+        super().restore_state(saved, elapsed)
+        if self._momentum is not None:
+            time, momentum, turning = self._momentum
+            self._momentum = (time + elapsed, momentum, turning)
 
     def observe(self, time: float) -> None:
         """Look at attitude and progress at `time` (s); to be called at a steady rate."""

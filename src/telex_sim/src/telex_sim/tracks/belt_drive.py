@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Callable
 
 from telex_control.common.params import require_range
+from telex_control.common.stateful import Stateful
 from telex_control.hardware.joint_limits import clamp
 
 
@@ -40,7 +41,7 @@ class BeltDriveConfig:
         require_range(self, "inertia", 0.01, 1.0e6)
 
 
-class BeltDrive:
+class BeltDrive(Stateful):
     """A motor and what it drives, at one speed.
 
     The motor's own controller follows a speed. The equation of motion is solved for the speed at
@@ -72,6 +73,7 @@ class BeltDrive:
         "force",
         "speed",
     )
+    SAVED = ("force", "speed")
 
     def __init__(
         self, config: BeltDriveConfig, friction: float, damping: float, step_size: float

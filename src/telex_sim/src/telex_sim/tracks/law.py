@@ -15,6 +15,8 @@ from __future__ import annotations
 import math
 from typing import List, Tuple
 
+from telex_control.common.stateful import Stateful
+
 Vector = Tuple[float, float, float]
 
 
@@ -34,7 +36,7 @@ belt; stiffness and damping along it and across, per load (1/m, s/m); bend acros
 """
 
 
-class Patch:
+class Patch(Stateful):
     """What one face of a track has in contact with one body, or with all that stands fast.
 
     Attributes
@@ -48,6 +50,7 @@ class Patch:
     """
 
     __slots__ = ("_bent", "_figures", "_softness", "across", "along", "forces", "touches")
+    SAVED = ("_bent", "_softness", "across", "along")
 
     def __init__(self) -> None:
         self.along = 0.0

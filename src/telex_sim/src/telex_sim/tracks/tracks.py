@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Callable, Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import pybullet
+
+from telex_control.common.stateful import Stateful
 
 from ..engine.world import Body, Vector
 from ..robot.drives import Drive
@@ -30,7 +32,7 @@ _WHEEL_TORQUE = 1.0e3
 """Bound of the motors that turn drive wheels with a collision shape (N m); they carry nothing."""
 
 
-class _Track:
+class _Track(Stateful):
     """A belt, the body that it runs round, and what it touches."""
 
     __slots__ = (
@@ -45,6 +47,7 @@ class _Track:
         "running",
         "state",
     )
+    SAVED = ("load", "pulled")
 
     def __init__(self, link: int, joint: Drive, radius: float) -> None:
         self.link = link
@@ -58,6 +61,18 @@ class _Track:
         self.running: List[Patch] = []
         self.pulled = 0.0
 
+    def save_state(self) -> Any:
+        patches = [(place, patch.save_state()) for place, patch in self.patches.items()]
+        return super().save_state(), patches
+
+    def restore_state(self, saved: Any, elapsed: float) -> None:
+        state, patches = saved
+        self.lift()
+        super().restore_state(state, elapsed)
+        for place, bent in patches:
+            patch = self.patches[place] = Patch()
+            patch.restore_state(bent, elapsed)
+
     def lift(self) -> None:
         """Forget what was touched."""
         self.load = 0.0
@@ -65,10 +80,11 @@ class _Track:
         self.running.clear()
 
 
-class _Side:
+class _Side(Stateful):
     """Belts with one drive."""
 
     __slots__ = ("by_effort", "drive", "tracks")
+    SAVED_PARTS = ("drive", "tracks")
 
     def __init__(self, tracks: Sequence[_Track], config: TrackConfig, step_size: float) -> None:
         self.tracks = tuple(tracks)
@@ -123,7 +139,7 @@ class _Side:
             state.effort = (track.pulled + rest) * radius
 
 
-class Tracks:
+class Tracks(Stateful):
     """The tracks of one robot.
 
     Parameters
@@ -137,6 +153,8 @@ class Tracks:
     material_of : callable, optional
         Material of a link (PyBullet's numbers of body and link).
     """
+
+    SAVED_PARTS = ("_sides",)
 
     def __init__(
         self,
@@ -165,6 +183,8 @@ class Tracks:
         self._wheels = [track.drive.index for track in turning]
         self._torques = [_WHEEL_TORQUE] * len(turning)
         self._wheel_speeds: List[float] = []
+        # Of a state that was restored: what PyBullet has until the next step is of another.
+        self._contacts: Optional[Sequence[Tuple]] = None
         self._angles = body.wheels
         self._shown = [(belt, track.state) for belt, track in tracks.items() if belt in body.wheels]
         self._sides = [
@@ -205,6 +225,19 @@ class Tracks:
         self._turn_wheels()
         return contacts
 
+    def save_state(self) -> Any:
+        """Return the present state, with the contacts of the last step."""
+        contacts = pybullet.getContactPoints(self._uid, physicsClientId=self._client)
+        return super().save_state(), contacts
+
+    def restore_state(self, saved: Any, elapsed: float) -> None:
+        """Take a state up again, after the states of the joints were."""
+        state, self._contacts = saved
+        super().restore_state(state, elapsed)
+        self._wheel_speeds = []
+        for joint, belt in self._shown:
+            self._angles[joint] = belt.position
+
     def _turn_wheels(self) -> None:
         """Let the drive wheels be seen to turn; PyBullet's motors go on until told otherwise."""
         for joint, state in self._shown:
@@ -230,7 +263,9 @@ class Tracks:
         tracks = self._tracks
         for track in tracks:
             track.contacts.clear()
-        found_contacts: Sequence[Tuple] = pybullet.getContactPoints(uid, physicsClientId=client)
+        found_contacts, self._contacts = self._contacts, None
+        if found_contacts is None:
+            found_contacts = pybullet.getContactPoints(uid, physicsClientId=client)
         for contact in found_contacts:
             # The body that was asked for comes first; what it touches may be itself.
             if contact[9] > 0.0 and contact[2] != uid:

@@ -7,7 +7,9 @@ training).
 
 from __future__ import annotations
 
-from typing import Collection, Dict, Iterable, List, Mapping, NamedTuple, Sequence, Tuple
+from typing import Any, Collection, Dict, Iterable, List, Mapping, NamedTuple, Sequence, Tuple
+
+from telex_control.common.stateful import Stateful
 
 WINDOW = 0.02
 """Time over which the force is averaged (s)."""
@@ -46,7 +48,7 @@ class Entry(NamedTuple):
     point: Tuple[float, float, float]
 
 
-class _Pair:
+class _Pair(Stateful):
     """A group of links and an object in contact: the forces of the last steps, and sums."""
 
     __slots__ = (
@@ -62,6 +64,7 @@ class _Pair:
         "y",
         "z",
     )
+    SAVED = __slots__
 
     def __init__(self, window: int) -> None:
         self.forces = [0.0] * window
@@ -76,7 +79,7 @@ class _Pair:
         self.steps = 0
 
 
-class ContactLedger:
+class ContactLedger(Stateful):
     """Sums a robot's contacts from step to step.
 
     Parameters
@@ -179,6 +182,17 @@ class ContactLedger:
         for key in gone:
             del self._pairs[key]
         return entries
+
+    def save_state(self) -> Any:
+        """Return the present state; see `Stateful.save_state`."""
+        return [(key, pair.save_state()) for key, pair in self._pairs.items()]
+
+    def restore_state(self, saved: Any, elapsed: float) -> None:
+        """Take a state up again; see `Stateful.restore_state`."""
+        self._pairs.clear()
+        for key, state in saved:
+            pair = self._pairs[key] = _Pair(self._window)
+            pair.restore_state(state, elapsed)
 
     def forget(self) -> None:
         """Begin anew, as after a reset."""

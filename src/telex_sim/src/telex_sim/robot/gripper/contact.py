@@ -10,6 +10,8 @@ from typing import Callable, Dict, List, NamedTuple, Sequence, Tuple
 
 import pybullet
 
+from telex_control.common.stateful import Stateful
+
 from ...engine.contacts import contacts, directed_contacts
 from ...engine.world import Body, Vector
 from .contact_config import GripperContactConfig
@@ -89,7 +91,7 @@ _Motion = Tuple[Vector, Vector, Vector]
 """Centre of mass (m), and the velocities of and about it (m/s, rad/s), in the world."""
 
 
-class GripperContacts:
+class GripperContacts(Stateful):
     """Watches the pads of one robot.
 
     Parameters
@@ -98,6 +100,8 @@ class GripperContacts:
     config : GripperContactConfig
         Its pads are links of `body`.
     """
+
+    SAVED = ("_slipping",)
 
     def __init__(self, body: Body, config: GripperContactConfig) -> None:
         self._body = body

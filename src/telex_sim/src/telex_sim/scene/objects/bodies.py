@@ -6,7 +6,18 @@ Only the thread that owns the PyBullet client may use what is here.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Callable, Dict, Hashable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import (
+    Any,
+    Callable,
+    Dict,
+    Hashable,
+    Iterator,
+    List,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Tuple,
+)
 
 import pybullet
 
@@ -257,6 +268,32 @@ class SceneBodies:
             mechanism.apply()
         for latch in self._latches:
             latch.apply()
+
+    def save_state(self) -> Any:
+        """Return the state of all mechanisms and latches."""
+        return (
+            [mechanism.save_state() for mechanism in self._active],
+            [latch.save_state() for latch in self._latches],
+        )
+
+    def restore_state(self, saved: Any, elapsed: float) -> None:
+        """Let mechanisms and latches take a state up again; the bodies are where they were.
+
+        Parameters
+        ----------
+        saved : object
+            What `save_state` returned, of the same objects.
+        elapsed : float
+            Sim time since then (s).
+        """
+        mechanisms, latches = saved
+        for mechanism, state in zip(self._active, mechanisms):
+            mechanism.restore_state(state, elapsed)
+        # All of them, in a fixed order: the engine solves constraints in the order of their coming.
+        for latch in self._latches:
+            latch.unfix()
+        for latch, state in zip(self._latches, latches):
+            latch.restore_state(state)
 
     def frames(self) -> List[str]:
         """Names of the links that can move, ``<object>/<link>``, in the order of `poses`."""

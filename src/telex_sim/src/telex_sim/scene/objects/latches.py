@@ -8,12 +8,13 @@ the body creep instead of coming loose.
 from __future__ import annotations
 
 import math
-from typing import Optional, Sequence, Tuple
+from typing import Any, Optional, Tuple
 
 import pybullet
 
 from telex_control.common.geometry.quaternions import (
     Pose,
+    Quaternion,
     compose,
     conjugate,
     invert,
@@ -66,7 +67,11 @@ class Latch:
         self._in_parent = compose(invert(_inertial(client, *parent)), self._place)
         self._inertial = invert(_inertial(client, child, -1))
         self._constraint: Optional[int] = None
+        # How the body is turned about the axis while it is held: it stays so as it came.
+        self._turned: Quaternion = (0.0, 0.0, 0.0, 1.0)
         self._force = 0.0
+        # Of a state that was restored: what PyBullet has until the next step is of another.
+        self._pull: Optional[float] = None
         self._until_look = 0
         self._left = False
         self._hold((0.0, 0.0, 0.0, 1.0))
@@ -79,12 +84,12 @@ class Latch:
     def apply(self) -> None:
         """Let go of what is pulled away, and take what is back in place."""
         self._until_look -= 1
+        kept, self._pull = self._pull, None
         if self._until_look > 0:
             return
         if self._constraint is not None:
             self._until_look = _FEEL_EVERY
-            force = pybullet.getConstraintState(self._constraint, physicsClientId=self._client)
-            pull = math.sqrt(force[0] ** 2 + force[1] ** 2 + force[2] ** 2)
+            pull = self._measured_pull(self._constraint) if kept is None else kept
             self._force += self._share * (pull - self._force)
             if self._force > self._joint.hold:
                 self.release()
@@ -92,11 +97,34 @@ class Latch:
         self._until_look = _LOOK_EVERY
         self._look()
 
-    def release(self) -> None:
-        """Let go."""
+    def _measured_pull(self, constraint: int) -> float:
+        """Force that the constraint bore in the last step (N)."""
+        force = pybullet.getConstraintState(constraint, physicsClientId=self._client)
+        return math.sqrt(force[0] ** 2 + force[1] ** 2 + force[2] ** 2)
+
+    def save_state(self) -> Any:
+        """Return the present state."""
+        pull = None if self._constraint is None else self._measured_pull(self._constraint)
+        return pull, self._turned, self._force, self._until_look, self._left
+
+    def restore_state(self, saved: Any) -> None:
+        """Take a state up again, after `unfix`; the bodies are where they were."""
+        pull, self._turned, self._force, self._until_look, self._left = saved
+        self._pull = pull
+        if pull is not None:
+            self._fix()
+        self._let_collide(pull is None)
+
+    def unfix(self) -> None:
+        """Take the constraint away; nothing else of the latch changes."""
         if self._constraint is not None:
             pybullet.removeConstraint(self._constraint, physicsClientId=self._client)
             self._constraint = None
+
+    def release(self) -> None:
+        """Let go."""
+        if self._constraint is not None:
+            self.unfix()
             self._left = False
             self._let_collide(True)
             for uid in (self._parent[0], self._child):
@@ -122,9 +150,16 @@ class Latch:
         if math.sqrt(sum(number * number for number in velocity)) <= _SLOW:
             self._hold(twist(off[1], axis))
 
-    def _hold(self, turned: Sequence[float]) -> None:
+    def _hold(self, turned: Quaternion) -> None:
         """Fix the body in place, turned about the latch's axis as it came."""
-        x, y, z, w = turned
+        self._turned = turned
+        self._fix()
+        self._force = 0.0
+        # Contacts inside a fit would strain the constraint, and so spoil what it can hold.
+        self._let_collide(False)
+
+    def _fix(self) -> None:
+        x, y, z, w = self._turned
         child = compose(self._inertial, ((0.0, 0.0, 0.0), conjugate((x, y, z, w))))
         self._constraint = pybullet.createConstraint(
             self._parent[0],
@@ -142,9 +177,6 @@ class Latch:
         pybullet.changeConstraint(
             self._constraint, maxForce=_RIGID * self._joint.hold, physicsClientId=self._client
         )
-        self._force = 0.0
-        # Contacts inside a fit would strain the constraint, and so spoil what it can hold.
-        self._let_collide(False)
 
     def _let_collide(self, collide: bool) -> None:
         client = self._client

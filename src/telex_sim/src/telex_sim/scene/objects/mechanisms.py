@@ -8,9 +8,11 @@ implicit, since an explicit one diverges above ``2 * inertia / step``.
 
 from __future__ import annotations
 
-from typing import List, Optional, Tuple
+from typing import Any, List, Optional, Tuple
 
 import pybullet
+
+from telex_control.common.stateful import Stateful
 
 from ..model import Closer, Detents, Joint
 from .assembly import BodyPlan
@@ -90,7 +92,7 @@ class _Notches:
         )
 
 
-class Mechanism:
+class Mechanism(Stateful):
     """The joints of one body that need attention in every step.
 
     Parameters
@@ -101,6 +103,8 @@ class Mechanism:
     step_size : float
         Time between calls of `apply` (s).
     """
+
+    SAVED = ("_efforts", "_until_look")
 
     def __init__(self, client: int, uid: int, plan: BodyPlan, step_size: float) -> None:
         self._client = client
@@ -132,6 +136,23 @@ class Mechanism:
     def idle(self) -> bool:
         """Whether there is nothing to do for it in any step."""
         return not self._indices
+
+    def save_state(self) -> Any:
+        """Return the present state, with the notches that hold."""
+        held = [notches.held for _, notches in self._controls if notches is not None]
+        return super().save_state(), held
+
+    def restore_state(self, saved: Any, elapsed: float) -> None:
+        """Take a state up again; the joints are where they were."""
+        state, held = saved
+        super().restore_state(state, elapsed)
+        notched = [
+            (index, notches)
+            for index, (_, notches) in zip(self._indices, self._controls)
+            if notches is not None
+        ]
+        for (index, notches), middle in zip(notched, held):
+            notches.hold(self._client, self._uid, index, middle)
 
     def apply(self) -> None:
         """Apply what acts in the next step."""
