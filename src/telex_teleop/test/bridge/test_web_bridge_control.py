@@ -720,7 +720,13 @@ INSTRUCTORS_ONLY = {
     ),
     "call": (
         *("sim/reset", "sim/pause", "sim/step", "sim/spawn", "sim/load_scene", "sim/list_scenes"),
-        *("sim/add_robot", "cameras/configure", "controller_manager/unload_controller"),
+        *(
+            "sim/bookmark",
+            "sim/restore",
+            "sim/add_robot",
+            "cameras/configure",
+            "controller_manager/unload_controller",
+        ),
         *("arm_teleop/set_logger_level", "/crane/sim/reset", "/rosout/set_logger_level"),
         *("/crane/cameras/configure", "/crane/controller_manager/load_controller"),
         *("/crane/arm_teleop/set_mode", "/crane/track_controller/query_state"),

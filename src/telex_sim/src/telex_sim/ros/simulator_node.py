@@ -18,6 +18,8 @@ from telex_msgs.msg import SceneFile, ScenePoses, SimStatus
 from telex_msgs.srv import (
     AddRobot,
     AddRobotResponse,
+    Bookmark,
+    BookmarkResponse,
     Delete,
     DeleteResponse,
     ListScenes,
@@ -26,6 +28,8 @@ from telex_msgs.srv import (
     LoadSceneResponse,
     RemoveRobot,
     RemoveRobotResponse,
+    Restore,
+    RestoreResponse,
     Spawn,
     SpawnResponse,
     Step,
@@ -41,6 +45,7 @@ from telex_control.ros.ros_node_handle import RosNodeHandle
 from telex_control.ros.run_memory import RunMemory
 from telex_control.urdf.joints import UrdfError
 
+from ..engine.bookmarks import Bookmarks
 from ..engine.loop_requests import Action, LoopRequests
 from ..engine.pacing import RealTimeFactor, RealTimePacer
 from ..engine.simulation import Simulation
@@ -97,6 +102,7 @@ class SimulatorNode:
         config = simulation.config
         self._step_ns = round(config.timing.step_size * 1e9)
         self._requests = LoopRequests()
+        self._bookmarks = Bookmarks(simulation)
         self._stepping: Optional[_Stepping] = None
         self._pacer = RealTimePacer(config.timing.real_time_factor)
         self._factor = RealTimeFactor()
@@ -128,6 +134,8 @@ class SimulatorNode:
             rospy.Service("sim/pause", Empty, lambda _: self._empty(self._pause)),
             rospy.Service("sim/unpause", Empty, lambda _: self._empty(self._unpause)),
             rospy.Service("sim/reset", Empty, lambda _: self._empty(self._reset)),
+            rospy.Service("sim/bookmark", Bookmark, self._on_bookmark),
+            rospy.Service("sim/restore", Restore, self._on_restore),
             rospy.Service("sim/step", Step, self._on_step),
             rospy.Service("sim/list_scenes", ListScenes, self._on_list_scenes),
             rospy.Service("sim/load_scene", LoadScene, self._on_load_scene),
@@ -177,6 +185,34 @@ class SimulatorNode:
         if stepping.remaining and not problem:
             problem.append(f"{stepping.remaining} steps were left when sim/unpause was called")
         return StepResponse(success=not problem, message=" ".join(problem), sim_time=self._now())
+
+    def _on_bookmark(self, request: Any) -> BookmarkResponse:
+        name: List[str] = []
+        names: List[str] = []
+
+        def save() -> None:
+            name.append(self._bookmarks.save(request.name))
+            names.extend(self._bookmarks.names())
+
+        try:
+            self._change(save)
+        except ConfigError as error:
+            rospy.logwarn("sim/bookmark: %s", error)
+            return BookmarkResponse(success=False, message=str(error))
+        return BookmarkResponse(
+            success=True, message=f"bookmark '{name[0]}' is set", name=name[0], names=names
+        )
+
+    def _on_restore(self, request: Any) -> RestoreResponse:
+        name: List[str] = []
+        try:
+            self._change(lambda: name.append(self._restore(request.name)))
+        except ConfigError as error:
+            rospy.logwarn("sim/restore: %s", error)
+            return RestoreResponse(success=False, message=str(error))
+        message = f"back at bookmark '{name[0]}'"
+        rospy.loginfo("%s", message)
+        return RestoreResponse(success=True, message=message, name=name[0])
 
     def _on_list_scenes(self, _request: Any) -> ListScenesResponse:
         try:
@@ -415,6 +451,13 @@ class SimulatorNode:
         self._simulation.reset()
         self._show_scene()
         self._after_reset()
+
+    def _restore(self, name: str) -> str:
+        """Go back to a bookmark; returns its name."""
+        found = self._bookmarks.restore(name)
+        # Commands from before are of another state: whoever streams has to begin anew.
+        self._after_reset()
+        return found
 
     def _after_reset(self) -> None:
         self._resets += 1
