@@ -20,7 +20,15 @@ from telex_experiments.rigs.private_master import end_tree
 pytestmark = pytest.mark.slow
 
 BENCHMARKS = Path(__file__).resolve().parents[1] / "benchmarks"
-OFFLINE = ("grasping", "ik", "mobility", "step_response", "training", "trajectory")
+OFFLINE = (
+    "bookmarks",
+    "grasping",
+    "ik",
+    "mobility",
+    "step_response",
+    "training",
+    "trajectory",
+)
 LIMIT = 900.0
 """Time (s) that one may take, on a machine that is busy with something else."""
 ENDING = 60.0
