@@ -405,6 +405,31 @@ class TestCameras:
         assert {picture.frame for picture in seen} == {f"{camera}_camera_optical_frame"}
         assert all(stamp % POSES_PERIOD == 0 for stamp in stamps(seen))
 
+    def test_radiation_shows_in_pictures_and_a_dead_camera_takes_none(self, stage, front):
+        from telex_msgs.msg import CameraRadiation
+
+        told = stage.commands("cameras/radiation", CameraRadiation)
+
+        def tell(rate, dose, failed):
+            told.publish(
+                CameraRadiation(names=["front"], dose_rate=[rate], dose=[dose], failed=[failed])
+            )
+
+        def grain():
+            # Of the middle of the box, which has one colour.
+            return front.newest(0.2).pixels[50:70, 70:90].astype(float).std(axis=(0, 1)).max()
+
+        calm = grain()
+        tell(1000.0, 80.0, False)
+        wait_until(lambda: grain() > calm + 3.0, "dots in the pictures", 20.0)
+        tell(-1.0, 0.0, False)
+        wait_until(lambda: "it is not heeded" in stage.said, "a refusal", 20.0)
+        tell(0.0, 90.0, True)
+        wait_until(lambda: not front.note_for(1.0), "no pictures any more", 20.0)
+        tell(0.0, 0.0, False)
+        wait_until(lambda: front.note_for(0.5), "pictures", 20.0)
+        wait_until(lambda: grain() < calm + 3.0, "clear pictures", 20.0)
+
     def test_topics_of_cameras_that_the_robot_has(self, stage):
         assert stage.topics_before == []
         wait_until(lambda: "/telex/cameras/front/depth" in camera_topics(), "the topics")

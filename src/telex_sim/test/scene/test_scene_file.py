@@ -218,7 +218,7 @@ def test_a_mistake_in_an_object_is_named_from_a_file_and_when_spawned(folder, en
         ("", "a struct with the key 'objects' is needed"),
         ("- a\n- b\n", "a struct with the key 'objects' is needed"),
         ("objects: 5\n", "objects: a list is needed"),
-        ("object: []\n", "object is unknown; known are description, floor, lights, name"),
+        ("object: []\n", "object is unknown; known are description, floor, history, lights"),
         ("floor: {frition: 1}\n", "floor/frition is unknown"),
         ("floor: {friction: -1}\n", "floor: friction is -1.0"),
         ("floor: {surface: {texture: no.png}}\n", "no.png: there is no such file"),
@@ -350,7 +350,7 @@ def test_types_keep_the_rules_of_the_library():
         assert name == name.lower()
         assert name.isidentifier()
         assert kind.__doc__
-    assert set(RESERVED) == {"type", "name", "position", "yaw", "rpy"}
+    assert set(RESERVED) == {"type", "name", "position", "yaw", "rpy", "shield"}
 
 
 def test_the_examples_of_the_documentation_are_right(folder):

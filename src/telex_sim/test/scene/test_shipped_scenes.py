@@ -15,7 +15,8 @@ from telex_sim.scene.files.scene_file import load_scene
 pytestmark = pytest.mark.slow
 
 TRAINING = [
-    "accelerator_tunnel", "manipulation_bench", "mobility_lane", "stairs", "training_hall",
+    "accelerator_tunnel", "manipulation_bench", "mobility_lane", "source_room", "stairs",
+    "training_hall",
 ]  # fmt: skip
 ALL = ["floor", "load_test", *TRAINING]
 

@@ -27,6 +27,7 @@ from ..scene.files.scene_file import SceneError
 from ..scene.model import WORLD_FRAME, Scene
 from ..scene.objects.assembly import Assembly
 from ..scene.objects.bodies import MeshLists, SceneBodies
+from ..scene.objects.irradiation import SceneField
 from ..scene.planning import PlannedScene, Progress, plan_entry, plan_world
 from .phase_timer import PhaseTimer
 from .simulator_config import TUNED_PERIOD, RobotConfig, SimulatorConfig
@@ -74,6 +75,8 @@ class Simulation:
         it is the same.
     last_change : str
         What the last time was, in words.
+    starts : int
+        How often the scene was put where it begins.
 
     Raises
     ------
@@ -102,6 +105,8 @@ class Simulation:
         self._altered = False
         # Of the bodies that there were at a number of `changes`.
         self._bodies: Optional[Tuple[int, WorldState]] = None
+        self.starts = 0
+        self._field: Tuple[int, Optional[SceneField]] = (-1, None)
         self._assets = Assets()
         self.robots: Tuple[Robot, ...] = ()
         self._names: Dict[int, str] = {}
@@ -167,6 +172,7 @@ class Simulation:
 
     def _fill_world(self) -> None:
         """Put the scene and the robots into an empty world."""
+        self.starts += 1
         self._load_scene()
         for robot in self.robots:
             robot.place(self.world, self.scene.start, self.objects.material)
@@ -420,6 +426,16 @@ class Simulation:
         if robot.gripper_contacts is None:
             return None
         return robot.gripper_contacts.measure(lambda uid: self._names.get(uid, FLOOR))
+
+    @property
+    def radiation(self) -> Optional[SceneField]:
+        """The field of the scene's sources; None where there is none."""
+        changes, there = self._field
+        if changes != self.changes:
+            made = SceneField(self.objects)
+            there = None if made.empty else made
+            self._field = (self.changes, there)
+        return there
 
     def plan(self, text: str, name: str = "", folder: str = "") -> List[Assembly]:
         """Prepare an entry for `spawn`; may be called from any thread.

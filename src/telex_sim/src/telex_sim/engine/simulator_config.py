@@ -8,6 +8,7 @@ from typing import Any, Dict, Mapping, Optional, Tuple
 from telex_control.common.params import read_config, require, require_range, require_text
 
 from ..proximity.proximity_config import ProximityConfig
+from ..radiation.dosimetry import DosimetryConfig
 from ..robot.gripper.contact_config import GripperContactConfig
 from ..robot.imu_noise import ImuNoise
 from ..robot.self_collision import SelfCollisionConfig
@@ -287,6 +288,7 @@ class RobotConfig:
     stability: StabilityConfig = field(default_factory=StabilityConfig)
     proximity: ProximityConfig = field(default_factory=ProximityConfig)
     gripper_contact: GripperContactConfig = field(default_factory=GripperContactConfig)
+    dosimetry: DosimetryConfig = field(default_factory=DosimetryConfig)
 
     def __post_init__(self) -> None:
         require("/" not in self.model, f"model is '{self.model}'; it must not contain '/'")

@@ -29,6 +29,7 @@ from ..robot.gripper.contact import GripperContact as Contact
 from ..robot.robot import Robot
 from ..scene.model import WORLD_FRAME
 from ..stability.monitor import Margin, StabilityMonitor
+from .radiation_publisher import RadiationPublisher
 from .truth_publisher import TruthPublisher
 
 _STOP_TIMEOUT = 1.0
@@ -69,6 +70,7 @@ class RobotPresence:
             f"{namespace}/sim/gripper_contact", GripperContact, queue_size=1, tcp_nodelay=True
         )
         self._truth = TruthPublisher(robot)
+        self._radiation = RadiationPublisher(robot)
         self._manager = ControllerManagerServices(robot.controllers, namespace)
         self._e_stop = rospy.Subscriber(
             f"{namespace}/e_stop", Bool, self._on_e_stop, tcp_nodelay=True
@@ -158,6 +160,10 @@ class RobotPresence:
         """Publish all that is scored, when anybody listens."""
         self._truth.publish(simulation, stamp, resets, self._margin)
 
+    def publish_radiation(self, simulation: Simulation, stamp: rospy.Time) -> None:
+        """Expose the robot to the scene's sources, and publish that, where there are any."""
+        self._radiation.publish(simulation, stamp)
+
     def publish_base_pose(self, stamp: rospy.Time) -> None:
         """Publish where the root link is, when anybody listens."""
         if not self._base_pose.get_num_connections():
@@ -226,6 +232,7 @@ class RobotPresence:
         self._proximity.unregister()
         self._gripper_contact.unregister()
         self._truth.close()
+        self._radiation.close()
         self.robot.close()
 
 

@@ -502,6 +502,7 @@ class SimulatorNode:
         if steps % self._truth_every == 0:
             for presence in self._presences:
                 presence.publish_truth(simulation, self._now(), self._resets)
+        self._publish_radiation()
         simulation.timer.end("publish")
         self._publish_proximity()
         simulation.timer.end("proximity")
@@ -513,6 +514,8 @@ class SimulatorNode:
         self._publish_poses()
         self._publish_base_pose()
         self._publish_stability()
+        for presence in self._presences:
+            presence.publish_radiation(self._simulation, self._now())
 
     def _publish_clock(self) -> None:
         self._recovery.note(self._simulation, self._resets)
@@ -529,6 +532,12 @@ class SimulatorNode:
     def _publish_stability(self) -> None:
         for presence in self._presences:
             presence.publish_stability(self._now())
+
+    def _publish_radiation(self) -> None:
+        steps = self._simulation.steps
+        for presence in self._presences:
+            if steps % self._steps_between(presence.robot.config.dosimetry.rate) == 0:
+                presence.publish_radiation(self._simulation, self._now())
 
     def _publish_proximity(self) -> None:
         steps = self._simulation.steps

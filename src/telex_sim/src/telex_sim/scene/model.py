@@ -16,7 +16,10 @@ from dataclasses import dataclass, field
 from typing import Dict, Optional, Sequence, Tuple
 
 from telex_control.common.geometry.quaternions import ORIGIN, UPRIGHT, Quaternion, Vector3
-from telex_control.common.params import require, require_range
+from telex_control.common.params import require, require_choice, require_range
+
+from ..radiation.dosimetry import require_history
+from ..radiation.nuclides import MATERIALS, NUCLIDES
 
 Color = Tuple[float, float, float, float]
 
@@ -28,6 +31,8 @@ LARGEST = 1.0e4
 """No length of a scene is greater (m)."""
 SMALLEST = 1.0e-4
 """No length of a shape is smaller (m), for there is no mass in it; nor a mesh's scale."""
+MOST_ACTIVE = 1.0e17
+"""No source has a greater activity (Bq): that of the largest irradiators."""
 STRONGEST = 1.0e6
 """No effort of a joint is greater (N m or N)."""
 MOST_OBJECTS = 1000
@@ -165,6 +170,9 @@ class Part:
     solid : bool
         Whether it collides. A mesh collides as its convex hull on a moving link, exactly on a
         static one.
+    shield : str
+        Of what it is made that attenuates radiation, one of `telex_sim.radiation.nuclides`'
+        materials, throughout its volume; empty: radiation passes. No mesh attenuates.
     """
 
     geometry: Geometry
@@ -172,10 +180,41 @@ class Part:
     orientation: Quaternion = UPRIGHT
     surface: Optional[Surface] = field(default_factory=Surface)
     solid: bool = True
+    shield: str = ""
 
     def __post_init__(self) -> None:
         _require_vector(self, "position")
         _require_unit(self, "orientation")
+        if self.shield:
+            require_choice(self, "shield", tuple(MATERIALS))
+            require(
+                self.geometry.form is not Form.MESH,
+                f"shield is '{self.shield}'; a box, cylinder or sphere can shield, a mesh cannot",
+            )
+
+
+@dataclass(frozen=True)
+class Source:
+    """A point that emits gamma radiation.
+
+    Attributes
+    ----------
+    nuclide : str
+        One of `telex_sim.radiation.nuclides`.
+    activity : float
+        Bq.
+    position : tuple of 3 floats
+        In its link (m).
+    """
+
+    nuclide: str
+    activity: float
+    position: Vector3 = ORIGIN
+
+    def __post_init__(self) -> None:
+        require_choice(self, "nuclide", tuple(NUCLIDES))
+        require_range(self, "activity", maximum=MOST_ACTIVE, above=0.0)
+        _require_vector(self, "position")
 
 
 @dataclass(frozen=True)
@@ -191,6 +230,8 @@ class Link:
         the scene says otherwise, the gripper's pads have 0.8).
     rolling_friction : float
         m; keeps round things from rolling, and from spinning, for ever.
+    source : Source, optional
+        That it carries.
     """
 
     name: str
@@ -198,6 +239,7 @@ class Link:
     parts: Tuple[Part, ...]
     friction: float = 1.0
     rolling_friction: float = 0.0
+    source: Optional[Source] = None
 
     def __post_init__(self) -> None:
         require_name(self.name, "name of a link")
@@ -553,7 +595,14 @@ class View:
 
 @dataclass(frozen=True)
 class Scene:
-    """A whole scene."""
+    """A whole scene.
+
+    Attributes
+    ----------
+    history : dict of str to float
+        Doses that the robot's parts have received before it begins (Gy): of a camera by its name,
+        and of the ``robot``.
+    """
 
     name: str
     description: str = ""
@@ -562,3 +611,7 @@ class Scene:
     objects: Tuple[SceneObject, ...] = ()
     start: Start = field(default_factory=Start)
     views: Tuple[View, ...] = ()
+    history: Dict[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        require_history(self.history)

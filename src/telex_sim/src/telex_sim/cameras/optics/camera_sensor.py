@@ -70,7 +70,12 @@ class CameraSensor:
         return self._control.expose(self.config.exposure, stamp)
 
     def develop(
-        self, pictures: Sequence[np.ndarray], repeated: bool, ev: float, stamp: int
+        self,
+        pictures: Sequence[np.ndarray],
+        repeated: bool,
+        ev: float,
+        stamp: int,
+        exposed: Tuple[float, float] = (0.0, 0.0),
     ) -> np.ndarray:
         """Make the sensor's picture of what the pinhole camera saw.
 
@@ -85,6 +90,8 @@ class CameraSensor:
             The exposure that `expose` chose, with which they were taken.
         stamp
             Sim time (ns).
+        exposed
+            Dose rate (Gy/h) and dose (Gy) beyond those of the configuration.
 
         Returns
         -------
@@ -95,9 +102,11 @@ class CameraSensor:
         if self.config.exposure.auto:
             self._control.meter(picture)
         picture = self._bend(picture, repeated)
+        radiation = self.config.radiation.exposed(*exposed)
+        self._noise.age(picture, radiation)
         # What is amplified twice as much is sqrt(2) times as noisy, because half the light came.
         self._noise.add(picture, self.config.noise * exposure_factor(0.5 * max(ev, 0.0)), stamp)
-        self._noise.irradiate(picture, self.config.radiation, stamp)
+        self._noise.irradiate(picture, radiation, stamp)
         return picture
 
     def _bend(self, picture: np.ndarray, repeated: bool) -> np.ndarray:

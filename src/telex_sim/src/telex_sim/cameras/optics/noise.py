@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Dict, Optional, Tuple
 
 import cv2
@@ -21,8 +21,18 @@ _STEP = 0.5
 # Grey levels; what is weaker vanishes when it is rounded.
 _WEAKEST = 0.25
 
+# Gy/h and Gy: more cannot be told from it.
+_MOST = 1e5
+
 # Longest trace that a particle leaves, in pixels.
 _LONGEST_TRACE = 6
+
+# Dots and traces that are drawn once; each picture shows a run of them, moved to another place.
+_KEPT_DOTS = 4096
+
+# Share of the light that is seen at least, and most of the veil (grey levels), whatever the dose.
+_LEAST_LIGHT = 0.2
+_THICKEST_VEIL = 160.0
 
 
 @dataclass(frozen=True)
@@ -39,6 +49,10 @@ class RadiationConfig:
         Bright dots and short traces in each picture, per million pixels and Gy/h.
     hot_pixels
         Pixels that stay bright, per million pixels and Gy.
+    veil
+        Dark current, which brightens the whole picture (grey levels of 255 per Gy).
+    loss
+        Share of the light that browned glass takes away, per Gy.
 
     Raises
     ------
@@ -49,12 +63,26 @@ class RadiationConfig:
     dose: float = 0.0
     dots: float = 30.0
     hot_pixels: float = 20.0
+    veil: float = 0.25
+    loss: float = 0.002
 
     def __post_init__(self) -> None:
-        require_range(self, "dose_rate", 0.0, 1e5)
-        require_range(self, "dose", 0.0, 1e5)
+        require_range(self, "dose_rate", 0.0, _MOST)
+        require_range(self, "dose", 0.0, _MOST)
         require_range(self, "dots", 0.0, 1e4)
         require_range(self, "hot_pixels", 0.0, 1e4)
+        require_range(self, "veil", 0.0, 100.0)
+        require_range(self, "loss", 0.0, 1.0)
+
+    def exposed(self, dose_rate: float, dose: float) -> RadiationConfig:
+        """Return it with a further dose rate (Gy/h) and dose (Gy), as far as that is possible."""
+        if not dose_rate and not dose:
+            return self
+        return replace(
+            self,
+            dose_rate=min(self.dose_rate + dose_rate, _MOST),
+            dose=min(self.dose + dose, _MOST),
+        )
 
 
 class SensorNoise:
@@ -76,8 +104,9 @@ class SensorNoise:
         self._seed = seed
         self._normal: Optional[np.ndarray] = None
         self._tiles: Dict[int, Tuple[np.ndarray, np.ndarray]] = {}
-        self._hot: Tuple[np.ndarray, np.ndarray, np.ndarray] = self._dots(self._generator(), 0)
+        self._hot = self._dots(self._generator(), 0)
         self._hot_count = 0
+        self._traces: Optional[Tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = None
 
     def add(self, picture: np.ndarray, strength: float, stamp: int) -> None:
         """Add the noise of the electronics.
@@ -99,43 +128,71 @@ class SensorNoise:
         cv2.add(picture, lighter[part], dst=picture)
         cv2.subtract(picture, darker[part], dst=picture)
 
+    def age(self, picture: np.ndarray, config: RadiationConfig) -> None:
+        """Lay the veil of the dose over a picture, in place; the electronics' noise comes after."""
+        veil = min(config.dose * config.veil, _THICKEST_VEIL)
+        light = max(1.0 - config.dose * config.loss, _LEAST_LIGHT)
+        if veil >= _WEAKEST or light < 1.0 - _WEAKEST / 255.0:
+            cv2.convertScaleAbs(picture, dst=picture, alpha=light, beta=veil)
+
     def irradiate(self, picture: np.ndarray, config: RadiationConfig, stamp: int) -> None:
         """Add what radiation leaves in the picture; its arguments are as for `add`."""
         area = self._width * self._height * 1e-6
-        hot = round(config.dose * config.hot_pixels * area)
+        hot = min(round(config.dose * config.hot_pixels * area), self._width * self._height)
         if hot != self._hot_count:
             # The first are always the same: with the dose, others are added.
             self._hot = self._dots(self._generator(), hot)
             self._hot_count = hot
         if hot:
-            rows, columns, values = self._hot
-            _brighten(picture, rows, columns, values)
+            _brighten(picture, *self._hot)
         expected = config.dose_rate * config.dots * area
         if expected <= 0.0:
             return
         generator = self._generator(stamp, 1)
         count = min(int(generator.poisson(expected)), self._width * self._height // 4)
-        rows, columns, values = self._dots(generator, count)
-        angles = generator.uniform(0.0, 2.0 * math.pi, count)
+        traces = self._traces
+        if traces is None:
+            traces = self._traces = self._draw_traces()
+        rows, columns, values, ends = traces
+        while count > 0:
+            first = int(generator.integers(0, _KEPT_DOTS))
+            shown = min(count, _KEPT_DOTS - first)
+            down, right = generator.integers(0, (self._height, self._width))
+            run = slice(int(ends[first]), int(ends[first + shown]))
+            _brighten(
+                picture,
+                (rows[run] + down) % self._height,
+                (columns[run] + right) % self._width,
+                values[run],
+            )
+            count -= shown
+
+    def _draw_traces(self) -> Tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Pixels of the kept dots: rows, columns and values, and where each dot's pixels begin."""
+        generator = self._generator(2)
+        rows, columns, values = self._dots(generator, _KEPT_DOTS)
+        angles = generator.uniform(0.0, 2.0 * math.pi, _KEPT_DOTS)
         # Most particles cross the sensor steeply and leave a dot, few a trace.
-        lengths = np.minimum(generator.geometric(0.6, count), _LONGEST_TRACE)
-        for step in range(int(lengths.max(initial=0))):
-            reach = lengths > step
-            down = rows[reach] + np.rint(step * np.sin(angles[reach])).astype(np.intp)
-            right = columns[reach] + np.rint(step * np.cos(angles[reach])).astype(np.intp)
-            inside = (down >= 0) & (down < self._height) & (right >= 0) & (right < self._width)
-            _brighten(picture, down[inside], right[inside], values[reach][inside])
+        lengths = np.minimum(generator.geometric(0.6, _KEPT_DOTS), _LONGEST_TRACE)
+        ends = np.concatenate(([0], np.cumsum(lengths)))
+        of = np.repeat(np.arange(_KEPT_DOTS), lengths)
+        steps = np.arange(len(of)) - ends[of]
+        down = np.rint(steps * np.sin(angles[of])).astype(np.intp)
+        right = np.rint(steps * np.cos(angles[of])).astype(np.intp)
+        return rows[of] + down, columns[of] + right, values[of], ends
 
     def _dots(
         self, generator: np.random.Generator, count: int
     ) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Rows, columns and values, shape (count, 3) the last: each has a colour of its own."""
+        """Rows, columns and values, shape (count, 4) the last: each has a colour of its own."""
         drawn = generator.random((count, 6))
         rows = (drawn[:, 0] * self._height).astype(np.intp)
         columns = (drawn[:, 1] * self._width).astype(np.intp)
         # A dot falls upon one of the sensor's coloured pixels, the others get their share of it.
         brightness = 90.0 + 165.0 * drawn[:, 2:3]
-        return rows, columns, (brightness * (0.55 + 0.45 * drawn[:, 3:])).astype(np.uint8)
+        values = np.zeros((count, 4), np.uint8)
+        values[:, :3] = brightness * (0.55 + 0.45 * drawn[:, 3:])
+        return rows, columns, values
 
     def _tile(self, step: int) -> Tuple[np.ndarray, np.ndarray]:
         """What is added and what is taken away, each larger than a picture by the shifts."""
@@ -159,4 +216,4 @@ class SensorNoise:
 def _brighten(
     picture: np.ndarray, rows: np.ndarray, columns: np.ndarray, values: np.ndarray
 ) -> None:
-    picture[rows, columns, :3] = np.maximum(picture[rows, columns, :3], values)
+    picture[rows, columns] = np.maximum(picture[rows, columns], values)

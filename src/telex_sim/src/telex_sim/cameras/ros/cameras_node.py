@@ -33,6 +33,7 @@ from .frame_pacer import next_due
 from .lamp_switches import LampSwitches
 from .overview import Overview
 from .parameter_service import CameraService
+from .received_dose import ReceivedDose
 from .scene_inbox import Arrival, SceneInbox
 from .scene_mirror import SceneMirror
 from .size_by_load import SizeByLoad
@@ -89,6 +90,7 @@ class CamerasNode:
             self._overview = Overview(config.overview, config.model, seed)
             self._streams.append(self._overview.stream)
         self._lamps = LampSwitches(config.lamps)
+        self._received = ReceivedDose()
         self._mirror = SceneMirror(
             self._renderer,
             camera_frames,
@@ -115,7 +117,12 @@ class CamerasNode:
         while not rospy.is_shutdown():
             self._take_news()
             now = time.monotonic()
-            wanted = [each for stream in self._streams for each in stream.wanted]
+            wanted = [
+                each
+                for stream in self._streams
+                if not self._received.of(stream.name).failed
+                for each in stream.wanted
+            ]
             self._follow_poses(bool(wanted), now)
             self._choose_sizes(wanted, now)
             # News come first after every picture: when there is more to show than time, one is
@@ -256,7 +263,9 @@ class CamerasNode:
             picture = self._renderer.render(sensor.pinhole, pose, exposure_factor(ev), coarse)
             # The next picture would overwrite it.
             pictures.append(picture.copy() if back > 0.0 else picture)
-        return sensor.develop(pictures, self._renderer.repeats, ev, stamp)
+        received = self._received.of(stream.name)
+        exposed = (received.dose_rate, received.dose)
+        return sensor.develop(pictures, self._renderer.repeats, ev, stamp, exposed)
 
 
 def _itself(frame_in_world: np.ndarray, now: float) -> np.ndarray:

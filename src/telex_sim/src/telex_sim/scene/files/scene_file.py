@@ -17,7 +17,9 @@ from ..model import (
     MOST_OBJECTS,
     ORIGIN,
     Floor,
+    Form,
     Lights,
+    ObjectModel,
     Quaternion,
     Scene,
     SceneObject,
@@ -47,6 +49,7 @@ class _Header:
     lights: Lights = field(default_factory=Lights)
     start: Start = field(default_factory=Start)
     views: Tuple[View, ...] = ()
+    history: Dict[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         require(
@@ -61,13 +64,14 @@ class _Header:
 
 @dataclass(frozen=True)
 class _Placement:
-    """Where an entry stands, and what it is called."""
+    """Where an entry stands, what it is called, and of what it is made that radiation meets."""
 
     type: str
     name: str = ""
     position: Vector3 = ORIGIN
     yaw: Optional[float] = None
     rpy: Optional[Vector3] = None
+    shield: str = ""
 
     def orientation(self) -> Quaternion:
         return quaternion_from_rpy(self.rpy or (0.0, 0.0, self.yaw or 0.0))
@@ -180,6 +184,7 @@ def parse_scene(
             _objects(entries, folder, check),
             header.start,
             header.views,
+            header.history,
         )
     except ConfigError as error:
         raise SceneError(f"{path}: {error}") from error
@@ -291,10 +296,39 @@ def build_entry(entry: Any, folder: Path, default_name: str) -> Tuple[SceneObjec
         position, orientation = compose(origin, (item.position, item.orientation))
         full = f"{name}_{item.name}" if item.name else name
         require_name(full, "name")
+        shield, model = placement.shield, item.model
         objects.append(
-            replace(item, name=full, position=position, orientation=orientation, entry=name)
+            replace(
+                item,
+                name=full,
+                model=_shielding(model, shield) if shield else model,
+                position=position,
+                orientation=orientation,
+                entry=name,
+            )
         )
     return tuple(objects)
+
+
+def _shielding(model: ObjectModel, material: str) -> ObjectModel:
+    """The same object with all its solid parts made of a material that attenuates radiation."""
+    for link in model.links:
+        for part in link.parts:
+            require(
+                not part.solid or part.geometry.form is not Form.MESH,
+                f"shield is '{material}'; the object has a solid mesh, and only boxes, cylinders "
+                "and spheres can shield",
+            )
+    links = tuple(
+        replace(
+            link,
+            parts=tuple(
+                replace(part, shield=material) if part.solid else part for part in link.parts
+            ),
+        )
+        for link in model.links
+    )
+    return replace(model, links=links)
 
 
 def _known_types(wanted: str) -> str:

@@ -22,6 +22,7 @@ from ..model import (
     ObjectModel,
     Part,
     SceneObject,
+    Source,
     Surface,
     Vector3,
 )
@@ -58,6 +59,8 @@ class CustomPart:
         {color, texture, texture_scale, glow}.
     solid, visible : bool
         Whether it is touched, whether it is seen.
+    shield : str
+        Material that attenuates radiation; empty: none.
     """
 
     box: Optional[Vector3] = None
@@ -70,6 +73,7 @@ class CustomPart:
     surface: Surface = field(default_factory=Surface)
     solid: bool = True
     visible: bool = True
+    shield: str = ""
 
     def __post_init__(self) -> None:
         given = [self.box, self.sphere, self.cylinder, self.mesh or None]
@@ -97,6 +101,7 @@ class CustomPart:
             quaternion_from_rpy(self.rpy),
             surface if self.visible else None,
             self.solid,
+            self.shield,
         )
 
 
@@ -114,6 +119,8 @@ class CustomLink:
         Coefficient.
     rolling_friction : float
         m.
+    source : Source, optional
+        Of radiation: {nuclide, activity, position}: Bq, m in the link.
     """
 
     name: str
@@ -121,6 +128,7 @@ class CustomLink:
     mass: float = 0.0
     friction: float = 1.0
     rolling_friction: float = 0.0
+    source: Optional[Source] = None
 
 
 @dataclass(frozen=True)
@@ -194,7 +202,7 @@ class Custom(ObjectType):
     Attributes
     ----------
     links : list of CustomLink
-        The first is the root: {name, mass, friction, rolling_friction, parts}.
+        The first is the root: {name, mass, friction, rolling_friction, source, parts}.
     joints : list of CustomJoint
         One for each further link.
     static : bool
@@ -212,7 +220,14 @@ class Custom(ObjectType):
             try:
                 parts = tuple(part.part(folder) for part in link.parts)
                 links.append(
-                    Link(link.name, link.mass, parts, link.friction, link.rolling_friction)
+                    Link(
+                        link.name,
+                        link.mass,
+                        parts,
+                        link.friction,
+                        link.rolling_friction,
+                        link.source,
+                    )
                 )
             except ConfigError as error:
                 raise ConfigError(f"link '{link.name}': {error}") from None

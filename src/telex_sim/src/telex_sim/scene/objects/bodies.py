@@ -305,24 +305,41 @@ class SceneBodies:
 
     def poses(self) -> List[float]:
         """Poses of these links: 7 numbers each (m, quaternion x y z w)."""
-        client = self._client
         poses: List[float] = []
         for placed in self._placed.values():
-            for uid, link, from_inertial in placed.tracked:
-                if link >= 0:
-                    state = pybullet.getLinkState(
-                        uid, link, computeForwardKinematics=1, physicsClientId=client
-                    )
-                    poses.extend(state[4])
-                    poses.extend(state[5])
-                    continue
-                position, orientation = pybullet.multiplyTransforms(
-                    *pybullet.getBasePositionAndOrientation(uid, physicsClientId=client),
-                    *from_inertial,
-                )
+            for tracked in placed.tracked:
+                position, orientation = self._pose(*tracked)
                 poses.extend(position)
                 poses.extend(orientation)
         return poses
+
+    def link_pose(self, name: str, link: str) -> Pose:
+        """Where a link of an object is.
+
+        Raises
+        ------
+        KeyError
+            No such object or link.
+        """
+        placed = self._placed[name]
+        source = placed.assembly.source
+        if source.model.static and link == source.model.links[0].name:
+            return source.position, source.orientation
+        for moving, tracked in zip(source.model.moving_links(), placed.tracked):
+            if moving.name == link:
+                return self._pose(*tracked)
+        raise KeyError(link)
+
+    def _pose(self, uid: int, link: int, from_inertial: Pose) -> Pose:
+        client = self._client
+        if link >= 0:
+            state = pybullet.getLinkState(
+                uid, link, computeForwardKinematics=1, physicsClientId=client
+            )
+            return state[4], state[5]
+        return pybullet.multiplyTransforms(
+            *pybullet.getBasePositionAndOrientation(uid, physicsClientId=client), *from_inertial
+        )
 
     def free_bodies(self) -> List[FreeBody]:
         """Bodies that can move and that no joint leads, in the order of `frames`."""

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Tuple
 
 from telex_control.common.params import require
 
-from ...model import Joint, Link, Motion, ObjectModel, SceneObject
+from ....radiation.nuclides import NUCLIDES
+from ...model import MOST_ACTIVE, Joint, Link, Motion, ObjectModel, Part, SceneObject, Source
 from .. import materials as look
 from ..object_type import ObjectType, single
 from ..parameters import choice, kilograms, number, parameter
@@ -33,7 +34,7 @@ _LID_MASS = 4.0
 
 @dataclass(frozen=True)
 class SourceContainer(ObjectType):
-    """Shielded pot with a lid; the lid lies on it freely, or swings on a hinge."""
+    """Pot of lead with a lid; the lid lies on it freely, or swings on a hinge."""
 
     radius: float = number(0.13, "Outside, without the lid (m).", 0.05, 1.0)
     height: float = number(0.28, "Outside, without the lid (m).", 0.05, 1.0)
@@ -78,7 +79,7 @@ class SourceContainer(ObjectType):
             # A plug under the lid keeps it on the hole.
             depth = 0.02
             plug = cylinder(self.hole - 0.004, depth, (0.0, 0.0, -0.5 * depth), look.LEAD)
-            parts = (*self._lid(), plug)
+            parts = (*self._lid(), *_of_lead(plug))
             lid = ObjectModel((Link("lid", _LID_MASS, parts),))
             objects.append(SceneObject("lid", lid, (0.0, 0.0, self.height)))
         return tuple(objects)
@@ -98,8 +99,10 @@ class SourceContainer(ObjectType):
         edge = 0.55 * h
         label = look.picture("sign?text=RADIOACTIVE&symbol=radiation")
         return (
-            cylinder(r, bottom, (0.0, 0.0, 0.5 * bottom), look.YELLOW_PAINT),
-            *placed(staves(self.hole, r, deep, 16), middle),
+            *_of_lead(
+                cylinder(r, bottom, (0.0, 0.0, 0.5 * bottom), look.YELLOW_PAINT),
+                *placed(staves(self.hole, r, deep, 16), middle),
+            ),
             tube(r, deep, middle, look.YELLOW_PAINT),
             *linings,
             *seen_only(
@@ -121,7 +124,7 @@ class SourceContainer(ObjectType):
         r = self.radius
         bar, free = 0.025, 0.05
         return (
-            cylinder(r, _LID, (0.0, 0.0, 0.5 * _LID), look.YELLOW_PAINT),
+            *_of_lead(cylinder(r, _LID, (0.0, 0.0, 0.5 * _LID), look.YELLOW_PAINT)),
             cylinder(1.004 * r, 0.01, (0.0, 0.0, 0.5 * _LID), look.BLACK, solid=False),
             box((bar, 0.14, bar), (0.0, 0.0, _LID + free + 0.5 * bar), look.STEEL),
             *(
@@ -135,13 +138,21 @@ class SourceContainer(ObjectType):
         )
 
 
+def _of_lead(*parts: Part) -> Parts:
+    return tuple(replace(part, shield="lead") for part in parts)
+
+
 @dataclass(frozen=True)
 class SourceCapsule(ObjectType):
-    """Dummy of a sealed source: a steel capsule with a knob to grip, standing."""
+    """Sealed source: a steel capsule with a knob to grip, standing; a dummy without activity."""
 
     radius: float = number(0.02, "Of the capsule, without its knob (m).", 0.005, 0.2)
     length: float = number(0.09, "Of the capsule, without its knob (m).", 0.02, 0.5)
     mass: float = kilograms(0.4)
+    nuclide: str = choice("Co-60", tuple(NUCLIDES))
+    activity: float = number(
+        0.0, "Of the nuclide, in the capsule's middle (Bq); 0: it is a dummy.", 0.0, MOST_ACTIVE
+    )
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
@@ -157,7 +168,10 @@ class SourceCapsule(ObjectType):
                 )
             ),
         )
-        link = Link("capsule", self.mass, parts, rolling_friction=0.0005)
+        source = None
+        if self.activity:
+            source = Source(self.nuclide, self.activity, (0.0, 0.0, 0.5 * length))
+        link = Link("capsule", self.mass, parts, rolling_friction=0.0005, source=source)
         return single(ObjectModel((link,)))
 
 

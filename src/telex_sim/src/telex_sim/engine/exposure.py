@@ -1,0 +1,168 @@
+"""What one robot in a simulation is exposed to, and its doses."""
+
+from __future__ import annotations
+
+import logging
+import math
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Tuple
+
+import numpy as np
+
+from ..radiation.dosimetry import ROBOT, Doses
+from ..robot.robot import Robot
+from ..scene.objects.irradiation import SceneField
+from .simulation import Simulation
+
+_log = logging.getLogger("rosout")
+
+
+class CameraReading(NamedTuple):
+    """Of one camera: dose rate (Gy/h), dose (Gy), and whether it has died of it."""
+
+    name: str
+    dose_rate: float
+    dose: float
+    failed: bool
+
+
+class Readings(NamedTuple):
+    """What a dosimeter and the cameras would tell.
+
+    Attributes
+    ----------
+    hull_rate, tool_rate : float
+        Gy/h; that of the tool is nan where the robot has none that measures.
+    total : float
+        Of the hull (Gy).
+    alarm : bool
+        A rate or the total is above what the dosimeter warns of.
+    cameras : tuple of CameraReading
+    """
+
+    hull_rate: float
+    tool_rate: float
+    total: float
+    alarm: bool
+    cameras: Tuple[CameraReading, ...]
+
+
+class Exposure:
+    """Sums up what a robot receives; in the simulation's thread.
+
+    Nothing is computed in scenes that have neither sources nor a history of dose.
+
+    Parameters
+    ----------
+    robot : Robot
+    find_cameras : callable
+        Gives the parameters of the robot's cameras by name, as those of the ``cameras`` node: their
+        optical frames are what counts. It is asked whenever a scene begins that needs them.
+    """
+
+    def __init__(self, robot: Robot, find_cameras: Callable[[], Any]) -> None:
+        self._robot = robot
+        self._find_cameras = find_cameras
+        self._begun = -1
+        self._cameras: Dict[str, str] = {}
+        self._lives: Dict[str, float] = {}
+        self._links: List[str] = []
+        self._doses: Optional[Doses] = None
+        self._dead: List[str] = []
+
+    def observe(self, simulation: Simulation) -> Optional[Readings]:
+        """Expose the robot to the field until now.
+
+        Returns
+        -------
+        Readings, optional
+            None where there is nothing to tell; when that begins, all is told as 0 once.
+        """
+        field = simulation.radiation
+        if self._begun != simulation.starts:
+            before = self._doses
+            self._begin(simulation, field)
+            if self._doses is None and before is not None:
+                return self._readings(Doses([0.0] * len(self._links)))
+        if self._doses is None:
+            if field is None:
+                return None
+            self._take_up({})
+        assert self._doses is not None
+        self._doses.receive(self._rates(field), simulation.time)
+        readings = self._readings(self._doses)
+        self._tell_of_dead(readings)
+        return readings
+
+    def _begin(self, simulation: Simulation, field: Optional[SceneField]) -> None:
+        """Set the doses back to what configuration and scene say of before."""
+        self._begun = simulation.starts
+        history = {**self._robot.config.dosimetry.history, **simulation.scene.history}
+        self._doses = None
+        if field is not None or history:
+            self._take_up(history)
+
+    def _take_up(self, history: Mapping[str, float]) -> None:
+        robot, dosimetry = self._robot, self._robot.config.dosimetry
+        links = set(robot.body.link_names())
+        frames = _frames(self._find_cameras())
+        self._cameras = {name: frame for name, frame in frames.items() if frame in links}
+        self._lives = {name: dosimetry.life(name) for name in self._cameras}
+        self._links = [dosimetry.hull or robot.body.base_link, *self._cameras.values()]
+        received = [history.get(name, 0.0) for name in (ROBOT, *self._cameras)]
+        if dosimetry.tool in links:
+            self._links.append(dosimetry.tool)
+            received.append(0.0)
+        self._doses, self._dead = Doses(received), []
+        unknown = sorted(set(history) - {ROBOT, *self._cameras})
+        if unknown:
+            _log.warning(
+                "%s: history has %s, which this robot lacks; it has %s",
+                robot.model,
+                ", ".join(unknown),
+                ", ".join([ROBOT, *self._cameras]),
+            )
+
+    def _rates(self, field: Optional[SceneField]) -> np.ndarray:
+        if field is None:
+            return np.zeros(len(self._links))
+        body = self._robot.body
+        return field.rates(np.array([body.pose(link)[0] for link in self._links]))
+
+    def _readings(self, doses: Doses) -> Readings:
+        rates, received = doses.rates.tolist(), doses.doses.tolist()
+        count, dosimetry = len(self._cameras), self._robot.config.dosimetry
+        tool = rates[-1] if len(rates) > 1 + count else math.nan
+        # A tool that measures nothing is nan, which is above nothing.
+        high = any(rate > dosimetry.alarm_rate for rate in (rates[0], tool))
+        return Readings(
+            rates[0],
+            tool,
+            received[0],
+            high or received[0] > dosimetry.alarm_dose,
+            tuple(
+                CameraReading(name, rate, dose, dose >= self._lives[name])
+                for name, rate, dose in zip(self._cameras, rates[1:], received[1:])
+            ),
+        )
+
+    def _tell_of_dead(self, readings: Readings) -> None:
+        for camera in readings.cameras:
+            if camera.failed and camera.name not in self._dead:
+                self._dead.append(camera.name)
+                _log.warning(
+                    "%s: camera %s has died, of %.1f Gy",
+                    self._robot.model,
+                    camera.name,
+                    camera.dose,
+                )
+
+
+def _frames(described: Any) -> Dict[str, str]:
+    """Optical frames by the cameras' names, in alphabetical order, of all that is described so."""
+    if not isinstance(described, Mapping):
+        return {}
+    return {
+        name: camera["frame"]
+        for name, camera in sorted(described.items())
+        if isinstance(camera, Mapping) and isinstance(camera.get("frame"), str)
+    }

@@ -1,0 +1,125 @@
+"""Doses that places on a robot receive, and how much its cameras bear."""
+
+from __future__ import annotations
+
+import zlib
+from dataclasses import dataclass, field
+from typing import Collection, Dict, Mapping, Optional, Sequence
+
+import numpy as np
+
+from telex_control.common.params import ConfigError, require, require_range
+
+ROBOT = "robot"
+"""Name of the hull's place among those with a history of dose."""
+MOST_GRAYS = 1.0e5
+_HOUR = 3600.0
+
+
+def require_history(history: Mapping[str, float]) -> None:
+    """Raise a `ConfigError` unless all doses (Gy) of a history are possible."""
+    for name, dose in history.items():
+        require(
+            0.0 <= dose <= MOST_GRAYS,
+            f"history/{name} is {dose} Gy; 0 to {MOST_GRAYS:g} is possible",
+        )
+
+
+@dataclass(frozen=True)
+class DosimetryConfig:
+    """Where a robot's dose is measured, and what it does.
+
+    Attributes
+    ----------
+    rate : float
+        How often the field is computed, in scenes with sources (Hz of sim time); every second time
+        it is told.
+    hull, tool : str
+        Links in whose origins the dosimeter measures; empty: the root link, and no tool.
+    alarm_rate : float
+        Dose rate of hull or tool from which the dosimeter warns (Gy/h).
+    alarm_dose : float
+        Dose of the hull from which it warns (Gy).
+    history : dict of str to float
+        Doses received before (Gy), by the name of a camera, or ``robot``; a scene may say more.
+    camera_life : float
+        Dose at which a camera dies, in the mean (Gy).
+    camera_spread : float
+        Share of that by which lives differ at most, evenly spread: each camera's is by its name
+        and the seed.
+    seed : int
+    """
+
+    rate: float = 10.0
+    hull: str = ""
+    tool: str = ""
+    alarm_rate: float = 1.0
+    alarm_dose: float = 10.0
+    history: Dict[str, float] = field(default_factory=dict)
+    camera_life: float = 88.0
+    camera_spread: float = 0.3
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        require_range(self, "rate", maximum=100.0, above=0.0)
+        require_range(self, "alarm_rate", 0.0, MOST_GRAYS)
+        require_range(self, "alarm_dose", 0.0, MOST_GRAYS)
+        require_range(self, "camera_life", maximum=MOST_GRAYS, above=0.0)
+        require_range(self, "camera_spread", 0.0, 0.99)
+        require_range(self, "seed", 0)
+        require_history(self.history)
+
+    def check_links(self, links: Collection[str], optional: Collection[str]) -> None:
+        """Check that a robot has the links in which it measures.
+
+        Parameters
+        ----------
+        links : collection of str
+            Those of the robot.
+        optional : collection of str
+            Those that a variant may lack; without one of these it does not measure there.
+
+        Raises
+        ------
+        ConfigError
+        """
+        for key, link, may_lack in (("hull", self.hull, ()), ("tool", self.tool, optional)):
+            if link and link not in links and link not in may_lack:
+                raise ConfigError(
+                    f"dosimetry/{key}: the robot has no link '{link}'; one that only some variants "
+                    "have belongs into hardware/optional_links"
+                )
+
+    def life(self, camera: str) -> float:
+        """Dose (Gy) at which a camera dies."""
+        drawn = np.random.default_rng((self.seed, zlib.crc32(camera.encode()))).uniform(-1.0, 1.0)
+        return self.camera_life * (1.0 + self.camera_spread * float(drawn))
+
+
+class Doses:
+    """Doses of several places, summed up over time.
+
+    Parameters
+    ----------
+    received : sequence of float
+        Before (Gy), one for each place.
+
+    Attributes
+    ----------
+    rates : numpy.ndarray
+        Those of the last look (Gy/h).
+    doses : numpy.ndarray
+        Until then (Gy).
+    """
+
+    def __init__(self, received: Sequence[float]) -> None:
+        self.doses = np.array(received, dtype=float)
+        self.rates = np.zeros(len(self.doses))
+        self._time: Optional[float] = None
+
+    def receive(self, rates: np.ndarray, time: float) -> None:
+        """Take note of the rates (Gy/h) at a sim time (s); between looks they change evenly."""
+        if self._time is not None:
+            hours = max(time - self._time, 0.0) / _HOUR
+            self.doses += 0.5 * hours * (self.rates + rates)
+        self.rates, self._time = rates, time

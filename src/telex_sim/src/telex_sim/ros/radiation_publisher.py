@@ -1,0 +1,70 @@
+"""The topics ``dosimeter`` and ``cameras/radiation`` of one robot."""
+
+from __future__ import annotations
+
+import rospy
+from telex_msgs.msg import CameraRadiation, Dosimeter
+
+from ..engine.exposure import Exposure
+from ..engine.simulation import Simulation
+from ..robot.robot import Robot
+
+
+class RadiationPublisher:
+    """Publishes what a robot is exposed to; in the simulation's thread.
+
+    The cameras are those of the robot's node ``cameras``, by its parameters.
+
+    Parameters
+    ----------
+    robot : Robot
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        namespace = robot.namespace
+        self._exposure = Exposure(
+            robot, lambda: rospy.get_param(f"{namespace}/cameras/cameras", {})
+        )
+        self._starts = -1
+        self._tells = False
+        self._dosimeter = rospy.Publisher(f"{namespace}/dosimeter", Dosimeter, queue_size=1)
+        # Latched: a node of cameras that begins anew while the simulation is paused must know.
+        self._cameras = rospy.Publisher(
+            f"{namespace}/cameras/radiation", CameraRadiation, queue_size=1, latch=True
+        )
+
+    def publish(self, simulation: Simulation, stamp: rospy.Time) -> None:
+        """Expose the robot to the field until now; every second time, and at a start, tell it.
+
+        Parameters
+        ----------
+        simulation : Simulation
+        stamp : rospy.Time
+        """
+        readings = self._exposure.observe(simulation)
+        if readings is None:
+            return
+        self._tells = not self._tells or simulation.starts != self._starts
+        self._starts = simulation.starts
+        if not self._tells:
+            return
+        cameras = CameraRadiation(
+            names=[camera.name for camera in readings.cameras],
+            dose_rate=[camera.dose_rate for camera in readings.cameras],
+            dose=[camera.dose for camera in readings.cameras],
+            failed=[camera.failed for camera in readings.cameras],
+        )
+        dosimeter = Dosimeter(
+            hull_rate=readings.hull_rate,
+            tool_rate=readings.tool_rate,
+            total=readings.total,
+            alarm=readings.alarm,
+        )
+        cameras.header.stamp = dosimeter.header.stamp = stamp
+        self._cameras.publish(cameras)
+        self._dosimeter.publish(dosimeter)
+
+    def close(self) -> None:
+        """Take the topics back."""
+        self._dosimeter.unregister()
+        self._cameras.unregister()
