@@ -356,7 +356,7 @@ def test_types_keep_the_rules_of_the_library():
 def test_the_examples_of_the_documentation_are_right(folder):
     text = (Path(__file__).parents[4] / "docs" / "instructor" / "scenes.md").read_text()
     examples = re.findall(r"```yaml\n(.*?)```", text, re.DOTALL)
-    assert len(examples) == 3
+    assert len(examples) == 4
     (folder / "part.obj").write_text(TETRAHEDRON)
     for number, example in enumerate(examples):
         scene = planned(folder, example, f"example_{number}.yaml").scene
