@@ -355,6 +355,8 @@ def test_a_wrong_command_line_is_refused(arguments, capsys):
 def test_without_a_master_it_says_so(monkeypatch, capsys):
     monkeypatch.setenv("ROS_MASTER_URI", "http://127.0.0.1:1")
     monkeypatch.setattr("sys.argv", ["step_response", "--all"])
+    # Other tests in this process still want a node.
+    monkeypatch.setattr("rospy.signal_shutdown", lambda _: None)
     with pytest.raises(SystemExit) as ended:
         command_line.main()
     assert ended.value.code == 1
