@@ -171,6 +171,12 @@ class TestWhatHappened:
         again = Replay.open(record(tmp_path / "t2.mcap", trial.entries), {})
         assert replay.marks() == again.marks()
 
+    def test_a_recording_with_a_gap_is_told_of_and_shown(self, tmp_path):
+        entries = drill().entries
+        replay = Replay.open(record(tmp_path / "t1.mcap", [*entries[:200], *entries[201:]]), {})
+        told = [mark["event"] for mark in replay.about()["marks"]]
+        assert "invalid" in told
+
     def test_strips_show_speed_and_force(self, replay):
         strips = {strip["name"]: strip for strip in replay.strips()}
         assert max(x for x in strips["speed"]["high"] if x is not None) == pytest.approx(0.5)

@@ -224,10 +224,11 @@ class Replay:
             if kind is None or time is None:
                 continue
             detail = event.get("detail")
+            # A note may be of an earlier moment; other events say in words where they are.
             at = detail.get("at") if isinstance(detail, dict) else None
             made.append(
                 {
-                    "time": time if at is None else float(at),
+                    "time": float(at) if isinstance(at, (int, float)) else time,
                     "kind": kind,
                     "event": event["event"],
                     "name": event.get("name", ""),
