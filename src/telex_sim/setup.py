@@ -18,6 +18,7 @@ setup(
             "telex_sim.engine",
             "telex_sim.offline",
             "telex_sim.proximity",
+            "telex_sim.radiation",
             "telex_sim.rehearsal",
             "telex_sim.robot",
             "telex_sim.robot.gripper",

@@ -46,10 +46,8 @@ class TestDosimetryConfig:
         with pytest.raises(ConfigError, match=message):
             read_struct(DosimetryConfig, params)
 
-    def test_refuses_links_that_the_robot_lacks(self):
+    def test_names_links_that_the_robot_lacks(self):
         config = DosimetryConfig(hull="hull", tool="probe")
-        config.check_links(["hull"], ["probe"])
-        with pytest.raises(ConfigError, match="dosimetry/tool: the robot has no link 'probe'"):
-            config.check_links(["hull"], [])
-        with pytest.raises(ConfigError, match="dosimetry/hull: the robot has no link 'hull'"):
-            config.check_links(["probe"], ["hull"])
+        assert config.lacking(["hull", "probe"]) == []
+        assert config.lacking(["hull"]) == ["probe"]
+        assert DosimetryConfig().lacking([]) == []

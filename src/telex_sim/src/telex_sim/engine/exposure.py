@@ -107,12 +107,19 @@ class Exposure:
         frames = _frames(self._find_cameras())
         self._cameras = {name: frame for name, frame in frames.items() if frame in links}
         self._lives = {name: dosimetry.life(name) for name in self._cameras}
-        self._links = [dosimetry.hull or robot.body.base_link, *self._cameras.values()]
+        hull = dosimetry.hull if dosimetry.hull in links else robot.body.base_link
+        self._links = [hull, *self._cameras.values()]
         received = [history.get(name, 0.0) for name in (ROBOT, *self._cameras)]
         if dosimetry.tool in links:
             self._links.append(dosimetry.tool)
             received.append(0.0)
         self._doses, self._dead = Doses(received), []
+        for link in dosimetry.lacking(links):
+            _log.warning(
+                "dosimetry: %s has no link '%s'; the root link counts, and no tool",
+                robot.model,
+                link,
+            )
         unknown = sorted(set(history) - {ROBOT, *self._cameras})
         if unknown:
             _log.warning(

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import zlib
 from dataclasses import dataclass, field
-from typing import Collection, Dict, Mapping, Optional, Sequence
+from typing import Collection, Dict, List, Mapping, Optional, Sequence
 
 import numpy as np
 
-from telex_control.common.params import ConfigError, require, require_range
+from telex_control.common.params import require, require_range
 
 ROBOT = "robot"
 """Name of the hull's place among those with a history of dose."""
@@ -35,7 +35,8 @@ class DosimetryConfig:
         How often the field is computed, in scenes with sources (Hz of sim time); every second time
         it is told.
     hull, tool : str
-        Links in whose origins the dosimeter measures; empty: the root link, and no tool.
+        Links in whose origins the dosimeter measures; empty, or of another robot: the root link,
+        and no tool.
     alarm_rate : float
         Dose rate of hull or tool from which the dosimeter warns (Gy/h).
     alarm_dose : float
@@ -69,26 +70,9 @@ class DosimetryConfig:
         require_range(self, "seed", 0)
         require_history(self.history)
 
-    def check_links(self, links: Collection[str], optional: Collection[str]) -> None:
-        """Check that a robot has the links in which it measures.
-
-        Parameters
-        ----------
-        links : collection of str
-            Those of the robot.
-        optional : collection of str
-            Those that a variant may lack; without one of these it does not measure there.
-
-        Raises
-        ------
-        ConfigError
-        """
-        for key, link, may_lack in (("hull", self.hull, ()), ("tool", self.tool, optional)):
-            if link and link not in links and link not in may_lack:
-                raise ConfigError(
-                    f"dosimetry/{key}: the robot has no link '{link}'; one that only some variants "
-                    "have belongs into hardware/optional_links"
-                )
+    def lacking(self, links: Collection[str]) -> List[str]:
+        """Name the links in which it is to measure and which are not among those of a robot."""
+        return [link for link in (self.hull, self.tool) if link and link not in links]
 
     def life(self, camera: str) -> float:
         """Dose (Gy) at which a camera dies."""

@@ -133,7 +133,6 @@ class Robot:
         config.proximity.check_joints(list(joints(robot)), config.hardware.optional_joints)
         links = list(robot.link_map)
         config.self_collision.check_links(links)
-        config.dosimetry.check_links(links, config.hardware.optional_links)
         self._has_pads = config.gripper_contact.present(links, config.hardware.optional_links)
         # What was asked for last, and how often a stop was: each one is obeyed for a cycle at
         # least, even if its release follows at once.
