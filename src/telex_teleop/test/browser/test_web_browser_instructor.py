@@ -6,7 +6,19 @@ import math
 import time
 
 import pytest
-from console_page import NOTHING, OTHER, Page, robot, ros
+from console_page import NOTHING, OTHER
+from instructor_page import (
+    HALL,
+    START,
+    VIEW,
+    YARD,
+    answer,
+    outside,
+    page,
+    robot,
+    ros,
+    simulator,
+)
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.actions.wheel_input import ScrollOrigin
 from selenium.webdriver.common.keys import Keys
@@ -14,82 +26,12 @@ from waiting import wait_until
 from web_robot import ESTOP, THUMBNAILS
 
 # the fixtures of the console's tests, started anew for this file
-__all__ = ["robot", "ros"]
+__all__ = ["page", "robot", "ros", "simulator"]
 
 pytestmark = [pytest.mark.ros, pytest.mark.browser]
 
-VIEW = "/telex/cameras/overview/view"
-HALL = {"name": "hall", "description": "A large hall.", "path": "/scenes/hall.yaml"}
-YARD = {"name": "yard", "description": "A step and a crate.", "path": "/scenes/yard.yaml"}
-BROKEN = {"name": "broken", "path": "/scenes/broken.yaml", "problem": "no YAML"}
 LOADED = {"success": True, "message": "scene yard: 2 objects in 0.10 s"}
 REFUSED = {"success": False, "message": "yard.yaml: objects[0]: type is 'unicorn'"}
-
-
-START = {
-    "mode": "orbit",
-    "azimuth": 1.0,
-    "elevation": 0.5,
-    "distance": 4.0,
-    "center": {"x": 0.0, "y": 0.0, "z": 0.2},
-}
-"""View of the overview camera at first."""
-
-
-class Simulator:
-    """Plays the simulator's services."""
-
-    def __init__(self, robot):
-        self.robot = robot
-        self.probe = robot.probe
-        for name in ("pause", "unpause", "reset"):
-            self.serve(name, "std_srvs/Empty")
-        self.serve("step", "telex_msgs/Step", success=True)
-        self.probe.subscribe(VIEW, "telex_msgs/OverviewView")
-        self.reset()
-
-    def reset(self):
-        """Forget what was asked, and be in the first scene, at rest."""
-        scenes = [HALL, YARD, BROKEN]
-        self.serve("list_scenes", "telex_msgs/ListScenes", scenes=scenes, current=HALL["path"])
-        self.tell()
-        self.robot.publish_camera("overview", rate=1)
-        self.probe.forget_requests()
-
-    def serve(self, name, kind, delay=0.0, **response):
-        service = f"/telex/sim/{name}"
-        self.probe.do("serve", service=service, type=kind, response=response, delay=delay)
-
-    def tell(self, **changes):
-        self.robot.publish_sim(world="hall", step_size=0.002, resets=3, **changes)
-
-    def send_view(self, view):
-        """Send the overview camera somewhere, as another page would."""
-        self.probe.publish(VIEW, "telex_msgs/OverviewView", view, latch=True)
-
-    def asked(self, name):
-        """Requests of a service so far."""
-        return self.probe.requests_of(f"/telex/sim/{name}")
-
-
-@pytest.fixture(scope="module")
-def simulator(robot):
-    return Simulator(robot)
-
-
-@pytest.fixture(scope="module")
-def page(ros, simulator, tmp_path_factory):
-    start = {**START, "center": list(START["center"].values())}
-    ros.master.setParam("/telex/cameras/overview/start", start)
-    _, url = ros.serve("video_server")
-    ros.bridge, _ = ros.serve("rosbridge")
-    page = Page(f"{url}/instructor", tmp_path_factory.mktemp("profile"))
-    try:
-        page.resize(1280, 720)
-        page.load()
-        yield page
-    finally:
-        page.driver.quit()
 
 
 @pytest.fixture(autouse=True)
@@ -102,15 +44,6 @@ def clean(simulator, page):
     wait_until(lambda: page.text("view-hint") == "orbit · 4.0 m")
     time.sleep(0.2)  # the rest of the view came with it
     simulator.probe.heard[VIEW].clear()
-
-
-def answer(page, button):
-    """Press a button of the question that is open."""
-    wait_until(lambda: page.element("#ask").is_displayed())
-    sentence = page.text("ask-sentence")
-    page.element(f"#ask-{button}").click()
-    wait_until(lambda: not page.element("#ask").is_displayed())
-    return sentence
 
 
 def test_overview_and_all_cameras_are_live(page):
@@ -337,19 +270,6 @@ def test_warnings_of_nodes_are_logged(simulator, page):
     message = {"level": 4, "name": "/telex/arm_teleop", "msg": "the arm is held"}
     simulator.probe.publish("/rosout_agg", "rosgraph_msgs/Log", message, rate=5)
     wait_until(lambda: "arm_teleop: the arm is held" in page.text("log"))
-
-
-def outside(page):
-    """Parts of the page that are not wholly on the screen."""
-    return page.script("""
-        const inside = ({left, top, right, bottom}) =>
-          left >= -1 && top >= -1 && right <= innerWidth + 1 && bottom <= innerHeight + 1;
-        const parts = "main .card, .card button, .view, .thumbnail, header > *, footer > *";
-        return [...document.querySelectorAll(parts)]
-          .filter((each) => each.offsetParent !== null && !each.closest("ol"))
-          .filter((each) => !inside(each.getBoundingClientRect()))
-          .map(({id, className}) => `${id} ${className}`);
-    """)
 
 
 @pytest.mark.parametrize("size", [(1280, 720), (1920, 1080)])

@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 
 import pytest
+from console_page import OTHER
+from instructor_page import answer, outside, page, robot, ros, simulator
 from selenium.webdriver.support.ui import Select
-from test_web_browser import OTHER, robot, ros
-from test_web_browser_instructor import answer, outside, page, simulator
 from waiting import wait_until
 
 # the fixtures of the other tests of this page, started anew for this file
