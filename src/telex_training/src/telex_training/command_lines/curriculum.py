@@ -6,6 +6,7 @@ import argparse
 import sys
 from typing import Optional, Sequence
 
+from ..exercises.findings import print_findings
 from ..progress.curriculum_check import check_curriculum
 from ..progress.curriculum_file import (
     PATH_VARIABLE,
@@ -64,12 +65,6 @@ def _check(options: argparse.Namespace) -> int:
             print(error, file=sys.stderr)
             wrong += 1
             continue
-        findings = check_curriculum(made)
-        for finding in findings:
-            print(f"{made.path}: {finding}", file=sys.stderr if finding.wrong else sys.stdout)
-        bad = any(finding.wrong for finding in findings)
-        if not bad:
-            counts = f"{len(made.modules)} modules, {len(made.exam)} parts of an exam"
-            print(f"{made.path}: OK, {counts}")
-        wrong += bad
+        counts = f"{len(made.modules)} modules, {len(made.exam)} parts of an exam"
+        wrong += not print_findings(made.path, check_curriculum(made), counts)
     return 1 if wrong else 0

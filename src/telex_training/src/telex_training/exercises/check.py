@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import subprocess
 import tempfile
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Set
 
@@ -17,6 +16,7 @@ from telex_sim.scene.robot_in_scene import robot_description
 
 from .conditions import EVENTS, FLOOR, ROBOT, TOOL, Condition
 from .exercise_file import ExerciseError, ExerciseFile
+from .findings import Finding
 from .model import ALL, ANY, MODES, Exercise
 from .questions import read_objects, right_answers
 from .robot_needs import lacking
@@ -36,25 +36,6 @@ _SHOWN = {
     "stairs": ("rise", 0.2),
 }
 """By type of object: a parameter, and up to where scripted operators have shown that it goes."""
-
-
-@dataclass(frozen=True)
-class Finding:
-    """What a check found.
-
-    Attributes
-    ----------
-    where, text : str
-    wrong : bool
-        Otherwise it is worth knowing, and no more.
-    """
-
-    where: str
-    text: str
-    wrong: bool = True
-
-    def __str__(self) -> str:
-        return f"{'' if self.wrong else 'note: '}{self.where}: {self.text}"
 
 
 def check_file(file: ExerciseFile, with_robot: bool = True) -> List[Finding]:

@@ -9,6 +9,7 @@ from typing import List, Optional, Sequence, Tuple
 
 from .catalog import PATH_VARIABLE, exercises, find_exercise
 from .exercise_file import ExerciseError, ExerciseFile, load_exercise
+from .findings import print_findings
 from .model import PRACTICE
 
 _LARGEST_SIDE = 4096
@@ -103,12 +104,7 @@ def _check(options: argparse.Namespace) -> int:
             wrong += 1
             continue
         findings = check_file(file, not options.no_robot)
-        bad = [finding for finding in findings if finding.wrong]
-        for finding in findings:
-            print(f"{path}: {finding}", file=sys.stderr if finding.wrong else sys.stdout)
-        if not bad:
-            print(f"{path}: OK, {_counts(file)}")
-        wrong += bool(bad)
+        wrong += not print_findings(path, findings, _counts(file))
     return 1 if wrong else 0
 
 

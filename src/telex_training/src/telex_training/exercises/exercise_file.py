@@ -7,9 +7,10 @@ import hashlib
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple, Type, TypeVar
+from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple, TypeVar
 
 from telex_control.common.params import ConfigError, read_struct, read_value, require
+from telex_control.common.text_file import read_text_file
 from telex_sim.scene.files.yaml_text import read_yaml
 from telex_sim.scene.model import require_name
 
@@ -39,6 +40,7 @@ from .model import (
     Zone,
     require_label,
 )
+from .yaml_parts import MOST, list_of, struct_of, structs_of
 
 SUFFIX = ".yaml"
 STANDARD = "standard"
@@ -47,7 +49,6 @@ MOST_BYTES = 200_000
 """A longer file is refused before it is read."""
 _DRAWN = "drawn"
 _LARGEST_SEED = 2**63 - 1
-_MOST = 100
 _CONDITIONS = ("begin", "until", "when")
 _SCENE_CHANGES = ("floor", "lights", "start", "objects")
 _RESERVED = ("link", "malfunctions", "sources", "limits", "history")
@@ -133,15 +134,7 @@ def load_exercise(path: Path) -> ExerciseFile:
     ExerciseError
         ``FILE: where: what``.
     """
-    try:
-        size = path.stat().st_size
-        if size > MOST_BYTES:
-            raise ExerciseError(f"{path}: it has {size} bytes; at most {MOST_BYTES} are read")
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "it is no UTF-8 text"
-        raise ExerciseError(f"{path}: {reason}") from error
-    return parse_exercise(text, path)
+    return parse_exercise(read_text_file(path, MOST_BYTES, ExerciseError), path)
 
 
 def parse_exercise(text: str, path: Path) -> ExerciseFile:
@@ -192,7 +185,7 @@ def _settings(content: Mapping[str, Any], path: Path, digest: str) -> Dict[str, 
     if changes is None:
         return {STANDARD: _exercise(base, path, digest, (STANDARD,), STANDARD)}
     require(isinstance(changes, list) and bool(changes), "settings: a list of structs is needed")
-    require(len(changes) <= _MOST, f"settings has {len(changes)} entries; at most {_MOST} fit")
+    require(len(changes) <= MOST, f"settings has {len(changes)} entries; at most {MOST} fit")
     names: List[str] = []
     for i, change in enumerate(changes):
         require(isinstance(change, Mapping), f"settings[{i}]: a struct with a name is needed")
@@ -247,7 +240,7 @@ def _exercise(
     require(bool(steps), "steps is []; one step at least is needed")
     zones = {
         zone: read_struct(Zone, given, f"zones/{zone}")
-        for zone, given in _struct(content, "zones").items()
+        for zone, given in struct_of(content, "zones").items()
     }
     for zone in zones:
         require_name(zone, "name of a zone")
@@ -264,46 +257,22 @@ def _exercise(
         setting=setting,
         scene=SceneSource(_base(content), folder, _changes(content)),
         seeds=_seeds(content),
-        vary=_listed(content, "vary", Vary),
+        vary=structs_of(content, "vary", Vary),
         zones=zones,
         begin=read_condition(content.get("begin", {"event": {"name": "command"}}), "begin"),
         steps=steps,
         any_order=read_value(bool, content.get("any_order", False), "any_order"),
-        repetitions=read_struct(Repetitions, _struct(content, "repetitions"), "repetitions"),
-        put_back=read_struct(PutBack, _struct(content, "put_back"), "put_back"),
+        repetitions=read_struct(Repetitions, struct_of(content, "repetitions"), "repetitions"),
+        put_back=read_struct(PutBack, struct_of(content, "put_back"), "put_back"),
         faults=_named(content, "faults", _fault),
         penalties=_named(content, "penalties", _penalty),
-        contacts=read_struct(Contacts, _struct(content, "contacts"), "contacts"),
-        questions=_distinct(_listed(content, "questions", Question), "questions"),
+        contacts=read_struct(Contacts, struct_of(content, "contacts"), "contacts"),
+        questions=_distinct(structs_of(content, "questions", Question), "questions"),
         metrics=_metrics(content),
-        expert=read_struct(Expert, _struct(content, "expert"), "expert"),
+        expert=read_struct(Expert, struct_of(content, "expert"), "expert"),
         hints=_hints(content),
         controls=_controls(content),
         reserved=_reserved(content),
-    )
-
-
-def _struct(content: Mapping[str, Any], key: str) -> Mapping[str, Any]:
-    given = content.get(key)
-    if given is None:
-        return {}
-    require(isinstance(given, Mapping), f"{key} is {str(given)[:60]!r}; a struct is needed")
-    require(len(given) <= _MOST, f"{key} has {len(given)} entries; at most {_MOST} fit")
-    return {str(name): value for name, value in given.items()}
-
-
-def _list(content: Mapping[str, Any], key: str) -> List[Any]:
-    given = content.get(key)
-    if given is None:
-        return []
-    require(isinstance(given, list), f"{key} is {str(given)[:60]!r}; a list is needed")
-    require(len(given) <= _MOST, f"{key} has {len(given)} entries; at most {_MOST} fit")
-    return given
-
-
-def _listed(content: Mapping[str, Any], key: str, kind: Type[Made]) -> Tuple[Made, ...]:
-    return tuple(
-        read_struct(kind, given, f"{key}[{i}]") for i, given in enumerate(_list(content, key))
     )
 
 
@@ -312,7 +281,7 @@ def _named(
 ) -> Tuple[Made, ...]:
     """Entries of a list that have a name and a condition; their names differ."""
     made = []
-    for i, given in enumerate(_list(content, key)):
+    for i, given in enumerate(list_of(content, key)):
         name = given.get("name") if isinstance(given, Mapping) else None
         where = f"{key}[{i}] ({name})" if isinstance(name, str) else f"{key}[{i}]"
         require(isinstance(given, Mapping), f"{where}: a struct with a name is needed")
@@ -363,7 +332,7 @@ def _modes(content: Mapping[str, Any]) -> Tuple[str, ...]:
 
 
 def _controls(content: Mapping[str, Any]) -> Tuple[str, ...]:
-    given = read_value(Tuple[str, ...], _list(content, "controls"), "controls")
+    given = read_value(Tuple[str, ...], list_of(content, "controls"), "controls")
     require(
         set(given) <= set(CONTROLS) and len(set(given)) == len(given),
         f"controls is {list(given)}; {', '.join(CONTROLS)} are possible, each once",
@@ -372,7 +341,7 @@ def _controls(content: Mapping[str, Any]) -> Tuple[str, ...]:
 
 
 def _seeds(content: Mapping[str, Any]) -> Seeds:
-    given = _struct(content, "seed")
+    given = struct_of(content, "seed")
     made: Dict[str, Optional[int]] = {}
     for mode, seed in given.items():
         require(mode in MODES, f"seed/{mode} is unknown; known are {', '.join(MODES)}")
@@ -402,7 +371,7 @@ def _base(content: Mapping[str, Any]) -> Any:
 
 
 def _changes(content: Mapping[str, Any]) -> Dict[str, Any]:
-    made = {key: _struct(content, key) for key in _SCENE_CHANGES if key in content}
+    made = {key: struct_of(content, key) for key in _SCENE_CHANGES if key in content}
     for name, change in made.get("objects", {}).items():
         require(isinstance(change, Mapping), f"objects/{name}: a struct is needed")
         require(
@@ -414,7 +383,7 @@ def _changes(content: Mapping[str, Any]) -> Dict[str, Any]:
 def _hints(content: Mapping[str, Any]) -> Tuple[Hint, ...]:
     """Read the hints; YAML 1.1 takes a bare ``on``, also as a key, for true."""
     made = []
-    for i, given in enumerate(_list(content, "hints")):
+    for i, given in enumerate(list_of(content, "hints")):
         named = given
         if isinstance(given, Mapping):
             named = {("on" if key is True else key): value for key, value in given.items()}
@@ -424,7 +393,7 @@ def _hints(content: Mapping[str, Any]) -> Tuple[Hint, ...]:
 
 def _metrics(content: Mapping[str, Any]) -> Tuple[Metric, ...]:
     made = []
-    for name, given in _struct(content, "metrics").items():
+    for name, given in struct_of(content, "metrics").items():
         where = f"metrics/{name}"
         require_name(name, "name of a metric")
         require(isinstance(given, Mapping), f"{where} is {str(given)[:60]!r}; a struct is needed")
@@ -457,10 +426,10 @@ def _reserved(content: Mapping[str, Any]) -> Reserved:
         link = read_value(float, link, "link")
         require(link >= 0.0, f"link is {link}; a delay (ms) of 0 or more is needed")
     doses = {}
-    for key, given in _struct(content, "limits").items():
+    for key, given in struct_of(content, "limits").items():
         require(key == "dose", f"limits/{key} is unknown; known is dose")
         doses = read_value(Dict[str, float], given, "limits/dose")
-    history = read_value(Dict[str, float], _struct(content, "history"), "history")
+    history = read_value(Dict[str, float], struct_of(content, "history"), "history")
     for key, values in (("limits/dose", doses), ("history", history)):
         for name, value in values.items():
             require(value >= 0.0, f"{key}/{name} is {value}; 0 or more (Gy) is needed")
@@ -470,7 +439,7 @@ def _reserved(content: Mapping[str, Any]) -> Reserved:
     return Reserved(
         link,
         tuple(_malfunction(x, f"malfunctions[{i}]") for i, x in _numbered(content)),
-        _listed(content, "sources", Source),
+        structs_of(content, "sources", Source),
         doses,
         history,
         given_keys,
@@ -478,7 +447,7 @@ def _reserved(content: Mapping[str, Any]) -> Reserved:
 
 
 def _numbered(content: Mapping[str, Any]) -> List[Tuple[int, Any]]:
-    return list(enumerate(_list(content, "malfunctions")))
+    return list(enumerate(list_of(content, "malfunctions")))
 
 
 def _malfunction(given: Any, where: str) -> Malfunction:

@@ -1,4 +1,4 @@
-"""What an exercise asks of the robot, compared with what a URDF has."""
+"""Needs of an exercise, compared with the links and joints of a URDF."""
 
 from __future__ import annotations
 

@@ -3,32 +3,13 @@
 from __future__ import annotations
 
 import difflib
-from dataclasses import dataclass
 from typing import Dict, Iterator, List, Set
 
 from ..exercises.catalog import exercises, find_exercise
 from ..exercises.exercise_file import ExerciseError, ExerciseFile, load_exercise
+from ..exercises.findings import Finding
 from ..exercises.model import EXAM
 from .curriculum_file import Curriculum, ExamPart, Module
-
-
-@dataclass(frozen=True)
-class Finding:
-    """What a check found.
-
-    Attributes
-    ----------
-    where, text : str
-    wrong : bool
-        Otherwise it is worth knowing, and no more.
-    """
-
-    where: str
-    text: str
-    wrong: bool = True
-
-    def __str__(self) -> str:
-        return f"{'' if self.wrong else 'note: '}{self.where}: {self.text}"
 
 
 def check_curriculum(curriculum: Curriculum) -> List[Finding]:

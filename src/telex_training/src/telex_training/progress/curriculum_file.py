@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, Optional, Tuple, Type, TypeVar
+from typing import Any, Dict, Mapping, Optional, Tuple
 
 from telex_control.common.file_catalog import FileCatalog
 from telex_control.common.params import (
@@ -19,10 +19,12 @@ from telex_control.common.params import (
     require_range,
     require_text,
 )
+from telex_control.common.text_file import read_text_file
 from telex_sim.scene.files.yaml_text import read_yaml
 from telex_sim.scene.model import require_name
 
 from ..exercises.model import require_label
+from ..exercises.yaml_parts import structs_of
 
 SUFFIX = ".yaml"
 MOST_BYTES = 100_000
@@ -30,9 +32,6 @@ MOST_BYTES = 100_000
 PATH_VARIABLE = "TELEX_CURRICULUM_PATH"
 """Environment variable with further folders, separated by colons; they come first."""
 KEYS = ("name", "title", "description", "modules", "exam", "currency")
-_MOST = 100
-
-Made = TypeVar("Made")
 
 
 class CurriculumError(ValueError):
@@ -186,15 +185,7 @@ def load_curriculum(path: Path) -> Curriculum:
     CurriculumError
         ``FILE: where: what``.
     """
-    try:
-        size = path.stat().st_size
-        if size > MOST_BYTES:
-            raise CurriculumError(f"{path}: it has {size} bytes; at most {MOST_BYTES} are read")
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "it is no UTF-8 text"
-        raise CurriculumError(f"{path}: {reason}") from error
-    return parse_curriculum(text, path)
+    return parse_curriculum(read_text_file(path, MOST_BYTES, CurriculumError), path)
 
 
 def parse_curriculum(text: str, path: Path) -> Curriculum:
@@ -239,13 +230,13 @@ def _curriculum(content: Mapping[str, Any], path: Path) -> Curriculum:
         title=title,
         description=text("description"),
         modules=modules,
-        exam=_listed(content, "exam", ExamPart),
+        exam=structs_of(content, "exam", ExamPart),
         currency=None if currency is None else read_struct(Currency, currency, "currency"),
     )
 
 
 def _modules(content: Mapping[str, Any]) -> Tuple[Module, ...]:
-    read = _listed(content, "modules", Module)
+    read = structs_of(content, "modules", Module)
     require(bool(read), "modules is []; one module at least is needed")
     found: Dict[str, Module] = {}
     for i, module in enumerate(read):
@@ -258,13 +249,3 @@ def _modules(content: Mapping[str, Any]) -> Tuple[Module, ...]:
         )
         found[name] = Module(module.exercise, module.setting, name, module.needs, module.proficient)
     return tuple(found.values())
-
-
-def _listed(content: Mapping[str, Any], key: str, kind: Type[Made]) -> Tuple[Made, ...]:
-    given = content.get(key)
-    if given is None:
-        return ()
-    require(isinstance(given, list), f"{key} is {str(given)[:60]!r}; a list is needed")
-    require(len(given) <= _MOST, f"{key} has {len(given)} entries; at most {_MOST} fit")
-    made: List[Made] = [read_struct(kind, item, f"{key}[{i}]") for i, item in enumerate(given)]
-    return tuple(made)

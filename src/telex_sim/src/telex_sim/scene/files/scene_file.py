@@ -10,6 +10,7 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Set, 
 
 from telex_control.common.geometry.quaternions import compose, quaternion_from_rpy
 from telex_control.common.params import ConfigError, read_struct, require
+from telex_control.common.text_file import read_text_file
 
 from ..addresses import absolute
 from ..library import RESERVED, object_types
@@ -100,7 +101,7 @@ def load_scene(path: Path, check: Optional[Check] = None) -> Scene:
     SceneError
         ``FILE: where: what``.
     """
-    return parse_scene(_read(path), path, check)
+    return parse_scene(read_text_file(path, MOST_BYTES, SceneError), path, check)
 
 
 def read_description(path: Path) -> str:
@@ -112,27 +113,10 @@ def read_description(path: Path) -> str:
         ``FILE: where: what``.
     """
     try:
-        return " ".join(_header(_without_objects(_content(_read(path)))).description.split())
+        content = _content(read_text_file(path, MOST_BYTES, SceneError))
+        return " ".join(_header(_without_objects(content)).description.split())
     except ConfigError as error:
         raise SceneError(f"{path}: {error}") from error
-
-
-def _read(path: Path) -> str:
-    """Read a file's text, if it is not too long.
-
-    Raises
-    ------
-    SceneError
-    """
-    try:
-        # The size first: nobody waits for 10 MB to be read, only to hear that it is too much.
-        size = path.stat().st_size
-        if size > MOST_BYTES:
-            raise SceneError(f"{path}: it has {size} bytes; at most {MOST_BYTES} are read")
-        return path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "it is no UTF-8 text"
-        raise SceneError(f"{path}: {reason}") from error
 
 
 def _content(text: str) -> Mapping[str, Any]:
