@@ -11,9 +11,9 @@ import pytest
 
 from telex_training.exercises.catalog import find_exercise
 from telex_training.exercises.exercise_file import load_exercise
-from telex_training.ros.brief_pages import OpenTrial
 from telex_training.ros.library import Library
-from telex_training.ros.pages import Pages
+from telex_training.ros.pages.brief_pages import OpenTrial
+from telex_training.ros.pages.training_pages import Pages
 
 
 def sheet(operator, setting, *times):

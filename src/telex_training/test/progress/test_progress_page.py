@@ -8,7 +8,7 @@ import pytest
 from recorded_trials import record
 
 from telex_training.ros.library import Library
-from telex_training.ros.pages import Pages
+from telex_training.ros.pages.training_pages import Pages
 
 pytestmark = pytest.mark.waiting
 

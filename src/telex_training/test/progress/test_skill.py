@@ -10,12 +10,16 @@ import pytest
 from recorded_trials import record
 
 from telex_training.judging.stats import reliability_bound
-from telex_training.progress.class_report import class_report, comparison_lines, comparison_report
 from telex_training.progress.comparison import ComparisonError, compare
 from telex_training.progress.curriculum_file import curricula, load_curriculum
 from telex_training.progress.exports import repetitions_csv, statements, statements_text, trials_csv
-from telex_training.progress.figures import nice_step
-from telex_training.progress.person_report import person_report
+from telex_training.progress.reports.class_report import (
+    class_report,
+    comparison_lines,
+    comparison_report,
+)
+from telex_training.progress.reports.person_report import person_report
+from telex_training.progress.reports.svg_figures import nice_step
 from telex_training.progress.skill import decision, skills
 from telex_training.progress.trial_facts import read_trial
 

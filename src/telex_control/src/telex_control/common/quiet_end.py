@@ -1,4 +1,4 @@
-"""How a command line ends whose reader has gone, as with ``| head``: without a traceback."""
+"""The end of a command line whose reader has gone, as with ``| head``: no traceback."""
 
 from __future__ import annotations
 

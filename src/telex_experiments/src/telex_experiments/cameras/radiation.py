@@ -1,4 +1,4 @@
-"""What radiation costs and does: the field among shields, and its noise in pictures."""
+"""Cost and effect of radiation: the field among shields, and its noise in pictures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What one robot in a simulation is exposed to, and its doses."""
+"""Exposure of one robot in a simulation to radiation, and its doses."""
 
 from __future__ import annotations
 

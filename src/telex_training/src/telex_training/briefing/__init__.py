@@ -1,1 +1,1 @@
-"""What a trainee is told before the start: task, what counts, controls, picture of the goal."""
+"""The brief before the start: task, what counts, controls, picture of the goal."""

@@ -9,7 +9,7 @@ from typing import Optional, Sequence
 
 from ..progress.index import ProgressIndex, ProgressIndexError
 from ..progress.people import PeopleError, expire, forget, new_pseudonym
-from ..progress.report_pieces import NOBODY, count
+from ..progress.reports.report_pieces import NOBODY, count
 from .progress import add_folder, open_index
 
 

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Dict, List, Optional, Sequence
 
 from ..exercises.model import MODES
-from ..progress.class_report import class_report, comparison_lines, comparison_report
 from ..progress.comparison import TIME, ComparisonError, compare
 from ..progress.curriculum_file import (
     Curriculum,
@@ -22,8 +21,9 @@ from ..progress.exports import BASE, repetitions_csv, statements_text, trials_cs
 from ..progress.importing import REFUSED, import_files
 from ..progress.index import Person, ProgressIndex, ProgressIndexError
 from ..progress.people import EXPORTS
-from ..progress.person_report import person_report
-from ..progress.report_pieces import NOBODY, NONE, count, day, percent
+from ..progress.reports.class_report import class_report, comparison_lines, comparison_report
+from ..progress.reports.person_report import person_report
+from ..progress.reports.report_pieces import NOBODY, NONE, count, day, percent
 from ..progress.skill import skills
 from ..progress.trial_facts import TrialFacts
 from ..recording.trial_file import FOLDER, safe_name

@@ -1,4 +1,4 @@
-"""How well one person does one exercise: learning curve, failures, best, weakest metrics."""
+"""One person's skill in one exercise: learning curve, failures, best, weakest metrics."""
 
 from __future__ import annotations
 

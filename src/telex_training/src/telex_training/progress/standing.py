@@ -1,4 +1,4 @@
-"""Where a person stands in a curriculum, and what is due."""
+"""A person's standing in a curriculum, and what is due."""
 
 from __future__ import annotations
 

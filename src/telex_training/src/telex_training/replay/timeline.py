@@ -1,4 +1,4 @@
-"""What a recording says of each moment, decoded once and laid out for looking it up.
+"""A recording by moments: decoded once and laid out for looking them up.
 
 Time is that of the replay: seconds since the first sample. It never runs back, also where the
 simulator began anew in the middle of a recording.

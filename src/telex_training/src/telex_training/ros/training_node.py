@@ -48,10 +48,10 @@ from ..progress.people import expire
 from ..recording.trial_file import SUFFIX, amend
 from ..recording.writer import RecordingError
 from .apparatus import Apparatus
-from .brief_pages import OpenTrial
 from .channels import hear_decoded
 from .library import Library
-from .pages import Pages
+from .pages.brief_pages import OpenTrial
+from .pages.training_pages import Pages
 from .robot_files import about_robot, software_version
 from .session import Session, SessionError
 from .settings import TrainingSettings

@@ -1,4 +1,4 @@
-"""What radiation the cameras have received, as ROS tells it."""
+"""Radiation that the cameras have received, as ROS tells it."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from telex_sim.cameras.cameras_config import ORBIT, ViewConfig
 
 from ...recording.writer import RecordingError
 from ...replay.cameras import CLEAR, OUTSIDE
-from ..page_server import PageServer, instructs, name_of
+from ..pages.page_server import PageServer, instructs, name_of
 from .drawing import Drawing, DrawingError
 from .shelf import NotHereError, Open, Shelf
 

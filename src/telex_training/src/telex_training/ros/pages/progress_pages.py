@@ -9,11 +9,11 @@ from typing import Callable, Dict, List, Set
 import rospy
 from aiohttp import web
 
-from ..progress.class_report import class_report
-from ..progress.curriculum_file import CurriculumError, curricula, load_curriculum
-from ..progress.index import ProgressIndex, ProgressIndexError
-from ..progress.person_report import person_report
-from ..progress.trial_facts import TrialFacts
+from ...progress.curriculum_file import CurriculumError, curricula, load_curriculum
+from ...progress.index import ProgressIndex, ProgressIndexError
+from ...progress.reports.class_report import class_report
+from ...progress.reports.person_report import person_report
+from ...progress.trial_facts import TrialFacts
 
 _HEADERS = {
     "Cache-Control": "no-store",

@@ -6,8 +6,8 @@ import math
 from html import escape
 from typing import List, Optional, Sequence, Tuple
 
-from ..judging.stats import Cusum, median
-from .inference import CurvePoint
+from ...judging.stats import Cusum, median
+from ..inference import CurvePoint
 
 _WIDTH, _HEIGHT = 420.0, 220.0
 _LEFT, _RIGHT, _TOP, _BOTTOM = 46.0, 12.0, 22.0, 34.0

@@ -5,9 +5,11 @@ from __future__ import annotations
 from html import escape
 from typing import Sequence, Tuple
 
-from ..judging.stats import CONFIDENCE, FEWEST_FOR_LEARNING
-from .curriculum_file import Curriculum
-from .figures import cusum_figure, learning_figure
+from ...judging.stats import CONFIDENCE, FEWEST_FOR_LEARNING
+from ..curriculum_file import Curriculum
+from ..skill import ACCEPTABLE, UNACCEPTABLE, Skill, Weakness, decision, skills
+from ..standing import LOCKED, OPEN, PROFICIENT, SPENT, WORKING, ModuleStanding, Standing, standing
+from ..trial_facts import TrialFacts
 from .report_pieces import (
     MARKS,
     NOBODY,
@@ -22,9 +24,7 @@ from .report_pieces import (
     percent,
     table,
 )
-from .skill import ACCEPTABLE, UNACCEPTABLE, Skill, Weakness, decision, skills
-from .standing import LOCKED, OPEN, PROFICIENT, SPENT, WORKING, ModuleStanding, Standing, standing
-from .trial_facts import TrialFacts
+from .svg_figures import cusum_figure, learning_figure
 
 _MOST_TRIALS = 100
 

@@ -13,13 +13,13 @@ from typing import Any, Callable, Dict, List, Optional
 import rospkg
 from aiohttp import web
 
-from ..judging.entries import BadEntryError
-from ..judging.sheet import sheet_text
-from ..judging.workload import workload_of
-from ..progress.index import ProgressIndex
-from ..recording.sheet_table import sheet_csv
+from ...judging.entries import BadEntryError
+from ...judging.sheet import sheet_text
+from ...judging.workload import workload_of
+from ...progress.index import ProgressIndex
+from ...recording.sheet_table import sheet_csv
+from ..library import Library
 from .brief_pages import BriefPages
-from .library import Library
 from .page_server import PageServer, instructs, name_of
 from .progress_pages import ProgressPages
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 from html import escape
 from typing import Dict, List, Mapping, Sequence, Tuple
 
-from ..judging.stats import CONFIDENCE
-from .comparison import TIME, Comparison
-from .curriculum_file import Curriculum
-from .figures import strip_figure
-from .inference import GROUP_CONFIDENCE
+from ...judging.stats import CONFIDENCE
+from ..comparison import TIME, Comparison
+from ..curriculum_file import Curriculum
+from ..inference import GROUP_CONFIDENCE
+from ..skill import Skill, skills
+from ..standing import WORKING, ModuleStanding, Standing, standing
+from ..trial_facts import TrialFacts
 from .report_pieces import (
     MARKS,
     NOBODY,
@@ -22,9 +24,7 @@ from .report_pieces import (
     percent,
     table,
 )
-from .skill import Skill, skills
-from .standing import WORKING, ModuleStanding, Standing, standing
-from .trial_facts import TrialFacts
+from .svg_figures import strip_figure
 
 
 def class_report(

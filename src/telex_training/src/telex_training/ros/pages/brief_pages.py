@@ -9,11 +9,11 @@ from typing import Any, Callable, Dict, NamedTuple, Optional
 import rospy
 from aiohttp import web
 
-from ..briefing.brief import exercise_brief
-from ..briefing.goal import GoalPictures
-from ..exercises.exercise_file import ExerciseError
-from ..exercises.model import Exercise
-from .library import Library
+from ...briefing.brief import exercise_brief
+from ...briefing.goal import GoalPictures
+from ...exercises.exercise_file import ExerciseError
+from ...exercises.model import Exercise
+from ..library import Library
 
 _KEPT = ".goals"
 

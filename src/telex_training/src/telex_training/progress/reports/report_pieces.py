@@ -9,8 +9,8 @@ from typing import Optional, Sequence, Tuple
 
 import rospkg
 
-from .standing import LOCKED, OPEN, PROFICIENT, SPENT, WORKING, ExamStanding, Standing
-from .trial_facts import TrialFacts
+from ..standing import LOCKED, OPEN, PROFICIENT, SPENT, WORKING, ExamStanding, Standing
+from ..trial_facts import TrialFacts
 
 NONE = "-"
 NOBODY = "no name"

@@ -1,0 +1,1 @@
+"""Pages in a browser: sheets, briefs and progress, behind mounts of the video server."""
