@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from telex_training.command_lines.exercise import main
 from telex_training.exercises import preview
 from telex_training.exercises.catalog import exercises
 from telex_training.exercises.check import check_file
-from telex_training.exercises.command_line import main
 from telex_training.exercises.exercise_file import load_exercise, parse_exercise
 from telex_training.exercises.seeds import scene_of, scene_text
 

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
+from telex_training.command_lines.exercise import main
 from telex_training.exercises.catalog import (
     exercise_folders,
     exercises,
@@ -15,7 +16,6 @@ from telex_training.exercises.catalog import (
     known_exercise,
 )
 from telex_training.exercises.check import check_file
-from telex_training.exercises.command_line import main
 from telex_training.exercises.exercise_file import ExerciseError, load_exercise
 from telex_training.exercises.preview_sheet import sheet_of
 from telex_training.operators.experts.catalog import EXPERTS

@@ -7,10 +7,10 @@ import sys
 from pathlib import Path
 from typing import List, Optional, Sequence, Tuple
 
-from .catalog import PATH_VARIABLE, exercises, find_exercise
-from .exercise_file import ExerciseError, ExerciseFile, load_exercise
-from .findings import print_findings
-from .model import PRACTICE
+from ..exercises.catalog import PATH_VARIABLE, exercises, find_exercise
+from ..exercises.exercise_file import ExerciseError, ExerciseFile, load_exercise
+from ..exercises.findings import print_findings
+from ..exercises.model import PRACTICE
 
 _LARGEST_SIDE = 4096
 
@@ -92,7 +92,7 @@ def _list(options: argparse.Namespace) -> int:
 
 def _check(options: argparse.Namespace) -> int:
     # Physics takes a moment to load, which the other commands do without.
-    from .check import check_file
+    from ..exercises.check import check_file
 
     wrong = 0
     for name in options.exercises:
@@ -122,7 +122,7 @@ def _counts(file: ExerciseFile) -> str:
 def _preview(options: argparse.Namespace) -> int:
     if options.all is not None:
         return _preview_all(options)
-    from .preview import draw_preview
+    from ..exercises.preview import draw_preview
 
     if options.sheet is not None:
         raise ExerciseError("--sheet belongs to --all")
@@ -136,7 +136,7 @@ def _preview(options: argparse.Namespace) -> int:
 
 
 def _preview_all(options: argparse.Namespace) -> int:
-    from .preview_sheet import SIZE, draw_all
+    from ..exercises.preview_sheet import SIZE, draw_all
 
     if options.output or options.setting or options.top or options.seed is not None:
         raise ExerciseError("--all takes no --output, --setting, --seed or --top")
