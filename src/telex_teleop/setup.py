@@ -24,6 +24,7 @@ setup(
             "telex_teleop.web.bridge.protocol",
             "telex_teleop.web.bridge.services",
             "telex_teleop.web.bridge.topics",
+            "telex_teleop.web.line",
             "telex_teleop.web.transforms",
             "telex_teleop.web.video",
             "telex_teleop.web.video.websocket",
