@@ -21,6 +21,7 @@ setup(
             "telex_teleop.web",
             "telex_teleop.web.bridge",
             "telex_teleop.web.bridge.clients",
+            "telex_teleop.web.bridge.link",
             "telex_teleop.web.bridge.protocol",
             "telex_teleop.web.bridge.services",
             "telex_teleop.web.bridge.topics",

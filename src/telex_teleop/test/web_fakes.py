@@ -79,6 +79,7 @@ class FakeRos:
         self.services_offered = {}
         self.params = {"/telex/limit": 1.5, "/nan": float("nan")}
         self.crashed = set()
+        self.time = None  # sim time (s); None: that of the machine
         self.serving_takes = 0.0
         self.expected = 0
         self.connected = 0
@@ -88,6 +89,9 @@ class FakeRos:
 
     def now(self):
         return genpy.Time(7, 8)
+
+    def sim_time(self):
+        return time.monotonic() if self.time is None else self.time
 
     def resolve(self, name):
         if " " in name:

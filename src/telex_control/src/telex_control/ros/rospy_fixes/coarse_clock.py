@@ -7,13 +7,14 @@ then takes the newest of those that have come meanwhile.
 
 from __future__ import annotations
 
+import collections
 import time
-from typing import Any
+from typing import Any, Deque, Optional, Tuple
 
 import rospy.impl.simtime
 from rospy.rostime import _set_rostime
 
-__all__ = ["COARSE_PERIOD", "read_clock_seldom"]
+__all__ = ["COARSE_PERIOD", "last_reading", "read_clock_seldom"]
 
 COARSE_PERIOD = 0.05
 """Wall time (s) between two readings."""
@@ -24,6 +25,18 @@ def read_clock_seldom() -> None:
     rospy.impl.simtime._set_rostime_clock_wrapper = _take
 
 
+def last_reading() -> Optional[Tuple[float, float]]:
+    """Return the last sim time read (s), and when that was on this machine's monotonic clock (s).
+
+    None before the first one, and in a node whose clock is not coarse.
+    """
+    return _readings[-1] if _readings else None
+
+
+_readings: Deque[Tuple[float, float]] = collections.deque(maxlen=1)
+
+
 def _take(message: Any) -> None:
+    _readings.append((message.clock.to_sec(), time.monotonic()))
     _set_rostime(message.clock)
     time.sleep(COARSE_PERIOD)

@@ -6,7 +6,7 @@ import asyncio
 import contextlib
 import itertools
 import time
-from typing import AsyncIterator, Callable, List, Set
+from typing import AsyncIterator, Callable, Dict, List, Set
 
 from aiohttp import WSCloseCode, WSMsgType, web
 
@@ -18,6 +18,7 @@ from ..tokens import ForbiddenError, Tokens, client_name, is_instructor
 from ..websockets import new_websocket, take_leave, upgrade_required
 from .clients.control import Member
 from .clients.outbox import Outbox
+from .link.downlink import Downlink
 from .ros import Ros
 from .session import ClientSession, Shared
 from .status_topics import NodeWatch, Roster
@@ -62,6 +63,8 @@ class Rosbridge:
         self._roster = Roster(self.shared.control, self.shared.publishers, ros)
         self._node_watch = NodeWatch(ros, self.shared.publishers)
         self._e_stop_topic = ros.resolve(config.e_stop_topic)
+        self._leaving: Dict[ClientSession, None] = {}  # those whose client has gone, in order
+        self._is_ending = False
         self._sockets: Set[web.WebSocketResponse] = set()
         self._places: List[bool] = []  # of each client, whether it is an instructor
         self._numbers = itertools.count(1)
@@ -131,14 +134,28 @@ class Rosbridge:
         """Serve a client that is connected."""
         outbox = Outbox(self._config.max_queue_bytes)
         session = self._make_session(request, instructor, outbox, transport)
-        sender = asyncio.ensure_future(self._send_all(websocket, transport, outbox))
+        line = None if instructor else self.shared.line
+        downlink = Downlink(outbox, line, self.shared.ros.sim_time)
+        sender = asyncio.ensure_future(self._send_all(websocket, transport, downlink))
         self._sockets.add(websocket)
         try:
             await self._receive_all(websocket, session, outbox)
         finally:
             self._sockets.discard(websocket)
             sender.cancel()
+            downlink.close()
+            self._see_off(session)
+
+    def _see_off(self, session: ClientSession) -> None:
+        """End the session of a client that has gone, as soon as that has passed the line."""
+        self._leaving[session] = None
+        session.ended = lambda: self._leaving.pop(session, None)
+        if self._is_ending:
+            session.end()
+        else:
             session.close()
+        while len(self._leaving) > self._config.max_clients:
+            next(iter(self._leaving)).end()
 
     def _has_place(self, *, instructor: bool) -> bool:
         """Tell whether one more client may connect: operators leave some places to instructors."""
@@ -180,15 +197,16 @@ class Rosbridge:
             # take the answers is not heard until it does.
             await asyncio.sleep(0)
             await outbox.room()
+            await session.room()
 
     async def _send_all(
-        self, websocket: web.WebSocketResponse, transport: asyncio.Transport, outbox: Outbox
+        self, websocket: web.WebSocketResponse, transport: asyncio.Transport, downlink: Downlink
     ) -> None:
-        """Send what is in the outbox, and let it wait there rather than in the kernel's buffers."""
+        """Send what has passed the line; it waits there rather than in the kernel's buffers."""
         backlog = Backlog(transport, self._config.send_buffer)
         with contextlib.suppress(ConnectionError):
             while True:
-                message = await outbox.get()
+                message = await downlink.get()
                 if isinstance(message, str):
                     await websocket.send_str(message)
                 else:
@@ -198,12 +216,15 @@ class Rosbridge:
 
     async def _dismiss_clients(self, _app: web.Application) -> None:
         """Close all connections; with each its session ends and stops what it drove."""
-        if not self._sockets:
+        if not (self._sockets or self._leaving):
             return
+        self._is_ending = True
         await take_leave(
             websocket.close(code=WSCloseCode.GOING_AWAY, message=b"the bridge ends")
             for websocket in tuple(self._sockets)
         )
+        for session in tuple(self._leaving):
+            session.end()
         await asyncio.sleep(LAST_WORDS)
 
 

@@ -36,6 +36,9 @@ class Ros(Protocol):
     def now(self) -> genpy.Time:
         """Return the present ROS time; does not block."""
 
+    def sim_time(self) -> float:
+        """Return the present ROS time (s), finer than it is published; on one thread."""
+
     def resolve(self, name: str) -> str:
         """Return a name in its global form, relative to the bridge's namespace; does not block."""
 

@@ -16,6 +16,7 @@ import rosgraph.names
 import rospy
 import rosservice
 
+from ..ros_clock import RosClock
 from .protocol.operations import OperationError
 from .ros import Answer, Publisher, Receive
 
@@ -84,10 +85,15 @@ class RosGraph:
         self._addresses: Dict[str, str] = {}
         self._listening: Counter[str] = collections.Counter()
         self._lock = threading.Lock()
+        self._clock = RosClock()
 
     def now(self) -> genpy.Time:
         """Return the present ROS time."""
         return rospy.get_rostime()
+
+    def sim_time(self) -> float:
+        """Return the present ROS time (s) as it goes on between two messages of `/clock`."""
+        return self._clock()
 
     def resolve(self, name: str) -> str:
         """Return a name in its global form; raises OperationError if it is no ROS name."""

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import functools
+from random import Random
 from typing import Callable, Dict, Optional
 
+from ..line.line import Line
 from ..rights import Rights
 from ..server_config import RosbridgeConfig
 from ..workers import OrderedWorker
@@ -11,6 +14,7 @@ from .clients.access import Access
 from .clients.client import LEVELS, Client
 from .clients.control import Control, ControlServices, Member
 from .clients.outbox import Outbox
+from .link.uplink import Sent, Uplink
 from .protocol.operations import Operation, OperationError
 from .ros import Ros
 from .services.advertise_service import AdvertisedServices
@@ -35,6 +39,11 @@ class Shared:
         What clients may do.
     linger
         Time (s) that a publisher outlives its last client.
+
+    Attributes
+    ----------
+    line
+        What passes between the robot and clients that are no instructors.
     """
 
     def __init__(
@@ -43,6 +52,7 @@ class Shared:
         self.config = config
         self.ros = ros
         self.worker = OrderedWorker("bridge to ROS")
+        self.line = Line(Random())
         self.publishers = Publishers(ros, self.worker, linger)
         self.subscribers = Subscribers(ros, self.worker)
         self.goals = AllGoals(self.publishers, self.subscribers, ros)
@@ -79,6 +89,11 @@ class ClientSession:
         What goes to the client.
     drop
         Cuts the connection, with the reason.
+
+    Attributes
+    ----------
+    ended
+        Called when it has ended.
     """
 
     def __init__(
@@ -87,6 +102,9 @@ class ClientSession:
         config, ros, control = shared.config, shared.ros, shared.control
         access = shared.access[member.instructor]
         self._control = control
+        self._uplink = Uplink(None if member.instructor else shared.line, ros.sim_time)
+        self._has_ended = False
+        self.ended: Callable[[], None] = lambda: None
         self._client = Client(member, access, outbox, drop)
         self._gate = CommandGate(self._client, control, config)
         self._publications = Publications(
@@ -125,18 +143,58 @@ class ClientSession:
             "status": lambda _: None,
         }
         member.stop = self._publications.stop
+        member.call_back = self._uplink.call_back
         control.join(member)
 
     def receive(self, text: str) -> None:
-        """Obey one text message of the client."""
+        """Obey one text message of the client, as soon as it has passed the line."""
         operation: Optional[Operation] = None
         try:
             operation = Operation(text, self._gate.clock())
+            # Before the line, whose delay is not of the message's age.
             self._gate.note_time(operation)
+            if self._uplink.passes:
+                self._obey(operation)
+            else:
+                self._send(operation, len(text))
+        except OperationError as error:
+            self._complain(error, operation)
+
+    async def room(self) -> None:
+        """Wait until more messages may be on the line."""
+        await self._uplink.room()
+
+    def _send(self, operation: Operation, size: int) -> None:
+        """Let an operation pass the line."""
+        publishes = operation.op == "publish"
+        commands = (publishes and self._publications.commands(operation)) or (
+            operation.op == "call_service" and self._calls.commands(operation)
+        )
+        sent = Sent(
+            functools.partial(self._arrive, operation),
+            functools.partial(self._called_back, operation) if commands else None,
+        )
+        self._uplink.send(
+            sent, size, may_be_lost=publishes and commands and self._publications.moves(operation)
+        )
+
+    def _arrive(self, operation: Operation) -> None:
+        """Obey an operation that has passed the line."""
+        operation.hold_until(self._gate.clock())
+        try:
             self._obey(operation)
         except OperationError as error:
-            name = f"{operation.op[:80]}: " if operation is not None else ""
-            self.report(f"{name}{error}", operation)
+            self._complain(error, operation)
+
+    def _called_back(self, operation: Operation, reason: str) -> None:
+        if operation.op == "call_service":
+            self._calls.refuse(operation, f"the call was lost on its way: {reason}")
+        else:
+            self._control.count_dropped(self._client.member)
+
+    def _complain(self, error: OperationError, operation: Optional[Operation]) -> None:
+        name = f"{operation.op[:80]}: " if operation is not None else ""
+        self.report(f"{name}{error}", operation)
 
     def _obey(self, operation: Operation) -> None:
         obey = self._operations.get(operation.op)
@@ -159,9 +217,22 @@ class ClientSession:
         self.set_level(operation.text("level"))
 
     def close(self) -> None:
-        """End: stop what the client drove, give back all that it used."""
+        """End when all that the client has sent has arrived, its end being the last of it."""
+        self._subscriptions.close()
+        if self._uplink.passes:
+            self.end()
+        else:
+            self._uplink.send(Sent(self.end), 0)
+
+    def end(self) -> None:
+        """End now: stop what the client drove, give back all that it used."""
+        if self._has_ended:
+            return
+        self._has_ended = True
+        self._uplink.close()
         self._publications.close()
         self._subscriptions.close()
         self._advertised.close()
         self._client.close()
         self._control.leave(self._client.member)
+        self.ended()

@@ -38,6 +38,8 @@ class Member:
         How many of its commands were not obeyed.
     stop
         Ends all motion that it commands.
+    call_back
+        Loses its commands under way, with the reason.
     """
 
     id: str
@@ -47,6 +49,7 @@ class Member:
     name: str = ""
     dropped: int = 0
     stop: Callable[[], None] = lambda: None
+    call_back: Callable[[str], None] = lambda reason: None
 
     @property
     def shown(self) -> str:
@@ -103,6 +106,7 @@ class Control:
     def take(self, member: Member) -> None:
         """Give control to a client that asks for it; raises ControlError if it cannot have it."""
         if member.instructor and self.holder is not member:
+            self._withdraw(member)
             self._give(member)
         else:
             self.require(member)
@@ -128,6 +132,7 @@ class Control:
         for other in self._members:
             if other.id == receiver:
                 if self.holder is not other:
+                    self._withdraw(member)
                     self._give(other)
                 return
         known = ", ".join(other.id for other in self._members)
@@ -145,6 +150,16 @@ class Control:
     def count_dropped(self, member: Member) -> None:
         """Note that a command of a client was not obeyed."""
         member.dropped += 1
+
+    def call_back(self, reason: str) -> None:
+        """Lose all commands that are under way to the robot."""
+        for member in self._members:
+            member.call_back(reason)
+
+    def _withdraw(self, instructor: Member) -> None:
+        """Lose the commands under way of the client from which an instructor takes control."""
+        if self.holder is not None:
+            self.holder.call_back(f"{instructor.shown} took control")
 
     def _give(self, member: Optional[Member]) -> None:
         if self.holder is not None:

@@ -64,6 +64,8 @@ class Operation:
     ----------
     sent
         When it was sent, on the same clock (s); None if the client does not tell.
+    held
+        Time (s) that it has been held since it came; `received` and `sent` are later by as much.
 
     Raises
     ------
@@ -78,8 +80,16 @@ class Operation:
         self._fields: Dict[str, Any] = fields
         self.received = received
         self.sent: Optional[float] = None
+        self.held = 0.0
         self.id = self._read_id()
         self.op = self.text("op")
+
+    def hold_until(self, now: float) -> None:
+        """Count a message as one that comes only now (s), at the age that it came with."""
+        self.held = now - self.received
+        self.received = now
+        if self.sent is not None:
+            self.sent += self.held
 
     def _read_id(self) -> Id:
         value = self._fields.get("id")

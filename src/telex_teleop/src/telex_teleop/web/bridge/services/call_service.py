@@ -90,6 +90,12 @@ class Services:
         except Exception as error:  # whatever fails in ROS is the answer to the client
             raise OperationError(str(error) or type(error).__name__) from error
 
+    def commands(self, name: str, client: Client) -> bool:
+        """Tell whether calling a service, by its global name, commands the robot."""
+        own = self._control.fields_of(name) is not None
+        asks = self._rosapi[client.member.instructor].find(name) is not None
+        return not own and not asks and client.access.is_command("call", name)
+
     async def _ask_rosapi(
         self, question: Question, arguments: Any, gate: CommandGate
     ) -> Dict[str, Any]:
@@ -182,6 +188,14 @@ class ServiceCalls:
         self._under_way += 1
         call = self._client.start(self._answer(operation, service, before_it))
         self._advertised.note_call(name, call)
+
+    def commands(self, operation: Operation) -> bool:
+        """Tell whether an operation `call_service` commands the robot."""
+        return self._services.commands(self._resolve(operation.text("service")), self._client)
+
+    def refuse(self, operation: Operation, reason: str) -> None:
+        """Answer a call that is not made, with the reason."""
+        self._respond(operation, operation.text("service"), reason, succeeded=False)
 
     async def _answer(
         self, operation: Operation, service: str, before_it: Optional[asyncio.Task[None]]

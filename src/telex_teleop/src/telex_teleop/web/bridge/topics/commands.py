@@ -179,7 +179,12 @@ class CommandGate:
             )
 
     def admit_message(
-        self, topic: str, message: genpy.Message, age: Optional[float], waited: float = 0.0
+        self,
+        topic: str,
+        message: genpy.Message,
+        age: Optional[float],
+        waited: float = 0.0,
+        held: float = 0.0,
     ) -> bool:
         """Decide on a message to a topic.
 
@@ -193,6 +198,8 @@ class CommandGate:
             Its age on arrival (s), None if the client does not tell.
         waited
             Time (s) that it has waited since for the bridge's own connections.
+        held
+            Time (s) that the line has held it, which is not of its age.
 
         Returns
         -------
@@ -221,7 +228,7 @@ class CommandGate:
             # Whose stop reaches the robot also ends the wait for a new press, so it must be his.
             return self._control.holder in (None, self._member)
         if age is not None:
-            self._ages.note_command(age, self.clock() - waited)
+            self._ages.note_command(age, self.clock() - waited - held)
         try:
             self._check_age(age)
             if self._access.needs_control("publish", topic):

@@ -12,7 +12,7 @@ import genpy
 from ...server_config import RosbridgeConfig
 from ..clients.client import Client
 from ..protocol.operations import Id, Operation, OperationError
-from ..protocol.ros_messages import FieldError
+from ..protocol.ros_messages import FieldError, codec_of, message_class
 from ..ros import Ros
 from .commands import (
     CommandGate,
@@ -20,6 +20,7 @@ from .commands import (
     CommandRefusedError,
     CommandUncertainError,
     is_goal_type,
+    kind_of,
     stop_for,
 )
 from .goals import AllGoals, ClientGoals
@@ -181,7 +182,7 @@ class Publication:
             age = None if operation.sent is None else operation.received - operation.sent
             # A goal is no less wanted for having waited for its server.
             waited = 0.0 if self._goals is not None else self._gate.clock() - operation.received
-            if not self._gate.admit_message(topic, message, age, waited):
+            if not self._gate.admit_message(topic, message, age, waited, operation.held):
                 return
             self._all_goals.check_cancel(topic, message, client)
             if self._goals is not None:
@@ -289,6 +290,30 @@ class Publications:
         if publication is None:
             publication = self._begin(topic, operation.optional_text("type"), operation)
         publication.publish(operation)
+
+    def moves(self, operation: Operation) -> bool:
+        """Tell whether an operation `publish` holds a command of a stream that asks for motion.
+
+        Of such the next one says the same, so one may get lost; whatever else is sent must arrive.
+        """
+        try:
+            topic = self._ros.resolve(operation.text("topic"))
+            publication = self._publications.get(topic)
+            type_name = None if publication is None else publication.type_name
+            if type_name is None or is_goal_type(type_name) or not self.commands(operation):
+                return False
+            codec = codec_of(message_class(type_name))
+            message = codec.from_json(operation.get("msg") or {}, self._ros.now)
+        except (FieldError, OperationError):
+            return False  # which the client is told when it has arrived
+        kind = kind_of(message)
+        return kind is not None and kind.moves(message)
+
+    def commands(self, operation: Operation) -> bool:
+        """Tell whether an operation `publish` commands the robot, the e-stop apart."""
+        topic = self._ros.resolve(operation.text("topic"))
+        access = self._client.access
+        return topic != access.e_stop_topic and access.is_command("publish", topic)
 
     def unadvertise(self, operation: Operation) -> None:
         """Publish a topic no more; what the client drove by it stops."""
