@@ -42,7 +42,8 @@ async def served(app, scheme="http"):
 ROSTER = "/telex/bridge/clients"
 """What the bridge itself publishes; kept apart from what its clients do."""
 MISSING_NODES = "/telex/bridge/missing_nodes"
-OWN_TOPICS = (ROSTER, MISSING_NODES, "/telex/e_stop")
+LINK_STATE, LINK_CONFIGURE = "/telex/link/state", "/telex/link/configure"
+OWN_TOPICS = (ROSTER, MISSING_NODES, LINK_STATE, "/telex/e_stop")
 
 
 class FakePublisher:
@@ -55,6 +56,8 @@ class FakePublisher:
             self.ros.rosters.append(message)
         elif self.topic == MISSING_NODES:
             self.ros.missing.append(message.names)
+        elif self.topic == LINK_STATE:
+            self.ros.links.append(message)
         else:
             self.ros.published.append((self.topic, message))
 
@@ -74,6 +77,7 @@ class FakeRos:
         self.published = []
         self.rosters = []
         self.missing = []
+        self.links = []
         self.events = []
         self.receivers = {}
         self.services_offered = {}

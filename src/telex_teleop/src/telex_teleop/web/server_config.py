@@ -135,6 +135,8 @@ class RosbridgeConfig:
     ping_interval: float = 5.0
     send_buffer: int = 65536
     max_in_flight: int = 32768
+    link: str = "perfect"
+    link_profiles: str = ""
 
     def __post_init__(self) -> None:
         require_text(self, "address")
@@ -161,6 +163,7 @@ class RosbridgeConfig:
         require_range(self, "ping_interval", 0.2, 600.0)
         require_range(self, "send_buffer", 4096, 16777216)
         require_range(self, "max_in_flight", 0, 16777216)
+        require_text(self, "link")
 
     def depth(self, length: int) -> int:
         """Return how many messages may wait; rosbridge's 0 means that the client does not mind."""

@@ -6,11 +6,12 @@ import asyncio
 import contextlib
 import itertools
 import time
-from typing import AsyncIterator, Callable, Dict, List, Set
+from typing import AsyncIterator, Callable, Dict, List, Optional, Set
 
 from aiohttp import WSCloseCode, WSMsgType, web
 
 from ..freshness import Backlog
+from ..line.profiles import Profiles
 from ..origins import origin_allowed
 from ..rights import Rights
 from ..server_config import RosbridgeConfig
@@ -19,6 +20,7 @@ from ..websockets import new_websocket, take_leave, upgrade_required
 from .clients.control import Member
 from .clients.outbox import Outbox
 from .link.downlink import Downlink
+from .link.link_service import LinkService, Memory, initial_setting
 from .ros import Ros
 from .session import ClientSession, Shared
 from .status_topics import NodeWatch, Roster
@@ -46,6 +48,8 @@ class Rosbridge:
         Called with what an administrator should know.
     tokens
         What clients must know.
+    memory
+        Where the line's setting outlives a crash; None: it does not.
     """
 
     def __init__(
@@ -54,6 +58,7 @@ class Rosbridge:
         ros: Ros,
         warn: Callable[[str], None],
         tokens: Tokens = _NO_TOKENS,
+        memory: Optional[Memory] = None,
     ) -> None:
         self._config = config
         self._warn = warn
@@ -62,6 +67,20 @@ class Rosbridge:
         self.shared = Shared(config, ros, rights)
         self._roster = Roster(self.shared.control, self.shared.publishers, ros)
         self._node_watch = NodeWatch(ros, self.shared.publishers)
+        profiles = Profiles.read(config.link_profiles)
+        recalled = {} if memory is None else memory.recall()
+        self._link = LinkService(
+            self.shared.line,
+            self.shared.control,
+            profiles,
+            initial_setting(profiles, config.link, recalled, ros.resolve("~link")),
+            ros=ros,
+            worker=self.shared.worker,
+            publishers=self.shared.publishers,
+            subscribers=self.shared.subscribers,
+            warn=warn,
+            memory=memory,
+        )
         self._e_stop_topic = ros.resolve(config.e_stop_topic)
         self._leaving: Dict[ClientSession, None] = {}  # those whose client has gone, in order
         self._is_ending = False
@@ -78,8 +97,13 @@ class Rosbridge:
         return app
 
     async def _keep_publishing(self, _app: web.Application) -> AsyncIterator[None]:
-        """Tell who is connected, and who is missing; hold the e-stop's publisher ready."""
-        works = (self._roster.run(), self._node_watch.run(), self._prepare_e_stop())
+        """Tell who is connected and missing, and what the line is; hold the e-stop ready."""
+        works = (
+            self._roster.run(),
+            self._node_watch.run(),
+            self._link.run(),
+            self._prepare_e_stop(),
+        )
         tasks = [asyncio.ensure_future(work) for work in works]
         yield
         for task in tasks:

@@ -9,7 +9,7 @@ from typing import Mapping
 import rospy
 from aiohttp import web
 
-from telex_control.ros.run_memory import run_path
+from telex_control.ros.run_memory import RunMemory, run_path
 
 from ..server_config import RosbridgeConfig
 from ..serving import run_node
@@ -36,7 +36,14 @@ def _make_app(config: RosbridgeConfig) -> web.Application:
     for each, path in files.items():
         who = "instructors" if each == INSTRUCTOR_FILE else "clients"
         rospy.loginfo("%s: %s must know the token in %s", name, who, path)
-    return _sharing(own, Rosbridge(config, RosGraph(), warn, tokens).make_app())
+    memory = RunMemory.of_this_node()
+    app = Rosbridge(config, RosGraph(), warn, tokens, memory).make_app()
+
+    async def forget(_app: web.Application) -> None:
+        memory.forget()
+
+    app.on_cleanup.append(forget)
+    return _sharing(own, app)
 
 
 def _sharing(own: Mapping[str, str], app: web.Application) -> web.Application:

@@ -66,7 +66,9 @@ class LineSetting:
     Attributes
     ----------
     name
-        Of its profile.
+        What it is called: its profile, or `fields` where only figures were given.
+    profile
+        Its profile in the file.
     fields
         Its figures, while no signal is known.
     by_signal
@@ -76,6 +78,7 @@ class LineSetting:
     """
 
     name: str = PERFECT_NAME
+    profile: str = PERFECT_NAME
     fields: LineFields = PERFECT
     by_signal: Optional[SignalCurve] = None
     changes: Mapping[str, float] = field(default_factory=dict)
@@ -161,11 +164,11 @@ class Profiles:
 
     def combine(self, profile: str, changes: Any) -> LineSetting:
         """Return a profile with some figures changed, as `choose` does with those of a text."""
-        name = profile or PERFECT_NAME
-        base = self.profiles.get(name)
+        profile = profile or PERFECT_NAME
+        base = self.profiles.get(profile)
         if base is None:
             known = ", ".join(self.profiles)
-            raise ConfigError(f"profile is {name[:60]!r}; known are {known}")
+            raise ConfigError(f"profile is {profile[:60]!r}; known are {known}")
         require(
             isinstance(changes, Mapping),
             f"fields is {str(changes)[:60]!r}; a mapping is needed, such as {{delay: 0.4}}",
@@ -175,6 +178,6 @@ class Profiles:
         given = {key: getattr(changed, key) for key in pairs}
         for point in base.by_signal:
             point.fields.replace(given)
-        if name == PERFECT_NAME and changed != PERFECT:
-            name = FIELDS_NAME
-        return LineSetting(name, changed, base.curve(), given)
+        only_fields = profile == PERFECT_NAME and changed != PERFECT
+        name = FIELDS_NAME if only_fields else profile
+        return LineSetting(name, profile, changed, base.curve(), given)
