@@ -194,6 +194,10 @@ class FakePictures:
         self.receivers = {}
         self.events = []
         self.down = False
+        self.time = None  # sim time (s); None: that of the machine
+
+    def sim_time(self):
+        return time.monotonic() if self.time is None else self.time
 
     def topics(self):
         if self.down:

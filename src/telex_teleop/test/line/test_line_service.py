@@ -15,7 +15,6 @@ from web_fakes import LINK_CONFIGURE, on_loop
 from telex_control.common.params import ConfigError
 from telex_teleop.web.bridge.link.link_service import (
     LinkService,
-    fields_of,
     initial_setting,
 )
 from telex_teleop.web.line.fields import PERFECT, LineFields
@@ -90,7 +89,7 @@ async def test_profiles_and_fields_are_set_and_told():
     async with served() as link:
         assert (link.told.profile, link.told.perfect) == ("perfect", True)
         assert await link.call("300", "{loss: 0.1}") == (True, "the line is 300 (loss 0.1)")
-        assert link.line.fields == LineFields(delay=0.3, loss=0.1) == fields_of(link.told)
+        assert link.line.fields == LineFields(delay=0.3, loss=0.1) == LineFields.of(link.told)
         assert (link.told.profile, link.told.perfect, link.told.signal_known) == (
             "300",
             False,

@@ -207,7 +207,7 @@ def test_a_stalled_client_delays_nobody_and_gets_fresh_pictures_afterwards(tmp_p
                 headers, received = await reader.part()
                 assert received == data
             viewers = [v for hub in bench.server.hubs._hubs.values() for v in hub.viewers]
-            buffered = [viewer._backlog.buffered() for viewer in viewers]
+            buffered = [late._viewer._backlog.buffered() for late in viewers]
             assert len(buffered) == 2
             assert max(buffered) <= len(pictures[0]) + 500
             await stalled.until(b"--boundarydonotcross\r\n")

@@ -17,12 +17,12 @@ from web_fakes import FakePictures, served
 
 from telex_teleop.web.server_config import VideoServerConfig
 from telex_teleop.web.video.cameras import CameraList
+from telex_teleop.web.video.pacer import Pacer
 from telex_teleop.web.video.pictures import CompressedPicture
 from telex_teleop.web.video.ros_source import captured_at
 from telex_teleop.web.video.video_server_app import VideoServer
 from telex_teleop.web.video.websocket import messages as protocol
 from telex_teleop.web.video.websocket import sockets as video_sockets
-from telex_teleop.web.video.websocket.feed import Pacer
 from telex_teleop.web.video.websocket.frame_head import binary_frame_head
 from telex_teleop.web.video.websocket.messages import Ack, Ping, ProtocolError, Show, View
 

@@ -9,12 +9,12 @@ from typing import Callable, Dict, Optional
 from ..line.line import Line
 from ..rights import Rights
 from ..server_config import RosbridgeConfig
+from ..uplink import Sent, Uplink
 from ..workers import OrderedWorker
 from .clients.access import Access
 from .clients.client import LEVELS, Client
 from .clients.control import Control, ControlServices, Member
 from .clients.outbox import Outbox
-from .link.uplink import Sent, Uplink
 from .protocol.operations import Operation, OperationError
 from .ros import Ros
 from .services.advertise_service import AdvertisedServices

@@ -74,6 +74,17 @@ class LineFields:
         """Whether everything passes as it comes."""
         return self == PERFECT
 
+    @classmethod
+    def of(cls, holder: object) -> LineFields:
+        """Return the figures that something holds, such as a message, as attributes.
+
+        Raises
+        ------
+        telex_control.common.params.ConfigError
+            They cannot be.
+        """
+        return cls(**{field.name: getattr(holder, field.name) for field in dataclasses.fields(cls)})
+
     def replace(self, changes: Mapping[str, Any]) -> LineFields:
         """Return these figures with some others; raises ConfigError if they cannot be."""
         return dataclasses.replace(self, **changes)

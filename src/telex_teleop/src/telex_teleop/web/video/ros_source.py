@@ -8,6 +8,7 @@ from typing import Callable, Optional
 import rospy
 from sensor_msgs.msg import CompressedImage, Image
 
+from ..ros_clock import RosClock
 from .pictures import CompressedPicture, Picture, RawPicture
 from .topics import PictureTopic, Topics, find_topic
 
@@ -37,7 +38,14 @@ def captured_at(stamp: float, ros_now: float, wall_now: float) -> float:
 
 
 class RosPictureSource:
-    """Finds and subscribes to image topics; every method asks the ROS master and may block."""
+    """Finds and subscribes to image topics; all that asks the ROS master may block."""
+
+    def __init__(self) -> None:
+        self._clock = RosClock()
+
+    def sim_time(self) -> float:
+        """Return the present ROS time (s) as it goes on between two messages of `/clock`."""
+        return self._clock()
 
     def topics(self) -> Topics:
         """Return the published topics and their types."""

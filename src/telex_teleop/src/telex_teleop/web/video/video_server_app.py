@@ -5,11 +5,23 @@ from __future__ import annotations
 import asyncio
 import time
 from pathlib import Path
-from typing import Any, AsyncIterator, Callable, Dict, Hashable, Optional, Protocol, TypeVar
+from random import Random
+from typing import (
+    Any,
+    AsyncIterator,
+    Callable,
+    Dict,
+    Hashable,
+    Optional,
+    Protocol,
+    Tuple,
+    TypeVar,
+)
 from urllib.parse import urlsplit, urlunsplit
 
 from aiohttp import web
 
+from ..line.line import Line
 from ..maps import add_maps
 from ..server_config import VideoServerConfig
 from ..tokens import INSTRUCTOR, ForbiddenError
@@ -17,6 +29,7 @@ from ..workers import OrderedWorker
 from . import mjpeg, pages, query
 from .gate import Gate
 from .handlers import Handlers, MountError
+from .held_pictures import HeldPictures
 from .hub import EncoderFullError, Encoders, PictureHubs, PictureSource
 from .mounts import Mounts, find_file
 from .pictures import EncodedPicture, UnusablePictureError, encode
@@ -53,6 +66,9 @@ class Graph(PictureSource, Protocol):
     def topics(self) -> Topics:
         """Return the published topics and their types."""
 
+    def sim_time(self) -> float:
+        """Return the present ROS time (s), finer than it is published; on one thread."""
+
     def parameter(self, name: str) -> object:
         """Return a parameter, or None if it is not set."""
 
@@ -79,6 +95,12 @@ class VideoServer:
         Directory of the console's static files.
     warn
         Called, in any thread, with what an administrator should know.
+
+    Attributes
+    ----------
+    line
+        What passes between the robot and clients that are no instructors; perfect until somebody
+        says otherwise.
     """
 
     def __init__(
@@ -89,6 +111,7 @@ class VideoServer:
         self._namespace = namespace
         self._console = console.resolve()
         self._warn = warn
+        self.line = Line(Random())
         self._worker = OrderedWorker("picture subscriptions")
         self.hubs = PictureHubs(
             graph,
@@ -102,7 +125,12 @@ class VideoServer:
         self._handlers = Handlers(config.max_upload, config.handler_timeout, warn)
         self._mounts = Mounts(self._gate, self._handlers, self._parameter, warn)
         self.sockets = VideoSockets(
-            config, namespace, self.hubs, lambda: self._ask(self._graph.topics)
+            config,
+            namespace,
+            self.hubs,
+            lambda: self._ask(self._graph.topics),
+            line=self.line,
+            sim_time=graph.sim_time,
         )
 
     def make_app(self) -> web.Application:
@@ -131,7 +159,7 @@ class VideoServer:
     async def stream(self, request: web.Request) -> web.StreamResponse:
         """Send an MJPEG stream until the client goes."""
         wish = self._stream_query(request)
-        topic = await self._find(request, wish)
+        topic, instructor = await self._find(request, wish)
         if request.transport is None:
             raise ConnectionResetError
         viewer = StreamViewer(
@@ -144,13 +172,21 @@ class VideoServer:
         # While there is still time for an error's head.
         self.hubs.require_room(topic, viewer.client, wish.variant)
         viewer.start()
-        self.hubs.join(topic, viewer, wish.variant)
+        held = self._hold(instructor)
+        watching = viewer if held is None else held.before(viewer)
+        self.hubs.join(topic, watching, wish.variant)
         try:
             # The server cancels a handler when its connection is lost: the only way out of here.
             while True:
                 await self._repeat(viewer)
         finally:
-            self.hubs.leave(topic, viewer, wish.variant)
+            self.hubs.leave(topic, watching, wish.variant)
+            if held is not None:
+                held.close()
+
+    def _hold(self, instructor: bool) -> Optional[HeldPictures]:
+        """Return what holds back the pictures of one client, None for instructors."""
+        return None if instructor else HeldPictures(self.line, self._graph.sim_time)
 
     async def _repeat(self, viewer: StreamViewer) -> None:
         """Wait, and send the last picture again if none has come and that is asked for."""
@@ -164,10 +200,13 @@ class VideoServer:
     async def snapshot(self, request: web.Request) -> web.StreamResponse:
         """Send the next picture of a topic."""
         wish = query.parse_snapshot(request.query, self._config.max_size)
-        topic = await self._find(request, wish)
-        picture = await self._next_picture(topic, wish, client_of(request))
+        topic, instructor = await self._find(request, wish)
+        held = self._hold(instructor)
+        limit = self._config.snapshot_timeout
+        if held is not None:
+            limit += self.line.fields.delay
+        picture = await self._next_picture(topic, wish, client_of(request), held, limit)
         if picture is None:
-            limit = self._config.snapshot_timeout
             return _page(
                 pages.error_page(504, f"No picture came on {topic.name} within {limit:g} s."), 504
             )
@@ -177,16 +216,26 @@ class VideoServer:
         return web.Response(body=picture.data, content_type=picture.mime, headers=headers)
 
     async def _next_picture(
-        self, topic: PictureTopic, wish: query.PictureQuery, client: Hashable
+        self,
+        topic: PictureTopic,
+        wish: query.PictureQuery,
+        client: Hashable,
+        held: Optional[HeldPictures],
+        limit: float,
     ) -> Optional[EncodedPicture]:
         viewer = SnapshotViewer(client)
-        hub = self.hubs.join(topic, viewer, wish.variant, show_newest=False)
+        watching = viewer if held is None else held.before(viewer, takes=viewer.wants)
+        hub = self.hubs.join(topic, watching, wish.variant, show_newest=False)
         try:
-            return await asyncio.wait_for(viewer.picture, self._config.snapshot_timeout)
+            return await asyncio.wait_for(viewer.picture, limit)
         except asyncio.TimeoutError:
+            if held is not None and not held.passes:
+                return None  # it would show what has not passed the line
             return hub.newest(wish.variant)  # a latched topic has no next picture
         finally:
-            self.hubs.leave(topic, viewer, wish.variant)
+            self.hubs.leave(topic, watching, wish.variant)
+            if held is not None:
+                held.close()
 
     async def stream_viewer(self, request: web.Request) -> web.Response:
         """Show a page with one stream."""
@@ -239,7 +288,10 @@ class VideoServer:
         config = self._config
         return query.parse_stream(request.query, config.max_size, config.default_stream_type)
 
-    async def _find(self, request: web.Request, wish: query.PictureQuery) -> PictureTopic:
+    async def _find(
+        self, request: web.Request, wish: query.PictureQuery
+    ) -> Tuple[PictureTopic, bool]:
+        """Return the topic that a request asks for, and whether it is an instructor's."""
         instructor = await self._gate.admit(request)
         topic = await self._ask(lambda: self._graph.find(wish.topic, raw=wish.raw))
         if topic is None:
@@ -247,7 +299,7 @@ class VideoServer:
                 f"No image topic '{wish.topic}' is published; /streams lists those that are."
             )
         self._gate.require_visible(topic.name, instructor=instructor)
-        return topic
+        return topic, instructor
 
     async def _parameter(self, name: str) -> object:
         return await self._ask(lambda: self._graph.parameter(name))

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
 from pathlib import Path
+from typing import Callable
 
 import rospkg
 import rospy
 from aiohttp import web
+from telex_msgs.msg import LinkState
 
+from telex_control.common.params import ConfigError
+
+from ..line.fields import LineFields
 from ..server_config import VideoServerConfig
 from ..serving import run_node
 from .ros_source import RosPictureSource
@@ -23,7 +30,25 @@ def _make_app(config: VideoServerConfig) -> web.Application:
     def warn(sentence: str) -> None:
         rospy.logwarn_throttle(WARNING_PERIOD, f"{rospy.get_name()}: {sentence}")
 
-    return VideoServer(config, RosPictureSource(), rospy.get_namespace(), console, warn).make_app()
+    server = VideoServer(config, RosPictureSource(), rospy.get_namespace(), console, warn)
+    _follow_link(server, warn)
+    return server.make_app()
+
+
+def _follow_link(server: VideoServer, warn: Callable[[str], None]) -> None:
+    """Let the server's line be the one that the bridge's node tells of."""
+    loop = asyncio.get_running_loop()
+
+    def take(state: LinkState) -> None:
+        try:
+            fields = LineFields.of(state)
+        except ConfigError as error:
+            warn(f"link/state cannot be used: {error}")
+            return
+        with contextlib.suppress(RuntimeError):  # the loop may have ended
+            loop.call_soon_threadsafe(server.line.configure, fields, state.since.to_sec())
+
+    rospy.Subscriber("link/state", LinkState, take, queue_size=10)
 
 
 def main() -> int:

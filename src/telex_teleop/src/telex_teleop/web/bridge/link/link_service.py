@@ -12,7 +12,6 @@ from telex_msgs.srv import ConfigureLink, ConfigureLinkRequest, ConfigureLinkRes
 
 from telex_control.common.params import ConfigError
 
-from ...line.fields import LineFields
 from ...line.line import Line
 from ...line.profiles import LineSetting, Profiles
 from ...workers import OrderedWorker
@@ -269,8 +268,3 @@ def initial_setting(
         return profiles.combine(wanted, {})
     except ConfigError as error:
         raise ConfigError(f"parameter {name}: {error}") from None
-
-
-def fields_of(state: LinkState) -> LineFields:
-    """Return the line's figures of a message; raises ConfigError if they cannot be."""
-    return LineFields(**{name: getattr(state, name) for name in vars(LineFields())})

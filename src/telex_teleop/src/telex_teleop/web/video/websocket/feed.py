@@ -8,6 +8,7 @@ import time
 from typing import Callable, Deque, Dict, Hashable, List, Optional, Tuple
 
 from ..cameras import Camera
+from ..pacer import Pacer
 from ..pictures import EncodedPicture, Variant
 from ..topics import PictureTopic
 from .messages import View, picture_header
@@ -17,33 +18,6 @@ REMEMBERED = 50
 
 STALLED_AFTER = 0.5
 """Time (s) without an acknowledgement after which nothing is encoded for a client any more."""
-
-EARLY = 0.25
-"""Part of its period by which a picture may come early, for cameras that are not quite regular."""
-
-
-class Pacer:
-    """Picks pictures so that there are at most so many per second, evenly, without a drift.
-
-    Parameters
-    ----------
-    rate
-        Pictures per second; None: all.
-    """
-
-    def __init__(self, rate: Optional[float]) -> None:
-        self._period = 1.0 / rate if rate is not None else 0.0
-        self._due = float("-inf")
-
-    def is_due(self, now: float) -> bool:
-        """Tell whether the next picture may go out at a monotonic time (s)."""
-        return now >= self._due - EARLY * self._period
-
-    def sent(self, now: float) -> None:
-        """Note that a picture went out."""
-        # From the time that was due, not from now, or every late picture would cost rate; but
-        # pictures that did not come are not made up for.
-        self._due = max(self._due + self._period, now)
 
 
 class _Sent:
@@ -107,9 +81,12 @@ class Feed:
 
     def wants(self) -> bool:
         """Tell whether a picture is due, for a client that uses those that it gets."""
-        now = time.monotonic()
-        has_stalled = self._under_way and now - self._under_way[0].sent > STALLED_AFTER
-        return not has_stalled and self._pacer.is_due(now)
+        return self.takes() and self._pacer.is_due(time.monotonic())
+
+    def takes(self) -> bool:
+        """Tell whether the client uses the pictures that it gets."""
+        under_way = self._under_way
+        return not under_way or time.monotonic() - under_way[0].sent <= STALLED_AFTER
 
     def offer(self, picture: EncodedPicture) -> None:
         """Keep a picture that is due until it can be sent, or a newer one comes."""

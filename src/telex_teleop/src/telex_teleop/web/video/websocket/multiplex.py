@@ -7,14 +7,18 @@ import contextlib
 import itertools
 import json
 import time
-from typing import Any, Dict, Hashable, List, Optional
+from typing import Any, Callable, Dict, Hashable, List, Optional, Set
 
 from aiohttp import WSCloseCode, WSMessage, WSMsgType, web
 
 from ...freshness import Backlog
+from ...line.line import Line
+from ...uplink import Sent, Uplink
 from ..cameras import Camera, CameraList
+from ..held_pictures import HeldPictures, LateViewer
 from ..hub import EncoderFullError, PictureHubs
 from ..topics import PictureTopic
+from ..viewers import Viewer
 from .feed import Feed
 from .frame_head import binary_frame_head
 from .messages import VERSION, Ack, Message, Ping, ProtocolError, Show, View, parse
@@ -29,6 +33,9 @@ MAX_REPLY_BACKLOG = 65536
 PING_COST = 5.0
 SHOW_COST = 20.0
 """What messages of a client cost of the patience with it, by the work that they make."""
+
+SHOW_BYTES = 200
+"""Size (bytes) of such a message on a capped line, near enough."""
 
 ACK_COST = 1.0
 """What each picture costs that is acknowledged."""
@@ -79,6 +86,10 @@ class VideoClient:
         Size of the kernel's send buffer (bytes).
     preview_rate
         Rate (1/s) up to which a view may get the camera's preview.
+    line
+        What passes between it and the server; None: nothing, as for instructors.
+    sim_time
+        The line's clock (s).
     """
 
     def __init__(
@@ -92,6 +103,8 @@ class VideoClient:
         max_size: int,
         send_buffer: int,
         preview_rate: float,
+        line: Optional[Line],
+        sim_time: Callable[[], float],
     ) -> None:
         self._websocket = websocket
         self._transport = transport
@@ -101,11 +114,15 @@ class VideoClient:
         self._max_size = max_size
         self._preview_rate = preview_rate
         self._backlog = Backlog(transport, send_buffer)
+        self._uplink = Uplink(line, sim_time)
+        self._held = None if line is None else HeldPictures(line, sim_time)
+        self._viewers: Dict[Feed, Viewer] = {}
         self._views: List[View] = []
         self._feeds: Dict[str, Feed] = {}
         self._told: Optional[List[Dict[str, str]]] = None
         self._is_full = asyncio.Event()
         self._patience = Patience()
+        self._complaints: Set[asyncio.Future[None]] = set()
         self._numbers = itertools.count(1)
 
     async def serve(self) -> None:
@@ -120,6 +137,9 @@ class VideoClient:
             return
         finally:
             sender.cancel()
+            self._uplink.close()
+            if self._held is not None:
+                self._held.close()
             for name in tuple(self._feeds):
                 self._end(name)
 
@@ -161,8 +181,22 @@ class VideoClient:
             self._acknowledge(message)
         elif isinstance(message, Ping):
             await self._answer(message)
-        else:
+        elif self._uplink.passes:
             self._show(message)
+        else:
+            # Acknowledgements and pings are no part of what is delayed: they tell what is.
+            self._uplink.send(Sent(lambda: self._show_late(message)), SHOW_BYTES)
+
+    def _show_late(self, show: Show) -> None:
+        """Show what a message that has passed the line asks for."""
+        try:
+            self._show(show)
+        except ProtocolError as error:
+            self._complaints.add(asyncio.ensure_future(self._complain(error)))
+
+    async def _complain(self, error: ProtocolError) -> None:
+        with contextlib.suppress(ConnectionError):
+            await self._say(error=str(error))
 
     def _acknowledge(self, ack: Ack) -> None:
         names = self._cameras.names
@@ -227,12 +261,16 @@ class VideoClient:
             lost=self._lost,
             next_number=lambda: next(self._numbers) & 0xFFFFFFFF,
         )
+        viewer: Viewer = feed
+        if self._held is not None:
+            viewer = self._held.before(feed, rate=view.rate, takes=feed.takes)
         # Before it is told of, since the newest picture may be offered at once.
         self._feeds[camera.name] = feed
         try:
-            self._hubs.join(source, feed, feed.variant, likely_passes=source == camera.preview)
+            self._viewers[feed] = viewer
+            self._hubs.join(source, viewer, feed.variant, likely_passes=source == camera.preview)
         except EncoderFullError:
-            del self._feeds[camera.name]
+            del self._feeds[camera.name], self._viewers[feed]
             raise
 
     def _take_full(self, feed: Feed) -> None:
@@ -246,7 +284,10 @@ class VideoClient:
         self._leave(self._feeds.pop(name))
 
     def _leave(self, feed: Feed) -> None:
-        self._hubs.leave(feed.source, feed, feed.variant)
+        viewer = self._viewers.pop(feed)
+        self._hubs.leave(feed.source, viewer, feed.variant)
+        if isinstance(viewer, LateViewer):
+            viewer.forget()
 
     def _lost(self, feed: Feed) -> None:
         """Forget a feed whose camera cannot be watched; the next look at the cameras tries anew."""

@@ -8,6 +8,7 @@ from typing import Awaitable, Callable, Dict, Set
 
 from aiohttp import web
 
+from ...line.line import Line
 from ...server_config import VideoServerConfig
 from ...websockets import new_websocket, take_leave, upgrade_required
 from ..cameras import CameraList
@@ -36,6 +37,10 @@ class VideoSockets:
         Where pictures come from.
     topics
         Asks for the published topics; may raise OSError.
+    line
+        What passes between the robot and clients that are no instructors.
+    sim_time
+        Its clock (s).
     """
 
     def __init__(
@@ -44,10 +49,15 @@ class VideoSockets:
         namespace: str,
         hubs: PictureHubs,
         topics: Callable[[], Awaitable[Topics]],
+        *,
+        line: Line,
+        sim_time: Callable[[], float],
     ) -> None:
         self._config = config
         self._hubs = hubs
         self._topics = topics
+        self._line = line
+        self._sim_time = sim_time
         self._cameras: Dict[bool, CameraList] = {
             False: CameraList(namespace, config.hidden_cameras),
             True: CameraList(namespace),
@@ -73,6 +83,8 @@ class VideoSockets:
             max_size=self._config.max_size,
             send_buffer=self._config.send_buffer,
             preview_rate=self._config.preview_rate,
+            line=None if instructor else self._line,
+            sim_time=self._sim_time,
         )
         self._clients.add(client)
         try:
