@@ -6,6 +6,7 @@ const PING_PERIOD = 500; // ms between two questions that only measure the link
 const ANSWER_WITHIN = 5000; // ms after which a service call is given up, unless it says for itself
 const TRIPS = 6; // round trips that tell how good the link is
 const DEAD_AFTER = 3000; // ms without a word from the bridge after which the connection is given up
+const FIRST_WORD_WITHIN = 25000; // ms for the first one: on a slow line question and answer take their time
 
 /**
  * Change (ms) of the wall clock against performance.now(), which may stand still in sleep, after which the bridge would take all
@@ -42,6 +43,8 @@ export class Bridge {
     this._calls = new Map();
     this._callNumber = 0;
     this._lastWord = 0;
+    /** Whether the bridge has said anything since the connection was opened. */
+    this._hasSpoken = false;
     /** Wall time less performance.now() (ms) since the connection was opened. */
     this._skew = 0;
     /** Whether the page has been left; it may come back as it was. */
@@ -203,6 +206,7 @@ export class Bridge {
     this._socket = socket;
     socket.onopen = () => {
       this._lastWord = performance.now();
+      this._hasSpoken = false;
       this._skew = Date.now() - performance.now();
       this._trips = [];
       this._pingSent = 0;
@@ -221,6 +225,7 @@ export class Bridge {
   /** @param {any} operation */
   _receive(operation) {
     this._lastWord = performance.now();
+    this._hasSpoken = true;
     if (operation.op === "publish") {
       this._subscriptions.get(operation.topic)?.heard(operation.msg);
     } else if (operation.op === "service_response" && operation.id === `ping:${this._pingNumber}`) {
@@ -238,7 +243,7 @@ export class Bridge {
     const skew = Date.now() - performance.now();
     if (Math.abs(skew - this._skew) > MAX_SKEW) {
       this._giveUp("the computer slept");
-    } else if (this.silence > DEAD_AFTER) {
+    } else if (this.silence > (this._hasSpoken ? DEAD_AFTER : FIRST_WORD_WITHIN)) {
       this._giveUp("the bridge is silent");
     } else if (this._pingSent === 0) {
       this._pingSent = performance.now();

@@ -69,16 +69,23 @@ export class Hud {
   /**
    * Show how good the link is, and apart from it how good the picture: a slow renderer is no fault of the network.
    * @param {import("./bridge.js").Bridge} bridge
+   * @param {import("./line.js").Line} line
    * @param {import("./cameras.js").ViewState} video
    */
-  showLink(bridge, video) {
+  showLink(bridge, line, video) {
     const trip = bridge.usualTrip;
     const isLost = !bridge.connected || bridge.silence > 1000;
     const known = trip === null ? "unknown" : trip <= LINK.good ? "good" : trip <= LINK.fair ? "fair" : "poor";
-    const link = isLost ? "lost" : known;
+    // A radio signal tells more of what comes next than the messages that have come.
+    const link = isLost ? "lost" : line.quality ?? known;
     const view = byId("view");
+    const { signal } = line;
+    const hue = signal === null ? "" : String(Math.round(120 * signal));
+    if (view.style.getPropertyValue("--signal") !== hue) view.style.setProperty("--signal", hue);
+    if (view.dataset.signal !== String(signal !== null)) view.dataset.signal = String(signal !== null);
     if (view.dataset.link !== link) view.dataset.link = link;
-    setText(byId("link-quality"), `link ${link === "unknown" ? "–" : link}`);
+    const quality = `link ${link === "unknown" ? "–" : link}`;
+    setText(byId("link-quality"), line.text === "" ? quality : `${quality}, ${line.text}`);
     const is = (/** @type {typeof PICTURE.good} */ { age, rate }) => (video.latency ?? 0) <= age && video.rate >= rate;
     const picture = !video.live ? "lost" : is(PICTURE.good) ? "good" : is(PICTURE.fair) ? "fair" : "poor";
     if (view.dataset.picture !== picture) view.dataset.picture = picture;

@@ -8,6 +8,7 @@ import { onClick } from "./buttons.js";
 import { Cameras } from "./cameras.js";
 import { locateBridge, waitForConfig } from "./config.js";
 import { FadingTexts } from "./fading.js";
+import { Line, LINK_STATE } from "./line.js";
 import { ODOMETRY, headingOf } from "./hud.js";
 import { OVERVIEW, OverviewControl } from "./overview.js";
 import { byId, fixed, setText } from "./panels.js";
@@ -127,6 +128,8 @@ async function start() {
     /** @type {(message: any) => void} */ heard,
     throttle = 0,
   ) => bridge.subscribe({ topic: topic(name), type, throttle, heard });
+  const line = new Line((sentence, level) => status.log(sentence, level));
+  listen(LINK_STATE.topic, LINK_STATE.type, (message) => line.hear(message));
   listen("sim/status", TYPES.simStatus, (message) => {
     sim = message;
     if (status.isOtherWorld(message)) cameras.newScene();
@@ -170,7 +173,7 @@ async function start() {
   });
 
   setInterval(() => {
-    status.showLink(bridge);
+    status.showLink(bridge, line);
     status.showSim();
     status.showVideo(cameras, size.isReduced(cameras.main));
     status.fade();

@@ -17,6 +17,7 @@ import { GamepadInput } from "./gamepad.js";
 import { CONTACT, Gripper } from "./gripper.js";
 import { Health, MISSING_NODES } from "./health.js";
 import { Held } from "./held.js";
+import { Line, LINK_STATE } from "./line.js";
 import { Hud, ODOMETRY } from "./hud.js";
 import { labelKeys, listenToKeys, listenToPointers } from "./input.js";
 import { JointPositions } from "./joints.js";
@@ -120,6 +121,7 @@ class Console {
     this._strip = new TrainingStrip(this._training, GIVEN, letGo);
     this._chooser = new ExerciseChooser(this._training, GIVEN, letGo);
     this._health = new Health(this._status, letGo);
+    this._line = new Line((sentence, level) => this._status.log(sentence, level));
     // What the operator presses.
     this._keymap = new KeyMap(localStorage, vocabulary);
     const relabel = () => labelKeys(document, this._keymap);
@@ -344,6 +346,7 @@ class Console {
   }
 
   _subscribeToNodes() {
+    this._listen(LINK_STATE.topic, LINK_STATE.type, (message) => this._line.hear(message));
     this._listen(MISSING_NODES.topic, MISSING_NODES.type, (message) => this._health.hear(message));
     for (const node of JOINT_NODES) {
       this._listen(`${node}/status`, TYPES.jointStatus, (report) => {
@@ -417,12 +420,12 @@ class Console {
 
   _display() {
     const { _status: status, _cameras: cameras, _hud: hud } = this;
-    status.showLink(this._bridge);
+    status.showLink(this._bridge, this._line);
     status.showSim();
     status.showSpeed(this._commander.speeds);
     status.showVideo(cameras, this._size.isReduced(cameras.main));
     cameras.refresh();
-    hud.showLink(this._bridge, cameras.main);
+    hud.showLink(this._bridge, this._line, cameras.main);
     hud.showSpeed(status.stuck);
     this._drive.fade();
     this._showMotion();

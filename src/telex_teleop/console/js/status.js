@@ -83,8 +83,11 @@ export class StatusView {
     byId("release").hidden = !this.estopped;
   }
 
-  /** @param {import("./bridge.js").Bridge} bridge */
-  showLink(bridge) {
+  /**
+   * @param {import("./bridge.js").Bridge} bridge
+   * @param {import("./line.js").Line} line
+   */
+  showLink(bridge, line) {
     const silent = bridge.connected && bridge.silence > SILENT_AFTER;
     document.body.classList.toggle("offline", !bridge.connected || silent);
     byId("link").dataset.state = silent ? "silent" : bridge.connected ? "up" : "lost";
@@ -93,7 +96,7 @@ export class StatusView {
       setText(byId("link-text"), "not connected");
     } else if (silent) {
       setText(byId("link-text"), `silent ${(bridge.silence / 1000).toFixed(1)} s`);
-      setText(byId("link-band"), "The robot does not answer. Everything is released.");
+      setText(byId("link-band"), line.silent(bridge.silence));
     } else {
       const trip = bridge.roundTrip === null ? "–" : `${Math.max(1, Math.round(bridge.roundTrip))} ms`;
       setText(byId("link-text"), `connected ${trip}`);
