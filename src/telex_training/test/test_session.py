@@ -46,6 +46,7 @@ class Simulator:
         self.busy = threading.Lock()
         self.status = SimStatus()
         self.problem = ""
+        self.lines = []
 
     def load(self, _scene):
         if self.problem:
@@ -55,6 +56,12 @@ class Simulator:
     def reset(self, _entries):
         return self.load("")
 
+    def set_line(self, link):
+        self.lines.append(link.described)
+
+    def restore_line(self):
+        self.lines.append("as before")
+
 
 @pytest.fixture
 def simulator():
@@ -62,17 +69,32 @@ def simulator():
 
 
 @pytest.fixture
-def session(tmp_path, monkeypatch, simulator):
+def session(new_session):
+    return new_session(DRILL)
+
+
+@pytest.fixture
+def new_session(tmp_path, monkeypatch, simulator):
+    opened = []
+
+    def make(text):
+        opened.append(session_of(text, tmp_path, simulator))
+        return opened[-1]
+
     monkeypatch.setattr(sessions, "rospy", Clock)
     monkeypatch.setattr(sessions, "Channels", lambda *_: SimpleNamespace(close=lambda: None))
-    file = parse_exercise(DRILL, Path("/exercises/drill.yaml"))
+    yield make
+    for session in opened:
+        session.close("the test is over")
+
+
+def session_of(text, folder, simulator):
+    file = parse_exercise(text, Path("/exercises/drill.yaml"))
     about = {"urdf": "", "cameras": {}, "meshes": {}}
     events = (lambda: None, lambda *_: None, lambda *_: None)
-    opened = sessions.Session(
-        file, file.first, "practice", "ann", "test", tmp_path, about, simulator, [], *events
+    return sessions.Session(
+        file, file.first, "practice", "ann", "test", folder, about, simulator, [], *events
     )
-    yield opened
-    opened.close("the test is over")
 
 
 def wait(session, phase):
@@ -100,6 +122,22 @@ def test_a_scene_that_fails_ends_the_trial_and_says_why(session, simulator):
     assert sheet["ended"] == "the apparatus cannot be put back: moon.yaml: no such mesh"
     assert sheet["verdict"] == ""
     assert session.state()["message"] == sheet["ended"]
+
+
+def test_the_line_is_the_exercises_for_the_trial_and_as_before_after_it(new_session, simulator):
+    session = new_session(DRILL + "link: {profile: lossy, delay: 0.4}\n")
+    session.start()
+    wait(session, "waiting")
+    assert simulator.lines == ["lossy (delay 0.4)"]
+    session.abort("aborted")
+    ended(session)
+    assert simulator.lines[-1] == "as before"
+
+
+def test_an_exercise_without_a_line_leaves_it_to_the_instructor(session, simulator):
+    session.start()
+    wait(session, "waiting")
+    assert simulator.lines == []
 
 
 def test_a_robot_that_lies_at_the_start_ends_the_trial(session, simulator):

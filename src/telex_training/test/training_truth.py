@@ -10,7 +10,7 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple
 import genpy
 from geometry_msgs.msg import Twist
 from std_msgs.msg import String
-from telex_msgs.msg import SimStatus, TruthContact, TruthNames, TruthSample
+from telex_msgs.msg import LinkState, SimStatus, TruthContact, TruthNames, TruthSample
 
 from telex_training.exercises.exercise_file import parse_exercise
 from telex_training.judging.entries import Entry
@@ -174,6 +174,12 @@ class Trial:
         for name, value in fields.items():
             setattr(message, name, value)
         return self.feed("sim/status", "telex_msgs/SimStatus", serialized(message))
+
+    def link(self, profile: str, since: float, **fields: Any) -> List[JudgeEvent]:
+        """Tell what the line is; fields of its message."""
+        told = {"perfect": profile == "perfect", **fields}
+        message = LinkState(profile=profile, since=genpy.Time.from_sec(since), **told)
+        return self.feed("link/state", "telex_msgs/LinkState", serialized(message))
 
     def input(self, kind: str, **fields: Any) -> List[JudgeEvent]:
         text = json.dumps({"input": kind, **fields})

@@ -83,7 +83,7 @@ def test_what_nothing_could_measure_is_named(more, said):
 @pytest.mark.parametrize(
     ("more", "said"),
     [
-        ("link: 300\n", "note: link: not measured by this version"),
+        ("history: {arm_camera: 40}\n", "note: history: not measured by this version"),
         (
             "faults: [{name: a, when: {dose: {what: robot, above: 2}}}]\n",
             "note: faults[0] (a)/when/dose: not measured by this version",
@@ -110,10 +110,11 @@ def test_a_zone_outside_of_the_scene_is_named(zone, said):
 
 
 def test_what_holds_in_some_settings_alone_is_said_with_them():
-    more = "settings: [{name: a}, {name: b, objects: {gap: {gap: 0.2}}}, {name: c, link: 100}]\n"
+    settings = "{name: a}, {name: b, objects: {gap: {gap: 0.2}}}, {name: c, history: {arm: 4}}"
+    more = f"settings: [{settings}]\n"
     found = findings(BEGIN + STEPS + more)
     assert any(finding.startswith("note: setting a, c: scene (gap)") for finding in found)
-    assert any(finding.startswith("note: setting c: link") for finding in found)
+    assert any(finding.startswith("note: setting c: history") for finding in found)
 
 
 def test_what_the_variant_lacks_and_a_robot_without_room_are_named():

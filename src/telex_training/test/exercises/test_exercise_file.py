@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from telex_training.exercises.catalog import exercises, find_exercise
 from telex_training.exercises.exercise_file import ExerciseError, load_exercise, parse_exercise
+from telex_training.exercises.model import Link
 
 pytestmark = pytest.mark.slow
 
@@ -96,9 +97,9 @@ history: {arm_camera: 40}
     assert made.metrics[0].bound == 130.0
     assert made.metrics[1].kind == "peak_force"
     assert made.hints[0].on == "wall"
-    assert made.reserved.link == 300.0
+    assert made.link == Link(fields={"delay": 0.3})
     assert made.reserved.malfunctions[0].of == {"camera": "arm"}
-    assert made.reserved.given == ("link", "malfunctions", "sources", "limits", "history")
+    assert made.reserved.given == ("malfunctions", "sources", "limits", "history")
 
 
 @pytest.mark.parametrize(
@@ -236,6 +237,44 @@ KEYS = st.sampled_from(
     repetitions contacts link malfunctions sources limits history objects put_back expert
     name""".split()
 )
+
+
+@pytest.mark.parametrize(
+    ("text", "link", "described"),
+    [
+        ("", None, ""),
+        ("link: perfect\n", Link(), "perfect"),
+        ('link: "500"\n', Link("500"), "500"),
+        ("link: 250\n", Link(fields={"delay": 0.25}), "perfect (delay 0.25)"),
+        (
+            "link: {profile: lossy, delay: 0.4}\n",
+            Link("lossy", {"delay": 0.4}),
+            "lossy (delay 0.4)",
+        ),
+    ],
+)
+def test_the_line_is_a_profile_a_delay_or_figures(text, link, described):
+    made = read(LEAST + text).first.link
+    assert made == link
+    assert made is None or made.described == described
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("link: -5", "a delay (ms) of 0 or more"),
+        ("link: .nan", "it must be finite"),
+        ("link: true", "a number is needed"),
+        ("link: [300]", "a number is needed"),
+        ("link: {speed: 1}", "link/speed is unknown; known are profile, delay"),
+        ("link: {delay: -1}", "link/delay is -1"),
+        ("link: {profile: 300}", "link/profile is 300"),
+    ],
+)
+def test_a_line_that_cannot_be_is_refused(text, said):
+    with pytest.raises(ExerciseError) as error:
+        read(LEAST + text + "\n")
+    assert said in str(error.value)
 
 
 @given(st.dictionaries(KEYS, VALUES, max_size=4))

@@ -386,6 +386,27 @@ def test_interference_from_outside_is_said(act, reason):
     assert reason in trial.judge.state()["invalid_because"]
 
 
+@pytest.mark.parametrize("mode", ["practice", "exam"])
+def test_the_sheet_says_what_the_line_was(mode):
+    trial = ready(mode=mode)
+    trial.link("perfect", 1.0)
+    assert "link" not in trial.judge.sheet()
+    trial.drive(1.0)
+    trial.link("300", 12.0, delay=0.3)
+    trial.link("300", 12.0, delay=0.3, outage=True)
+    trial.link("300", 12.0, delay=0.3)
+    first, *_ = settings = trial.judge.sheet()["link"]
+    assert (len(settings), first["profile"], first["delay"]) == (1, "300", 0.3)
+    told = [
+        (event.event, event.name) for event in trial.events if event.event in ("link", "outage")
+    ]
+    assert told == [("link", "300"), ("outage", ""), ("outage", "")]
+    # The line is the instructor's to change, but for the exam's.
+    wanted = [] if mode == "practice" else ["the line was changed from outside"]
+    assert trial.judge.state()["invalid_because"] == wanted
+    assert folded(trial).text() == trial.judge.text()
+
+
 def test_what_the_judge_itself_puts_back_is_not_from_outside():
     trial = ready()
     lap(trial)

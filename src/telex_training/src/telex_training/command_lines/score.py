@@ -85,6 +85,13 @@ def _shown(recording: Recording, judge: Judge, form: str, other: bool) -> str:
     return sheet_report(sheet, f"{recording.path}", remarks)
 
 
+def _line(setting: Dict[str, Any]) -> str:
+    """Say what the line to the operator was set to, and when."""
+    figures = {key: value for key, value in setting.items() if key not in ("time", "profile")}
+    shown = ", ".join(f"{key} {value:g}" for key, value in sorted(figures.items()))
+    return f"{setting['profile']} at {setting['time']:.1f} s" + (f": {shown}" if shown else "")
+
+
 def sheet_report(sheet: Dict[str, Any], name: str, remarks: Sequence[str]) -> str:
     """Write a sheet for people."""
     summary = sheet["summary"]
@@ -99,6 +106,7 @@ def sheet_report(sheet: Dict[str, Any], name: str, remarks: Sequence[str]) -> st
         + _bound(summary),
     ]
     lines += [f"  not valid: {reason}" for reason in sheet["invalid_because"]]
+    lines += [f"  line {_line(setting)}" for setting in sheet.get("link", [])]
     lines += [f"  {_metric(item)}" for item in sheet["metrics"]]
     for number, rep in enumerate(sheet["repetitions"], 1):
         fault = rep["fault"] or "completed"

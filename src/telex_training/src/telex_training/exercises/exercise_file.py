@@ -18,6 +18,7 @@ from .conditions import Condition, read_condition
 from .metric_kinds import KINDS
 from .model import (
     CONTROLS,
+    LINK_FIELDS,
     MODES,
     PRACTICE,
     Contacts,
@@ -25,6 +26,7 @@ from .model import (
     Expert,
     Fault,
     Hint,
+    Link,
     Malfunction,
     Metric,
     Penalty,
@@ -51,7 +53,7 @@ _DRAWN = "drawn"
 _LARGEST_SEED = 2**63 - 1
 _CONDITIONS = ("begin", "until", "when")
 _SCENE_CHANGES = ("floor", "lights", "start", "objects")
-_RESERVED = ("link", "malfunctions", "sources", "limits", "history")
+_RESERVED = ("malfunctions", "sources", "limits", "history")
 KEYS = (
     "name",
     "title",
@@ -77,6 +79,7 @@ KEYS = (
     "expert",
     "hints",
     "controls",
+    "link",
     *_RESERVED,
 )
 """What an exercise file may have on its top level."""
@@ -273,6 +276,7 @@ def _exercise(
         hints=_hints(content),
         controls=_controls(content),
         reserved=_reserved(content),
+        link=_link(content),
     )
 
 
@@ -418,13 +422,30 @@ def _metrics(content: Mapping[str, Any]) -> Tuple[Metric, ...]:
 _METRIC_KEYS = "expert, height, kind, length, object, over, pass"
 
 
+def _link(content: Mapping[str, Any]) -> Optional[Link]:
+    """Read `link`: a profile, a delay in ms, or figures, which may name a profile as well."""
+    given = content.get("link")
+    if given is None:
+        return None
+    if isinstance(given, str):
+        require(bool(given), "link is ''; the name of a profile, such as perfect, is needed")
+        return Link(given)
+    if not isinstance(given, Mapping):
+        delay = read_value(float, given, "link")
+        require(delay >= 0.0, f"link is {delay:g}; a delay (ms) of 0 or more is needed")
+        return Link(fields={"delay": delay / 1000.0})
+    profile = read_value(str, given.get("profile", "perfect"), "link/profile")
+    fields = {}
+    for key, value in given.items():
+        if key != "profile":
+            known = ", ".join(("profile", *LINK_FIELDS))
+            require(key in LINK_FIELDS, f"link/{key} is unknown; known are {known}")
+            fields[key] = read_value(float, value, f"link/{key}")
+            require(fields[key] >= 0.0, f"link/{key} is {value!r}; 0 or more is needed")
+    return Link(profile, fields)
+
+
 def _reserved(content: Mapping[str, Any]) -> Reserved:
-    link = content.get("link", "perfect")
-    if isinstance(link, Mapping):
-        link = read_value(Dict[str, float], link, "link")
-    elif not isinstance(link, str):
-        link = read_value(float, link, "link")
-        require(link >= 0.0, f"link is {link}; a delay (ms) of 0 or more is needed")
     doses = {}
     for key, given in struct_of(content, "limits").items():
         require(key == "dose", f"limits/{key} is unknown; known is dose")
@@ -433,11 +454,8 @@ def _reserved(content: Mapping[str, Any]) -> Reserved:
     for key, values in (("limits/dose", doses), ("history", history)):
         for name, value in values.items():
             require(value >= 0.0, f"{key}/{name} is {value}; 0 or more (Gy) is needed")
-    given_keys = tuple(
-        key for key in _RESERVED if content.get(key) and content.get(key) != "perfect"
-    )
+    given_keys = tuple(key for key in _RESERVED if content.get(key))
     return Reserved(
-        link,
         tuple(_malfunction(x, f"malfunctions[{i}]") for i, x in _numbered(content)),
         structs_of(content, "sources", Source),
         doses,

@@ -388,14 +388,47 @@ class Malfunction:
     of: Dict[str, Any] = field(default_factory=dict)
 
 
+LINK_FIELDS = (
+    "delay",
+    "jitter",
+    "loss",
+    "burst_length",
+    "burst_interval",
+    "bandwidth",
+    "outage_every",
+    "outage_for",
+)
+"""Figures of the line between robot and operator; docs/instructor/line.md says what they mean."""
+
+
+@dataclass(frozen=True)
+class Link:
+    """The line between robot and operator in a trial.
+
+    Attributes
+    ----------
+    profile : str
+        Name of a profile that the bridge knows.
+    fields : dict of str to float
+        What differs from it.
+    """
+
+    profile: str = "perfect"
+    fields: Dict[str, float] = field(default_factory=dict)
+
+    @property
+    def described(self) -> str:
+        """The line in a few words."""
+        changes = ", ".join(f"{key} {value:g}" for key, value in sorted(self.fields.items()))
+        return f"{self.profile} ({changes})" if changes else self.profile
+
+
 @dataclass(frozen=True)
 class Reserved:
     """Keys that are read, and that this version does nothing with.
 
     Attributes
     ----------
-    link : str, float or dict of str to float
-        Profile of the line to the operator, or its delay (ms), or its figures.
     malfunctions : tuple of Malfunction
     sources : tuple of Source
     limits : dict of str to float
@@ -406,7 +439,6 @@ class Reserved:
         Those of these keys that the file has and that ask for something.
     """
 
-    link: Any = "perfect"
     malfunctions: Tuple[Malfunction, ...] = ()
     sources: Tuple[Source, ...] = ()
     limits: Dict[str, float] = field(default_factory=dict)
@@ -430,6 +462,8 @@ class Exercise:
         With which the clock of a repetition starts.
     controls : tuple of str
         Those of `CONTROLS` that it needs; empty: what its steps show.
+    link : Link, optional
+        The line to the operator; None: as the instructor has set it.
     """
 
     path: Path
@@ -459,6 +493,7 @@ class Exercise:
     hints: Tuple[Hint, ...]
     controls: Tuple[str, ...]
     reserved: Reserved
+    link: Optional[Link]
 
     def conditions(self) -> Iterator[Tuple[str, Condition]]:
         """Yield every condition with the key that it stands under."""

@@ -12,7 +12,7 @@ import genpy
 INPUTS = "training/inputs"
 """Channel of the training's own inputs: JSON in std_msgs/String."""
 TRUTH, NAMES, STATUS = "sim/truth", "sim/truth_names", "sim/status"
-CLIENTS, TELEMETRY = "bridge/clients", "console/telemetry"
+CLIENTS, TELEMETRY, LINK = "bridge/clients", "console/telemetry", "link/state"
 _LONGEST_JSON = 100_000
 
 

@@ -17,6 +17,7 @@ from .conditions import Context
 from .entries import (
     CLIENTS,
     INPUTS,
+    LINK,
     NAMES,
     STATUS,
     TELEMETRY,
@@ -31,7 +32,7 @@ from .entries import (
 from .handling import goal_zones
 from .repetition import GIVEN_UP, Happening, Repetition
 from .truth import Names, World, read_sample
-from .validity import MOST_SLOW, Continuity, Pace
+from .validity import MOST_SLOW, Continuity, LinkRecord, Pace
 from .workload import INPUT as TLX
 from .workload import workload_of
 
@@ -103,6 +104,7 @@ class Judge:
         self._digest = hashlib.sha256()
         self._continuity = Continuity()
         self._pace = Pace()
+        self._link = LinkRecord()
         self._activity = ActivityRecord()
         self._header: Dict[str, Any] = {}
         self._repetition: Optional[Repetition] = None
@@ -128,6 +130,7 @@ class Judge:
             NAMES: self._take_names,
             STATUS: self._take_status,
             CLIENTS: self._activity.clients,
+            LINK: self._take_link,
             TELEMETRY: self._take_telemetry,
             INPUTS: self._take_input,
             **dict.fromkeys(COMMANDS, self._take_command),
@@ -276,6 +279,18 @@ class Judge:
             self._paused = bool(message.paused)
             if self.phase != IDLE:
                 self._say("pause", detail={"on": self._paused})
+
+    def _take_link(self, entry: Entry) -> None:
+        setting, outage = self._link.take(entry)
+        if setting is not None:
+            figures = {key: value for key, value in setting.items() if key != "profile"}
+            self._say("link", setting["profile"], figures)
+            # In practice it is the instructor's to change; an exam has the line of its exercise.
+            exam = self._header.get("mode") == EXAM
+            if exam and self.phase in (WAITING, RUNNING, BETWEEN):
+                self._invalidate("the line was changed from outside")
+        if outage is not None:
+            self._say("outage", detail={"on": outage})
 
     # What the operator does
 
@@ -532,8 +547,10 @@ class Judge:
         figures = sheets.summary(exercise, self._finished)
         found = sheets.results(exercise, self._finished, figures)
         header = self._header
+        link = {"link": self._link.settings} if self._link.settings else {}
         return sheets.rounded(
             {
+                **link,
                 "format": sheets.FORMAT,
                 "exercise": {
                     "name": exercise.name,

@@ -6,6 +6,8 @@ import math
 from collections import deque
 from typing import Any, Deque, Dict, List, Optional, Tuple
 
+from ..exercises.model import LINK_FIELDS
+from .entries import Entry, decode
 from .truth import Sample
 
 SLOW = 0.8
@@ -16,6 +18,7 @@ MOST_SLOW = 0.02
 """Share of an exam's time that may be slow."""
 _PIECE = 0.1
 _MOST_PIECES = 600
+_MOST_SETTINGS = 100
 
 
 class Continuity:
@@ -139,3 +142,45 @@ class Pace:
         """Mean and worst of sim time per wall time; None where nothing is known."""
         mean = self._sim / self._wall if self._wall > 0.0 else None
         return {"mean": mean, "worst": self.worst if self.worst is not None else mean}
+
+
+class LinkRecord:
+    """What the line to the operator was, from its first word that it is impaired.
+
+    Attributes
+    ----------
+    settings : list of dict
+        Times (s), profiles and figures of what it was set to.
+    """
+
+    def __init__(self) -> None:
+        self.settings: List[Dict[str, Any]] = []
+        self._known: Optional[Tuple[str, float]] = None
+        self._out = False
+
+    def take(self, entry: Entry) -> Tuple[Optional[Dict[str, Any]], Optional[bool]]:
+        """Hear the line's state.
+
+        Returns
+        -------
+        setting : dict, optional
+            What it has been set to, if that was told for the first time.
+        outage : bool, optional
+            Whether an outage has begun or ended, if one has.
+
+        Raises
+        ------
+        BadEntryError
+        """
+        message = decode(entry, "telex_msgs/LinkState")
+        key = (str(message.profile), message.since.to_sec())
+        setting = None
+        if key != self._known and (self.settings or not message.perfect):
+            figures = {name: float(getattr(message, name)) for name in LINK_FIELDS}
+            told = {name: value for name, value in figures.items() if value}
+            setting = {"time": entry.time, "profile": key[0], **told}
+            if len(self.settings) < _MOST_SETTINGS:
+                self.settings.append(setting)
+        self._known = key
+        before, self._out = self._out, bool(message.outage)
+        return setting, None if before == self._out else self._out

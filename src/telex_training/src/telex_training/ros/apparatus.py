@@ -1,4 +1,4 @@
-"""Robot and apparatus, put to their start through the simulator's services."""
+"""Robot, apparatus and the line to the operator, put to their start through services."""
 
 from __future__ import annotations
 
@@ -6,10 +6,12 @@ import threading
 from typing import Any, Callable, Mapping, Optional
 
 import rospy
+import yaml
 from std_srvs.srv import Empty
-from telex_msgs.msg import SimStatus
-from telex_msgs.srv import Delete, LoadScene, Spawn
+from telex_msgs.msg import LinkState, SimStatus
+from telex_msgs.srv import ConfigureLink, Delete, LoadScene, Spawn
 
+from ..exercises.model import LINK_FIELDS, Link
 from .channels import hear_decoded
 
 _PATIENCE = 20.0
@@ -41,7 +43,12 @@ class Apparatus:
         self.busy = threading.Lock()
         self._status: Optional[SimStatus] = None
         self._news = threading.Condition()
-        self._subscriber = hear_decoded("sim/status", SimStatus, self._take)
+        self._link: Optional[LinkState] = None
+        self._link_before: Optional[LinkState] = None
+        self._subscribers = [
+            hear_decoded("sim/status", SimStatus, self._take),
+            hear_decoded("link/state", LinkState, self._take_link),
+        ]
 
     @property
     def status(self) -> Optional[SimStatus]:
@@ -53,6 +60,56 @@ class Apparatus:
             self._status = message
             self._news.notify_all()
         self._on_status(message)
+
+    def _take_link(self, message: LinkState) -> None:
+        with self._news:
+            self._link = message
+            self._news.notify_all()
+
+    def set_line(self, link: Link) -> None:
+        """Set the line to the operator; what it was is remembered the first time.
+
+        Parameters
+        ----------
+        link : Link
+
+        Raises
+        ------
+        ApparatusError
+            There is no bridge, or it refuses.
+        """
+        with self._news:
+            self._news.wait_for(lambda: self._link is not None, _TOLD)
+            before = self._link
+        if before is None:
+            raise ApparatusError(
+                "the exercise asks for a line, of which nobody tells on link/state: start the "
+                "console's servers (console:=true)"
+            )
+        if self._link_before is None:
+            self._link_before = before
+        self._configure(link.profile, link.fields)
+
+    def restore_line(self) -> None:
+        """Set the line to what it was before `set_line`, if that was called.
+
+        Raises
+        ------
+        ApparatusError
+            The bridge does not answer, or refuses.
+        """
+        before, self._link_before = self._link_before, None
+        if before is None:
+            return
+        # Of a line that follows the signal the figures are those of the moment.
+        fields = {} if before.signal_known else {key: getattr(before, key) for key in LINK_FIELDS}
+        self._configure("" if before.profile == "fields" else before.profile, fields)
+
+    def _configure(self, profile: str, fields: Mapping[str, float]) -> None:
+        text = yaml.safe_dump(dict(fields)) if fields else ""
+        answer = self._call("link/configure", ConfigureLink, profile=profile, fields=text)
+        if not answer.success:
+            raise ApparatusError(f"link: {answer.message}")
 
     def load(self, scene: str) -> int:
         """Load a scene from its text; returns the simulator's number of resets after it.
@@ -132,4 +189,5 @@ class Apparatus:
 
     def close(self) -> None:
         """Hear no more."""
-        self._subscriber.unregister()
+        for subscriber in self._subscribers:
+            subscriber.unregister()

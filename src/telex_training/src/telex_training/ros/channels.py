@@ -8,7 +8,7 @@ import genpy
 import rospy
 
 from ..judging.activity import COMMANDS, STATUSES
-from ..judging.entries import CLIENTS, NAMES, STATUS, TELEMETRY, TRUTH
+from ..judging.entries import CLIENTS, LINK, NAMES, STATUS, TELEMETRY, TRUTH
 
 E_STOP = "e_stop"
 WATCHED: Dict[str, str] = {
@@ -17,6 +17,7 @@ WATCHED: Dict[str, str] = {
     STATUS: "telex_msgs/SimStatus",
     CLIENTS: "telex_msgs/BridgeClients",
     TELEMETRY: "std_msgs/String",
+    LINK: "telex_msgs/LinkState",
     E_STOP: "std_msgs/Bool",
     **COMMANDS,
     **STATUSES,

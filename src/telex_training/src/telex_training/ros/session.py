@@ -297,6 +297,8 @@ class Session:
                 return
             try:
                 resets = self._restore()
+                if self.exercise.link is not None:
+                    self._apparatus.set_line(self.exercise.link)
                 self._settle()
                 self._require_upright()
             except Exception as error:  # whatever it is, the trial must not wait for ever
@@ -367,6 +369,7 @@ class Session:
     def _finish(self) -> None:
         assert self._inbox is not None
         assert self._writer is not None
+        self._restore_line()
         if self._watch is not None:
             self._watch.close()
         if self._channels is not None:
@@ -381,6 +384,16 @@ class Session:
             rospy.logerr("training: %s", self.message)
         self._ended(self.trial, self._sheet)
         self._changed()
+
+    def _restore_line(self) -> None:
+        """Give the line back as it was before the trial."""
+        # With the apparatus: nobody sets the line for this trial after that.
+        with self._apparatus.busy:
+            try:
+                self._apparatus.restore_line()
+            except ApparatusError as error:
+                self.message = f"the line is not as it was before the trial: {error}"
+                rospy.logerr("training: %s", self.message)
 
     def close(self, reason: str) -> None:
         """End it, whatever it is doing, and wait until its recording is closed."""
