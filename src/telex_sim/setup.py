@@ -19,6 +19,7 @@ setup(
             "telex_sim.offline",
             "telex_sim.proximity",
             "telex_sim.radiation",
+            "telex_sim.radio",
             "telex_sim.rehearsal",
             "telex_sim.robot",
             "telex_sim.robot.gripper",

@@ -9,6 +9,7 @@ from telex_control.common.params import read_config, require, require_range, req
 
 from ..proximity.proximity_config import ProximityConfig
 from ..radiation.dosimetry import DosimetryConfig
+from ..radio.radio_config import RadioConfig
 from ..robot.gripper.contact_config import GripperContactConfig
 from ..robot.imu_noise import ImuNoise
 from ..robot.self_collision import SelfCollisionConfig
@@ -289,6 +290,7 @@ class RobotConfig:
     proximity: ProximityConfig = field(default_factory=ProximityConfig)
     gripper_contact: GripperContactConfig = field(default_factory=GripperContactConfig)
     dosimetry: DosimetryConfig = field(default_factory=DosimetryConfig)
+    radio: RadioConfig = field(default_factory=RadioConfig)
 
     def __post_init__(self) -> None:
         require("/" not in self.model, f"model is '{self.model}'; it must not contain '/'")

@@ -30,6 +30,7 @@ from ..robot.robot import Robot
 from ..scene.model import WORLD_FRAME
 from ..stability.monitor import Margin, StabilityMonitor
 from .radiation_publisher import RadiationPublisher
+from .radio_publisher import RadioPublisher
 from .truth_publisher import TruthPublisher
 
 _STOP_TIMEOUT = 1.0
@@ -71,6 +72,7 @@ class RobotPresence:
         )
         self._truth = TruthPublisher(robot)
         self._radiation = RadiationPublisher(robot)
+        self._radio = RadioPublisher(robot)
         self._manager = ControllerManagerServices(robot.controllers, namespace)
         self._e_stop = rospy.Subscriber(
             f"{namespace}/e_stop", Bool, self._on_e_stop, tcp_nodelay=True
@@ -164,6 +166,10 @@ class RobotPresence:
         """Expose the robot to the scene's sources, and publish that, where there are any."""
         self._radiation.publish(simulation, stamp)
 
+    def publish_radio(self, simulation: Simulation, stamp: rospy.Time) -> None:
+        """Publish the signal between robot and operator, when anybody listens."""
+        self._radio.publish(simulation, stamp)
+
     def publish_base_pose(self, stamp: rospy.Time) -> None:
         """Publish where the root link is, when anybody listens."""
         if not self._base_pose.get_num_connections():
@@ -233,6 +239,7 @@ class RobotPresence:
         self._gripper_contact.unregister()
         self._truth.close()
         self._radiation.close()
+        self._radio.close()
         self.robot.close()
 
 

@@ -503,6 +503,7 @@ class SimulatorNode:
             for presence in self._presences:
                 presence.publish_truth(simulation, self._now(), self._resets)
         self._publish_radiation()
+        self._publish_radio()
         simulation.timer.end("publish")
         self._publish_proximity()
         simulation.timer.end("proximity")
@@ -516,6 +517,7 @@ class SimulatorNode:
         self._publish_stability()
         for presence in self._presences:
             presence.publish_radiation(self._simulation, self._now())
+            presence.publish_radio(self._simulation, self._now())
 
     def _publish_clock(self) -> None:
         self._recovery.note(self._simulation, self._resets)
@@ -538,6 +540,13 @@ class SimulatorNode:
         for presence in self._presences:
             if steps % self._steps_between(presence.robot.config.dosimetry.rate) == 0:
                 presence.publish_radiation(self._simulation, self._now())
+
+    def _publish_radio(self) -> None:
+        steps = self._simulation.steps
+        for presence in self._presences:
+            rate = presence.robot.config.radio.rate
+            if rate and steps % self._steps_between(rate) == 0:
+                presence.publish_radio(self._simulation, self._now())
 
     def _publish_proximity(self) -> None:
         steps = self._simulation.steps

@@ -1,0 +1,1 @@
+"""The radio signal between a robot and its operator's antenna."""
