@@ -10,6 +10,7 @@ from telex_msgs.msg import (
     FlipperPresets,
     GripperContact,
     JointTeleopStatus,
+    LinkState,
     TrackTeleopStatus,
 )
 
@@ -71,6 +72,44 @@ def test_before_the_robot_has_named_its_presets_they_are_sent(graph):
     robot.send(Commands(jogs={}, drive=(), preset=(PresetCommand("somersault"),)))
     assert [message.preset for _, message in graph.sent] == ["somersault"]
     assert robot.notice == ""
+
+
+def test_while_the_line_is_impaired_only_stops_pass_and_the_operator_is_told_why(graph):
+    robot = OperatedRobot("/r", ["front"])
+    ahead = Commands(jogs={}, drive=(Velocity(1.0, 0.0),))
+    still = Commands(jogs={}, drive=(Velocity(0.0, 0.0),))
+    robot.send(ahead)
+    graph.receivers["/r/link/state"](LinkState(profile="300", perfect=False))
+    for commands in (ahead, ahead, still):
+        robot.send(commands)
+    speeds = [message.linear.x for _, message in graph.sent]
+    # What moved is stopped, once: zeros of a device that is refused are no commands for others.
+    assert speeds == [1.0, 0.0, 0.0]
+    assert robot.notice.startswith("refused: the line is set to 300")
+    robot.switch_lamps(["front"])
+    robot.set_e_stop(False)
+    assert len(graph.sent) == 3
+    robot.set_e_stop(True)
+    assert graph.sent[-1][1].data
+    graph.receivers["/r/link/state"](LinkState(profile="perfect", perfect=True))
+    robot.send(ahead)
+    assert graph.sent[-1][1].linear.x == 1.0
+
+
+def test_a_stop_ends_all_that_commands_ask_for():
+    moving = Commands(
+        jogs={"arm": {"turret_joint": 0.5}},
+        drive=(Velocity(1.0, 0.0),),
+        preset=(PresetCommand("flat", "left"),),
+        tool=((0.1, 0.0, 0.0, 0.0, 0.0, 0.0),),
+        pose=("home",),
+        zoom=(0.5,),
+    )
+    assert moving.moves
+    stopped = moving.stopped()
+    assert not stopped.moves
+    assert stopped.jogs == {"arm": {"turret_joint": 0.0}}
+    assert (len(stopped.drive), len(stopped.tool[0]), stopped.pose) == (1, 6, ("",))
 
 
 def test_a_preset_for_a_side_names_the_flippers_of_that_side(graph):

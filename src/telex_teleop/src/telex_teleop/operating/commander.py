@@ -102,6 +102,29 @@ class Commands:
     zoom: Tuple[float, ...] = ()
     unknown: Tuple[str, ...] = field(default=(), compare=False)
 
+    @property
+    def moves(self) -> bool:
+        """Whether anything of it asks for motion."""
+        return (
+            any(any(rates.values()) for rates in self.jogs.values())
+            or any(velocity != STANDSTILL for velocity in self.drive)
+            or any(preset.name != NO_NAME for preset in self.preset)
+            or any(any(tool) for tool in self.tool)
+            or any(name != NO_NAME for name in self.pose)
+            or any(self.zoom)
+        )
+
+    def stopped(self) -> Commands:
+        """Return the commands that end the motion which these ask for."""
+        return Commands(
+            jogs={node: dict.fromkeys(rates, 0.0) for node, rates in self.jogs.items()},
+            drive=tuple(STANDSTILL for _ in self.drive),
+            preset=tuple(PresetCommand(NO_NAME) for _ in self.preset),
+            tool=tuple((0.0,) * len(tool) for tool in self.tool),
+            pose=tuple(NO_NAME for _ in self.pose),
+            zoom=tuple(0.0 for _ in self.zoom),
+        )
+
 
 class Commander:
     """Sums all that is held, and sends a zero to what was let go.

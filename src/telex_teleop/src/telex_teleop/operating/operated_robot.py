@@ -16,6 +16,7 @@ from telex_msgs.msg import (
     FlipperPresetHold,
     FlipperPresets,
     JointTeleopStatus,
+    LinkState,
     SimStatus,
     TrackTeleopStatus,
 )
@@ -63,6 +64,8 @@ class OperatedRobot:
         self.namespace = namespace
         self._notice = ""
         self._e_stop = EStopState()
+        self._link: Optional[Any] = None
+        self._moves = False
         self._statuses: Dict[str, Tuple[float, Any]] = {}
         self._speed_wish: Tuple[float, float] = (-SPEED_PENDING, 1.0)
         self._requests = Requests(self._tell)
@@ -164,8 +167,24 @@ class OperatedRobot:
 
     # ------------------------------------------------------------ commands
 
+    @property
+    def refused(self) -> bool:
+        """Whether the line is impaired, which this device stands before; tells the operator."""
+        if self._link is None or self._link.perfect:
+            return False
+        self.notice = (
+            f"refused: the line is set to {self._link.profile}, and what is on the robot's machine "
+            "has none; drive from the console"
+        )
+        return True
+
     def send(self, commands: Commands) -> None:
-        """Publish commands."""
+        """Publish commands; while the line is impaired stops only."""
+        if commands.moves and self.refused:
+            if not self._moves:
+                return
+            commands = commands.stopped()
+        self._moves = commands.moves
         stamp = rospy.Time.now()
         for node, demanded in commands.jogs.items():
             rates = self._known(node, demanded)
@@ -193,6 +212,8 @@ class OperatedRobot:
 
     def change_speed(self, direction: int, step: float) -> None:
         """Change the speed scale of all nodes by a step up (`direction` 1) or down (-1)."""
+        if self.refused:
+            return
         present = self.speed_scale
         status = self._latest_status()
         if present is None or status is None:
@@ -205,7 +226,9 @@ class OperatedRobot:
             publisher.publish(Float64(wish))
 
     def set_e_stop(self, active: bool) -> None:
-        """Set or release the emergency stop."""
+        """Set or release the emergency stop; to set it is never refused."""
+        if not active and self.refused:
+            return
         self._e_stop_publisher.publish(Bool(active))
 
     def set_mode(self, mode: str) -> None:
@@ -240,6 +263,8 @@ class OperatedRobot:
 
     def switch_lamps(self, names: Sequence[str]) -> None:
         """Switch lamps on, or off when one of them is lit."""
+        if self.refused:
+            return
         level = 0.0 if any(self._levels[name] > 0.0 for name in names) else 1.0
         for name in names:
             self._levels[name] = level
@@ -287,6 +312,8 @@ class OperatedRobot:
         self._tool.publish(message)
 
     def _ask(self, what: str, service: str, kind: Any, wanted: Any) -> None:
+        if self.refused:
+            return
         self._requests.ask(what, f"{self.namespace}/{service}", kind, wanted)
 
     def _tell(self, text: str) -> None:
@@ -311,6 +338,7 @@ class OperatedRobot:
         self._listen("arm_teleop/cartesian_status", CartesianTeleopStatus, self._on_cartesian)
         self._listen("e_stop", Bool, self._on_e_stop)
         self._listen("sim/status", SimStatus, self._on_sim_status)
+        self._listen("link/state", LinkState, self._on_link)
         # Others zoom and switch lamps, too, and neither camera nor lamp tells its state.
         self._listen(ZOOM_TOPIC, Float64, self._on_zoom)
         for lamp in self._lamps:
@@ -337,6 +365,9 @@ class OperatedRobot:
 
     def _on_sim_status(self, message: Any) -> None:
         self._e_stop.take_status(bool(message.e_stop))
+
+    def _on_link(self, message: Any) -> None:
+        self._link = message
 
     def _on_cartesian(self, message: Any) -> None:
         self._cartesian = message
