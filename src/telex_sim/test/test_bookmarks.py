@@ -177,8 +177,8 @@ def test_nothing_that_changes_is_left_out(bench):
     def everything():
         manager = robot.controllers
         parts = {info.name: manager.controller(info.name) for info, _ in manager.list_controllers()}
-        parts.update(hw=robot.hw, tracks=robot._tracks, gripper=robot.gripper_contacts)
-        parts.update(monitor=monitor)
+        parts.update(hw=robot.hw, tracks=robot.tracks, gripper=robot.gripper_contacts)
+        parts.update(monitor=monitor, malfunctions=robot.malfunctions)
         parts.update(
             {str(number): each for number, each in enumerate(bench.simulation.objects._active)}
         )

@@ -272,6 +272,8 @@ class Simulation:
         released = [robot.obey_e_stop() for robot in robots]
         for robot in robots:
             robot.hw.read(now, period)
+            if robot.malfunctions.battery is not None:
+                robot.malfunctions.run(period)
         timer.end("read")
         for robot, anew in zip(robots, released):
             robot.controllers.update(now, period, reset_controllers=anew)

@@ -7,6 +7,7 @@ from typing import Any, Dict, Mapping, Optional, Tuple
 
 from telex_control.common.params import read_config, require, require_range, require_text
 
+from ..malfunctions.battery import BatteryConfig
 from ..proximity.proximity_config import ProximityConfig
 from ..radiation.dosimetry import DosimetryConfig
 from ..radio.radio_config import RadioConfig
@@ -291,6 +292,7 @@ class RobotConfig:
     gripper_contact: GripperContactConfig = field(default_factory=GripperContactConfig)
     dosimetry: DosimetryConfig = field(default_factory=DosimetryConfig)
     radio: RadioConfig = field(default_factory=RadioConfig)
+    battery: BatteryConfig = field(default_factory=BatteryConfig)
 
     def __post_init__(self) -> None:
         require("/" not in self.model, f"model is '{self.model}'; it must not contain '/'")

@@ -43,6 +43,31 @@ _MODES: Dict[Type[JointCommandInterface], Tuple[Mode, Mode]] = {
 }
 
 
+@dataclasses.dataclass(frozen=True)
+class Impairment:
+    """What does not work of a drive.
+
+    Attributes
+    ----------
+    share : float
+        Of its motor's effort that is left.
+    slip : float
+        Effort at which the clutch between drive and joint slips (N m, N).
+    jammed : bool
+        The joint cannot move; the drive may try.
+    limp : bool
+        Neither motor nor brake holds the joint.
+    """
+
+    share: float = 1.0
+    slip: float = math.inf
+    jammed: bool = False
+    limp: bool = False
+
+
+WHOLE = Impairment()
+
+
 class Drive(Stateful):
     """A driven joint: its description, its handles and its place in PyBullet.
 
@@ -74,6 +99,10 @@ class Drive(Stateful):
         Effort that was last applied to a joint with `takes_effort` (Nm, N).
     max_effort, max_velocity : float
         Of its motor (Nm, N; rad/s, m/s).
+    rated_effort : float
+        Of its motor while it works (Nm, N).
+    impairment : Impairment
+        What does not work of it; set by `impair`.
     """
 
     __slots__ = (
@@ -83,6 +112,7 @@ class Drive(Stateful):
         "force",
         "handle",
         "held",
+        "impairment",
         "index",
         "interface",
         "limits",
@@ -90,6 +120,7 @@ class Drive(Stateful):
         "max_velocity",
         "mode",
         "pid",
+        "rated_effort",
         "state",
         "takes_effort",
     )
@@ -117,7 +148,8 @@ class Drive(Stateful):
         self.held = 0.0
         self.force = 0.0
         self.index = -1
-        self.max_effort = limits.max_effort
+        self.max_effort = self.rated_effort = limits.max_effort
+        self.impairment = WHOLE
         self.max_velocity = limits.max_velocity * velocity_tolerance
         self.state = JointStateHandle(description.name)
         self.handle = JointHandle(self.state)
@@ -127,6 +159,26 @@ class Drive(Stateful):
         else:
             self.limits = (limits_handle(interface, self.handle, limits, soft_limits),)
         self._previous = 0.0
+
+    def impair(self, impairment: Impairment) -> None:
+        """Let it work as far as an impairment allows."""
+        self.impairment = impairment
+        share = 0.0 if impairment.limp else impairment.share
+        # An effort without limit would make a nan of nothing.
+        effort = self.rated_effort if share == 1.0 else share * min(self.rated_effort, _STRONG)
+        self.max_effort = min(effort, impairment.slip)
+
+    @property
+    def stands(self) -> bool:
+        """Whether its joint is held where it is, by the brake or because it is jammed."""
+        return self.braked or self.impairment.jammed
+
+    @property
+    def enforced(self) -> Tuple[JointLimitsHandle, ...]:
+        """Its limits, and the bound of a motor that lacks effort."""
+        if self.interface is not EffortJointInterface or self.impairment == WHOLE:
+            return self.limits
+        return (*self.limits, _EffortBound(self.handle, self.max_effort))
 
     def reset(self) -> None:
         """Forget the past and ask for standstill where the joint is."""
@@ -191,10 +243,33 @@ class Drive(Stateful):
         """Largest force of its motor (Nm, N); PyBullet takes no infinity."""
         return self.max_effort if math.isfinite(self.max_effort) else _STRONG
 
+    @property
+    def holding_force(self) -> float:
+        """Largest force of its brake, or of what jams it (Nm, N)."""
+        force = min(self.rated_effort, _STRONG)
+        return min(_JAM * force if self.impairment.jammed else force, self.impairment.slip)
+
 
 _STANDSTILL = 1.0e-6
 """Speed below which a joint rests (rad/s, m/s); PyBullet's solver leaves some noise."""
 _STRONG = 1.0e6
+_JAM = 10.0
+"""Effort that a jammed joint bears, over that of its drive."""
+
+
+class _EffortBound(JointLimitsHandle):
+    """Bounds an effort."""
+
+    __slots__ = ("_most",)
+
+    def __init__(self, joint: JointHandle, most: float) -> None:
+        super().__init__(joint)
+        self._most = most
+
+    def enforce(self, period: float) -> None:
+        """See `JointLimitsHandle.enforce`."""
+        joint = self._joint
+        joint.command = clamp(joint.command, -self._most, self._most)
 
 
 def _moved_out(

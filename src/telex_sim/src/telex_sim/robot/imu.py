@@ -39,9 +39,12 @@ class Imu(Stateful):
     handle : ImuSensorHandle
     errors : ImuErrors or None
         What is added to the truth; None where it is exact.
+    bias : float
+        Of a gyroscope that has failed, about the vertical (rad/s); its heading drifts away. 0: it
+        works, and its heading is right again.
     """
 
-    SAVED = ("_velocity",)
+    SAVED = ("_drift", "_velocity")
     SAVED_PARTS = ("errors", "handle")
 
     def __init__(
@@ -56,6 +59,7 @@ class Imu(Stateful):
         self._link = -1
         self._offset: Pose = IDENTITY
         self._velocity: Optional[Vector] = None
+        self.bias = self._drift = 0.0
 
     def attach(self, body: Body) -> None:
         """Measure the link of `body`, from rest."""
@@ -63,6 +67,7 @@ class Imu(Stateful):
         self._link, position, orientation = body.place(self.handle.frame_id)
         self._offset = (position, orientation)
         self._velocity = None
+        self._drift = 0.0
         if self.errors is not None:
             self.errors.restart()
         self.read(0.0)
@@ -86,6 +91,16 @@ class Imu(Stateful):
         handle.linear_acceleration = _into(m, (felt[0], felt[1], felt[2]))
         if self.errors is not None:
             self._add(self.errors, m, period)
+        if self.bias or self._drift:
+            self._lead_astray(m, period)
+
+    def _lead_astray(self, m: Tuple[float, ...], period: float) -> None:
+        """Add the bias of a gyroscope that has failed; `m` is the sensor's rotation matrix."""
+        handle, bias = self.handle, self.bias
+        self._drift = math.remainder(self._drift + bias * period, math.tau) if bias else 0.0
+        astray = (bias * m[6], bias * m[7], bias * m[8])
+        handle.angular_velocity = _sum(handle.angular_velocity, astray)
+        handle.orientation = _turned(handle.orientation, (0.0, 0.0), self._drift)
 
     def _add(self, errors: ImuErrors, m: Tuple[float, ...], period: float) -> None:
         """Add the sensor's errors to what it measures; `m` is its rotation matrix."""

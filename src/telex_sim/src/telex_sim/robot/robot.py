@@ -21,6 +21,7 @@ from telex_control.urdf.model import read_xml, robot_of
 
 from ..engine.simulator_config import RobotConfig
 from ..engine.world import Body, World
+from ..malfunctions.malfunctions import Malfunctions
 from ..proximity.monitor import ProximityMonitor
 from ..scene.model import Start
 from ..tracks.tracks import Tracks
@@ -70,6 +71,10 @@ class Robot:
         Sums its contacts; None: nobody wants them.
     held : tuple of int
         Bodies of what its gripper holds, for the ledger.
+    malfunctions : Malfunctions
+        What of it does not work.
+    tracks : Tracks
+        Once it is placed.
     watchers : tuple of Stateful
         What looks at it from outside, and remembers what it saw.
 
@@ -81,6 +86,7 @@ class Robot:
 
     body: Body
     proximity: ProximityMonitor
+    tracks: Tracks
     gripper_contacts: Optional[GripperContacts]
     ledger: Optional[ContactLedger] = None
     held: Tuple[int, ...] = ()
@@ -139,6 +145,8 @@ class Robot:
         self._e_stop_wanted = False
         self._e_stop_presses = 0
         self._e_stop_obeyed = 0
+        self._begins_anew = False
+        self.malfunctions = Malfunctions(self)
 
     def _check_belts(self, robot: DescribedRobot) -> None:
         carriers = {name: joint.parent for name, joint in robot.joint_map.items()}
@@ -190,6 +198,7 @@ class Robot:
             PyBullet refuses the URDF.
         """
         config = self.config
+        self.malfunctions.forget()
         self.body = self.figure.load(world, scene_start, self._positions, self._resolve)
         self.proximity = ProximityMonitor(self.body, config.proximity, config.self_collision)
         self.gripper_contacts = (
@@ -197,7 +206,7 @@ class Robot:
         )
         self.hw.attach(self.body)
         drives = {joint: self.hw.drive(joint) for joint in config.tracks.belts}
-        self._tracks = Tracks(self.body, config.tracks, drives, self._step_size, material_of)
+        self.tracks = Tracks(self.body, config.tracks, drives, self._step_size, material_of)
 
     def start_from(self, positions: Dict[str, float]) -> None:
         """Have the joints start from other positions the next time that it is placed."""
@@ -205,7 +214,7 @@ class Robot:
 
     def apply_traction(self) -> None:
         """Apply the forces of its tracks for the next step."""
-        contacts = self._tracks.step()
+        contacts = self.tracks.step()
         if self.ledger is not None:
             self._note(self.ledger, contacts)
 
@@ -248,7 +257,7 @@ class Robot:
             if part is not None:
                 part.restore_state(state, elapsed)
         self.controllers.restore_state(controllers, time, elapsed)
-        if self.hw.was_stopped(parts[0]) and not self.hw.e_stop:
+        if self.hw.was_stopped(parts[1]) and not self.hw.e_stop:
             self.controllers.restart_running(time)
         for watcher in self._watchers():
             if watcher in watchers:
@@ -258,14 +267,14 @@ class Robot:
 
     def _parts(self) -> Tuple[Optional[Stateful], ...]:
         """Whatever has a state, beside controllers and watchers, in the order of restoring."""
-        return self.hw, self._tracks, self.gripper_contacts
+        return self.malfunctions, self.hw, self.tracks, self.gripper_contacts
 
     def _watchers(self) -> Tuple[Stateful, ...]:
         return self.watchers if self.ledger is None else (*self.watchers, self.ledger)
 
     def forget_surfaces(self) -> None:
         """Look at every surface anew, after bodies have come or gone."""
-        self._tracks.forget_surfaces()
+        self.tracks.forget_surfaces()
 
     @property
     def e_stop_wanted(self) -> bool:
@@ -278,14 +287,29 @@ class Robot:
         if active:
             self._e_stop_presses += 1
 
+    def finger_joints(self) -> Tuple[str, ...]:
+        """Driven joints of the gripper's fingers."""
+        fingers = self.config.proximity.fingers
+        return tuple(joint for joints in fingers for joint in joints if self.hw.has_joint(joint))
+
+    def flippers(self) -> Tuple[str, ...]:
+        """Driven joints that lift a belt."""
+        lifted = set(self.tracks.carriers())
+        return tuple(joint for joint in self.hw.moved_joints() if self.body.joints[joint] in lifted)
+
+    def begin_anew(self) -> None:
+        """Let running controllers begin anew with the next cycle: they hold what is measured."""
+        self._begins_anew = True
+
     def obey_e_stop(self) -> bool:
-        """Carry out a request; returns whether the stop was released just now."""
+        """Carry out a request; returns whether controllers shall begin anew: it was released."""
+        anew, self._begins_anew = self._begins_anew, False
         presses, self._e_stop_obeyed = self._e_stop_obeyed, self._e_stop_presses
         wanted = self._e_stop_wanted or presses != self._e_stop_obeyed
         if wanted == self.hw.e_stop:
-            return False
+            return anew
         self.hw.set_e_stop(wanted)
-        return not wanted
+        return anew or not wanted
 
     def idle(self, time: float) -> None:
         """What goes on while paused: controllers are switched, and an emergency stop is set."""

@@ -36,7 +36,7 @@ from telex_control.urdf.transmission_parser import SIMULATED, DrivenJoint, drive
 
 from ..engine.simulator_config import HardwareConfig, JointHardware
 from ..engine.world import Body
-from .drives import Drive, Mode
+from .drives import WHOLE, Drive, Impairment, Mode
 from .imu import Imu
 from .link_surfaces import LinkSurfaces
 from .urdf.masses import massless_joints
@@ -88,6 +88,7 @@ class RobotHWSim(RobotHW, Stateful):
         # By controller, so that one that ends takes nothing from the next that has its joint.
         self._claims: Dict[str, Set[str]] = {}
         self._e_stop = False
+        self._powered = True
         self._body: Optional[Body] = None
         self._indices: List[int] = []
         # Of a state that was restored: what PyBullet has until the next step is of another.
@@ -277,6 +278,14 @@ class RobotHWSim(RobotHW, Stateful):
         """
         return self._joints[name]
 
+    def drives(self) -> List[Drive]:
+        """All drives."""
+        return self._all
+
+    def moved_joints(self) -> List[str]:
+        """Driven joints, without those of belts."""
+        return [drive.description.name for drive in self._moved]
+
     def has_joint(self, name: str) -> bool:
         """Whether the robot has a driven joint of this name."""
         return name in self._joints
@@ -436,11 +445,11 @@ class RobotHWSim(RobotHW, Stateful):
         """Limit the commands and give them to PyBullet; its torques act for one step only."""
         for handle in self._limits:
             handle.enforce(period)
-        for drive in self._belts_by_effort:
+        for drive in self._unmoved_by_effort:
             drive.effort(period)
         if self._by_effort:
             self._write_efforts(period)
-        if self._by_effort or self._belts_by_effort:
+        if self._by_effort or self._unmoved_by_effort:
             self._pids.publish(time)
         if self._by_motor:
             self._control(
@@ -517,16 +526,39 @@ class RobotHWSim(RobotHW, Stateful):
             self._e_stop = active
             self._set_brakes()
 
+    def set_power(self, on: bool) -> None:
+        """Feed the drives, or let their brakes hold: these set by themselves without power."""
+        if on != self._powered:
+            self._powered = on
+            self._set_brakes()
+
+    def impair(self, joint: str, impairment: Impairment) -> None:
+        """Let the drive of a joint work as far as an impairment allows.
+
+        Raises
+        ------
+        KeyError
+            There is no such joint.
+        """
+        self._joints[joint].impair(impairment)
+        self._set_brakes()
+
+    def mend(self) -> None:
+        """Let all work, before the robot is put into a world."""
+        self._powered = True
+        for drive in self._all:
+            drive.impair(WHOLE)
+        for imu in self.imus:
+            imu.bias = 0.0
+
     def _choose_driven(self) -> None:
         """Gather what `write` needs in every step."""
         driven = [drive for drive in self._all if not drive.braked]
-        self._limits = [handle for drive in driven for handle in drive.limits]
-        self._belts_by_effort = [
-            drive
-            for drive in driven
-            if drive.takes_effort and drive.description.name in self._belts
-        ]
-        driven = [drive for drive in driven if drive.description.name not in self._belts]
+        self._limits = [handle for drive in driven for handle in drive.enforced]
+        # Belts, which the tracks move, and jammed joints, which nothing does.
+        unmoved = [drive for drive in driven if drive.stands or self._is_belt(drive)]
+        self._unmoved_by_effort = [drive for drive in unmoved if drive.takes_effort]
+        driven = [drive for drive in driven if drive not in unmoved]
         self._by_effort = [drive for drive in driven if drive.takes_effort]
         self._by_motor = [drive for drive in driven if not drive.takes_effort]
         self._by_velocity = [drive for drive in driven if drive.mode is Mode.VELOCITY]
@@ -536,6 +568,9 @@ class RobotHWSim(RobotHW, Stateful):
         self._velocity_indices = [drive.index for drive in self._by_velocity]
         self._standstill = [0.0] * len(self._by_effort)
         self._velocity_forces = [drive.motor_force for drive in self._by_velocity]
+
+    def _is_belt(self, drive: Drive) -> bool:
+        return drive.description.name in self._belts
 
     @property
     def _followers(self) -> List[JointStateHandle]:
@@ -561,7 +596,7 @@ class RobotHWSim(RobotHW, Stateful):
         for drive in changed:
             drive.held = drive.state.position
         self._choose_driven()
-        self._hold([drive for drive in self._moved if drive.braked])
+        self._hold([drive for drive in self._moved if drive.stands])
         self._efforts = [handle.effort for handle in self._read_handles()]
 
     def was_stopped(self, saved: Any) -> bool:
@@ -574,17 +609,18 @@ class RobotHWSim(RobotHW, Stateful):
             return
         self._brake_unclaimed()
         self._choose_driven()
-        braked = [drive for drive in self._moved if drive.braked]
-        for drive in braked:
+        standing = [drive for drive in self._moved if drive.stands]
+        for drive in standing:
             drive.held = drive.state.position
-        self._hold(braked)
+        self._hold(standing)
 
     def _brake_unclaimed(self) -> List[Drive]:
         """Set and release brakes; returns the drives whose brakes that has changed."""
         claimed: Set[str] = set().union(*self._claims.values())
         changed = []
         for drive in self._all:
-            braked = self._e_stop or drive.description.name not in claimed
+            stopped = self._e_stop or not self._powered or drive.description.name not in claimed
+            braked = stopped and not drive.impairment.limp
             if braked != drive.braked:
                 drive.reset()
                 changed.append(drive)
@@ -592,12 +628,22 @@ class RobotHWSim(RobotHW, Stateful):
         return changed
 
     def _hold(self, held: List[Drive]) -> None:
+        slipping = [drive for drive in held if math.isfinite(drive.impairment.slip)]
+        held = [drive for drive in held if drive not in slipping]
         if held:
             self._control(
                 [drive.index for drive in held],
                 pybullet.POSITION_CONTROL,
                 targetPositions=[drive.held for drive in held],
-                forces=[drive.motor_force for drive in held],
+                forces=[drive.holding_force for drive in held],
                 positionGains=[_BRAKE_POSITION_GAIN] * len(held),
                 velocityGains=[_BRAKE_VELOCITY_GAIN] * len(held),
+            )
+        if slipping:
+            # A clutch that has slipped does not come back.
+            self._control(
+                [drive.index for drive in slipping],
+                pybullet.VELOCITY_CONTROL,
+                targetVelocities=[0.0] * len(slipping),
+                forces=[drive.holding_force for drive in slipping],
             )

@@ -11,6 +11,7 @@ from telex_control.common.stateful import Stateful
 from ..engine.world import Body, Vector
 from ..robot.drives import Drive
 from .belt_drive import BeltDrive
+from .belt_faults import ROLLING, BeltFault, make_drive
 from .law import Patch, TractionLaw, belt_directions, edge_share
 from .surfaces import BodyLink, Surfaces
 from .track_config import TrackConfig
@@ -46,6 +47,7 @@ class _Track(Stateful):
         "radius",
         "running",
         "state",
+        "thrown",
     )
     SAVED = ("load", "pulled")
 
@@ -60,6 +62,7 @@ class _Track(Stateful):
         self.patches: Dict[_Place, Patch] = {}
         self.running: List[Patch] = []
         self.pulled = 0.0
+        self.thrown = False
 
     def save_state(self) -> Any:
         patches = [(place, patch.save_state()) for place, patch in self.patches.items()]
@@ -83,7 +86,7 @@ class _Track(Stateful):
 class _Side(Stateful):
     """Belts with one drive."""
 
-    __slots__ = ("by_effort", "drive", "tracks")
+    __slots__ = ("_figures", "by_effort", "drive", "tracks")
     SAVED_PARTS = ("drive", "tracks")
 
     def __init__(self, tracks: Sequence[_Track], config: TrackConfig, step_size: float) -> None:
@@ -93,7 +96,15 @@ class _Side(Stateful):
         for track in tracks:
             friction += track.drive.description.friction / track.radius
             damping += track.drive.description.damping / track.radius**2
-        self.drive = BeltDrive(config.drive, friction, damping, step_size)
+        self._figures = (config.drive, friction, damping, step_size)
+        self.drive = BeltDrive(*self._figures)
+
+    def damage(self, fault: BeltFault) -> None:
+        """Let the drive and its belts work as far as a fault allows, from now on."""
+        before, self.drive = self.drive, make_drive(*self._figures, fault)
+        self.drive.speed, self.drive.force = before.speed, before.force
+        for track in self.tracks:
+            track.thrown = fault.thrown
 
     def pull(self, speed: float) -> float:
         """Force along the belts that they give the robot (N) at a speed (m/s)."""
@@ -190,6 +201,8 @@ class Tracks(Stateful):
         self._sides = [
             _Side([tracks[belt] for belt in belts], config, step_size) for belts in config.groups()
         ]
+        names = [*config.drives, *(belts[0] for belts in config.groups()[len(config.drives) :])]
+        self._named = dict(zip(names, self._sides))
         for link in self._by_link:
             pybullet.changeDynamics(
                 self._uid,
@@ -203,6 +216,25 @@ class Tracks(Stateful):
     def forget_surfaces(self) -> None:
         """Look at every surface anew, after bodies have come or gone."""
         self._surfaces.forget()
+
+    @property
+    def names(self) -> List[str]:
+        """Names of the drives; one that the configuration gives none is called as its belt."""
+        return list(self._named)
+
+    def damage(self, name: str, fault: BeltFault) -> None:
+        """Let a drive and its belts work as far as a fault allows.
+
+        Raises
+        ------
+        KeyError
+            There is no such drive.
+        """
+        self._named[name].damage(fault)
+
+    def carriers(self) -> List[int]:
+        """PyBullet's numbers of the links that belts run round; -1: the root link."""
+        return list(self._by_link)
 
     def step(self) -> Optional[Sequence[Tuple]]:
         """Apply the forces for the next step, and move the belts on.
@@ -381,6 +413,10 @@ class Tracks(Stateful):
                 softness = law.softness(surface.mass, surface.weight, patch.load, load)
             if face:
                 patch.prepare(law, load, softness, 1.0)
+                patch.pull(0.0)
+            elif track.thrown:
+                patch.touches = [(t[0], ROLLING * t[1], *t[2:]) for t in patch.touches]
+                patch.prepare(law, load, softness, self._ratio)
                 patch.pull(0.0)
             else:
                 patch.prepare(law, load, softness, self._ratio)

@@ -1,0 +1,1 @@
+"""Malfunctions of a robot: which there can be, what they do, and its battery."""
