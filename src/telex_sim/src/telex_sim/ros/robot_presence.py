@@ -29,6 +29,7 @@ from ..robot.gripper.contact import GripperContact as Contact
 from ..robot.robot import Robot
 from ..scene.model import WORLD_FRAME
 from ..stability.monitor import Margin, StabilityMonitor
+from .malfunction_service import Change, MalfunctionService
 from .radiation_publisher import RadiationPublisher
 from .radio_publisher import RadioPublisher
 from .truth_publisher import TruthPublisher
@@ -47,12 +48,20 @@ class RobotPresence:
     Parameters
     ----------
     robot : Robot
+    change, now : callable
+        See `MalfunctionService`.
     after_crash : bool
         Whether the simulator before has crashed: latched releases of its emergency stop that come
         in the first moments may be older than the stop.
     """
 
-    def __init__(self, robot: Robot, after_crash: bool = False) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        change: Change,
+        now: Callable[[], rospy.Time],
+        after_crash: bool = False,
+    ) -> None:
         self.robot = robot
         self._no_release_before = wall.monotonic() + (_OLD_NEWS if after_crash else 0.0)
         namespace = robot.namespace
@@ -73,6 +82,7 @@ class RobotPresence:
         self._truth = TruthPublisher(robot)
         self._radiation = RadiationPublisher(robot)
         self._radio = RadioPublisher(robot)
+        self.malfunctions = MalfunctionService(robot, change, now)
         self._manager = ControllerManagerServices(robot.controllers, namespace)
         self._e_stop = rospy.Subscriber(
             f"{namespace}/e_stop", Bool, self._on_e_stop, tcp_nodelay=True
@@ -240,6 +250,7 @@ class RobotPresence:
         self._truth.close()
         self._radiation.close()
         self._radio.close()
+        self.malfunctions.close()
         self.robot.close()
 
 

@@ -69,6 +69,8 @@ _PAUSED_REPEAT = 0.2
 """Wall time between repeated clock and pose messages while paused (s): for late subscribers."""
 _STATUS_PERIOD = 1.0
 """Wall time between status messages (s)."""
+_BATTERY_RATE = 1.0
+"""Hz of sim time at which the battery's charge is told."""
 _MAX_STEPS = 1_000_000
 _STEPS_AT_ONCE = 50
 """Steps of ``sim/step`` between two looks at the requests."""
@@ -122,13 +124,14 @@ class SimulatorNode:
         self._scene_publisher = ScenePublisher(lambda: self._scene.description(self._now()))
         self._poses = rospy.Publisher("sim/poses", ScenePoses, queue_size=1, tcp_nodelay=True)
         # Replaced as a whole, never changed: the loop reads it without a lock.
-        self._presences: Tuple[RobotPresence, ...] = (RobotPresence(first, recovery.happened),)
+        self._presences: Tuple[RobotPresence, ...] = (self._present(first, recovery.happened),)
         self._next_status = 0.0
         self._clock_every = self._steps_between(config.publish.clock_rate)
         self._poses_every = self._steps_between(config.publish.poses_rate)
         self._base_pose_every = self._steps_between(config.publish.base_pose_rate)
         self._stability_every = self._steps_between(config.publish.stability_rate)
         self._truth_every = self._steps_between(config.publish.truth_rate)
+        self._battery_every = self._steps_between(_BATTERY_RATE)
         self._scene_publisher.publish_soon()
         self._services: List[Any] = [
             rospy.Service("sim/pause", Empty, lambda _: self._empty(self._pause)),
@@ -144,6 +147,9 @@ class SimulatorNode:
             rospy.Service("sim/add_robot", AddRobot, self._on_add_robot),
             rospy.Service("sim/remove_robot", RemoveRobot, self._on_remove_robot),
         ]
+
+    def _present(self, robot: Robot, after_crash: bool = False) -> RobotPresence:
+        return RobotPresence(robot, self._change, self._now, after_crash)
 
     def _steps_between(self, rate: float) -> int:
         """Steps from one message to the next, so that the rate is never exceeded."""
@@ -293,7 +299,7 @@ class SimulatorNode:
                 except Exception:
                     robot.close()
                     raise
-                self._presences = (*self._presences, RobotPresence(robot))
+                self._presences = (*self._presences, self._present(robot))
         except (ConfigError, UrdfError, WorldError) as error:
             rospy.logwarn("sim/add_robot: %s: %s", name, error)
             return AddRobotResponse(success=False, message=str(error))
@@ -498,7 +504,11 @@ class SimulatorNode:
         if steps % self._stability_every == 0:
             for presence in self._presences:
                 presence.observe(simulation.time)
+                presence.malfunctions.publish()
             self._publish_stability()
+        if steps % self._battery_every == 0:
+            for presence in self._presences:
+                presence.malfunctions.publish_battery()
         if steps % self._truth_every == 0:
             for presence in self._presences:
                 presence.publish_truth(simulation, self._now(), self._resets)
@@ -518,6 +528,8 @@ class SimulatorNode:
         for presence in self._presences:
             presence.publish_radiation(self._simulation, self._now())
             presence.publish_radio(self._simulation, self._now())
+            presence.malfunctions.publish()
+            presence.malfunctions.publish_battery()
 
     def _publish_clock(self) -> None:
         self._recovery.note(self._simulation, self._resets)
