@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from typing import Optional, Sequence, Tuple
 
 import numpy as np
 
 from ..cameras_config import OpticsConfig
 from .exposure import ExposureControl, exposure_factor
+from .flaws import SOUND, FlawedGlass, Flaws
 from .lens import LensCamera, LensMap
 from .noise import SensorNoise
 from .pinhole import PinholeCamera
@@ -50,6 +52,7 @@ class CameraSensor:
         self._control = control
         self._lens = LensMap(self.camera, config.detail)
         self._noise = SensorNoise(config.width, config.height, seed)
+        self._glass = FlawedGlass(config.width, config.height, seed)
         # By the lens, while the renderer repeats its picture.
         self._bent: Optional[np.ndarray] = None
 
@@ -76,6 +79,7 @@ class CameraSensor:
         ev: float,
         stamp: int,
         exposed: Tuple[float, float] = (0.0, 0.0),
+        flaws: Flaws = SOUND,
     ) -> np.ndarray:
         """Make the sensor's picture of what the pinhole camera saw.
 
@@ -92,6 +96,8 @@ class CameraSensor:
             Sim time (ns).
         exposed
             Dose rate (Gy/h) and dose (Gy) beyond those of the configuration.
+        flaws
+            What is wrong with it; whether it is frozen does not matter here.
 
         Returns
         -------
@@ -102,10 +108,13 @@ class CameraSensor:
         if self.config.exposure.auto:
             self._control.meter(picture)
         picture = self._bend(picture, repeated)
+        if flaws != SOUND:
+            self._glass.show(picture, flaws)
         radiation = self.config.radiation.exposed(*exposed)
         self._noise.age(picture, radiation)
         # What is amplified twice as much is sqrt(2) times as noisy, because half the light came.
-        self._noise.add(picture, self.config.noise * exposure_factor(0.5 * max(ev, 0.0)), stamp)
+        noise = self.config.noise * exposure_factor(0.5 * max(ev, 0.0))
+        self._noise.add(picture, math.hypot(noise, flaws.noisy), stamp)
         self._noise.irradiate(picture, radiation, stamp)
         return picture
 

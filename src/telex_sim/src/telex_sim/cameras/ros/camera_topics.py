@@ -254,6 +254,10 @@ class CameraStream:
             self._info.publish(camera_info_message(view.sensor.camera, self._header(stamp)))
         return view
 
+    def full_sensor(self) -> CameraSensor:
+        """Return what takes pictures of full size, without loss of detail."""
+        return self._full.sensor(self._setting, STEPS[0].scale)
+
     def _small_sensor(self) -> CameraSensor:
         return self._small.sensor(self._setting, self._step.preview_detail)
 

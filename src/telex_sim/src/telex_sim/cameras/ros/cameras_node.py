@@ -7,7 +7,7 @@ import os
 import sys
 import time
 from dataclasses import replace
-from typing import Callable, List, Optional
+from typing import Callable, Dict, List, Optional
 
 import cv2
 import numpy as np
@@ -29,11 +29,11 @@ from ..drawing.renderer import Renderer
 from ..drawing.scene_renderer import SceneRenderer
 from ..optics.exposure import exposure_factor
 from .camera_topics import CameraStream, View, Wanted
+from .failures import HeardMalfunctions, ReceivedDose
 from .frame_pacer import next_due
 from .lamp_switches import LampSwitches
 from .overview import Overview
 from .parameter_service import CameraService
-from .received_dose import ReceivedDose
 from .scene_inbox import Arrival, SceneInbox
 from .scene_mirror import SceneMirror
 from .size_by_load import SizeByLoad
@@ -91,6 +91,9 @@ class CamerasNode:
             self._streams.append(self._overview.stream)
         self._lamps = LampSwitches(config.lamps)
         self._received = ReceivedDose()
+        self._malfunctions = HeardMalfunctions()
+        # Last pictures of frozen cameras, in full size.
+        self._frozen: Dict[str, np.ndarray] = {}
         self._mirror = SceneMirror(
             self._renderer,
             camera_frames,
@@ -118,10 +121,7 @@ class CamerasNode:
             self._take_news()
             now = time.monotonic()
             wanted = [
-                each
-                for stream in self._streams
-                if not self._received.of(stream.name).failed
-                for each in stream.wanted
+                each for stream in self._streams if self._works(stream) for each in stream.wanted
             ]
             self._follow_poses(bool(wanted), now)
             self._choose_sizes(wanted, now)
@@ -130,6 +130,11 @@ class CamerasNode:
             if not self._show_next(wanted, now):
                 self._inbox.wait(_PATIENCE)
                 self._sizes.rested(time.monotonic() - now)
+
+    def _works(self, stream: CameraStream) -> bool:
+        """Whether a camera sends pictures; the view from outside is none of the robot's."""
+        powered = self._malfunctions.cameras_work or stream.name not in self._config.cameras
+        return powered and not self._received.of(stream.name).failed
 
     def release(self) -> None:
         """Free what draws."""
@@ -227,7 +232,7 @@ class CamerasNode:
                 return True
         if not self._mirror.place(newest.poses, recast=recast):
             return False
-        self._renderer.set_lamp_levels(self._lamps.levels())
+        self._renderer.set_lamp_levels(self._lamps.levels(self._malfunctions.burns))
         self._placed = newest
         if recast:
             self._cast, self._cast_time = newest, now
@@ -251,6 +256,17 @@ class CamerasNode:
             stream.publish(sensor, picture, depth, stamp, now)
 
     def _picture(self, stream: CameraStream, view: View, placed: Arrival, now: float) -> np.ndarray:
+        """Show the scene as a camera sees it, or saw it when it froze."""
+        if not self._malfunctions.flaws(stream.name).frozen:
+            self._frozen.pop(stream.name, None)
+            return self._seen(stream, view, placed, now)
+        if stream.name not in self._frozen:
+            whole = View(stream.full_sensor(), False)
+            self._frozen[stream.name] = self._seen(stream, whole, placed, now).copy()
+        shape = (view.sensor.config.width, view.sensor.config.height)
+        return cv2.resize(self._frozen[stream.name], shape, interpolation=cv2.INTER_AREA)
+
+    def _seen(self, stream: CameraStream, view: View, placed: Arrival, now: float) -> np.ndarray:
         """Show the scene as a camera sees it: where its frame is, exposed, drawn, developed."""
         sensor, coarse = view
         stamp = placed.poses.header.stamp.to_nsec()
@@ -265,7 +281,8 @@ class CamerasNode:
             pictures.append(picture.copy() if back > 0.0 else picture)
         received = self._received.of(stream.name)
         exposed = (received.dose_rate, received.dose)
-        return sensor.develop(pictures, self._renderer.repeats, ev, stamp, exposed)
+        flaws = self._malfunctions.flaws(stream.name)
+        return sensor.develop(pictures, self._renderer.repeats, ev, stamp, exposed, flaws)
 
 
 def _itself(frame_in_world: np.ndarray, now: float) -> np.ndarray:

@@ -1,12 +1,17 @@
-"""Radiation that the cameras have received, as ROS tells it."""
+"""Radiation and malfunctions of the cameras and lamps, as ROS tells of them."""
 
 from __future__ import annotations
 
 import math
-from typing import Dict, NamedTuple
+from typing import Any, Dict, FrozenSet, NamedTuple
 
 import rospy
-from telex_msgs.msg import CameraRadiation
+from telex_msgs.msg import CameraRadiation, Malfunctions
+
+from telex_control.common.params import ConfigError
+
+from ...malfunctions import battery, kinds
+from ..optics.flaws import SOUND, Flaws
 
 
 class Received(NamedTuple):
@@ -49,3 +54,62 @@ class ReceivedDose:
             )
             return
         self._received = {name: Received(*values) for name, *values in zip(*columns)}
+
+
+class _Broken(NamedTuple):
+    """What does not work: flaws by camera, lamps, and what has no power."""
+
+    flaws: Dict[str, Flaws] = {}
+    lamps: FrozenSet[str] = frozenset()
+    unpowered: FrozenSet[str] = frozenset()
+
+
+class HeardMalfunctions:
+    """Hears on ``sim/malfunctions`` what does not work of cameras and lamps."""
+
+    def __init__(self) -> None:
+        # Replaced as a whole by a thread of ROS, which needs no lock.
+        self._broken = _Broken()
+        self._subscriber = rospy.Subscriber(
+            "sim/malfunctions", Malfunctions, self._take, queue_size=1, tcp_nodelay=True
+        )
+
+    def flaws(self, camera: str) -> Flaws:
+        """Return what is wrong with a camera."""
+        return self._broken.flaws.get(camera, SOUND)
+
+    @property
+    def cameras_work(self) -> bool:
+        """Whether the cameras have power."""
+        return battery.CAMERAS not in self._broken.unpowered
+
+    def burns(self, lamp: str) -> bool:
+        """Whether a lamp burns when it is switched on."""
+        broken = self._broken
+        return lamp not in broken.lamps and battery.LAMPS not in broken.unpowered
+
+    def _take(self, message: Malfunctions) -> None:
+        flaws: Dict[str, Flaws] = {}
+        lamps = set()
+        for each in message.active:
+            if each.group == kinds.LAMP:
+                lamps.add(each.what)
+            elif each.group == kinds.CAMERA:
+                try:
+                    flaws[each.what] = _with(flaws.get(each.what, SOUND), each)
+                except ConfigError as error:
+                    rospy.logwarn_throttle(10.0, "sim/malfunctions: %s: %s", each.what, error)
+        self._broken = _Broken(flaws, frozenset(lamps), frozenset(message.unpowered))
+
+
+def _with(flaws: Flaws, each: Any) -> Flaws:
+    """Return flaws with one more.
+
+    Raises
+    ------
+    ConfigError
+        There is none of this kind, or not of this severity.
+    """
+    possible = kinds.Parts(cameras=(each.what,))
+    severity = possible.find(each.what, each.kind).kind.severity(each.value)
+    return flaws._replace(**{each.kind: severity or True})

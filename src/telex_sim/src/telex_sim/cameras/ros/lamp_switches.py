@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Dict, List, Mapping
+from typing import Callable, Dict, List, Mapping
 
 import rospy
 from std_msgs.msg import Float64
@@ -29,9 +29,9 @@ class LampSwitches:
             for name in lamps
         ]
 
-    def levels(self) -> Dict[str, float]:
-        """Level of each lamp, 0 (off) to 1, by its name."""
-        return dict(self._levels)
+    def levels(self, burns: Callable[[str], bool]) -> Dict[str, float]:
+        """Level of each lamp, 0 (off) to 1, by its name; `burns` says which are whole."""
+        return {name: level if burns(name) else 0.0 for name, level in self._levels.items()}
 
     def _take(self, message: Float64, name: str) -> None:
         # Also false for NaN.
