@@ -430,6 +430,43 @@ class TestCameras:
         wait_until(lambda: front.note_for(0.5), "pictures", 20.0)
         wait_until(lambda: grain() < calm + 3.0, "clear pictures", 20.0)
 
+    def test_malfunctions_show_in_pictures(self, stage, front):
+        from telex_msgs.msg import ActiveMalfunction, Malfunctions
+
+        told = stage.commands("sim/malfunctions", Malfunctions)
+
+        def tell(kind="", value=0.0, unpowered=(), group="camera", what="front"):
+            active = [ActiveMalfunction(what=what, group=group, kind=kind, value=value)]
+            told.publish(Malfunctions(active=active * bool(kind), unpowered=list(unpowered)))
+
+        tell("dark", 1.0)
+        wait_until(lambda: front.newest(0.2).middle.max() < 3.0, "dark pictures", 20.0)
+        tell("dark", float("nan"))
+        wait_until(lambda: front.newest(0.2).looks(RED), "what is no number not heeded", 20.0)
+        assert "sim/malfunctions: front: value is nan" in stage.said
+
+        tell("frozen")
+        # Whatever was on its way is through.
+        wait_until(lambda: len({bytes(n.message.data) for n in front.note_for(0.5)}) == 1, "frozen")
+        stage.simulator.revision += 1
+        stage.simulator.describe(BLUE)
+        small = stage.pictures("front", "preview/compressed")
+        frozen = front.note_for(0.5)
+        assert all(picture.looks(RED) for picture in frozen)
+        assert len(set(stamps(frozen))) > 1, "the stamps go on"
+        assert small.newest(0.3).looks(RED)
+        tell()
+        wait_until(lambda: front.newest(0.2).looks(BLUE), "live pictures", 20.0)
+
+        stage.simulator.describe(BLUE, ambient=0.0)
+        wait_until(lambda: front.newest(0.2).looks(BLUE), "lit by the lamp", 20.0)
+        tell("dead", what="head", group="lamp")
+        wait_until(lambda: front.newest(0.2).middle.max() == 0.0, "the dark", 20.0)
+        tell(unpowered=["drives", "lamps", "cameras"])
+        wait_until(lambda: not front.note_for(1.0), "no pictures any more", 20.0)
+        tell()
+        wait_until(lambda: front.note_for(0.5), "pictures", 20.0)
+
     def test_topics_of_cameras_that_the_robot_has(self, stage):
         assert stage.topics_before == []
         wait_until(lambda: "/telex/cameras/front/depth" in camera_topics(), "the topics")

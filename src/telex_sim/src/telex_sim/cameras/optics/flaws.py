@@ -80,7 +80,7 @@ class FlawedGlass:
 
     def _dirt_of(self, share: float) -> Tuple[np.ndarray, np.ndarray]:
         if self._dirt is None or self._dirt[0] != share:
-            field = np.random.default_rng((self._seed, 3)).standard_normal(
+            field: np.ndarray = np.random.default_rng((self._seed, 3)).standard_normal(
                 (_PATCHES[1], _PATCHES[0]), dtype=np.float32
             )
             field = cv2.GaussianBlur(field, (0, 0), 1.2)

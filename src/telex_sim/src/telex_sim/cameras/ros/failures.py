@@ -111,5 +111,8 @@ def _with(flaws: Flaws, each: Any) -> Flaws:
         There is none of this kind, or not of this severity.
     """
     possible = kinds.Parts(cameras=(each.what,))
-    severity = possible.find(each.what, each.kind).kind.severity(each.value)
-    return flaws._replace(**{each.kind: severity or True})
+    kind = possible.find(each.what, each.kind).kind
+    if kind is kinds.FROZEN:
+        return flaws._replace(frozen=True)
+    changes: Dict[str, Any] = {kind.name: kind.severity(each.value)}
+    return flaws._replace(**changes)
