@@ -688,7 +688,7 @@ OPERATORS_OWN = {
     ),
     "subscribe": (
         *("joint_states", "/tf", "/clock", "imu", "sim/status", "sim/stability"),
-        *("sim/gripper_contact", "arm_teleop/status", "bridge/clients", "/chatter"),
+        *("sim/gripper_contact", "arm_teleop/status", "bridge/clients", "/chatter", "battery"),
         "/tf2_web_republisher/feedback",
         *("cameras/front/image_raw/compressed", "arm_teleop/cartesian_status"),
     ),
@@ -717,12 +717,14 @@ INSTRUCTORS_ONLY = {
         *("sim/base_pose", "sim/scene", "sim/poses", "sim/proximity", "/rosout", "/rosout_agg"),
         *("cameras/overview/image_raw/compressed", "cameras/overview/view", "/crane/sim/poses"),
         *("/crane/cameras/overview/image_raw/compressed", "/cameras/overview/image_raw"),
+        *("sim/malfunctions", "/crane/sim/malfunctions"),
     ),
     "call": (
         *("sim/reset", "sim/pause", "sim/step", "sim/spawn", "sim/load_scene", "sim/list_scenes"),
         *(
             "sim/bookmark",
             "sim/restore",
+            "sim/malfunction",
             "sim/add_robot",
             "cameras/configure",
             "controller_manager/unload_controller",

@@ -80,13 +80,15 @@ class FlawedGlass:
 
     def _dirt_of(self, share: float) -> Tuple[np.ndarray, np.ndarray]:
         if self._dirt is None or self._dirt[0] != share:
-            field: np.ndarray = np.random.default_rng((self._seed, 3)).standard_normal(
+            drawn = np.random.default_rng((self._seed, 3)).standard_normal(
                 (_PATCHES[1], _PATCHES[0]), dtype=np.float32
             )
-            field = cv2.GaussianBlur(field, (0, 0), 1.2)
-            edge = float(np.quantile(field, 1.0 - share))
-            field = cv2.resize(field, self._size, interpolation=cv2.INTER_CUBIC)
-            thickness = np.clip((field - edge) / (_EDGE * float(field.std())) + 0.5, 0.0, 1.0)
+            patches = np.asarray(cv2.GaussianBlur(drawn, (0, 0), 1.2), np.float32)
+            edge, spread = float(np.quantile(patches, 1.0 - share)), float(patches.std())
+            field = np.asarray(
+                cv2.resize(patches, self._size, interpolation=cv2.INTER_CUBIC), np.float32
+            )
+            thickness = np.clip((field - edge) / (_EDGE * spread) + 0.5, 0.0, 1.0)
             thickness = (_THICKEST * thickness)[..., np.newaxis]
             clear = np.repeat(255.0 * (1.0 - thickness), 4, axis=2)
             soil = thickness * np.array((*_SOIL, 255.0), np.float32)
