@@ -10,8 +10,10 @@ import pytest
 from telex_control.common.params import ConfigError
 from telex_sim.engine.bookmarks import Bookmarks
 from telex_sim.malfunctions.battery import Battery, BatteryConfig, charge_of
+from telex_sim.malfunctions.described import described_parts, shipped_equipment
 from telex_sim.offline.robot import OfflineRobot
 from telex_sim.offline.simulation import OfflineSimulation
+from telex_sim.scene.robot_in_scene import robot_description
 
 SHOULDER, FLIPPER = "shoulder_joint", "front_left_flipper_joint"
 
@@ -377,3 +379,23 @@ def test_nothing_is_computed_in_a_step_while_none_is_active(bench):
     after = calls_of_a_step(bench)
     assert not [name for name, _ in after if "malfunctions" in name or "belt_faults" in name]
     assert abs(len(after) - len(before)) <= 0.05 * len(before)
+
+
+def test_a_described_robot_can_fail_as_the_one_in_the_simulation(bench, urdf):
+    bench.malfunctions.equip(*shipped_equipment())
+    described = described_parts(urdf)
+    assert {**vars(described), "joints": set(described.joints)} == {
+        **vars(bench.malfunctions.parts),
+        "joints": set(bench.malfunctions.parts.joints),
+        "flippers": described.flippers,
+    }
+    assert set(described.flippers) == set(bench.malfunctions.parts.flippers)
+    bench.malfunctions.equip({}, {})
+
+
+def test_a_variant_without_gripper_cannot_lose_its_force():
+    parts = described_parts(robot_description("carrier"))
+    assert not parts.gripper
+    assert "gripper" not in parts.cameras
+    with pytest.raises(ConfigError, match="gripper can be: dead"):
+        parts.find("gripper", "lost")

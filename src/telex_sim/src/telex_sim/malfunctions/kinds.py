@@ -83,6 +83,22 @@ _PLAIN: Dict[str, Tuple[Kind, ...]] = {
 """Kinds of each group but joints, which differ."""
 
 
+JOINT_KINDS = (WEAK, STUCK, LIMP)
+"""Of every joint; flippers can slip as well."""
+
+
+def names_of_kinds() -> Tuple[str, ...]:
+    """Names of all kinds, whatever they are of."""
+    plain = (kind for kinds in _PLAIN.values() for kind in kinds)
+    return tuple(dict.fromkeys(kind.name for kind in (*JOINT_KINDS, SLIPPING, *plain)))
+
+
+def text_of(group: str, kind: str) -> str:
+    """Words for a kind of a group; its name where it is not known."""
+    known = (*JOINT_KINDS, SLIPPING) if group == JOINT else _PLAIN.get(group, ())
+    return next((each.text for each in known if each.name == kind), kind)
+
+
 @dataclass(frozen=True)
 class Parts:
     """Names of what a robot has that can fail, beside its key and its battery.
@@ -119,7 +135,7 @@ class Parts:
     def possible(self) -> Iterator[Possible]:
         """Yield all that can fail, a part after the other."""
         for joint in self.joints:
-            for kind in (WEAK, STUCK, LIMP, *((SLIPPING,) if joint in self.flippers else ())):
+            for kind in (*JOINT_KINDS, *((SLIPPING,) if joint in self.flippers else ())):
                 yield Possible(joint, JOINT, kind)
         for group, names in self._groups():
             for name in names:

@@ -8,13 +8,13 @@ from typing import Any, Callable, Dict, List
 import rospy
 from sensor_msgs.msg import BatteryState
 from std_msgs.msg import Float64
-from telex_msgs.msg import ActiveMalfunction, PossibleMalfunction
-from telex_msgs.msg import Malfunctions as MalfunctionsMessage
+from telex_msgs.msg import Malfunctions
 from telex_msgs.srv import Malfunction, MalfunctionResponse
 
 from telex_control.common.params import ConfigError
 
 from ..malfunctions.malfunctions import Active
+from ..malfunctions.messages import malfunctions_message
 from ..robot.robot import Robot
 
 Change = Callable[[Callable[[], None]], None]
@@ -46,7 +46,7 @@ class MalfunctionService:
         self._params = f"{namespace}/cameras"
         self._equip(*self._equipment())
         self._active = rospy.Publisher(
-            f"{namespace}/sim/malfunctions", MalfunctionsMessage, queue_size=1, latch=True
+            f"{namespace}/sim/malfunctions", Malfunctions, queue_size=1, latch=True
         )
         self._battery = rospy.Publisher(f"{namespace}/battery", BatteryState, queue_size=1)
         self._service = rospy.Service(f"{namespace}/sim/malfunction", Malfunction, self._on_call)
@@ -108,28 +108,7 @@ class MalfunctionService:
         if malfunctions.changes == self._told:
             return
         self._told = malfunctions.changes
-        message = MalfunctionsMessage(
-            active=[
-                ActiveMalfunction(
-                    **{**each._asdict(), "since": rospy.Time.from_sec(each.since)},
-                )
-                for each in malfunctions.active
-            ],
-            possible=[
-                PossibleMalfunction(
-                    what=each.what,
-                    group=each.group,
-                    kind=each.kind.name,
-                    text=each.kind.text,
-                    unit=each.kind.unit,
-                    default_value=each.kind.default,
-                    least=each.kind.least,
-                    most=each.kind.most,
-                )
-                for each in malfunctions.possible()
-            ],
-            unpowered=list(malfunctions.unpowered),
-        )
+        message = malfunctions_message(malfunctions)
         message.header.stamp = self._now()
         self._active.publish(message)
 

@@ -1,0 +1,51 @@
+"""Parts that can fail of a robot that is only described: URDF and the shipped configuration."""
+
+from __future__ import annotations
+
+from typing import Any, Mapping, Tuple
+
+import yaml
+
+from telex_control.urdf.joints import parse_urdf
+from telex_control.urdf.transmission_parser import driven_and_watched
+
+from ..offline.simulation import package_file, shipped_config
+from .kinds import Parts
+
+
+def shipped_equipment() -> Tuple[Mapping[str, Any], Mapping[str, Any]]:
+    """Cameras and lamps of the shipped robot, by name, as the node ``cameras`` has them."""
+    made = []
+    for key in ("cameras", "lamps"):
+        path = package_file("telex_description", "config", f"{key}.yaml")
+        made.append(yaml.safe_load(path.read_text(encoding="utf-8"))[key])
+    return made[0], made[1]
+
+
+def described_parts(urdf: str) -> Parts:
+    """Name what can fail of the robot of a URDF, as `Malfunctions.parts` does of a real one.
+
+    Raises
+    ------
+    UrdfError
+    """
+    robot, config = parse_urdf(urdf), shipped_config()
+    driven = {each.joint for each in driven_and_watched(robot)[0]}
+    tracks = config.tracks
+    belts = [belt for belt in tracks.belts if belt in driven]
+    lifted = {robot.joint_map[belt].parent for belt in belts}
+    moved = tuple(name for name in robot.joint_map if name in driven and name not in tracks.belts)
+    fingers = [joint for finger in config.proximity.fingers for joint in finger]
+    cameras, lamps = (
+        tuple(name for name, each in sorted(given.items()) if each["frame"] in robot.link_map)
+        for given in shipped_equipment()
+    )
+    return Parts(
+        joints=moved,
+        flippers=tuple(name for name in moved if robot.joint_map[name].child in lifted),
+        belts=tuple(f"{name}_belt" for name in tracks.drives) if belts else (),
+        gripper=any(joint in driven for joint in fingers),
+        imus=tuple(config.hardware.imus),
+        lamps=lamps,
+        cameras=cameras,
+    )
