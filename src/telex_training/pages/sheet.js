@@ -101,6 +101,17 @@ function repetitionRow(repetition, index, ended) {
   ];
 }
 
+/** What failed, and how soon the operator did something else. @param {any} failure */
+function failureRow(failure) {
+  const after = (/** @type {number | null} */ seconds) => (seconds === null ? "–" : `after ${number(seconds, 2)} s`);
+  return [
+    element("td", `${failure.what} ${failure.kind}${failure.announced ? "" : " (silent)"}`),
+    element("td", after(failure.command)),
+    element("td", after(failure.e_stop)),
+    element("td", "", {}, [element("a", "watch", { href: replayAddress(Math.max(0, failure.time - LEAD)) })]),
+  ];
+}
+
 /** @param {any} sheet */
 function show(sheet) {
   const { exercise, verdict } = sheet;
@@ -118,6 +129,8 @@ function show(sheet) {
   const ends = sheet.events.filter((/** @type {any} */ each) => each.event === "repetition").map((/** @type {any} */ each) => each.time);
   const rows = sheet.repetitions.map((/** @type {any} */ each, /** @type {number} */ index) => repetitionRow(each, index, ends[index]));
   parts.push(table(["repetition", "seconds", "penalty", "result", ""], rows));
+  const failures = sheet.malfunctions ?? []; // sheets of older recordings have none
+  if (failures.length > 0) parts.push(table(["malfunction", "other command", "emergency stop", ""], failures.map(failureRow)));
   parts.push(element("p", `Trial ${sheet.trial}, software ${sheet.software}, log ${sheet.log.sha256.slice(0, 16)}, ${sheet.log.samples} samples, ${sheet.log.gaps} gaps, real-time factor ${number(sheet.real_time_factor.mean, 3)}`, { class: "about" }));
   const main = /** @type {HTMLElement} */ (document.getElementById("sheet"));
   main.replaceChildren(...parts);

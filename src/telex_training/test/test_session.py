@@ -5,11 +5,16 @@ from __future__ import annotations
 import json
 import threading
 import time
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from telex_msgs.msg import SimStatus
+import rospy
+from std_msgs.msg import Bool
+from telex_msgs.msg import ActiveMalfunction, Malfunctions, SimStatus
+from training_truth import Trial, serialized
+from waiting import wait_until
 
 from telex_sim.scene.robot_in_scene import robot_description
 from telex_training.exercises.exercise_file import ExerciseError, parse_exercise
@@ -47,6 +52,15 @@ class Simulator:
         self.status = SimStatus()
         self.problem = ""
         self.lines = []
+        self.failed = []
+
+    def can_fail(self, _failure):
+        return True
+
+    def fail(self, failure, on=True):
+        self.failed.append((failure.what, failure.kind, on))
+        if self.problem:
+            raise ApparatusError(self.problem)
 
     def load(self, _scene):
         if self.problem:
@@ -202,12 +216,113 @@ def test_it_is_started_once_and_not_again_after_its_end(session):
 def test_an_exercise_that_asks_for_what_the_robot_lacks_is_not_opened():
     text = DRILL.replace("{moved: {what: robot, distance: 1}}", "{held: {}}")
     holding = parse_exercise(text, Path("/exercises/drill.yaml")).first
-    training_node._require_robot(holding, robot_description("standard"))
+    training_node._require_robot(holding, robot_description("standard"), Simulator())
     probe = robot_description("standard", ["tool:=probe"])
     with pytest.raises(ExerciseError, match="held: it needs a gripper, which this robot lacks"):
-        training_node._require_robot(holding, probe)
+        training_node._require_robot(holding, probe, Simulator())
     with pytest.raises(ValueError, match="is no XML"):
-        training_node._require_robot(holding, "<robot")
+        training_node._require_robot(holding, "<robot", Simulator())
+
+
+BREAKING = (
+    DRILL
+    + """
+malfunctions:
+  - {when: {elapsed: 0.1}, what: left_belt, kind: thrown}
+  - {when: {elapsed: 0.2}, what: arm, kind: dark, value: 0.5, announced: true}
+"""
+)
+
+
+class Told:
+    """What a session tells: to operators, and when."""
+
+    def __init__(self):
+        self.events, self.states = [], 0
+
+    def changed(self):
+        self.states += 1
+
+    def happened(self, _trial, event):
+        self.events.append((event.event, event.name))
+
+
+@pytest.fixture
+def breaking(tmp_path, monkeypatch, simulator):
+    """A session of an exercise with malfunctions, what it tells, and what it hears."""
+    heard = []
+    monkeypatch.setattr(sessions, "rospy", Clock)
+    monkeypatch.setattr(
+        sessions, "Channels", lambda hear, _: heard.append(hear) or SimpleNamespace(close=int)
+    )
+    file = parse_exercise(BREAKING, Path("/exercises/drill.yaml"))
+    about, told = {"urdf": "", "cameras": {}, "meshes": {}}, Told()
+    opened = sessions.Session(
+        *(file, file.first, "practice", "ann", "test", tmp_path, about, simulator, []),
+        *(told.changed, told.happened, lambda *_: None),
+    )
+    opened.start()
+    wait(opened, "waiting")
+    trial = Trial(file.first)
+    trial.feed = lambda channel, kind, data: heard[0](channel, kind, data) or []
+    trial.resets = 1
+    trial.names()
+    yield opened, trial, told
+    opened.close("the test is over")
+
+
+def failures(*active):
+    return Malfunctions(
+        active=[
+            ActiveMalfunction(what, group, kind, 0.0, announced, rospy.Time(11))
+            for what, group, kind, announced in active
+        ]
+    )
+
+
+def test_what_fails_silently_is_told_to_nobody_before_the_end(breaking, simulator):
+    session, trial, told = breaking
+    trial.seconds(0.1)
+    trial.at(0.7)
+    trial.seconds(0.4)
+    wait_until(lambda: len(simulator.failed) == 2, "both to fail", 10.0)
+    assert sorted(simulator.failed) == [("arm", "dark", True), ("left_belt", "thrown", True)]
+    before = session.state()
+    told.events.clear()
+    states = told.states
+    thrown = ("left_belt", "belt", "thrown", False)
+    tell = partial(trial.feed, "sim/malfunctions", "telex_msgs/Malfunctions")
+    tell(serialized(failures(thrown)))
+    trial.feed("e_stop", "std_msgs/Bool", serialized(Bool(True)))
+    record = session._judge._malfunctions
+    wait_until(lambda: record.episodes and record.episodes[0].stopped, "the reaction", 10.0)
+    after = session.state()
+    assert {key for key in after if after[key] != before[key]} <= {"elapsed", "trial_elapsed"}
+    assert told.events == []
+    assert told.states == states
+
+    tell(serialized(failures(thrown, ("arm", "camera", "dark", True))))
+    wait_until(lambda: told.events, "the announced one", 10.0)
+    assert told.events == [("malfunction", "arm dark")]
+    assert session.state()["malfunctions"] == ["arm: its pictures are dark"]
+    session.abort("aborted")
+    sheet = ended(session)
+    assert [each["what"] for each in sheet["malfunctions"]] == ["left_belt", "arm"]
+    # What no reset has mended ends with the trial.
+    wait_until(lambda: len(simulator.failed) == 4, "the end of both", 10.0)
+    assert ("left_belt", "thrown", False) in simulator.failed
+
+
+def test_a_malfunction_that_is_refused_makes_the_trial_invalid(breaking, simulator):
+    session, trial, _ = breaking
+    simulator.problem = "what is 'left_belt'; there are: key"
+    trial.seconds(0.1)
+    trial.at(0.7)
+    trial.seconds(0.3)
+    wait_until(lambda: not session.state()["valid"], "the reason", 10.0)
+    assert session.state()["invalid_because"] == [
+        "a malfunction that could not be made from outside"
+    ]
 
 
 class Watched:

@@ -11,7 +11,13 @@ from typing import Iterator, List
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1] / "src" / "telex_training"
-ANYWHERE = ("telex_training", "telex_sim.scene", "telex_control.common", "telex_control.kinematics")
+ANYWHERE = (
+    "telex_training",
+    "telex_sim.scene",
+    "telex_sim.malfunctions",
+    "telex_control.common",
+    "telex_control.kinematics",
+)
 FURTHER = {
     "rehearsal": ("telex_sim.offline", "telex_sim.truth", "telex_sim.stability", "telex_teleop"),
     "replay": (

@@ -2,6 +2,7 @@
 /** Puts the console together. */
 
 import { AttitudeView, STABILITY } from "./attitude.js";
+import { BATTERY, BatteryView } from "./battery.js";
 import { Avatar } from "./avatar.js";
 import { Bridge } from "./bridge.js";
 import { onClick } from "./buttons.js";
@@ -95,6 +96,7 @@ class Console {
     this._hud = new Hud();
     this._drive = new FadingTexts();
     this._gripper = new Gripper();
+    this._battery = new BatteryView();
     this._clock = new MissionClock();
     this._avatar = new Avatar(
       /** @type {HTMLCanvasElement} */ (byId("avatar-side")), /** @type {HTMLCanvasElement} */ (byId("avatar-top")),
@@ -327,6 +329,7 @@ class Console {
       this._joints.set(states);
       this._panels.showJoints();
     }, JOINTS_PERIOD);
+    this._listen(BATTERY.topic, BATTERY.type, (message) => this._battery.set(message), DISPLAY_PERIOD);
     this._listen(CONTACT.topic, CONTACT.type, (message) => this._gripper.feel(message), DISPLAY_PERIOD);
     this._listen(ODOMETRY.topic, ODOMETRY.type, (odometry) => this._hud.setOdometry(odometry), ODOMETRY.period);
     this._listen(STABILITY.topic, STABILITY.type, (stability) => {

@@ -12,6 +12,7 @@ export const KINDS = /** @type {Record<string, {color: string, text: string, top
   contact: { color: "#f0a040", text: "contact", top: 0.45 },
   repetition: { color: "#6ea3d4", text: "repetition", top: 0 },
   stop: { color: "#e070d0", text: "stop", top: 0.3 },
+  malfunction: { color: "#d8c840", text: "malfunction", top: 0.2 },
   invalid: { color: "#ef5b52", text: "not valid", top: 0 },
   note: { color: "#ffffff", text: "note", top: 0.2 },
   other: { color: "#7b8894", text: "other", top: 0.7 },
@@ -25,6 +26,7 @@ const EVENTS = /** @type {Record<string, string>} */ ({
   begin: "the clock starts", step: "step done", fault: "fault", penalty: "penalty", contact: "touched", drop: "dropped", tipped: "tipped over",
   repetition: "repetition", e_stop: "emergency stop", stuck: "stuck", invalid: "not valid", note: "note", mark: "instructor's mark", answer: "answered",
   camera: "camera switched", mode: "mode switched", end: "end", released: "keys let go",
+  malfunction: "malfunction", mended: "works again", reaction: "reaction",
 });
 
 /** @param {Mark} mark */
@@ -32,7 +34,9 @@ export function sentence(mark) {
   const { event, name, detail } = mark;
   const text = event === "note" ? detail?.text ?? "" : name;
   const force = event === "contact" && typeof detail?.force === "number" ? `, ${Math.round(detail.force)} N` : "";
-  return `${EVENTS[event] ?? event}${text ? `: ${text}` : ""}${force}`;
+  const how = detail?.by === "e_stop" ? "emergency stop" : "other command";
+  const reaction = event === "reaction" && typeof detail?.seconds === "number" ? `, ${how} after ${detail.seconds.toFixed(2)} s` : "";
+  return `${EVENTS[event] ?? event}${text ? `: ${text}` : ""}${force}${reaction}`;
 }
 
 /** @param {number} seconds */

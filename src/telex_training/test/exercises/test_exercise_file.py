@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from telex_training.exercises.catalog import exercises, find_exercise
 from telex_training.exercises.exercise_file import ExerciseError, load_exercise, parse_exercise
-from telex_training.exercises.model import Link
+from telex_training.exercises.model import Failure, Link
 
 pytestmark = pytest.mark.slow
 
@@ -81,7 +81,7 @@ metrics:
 expert: {by: people, repetitions: 10}
 hints: [{on: wall, text: Slower.}]
 link: 300
-malfunctions: [{when: {elapsed: 5}, kind: frozen, camera: arm}]
+malfunctions: [{when: {elapsed: 5}, what: arm, kind: frozen, announced: true}]
 sources: [{object: capsule, nuclide: Co-60, activity: 3.7e13}]
 limits: {dose: {robot: 2}}
 history: {arm_camera: 40}
@@ -98,8 +98,9 @@ history: {arm_camera: 40}
     assert made.metrics[1].kind == "peak_force"
     assert made.hints[0].on == "wall"
     assert made.link == Link(fields={"delay": 0.3})
-    assert made.reserved.malfunctions[0].of == {"camera": "arm"}
-    assert made.reserved.given == ("malfunctions", "sources", "limits", "history")
+    assert made.malfunctions[0].failure == Failure("arm", "frozen", announced=True)
+    assert made.malfunctions[0].when.of.seconds == 5.0
+    assert made.reserved.given == ("sources", "limits", "history")
 
 
 @pytest.mark.parametrize(
@@ -107,6 +108,19 @@ history: {arm_camera: 40}
     [
         ("[1, 2]", "a struct with the key 'steps' is needed"),
         ("scene: floor", "steps is missing"),
+        (LEAST + "malfunctions: [{what: arm, kind: dark}]", "malfunctions[0]/when is missing"),
+        (
+            LEAST + "malfunctions: [{when: {elapsed: 1}, what: arm, kind: dim}]",
+            "malfunctions[0]: kind is 'dim'; weak, stuck, ",
+        ),
+        (
+            LEAST + "malfunctions: [{when: {elapsed: 1}, what: arm, kind: dark, value: .nan}]",
+            "malfunctions[0]/value is nan",
+        ),
+        (
+            LEAST + "malfunctions: [{when: {elapsed: 1}, camera: arm, kind: dark}]",
+            "malfunctions[0]/camera is unknown; known are announced, kind, value, what",
+        ),
         (LEAST + "goals: {}", "goals is unknown; known are"),
         (LEAST + "zone: {}", "zone is unknown; known are zones"),
         (LEAST.replace("scene: floor", ""), "scene is missing"),

@@ -30,6 +30,7 @@ const OPERATOR = "telex.operator"; // where the browser keeps whose name was typ
  * @property {boolean[]} steps_done
  * @property {string[]} faults
  * @property {{name: string, ask: string, choices: string[], answered: boolean}[]} questions
+ * @property {string[]} malfunctions announced ones
  * @property {string} hint
  * @property {string} message
  * @property {string} verdict

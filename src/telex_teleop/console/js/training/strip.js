@@ -81,6 +81,7 @@ export class TrainingStrip {
     setText(byId("training-limit"), state.trial_limit > 0 && state.phase !== "ready" ? `trial ${clockText(state.trial_limit - state.trial_elapsed)} left` : "");
     setText(byId("training-step"), stepText(state));
     setText(byId("training-faults"), state.faults.length === 0 ? "" : `! ${state.faults.join(", ")}`);
+    setText(byId("training-malfunctions"), state.malfunctions.join(" · "));
     setText(byId("training-hint"), noteOf(state));
     this._showButtons(state);
     this._showQuestions(state);
@@ -159,7 +160,8 @@ function build(strip) {
     part("span", "step"), part("span", "faults", "", "status"), element("span", "fill"), part("span", "limit", "num note"),
     button("brief", "brief"), button("start", "start"), button("again", "again"), button("give-up", "give up"), button("sheet", "score sheet"),
   );
-  strip.replaceChildren(line, part("div", "hint", "training-hint", "status"), part("div", "questions", "training-questions"));
+  const failing = part("div", "malfunctions", "training-malfunctions", "status");
+  strip.replaceChildren(line, failing, part("div", "hint", "training-hint", "status"), part("div", "questions", "training-questions"));
 }
 
 /** @param {State} state */

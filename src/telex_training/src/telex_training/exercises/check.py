@@ -10,6 +10,9 @@ from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Set
 import rospkg
 import yaml
 
+from telex_control.common.params import ConfigError
+from telex_sim.malfunctions.described import described_parts
+from telex_sim.malfunctions.kinds import Parts
 from telex_sim.scene.library import object_types
 from telex_sim.scene.model import Motion, Scene, SceneObject
 from telex_sim.scene.robot_in_scene import robot_description
@@ -314,6 +317,7 @@ def _check_robot(exercise: Exercise, urdfs: Dict[str, str]) -> Iterator[Finding]
         # The generator's own words, or those of who reads what it made.
         yield Finding("variant", str(error))
         return
+    yield from _malfunctions(exercise, urdfs[exercise.variant])
     for where, text in lacks:
         yield Finding(where, f"{text}, which the variant '{exercise.variant}' lacks")
     seeds = {exercise.seeds.of(mode) for mode in MODES} - {None}
@@ -324,6 +328,17 @@ def _check_robot(exercise: Exercise, urdfs: Dict[str, str]) -> Iterator[Finding]
     problem = _room({seed: text for text, seed in texts.items()}, exercise.variant)
     if problem:
         yield Finding("scene", problem)
+
+
+def _malfunctions(exercise: Exercise, urdf: str) -> Iterator[Finding]:
+    """Name malfunctions that the robot cannot have, and what is possible."""
+    parts = described_parts(urdf) if exercise.malfunctions else Parts()
+    for i, malfunction in enumerate(exercise.malfunctions):
+        failure = malfunction.failure
+        try:
+            parts.find(failure.what, failure.kind).kind.severity(failure.value)
+        except ConfigError as error:
+            yield Finding(f"malfunctions[{i}]", f"{error} (variant '{exercise.variant}')")
 
 
 def _room(texts: Dict[int, str], variant: str) -> str:

@@ -24,6 +24,7 @@ from .model import (
     Contacts,
     Exercise,
     Expert,
+    Failure,
     Fault,
     Hint,
     Link,
@@ -53,7 +54,7 @@ _DRAWN = "drawn"
 _LARGEST_SEED = 2**63 - 1
 _CONDITIONS = ("begin", "until", "when")
 _SCENE_CHANGES = ("floor", "lights", "start", "objects")
-_RESERVED = ("malfunctions", "sources", "limits", "history")
+_RESERVED = ("sources", "limits", "history")
 KEYS = (
     "name",
     "title",
@@ -80,6 +81,7 @@ KEYS = (
     "hints",
     "controls",
     "link",
+    "malfunctions",
     *_RESERVED,
 )
 """What an exercise file may have on its top level."""
@@ -275,6 +277,7 @@ def _exercise(
         expert=read_struct(Expert, struct_of(content, "expert"), "expert"),
         hints=_hints(content),
         controls=_controls(content),
+        malfunctions=_malfunctions(content),
         reserved=_reserved(content),
         link=_link(content),
     )
@@ -456,7 +459,6 @@ def _reserved(content: Mapping[str, Any]) -> Reserved:
             require(value >= 0.0, f"{key}/{name} is {value}; 0 or more (Gy) is needed")
     given_keys = tuple(key for key in _RESERVED if content.get(key))
     return Reserved(
-        tuple(_malfunction(x, f"malfunctions[{i}]") for i, x in _numbered(content)),
         structs_of(content, "sources", Source),
         doses,
         history,
@@ -464,24 +466,13 @@ def _reserved(content: Mapping[str, Any]) -> Reserved:
     )
 
 
-def _numbered(content: Mapping[str, Any]) -> List[Tuple[int, Any]]:
-    return list(enumerate(list_of(content, "malfunctions")))
-
-
-def _malfunction(given: Any, where: str) -> Malfunction:
-    require(isinstance(given, Mapping), f"{where} is {str(given)[:60]!r}; a struct is needed")
-    for key in ("when", "kind"):
-        require(key in given, f"{where}/{key} is missing")
-    rest = {key: value for key, value in given.items() if key not in ("when", "kind")}
-    for key, value in rest.items():
-        require(
-            isinstance(value, (str, bool, int, float)),
-            f"{where}/{key} is {str(value)[:60]!r}; a word or a number is needed",
-        )
-        if isinstance(value, float):
-            read_value(float, value, f"{where}/{key}")
-    return Malfunction(
-        read_condition(given["when"], f"{where}/when"),
-        read_value(str, given["kind"], f"{where}/kind"),
-        {str(key): value for key, value in rest.items()},
-    )
+def _malfunctions(content: Mapping[str, Any]) -> Tuple[Malfunction, ...]:
+    made = []
+    for i, given in enumerate(list_of(content, "malfunctions")):
+        where = f"malfunctions[{i}]"
+        require(isinstance(given, Mapping), f"{where} is {str(given)[:60]!r}; a struct is needed")
+        require("when" in given, f"{where}/when is missing")
+        when = read_condition(given["when"], f"{where}/when")
+        rest = {key: value for key, value in given.items() if key != "when"}
+        made.append(Malfunction(when, read_struct(Failure, rest, where)))
+    return tuple(made)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Dict, Iterator, Mapping, Optional, Tuple
 
 from telex_control.common.params import require, require_choice, require_range
+from telex_sim.malfunctions.kinds import names_of_kinds
 from telex_sim.scene.model import LARGEST, ORIGIN, Vector3, require_name
 
 from .conditions import Condition
@@ -380,12 +381,35 @@ class Source:
 
 
 @dataclass(frozen=True)
+class Failure:
+    """Something of the robot that fails.
+
+    Attributes
+    ----------
+    what, kind : str
+        As of telex_msgs/Malfunction.
+    value : float
+        Its severity in the kind's unit; 0: the default.
+    announced : bool
+        Whether the operator is told.
+    """
+
+    what: str
+    kind: str
+    value: float = 0.0
+    announced: bool = False
+
+    def __post_init__(self) -> None:
+        require_name(self.what, "what")
+        require_choice(self, "kind", names_of_kinds())
+
+
+@dataclass(frozen=True)
 class Malfunction:
-    """Something that fails when a condition holds. Not measured by this version."""
+    """A failure that begins once a condition holds, once in a repetition."""
 
     when: Condition
-    kind: str
-    of: Dict[str, Any] = field(default_factory=dict)
+    failure: Failure
 
 
 LINK_FIELDS = (
@@ -429,7 +453,6 @@ class Reserved:
 
     Attributes
     ----------
-    malfunctions : tuple of Malfunction
     sources : tuple of Source
     limits : dict of str to float
         Dose by part of the robot (Gy).
@@ -439,7 +462,6 @@ class Reserved:
         Those of these keys that the file has and that ask for something.
     """
 
-    malfunctions: Tuple[Malfunction, ...] = ()
     sources: Tuple[Source, ...] = ()
     limits: Dict[str, float] = field(default_factory=dict)
     history: Dict[str, float] = field(default_factory=dict)
@@ -492,6 +514,7 @@ class Exercise:
     expert: Expert
     hints: Tuple[Hint, ...]
     controls: Tuple[str, ...]
+    malfunctions: Tuple[Malfunction, ...]
     reserved: Reserved
     link: Optional[Link]
 
@@ -504,5 +527,5 @@ class Exercise:
             yield f"faults[{i}] ({fault.name})/when", fault.when
         for i, penalty in enumerate(self.penalties):
             yield f"penalties[{i}] ({penalty.name})/when", penalty.when
-        for i, malfunction in enumerate(self.reserved.malfunctions):
+        for i, malfunction in enumerate(self.malfunctions):
             yield f"malfunctions[{i}]/when", malfunction.when

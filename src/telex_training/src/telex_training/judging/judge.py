@@ -9,15 +9,17 @@ from dataclasses import dataclass, field
 from typing import Any, Callable, Dict, List, Optional
 
 from ..exercises.conditions import EVENTS
-from ..exercises.model import EXAM, MODES, PRACTICE, Exercise
+from ..exercises.model import EXAM, MODES, PRACTICE, Exercise, Failure
 from ..exercises.seeds import scene_of
 from . import sheet as sheets
 from .activity import COMMANDS, STATUSES, ActivityRecord
 from .conditions import Context
 from .entries import (
     CLIENTS,
+    E_STOP,
     INPUTS,
     LINK,
+    MALFUNCTIONS,
     NAMES,
     STATUS,
     TELEMETRY,
@@ -30,6 +32,7 @@ from .entries import (
     text_field,
 )
 from .handling import goal_zones
+from .malfunctions import MalfunctionRecord, Turn
 from .repetition import GIVEN_UP, Happening, Repetition
 from .truth import Names, World, read_sample
 from .validity import MOST_SLOW, Continuity, LinkRecord, Pace
@@ -57,12 +60,15 @@ class JudgeEvent:
         As in telex_msgs/TrainingEvent.
     detail : dict
         Plain data.
+    secret : bool
+        Whether the operator must not hear of it before the trial has ended.
     """
 
     time: float
     event: str
     name: str = ""
     detail: Dict[str, Any] = field(default_factory=dict)
+    secret: bool = False
 
 
 class Judge:
@@ -106,6 +112,7 @@ class Judge:
         self._pace = Pace()
         self._link = LinkRecord()
         self._activity = ActivityRecord()
+        self._malfunctions = MalfunctionRecord()
         self._header: Dict[str, Any] = {}
         self._repetition: Optional[Repetition] = None
         self._finished: List[Dict[str, Any]] = []
@@ -133,6 +140,8 @@ class Judge:
             LINK: self._take_link,
             TELEMETRY: self._take_telemetry,
             INPUTS: self._take_input,
+            MALFUNCTIONS: lambda entry: self._say_turns(self._malfunctions.hear(entry)),
+            E_STOP: lambda entry: self._say_turns(self._malfunctions.e_stop(entry)),
             **dict.fromkeys(COMMANDS, self._take_command),
             **dict.fromkeys(STATUSES, self._take_teleop_status),
         }
@@ -210,6 +219,7 @@ class Judge:
             return
         self._nameless = None
         self._world.take(sample)
+        self._say_turns(self._malfunctions.sample(sample.time))
         # Time in which the apparatus is put back does not count.
         counts = self.phase in (WAITING, RUNNING) and self._last is not None
         span = max(0.0, sample.time - (self._last or 0.0)) if counts else 0.0
@@ -295,6 +305,7 @@ class Judge:
     # What the operator does
 
     def _take_command(self, entry: Entry) -> None:
+        self._say_turns(self._malfunctions.command(entry))
         event = self._activity.command(entry)
         if event and self._repetition is not None and self.phase in (WAITING, RUNNING):
             self._repetition.count(event)
@@ -308,6 +319,17 @@ class Judge:
         event = self._activity.telemetry(entry)
         if event:
             self._say(event)
+
+    def _say_turns(self, turns: List[Turn]) -> None:
+        for event, episode, detail in turns:
+            self._say(event, episode.name, detail, secret=not episode.announced)
+
+    def take_due(self) -> List[Failure]:
+        """Return what shall fail now, once; who runs the trial makes it fail."""
+        if self._repetition is None:
+            return []
+        due, self._repetition.due = self._repetition.due, []
+        return due
 
     # The training's own inputs
 
@@ -478,8 +500,14 @@ class Judge:
             self._reasons.append(reason)
         self._say("invalid", reason, detail)
 
-    def _say(self, event: str, name: str = "", detail: Optional[Dict[str, Any]] = None) -> None:
-        made = JudgeEvent(self._time, event, name, sheets.rounded(detail or {}))
+    def _say(
+        self,
+        event: str,
+        name: str = "",
+        detail: Optional[Dict[str, Any]] = None,
+        secret: bool = False,
+    ) -> None:
+        made = JudgeEvent(self._time, event, name, sheets.rounded(detail or {}), secret)
         self._new.append(made)
         if len(self._events) < _MOST_EVENTS:
             self._events.append(made)
@@ -536,6 +564,7 @@ class Judge:
                 }
                 for question in exercise.questions
             ],
+            "malfunctions": self._malfunctions.announced(),
             "hint": self._hint,
             "message": self._message,
             "verdict": self.sheet()["verdict"] if self.phase == ENDED else "",
@@ -586,6 +615,7 @@ class Judge:
                     "repetitions": exercise.expert.repetitions,
                 },
                 "verdict": self._verdict(found, figures["completed"]),
+                "malfunctions": [each.sheet() for each in self._malfunctions.episodes],
                 "marks": self._marks,
                 "notes": self._notes,
                 "events": [

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Dict, FrozenSet, List, Optional, Tuple
 
 from ..exercises.metric_kinds import KINDS
-from ..exercises.model import Exercise, Metric
+from ..exercises.model import Exercise, Failure, Metric
 from .activity import ActivityRecord
 from .conditions import SLACK, Context, Evaluator
 from .contacts import APART, ContactRecord
@@ -66,6 +66,8 @@ class Repetition:
         Names of its penalties and its fault.
     answers : dict of str to str
         As they were given.
+    due : list of Failure
+        What shall fail now; who makes it fail takes it out.
     """
 
     def __init__(
@@ -95,6 +97,9 @@ class Repetition:
         self._steps = [Evaluator(step.until) for step in exercise.steps]
         self._faults = [Evaluator(fault.when) for fault in exercise.faults]
         self._penalties = [Evaluator(penalty.when) for penalty in exercise.penalties]
+        self._failing = [Evaluator(malfunction.when) for malfunction in exercise.malfunctions]
+        self._failed = [False] * len(exercise.malfunctions)
+        self.due: List[Failure] = []
         self._holding: List[Optional[float]] = [None] * len(exercise.penalties)
         self._penalty_count = 0
         heights = [metric.height for metric in exercise.metrics]
@@ -136,6 +141,7 @@ class Repetition:
         happened = self._measure(span, steps)
         for kind, _, _ in happened:
             self.count(kind)
+        self._let_fail()
         happened += self._penalise()
         fault = self._spoilt()
         if fault:
@@ -180,6 +186,15 @@ class Repetition:
             happened.append(("tipped", "", {}))
         self._activity.sample(time, span)
         return happened
+
+    def _let_fail(self) -> None:
+        for i, (malfunction, evaluator) in enumerate(
+            zip(self._exercise.malfunctions, self._failing)
+        ):
+            # Each keeps its own time, whether it is over or not.
+            if evaluator.holds(self._context) and not self._failed[i]:
+                self._failed[i] = True
+                self.due.append(malfunction.failure)
 
     def _penalise(self) -> List[Happening]:
         happened: List[Happening] = []

@@ -14,6 +14,8 @@ import yaml
 from std_msgs.msg import String
 from telex_msgs.msg import SimStatus
 
+from telex_sim.malfunctions.described import shipped_equipment
+from telex_sim.malfunctions.messages import malfunctions_message
 from telex_sim.offline.robot import OfflineRobot
 from telex_sim.offline.simulation import OfflineSimulation
 from telex_sim.scene.robot_in_scene import robot_description
@@ -21,10 +23,10 @@ from telex_sim.stability.monitor import StabilityMonitor
 from telex_sim.truth.messages import names_message, sample_message
 from telex_sim.truth.sampler import TruthSampler
 
-from ..exercises.model import PRACTICE, Exercise
+from ..exercises.model import PRACTICE, Exercise, Failure
 from ..exercises.questions import right_answers
 from ..exercises.seeds import scene_text
-from ..judging.entries import INPUTS, NAMES, STATUS, TRUTH, Entry
+from ..judging.entries import INPUTS, MALFUNCTIONS, NAMES, STATUS, TRUTH, Entry
 from ..judging.judge import ENDED, Judge
 from ..operators.experts.brief import Brief, Expert
 from ..operators.handling import Hand
@@ -107,6 +109,7 @@ class RehearsedTrial:
         offline = OfflineSimulation(urdf, world=str(path))
         self._simulation = offline.simulation
         robot = self._simulation.robots[0]
+        robot.malfunctions.equip(*shipped_equipment())
         self._sampler = TruthSampler(self._simulation, robot)
         self._monitor = StabilityMonitor(robot)
         self._stuck = False
@@ -194,6 +197,16 @@ class RehearsedTrial:
         entry = Entry(self._number, time, channel, message._type, data)
         self.entries.append(entry)
         self.judge.feed(entry)
+        for failure in self.judge.take_due():
+            self._fail(failure)
+
+    def _fail(self, failure: Failure) -> None:
+        """Let something of the robot fail, and tell the judge as the simulator would."""
+        malfunctions = self._simulation.robots[0].malfunctions
+        malfunctions.begin(
+            failure.what, failure.kind, failure.value, failure.announced, self._simulation.time
+        )
+        self._feed(MALFUNCTIONS, malfunctions_message(malfunctions))
 
     def close(self) -> None:
         """End the simulation."""

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import threading
-from typing import Any, Callable, Mapping, Optional
+from typing import Any, Callable, Mapping, Optional, Set, Tuple
 
 import rospy
 import yaml
 from std_srvs.srv import Empty
-from telex_msgs.msg import LinkState, SimStatus
-from telex_msgs.srv import ConfigureLink, Delete, LoadScene, Spawn
+from telex_msgs.msg import LinkState, Malfunctions, SimStatus
+from telex_msgs.srv import ConfigureLink, Delete, LoadScene, Malfunction, Spawn
 
-from ..exercises.model import LINK_FIELDS, Link
+from ..exercises.model import LINK_FIELDS, Failure, Link
 from .channels import hear_decoded
 
 _PATIENCE = 20.0
@@ -45,9 +45,11 @@ class Apparatus:
         self._news = threading.Condition()
         self._link: Optional[LinkState] = None
         self._link_before: Optional[LinkState] = None
+        self._possible: Set[Tuple[str, str]] = set()
         self._subscribers = [
             hear_decoded("sim/status", SimStatus, self._take),
             hear_decoded("link/state", LinkState, self._take_link),
+            hear_decoded("sim/malfunctions", Malfunctions, self._take_possible),
         ]
 
     @property
@@ -111,6 +113,34 @@ class Apparatus:
         if not answer.success:
             raise ApparatusError(f"link: {answer.message}")
 
+    def _take_possible(self, message: Malfunctions) -> None:
+        self._possible = {(each.what, each.kind) for each in message.possible}
+
+    def can_fail(self, failure: Failure) -> bool:
+        """Whether the robot has what shall fail, as far as the simulator has told."""
+        possible = self._possible
+        names = (failure.what, f"{failure.what}_joint")
+        return not possible or any((name, failure.kind) in possible for name in names)
+
+    def fail(self, failure: Failure, on: bool = True) -> None:
+        """Let something of the robot fail, or work again.
+
+        Raises
+        ------
+        ApparatusError
+        """
+        answer = self._call(
+            "sim/malfunction",
+            Malfunction,
+            what=failure.what,
+            kind=failure.kind,
+            value=failure.value,
+            on=on,
+            announced=failure.announced,
+        )
+        if not answer.success:
+            raise ApparatusError(answer.message)
+
     def load(self, scene: str) -> int:
         """Load a scene from its text; returns the simulator's number of resets after it.
 
@@ -165,7 +195,7 @@ class Apparatus:
             assert self._status is not None
             return int(self._status.resets)
 
-    def _call(self, service: str, kind: Any, **request: Any) -> Any:
+    def _call(self, service: str, kind: Any, /, **request: Any) -> Any:
         """Call a service; one that hangs is given up, so that nothing waits for it."""
         answers: list = []
 

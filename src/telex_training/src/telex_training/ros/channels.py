@@ -8,9 +8,8 @@ import genpy
 import rospy
 
 from ..judging.activity import COMMANDS, STATUSES
-from ..judging.entries import CLIENTS, LINK, NAMES, STATUS, TELEMETRY, TRUTH
+from ..judging.entries import CLIENTS, E_STOP, LINK, MALFUNCTIONS, NAMES, STATUS, TELEMETRY, TRUTH
 
-E_STOP = "e_stop"
 WATCHED: Dict[str, str] = {
     NAMES: "telex_msgs/TruthNames",
     TRUTH: "telex_msgs/TruthSample",
@@ -19,6 +18,7 @@ WATCHED: Dict[str, str] = {
     TELEMETRY: "std_msgs/String",
     LINK: "telex_msgs/LinkState",
     E_STOP: "std_msgs/Bool",
+    MALFUNCTIONS: "telex_msgs/Malfunctions",
     **COMMANDS,
     **STATUSES,
 }

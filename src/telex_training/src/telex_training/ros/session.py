@@ -19,7 +19,7 @@ import rospy
 from telex_msgs.msg import SimStatus
 
 from ..exercises.exercise_file import ExerciseFile
-from ..exercises.model import Exercise
+from ..exercises.model import Exercise, Failure
 from ..exercises.readings import draw
 from ..judging.entries import INPUTS, Entry
 from ..judging.judge import ENDED, PREPARING, READY, RUNNING, Judge, JudgeEvent
@@ -117,6 +117,7 @@ class Session:
         self._done = threading.Event()
         self._sheet = ""
         self._left = False
+        self._failures: List[Failure] = []
         stamp = datetime.now().strftime("%Y-%m-%d_%H%M%S")
         self.trial = free_name(folder, f"{stamp}_{safe_name(operator)}_{safe_name(exercise.name)}")
 
@@ -317,6 +318,7 @@ class Session:
             resets = self._apparatus.load(self._drawn.scene)
             self._loaded = True
             return resets
+        self._failures.clear()
         if self._drawn.entries:
             # What was read before must not be right again.
             self._drawn = draw(self.exercise, self._seed)
@@ -346,7 +348,10 @@ class Session:
         """Feed the judge; in the inbox's thread."""
         before = self._judge.phase
         with self._judging:
-            events = self._judge.feed(entry)
+            events = [each for each in self._judge.feed(entry) if not each.secret]
+            due = self._judge.take_due()
+        for failure in due:
+            threading.Thread(target=self._fail, args=(failure,), daemon=True).start()
         try:
             for event in events:
                 self._happened(self.trial, event)
@@ -358,6 +363,22 @@ class Session:
         if phase == ENDED and not self._closing:
             self._closing = True
             threading.Thread(target=self._close, name="sheet").start()
+
+    def _fail(self, failure: Failure) -> None:
+        """Let something of the robot fail, until the next repetition or the trial's end."""
+        self._failures.append(failure)
+        try:
+            self._apparatus.fail(failure)
+        except ApparatusError as error:
+            rospy.logerr("training: %s %s does not fail: %s", failure.what, failure.kind, error)
+            self._put({"input": "outside", "what": "a malfunction that could not be made"})
+
+    def _mend(self) -> None:
+        """Let work again what the exercise has let fail and no reset has mended."""
+        while self._failures:
+            # Most have ended already: that is no mistake.
+            with contextlib.suppress(ApparatusError):
+                self._apparatus.fail(self._failures.pop(), on=False)
 
     def _close(self) -> None:
         """Close the recording of a trial that has ended, and show its sheet."""
@@ -384,6 +405,7 @@ class Session:
             rospy.logerr("training: %s", self.message)
         self._ended(self.trial, self._sheet)
         self._changed()
+        self._mend()
 
     def _restore_line(self) -> None:
         """Give the line back as it was before the trial."""

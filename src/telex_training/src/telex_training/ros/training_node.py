@@ -186,7 +186,7 @@ class TrainingNode:
                 f"{file.path}: mode is '{mode}'; there are: {', '.join(exercise.modes)}"
             )
         about = about_robot()
-        _require_robot(exercise, about["urdf"])
+        _require_robot(exercise, about["urdf"], self._apparatus)
         with self._lock:
             self._refuse_second()
             if self._session is not None:
@@ -396,7 +396,7 @@ class TrainingNode:
         self.pages.close()
 
 
-def _require_robot(exercise: Exercise, urdf: str) -> None:
+def _require_robot(exercise: Exercise, urdf: str, apparatus: Apparatus) -> None:
     """Refuse an exercise that asks for what the robot lacks.
 
     Raises
@@ -408,6 +408,13 @@ def _require_robot(exercise: Exercise, urdf: str) -> None:
             f"{exercise.path}: {where}: {text}, which this robot lacks; the variant "
             f"'{exercise.variant}' is meant"
         )
+    for i, malfunction in enumerate(exercise.malfunctions):
+        failure = malfunction.failure
+        if not apparatus.can_fail(failure):
+            raise ExerciseError(
+                f"{exercise.path}: malfunctions[{i}]: {failure.what} {failure.kind}: nothing of "
+                "this robot fails so"
+            )
 
 
 def _note_input(request: Any) -> Dict[str, Any]:

@@ -1,0 +1,21 @@
+// @ts-check
+/** What the header says of the battery. */
+
+import "./browser.js";
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { chargeText, runtime } from "../../console/js/battery.js";
+
+test("the runtime is that of the present current", () => {
+  assert.equal(runtime(10, 5), 120);
+  assert.equal(runtime(10, 0), null);
+  assert.equal(runtime(10, null), null);
+  assert.equal(runtime(NaN, 5), null);
+});
+
+test("charge and runtime are never said to be more than they are", () => {
+  assert.equal(chargeText(1, 400.9), "100 % · 6 h 40 min");
+  assert.equal(chargeText(0.129, 12.9), "12 % · 12 min");
+  assert.equal(chargeText(0.5, null), "50 %");
+  assert.equal(chargeText(0, null), "EMPTY");
+});
