@@ -102,6 +102,7 @@ class Rosbridge:
             self._roster.run(),
             self._node_watch.run(),
             self._link.run(),
+            self.shared.stuck_key.run(),
             self._prepare_e_stop(),
         )
         tasks = [asyncio.ensure_future(work) for work in works]

@@ -23,6 +23,7 @@ from .topics.commands import CommandGate
 from .topics.goals import AllGoals
 from .topics.publish import Publications
 from .topics.shared_topics import LINGER, Publishers, Subscribers
+from .topics.stuck_key import StuckKey
 from .topics.subscribe import Subscriptions
 
 
@@ -56,6 +57,7 @@ class Shared:
         self.publishers = Publishers(ros, self.worker, linger)
         self.subscribers = Subscribers(ros, self.worker)
         self.goals = AllGoals(self.publishers, self.subscribers, ros)
+        self.stuck_key = StuckKey(ros, self.worker, config.e_stop_topic)
         self.control = Control()
         self.access = {
             instructor: Access(
@@ -114,6 +116,7 @@ class ClientSession:
             ros=ros,
             publishers=shared.publishers,
             goals=shared.goals,
+            stuck_key=shared.stuck_key,
         )
         self._subscriptions = Subscriptions(
             self._client, config=config, ros=ros, subscribers=shared.subscribers

@@ -25,6 +25,7 @@ from .commands import (
 )
 from .goals import AllGoals, ClientGoals
 from .shared_topics import Publishers, SharedPublisher
+from .stuck_key import StuckKey
 
 DEFAULT_QUEUE_SIZE = 100
 """Messages that a publisher keeps for a slow subscriber, as in rosbridge."""
@@ -60,6 +61,8 @@ class Publication:
         Where publishers come from.
     goals
         Those of all clients.
+    stuck_key
+        Hides stops, where a key is stuck.
     ros
         For the present time.
 
@@ -82,6 +85,7 @@ class Publication:
         gate: CommandGate,
         publishers: Publishers,
         goals: AllGoals,
+        stuck_key: StuckKey,
         ros: Ros,
     ) -> None:
         self.topic = topic
@@ -93,6 +97,7 @@ class Publication:
         self._gate = gate
         self._publishers = publishers
         self._all_goals = goals
+        self._stuck_key = stuck_key
         self._ros = ros
         self._publisher: Optional[SharedPublisher] = None
         self._asked_type = type_name
@@ -188,6 +193,8 @@ class Publication:
             if self._goals is not None:
                 self._goals.note(message)
             self._last = publisher
+            if self._stuck_key.swallows(self, message):
+                return
             publisher.publish(message)
         except CommandUncertainError as error:
             # Not in the words of a refusal, on which clients let go of what is held.
@@ -204,11 +211,23 @@ class Publication:
     def stop(self) -> None:
         """End the motion that the client commands on this topic, and forget what waits."""
         self._held.clear()
+        self._stuck_key.leave(self)
+        self.end_motion()
+        if self._goals is not None:
+            self._finish(self._goals.cancel)
+
+    def end_motion(self) -> None:
+        """Publish the stop of what was commanded last, if that moves anything."""
         stop, self._stop = self._stop, None
         if stop is not None and self._last is not None:
             self._finish(functools.partial(self._last.publish, stop))
-        if self._goals is not None:
-            self._finish(self._goals.cancel)
+
+    def repeat(self, message: genpy.Message) -> None:
+        """Publish a message once more, as if it came now."""
+        if hasattr(message, "header"):
+            message.header.stamp = self._ros.now()
+        if self._last is not None:
+            self._last.publish(message)
 
     def _finish(self, publish: Callable[[], None]) -> None:
         try:
@@ -248,6 +267,8 @@ class Publications:
         Where publishers come from.
     goals
         Those of all clients.
+    stuck_key
+        Hides stops, where a key is stuck.
     """
 
     def __init__(
@@ -259,6 +280,7 @@ class Publications:
         ros: Ros,
         publishers: Publishers,
         goals: AllGoals,
+        stuck_key: StuckKey,
     ) -> None:
         self._client = client
         self._gate = gate
@@ -266,6 +288,7 @@ class Publications:
         self._ros = ros
         self._publishers = publishers
         self._goals = goals
+        self._stuck_key = stuck_key
         self._publications: Dict[str, Publication] = {}
 
     def advertise(self, operation: Operation) -> None:
@@ -349,6 +372,7 @@ class Publications:
             gate=self._gate,
             publishers=self._publishers,
             goals=self._goals,
+            stuck_key=self._stuck_key,
             ros=self._ros,
         )
 
