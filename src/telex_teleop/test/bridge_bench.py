@@ -48,13 +48,15 @@ class Bench:
     As a plain rosbridge, unless a test is about who may do what: rights, by sections.
     """
 
-    def __init__(self, rights=None, **config):
+    def __init__(self, rights=None, *, exam_rights=None, proven=True, **config):
         params = {"connect_timeout": 0.2, "plain": rights is None, **config}
         self.config = read_config(RosbridgeConfig, params, "~")
         self.ros = FakeRos()
         self.clients = 0
         lists = read_struct(Rights, rights) if rights else Rights.read(self.config.rights)
-        self.shared = Shared(self.config, self.ros, lists, linger=0.05)
+        self.shared = Shared(
+            self.config, self.ros, lists, exam_rights=exam_rights, proven=proven, linger=0.05
+        )
         self.worker, self.control = self.shared.worker, self.shared.control
         self.publishers, self.subscribers = self.shared.publishers, self.shared.subscribers
 

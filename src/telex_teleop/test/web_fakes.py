@@ -43,7 +43,8 @@ ROSTER = "/telex/bridge/clients"
 """What the bridge itself publishes; kept apart from what its clients do."""
 MISSING_NODES = "/telex/bridge/missing_nodes"
 LINK_STATE, LINK_CONFIGURE = "/telex/link/state", "/telex/link/configure"
-OWN_TOPICS = (ROSTER, MISSING_NODES, LINK_STATE, "/telex/e_stop")
+EXAM = "/telex/bridge/exam"
+OWN_TOPICS = (ROSTER, MISSING_NODES, LINK_STATE, EXAM, "/telex/e_stop")
 
 
 class FakePublisher:
@@ -58,6 +59,8 @@ class FakePublisher:
             self.ros.missing.append(message.names)
         elif self.topic == LINK_STATE:
             self.ros.links.append(message)
+        elif self.topic == EXAM:
+            self.ros.exams.append(message.data)
         else:
             self.ros.published.append((self.topic, message))
 
@@ -78,6 +81,7 @@ class FakeRos:
         self.rosters = []
         self.missing = []
         self.links = []
+        self.exams = []
         self.events = []
         self.receivers = {}
         self.services_offered = {}

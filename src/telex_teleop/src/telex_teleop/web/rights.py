@@ -1,20 +1,19 @@
-"""The lists of rights of `config/bridge_rights.yaml`."""
+"""The lists of rights of `config/bridge_rights.yaml` and `config/exam_rights.yaml`."""
 
 from __future__ import annotations
 
-import os
 import re
 from dataclasses import dataclass, field, replace
-from typing import Tuple
-
-import rospkg
+from typing import Iterable, List, Pattern, Tuple, TypeVar
 
 from telex_control.common.params import require
 
-from ..files import read_file
+from ..files import read_file, shipped_file
 
 _PATTERN = re.compile(r"!?[A-Za-z0-9_/*]+")
 _NAME = re.compile(r"[A-Za-z0-9_/]+")
+
+Lists = TypeVar("Lists", bound="UseLists")
 
 
 @dataclass(frozen=True)
@@ -36,6 +35,25 @@ class UseLists:
                     f"{use} holds {pattern!r}; a pattern is a ROS name, in which * stands for any "
                     "text, after a ! if it takes away",
                 )
+
+    def hiding(self: Lists, cameras: object) -> Lists:
+        """Return these lists without some cameras, of whatever robot.
+
+        Parameters
+        ----------
+        cameras
+            Their names, as the video server's parameter holds them; what is no name hides nothing.
+        """
+        listed = cameras if isinstance(cameras, (list, tuple)) else ()
+        names = [name for name in listed if isinstance(name, str) and _NAME.fullmatch(name)]
+        topics = tuple(f"!/*cameras/{name}/*" for name in names)
+        settings = tuple(f"!/*cameras/{name}{end}" for name in names for end in ("", "/*"))
+        return replace(
+            self,
+            publish=self.publish + topics,
+            subscribe=self.subscribe + topics,
+            get=self.get + settings,
+        )
 
 
 @dataclass(frozen=True)
@@ -66,10 +84,7 @@ class Rights:
         telex_control.common.params.ConfigError
             It cannot be read or is wrong.
         """
-        shipped = os.path.join(
-            rospkg.RosPack().get_path("telex_teleop"), "config", "bridge_rights.yaml"
-        )
-        return read_file(cls, path or shipped)
+        return read_file(cls, path or shipped_file("bridge_rights.yaml"))
 
     def hiding(self, cameras: object) -> Rights:
         """Return these rights without some cameras for operators, of whatever robot.
@@ -79,14 +94,59 @@ class Rights:
         cameras
             Their names, as the video server's parameter holds them; what is no name hides nothing.
         """
-        listed = cameras if isinstance(cameras, (list, tuple)) else ()
-        names = [name for name in listed if isinstance(name, str) and _NAME.fullmatch(name)]
-        topics = tuple(f"!/*cameras/{name}/*" for name in names)
-        settings = tuple(f"!/*cameras/{name}{end}" for name in names for end in ("", "/*"))
-        operator = replace(
-            self.operator,
-            publish=self.operator.publish + topics,
-            subscribe=self.operator.subscribe + topics,
-            get=self.operator.get + settings,
-        )
-        return replace(self, operator=operator)
+        return replace(self, operator=self.operator.hiding(cameras))
+
+
+@dataclass(frozen=True)
+class ExamRights(UseLists):
+    """What is left to those without the instructor's token while an exam runs.
+
+    Attributes
+    ----------
+    pages
+        Addresses of the video server that other processes answer.
+    """
+
+    pages: Tuple[str, ...] = ()
+
+    @classmethod
+    def read(cls, path: str = "") -> ExamRights:
+        """Read a file; an empty path stands for the shipped one.
+
+        Raises
+        ------
+        telex_control.common.params.ConfigError
+            It cannot be read or is wrong.
+        """
+        return read_file(cls, path or shipped_file("exam_rights.yaml"))
+
+
+class NamePatterns:
+    """A list of patterns of ROS names; of those that fit a name the last one decides.
+
+    `*` stands for any text, slashes included; a pattern that begins with `!` takes away what others
+    give. A pattern without a slash at its beginning is meant inside the namespace.
+
+    Parameters
+    ----------
+    patterns
+        The list.
+    namespace
+        Global name with a slash at its end.
+    """
+
+    def __init__(self, patterns: Iterable[str], namespace: str) -> None:
+        self._rules: List[Tuple[Pattern[str], bool]] = []
+        for pattern in patterns:
+            taken = pattern.startswith("!")
+            name = pattern[1:] if taken else pattern
+            full = name if name.startswith("/") else namespace + name
+            expression = ".*".join(re.escape(part) for part in full.split("*"))
+            self._rules.append((re.compile(expression, re.DOTALL), not taken))
+
+    def match(self, name: str) -> bool:
+        """Tell whether the list holds a global name."""
+        for pattern, given in reversed(self._rules):
+            if pattern.fullmatch(name):
+                return given
+        return False

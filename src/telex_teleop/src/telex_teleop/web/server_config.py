@@ -20,7 +20,7 @@ Config = TypeVar("Config")
 STREAM_TYPES = ("mjpeg", "ros_compressed", "png")
 """Types of streams that the video server offers."""
 
-OWN_PARAMETERS = ("url", "mounts")
+OWN_PARAMETERS = ("url", "mounts", "exam")
 """Private parameters that change while a server runs: what it sets for others to read, and what
 others set for it."""
 
@@ -117,6 +117,7 @@ class RosbridgeConfig:
     token_file: str = ""
     instructor_token_file: str = ""
     rights: str = ""
+    exam_rights: str = ""
     plain: bool = False
     e_stop_topic: str = "e_stop"
     max_command_age: float = 0.15

@@ -13,12 +13,13 @@ from aiohttp import WSCloseCode, WSMsgType, web
 from ..freshness import Backlog
 from ..line.profiles import Profiles
 from ..origins import origin_allowed
-from ..rights import Rights
+from ..rights import ExamRights, Rights
 from ..server_config import RosbridgeConfig
 from ..tokens import ForbiddenError, Tokens, client_name, is_instructor
 from ..websockets import new_websocket, take_leave, upgrade_required
 from .clients.control import Member
 from .clients.outbox import Outbox
+from .exam_watch import ExamWatch
 from .link.downlink import Downlink
 from .link.link_service import LinkService, Memory, initial_setting
 from .ros import Ros
@@ -63,8 +64,15 @@ class Rosbridge:
         self._config = config
         self._warn = warn
         self._tokens = tokens
-        rights = Rights.read(config.rights).hiding(_hidden_cameras(ros))
-        self.shared = Shared(config, ros, rights)
+        hidden = _hidden_cameras(ros)
+        self.shared = Shared(
+            config,
+            ros,
+            Rights.read(config.rights).hiding(hidden),
+            exam_rights=ExamRights.read(config.exam_rights).hiding(hidden),
+            proven=bool(tokens.instructor),
+        )
+        self._exam_watch = ExamWatch(self.shared, warn)
         self._roster = Roster(self.shared.control, self.shared.publishers, ros)
         self._node_watch = NodeWatch(ros, self.shared.publishers)
         profiles = Profiles.read(config.link_profiles)
@@ -97,8 +105,9 @@ class Rosbridge:
         return app
 
     async def _keep_publishing(self, _app: web.Application) -> AsyncIterator[None]:
-        """Tell who is connected and missing, and what the line is; hold the e-stop ready."""
+        """Tell who is connected and missing, of exams and the line; hold the e-stop ready."""
         works = (
+            self._exam_watch.run(),
             self._roster.run(),
             self._node_watch.run(),
             self._link.run(),

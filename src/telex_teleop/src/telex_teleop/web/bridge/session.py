@@ -6,8 +6,9 @@ import functools
 from random import Random
 from typing import Callable, Dict, Optional
 
+from ..exam import Exam
 from ..line.line import Line
-from ..rights import Rights
+from ..rights import ExamRights, Rights
 from ..server_config import RosbridgeConfig
 from ..uplink import Sent, Uplink
 from ..workers import OrderedWorker
@@ -38,6 +39,11 @@ class Shared:
         ROS.
     rights
         What clients may do.
+    exam_rights
+        What clients may do while an exam runs.
+    proven
+        Whether instructors have shown the token of theirs; otherwise an exam's list holds for
+        them, too.
     linger
         Time (s) that a publisher outlives its last client.
 
@@ -48,7 +54,14 @@ class Shared:
     """
 
     def __init__(
-        self, config: RosbridgeConfig, ros: Ros, rights: Rights, linger: float = LINGER
+        self,
+        config: RosbridgeConfig,
+        ros: Ros,
+        rights: Rights,
+        *,
+        exam_rights: Optional[ExamRights] = None,
+        proven: bool = False,
+        linger: float = LINGER,
     ) -> None:
         self.config = config
         self.ros = ros
@@ -59,6 +72,8 @@ class Shared:
         self.goals = AllGoals(self.publishers, self.subscribers, ros)
         self.stuck_key = StuckKey(ros, self.worker, config.e_stop_topic)
         self.control = Control()
+        self.exam = Exam(exam_rights or ExamRights(), ros.resolve("x")[: -len("x")])
+        self.exam.changed = self._review
         self.access = {
             instructor: Access(
                 rights,
@@ -66,13 +81,24 @@ class Shared:
                 config.e_stop_topic,
                 instructor=instructor,
                 plain=config.plain,
+                exam=None if instructor and proven else self.exam,
             )
             for instructor in (False, True)
         }
-        own_services = ControlServices(self.control, ros.resolve)
+        own_services = ControlServices(self.control, ros.resolve, self.end_exam if proven else None)
         self.services = Services(
             ros, self.worker, own_services, self.access, config.service_timeout
         )
+
+    def _review(self) -> None:
+        for member in self.control.members:
+            member.review()
+
+    def end_exam(self) -> bool:
+        """End the list of the exam that runs; tell whether one did."""
+        ran = bool(self.exam.trial)
+        self.exam.set("")
+        return ran
 
 
 class ClientSession:
@@ -147,6 +173,7 @@ class ClientSession:
         }
         member.stop = self._publications.stop
         member.call_back = self._uplink.call_back
+        member.review = self._review
         control.join(member)
 
     def receive(self, text: str) -> None:
@@ -218,6 +245,15 @@ class ClientSession:
 
     def _set_level(self, operation: Operation) -> None:
         self.set_level(operation.text("level"))
+
+    def _review(self) -> None:
+        """End what the client may not use any more, and say so."""
+        for closed in (
+            *self._publications.review(),
+            *self._subscriptions.review(),
+            *self._advertised.review(),
+        ):
+            self.report(closed)
 
     def close(self) -> None:
         """End when all that the client has sent has arrived, its end being the last of it."""

@@ -2,43 +2,11 @@
 
 from __future__ import annotations
 
-import re
-from typing import Callable, Dict, Iterable, List, Pattern, Tuple
+from typing import Callable, Dict, Optional
 
-from ...rights import Rights, UseLists
+from ...exam import BRIDGE_TOPIC, TRAINING_TOPIC, Exam
+from ...rights import NamePatterns, Rights, UseLists
 from ..protocol.operations import OperationError
-
-
-class NamePatterns:
-    """A list of patterns of ROS names; of those that fit a name the last one decides.
-
-    `*` stands for any text, slashes included; a pattern that begins with `!` takes away what others
-    give. A pattern without a slash at its beginning is meant inside the namespace.
-
-    Parameters
-    ----------
-    patterns
-        The list.
-    namespace
-        Global name with a slash at its end.
-    """
-
-    def __init__(self, patterns: Iterable[str], namespace: str) -> None:
-        self._rules: List[Tuple[Pattern[str], bool]] = []
-        for pattern in patterns:
-            taken = pattern.startswith("!")
-            name = pattern[1:] if taken else pattern
-            full = name if name.startswith("/") else namespace + name
-            expression = ".*".join(re.escape(part) for part in full.split("*"))
-            self._rules.append((re.compile(expression, re.DOTALL), not taken))
-
-    def match(self, name: str) -> bool:
-        """Tell whether the list holds a global name."""
-        for pattern, given in reversed(self._rules):
-            if pattern.fullmatch(name):
-                return given
-        return False
-
 
 _Uses = Dict[str, NamePatterns]
 
@@ -64,6 +32,9 @@ class Access:
         Whether it is for instructors.
     plain
         Whether every client may use what an instructor may.
+    exam
+        The exam whose list holds for them while it runs; None for those with the instructor's
+        token.
     """
 
     def __init__(
@@ -74,6 +45,7 @@ class Access:
         *,
         instructor: bool,
         plain: bool = False,
+        exam: Optional[Exam] = None,
     ) -> None:
         self._namespace = resolve("x")[: -len("x")]
         self._instructor = instructor
@@ -84,11 +56,17 @@ class Access:
         without_control = rights.without_control if instructor else UseLists()
         self._without_control = _uses(without_control, self._namespace)
         self.e_stop_topic = resolve(e_stop_topic)
+        self._exam = exam
+        self._told_of_exams = (resolve(TRAINING_TOPIC), resolve(BRIDGE_TOPIC))
 
     def allows(self, use: str, name: str) -> bool:
         """Tell whether the client may use a name in this way."""
         if use == "publish" and name == self.e_stop_topic:
             return True  # whatever the lists say: an emergency stop is everybody's
+        if use in ("publish", "serve") and name in self._told_of_exams:
+            return False  # whatever the lists say: nobody may lift an exam's list in this way
+        if self._exam is not None and not self._exam.allows(use, name):
+            return False
         return self._own[use].match(name) and not self._would_replace_all(use, name)
 
     def _would_replace_all(self, use: str, name: str) -> bool:
@@ -99,6 +77,8 @@ class Access:
         """Raise OperationError unless the client may use a name in this way."""
         if self.allows(use, name):
             return
+        if self._exam is not None and not self._exam.allows(use, name):
+            raise OperationError(self._exam.refusal(use, name))
         if self._would_replace_all(use, name):
             raise OperationError(f"{name} holds all parameters of the robot; name a single one")
         if self._instructors[use].match(name):
@@ -110,6 +90,14 @@ class Access:
             f"{name[:200]} is not open to clients ('{use}' in the file that the bridge's parameter "
             "~rights names)"
         )
+
+    def check_question(self, name: str) -> None:
+        """Raise OperationError unless the client may ask rosapi this now.
+
+        What is asked of rosapi is open to all, but for an exam's list.
+        """
+        if self._exam is not None and not self._exam.allows("call", name):
+            raise OperationError(self._exam.refusal("call", name))
 
     def is_command(self, use: str, name: str) -> bool:
         """Tell whether this commands the robot."""

@@ -40,6 +40,8 @@ class Member:
         Ends all motion that it commands.
     call_back
         Loses its commands under way, with the reason.
+    review
+        Ends what it may not use any more.
     """
 
     id: str
@@ -50,6 +52,7 @@ class Member:
     dropped: int = 0
     stop: Callable[[], None] = lambda: None
     call_back: Callable[[str], None] = lambda reason: None
+    review: Callable[[], None] = lambda: None
 
     @property
     def shown(self) -> str:
@@ -177,16 +180,26 @@ class ControlServices:
         Who holds control.
     resolve
         Gives a name its global form.
+    end_exam
+        Ends the list of an exam and tells whether one ran; None where nobody can be known for an
+        instructor.
     """
 
-    def __init__(self, control: Control, resolve: Callable[[str], str]) -> None:
+    def __init__(
+        self,
+        control: Control,
+        resolve: Callable[[str], str],
+        end_exam: Optional[Callable[[], bool]] = None,
+    ) -> None:
         self._control = control
+        self._end = end_exam
         self._resolve = resolve
         offered: Dict[str, Tuple[str, Tuple[str, ...], _Answer]] = {
             "take_control": (_TRIGGER, (), self._take),
             "release_control": (_TRIGGER, (), self._release),
             "who_am_i": (_TRIGGER, (), lambda member, _: _done(member.id)),
             "hand_over": ("telex_msgs/HandOver", ("client",), self._hand_over),
+            "end_exam": (_TRIGGER, (), self._end_exam),
             "set_name": ("telex_msgs/SetName", ("name",), self._set_name),
             "time": ("telex_msgs/GetWallTime", (), lambda *_: self._time()),
         }
@@ -222,6 +235,11 @@ class ControlServices:
     def _hand_over(self, member: Member, arguments: Arguments) -> Dict[str, Any]:
         self._control.hand_over(member, _text(arguments, "client"))
         return _done()
+
+    def _end_exam(self, member: Member, _: Arguments) -> Dict[str, Any]:
+        if not member.instructor or self._end is None:
+            raise ControlError("only an instructor, by the token, can end an exam's list")
+        return _done() if self._end() else {"success": False, "message": "no exam's list holds"}
 
     def _set_name(self, member: Member, arguments: Arguments) -> Dict[str, Any]:
         self._control.rename(member, _text(arguments, "name"))

@@ -6,10 +6,11 @@ import asyncio
 import concurrent.futures
 import functools
 import itertools
-from typing import Any, Callable, Dict, Iterator, Optional, Set
+from typing import Any, Callable, Dict, Iterator, List, Optional, Set
 
 import genpy
 
+from ...exam import Exam
 from ...server_config import RosbridgeConfig
 from ...workers import OrderedWorker
 from ..clients.client import Client
@@ -271,6 +272,13 @@ class AdvertisedServices:
         if service is None:
             raise OperationError(f"{name} has not been advertised")
         self._withdraw(name, service)
+
+    def review(self) -> List[str]:
+        """Withdraw what the client may not offer any more; returns a sentence for each."""
+        ended = [name for name in self._services if not self._client.access.allows("serve", name)]
+        for name in ended:
+            self._withdraw(name, self._services.pop(name))
+        return [f"unadvertised: {Exam.refusal('serve', name)}" for name in ended]
 
     def respond(self, operation: Operation) -> None:
         """Take the answer to a call."""

@@ -109,6 +109,7 @@ class RosApi:
         name = service[1:] if service.startswith("/") else service
         if not name.startswith(_PREFIX):
             return None
+        self._access.check_question(f"/{name}")
         question = self._questions.get(name[len(_PREFIX) :])
         if question is None:
             known = ", ".join(self._questions)

@@ -5,10 +5,11 @@ from __future__ import annotations
 import asyncio
 import collections
 import functools
-from typing import Callable, Deque, Dict, Optional, Set
+from typing import Callable, Deque, Dict, List, Optional, Set
 
 import genpy
 
+from ...exam import Exam
 from ...server_config import RosbridgeConfig
 from ..clients.client import Client
 from ..protocol.operations import Id, Operation, OperationError
@@ -352,6 +353,17 @@ class Publications:
         """Stop all that the client drives."""
         for publication in self._publications.values():
             publication.stop()
+
+    def review(self) -> List[str]:
+        """End what the client may not publish any more; returns a sentence for each."""
+        ended = [
+            topic
+            for topic in self._publications
+            if not self._client.access.allows("publish", topic)
+        ]
+        for topic in ended:
+            self._publications.pop(topic).close()
+        return [f"unadvertised: {Exam.refusal('publish', topic)}" for topic in ended]
 
     def close(self) -> None:
         """End: stop what the client drove, give back what it used."""

@@ -6,8 +6,9 @@ import asyncio
 import dataclasses
 import functools
 import math
-from typing import Callable, Dict, Optional
+from typing import Callable, Dict, List, Optional
 
+from ...exam import Exam
 from ...server_config import RosbridgeConfig
 from ..clients.client import Client
 from ..protocol.compression import COMPRESSIONS, Encoded, TopicMessage
@@ -50,6 +51,8 @@ class Subscription:
 
     Attributes
     ----------
+    topic
+        Global name of the topic.
     opening
         The task that opens it.
     """
@@ -64,7 +67,7 @@ class Subscription:
         send: Send,
     ) -> None:
         self.opening: Optional[asyncio.Task[None]] = None
-        self._topic = topic
+        self.topic = topic
         self._asked_type = type_name
         self._spelled = spelled
         self._subscribers = subscribers
@@ -115,7 +118,7 @@ class Subscription:
         OperationError
             The type does not fit the topic, is unknown, or is missing.
         """
-        self._subscriber = await self._subscribers.join(self._topic, self._asked_type, self)
+        self._subscriber = await self._subscribers.join(self.topic, self._asked_type, self)
 
     def deliver(self, message: TopicMessage) -> None:
         """Send a message now, or when it is due."""
@@ -140,7 +143,7 @@ class Subscription:
         if self._timer is not None:
             self._timer.cancel()
         if self._subscriber is not None:
-            self._subscribers.leave(self._topic, self._subscriber, self)
+            self._subscribers.leave(self.topic, self._subscriber, self)
             self._subscriber = None
 
     def _throttle(self) -> float:
@@ -219,6 +222,17 @@ class Subscriptions:
         subscription.remove(operation.id)
         if operation.id is None or not subscription.wanted:
             self._subscriptions.pop(spelled).close()
+
+    def review(self) -> List[str]:
+        """End what the client may not hear any more; returns a sentence for each."""
+        ended = [
+            (spelled, subscription.topic)
+            for spelled, subscription in self._subscriptions.items()
+            if not self._client.access.allows("subscribe", subscription.topic)
+        ]
+        for spelled, _ in ended:
+            self._subscriptions.pop(spelled).close()
+        return [f"unsubscribed: {Exam.refusal('subscribe', topic)}" for _, topic in ended]
 
     def close(self) -> None:
         """End all subscriptions."""
