@@ -276,7 +276,7 @@ async def test_the_list_holds_from_the_training_nodes_word_until_its_next():
     async with served(
         bridge(ros, warnings).make_app(), "ws"
     ) as url, aiohttp.ClientSession() as http:
-        await wait_until_async(lambda: "/telex/training/exam" in ros.receivers)
+        await wait_until_async(lambda: "/telex/training/exam" in ros.receivers and ros.exams)
         assert ros.exams == [""]
         say(TRIAL)
         await wait_until_async(lambda: ros.exams == ["", TRIAL])

@@ -9,6 +9,7 @@ from aiohttp import web
 
 from telex_control.common.params import ConfigError
 
+from ..exam import PARAMETER, Exam
 from ..origins import origin_allowed
 from ..server_config import VideoServerConfig
 from ..token_files import read_token
@@ -38,6 +39,8 @@ class Gate:
         The node's namespace, with slashes around it.
     ask
         Returns a parameter's value, or None if it is not set.
+    exam
+        What operators may see while an exam runs.
 
     Raises
     ------
@@ -50,8 +53,11 @@ class Gate:
         config: VideoServerConfig,
         namespace: str,
         ask: Callable[[str], Awaitable[object]],
+        exam: Exam,
     ) -> None:
         self._config = config
+        self._exam = exam
+        self._heard_of_exams = False
         self._hidden = config.hidden_cameras
         self._ask = ask
         self._is_local = is_loopback(config.address)
@@ -71,7 +77,22 @@ class Gate:
         changes = request.method not in ("GET", "HEAD")
         if changes and not tokens.client and not origin_allowed(request):
             raise ForbiddenError(403, "This page's origin may not change anything here.")
-        return is_instructor(request, tokens)
+        await self._learn_of_exam()
+        # Without a token whoever says so is an instructor, which is not enough during an exam.
+        return is_instructor(request, tokens) and (bool(tokens.instructor) or not self._exam.trial)
+
+    def hear_of_exam(self, trial: str) -> None:
+        """Hear from the bridge for which trial the exam's list holds; empty: for none."""
+        self._heard_of_exams = True
+        self._exam.set(trial)
+
+    async def _learn_of_exam(self) -> None:
+        """Ask for the exam that began before this server, until the bridge's topic is heard."""
+        if self._heard_of_exams:
+            return
+        trial = await self._ask(f"{self._config.rosbridge}/{PARAMETER}")
+        if not self._heard_of_exams:
+            self._exam.set(trial)
 
     async def _tokens(self) -> Tokens:
         client = self._own.client or await self._of_bridge(CLIENT_FILE)
@@ -103,6 +124,8 @@ class Gate:
 
     def require_visible(self, topic: str, *, instructor: bool) -> None:
         """Raise a ForbiddenError if a topic is of a camera that the client may not see."""
+        if not instructor and not self._exam.allows("subscribe", topic):
+            raise ForbiddenError(403, f"{self._exam.refusal('subscribe', topic)}.")
         camera = None if instructor else self._hidden_camera(topic)
         if camera is not None:
             raise ForbiddenError(
@@ -113,7 +136,15 @@ class Gate:
 
     def visible(self, topics: Iterable[str], *, instructor: bool) -> List[str]:
         """Return those topics that the client may see."""
-        return [topic for topic in topics if instructor or not self._hidden_camera(topic)]
+        return [topic for topic in topics if instructor or self._is_open(topic)]
+
+    def require_page(self, path: str, *, instructor: bool) -> None:
+        """Raise a ForbiddenError if an address of another process is closed to the client now."""
+        if not instructor and not self._exam.allows("pages", path):
+            raise ForbiddenError(403, f"{self._exam.refusal('pages', path)}.")
+
+    def _is_open(self, topic: str) -> bool:
+        return not self._hidden_camera(topic) and self._exam.allows("subscribe", topic)
 
     def _hidden_camera(self, topic: str) -> Optional[str]:
         """Return the hidden camera to which a topic belongs, of whatever robot of the master."""

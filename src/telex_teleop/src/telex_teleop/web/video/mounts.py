@@ -120,6 +120,7 @@ class Mounts:
         # What is open to all asks nobody who he is; a handler is always told.
         if mount.access != ALL or (file is None and mount.handler):
             instructor = await self._admit(request, name, mount)
+            self._gate.require_page(request.path, instructor=instructor)
             if file is None and mount.handler:
                 return await self._handlers.answer(request, mount.handler, instructor=instructor)
         if file is None:

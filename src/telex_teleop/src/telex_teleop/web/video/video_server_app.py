@@ -21,8 +21,10 @@ from urllib.parse import urlsplit, urlunsplit
 
 from aiohttp import web
 
+from ..exam import Exam
 from ..line.line import Line
 from ..maps import add_maps
+from ..rights import ExamRights
 from ..server_config import VideoServerConfig
 from ..tokens import INSTRUCTOR, ForbiddenError
 from ..workers import OrderedWorker
@@ -121,7 +123,10 @@ class VideoServer:
             on_unusable=self._report_unusable,
             on_failure=lambda topic, error: warn(f"cannot subscribe to {topic}: {error}"),
         )
-        self._gate = Gate(config, namespace, self._parameter)
+        self.exam = Exam(_exam_rights(config, graph), namespace)
+        self.exam.changed = self._review
+        self._gate = Gate(config, namespace, self._parameter, self.exam)
+        self._streams: Dict[StreamViewer, str] = {}  # of operators, and their topics
         self._handlers = Handlers(config.max_upload, config.handler_timeout, warn)
         self._mounts = Mounts(self._gate, self._handlers, self._parameter, warn)
         self.sockets = VideoSockets(
@@ -131,7 +136,19 @@ class VideoServer:
             lambda: self._ask(self._graph.topics),
             line=self.line,
             sim_time=graph.sim_time,
+            exam=self.exam,
         )
+
+    def hear_of_exam(self, trial: str) -> None:
+        """Hear from the bridge for which trial the exam's list holds; empty: for none."""
+        self._gate.hear_of_exam(trial)
+
+    def _review(self) -> None:
+        """End what operators watch, and may not see any more."""
+        for viewer, topic in tuple(self._streams.items()):
+            if not self.exam.allows("subscribe", topic):
+                viewer.close()
+        self.sockets.review()
 
     def make_app(self) -> web.Application:
         """Return the application with all routes."""
@@ -175,11 +192,14 @@ class VideoServer:
         held = self._hold(instructor)
         watching = viewer if held is None else held.before(viewer)
         self.hubs.join(topic, watching, wish.variant)
+        if not instructor:
+            self._streams[viewer] = topic.name
         try:
             # The server cancels a handler when its connection is lost: the only way out of here.
             while True:
                 await self._repeat(viewer)
         finally:
+            self._streams.pop(viewer, None)
             self.hubs.leave(topic, watching, wish.variant)
             if held is not None:
                 held.close()
@@ -206,6 +226,7 @@ class VideoServer:
         if held is not None:
             limit += self.line.fields.delay
         picture = await self._next_picture(topic, wish, client_of(request), held, limit)
+        self._gate.require_visible(topic.name, instructor=instructor)  # an exam may have begun
         if picture is None:
             return _page(
                 pages.error_page(504, f"No picture came on {topic.name} within {limit:g} s."), 504
@@ -291,7 +312,7 @@ class VideoServer:
     async def _find(
         self, request: web.Request, wish: query.PictureQuery
     ) -> Tuple[PictureTopic, bool]:
-        """Return the topic that a request asks for, and whether it is an instructor's."""
+        """Return the topic that a client asks for, and whether it is an instructor."""
         instructor = await self._gate.admit(request)
         topic = await self._ask(lambda: self._graph.find(wish.topic, raw=wish.raw))
         if topic is None:
@@ -348,6 +369,12 @@ class VideoServer:
         yield
         for task in tasks:
             task.cancel()
+
+
+def _exam_rights(config: VideoServerConfig, graph: Graph) -> ExamRights:
+    """Read the exam's list that the bridge's parameter names."""
+    path = graph.parameter(f"{config.rosbridge}/exam_rights")
+    return ExamRights.read(path if isinstance(path, str) else "").hiding(config.hidden_cameras)
 
 
 class _NoSuchTopicError(LookupError):

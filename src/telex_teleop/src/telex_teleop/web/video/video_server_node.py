@@ -10,10 +10,12 @@ from typing import Callable
 import rospkg
 import rospy
 from aiohttp import web
+from std_msgs.msg import String
 from telex_msgs.msg import LinkState
 
 from telex_control.common.params import ConfigError
 
+from ..exam import BRIDGE_TOPIC
 from ..line.fields import LineFields
 from ..server_config import VideoServerConfig
 from ..serving import run_node
@@ -32,6 +34,7 @@ def _make_app(config: VideoServerConfig) -> web.Application:
 
     server = VideoServer(config, RosPictureSource(), rospy.get_namespace(), console, warn)
     _follow_link(server, warn)
+    _follow_exam(server)
     return server.make_app()
 
 
@@ -49,6 +52,17 @@ def _follow_link(server: VideoServer, warn: Callable[[str], None]) -> None:
             loop.call_soon_threadsafe(server.line.configure, fields, state.since.to_sec())
 
     rospy.Subscriber("link/state", LinkState, take, queue_size=10)
+
+
+def _follow_exam(server: VideoServer) -> None:
+    """Let the exam's list hold as the bridge's node tells."""
+    loop = asyncio.get_running_loop()
+    rospy.Subscriber(
+        BRIDGE_TOPIC,
+        String,
+        lambda message: loop.call_soon_threadsafe(server.hear_of_exam, message.data),
+        queue_size=10,
+    )
 
 
 def main() -> int:

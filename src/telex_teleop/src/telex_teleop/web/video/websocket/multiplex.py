@@ -11,6 +11,7 @@ from typing import Any, Callable, Dict, Hashable, List, Optional, Set
 
 from aiohttp import WSCloseCode, WSMessage, WSMsgType, web
 
+from ...exam import Exam
 from ...freshness import Backlog
 from ...line.line import Line
 from ...uplink import Sent, Uplink
@@ -90,6 +91,8 @@ class VideoClient:
         What passes between it and the server; None: nothing, as for instructors.
     sim_time
         The line's clock (s).
+    exam
+        The exam whose list holds for the client while it runs; None: there is none.
     """
 
     def __init__(
@@ -105,6 +108,7 @@ class VideoClient:
         preview_rate: float,
         line: Optional[Line],
         sim_time: Callable[[], float],
+        exam: Optional[Exam] = None,
     ) -> None:
         self._websocket = websocket
         self._transport = transport
@@ -113,6 +117,7 @@ class VideoClient:
         self._hubs = hubs
         self._max_size = max_size
         self._preview_rate = preview_rate
+        self._exam = exam
         self._backlog = Backlog(transport, send_buffer)
         self._uplink = Uplink(line, sim_time)
         self._held = None if line is None else HeldPictures(line, sim_time)
@@ -150,6 +155,20 @@ class VideoClient:
             self._told = described
             await self._say(version=VERSION, cameras=described)
         self._watch()
+
+    def review(self) -> None:
+        """End what the client may not see any more, and begin with what it may see again."""
+        self._watch()
+
+    def _find(self, name: str) -> Optional[Camera]:
+        """Return a camera that the client may see now."""
+        camera = self._cameras.find(name)
+        hidden = (
+            camera is not None
+            and self._exam is not None
+            and not self._exam.allows("subscribe", camera.topic)
+        )
+        return None if hidden else camera
 
     async def dismiss(self) -> None:
         """Close the connection because the server ends."""
@@ -214,7 +233,7 @@ class VideoClient:
 
     def _show(self, show: Show) -> None:
         for view in show.views:
-            if self._cameras.find(view.camera) is None:
+            if self._find(view.camera) is None:
                 known = ", ".join(self._cameras.names) or "none yet"
                 raise ProtocolError(
                     f"there is no camera {json.dumps(view.camera[:40])}; known are {known}"
@@ -231,13 +250,13 @@ class VideoClient:
         outdated = {
             name: self._feeds.pop(name)
             for name, feed in tuple(self._feeds.items())
-            if wanted.get(name) != feed.view or self._cameras.find(name) != feed.camera
+            if wanted.get(name) != feed.view or self._find(name) != feed.camera
         }
         # One by one, so that old and new views together take no more room than there is.
         for name in outdated.keys() - wanted.keys():
             self._leave(outdated.pop(name))
         for view in self._views:
-            camera = self._cameras.find(view.camera)
+            camera = self._find(view.camera)
             if camera is not None and view.camera not in self._feeds:
                 small_enough = view.suits_preview(self._preview_rate)
                 preview = camera.preview if small_enough else None

@@ -8,6 +8,7 @@ from typing import Awaitable, Callable, Dict, Set
 
 from aiohttp import web
 
+from ...exam import Exam
 from ...line.line import Line
 from ...server_config import VideoServerConfig
 from ...websockets import new_websocket, take_leave, upgrade_required
@@ -41,6 +42,8 @@ class VideoSockets:
         What passes between the robot and clients that are no instructors.
     sim_time
         Its clock (s).
+    exam
+        What operators may see while an exam runs.
     """
 
     def __init__(
@@ -52,7 +55,9 @@ class VideoSockets:
         *,
         line: Line,
         sim_time: Callable[[], float],
+        exam: Exam,
     ) -> None:
+        self._exam = exam
         self._config = config
         self._hubs = hubs
         self._topics = topics
@@ -85,6 +90,7 @@ class VideoSockets:
             preview_rate=self._config.preview_rate,
             line=None if instructor else self._line,
             sim_time=self._sim_time,
+            exam=None if instructor else self._exam,
         )
         self._clients.add(client)
         try:
@@ -102,6 +108,11 @@ class VideoSockets:
                 for client in tuple(self._clients):
                     with contextlib.suppress(ConnectionError):
                         await client.cameras_changed()
+
+    def review(self) -> None:
+        """End what operators may not see any more."""
+        for client in self._clients:
+            client.review()
 
     async def dismiss(self) -> None:
         """Close all connections."""
