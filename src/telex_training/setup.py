@@ -22,6 +22,7 @@ setup(
             "telex_training.rehearsal",
             "telex_training.replay",
             "telex_training.ros",
+            "telex_training.ros.exam",
             "telex_training.ros.pages",
             "telex_training.ros.replay",
         ],

@@ -89,10 +89,11 @@ def session(new_session):
 
 @pytest.fixture
 def new_session(tmp_path, monkeypatch, simulator):
+    """Opens a drill, by its text, in a mode."""
     opened = []
 
-    def make(text):
-        opened.append(session_of(text, tmp_path, simulator))
+    def make(text, mode="practice"):
+        opened.append(session_of(text, mode, tmp_path, simulator))
         return opened[-1]
 
     monkeypatch.setattr(sessions, "rospy", Clock)
@@ -102,12 +103,12 @@ def new_session(tmp_path, monkeypatch, simulator):
         session.close("the test is over")
 
 
-def session_of(text, folder, simulator):
+def session_of(text, mode, folder, simulator):
     file = parse_exercise(text, Path("/exercises/drill.yaml"))
     about = {"urdf": "", "cameras": {}, "meshes": {}}
     events = (lambda: None, lambda *_: None, lambda *_: None)
     return sessions.Session(
-        file, file.first, "practice", "ann", "test", folder, about, simulator, [], *events
+        file, file.first, mode, "ann", "test", folder, about, simulator, [], *events
     )
 
 
@@ -152,6 +153,24 @@ def test_an_exercise_without_a_line_leaves_it_to_the_instructor(session, simulat
     session.start()
     wait(session, "waiting")
     assert simulator.lines == []
+
+
+def test_the_seed_of_an_exam_is_drawn_at_its_start(new_session, monkeypatch):
+    drawn = iter((17, 4711))
+    monkeypatch.setattr(sessions.secrets, "randbelow", lambda _: next(drawn))
+    session = new_session(DRILL, "exam")
+    session.start()
+    assert "seed" not in session.state()
+    wait(session, "waiting")
+    assert "4711" not in json.dumps(session.state())
+    assert not session.closed
+    session.outside("the exam's list ended")
+    session.abort("aborted")
+    sheet = ended(session)
+    assert session.closed
+    assert sheet["exercise"]["seed"] == 4711
+    assert sheet["mode"] == "exam"
+    assert sheet["invalid_because"] == ["the exam's list ended from outside"]
 
 
 def test_a_robot_that_lies_at_the_start_ends_the_trial(session, simulator):

@@ -103,10 +103,7 @@ class Session:
         self._apparatus = apparatus
         self._recorded = recorded
         self._changed, self._happened, self._ended = changed, happened, ended
-        seed = exercise.seeds.of(mode)
-        self._seed = secrets.randbelow(_MOST_SEED) if seed is None else seed
-        self._drawn = draw(exercise, self._seed)
-        self._judge = Judge(exercise, self._drawn.scene, str(about["urdf"]))
+        self._draw()
         self._judging = threading.Lock()
         self._writer: Optional[RecordingWriter] = None
         self._inbox: Optional[Inbox] = None
@@ -120,6 +117,13 @@ class Session:
         self._failures: List[Failure] = []
         stamp = datetime.now().strftime("%Y-%m-%d_%H%M%S")
         self.trial = free_name(folder, f"{stamp}_{safe_name(operator)}_{safe_name(exercise.name)}")
+
+    def _draw(self) -> None:
+        """Make the scene, of a seed that is drawn where the exercise gives none."""
+        seed = self.exercise.seeds.of(self.mode)
+        self._seed = secrets.randbelow(_MOST_SEED) if seed is None else seed
+        self._drawn = draw(self.exercise, self._seed)
+        self._judge = Judge(self.exercise, self._drawn.scene, str(self._about["urdf"]))
 
     # --- what is asked for -----------------------------------------------------------------------
 
@@ -162,6 +166,10 @@ class Session:
         """
         if self.phase != READY:
             raise SessionError(f"the trial is {self.phase}; it can be started once")
+        if self.exercise.seeds.of(self.mode) is None:
+            # Anew, so that nothing that anybody has learnt of the trial so far is of its seed.
+            with self._judging:
+                self._draw()
         try:
             check_room(self._folder)
             self._open_recording()
@@ -274,11 +282,20 @@ class Session:
         writer = self._writer
         if writer is not None and writer.problem and not self.message:
             self.message = f"the recording is broken off: {writer.problem}"
-            self._put({"input": "outside", "what": self.message})
+            self.outside(self.message)
             self._changed()
 
+    def outside(self, what: str) -> None:
+        """Note that somebody has interfered, which makes the trial invalid."""
+        self._put({"input": "outside", "what": what})
+
     def _reconfigured(self, what: str) -> None:
-        self._put({"input": "outside", "what": f"other {what}"})
+        self.outside(f"other {what}")
+
+    @property
+    def closed(self) -> bool:
+        """Whether its recording is complete."""
+        return self._done.is_set()
 
     @property
     def begun(self) -> bool:

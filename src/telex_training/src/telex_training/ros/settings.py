@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Tuple
 
-from telex_control.common.params import require_choice, require_range
+from telex_control.common.params import require_choice, require_range, require_text
 
 from ..exercises.model import MODES
 from ..recording.trial_file import FOLDER
@@ -30,6 +30,8 @@ class TrainingSettings:
         Topics that are recorded beside commands, states and truth.
     port : int
         Of the pages' handler, on 127.0.0.1; 0: any free one.
+    bridge : str
+        Node that holds an exam's list.
     video_server : str
         Node at which the pages are mounted; empty: nowhere.
     retention : float
@@ -45,6 +47,7 @@ class TrainingSettings:
     away: float = 30.0
     recorded: Tuple[str, ...] = ()
     port: int = 0
+    bridge: str = "rosbridge"
     video_server: str = "video_server"
     retention: float = 0.0
 
@@ -52,5 +55,6 @@ class TrainingSettings:
         require_choice(self, "mode", MODES)
         require_range(self, "state_rate", 0.1, 50.0)
         require_range(self, "away", 0.0, 3600.0)
+        require_text(self, "bridge")
         require_range(self, "port", 0, 65535)
         require_range(self, "retention", 0.0, 36500.0)

@@ -38,9 +38,9 @@ from telex_control.ros.node_start import init_node
 
 from ..exercises.catalog import exercises, find_exercise, known_exercise
 from ..exercises.exercise_file import ExerciseError, load_exercise
-from ..exercises.model import PRACTICE, Exercise
+from ..exercises.model import EXAM, PRACTICE, Exercise
 from ..exercises.robot_needs import lacking
-from ..judging.judge import ENDED, IDLE, JudgeEvent
+from ..judging.judge import ENDED, IDLE, READY, JudgeEvent
 from ..judging.workload import INPUT as TLX
 from ..judging.workload import workload_of
 from ..progress.index import ProgressIndex, ProgressIndexError
@@ -49,6 +49,7 @@ from ..recording.trial_file import SUFFIX, amend
 from ..recording.writer import RecordingError
 from .apparatus import Apparatus
 from .channels import hear_decoded
+from .exam.exam_list import ExamList, ExamListError
 from .library import Library
 from .pages.brief_pages import OpenTrial
 from .pages.training_pages import Pages
@@ -87,6 +88,7 @@ class TrainingNode:
         self._state = rospy.Publisher("training/state", TrainingState, queue_size=4, latch=True)
         self._events = rospy.Publisher("training/events", TrainingEvent, queue_size=100)
         self._sheet = rospy.Publisher("training/sheet", TrainingSheet, queue_size=4, latch=True)
+        self._exam = ExamList(settings.bridge, self._on_list_lifted)
         self._apparatus = Apparatus(self._on_status)
         self._clients = hear_decoded("bridge/clients", BridgeClients, self._on_clients)
         self.pages = Pages(self._library, self._folder, settings.port, self._rate)
@@ -94,7 +96,7 @@ class TrainingNode:
         self._services = [
             rospy.Service("training/list", ListExercises, self._on_list),
             rospy.Service("training/open", OpenExercise, self._on_open),
-            rospy.Service("training/start", Trigger, lambda _: self._trigger(Session.start)),
+            rospy.Service("training/start", Trigger, lambda _: self._trigger(self._start)),
             rospy.Service("training/again", Trigger, lambda _: self._trigger(Session.again)),
             rospy.Service("training/abort", Trigger, self._on_abort),
             rospy.Service("training/answer", AnswerQuestion, self._on_answer),
@@ -236,6 +238,38 @@ class TrainingNode:
         self._had_holder = bool(self._holder)
         self._wanted.set()
         return TriggerResponse(success=True, message="")
+
+    def _start(self, session: Session) -> None:
+        """Start a trial; of an exam, once the list holds.
+
+        Raises
+        ------
+        SessionError
+        """
+        if session.mode != EXAM or session.phase != READY:
+            session.start()
+            return
+        try:
+            self._exam.take(session.trial)
+        except ExamListError as error:
+            raise SessionError(str(error)) from error
+        try:
+            session.start()
+        except SessionError:
+            self._exam.release()
+            raise
+
+    def _on_list_lifted(self) -> None:
+        session = self._session
+        if session is not None and session.begun and session.mode == EXAM:
+            session.outside("the exam's list ended")
+
+    def _end_list(self) -> None:
+        """Let an exam's list end with its trial, once that is recorded to its end."""
+        session = self._session
+        of = self._exam.trial
+        if of and (session is None or session.trial != of or session.closed):
+            self._exam.release()
 
     def _open_session(self) -> Session:
         if self._session is None:
@@ -381,6 +415,7 @@ class TrainingNode:
             changed = self._wanted.wait(0.05)
             now = rospy.get_time()
             self._look_who_is_there()
+            self._end_list()
             session = self._session
             running = session is not None and session.begun and session.phase != ENDED
             due = running and abs(now - told_at) >= 1.0 / self._settings.state_rate

@@ -1,0 +1,97 @@
+"""The list that holds during an exam, as the training node asks the bridge for it."""
+
+from __future__ import annotations
+
+import threading
+from types import SimpleNamespace
+
+import pytest
+from std_msgs.msg import String
+from waiting import wait_until
+
+from telex_training.ros.exam import exam_list
+from telex_training.ros.exam.exam_list import ExamList, ExamListError
+
+
+class Bridge:
+    """Plays rospy and, while it is there, the bridge."""
+
+    def __init__(self):
+        self.params = {"rosbridge/instructor_token_file": "/teacher.token"}
+        self.there = True
+        self.say = None
+        self.said = []
+        self.Publisher, self.Subscriber = self.publisher, self.subscriber
+
+    def get_param(self, name, default):
+        return self.params.get(name, default)
+
+    def resolve_name(self, name):
+        return f"/telex/{name}"
+
+    def publisher(self, topic, kind, queue_size, latch):
+        assert (topic, kind, latch) == ("training/exam", String, True)
+        return SimpleNamespace(publish=self.hear)
+
+    def subscriber(self, topic, kind, callback, **_):
+        assert (topic, kind) == ("bridge/exam", String)
+        self.say = callback
+
+    def hear(self, message):
+        self.said.append(message.data)
+        if self.there and self.say is not None:
+            # As from the thread of a connection: whoever publishes may hold a lock.
+            threading.Thread(target=self.say, args=(message,)).start()
+
+
+@pytest.fixture
+def bridge(monkeypatch):
+    played = Bridge()
+    monkeypatch.setattr(exam_list, "rospy", played)
+    return played
+
+
+@pytest.fixture
+def lifted():
+    return []
+
+
+@pytest.fixture
+def listed(bridge, lifted):
+    return ExamList("rosbridge", lambda: lifted.append(True), within=5.0)
+
+
+def test_without_a_token_it_says_what_to_do(bridge, listed):
+    bridge.params.clear()
+    with pytest.raises(ExamListError, match=r"run\.sh instructor_token_file:=~/teacher\.token"):
+        listed.take("t1")
+    assert bridge.said == [""]
+
+
+def test_it_holds_until_it_is_let_go(bridge, listed, lifted):
+    assert bridge.said == [""]  # of a node that comes anew
+    listed.take("t1")
+    assert listed.trial == "t1"
+    listed.release()
+    assert listed.trial == ""
+    assert bridge.said == ["", "t1", ""]
+    wait_until(lambda: listed._held == "")
+    assert lifted == []
+
+
+def test_a_bridge_that_does_not_answer_makes_no_exam(bridge, lifted):
+    bridge.there = False
+    listed = ExamList("rosbridge", lambda: lifted.append(True), within=0.05)
+    with pytest.raises(ExamListError, match=r"within 0\.05 s; is it running \(/telex/rosbridge\)"):
+        listed.take("t1")
+    assert bridge.said == ["", "t1", ""]
+    assert lifted == []
+
+
+def test_who_ends_it_is_noticed_once_and_a_bridge_that_starts_anew_is_none(bridge, listed, lifted):
+    listed.take("t1")
+    bridge.say(String("t1"))
+    assert lifted == []
+    bridge.say(String(""))
+    bridge.say(String(""))
+    assert lifted == [True]
