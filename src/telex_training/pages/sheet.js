@@ -135,6 +135,7 @@ function show(sheet) {
   const main = /** @type {HTMLElement} */ (document.getElementById("sheet"));
   main.replaceChildren(...parts);
   main.setAttribute("aria-busy", "false");
+  if (sheet.mode === "exam") showSignature(main);
   // The workload is the operator's own, and nobody else's to rate.
   if (GIVEN.get("role") !== "instructor") showWorkload(main, sheet.mode === "exam");
 }
@@ -145,6 +146,15 @@ async function showWorkload(main, isAsked) {
   if (part === null) return;
   if (isAsked) main.querySelector(".buttons")?.before(part);
   else main.append(part);
+}
+
+/** Say what the signature of an exam is worth: without a valid one it is none. @param {HTMLElement} main */
+async function showSignature(main) {
+  const reply = await fetch(address("signature"), { cache: "no-store" });
+  const found = reply.ok ? String(await reply.json()) : "it cannot be checked";
+  const valid = found.startsWith("valid");
+  const text = valid ? `Signature: ${found}` : `No exam, for its signature is not valid: ${found}`;
+  main.querySelector(".about")?.after(element("p", text, { id: "signature", class: valid ? "about" : "invalid" }));
 }
 
 /** @param {string} person */
@@ -164,7 +174,8 @@ const RETRY_AFTER = 500; // ms
 
 async function main() {
   let reply = await fetch(address("sheet"), { cache: "no-store" });
-  for (let tries = 1; reply.status === 404 && tries < TRIES; tries += 1) {
+  // After an exam it is closed to its trainee for that moment.
+  for (let tries = 1; [403, 404].includes(reply.status) && tries < TRIES; tries += 1) {
     await new Promise((resolve) => setTimeout(resolve, RETRY_AFTER));
     reply = await fetch(address("sheet"), { cache: "no-store" });
   }

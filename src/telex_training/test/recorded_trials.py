@@ -14,6 +14,8 @@ from training_truth import Trial as JudgedTrial
 
 from telex_training.judging.entries import Entry
 from telex_training.judging.sheet import sheet_text
+from telex_training.recording.signature import sealing
+from telex_training.recording.station_keys import station_key
 from telex_training.recording.trial_file import (
     SHEET,
     Trial,
@@ -117,9 +119,13 @@ def record(
     entries: Sequence[Entry] = (),
     closed: bool = True,
     text: str = DRILL,
+    signed: bool = False,
     **changes: Any,
 ) -> Path:
-    """Write the recording of a trial whose sheet is made up, unless one is given."""
+    """Write the recording of a trial whose sheet is made up, unless one is given.
+
+    With `signed` it has a signature of this station, whose key is in ROS_HOME.
+    """
     folder.mkdir(exist_ok=True)
     name = f"{stamp}_{safe_name(operator)}_{changes.get('exercise', 'drill')}"
     made = made or sheet(name, operator, **changes)
@@ -129,7 +135,8 @@ def record(
     began = round(wall_of(stamp) * 1e9)
     for entry in entries or [input_entry(1, 0, {"input": "open", "operator": operator})]:
         writer.put(entry, began + entry.number)
-    writer.close({SHEET: sheet_attachment(sheet_text(made))} if closed else {})
+    ending = {SHEET: sheet_attachment(sheet_text(made))} if closed else {}
+    writer.close(ending, sealing(station_key()) if signed else None)
     return path
 
 

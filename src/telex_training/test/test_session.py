@@ -20,7 +20,9 @@ from telex_sim.scene.robot_in_scene import robot_description
 from telex_training.exercises.exercise_file import ExerciseError, parse_exercise
 from telex_training.recording import writer as writing
 from telex_training.recording.reader import read_recording
-from telex_training.recording.trial_file import SHEET, judged
+from telex_training.recording.signature import VALID
+from telex_training.recording.station_keys import PRIVATE, known_keys
+from telex_training.recording.trial_file import SHEET, judged, signature_of
 from telex_training.recording.writer import RecordingError
 from telex_training.ros import session as sessions
 from telex_training.ros import training_node
@@ -96,6 +98,7 @@ def new_session(tmp_path, monkeypatch, simulator):
         opened.append(session_of(text, mode, tmp_path, simulator))
         return opened[-1]
 
+    monkeypatch.setenv("ROS_HOME", str(tmp_path / "home"))
     monkeypatch.setattr(sessions, "rospy", Clock)
     monkeypatch.setattr(sessions, "Channels", lambda *_: SimpleNamespace(close=lambda: None))
     yield make
@@ -170,7 +173,19 @@ def test_the_seed_of_an_exam_is_drawn_at_its_start(new_session, monkeypatch):
     assert session.closed
     assert sheet["exercise"]["seed"] == 4711
     assert sheet["mode"] == "exam"
+    assert signature_of(session.path, known_keys()).state == VALID
     assert sheet["invalid_because"] == ["the exam's list ended from outside"]
+
+
+def test_an_exam_whose_station_has_no_key_of_its_own_does_not_begin(opened_in, tmp_path):
+    session = opened_in("exam")
+    (tmp_path / "home").mkdir()
+    (tmp_path / "home" / PRIVATE).write_text("0" * 64)
+    (tmp_path / "home" / PRIVATE).chmod(0o644)
+    with pytest.raises(sessions.SessionError, match="the station's key: others may read"):
+        session.start()
+    assert session.phase == "ready"
+    assert not list(tmp_path.glob("*.mcap"))
 
 
 def test_a_robot_that_lies_at_the_start_ends_the_trial(session, simulator):

@@ -204,14 +204,16 @@ class TestCredit:
 
 class TestStanding:
     @pytest.fixture
-    def stand(self, tmp_path_factory):
+    def stand(self, tmp_path_factory, monkeypatch):
+        monkeypatch.setenv("ROS_HOME", str(tmp_path_factory.mktemp("home")))
         course = parse_curriculum(COURSE, FILE)
 
         def stand(*trials, days=1.0):
             read = []
             folder = tmp_path_factory.mktemp("recordings")
             for i, changes in enumerate(trials):
-                given = {"exercise": "slalom", "setting": "day", **changes}
+                signed = changes.get("mode") == "exam"
+                given = {"exercise": "slalom", "setting": "day", "signed": signed, **changes}
                 given["times"] = [(20.0, each == "+") for each in given["times"]]
                 path = record(folder, stamp=f"2026-03-{i + 1:02d}_080000", **given)
                 read.append(read_trial(path))
@@ -258,6 +260,9 @@ class TestStanding:
         assert (failed.due, failed.exam[0].tries) == (made.due, 1)
         short = stand(*trials, {"times": "++", "mode": "exam"})
         assert short.due == made.due
+        unsigned = stand(*trials, {"times": "+++", "mode": "exam", "signed": False})
+        assert unsigned.due == made.due
+        assert (unsigned.exam[0].tries, unsigned.exam[0].unsigned) == (0, 1)
         passed = stand(*trials, {"times": "+++", "mode": "exam"})
         assert passed.due == ()
         assert passed.exam[0].passed.endswith("_ann_slalom")

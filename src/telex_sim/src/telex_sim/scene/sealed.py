@@ -7,11 +7,9 @@ a file that only the user of simulator and cameras can read.
 
 from __future__ import annotations
 
-import contextlib
 import functools
 import hashlib
 import hmac
-import os
 import re
 import secrets
 from pathlib import Path
@@ -19,6 +17,7 @@ from pathlib import Path
 import rospkg
 
 from telex_control.common.params import ConfigError
+from telex_control.common.private_file import make_private_file
 
 FILE = "telex_sealed.key"
 """Name of the key's file in ROS_HOME (``~/.ros``). Cameras on another machine need a copy."""
@@ -60,7 +59,8 @@ def _key(path: Path) -> bytes:
     """Read the key, or make it where there is none."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        _make(path)
+        if not path.exists():
+            make_private_file(str(path), secrets.token_bytes(_KEY_BYTES))
         key = path.read_bytes()
     except OSError as error:
         raise ConfigError(
@@ -72,19 +72,3 @@ def _key(path: Path) -> bytes:
             "made anew"
         )
     return key
-
-
-def _make(path: Path) -> None:
-    """Make the file, whole from the first moment, unless it is there."""
-    if path.exists():
-        return
-    draft = path.with_name(f"{path.name}.{os.getpid()}.{secrets.token_hex(4)}")
-    handle = os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(secrets.token_bytes(_KEY_BYTES))
-        # A link fails where another process was quicker; its key then counts.
-        with contextlib.suppress(FileExistsError):
-            os.link(draft, path)
-    finally:
-        os.unlink(draft)

@@ -1,4 +1,4 @@
-"""The command ``score``: sheets of recordings, judged anew from what they hold."""
+"""The command ``score``: sheets of recordings judged anew, and signatures of exams."""
 
 from __future__ import annotations
 
@@ -9,19 +9,30 @@ from pathlib import Path
 from typing import Any, Dict, List, Optional, Sequence
 
 from ..exercises.exercise_file import ExerciseError, load_exercise
+from ..exercises.model import EXAM
 from ..judging.judge import Judge
 from ..judging.sheet import sheet_text
 from ..recording.reader import Recording, read_recording
 from ..recording.sheet_table import sheet_csv
-from ..recording.trial_file import EXERCISE, SHEET, judged
+from ..recording.signature import VALID, verified
+from ..recording.station_keys import StationKeyError, known_keys, read_public_key
+from ..recording.trial_file import EXERCISE, SHEET, judged, signature_of
 from ..recording.writer import Attachment, RecordingError
 
 _TEXT, _JSON, _CSV = "text", "json", "csv"
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
-    """Run the command; returns its exit status: 0, or 1 where a recording cannot be scored."""
-    given = _parser().parse_args(arguments)
+    """Run the command.
+
+    Returns its exit status: 0, or 1 where a recording cannot be scored, or has no valid signature.
+    """
+    parser = _parser()
+    given = parser.parse_args(arguments)
+    if given.key is not None and not given.verify:
+        parser.error("--key goes with --verify")
+    if given.verify:
+        return _verify(given.files, given.key)
     status = 0
     for path in given.files:
         try:
@@ -53,8 +64,36 @@ def _parser() -> argparse.ArgumentParser:
         metavar="FILE",
         help="judge by this exercise (other metrics, pass values) in place of the recorded one",
     )
+    parser.add_argument(
+        "--verify",
+        action="store_true",
+        help="check signatures of exams instead: of this station's and of trusted keys",
+    )
+    parser.add_argument(
+        "--key", type=Path, metavar="PUBLIC", help="of this public key alone (telex_station.pub)"
+    )
     parser.set_defaults(form=_TEXT)
     return parser
+
+
+def _verify(files: Sequence[Path], key: Optional[Path]) -> int:
+    try:
+        keys = known_keys() if key is None else {read_public_key(key): key.name}
+    except StationKeyError as error:
+        print(f"score: --key: {error}", file=sys.stderr)
+        return 1
+    status = 0
+    for path in files:
+        try:
+            found = signature_of(path, keys)
+        except RecordingError as error:
+            print(f"score: {error}", file=sys.stderr)
+            status = 1
+            continue
+        print(f"{path}: {found}")
+        if found.state != VALID:
+            status = 1
+    return status
 
 
 def with_exercise(recording: Recording, path: Path) -> Recording:
@@ -80,6 +119,8 @@ def _shown(recording: Recording, judge: Judge, form: str, other: bool) -> str:
     if shown is not None and not other:
         same = shown.data == sheet_text(sheet).encode()
         remarks.append("the same sheet as was shown" if same else "ANOTHER SHEET THAN WAS SHOWN")
+    if sheet["mode"] == EXAM and not other:
+        remarks.append(f"signature: {verified(recording, known_keys())}")
     if judge.workload is not None:
         remarks.append(f"workload {judge.workload['raw']:.0f} of 100 (raw NASA-TLX)")
     return sheet_report(sheet, f"{recording.path}", remarks)

@@ -12,14 +12,16 @@ import sqlite3
 import threading
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Optional, Tuple
+from typing import Any, Container, Dict, Iterator, List, Optional, Tuple
 
+from ..recording.signature import OTHER, Signature
+from ..recording.station_keys import known_keys
 from ..recording.trial_file import trials
 from ..recording.writer import RecordingError
 from .trial_facts import MetricFacts, RepetitionFacts, TrialFacts, read_trial
 
 FILE = "progress.sqlite"
-VERSION = 1
+VERSION = 2
 _PATIENCE = 30.0
 """Wall time for which another process may hold the index (s)."""
 
@@ -33,7 +35,7 @@ CREATE TABLE trials (
     began_ns INTEGER NOT NULL, operator TEXT NOT NULL, exercise TEXT NOT NULL, title TEXT NOT NULL,
     setting TEXT NOT NULL, mode TEXT NOT NULL, software TEXT NOT NULL, ended TEXT NOT NULL,
     seed INTEGER, seconds REAL NOT NULL, valid INTEGER NOT NULL, verdict TEXT NOT NULL,
-    provisional INTEGER NOT NULL, log TEXT NOT NULL
+    provisional INTEGER NOT NULL, log TEXT NOT NULL, signer TEXT NOT NULL, flaw TEXT NOT NULL
 );
 CREATE INDEX trials_of ON trials (operator, exercise, setting, began_ns);
 CREATE TABLE repetitions (
@@ -178,7 +180,10 @@ class ProgressIndex:
                 given,
             ).fetchall()
             repetitions, metrics = _parts(base, where, given)
-        return [_trial(row, repetitions.get(row[0], []), metrics.get(row[0], [])) for row in rows]
+        keys = known_keys()
+        return [
+            _trial(row, repetitions.get(row[0], []), metrics.get(row[0], []), keys) for row in rows
+        ]
 
     def file_of(self, trial: str) -> Optional[Path]:
         """Path of a trial's recording; None: the index has no such trial."""
@@ -341,10 +346,15 @@ def _parts(
 
 
 def _trial(
-    row: Tuple[Any, ...], repetitions: List[RepetitionFacts], metrics: List[MetricFacts]
+    row: Tuple[Any, ...],
+    repetitions: List[RepetitionFacts],
+    metrics: List[MetricFacts],
+    keys: Container[str],
 ) -> TrialFacts:
     made: Dict[str, Any] = dict(zip(_TRIAL, row))
     made.update(valid=bool(made["valid"]), provisional=bool(made["provisional"]))
+    if made["signer"] and made["signer"] not in keys:
+        made["flaw"] = str(Signature(OTHER, made["signer"]))
     return TrialFacts(**made, repetitions=tuple(repetitions), metrics=tuple(metrics))
 
 

@@ -84,14 +84,17 @@ class ExamStanding:
     ----------
     part : ExamPart
     tries : int
-        Trials in exam mode that are valid.
+        Exams that are valid.
     passed : str
         The trial that passed it; empty: none yet.
+    unsigned : int
+        Trials in exam mode without a signature that counts.
     """
 
     part: ExamPart
     tries: int
     passed: str
+    unsigned: int
 
 
 @dataclass(frozen=True)
@@ -123,7 +126,8 @@ class Standing:
 def standing(curriculum: Curriculum, trials: Sequence[TrialFacts], now: float) -> Standing:
     """Say where somebody stands in a curriculum.
 
-    Only valid trials count, in practice and exam alike; an exam's parts want one in exam mode.
+    Only valid trials count, in practice and exam alike; an exam's parts want one in exam mode, with
+    a signature of a known station.
 
     Parameters
     ----------
@@ -174,7 +178,8 @@ def _modules(curriculum: Curriculum, valid: Sequence[TrialFacts]) -> Tuple[Modul
 
 
 def _exam(part: ExamPart, valid: Sequence[TrialFacts]) -> ExamStanding:
-    tries = [trial for trial in _of(valid, part.exercise, part.setting) if trial.mode == EXAM]
+    done = [trial for trial in _of(valid, part.exercise, part.setting) if trial.mode == EXAM]
+    tries = [trial for trial in done if trial.in_exam]
     passed = next(
         (
             trial.trial
@@ -185,7 +190,7 @@ def _exam(part: ExamPart, valid: Sequence[TrialFacts]) -> ExamStanding:
         ),
         "",
     )
-    return ExamStanding(part, len(tries), passed)
+    return ExamStanding(part, len(tries), passed, len(done) - len(tries))
 
 
 def _current_until(currency: Currency, valid: Sequence[TrialFacts]) -> Optional[float]:

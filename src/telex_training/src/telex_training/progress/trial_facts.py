@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, Optional, Tuple
 
@@ -13,9 +13,10 @@ from mcap.reader import make_reader
 from telex_control.common.params import ConfigError, read_struct, read_value, require
 
 from ..exercises.metric_kinds import KINDS
+from ..exercises.model import EXAM
 from ..judging.sheet import FORMAT, PASSED, sheet_text
 from ..recording.reader import read_recording
-from ..recording.trial_file import SHEET, SUFFIX, judged
+from ..recording.trial_file import SHEET, SUFFIX, judged, signature_of
 from ..recording.writer import PROFILE, RecordingError
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,199}")
@@ -101,6 +102,10 @@ class TrialFacts:
         Whether the expert's figures are a script's.
     log : str
         SHA-256 over the recorded entries.
+    signer : str
+        Public key whose signature is over just this recording of an exam; empty: none.
+    flaw : str
+        Why an exam has no signature that counts; empty for others.
     repetitions : tuple of RepetitionFacts
     metrics : tuple of MetricFacts
     """
@@ -120,6 +125,8 @@ class TrialFacts:
     verdict: str
     provisional: bool
     log: str
+    signer: str
+    flaw: str
     repetitions: Tuple[RepetitionFacts, ...]
     metrics: Tuple[MetricFacts, ...]
 
@@ -132,6 +139,11 @@ class TrialFacts:
     def passed(self) -> bool:
         """Whether it is valid and its verdict is passed."""
         return self.valid and self.verdict == PASSED
+
+    @property
+    def in_exam(self) -> bool:
+        """Whether it is an exam: without a valid signature it is none."""
+        return self.mode == EXAM and not self.flaw
 
     @property
     def faults(self) -> int:
@@ -167,7 +179,11 @@ def read_trial(path: Path, verify: bool = False) -> TrialFacts:
             f"{path}: judged anew, it makes another sheet than its {SHEET}; it was changed, or "
             "made by another version of the software"
         )
-    return facts
+    if facts.mode != EXAM:
+        return facts
+    # Whose key counts may change; whose it is does not.
+    found = signature_of(path, {})
+    return replace(facts, signer=found.key, flaw="" if found.key else str(found))
 
 
 def _first_and_sheet(path: Path) -> Tuple[int, bytes]:
@@ -218,6 +234,8 @@ def _facts(sheet: Any, began_ns: int) -> TrialFacts:
         verdict=_text(sheet, "verdict"),
         provisional=read_value(bool, _at(sheet, "expert/provisional"), "expert/provisional"),
         log=_text(sheet, "log/sha256"),
+        signer="",
+        flaw="",
         repetitions=tuple(
             _repetition(given, f"repetitions[{i}]")
             for i, given in enumerate(_list(sheet, "repetitions"))

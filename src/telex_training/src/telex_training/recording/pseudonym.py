@@ -2,8 +2,8 @@
 
 The name stands in the file's name, in the attachments ``trial.json`` and ``sheet.json``, in the
 training's own inputs and among the bridge's clients. The sheet's hash is over all messages, so the
-file gets another one, and with it a sheet that fits. The old hash is not kept: whoever had it could
-try names until one of them makes it again.
+file gets another one, and with it a sheet that fits; a valid signature is made anew. The old hash
+is not kept: whoever had it could try names until one of them makes it again.
 """
 
 from __future__ import annotations
@@ -23,8 +23,9 @@ from mcap.stream_reader import StreamReader
 from ..judging.entries import CLIENTS, INPUTS, NAMES, TRUTH, BadEntryError, Entry, decode, json_of
 from ..judging.sheet import sheet_text
 from .reader import Recording, read_recording
+from .signature import SIGNATURE, sealing_again
 from .trial_file import SHEET, SUFFIX, TRIAL, judged, safe_name, serialised_input, sheet_attachment
-from .writer import Attachment, RecordingError, RecordingWriter
+from .writer import Attachment, RecordingError, RecordingWriter, Seal
 
 MARK = "pseudonymised.json"
 """Attachment of a recording out of which a name was taken."""
@@ -110,6 +111,7 @@ def _rename(recording: Recording, name: str, pseudonym: str) -> Optional[Renamed
     if not own and entries == recording.entries:
         return None
     attachments[MARK] = Attachment("application/json", b'{"format": 1}\n')
+    attachments.pop(SIGNATURE, None)
     changed = Recording(path, entries, recording.walls, attachments, True)
     ending: Dict[str, Attachment] = {}
     old = attachments.pop(SHEET, None)
@@ -119,7 +121,7 @@ def _rename(recording: Recording, name: str, pseudonym: str) -> Optional[Renamed
         sheet["log"]["sha256"] = _hash(changed)
         ending[SHEET] = sheet_attachment(sheet_text(sheet))
     target = path.with_name(f"{trial}{SUFFIX}")
-    _write(path, target, changed, ending)
+    _write(path, target, changed, ending, sealing_again(recording))
     return Renamed(target, own, _left(changed, ending, name))
 
 
@@ -212,7 +214,13 @@ def _reopened(entry: Entry, trial: str) -> Entry:
     return entry._replace(data=serialised_input({**content, "trial": trial}))
 
 
-def _write(path: Path, target: Path, made: Recording, ending: Dict[str, Attachment]) -> None:
+def _write(
+    path: Path,
+    target: Path,
+    made: Recording,
+    ending: Dict[str, Attachment],
+    seal: Optional[Seal],
+) -> None:
     if target != path and target.exists():
         raise RecordingError(f"{target}: it exists already; {path.name} is left as it was")
     draft = path.with_name(f".{path.name}.pseudonymised")
@@ -221,7 +229,7 @@ def _write(path: Path, target: Path, made: Recording, ending: Dict[str, Attachme
     writer = RecordingWriter(draft, made.attachments)
     for entry, wall in zip(made.entries, made.walls):
         writer.put(entry, wall)
-    writer.close(ending)
+    writer.close(ending, seal)
     try:
         draft.replace(target)
         if target != path:

@@ -34,6 +34,8 @@ class Recording:
     attachments : dict of str to Attachment
     whole : bool
         Whether it was closed; otherwise it was cut off, and what is here is what is left.
+    repeated : list of str
+        Attachments of which there are several, the last of which is here; no writer makes these.
     """
 
     path: Path
@@ -41,6 +43,7 @@ class Recording:
     walls: List[int] = field(default_factory=list)
     attachments: Dict[str, Attachment] = field(default_factory=dict)
     whole: bool = False
+    repeated: List[str] = field(default_factory=list)
 
 
 def read_recording(path: Path) -> Recording:
@@ -67,6 +70,7 @@ def _read(path: Path, file: BinaryIO) -> Recording:
     entries: List[Entry] = []
     walls: List[int] = []
     attachments: Dict[str, Attachment] = {}
+    repeated: List[str] = []
     began = whole = False
     records = _records(file)
     while True:
@@ -98,10 +102,12 @@ def _read(path: Path, file: BinaryIO) -> Recording:
             entries.append(Entry(record.sequence, time, channel.topic, kind, record.data))
             walls.append(record.publish_time)
         elif isinstance(record, AttachmentRecord):
+            if record.name in attachments:
+                repeated.append(record.name)
             attachments[record.name] = Attachment(record.media_type, record.data)
         elif isinstance(record, Footer):
             whole = True
-    return Recording(path, entries, walls, attachments, whole)
+    return Recording(path, entries, walls, attachments, whole, repeated)
 
 
 def _records(file: BinaryIO) -> Iterator[object]:

@@ -21,7 +21,8 @@ from ..judging.judge import Judge
 from ..judging.sheet import FORMAT
 from ..judging.workload import INPUT as TLX
 from ..judging.workload import workload_of
-from .reader import Recording, repair
+from .reader import Recording, read_recording, repair
+from .signature import CHANGED, SIGNATURE, Signature, sealing_again, verified
 from .writer import Attachment, RecordingError, RecordingWriter
 
 EXERCISE, SCENE, ROBOT = "exercise.yaml", "scene.yaml", "robot.urdf"
@@ -147,7 +148,7 @@ def amend(path: Path, inputs: Sequence[Mapping[str, Any]], wall_ns: int) -> str:
     """Add inputs to a recording that is closed, such as a mark or a note, and judge it anew.
 
     The file is replaced as a whole, so that a reader finds the old or the new one. Ratings of the
-    workload leave its sheet as it is.
+    workload leave its sheet as it is. A valid signature is made anew, any other is left out.
 
     Parameters
     ----------
@@ -176,13 +177,14 @@ def amend(path: Path, inputs: Sequence[Mapping[str, Any]], wall_ns: int) -> str:
         text = attached_text(recording, SHEET)
     else:
         text = judged(Recording(path, entries, walls, recording.attachments)).text()
-    kept = {name: found for name, found in recording.attachments.items() if name != SHEET}
+    gone = (SHEET, SIGNATURE)
+    kept = {name: found for name, found in recording.attachments.items() if name not in gone}
     draft = path.with_name(f".{path.name}.amended")
     draft.unlink(missing_ok=True)
     writer = RecordingWriter(draft, kept)
     for entry, wall in zip(entries, walls):
         writer.put(entry, wall)
-    writer.close({SHEET: sheet_attachment(text)})
+    writer.close({SHEET: sheet_attachment(text)}, sealing_again(recording))
     try:
         draft.replace(path)
     except OSError as error:
@@ -202,6 +204,28 @@ def read_sheet(path: Path) -> Optional[Dict[str, Any]]:
     except Exception:  # damaged bytes raise whatever they lead the reader to
         return None
     return None
+
+
+def signature_of(path: Path, keys: Mapping[str, str]) -> Signature:
+    """Check the signature of a recording's file.
+
+    Parameters
+    ----------
+    path : Path
+    keys : mapping of str to str
+        See `verified`.
+
+    Raises
+    ------
+    RecordingError
+        It cannot be read.
+    """
+    recording = read_recording(path)
+    found = verified(recording, keys)
+    # What shows sheets finds them by the file's index, which must not lead elsewhere.
+    if found.key and read_sheet(path) != json.loads(attached_text(recording, SHEET)):
+        return Signature(CHANGED, reason=f"its index leads to another '{SHEET}'")
+    return found
 
 
 def read_workload(path: Path) -> Optional[Dict[str, Any]]:

@@ -13,12 +13,13 @@ import queue
 import threading
 import time
 from pathlib import Path
-from typing import Dict, Mapping, NamedTuple, Optional
+from typing import Any, Callable, Dict, Mapping, NamedTuple, Optional
 
 import genpy.message
 from mcap.writer import CompressionType, IndexType, Writer
 
 from ..judging.entries import Entry
+from .digest import EntriesDigest
 
 PROFILE = "ros1"
 CHUNK = 16 * 1024
@@ -39,6 +40,11 @@ class Attachment(NamedTuple):
 
     media_type: str
     data: bytes
+
+
+Seal = Callable[[Mapping[str, Any], Mapping[str, Attachment]], Mapping[str, Attachment]]
+"""Makes further attachments, such as a signature, of what `EntriesDigest` says of all entries and
+of all attachments before them; called in the recording's thread."""
 
 
 class _Queued(NamedTuple):
@@ -94,7 +100,10 @@ class RecordingWriter:
         self._sync_period = sync_period
         self._problem = ""
         self._ended = False
+        self._beginning = dict(attachments)
         self._ending: Dict[str, Attachment] = {}
+        self._seal: Optional[Seal] = None
+        self._digest = EntriesDigest()
         self._queue: queue.SimpleQueue[Optional[_Queued]] = queue.SimpleQueue()
         self._channels: Dict[str, int] = {}
         self._schemas: Dict[str, int] = {}
@@ -135,15 +144,21 @@ class RecordingWriter:
         """Have an entry written, at the wall time of its arrival (ns); never waits."""
         self._queue.put(_Queued(entry, wall_ns))
 
-    def close(self, attachments: Mapping[str, Attachment]) -> None:
+    def close(self, attachments: Mapping[str, Attachment], seal: Optional[Seal] = None) -> None:
         """Write what waits, then these attachments, and complete the file.
+
+        Parameters
+        ----------
+        attachments : mapping of str to Attachment
+        seal : callable, optional
+            Makes the last ones.
 
         Raises
         ------
         RecordingError
             It could not be written to its end.
         """
-        self._ending = dict(attachments)
+        self._ending, self._seal = dict(attachments), seal
         self._queue.put(None)
         self._thread.join(_CLOSING)
         if self._thread.is_alive():
@@ -157,6 +172,9 @@ class RecordingWriter:
         try:
             self._write_all()
             self._attach(self._ending)
+            if self._seal is not None:
+                attached = {**self._beginning, **self._ending}
+                self._attach(self._seal(self._digest.state(), attached))
             self._writer.finish()
             self._sync()
         except Exception as error:  # whatever ends it has to be told
@@ -201,6 +219,7 @@ class RecordingWriter:
             publish_time=queued.wall_ns,
             sequence=entry.number,
         )
+        self._digest.add(entry, queued.wall_ns)
 
     def _channel(self, entry: Entry) -> int:
         known = self._channels.get(entry.channel)

@@ -6,7 +6,9 @@ import threading
 from pathlib import Path
 from typing import Any, Dict, Iterator, List, Optional, Tuple
 
-from ..recording.trial_file import SUFFIX, read_sheet, read_workload, trials
+from ..recording.station_keys import known_keys
+from ..recording.trial_file import SUFFIX, read_sheet, read_workload, signature_of, trials
+from ..recording.writer import RecordingError
 
 
 class Library:
@@ -39,6 +41,16 @@ class Library:
         """Ratings of a trial's workload by its operator; None: there are none."""
         path = self.path(trial)
         return None if path is None else read_workload(path)
+
+    def signature(self, trial: str) -> Optional[str]:
+        """Say what the signature of an exam is worth; None: there is no such trial."""
+        path = self.path(trial)
+        if path is None:
+            return None
+        try:
+            return str(signature_of(path, known_keys()))
+        except RecordingError as error:
+            return str(error)
 
     def sheets(self, operator: Optional[str] = None) -> List[Dict[str, Any]]:
         """All sheets, or an operator's, the newest first."""

@@ -19,11 +19,13 @@ import rospy
 from telex_msgs.msg import SimStatus
 
 from ..exercises.exercise_file import ExerciseFile
-from ..exercises.model import Exercise, Failure
+from ..exercises.model import EXAM, Exercise, Failure
 from ..exercises.readings import draw
 from ..judging.entries import INPUTS, Entry
 from ..judging.judge import ENDED, PREPARING, READY, RUNNING, Judge, JudgeEvent
 from ..recording.inbox import Inbox
+from ..recording.signature import sealing
+from ..recording.station_keys import StationKeyError, station_key
 from ..recording.trial_file import (
     SHEET,
     SUFFIX,
@@ -33,7 +35,7 @@ from ..recording.trial_file import (
     serialised_input,
     sheet_attachment,
 )
-from ..recording.writer import RecordingError, RecordingWriter, check_room
+from ..recording.writer import RecordingError, RecordingWriter, Seal, check_room
 from .apparatus import Apparatus, ApparatusError
 from .channels import Channels
 from .configuration import ConfigurationWatch
@@ -106,6 +108,7 @@ class Session:
         self._draw()
         self._judging = threading.Lock()
         self._writer: Optional[RecordingWriter] = None
+        self._seal: Optional[Seal] = None
         self._inbox: Optional[Inbox] = None
         self._channels: Optional[Channels] = None
         self._watch: Optional[ConfigurationWatch] = None
@@ -171,9 +174,11 @@ class Session:
             with self._judging:
                 self._draw()
         try:
+            if self.mode == EXAM:
+                self._seal = sealing(station_key())
             check_room(self._folder)
             self._open_recording()
-        except RecordingError as error:
+        except (RecordingError, StationKeyError) as error:
             raise SessionError(f"the trial cannot be recorded: {error}") from error
         self.message = ""
         self._put(
@@ -416,7 +421,7 @@ class Session:
         with self._judging:
             self._sheet = self._judge.text()
         try:
-            self._writer.close({SHEET: sheet_attachment(self._sheet)})
+            self._writer.close({SHEET: sheet_attachment(self._sheet)}, self._seal)
         except RecordingError as error:
             self.message = f"the recording is not complete: {error}"
             rospy.logerr("training: %s", self.message)

@@ -86,7 +86,8 @@ def _modules(each: Standing) -> str:
                 f"{exam_mark(each, exam)} exam",
                 escape(f"{part.exercise}, {part.setting}".rstrip(", ")),
                 f"passed: {escape(exam.passed)}" if exam.passed else "not passed",
-                count(exam.tries, "try", "tries"),
+                count(exam.tries, "try", "tries")
+                + (f", {exam.unsigned} without a valid signature" if exam.unsigned else ""),
             ]
         )
     return table(["module", "exercise", "state", "passed"], rows, text=(1, 2))
@@ -204,7 +205,7 @@ def _trials(trials: Sequence[TrialFacts]) -> str:
                 day(trial.began, clock=True),
                 escape(trial.exercise),
                 escape(trial.setting),
-                escape(trial.mode),
+                escape(f"{trial.mode}, {trial.flaw}" if trial.flaw else trial.mode),
                 str(len(trial.repetitions)),
                 str(trial.faults),
                 f'<span class="{kind}">{escape(verdict)}</span>' if trial.verdict else verdict,

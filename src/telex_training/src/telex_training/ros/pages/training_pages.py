@@ -58,6 +58,7 @@ class Pages(PageServer):
         router.add_get(f"{_PREFIX}/api/sheets", self._sheets)
         router.add_get(f"{_PREFIX}/api/sheet/{{trial}}", self._sheet)
         router.add_get(f"{_PREFIX}/api/csv/{{trial}}", self._csv)
+        router.add_get(f"{_PREFIX}/api/signature/{{trial}}", self._signature)
         router.add_get(f"{_PREFIX}/api/workload/{{trial}}", self._workload)
         router.add_post(f"{_PREFIX}/api/workload/{{trial}}", self._take_workload)
         self.briefs.route(router, _PREFIX)
@@ -94,6 +95,13 @@ class Pages(PageServer):
             text=sheet_csv(sheet),
             content_type="text/csv",
             headers={"Content-Disposition": f'attachment; filename="{name}"'},
+        )
+
+    async def _signature(self, request: web.Request) -> web.Response:
+        """Tell what the signature of an exam is worth."""
+        await self._permitted(request)
+        return web.json_response(
+            await self.aside(self._library.signature, request.match_info["trial"])
         )
 
     async def _workload(self, request: web.Request) -> web.Response:
