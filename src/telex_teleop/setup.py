@@ -25,6 +25,7 @@ setup(
             "telex_teleop.web.bridge.protocol",
             "telex_teleop.web.bridge.services",
             "telex_teleop.web.bridge.topics",
+            "telex_teleop.web.exam",
             "telex_teleop.web.line",
             "telex_teleop.web.transforms",
             "telex_teleop.web.video",

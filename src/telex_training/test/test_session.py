@@ -177,8 +177,8 @@ def test_the_seed_of_an_exam_is_drawn_at_its_start(new_session, monkeypatch):
     assert sheet["invalid_because"] == ["the exam's list ended from outside"]
 
 
-def test_an_exam_whose_station_has_no_key_of_its_own_does_not_begin(opened_in, tmp_path):
-    session = opened_in("exam")
+def test_an_exam_whose_station_has_no_key_of_its_own_does_not_begin(new_session, tmp_path):
+    session = new_session(DRILL, "exam")
     (tmp_path / "home").mkdir()
     (tmp_path / "home" / PRIVATE).write_text("0" * 64)
     (tmp_path / "home" / PRIVATE).chmod(0o644)

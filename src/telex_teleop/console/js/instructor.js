@@ -8,6 +8,9 @@ import { onClick } from "./buttons.js";
 import { Cameras } from "./cameras.js";
 import { locateBridge, waitForConfig } from "./config.js";
 import { FadingTexts } from "./fading.js";
+import { ExamList } from "./instructor/exam_list.js";
+import { LinePanel } from "./instructor/line_panel.js";
+import { MalfunctionPanel } from "./instructor/malfunction_panel.js";
 import { Line, LINK_STATE } from "./line.js";
 import { ODOMETRY, headingOf } from "./hud.js";
 import { OVERVIEW, OverviewControl } from "./overview.js";
@@ -67,6 +70,8 @@ async function start() {
       scenes.list();
       exercises.list();
       overview.connected();
+      line.connected();
+      malfunctions.connected();
     },
     lost: (reason) => {
       status.forgetSim();
@@ -81,6 +86,9 @@ async function start() {
   const training = new TrainingClient(bridge, topic, warn);
   const strip = new TrainingStrip(training, given, () => {}); // nothing is held here
   const exercises = new ExercisePanel(training, given, () => roster.drivers, log);
+  const examList = new ExamList(bridge, topic, log, warn);
+  const line = new LinePanel(bridge, topic, log, warn);
+  const malfunctions = new MalfunctionPanel(bridge, topic, log, warn);
   const overview = new OverviewControl(bridge, topic, () => cameras.main.camera);
 
   const size = new PictureSize(bridge, topic);
@@ -167,9 +175,12 @@ async function start() {
   });
   roster.subscribe();
   overview.subscribe();
+  examList.subscribe();
   training.subscribe((state) => {
     strip.show(state);
     exercises.show(state);
+    examList.hear(state);
+    malfunctions.show(state);
   });
 
   setInterval(() => {

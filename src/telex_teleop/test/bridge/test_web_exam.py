@@ -13,7 +13,7 @@ from web_fakes import FakeRos, on_loop, served
 from telex_control.common.params import ConfigError
 from telex_teleop.web.bridge.bridge_app import Rosbridge
 from telex_teleop.web.bridge.clients.access import Access
-from telex_teleop.web.exam import Exam
+from telex_teleop.web.exam.exam_list import Exam
 from telex_teleop.web.rights import ExamRights, Rights, UseLists
 from telex_teleop.web.server_config import RosbridgeConfig
 from telex_teleop.web.tokens import Tokens
@@ -33,7 +33,7 @@ NEEDED = {
         *("arm_teleop/cartesian_status", "flipper_teleop/presets", "track_teleop/status"),
         *("cameras/front/image_raw/compressed", "cameras/turret/zoom", "lamps/gripper/command"),
         *("training/state", "bridge/clients", "bridge/missing_nodes", "sim/status"),
-        *("sim/stability", "sim/gripper_contact"),
+        *("sim/stability", "sim/gripper_contact", "battery", "link/state"),
     ],
     "call": ["training/answer", "training/again", "training/abort", "arm_teleop/set_mode"],
 }
@@ -51,7 +51,7 @@ CLOSED = {
         *("cameras/overview/image_raw/compressed", "cameras/overview/view", "cameras/radiation"),
         *("replay/state", "replay/joint_states", "replay/cameras/front/image_raw/compressed"),
         *("replay/sim/poses", "training/events", "training/sheet", "training/exam"),
-        *("/tf_repub_1", "/tf2_web_republisher/feedback", "link/state"),
+        *("/tf_repub_1", "/tf2_web_republisher/feedback", "sim/radio"),
         *("/crane/joint_states", "/crane/cameras/front/image_raw/compressed", "x"),
     ],
     "call": [

@@ -1,4 +1,4 @@
-"""The instructor's panel of exercises, and the strip on his page, in headless Chromium."""
+"""The instructor's panels of a trial, and the strip on his page, in headless Chromium."""
 
 from __future__ import annotations
 
@@ -162,11 +162,153 @@ def test_a_trial_is_noted_while_it_goes_on_and_marked_once_it_has_ended(training
     wait_until(lambda: page.text("exercise-note").endswith("· passed"))
 
 
+PLAYED = """
+    const done = arguments[arguments.length - 1];
+    window.heard = {};
+    window.asked = [];
+    window.said = [];
+    const bridge = {
+      subscribe: ({topic, heard}) => { window.heard[topic] = heard; },
+      call: async (service, args) => {
+        if (service === "/rosapi/topic_type") return {type: "of whoever offers it"};
+        window.asked.push([service, args]);
+        return window.answer;
+      },
+    };
+    window.answer = {success: true, message: ""};
+    const topic = (name) => `/telex/${name}`;
+    const say = (sentence) => window.said.push(sentence);
+    Promise.all(["exam_list", "line_panel", "malfunction_panel"].map(
+      (name) => import(`/js/instructor/${name}.js`),
+    )).then(async ([exam, line, malfunction]) => {
+      window.list = new exam.ExamList(bridge, topic, say, say);
+      window.line = new line.LinePanel(bridge, topic, say, say);
+      window.malfunctions = new malfunction.MalfunctionPanel(bridge, topic, say, say);
+      window.list.subscribe();
+      await Promise.all([window.line._state.connected(), window.malfunctions._told.connected()]);
+      done(true);
+    });
+"""
+"""Panels on the page with a bridge that is played: what they speak to is not built here."""
+
+PERFECT = {"profile": "perfect", "delay": 0, "jitter": 0, "loss": 0, "bandwidth": 0}
+FROZEN = {
+    "what": "front",
+    "group": "camera",
+    "kind": "frozen",
+    "text": "the picture stands still",
+    "unit": "",
+    "default_value": 0,
+    "least": 0,
+    "most": 0,
+}
+WEAK = {
+    "what": "elbow_joint",
+    "group": "joint",
+    "kind": "weak",
+    "text": "its drive has less force",
+    "unit": "share",
+    "default_value": 0.5,
+    "least": 0.05,
+    "most": 0.95,
+}
+
+
+@pytest.fixture
+def played(page):
+    assert page.driver.execute_async_script(PLAYED)
+
+    class Played:
+        def hear(self, topic, message):
+            page.script(f"heard['/telex/{topic}']({json.dumps(message)})")
+
+        def asked(self):
+            return page.script("return asked.splice(0)")
+
+        def state(self, **changes):
+            state = {**STATE, "phase": "running", **changes}
+            page.script(f"malfunctions.show({json.dumps(state)}); list.hear({json.dumps(state)})")
+
+    return Played()
+
+
+def test_an_exams_list_is_said_and_ended_with_a_question(played, page):
+    assert not page.element("#exam-list").is_displayed()
+    played.hear("bridge/exam", {"data": "t1"})
+    assert page.text("exam-note") == "An exam's list holds, and the exam does not run"
+    played.state()
+    assert page.text("exam-note") == "Exam: trainees have its list only"
+    page.script("document.getElementById('exam-end').click()")
+    assert "The trial that runs becomes invalid." in answer(page, "yes")
+    # The page's own panel asks the bridge as well, at which no list holds.
+    wait_until(lambda: ["/telex/bridge/end_exam", {}] in played.asked())
+    played.hear("bridge/exam", {"data": ""})
+    assert not page.element("#exam-list").is_displayed()
+
+
+def test_a_line_is_chosen_by_one_click(played, page):
+    assert not page.element("#line-panel").is_displayed()
+    played.hear("link/state", {**PERFECT, "outage": False})
+    assert page.text("line-note") == "nothing is impaired"
+    checked = "#line-profiles [aria-checked=true]"
+    assert page.element(checked).text == "perfect"
+    page.element("[data-profile='300']").click()
+    wait_until(
+        lambda: played.asked() == [["/telex/link/configure", {"profile": "300", "fields": ""}]]
+    )
+    played.hear("link/state", {**PERFECT, "profile": "mine", "delay": 0.3, "outage": False})
+    assert (page.text("line-note"), page.element(checked).text) == ("300 ms", "mine")
+    page.script("answer = {success: false, message: 'there is no such profile'}")
+    page.element("[data-profile='lossy']").click()
+    wait_until(lambda: "there is no such profile" in page.script("return said"))
+
+
+def test_a_malfunction_is_injected_now_or_at_the_next_step_and_ended(played, page):
+    assert not page.element("#malfunction-panel").is_displayed()
+    played.hear("sim/malfunctions", {"active": [], "possible": [FROZEN, WEAK]})
+    assert page.text("malfunction-note") == "all works"
+    assert not page.element("#malfunction-value").is_displayed()
+    page.element("#malfunction-now").click()
+    frozen = {"what": "front", "kind": "frozen", "value": 0, "announced": False}
+    wait_until(lambda: played.asked() == [["/telex/sim/malfunction", {**frozen, "on": True}]])
+    active = {**frozen, "group": "camera"}
+    played.hear("sim/malfunctions", {"active": [active], "possible": [FROZEN, WEAK]})
+    assert page.text("malfunction-note") == "1 active"
+    assert "front frozen, silent" in page.text("malfunction-active")
+    page.element("#malfunction-active button").click()
+    wait_until(lambda: played.asked() == [["/telex/sim/malfunction", {**frozen, "on": False}]])
+    played.hear("sim/malfunctions", {"active": [], "possible": [FROZEN, WEAK]})
+    Select(page.element("#malfunction-what")).select_by_value("elbow_joint/weak")
+    value = page.element("#malfunction-value")
+    assert value.get_attribute("placeholder") == "0.5 share"
+    value.send_keys("2")
+    page.element("#malfunction-now").click()
+    assert page.text("malfunction-note") == "the value must be 0.05 to 0.95 share"
+    value.clear()
+    value.send_keys("0.25")
+    page.element("#malfunction-announced").click()
+    assert not page.element("#malfunction-next").is_enabled()
+    played.state()
+    page.element("#malfunction-next").click()
+    assert "elbow_joint weak, at the next step" in page.text("malfunction-active")
+    played.state()
+    assert played.asked() == []
+    played.state(steps_done=[True, False])
+    weak = {"what": "elbow_joint", "kind": "weak", "value": 0.25, "announced": True}
+    wait_until(lambda: played.asked() == [["/telex/sim/malfunction", {**weak, "on": True}]])
+    assert page.text("malfunction-active") == ""
+
+
 @pytest.mark.parametrize("size", [(1280, 720), (1920, 1080)])
-def test_nothing_is_cut_off_while_a_trial_runs(training, page, size):
+def test_nothing_is_cut_off_while_a_trial_runs(training, page, played, size):
     page.resize(*size)
     asked = {"name": "ring", "ask": "Where is the ring open?", "choices": ["up", "down"]}
     training.tell("running", questions=[asked])
     wait_until(lambda: "ring open" in page.text("training-questions"))
+    played.hear("bridge/exam", {"data": "t1"})
+    played.hear("link/state", {**PERFECT, "outage": False})
+    active = {**FROZEN, "value": 0, "announced": False}
+    played.hear("sim/malfunctions", {"active": [active, active], "possible": [FROZEN, WEAK]})
+    page.driver.save_screenshot(f"/tmp/exam_{size[0]}.png")
     assert outside(page) == []
     page.resize(1280, 720)

@@ -114,6 +114,7 @@ export class ExercisePanel {
     button("exercise-open").disabled = begun || this._exercises.length === 0;
     button("exercise-start").disabled = phase !== "ready";
     button("exercise-abort").disabled = !begun;
+    document.body.dataset.trial = begun ? "begun" : "";
     byId("exercise-remarks").hidden = !begun && phase !== "ended";
     // What goes on can be noted; it is marked once it is known.
     button("exercise-passed").disabled = button("exercise-failed").disabled = phase !== "ended";

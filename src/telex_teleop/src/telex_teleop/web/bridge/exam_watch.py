@@ -8,7 +8,7 @@ from typing import Callable
 
 from std_msgs.msg import String
 
-from ..exam import BRIDGE_TOPIC, PARAMETER, TRAINING_TOPIC
+from ..exam.exam_list import BRIDGE_TOPIC, PARAMETER, TRAINING_TOPIC
 from .protocol.compression import TopicMessage
 from .protocol.operations import OperationError
 from .session import Shared

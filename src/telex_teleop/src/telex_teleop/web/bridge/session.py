@@ -6,7 +6,7 @@ import functools
 from random import Random
 from typing import Callable, Dict, Optional
 
-from ..exam import Exam
+from ..exam.exam_list import Exam
 from ..line.line import Line
 from ..rights import ExamRights, Rights
 from ..server_config import RosbridgeConfig

@@ -9,7 +9,7 @@ from aiohttp import web
 
 from telex_control.common.params import ConfigError
 
-from ..exam import PARAMETER, Exam
+from ..exam.exam_list import PARAMETER, Exam
 from ..origins import origin_allowed
 from ..server_config import VideoServerConfig
 from ..token_files import read_token

@@ -21,7 +21,7 @@ from urllib.parse import urlsplit, urlunsplit
 
 from aiohttp import web
 
-from ..exam import Exam
+from ..exam.exam_list import Exam
 from ..line.line import Line
 from ..maps import add_maps
 from ..rights import ExamRights

@@ -15,7 +15,7 @@ from telex_msgs.msg import LinkState
 
 from telex_control.common.params import ConfigError
 
-from ..exam import BRIDGE_TOPIC
+from ..exam.exam_list import BRIDGE_TOPIC
 from ..line.fields import LineFields
 from ..server_config import VideoServerConfig
 from ..serving import run_node

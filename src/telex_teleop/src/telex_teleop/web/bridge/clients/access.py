@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Callable, Dict, Optional
 
-from ...exam import BRIDGE_TOPIC, TRAINING_TOPIC, Exam
+from ...exam.exam_list import BRIDGE_TOPIC, TRAINING_TOPIC, Exam
 from ...rights import NamePatterns, Rights, UseLists
 from ..protocol.operations import OperationError
 

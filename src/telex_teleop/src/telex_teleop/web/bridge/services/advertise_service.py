@@ -10,7 +10,7 @@ from typing import Any, Callable, Dict, Iterator, List, Optional, Set
 
 import genpy
 
-from ...exam import Exam
+from ...exam.exam_list import Exam
 from ...server_config import RosbridgeConfig
 from ...workers import OrderedWorker
 from ..clients.client import Client

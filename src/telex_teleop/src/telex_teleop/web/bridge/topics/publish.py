@@ -9,7 +9,7 @@ from typing import Callable, Deque, Dict, List, Optional, Set
 
 import genpy
 
-from ...exam import Exam
+from ...exam.exam_list import Exam
 from ...server_config import RosbridgeConfig
 from ..clients.client import Client
 from ..protocol.operations import Id, Operation, OperationError

@@ -8,7 +8,7 @@ import functools
 import math
 from typing import Callable, Dict, List, Optional
 
-from ...exam import Exam
+from ...exam.exam_list import Exam
 from ...server_config import RosbridgeConfig
 from ..clients.client import Client
 from ..protocol.compression import COMPRESSIONS, Encoded, TopicMessage

@@ -11,7 +11,7 @@ from typing import Any, Callable, Dict, Hashable, List, Optional, Set
 
 from aiohttp import WSCloseCode, WSMessage, WSMsgType, web
 
-from ...exam import Exam
+from ...exam.exam_list import Exam
 from ...freshness import Backlog
 from ...line.line import Line
 from ...uplink import Sent, Uplink

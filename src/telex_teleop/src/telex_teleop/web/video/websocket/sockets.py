@@ -8,7 +8,7 @@ from typing import Awaitable, Callable, Dict, Set
 
 from aiohttp import web
 
-from ...exam import Exam
+from ...exam.exam_list import Exam
 from ...line.line import Line
 from ...server_config import VideoServerConfig
 from ...websockets import new_websocket, take_leave, upgrade_required

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Callable
 
-from .rights import ExamRights, NamePatterns
+from ..rights import ExamRights, NamePatterns
 
 TRAINING_TOPIC = "training/exam"
 """std_msgs/String, latched: the trial of the exam that runs, empty when none does."""

@@ -1,0 +1,59 @@
+// @ts-check
+/** Says that an exam's list holds, and lets an instructor end one that nobody else ends. */
+
+import { ask } from "../ask.js";
+import { onClick } from "../buttons.js";
+import { byId, setText } from "../panels.js";
+
+const BEGUN = ["preparing", "waiting", "running", "between"];
+
+/** A line of the exercise's card, which is there while the list holds. */
+export class ExamList {
+  /**
+   * @param {import("../bridge.js").Bridge} bridge
+   * @param {(name: string) => string} topic
+   * @param {(sentence: string) => void} log
+   * @param {(sentence: string) => void} warn
+   */
+  constructor(bridge, topic, log, warn) {
+    this._bridge = bridge;
+    this._topic = topic;
+    this._log = log;
+    this._warn = warn;
+    this._holdsFor = "";
+    this._runs = false;
+    onClick(byId("exam-end"), () => this._end());
+  }
+
+  subscribe() {
+    this._bridge.subscribe({
+      topic: this._topic("bridge/exam"), type: "std_msgs/String", throttle: 0, heard: ({ data }) => {
+        this._holdsFor = data;
+        this._show();
+      },
+    });
+  }
+
+  /** Hear of the trial that runs. @param {import("../training/client.js").State} state */
+  hear({ trial, phase }) {
+    this._runs = BEGUN.includes(phase) && trial === this._holdsFor;
+    this._show();
+  }
+
+  _show() {
+    byId("exam-list").hidden = this._holdsFor === "";
+    setText(byId("exam-note"), this._runs ? "Exam: trainees have its list only" : "An exam's list holds, and the exam does not run");
+  }
+
+  async _end() {
+    const sentence = this._runs ? "End the exam's list? The trial that runs becomes invalid." : "End the exam's list? Trainees may use everything again.";
+    if (!(await ask(sentence, "end the list"))) return;
+    try {
+      const { success, message } = await this._bridge.call(this._topic("bridge/end_exam"), {});
+      if (success) this._log("the exam's list is ended");
+      else this._warn(message);
+    } catch (error) {
+      this._warn(`exam: ${/** @type {Error} */ (error).message}`);
+    }
+  }
+}

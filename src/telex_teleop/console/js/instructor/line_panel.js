@@ -1,0 +1,104 @@
+// @ts-check
+/** The instructor's panel of the line between console and robot: one click for each profile. */
+
+import { onClick } from "../buttons.js";
+import { byId, element, setText } from "../panels.js";
+import { WhenOffered } from "./offered.js";
+
+const STATE = "telex_msgs/LinkState";
+/** Profiles of the shipped file, and how a button calls them. @type {[string, string, string][]} */
+const PROFILES = [
+  ["perfect", "perfect", "nothing is impaired"],
+  ["wifi", "wifi", "a good wireless network with others on it"],
+  ["150", "150", "150 ms later each way"],
+  ["300", "300", "300 ms later each way"],
+  ["500", "500", "500 ms later each way"],
+  ["1000", "1 s", "a second later each way"],
+  ["lossy", "lossy", "a radio at the edge of its range"],
+  ["by_distance", "distance", "as the radio signal is where the robot stands"],
+];
+
+/**
+ * @typedef {object} LinkState  telex_msgs/LinkState, what is used of it
+ * @property {string} profile
+ * @property {number} delay  s, one way
+ * @property {number} jitter  s
+ * @property {number} loss  0 to 1
+ * @property {number} bandwidth  bit/s; 0: unlimited
+ * @property {boolean} outage
+ */
+
+/** Shown once somebody tells of a line. */
+export class LinePanel {
+  /**
+   * @param {import("../bridge.js").Bridge} bridge
+   * @param {(name: string) => string} topic
+   * @param {(sentence: string) => void} log
+   * @param {(sentence: string) => void} warn
+   */
+  constructor(bridge, topic, log, warn) {
+    this._bridge = bridge;
+    this._topic = topic;
+    this._log = log;
+    this._warn = warn;
+    this._profile = "";
+    this._offered = "";
+    this._state = new WhenOffered(bridge, { topic: topic("link/state"), type: STATE, throttle: 200, heard: (state) => this._show(state) });
+  }
+
+  /** To be called after every new connection. */
+  connected() {
+    this._state.connected();
+  }
+
+  /** @param {LinkState} state */
+  _show(state) {
+    byId("line-panel").hidden = false;
+    this._profile = state.profile;
+    setText(byId("line-note"), lineText(state));
+    this._offer();
+    for (const button of byId("line-profiles").querySelectorAll("button")) {
+      button.setAttribute("aria-checked", String(button.dataset.profile === this._profile));
+    }
+  }
+
+  /** Offer the shipped profiles, and the present one where it is another. */
+  _offer() {
+    const known = PROFILES.some(([name]) => name === this._profile);
+    /** @type {[string, string, string][]} */
+    const offered = known ? PROFILES : [...PROFILES, [this._profile, this._profile, "as configured"]];
+    const names = offered.map(([name]) => name).join();
+    if (names === this._offered) return;
+    this._offered = names;
+    byId("line-profiles").replaceChildren(...offered.map(([name, text, title]) => {
+      const button = /** @type {HTMLButtonElement} */ (element("button", "small", text));
+      Object.assign(button, { type: "button", tabIndex: -1, title });
+      button.dataset.profile = name;
+      button.setAttribute("role", "radio");
+      onClick(button, () => this._choose(name));
+      return button;
+    }));
+  }
+
+  /** @param {string} profile */
+  async _choose(profile) {
+    if (profile === this._profile) return;
+    try {
+      const { success, message } = await this._bridge.call(this._topic("link/configure"), { profile, fields: "" });
+      if (success) this._log(`line: ${profile}`);
+      else this._warn(message);
+    } catch (error) {
+      this._warn(`line: ${/** @type {Error} */ (error).message}`);
+    }
+  }
+}
+
+/** What the line does to what passes it. @param {LinkState} state */
+export function lineText({ delay, jitter, loss, bandwidth, outage }) {
+  if (outage) return "nothing passes now";
+  const parts = [];
+  if (delay > 0 || jitter > 0) parts.push(`${Math.round(1000 * delay)}${jitter > 0 ? `–${Math.round(1000 * (delay + jitter))}` : ""} ms`);
+  if (loss > 0) parts.push(`${Number((100 * loss).toFixed(1))} % lost`);
+  if (bandwidth > 0) parts.push(`${Number((bandwidth / 1e6).toFixed(1))} Mbit/s`);
+  return parts.join(", ") || "nothing is impaired";
+}

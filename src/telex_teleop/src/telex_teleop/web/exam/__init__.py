@@ -1,0 +1,1 @@
+"""Exams: what is left to trainees while one runs."""
