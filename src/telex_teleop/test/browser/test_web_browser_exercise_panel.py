@@ -309,6 +309,5 @@ def test_nothing_is_cut_off_while_a_trial_runs(training, page, played, size):
     played.hear("link/state", {**PERFECT, "outage": False})
     active = {**FROZEN, "value": 0, "announced": False}
     played.hear("sim/malfunctions", {"active": [active, active], "possible": [FROZEN, WEAK]})
-    page.driver.save_screenshot(f"/tmp/exam_{size[0]}.png")
     assert outside(page) == []
     page.resize(1280, 720)
