@@ -72,7 +72,9 @@ def test_it_holds_until_it_is_let_go(bridge, listed, lifted):
     assert bridge.said == [""]  # of a node that comes anew
     listed.take("t1")
     assert listed.trial == "t1"
-    listed.release()
+    listed.release("t0")
+    assert listed.trial == "t1"
+    listed.release("t1")
     assert listed.trial == ""
     assert bridge.said == ["", "t1", ""]
     wait_until(lambda: listed._held == "")

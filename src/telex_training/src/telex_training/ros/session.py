@@ -169,17 +169,19 @@ class Session:
         """
         if self.phase != READY:
             raise SessionError(f"the trial is {self.phase}; it can be started once")
-        if self.exercise.seeds.of(self.mode) is None:
-            # Anew, so that nothing that anybody has learnt of the trial so far is of its seed.
-            with self._judging:
-                self._draw()
         try:
+            if self.exercise.seeds.of(self.mode) is None:
+                # Anew, so that nothing that anybody has learnt of the trial so far is of its seed.
+                with self._judging:
+                    self._draw()
             if self.mode == EXAM:
                 self._seal = sealing(station_key())
             check_room(self._folder)
             self._open_recording()
         except (RecordingError, StationKeyError) as error:
             raise SessionError(f"the trial cannot be recorded: {error}") from error
+        except ValueError as error:  # of the exercise, the scene or the URDF
+            raise SessionError(f"the scene cannot be made: {error}") from error
         self.message = ""
         self._put(
             {

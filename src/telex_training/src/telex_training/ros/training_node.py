@@ -255,8 +255,8 @@ class TrainingNode:
             raise SessionError(str(error)) from error
         try:
             session.start()
-        except SessionError:
-            self._exam.release()
+        except Exception:
+            self._exam.release(session.trial)
             raise
 
     def _on_list_lifted(self) -> None:
@@ -269,7 +269,7 @@ class TrainingNode:
         session = self._session
         of = self._exam.trial
         if of and (session is None or session.trial != of or session.closed):
-            self._exam.release()
+            self._exam.release(of)
 
     def _open_session(self) -> Session:
         if self._session is None:
@@ -428,6 +428,7 @@ class TrainingNode:
         """End the trial, if one runs, and close its recording."""
         if self._session is not None:
             self._session.close("the training node was ended")
+            self._end_list()
         self.pages.close()
 
 

@@ -69,15 +69,17 @@ class ExamList:
             self._publisher.publish(String(trial))
             self._confirmed = self._lock.wait_for(lambda: self._held == trial, self._within)
         if not self._confirmed:
-            self.release()
+            self.release(trial)
             raise ExamListError(
                 f"the bridge has not closed what an exam closes within {self._within:g} s; is it "
                 f"running ({rospy.resolve_name(self._bridge)})?"
             )
 
-    def release(self) -> None:
-        """Let the list end."""
+    def release(self, trial: str) -> None:
+        """Let the list of a trial end, unless it is another one's by now."""
         with self._lock:
+            if self._wanted != trial:
+                return
             self._wanted, self._confirmed = "", False
             self._publisher.publish(String(""))
 
