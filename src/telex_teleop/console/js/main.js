@@ -30,6 +30,7 @@ import { fetchPadMap } from "./pad_map.js";
 import { getParameter } from "./parameters.js";
 import { Panels, byId, setText, showTwist } from "./panels.js";
 import { PictureSize } from "./picture_size.js";
+import { DOSIMETER, DosimeterView } from "./radiation/dosimeter.js";
 import { FLIPPER_NODE, JOINT_NODES, MOVED_CAMERA, TRACK_NODE, TYPES } from "./robot.js";
 import { SILENT_AFTER, StatusView } from "./status.js";
 import { TOOL_TYPES, ToolCommander, ToolPanel } from "./tool.js";
@@ -102,6 +103,7 @@ class Console {
       /** @type {HTMLCanvasElement} */ (byId("avatar-side")), /** @type {HTMLCanvasElement} */ (byId("avatar-top")),
     );
     this._attitude = new AttitudeView((sentence) => this._status.log(sentence, "warning"));
+    this._dosimeter = new DosimeterView((sentence) => this._status.warn(sentence, "alarm"));
     this._pitch = 0; // rad, positive with the nose down
     this._cameras = startCameras(config);
     // What speaks to the robot.
@@ -291,6 +293,7 @@ class Console {
     this._toolCommander.disconnected();
     this._control.disconnected();
     this._health.forget();
+    this._dosimeter.forget();
     this._status.forgetSim();
     this._status.setLinkBand("Connection lost. Everything is released. Reconnecting …");
     this._status.log(`connection lost, everything is released: ${reason}`, "alarm");
@@ -336,10 +339,14 @@ class Console {
       this._attitude.set(stability);
       this._pitch = stability.pitch ?? 0;
     }, JOINTS_PERIOD);
+    this._listen(DOSIMETER.topic, DOSIMETER.type, (reading) => this._dosimeter.set(reading));
     this._listen("sim/status", TYPES.simStatus, (sim) => {
       const status = this._status;
       const wasPaused = status.paused;
-      if (status.isOtherWorld(sim)) this._cameras.newScene();
+      if (status.isOtherWorld(sim)) {
+        this._cameras.newScene();
+        this._dosimeter.forget();
+      }
       status.setSim(sim);
       // What was held before must not go on after it.
       if (status.paused && !wasPaused) this._letGo("the simulation is paused");
@@ -437,6 +444,7 @@ class Console {
     this._clock.show();
     status.fade();
     this._attitude.fade();
+    this._dosimeter.fade(status.paused);
   }
 
   /** Show who moves what. */

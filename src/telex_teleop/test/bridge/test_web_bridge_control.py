@@ -718,6 +718,7 @@ INSTRUCTORS_ONLY = {
         *("cameras/overview/image_raw/compressed", "cameras/overview/view", "/crane/sim/poses"),
         *("/crane/cameras/overview/image_raw/compressed", "/cameras/overview/image_raw"),
         *("sim/malfunctions", "/crane/sim/malfunctions"),
+        *("cameras/radiation", "/crane/cameras/radiation"),
     ),
     "call": (
         *("sim/reset", "sim/pause", "sim/step", "sim/spawn", "sim/load_scene", "sim/list_scenes"),

@@ -183,6 +183,19 @@ def test_heading_gripper_and_link_stand_over_the_picture(robot, page):
     wait_until(lambda: page.text("drive-hud") == "+0.25 m/s 0 °/s")
 
 
+def test_dosimeter_is_read_where_there_is_one(robot, page):
+    dose_rate = page.element("#dose-rate")
+    assert not dose_rate.is_displayed()
+    reading = {"hull_rate": 0.0123, "tool_rate": 11.02, "total": 0.5, "alarm": True}
+    robot.probe.publish("/telex/dosimeter", "telex_msgs/Dosimeter", reading, rate=5)
+    wait_until(dose_rate.is_displayed)
+    assert page.text("dose-rate") == "hull 12.3 mGy/h tool 11.0 Gy/h"
+    assert page.text("dose-total") == "500 mGy DOSE ALARM"
+    assert "dose alarm: hull 12.3 mGy/h" in page.text("log")
+    robot.probe.publish("/telex/dosimeter", "telex_msgs/Dosimeter", reading)
+    wait_until(lambda: not dose_rate.is_displayed())
+
+
 def test_measured_speed_stands_beside_the_commanded_one(robot, page):
     """Both are shown: what the belts run, and what they were told."""
     wait_until(lambda: page.text("speed-hud") == "+0.31 m/s -1 °/s")

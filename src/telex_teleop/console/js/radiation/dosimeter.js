@@ -1,0 +1,48 @@
+// @ts-check
+/** The dosimeter's read-out over the picture: rates of hull and tool, total, alarm. */
+
+import { byId, setText } from "../panels.js";
+import { doseText, rateText } from "./units.js";
+
+export const DOSIMETER = { topic: "dosimeter", type: "telex_msgs/Dosimeter" };
+
+/** Time (ms) without a word after which there is no dosimeter: it speaks five times a second of sim time. */
+const SILENT_AFTER = 2500;
+
+/** @typedef {{hull_rate: number, tool_rate: number | null, total: number, alarm: boolean}} Reading  telex_msgs/Dosimeter. */
+
+export class DosimeterView {
+  /** @param {(sentence: string) => void} warn  Told when the alarm begins. */
+  constructor(warn) {
+    this._warn = warn;
+    this._heard = -Infinity;
+    this._alarm = false;
+  }
+
+  /** @param {Reading} reading */
+  set(reading) {
+    this._heard = performance.now();
+    const { hull_rate: hull, tool_rate: tool, total, alarm } = reading;
+    const rates = [`hull ${rateText(hull)}`, ...(tool === null ? [] : [`tool ${rateText(tool)}`])].join("  ");
+    setText(byId("dose-rate"), rates);
+    setText(byId("dose-total"), `${doseText(total)}${alarm ? "  DOSE ALARM" : ""}`);
+    if (alarm && !this._alarm) this._warn(`dose alarm: ${rates}, total ${doseText(total)}`);
+    this._alarm = alarm;
+    byId("values").dataset.dose = alarm ? "alarm" : "measured";
+  }
+
+  /**
+   * Show nothing where no dosimeter speaks any more; while the simulation is paused it has nothing to say.
+   * @param {boolean} paused
+   */
+  fade(paused) {
+    if (!paused && performance.now() - this._heard > SILENT_AFTER) this.forget();
+  }
+
+  /** Show nothing until it speaks. */
+  forget() {
+    this._heard = -Infinity;
+    this._alarm = false;
+    delete byId("values").dataset.dose;
+  }
+}
