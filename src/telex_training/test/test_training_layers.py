@@ -19,7 +19,14 @@ ANYWHERE = (
     "telex_control.kinematics",
 )
 FURTHER = {
-    "rehearsal": ("telex_sim.offline", "telex_sim.truth", "telex_sim.stability", "telex_teleop"),
+    "rehearsal": (
+        "telex_sim.engine.exposure",
+        "telex_sim.offline",
+        "telex_sim.radiation.messages",
+        "telex_sim.stability",
+        "telex_sim.truth",
+        "telex_teleop",
+    ),
     "replay": (
         "telex_control.urdf",
         "telex_sim.cameras.cameras_config",

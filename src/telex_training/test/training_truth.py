@@ -10,7 +10,14 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple
 import genpy
 from geometry_msgs.msg import Twist
 from std_msgs.msg import String
-from telex_msgs.msg import LinkState, SimStatus, TruthContact, TruthNames, TruthSample
+from telex_msgs.msg import (
+    ComponentDoses,
+    LinkState,
+    SimStatus,
+    TruthContact,
+    TruthNames,
+    TruthSample,
+)
 
 from telex_training.exercises.exercise_file import parse_exercise
 from telex_training.judging.entries import Entry
@@ -180,6 +187,11 @@ class Trial:
         told = {"perfect": profile == "perfect", **fields}
         message = LinkState(profile=profile, since=genpy.Time.from_sec(since), **told)
         return self.feed("link/state", "telex_msgs/LinkState", serialized(message))
+
+    def doses(self, **received: float) -> List[JudgeEvent]:
+        """Tell what components have received (Gy)."""
+        message = ComponentDoses(names=list(received), dose=list(received.values()))
+        return self.feed("sim/doses", "telex_msgs/ComponentDoses", serialized(message))
 
     def input(self, kind: str, **fields: Any) -> List[JudgeEvent]:
         text = json.dumps({"input": kind, **fields})

@@ -6,11 +6,14 @@ import math
 import numpy as np
 import pytest
 
+from telex_control.common.geometry.matrices import rotation_matrix
 from telex_control.common.params import ConfigError
 from telex_sim.engine.exposure import Exposure
 from telex_sim.offline.simulation import OfflineSimulation, robot_description
+from telex_sim.radiation.dosimetry import Collimator
 from telex_sim.radiation.nuclides import NUCLIDES, attenuation
 from telex_sim.scene.files.scene_file import SceneError
+from telex_sim.scene.robot_in_scene import robot_description as variant_description
 
 pytestmark = pytest.mark.slow
 
@@ -168,6 +171,40 @@ class TestExposure:
             assert exposure.observe(simulation).cameras == ()
 
 
+class TestDetector:
+    def test_it_sees_what_it_points_at_and_is_read_without_sources(self, started):
+        probe = variant_description("inspection")
+        offline = OfflineSimulation(probe, world="name: calm\nobjects: []\n")
+        simulation, exposure = offline.simulation, exposed(offline.simulation)
+        try:
+            calm = exposure.observe(simulation)
+            assert (calm.tool_rate, calm.detector) == (0.0, "detector_link")
+            position, orientation = simulation.body.pose("detector_link")
+            axis = rotation_matrix(orientation)[:, 0]
+            rates = []
+            for sign in (1.0, -1.0):
+                place = np.array(position) + sign * 2.0 * axis
+                simulation.spawn(
+                    simulation.plan(
+                        "{type: custom, name: source, static: true, position: "
+                        f"{place.tolist()}, links: [{{name: a, source: {{nuclide: Co-60, "
+                        f"activity: {ACTIVITY}}}, parts: [{{sphere: 0.01, solid: false}}]}}]}}"
+                    )
+                )
+                rates.append(exposure.observe(simulation).tool_rate)
+                simulation.delete("source")
+            assert rates[0] == pytest.approx(unshielded(2.0), rel=1e-6)
+            assert rates[1] == pytest.approx(0.05 * unshielded(2.0), rel=1e-6)
+        finally:
+            simulation.close()
+
+    def test_half_counts_at_the_half_angle(self):
+        shield = Collimator(0.3, 0.1)
+        ways = np.array([[np.cos(a), np.sin(a), 0.0] for a in (0.0, 0.3, 1.2, np.pi)])
+        found = shield.response(2.0 * ways, np.array([1.0, 0.0, 0.0]))
+        assert found == pytest.approx([1.0, 0.55, 0.1 + 0.9 * 2.0**-16, 0.1], rel=1e-6)
+
+
 class TestFiles:
     @pytest.mark.parametrize(
         ("entry", "message"),
@@ -186,6 +223,14 @@ class TestFiles:
     def test_refuse_what_makes_no_sense(self, started, entry, message):
         with pytest.raises((ConfigError, SceneError), match=message):
             started(f"name: wrong\nobjects:\n  - {entry}\n")
+
+    def test_any_entry_carries_a_source(self, started):
+        given = f"source: {{nuclide: Co-60, activity: {ACTIVITY}}}"
+        field = started(
+            f"name: hot\nobjects:\n  - {{type: cube, edge: 0.1, position: [3, 0, 0], {given}}}\n"
+        ).simulation.radiation
+        found = float(field.rates(np.array([[1.0, 0.0, 0.05]]))[0])
+        assert found == pytest.approx(unshielded(2.0), rel=1e-4)
 
     def test_custom_objects_carry_sources_and_shields(self, started):
         field = started(

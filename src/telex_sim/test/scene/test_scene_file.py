@@ -350,7 +350,7 @@ def test_types_keep_the_rules_of_the_library():
         assert name == name.lower()
         assert name.isidentifier()
         assert kind.__doc__
-    assert set(RESERVED) == {"type", "name", "position", "yaw", "rpy", "shield"}
+    assert set(RESERVED) == {"type", "name", "position", "yaw", "rpy", "shield", "source"}
 
 
 def test_the_examples_of_the_documentation_are_right(folder):

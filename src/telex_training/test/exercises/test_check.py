@@ -60,7 +60,12 @@ def test_nothing_is_found_where_all_is_well_but_what_is_beyond_the_robots_reach(
         (step("{latch: {object: plug, joint: top}}"), "plug has the latches: latch"),
         (step("{touches: {object: door, group: nose}}"), "group is 'nose'; base, tracks, arm"),
         (step("{answered: {question: ring}}"), "question is 'ring'; there are: none"),
-        (step("{dose: {what: robot, above: 1}}"), "until/dose: not measured by this version"),
+        (step("{dose: {what: robot, above: 1}}"), "until/dose: the scene has no source"),
+        (BEGIN + STEPS + "metrics: {dose: {}}", "metrics/dose: the scene has no source; `sources`"),
+        (
+            BEGIN + STEPS + "sources: [{object: rock, nuclide: Co-60, activity: 1}]",
+            "sources[0]/object: the scene has no entry of the name 'rock'",
+        ),
         (BEGIN + STEPS + "vary: [{object: rock}]", "scene: vary[0]/object: the scene has no entry"),
         (BEGIN + STEPS + "contacts: {allowed: [[nose, cube]]}", "contacts/allowed: group is 'n"),
         (BEGIN + STEPS + "contacts: {allowed: [[any, rock]]}", "contacts/allowed: object is 'r"),
@@ -83,11 +88,6 @@ def test_what_nothing_could_measure_is_named(more, said):
 @pytest.mark.parametrize(
     ("more", "said"),
     [
-        ("history: {arm_camera: 40}\n", "note: history: not measured by this version"),
-        (
-            "faults: [{name: a, when: {dose: {what: robot, above: 2}}}]\n",
-            "note: faults[0] (a)/when/dose: not measured by this version",
-        ),
         ("questions: [{name: a, ask: b}]\n", "note: questions (a): neither of nor answer"),
     ],
 )
@@ -119,7 +119,8 @@ def test_what_holds_in_some_settings_alone_is_said_with_them():
 
 def test_what_the_variant_lacks_and_a_robot_without_room_are_named():
     more = step("{all: [{held: {object: cube}}, {joint: {object: robot, joint: j, above: 0}}]}")
-    found = findings(more + "variant: carrier\n", with_robot=True)
+    found = findings(more + "variant: carrier\nhistory: {arm: 3}\n", with_robot=True)
+    assert any(x.startswith("history/arm: it is 'arm', and there are robot, ") for x in found)
     assert any("held: it needs a gripper, which the variant 'carrier' lacks" in x for x in found)
     assert any("joint: it needs the joint 'j'" in x for x in found)
     found = findings(BEGIN + STEPS + "start: {x: 3.9}\n", with_robot=True)

@@ -84,7 +84,7 @@ link: 300
 malfunctions: [{when: {elapsed: 5}, what: arm, kind: frozen, announced: true}]
 sources: [{object: capsule, nuclide: Co-60, activity: 3.7e13}]
 limits: {dose: {robot: 2}}
-history: {arm_camera: 40}
+history: {arm: 40}
 """
     ).first
     assert made.modes == ("exam",)
@@ -100,7 +100,10 @@ history: {arm_camera: 40}
     assert made.link == Link(fields={"delay": 0.3})
     assert made.malfunctions[0].failure == Failure("arm", "frozen", announced=True)
     assert made.malfunctions[0].when.of.seconds == 5.0
-    assert made.reserved.given == ("sources", "limits", "history")
+    assert made.radiation.sources[0].activity == 3.7e13
+    assert made.radiation.history == {"arm": 40.0}
+    assert [fault.name for fault in made.faults] == ["tipped", "dose of robot"]
+    assert made.faults[1].when.of.above == 2.0
 
 
 @pytest.mark.parametrize(
@@ -140,6 +143,21 @@ history: {arm_camera: 40}
         (LEAST + "begin: {elapsed: soon}", "begin/elapsed is 'soon'; a number is needed"),
         (LEAST + "begin: {event: {name: rain}}", "begin/event: name is 'rain'; answer,"),
         (LEAST + "begin: {joint: {object: a, joint: b}}", "neither above nor below is given"),
+        (
+            LEAST + "sources: [{object: a, nuclide: U-235, activity: 1}]",
+            "sources[0]: nuclide is 'U-235'; Co-60, Cs-137, Ir-192",
+        ),
+        (
+            LEAST + "sources: [{object: a, nuclide: Co-60, activity: .nan}]",
+            "sources[0]/activity is nan",
+        ),
+        (
+            LEAST + "sources: [" + ",".join(2 * ["{object: a, nuclide: Co-60, activity: 1}"]) + "]",
+            "sources[1]/object is 'a'; it has a source already",
+        ),
+        (LEAST + "limits: {force: 1}", "limits/force is unknown; known is dose"),
+        (LEAST + "limits: {dose: {robot: 0}}", "limits/dose/robot is 0.0; above 0 (Gy)"),
+        (LEAST + "history: {arm: -1}", "history/arm is -1.0; 0 or more (Gy)"),
         (LEAST + "mode: [test]", "mode is ['test']; practice and exam"),
         (LEAST + "seed: {exam: -1}", "seed/exam is '-1'; a whole number from 0, or drawn"),
         (LEAST + "seed: {practice: drawn}", "seed/practice is drawn; practice has a fixed one"),
@@ -164,7 +182,10 @@ history: {arm_camera: 40}
         (LEAST + "a: &x 1\nb: *x", "anchors and aliases"),
         (LEAST + "title: one\ntitle: two", "'title' stands twice"),
         (LEAST + "limits: {dose: {robot: -1}}", "limits/dose/robot is -1.0"),
-        (LEAST + "sources: [{object: a, nuclide: b, activity: 0}]", "activity is 0.0; it must be"),
+        (
+            LEAST + "sources: [{object: a, nuclide: Co-60, activity: 0}]",
+            "activity is 0.0; it must be",
+        ),
         (LEAST + "questions: [{name: a, ask: ''}]", "ask is ''"),
         (LEAST + "title: " + "x" * 100, "title is"),
         ("x" * 300_000, "it has 300000 bytes; at most 200000 are read"),

@@ -217,3 +217,44 @@ def test_what_the_stream_does_not_know_does_not_hold():
     made = trial("{any: [{dose: {what: robot, above: 0}}, {inside: {what: tool, zone: goal}}]}")
     made.sample(3)
     assert not done(made)
+
+
+def test_dose_counts_from_the_begin_of_the_repetition():
+    made = trial("{dose: {what: arm, above: 0.5}}")
+    made.doses(robot=1.0, arm=40.0)
+    made.sample()
+    made.doses(robot=9.0, arm=40.5)
+    made.sample()
+    assert not done(made)
+    made.doses(robot=9.0, arm=40.51)
+    made.sample()
+    assert done(made)
+
+
+def test_a_limit_of_dose_is_a_fault():
+    made = trial("{elapsed: 60}", "limits: {dose: {robot: 2}}")
+    made.doses(robot=5.0)
+    made.sample(2)
+    made.doses(robot=7.1)
+    made.sample()
+    assert [event.name for event in made.events if event.event == "fault"] == ["dose of robot"]
+
+
+def test_dose_is_a_metric_of_a_component():
+    made = trial(
+        "{dose: {what: robot, above: 1}}", "metrics: {dose: {}, arm: {kind: dose, object: arm}}"
+    )
+    made.doses(robot=0.5, arm=40.0)
+    made.sample()
+    made.doses(robot=1.75, arm=40.25)
+    made.sample()
+    made.input("abort")
+    figures = {each["name"]: each["value"] for each in made.judge.sheet()["metrics"]}
+    assert figures == {"dose": 1.25, "arm": 0.25}
+
+
+@pytest.mark.parametrize("received", [math.nan, -1.0, math.inf])
+def test_a_dose_that_is_none_makes_the_trial_invalid(received):
+    made = trial("{dose: {what: robot, above: 0}}")
+    made.doses(robot=received)
+    assert "sim/doses: a dose is" in made.judge.sheet()["invalid_because"][0]

@@ -8,6 +8,8 @@ from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Tup
 
 import numpy as np
 
+from telex_control.common.geometry.matrices import rotation_matrix
+
 from ..radiation.dosimetry import ROBOT, Doses
 from ..robot.robot import Robot
 from ..scene.objects.irradiation import SceneField
@@ -16,8 +18,8 @@ from .simulation import Simulation
 _log = logging.getLogger("rosout")
 
 
-class CameraReading(NamedTuple):
-    """Of one camera: dose rate (Gy/h), dose (Gy), and whether it has died of it."""
+class ComponentReading(NamedTuple):
+    """Of one part: dose rate (Gy/h), dose (Gy), and whether it has died of it."""
 
     name: str
     dose_rate: float
@@ -26,30 +28,39 @@ class CameraReading(NamedTuple):
 
 
 class Readings(NamedTuple):
-    """What a dosimeter and the cameras would tell.
+    """What a dosimeter and the parts of a robot would tell.
 
     Attributes
     ----------
     hull_rate, tool_rate : float
         Gy/h; that of the tool is nan where the robot has none that measures.
+    detector : str
+        Link of the shielded detector that measures the tool's rate; empty: it has no shield.
     total : float
         Of the hull (Gy).
     alarm : bool
         A rate or the total is above what the dosimeter warns of.
-    cameras : tuple of CameraReading
+    cameras : tuple of ComponentReading
     """
 
     hull_rate: float
     tool_rate: float
+    detector: str
     total: float
     alarm: bool
-    cameras: Tuple[CameraReading, ...]
+    cameras: Tuple[ComponentReading, ...]
+
+    @property
+    def components(self) -> Tuple[ComponentReading, ...]:
+        """All parts whose dose is known: the hull, and the cameras."""
+        return (ComponentReading(ROBOT, self.hull_rate, self.total, False), *self.cameras)
 
 
 class Exposure:
     """Sums up what a robot receives; in the simulation's thread.
 
-    Nothing is computed in scenes that have neither sources nor a history of dose.
+    Nothing is computed in scenes that have neither sources nor a history of dose, but for a robot
+    with a detector, whose dosimeter is read everywhere.
 
     Parameters
     ----------
@@ -67,6 +78,7 @@ class Exposure:
         self._lives: Dict[str, float] = {}
         self._links: List[str] = []
         self._doses: Optional[Doses] = None
+        self._detector = ""
         self._dead: List[str] = []
 
     def observe(self, simulation: Simulation) -> Optional[Readings]:
@@ -98,7 +110,8 @@ class Exposure:
         self._begun = simulation.starts
         history = {**self._robot.config.dosimetry.history, **simulation.scene.history}
         self._doses = None
-        if field is not None or history:
+        detector = self._robot.config.dosimetry.detector
+        if field is not None or history or detector in self._robot.body.link_names():
             self._take_up(history)
 
     def _take_up(self, history: Mapping[str, float]) -> None:
@@ -110,8 +123,9 @@ class Exposure:
         hull = dosimetry.hull if dosimetry.hull in links else robot.body.base_link
         self._links = [hull, *self._cameras.values()]
         received = [history.get(name, 0.0) for name in (ROBOT, *self._cameras)]
-        if dosimetry.tool in links:
-            self._links.append(dosimetry.tool)
+        self._detector = dosimetry.detector if dosimetry.detector in links else ""
+        if self._detector or dosimetry.tool in links:
+            self._links.append(self._detector or dosimetry.tool)
             received.append(0.0)
         self._doses, self._dead = Doses(received), []
         for link in dosimetry.lacking(links):
@@ -132,8 +146,14 @@ class Exposure:
     def _rates(self, field: Optional[SceneField]) -> np.ndarray:
         if field is None:
             return np.zeros(len(self._links))
-        body = self._robot.body
-        return field.rates(np.array([body.pose(link)[0] for link in self._links]))
+        poses = [self._robot.body.pose(link) for link in self._links]
+        rates = field.source_rates(np.array([position for position, _ in poses]))
+        if self._detector:
+            position, orientation = poses[-1]
+            axis = rotation_matrix(orientation)[:, 0]
+            ways = field.source_positions - np.array(position)
+            rates[:, -1] *= self._robot.config.dosimetry.collimator.response(ways, axis)
+        return rates.sum(axis=0)
 
     def _readings(self, doses: Doses) -> Readings:
         rates, received = doses.rates.tolist(), doses.doses.tolist()
@@ -144,10 +164,11 @@ class Exposure:
         return Readings(
             rates[0],
             tool,
+            self._detector,
             received[0],
             high or received[0] > dosimetry.alarm_dose,
             tuple(
-                CameraReading(name, rate, dose, dose >= self._lives[name])
+                ComponentReading(name, rate, dose, dose >= self._lives[name])
                 for name, rate, dose in zip(self._cameras, rates[1:], received[1:])
             ),
         )

@@ -26,6 +26,49 @@ def require_history(history: Mapping[str, float]) -> None:
 
 
 @dataclass(frozen=True)
+class Collimator:
+    """Shield around a detector, open along an axis.
+
+    What comes at the angle a from the axis counts by leak + (1 - leak) 2^-(a / half_angle)^2.
+
+    Attributes
+    ----------
+    half_angle : float
+        From the axis, at which the opening passes half (rad).
+    leak : float
+        Share that passes the shield from all around.
+    """
+
+    half_angle: float = 0.35
+    leak: float = 0.05
+
+    def __post_init__(self) -> None:
+        require_range(self, "half_angle", 0.01, 3.2)
+        require_range(self, "leak", 0.0, 1.0)
+
+    def response(self, ways: np.ndarray, axis: np.ndarray) -> np.ndarray:
+        """Share that counts of what comes from sources.
+
+        Parameters
+        ----------
+        ways : numpy.ndarray
+            From the detector to the sources, shape (S, 3) (m).
+        axis : numpy.ndarray
+            Unit vector, shape (3,).
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (S,).
+        """
+        along = ways @ axis
+        across = np.linalg.norm(ways - along[:, None] * axis, axis=1)
+        angles = np.arctan2(across, along)
+        opening: np.ndarray = (1.0 - self.leak) * 2.0 ** -((angles / self.half_angle) ** 2)
+        return self.leak + opening
+
+
+@dataclass(frozen=True)
 class DosimetryConfig:
     """Where a robot's dose is measured, and what it does.
 
@@ -37,6 +80,10 @@ class DosimetryConfig:
     hull, tool : str
         Links in whose origins the dosimeter measures; empty, or of another robot: the root link,
         and no tool.
+    detector : str
+        Link of a shielded detector, which measures along its x axis, by `Collimator`; on a robot
+        that has it, it takes the tool's place, and the dosimeter is read everywhere.
+    collimator : Collimator
     alarm_rate : float
         Dose rate of hull or tool from which the dosimeter warns (Gy/h).
     alarm_dose : float
@@ -54,6 +101,8 @@ class DosimetryConfig:
     rate: float = 10.0
     hull: str = ""
     tool: str = ""
+    detector: str = ""
+    collimator: Collimator = field(default_factory=Collimator)
     alarm_rate: float = 1.0
     alarm_dose: float = 10.0
     history: Dict[str, float] = field(default_factory=dict)

@@ -125,12 +125,17 @@ class Field:
         numpy.ndarray
             Shape (P,) (Gy/h).
         """
+        return self.source_rates(points).sum(axis=0)
+
+    def source_rates(self, points: np.ndarray) -> np.ndarray:
+        """Air-kerma rate of each source at points; as `rates`, of shape (S, P)."""
         ways = points[None, :, :] - self.positions[:, None, :]
         squares = np.maximum(np.einsum("spi,spi->sp", ways, ways), NEAREST**2)
         unshielded: np.ndarray = self._strengths[:, None] / squares
         if not len(self._radii) or not unshielded.size:
-            return unshielded.sum(axis=0)
-        return (unshielded * np.exp(-self._depths(ways))).sum(axis=0)
+            return unshielded
+        shielded: np.ndarray = unshielded * np.exp(-self._depths(ways))
+        return shielded
 
     def _depths(self, ways: np.ndarray) -> np.ndarray:
         """Sum of mu d along the way of each ray; `ways`: shape (S, P, 3), from the sources."""

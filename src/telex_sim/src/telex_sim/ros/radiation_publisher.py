@@ -1,12 +1,13 @@
-"""The topics ``dosimeter`` and ``cameras/radiation`` of one robot."""
+"""The topics ``dosimeter``, ``cameras/radiation`` and ``sim/doses`` of one robot."""
 
 from __future__ import annotations
 
 import rospy
-from telex_msgs.msg import CameraRadiation, Dosimeter
+from telex_msgs.msg import CameraRadiation, ComponentDoses, Dosimeter
 
 from ..engine.exposure import Exposure
 from ..engine.simulation import Simulation
+from ..radiation.messages import doses_message
 from ..robot.robot import Robot
 
 
@@ -32,6 +33,7 @@ class RadiationPublisher:
         self._cameras = rospy.Publisher(
             f"{namespace}/cameras/radiation", CameraRadiation, queue_size=1, latch=True
         )
+        self._doses = rospy.Publisher(f"{namespace}/sim/doses", ComponentDoses, queue_size=1)
 
     def publish(self, simulation: Simulation, stamp: rospy.Time) -> None:
         """Expose the robot to the field until now; every second time, and at a start, tell it.
@@ -57,14 +59,18 @@ class RadiationPublisher:
         dosimeter = Dosimeter(
             hull_rate=readings.hull_rate,
             tool_rate=readings.tool_rate,
+            detector=readings.detector,
             total=readings.total,
             alarm=readings.alarm,
         )
-        cameras.header.stamp = dosimeter.header.stamp = stamp
+        doses = doses_message(readings.components)
+        cameras.header.stamp = dosimeter.header.stamp = doses.header.stamp = stamp
         self._cameras.publish(cameras)
         self._dosimeter.publish(dosimeter)
+        self._doses.publish(doses)
 
     def close(self) -> None:
         """Take the topics back."""
         self._dosimeter.unregister()
         self._cameras.unregister()
+        self._doses.unregister()

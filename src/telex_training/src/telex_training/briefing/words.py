@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any, Callable, Dict, List, Optional, Sequence
 
 from ..exercises.conditions import (
+    ELECTRONICS,
     ROBOT,
     TOOL,
     Answered,
@@ -199,7 +200,10 @@ def _answered(of: Answered, holds: bool) -> str:
 
 
 def _dose(of: Dose, holds: bool) -> str:
-    return f"{_subject(of.what)} has received {'' if holds else 'no '}more than {of.above:g} Gy"
+    of_camera = "" if of.what in (ROBOT, *ELECTRONICS) else " camera"
+    have = "have" if of.what in ELECTRONICS else "has"
+    more = f"{have} received {'' if holds else 'no '}more than {of.above:g} Gy"
+    return f"{_subject(of.what)}{of_camera} {more}"
 
 
 def _elapsed(of: Elapsed, holds: bool) -> str:

@@ -27,7 +27,6 @@ from .seeds import scene_of, scene_text
 
 GROUPS = ("base", "tracks", "arm", "gripper")
 """Groups of the robot's links that the simulator tells contacts of."""
-NOT_MEASURED = "not measured by this version"
 _ANOTHER_ROBOT = "another robot"
 _HEIGHT = 0.112
 """Of base_link above the ground where it starts (m)."""
@@ -117,16 +116,11 @@ class _Checker:
             for part in condition.walk():
                 for text in self._condition(part):
                     yield Finding(f"{where}/{part.kind}", text)
-                if part.kind == "dose":
-                    yield Finding(
-                        f"{where}/dose", NOT_MEASURED, where.startswith(("begin", "steps"))
-                    )
         yield from self._names()
         yield from self._start()
         yield from self._questions()
+        yield from self._doses()
         yield from self._hints()
-        for key in self._exercise.reserved.given:
-            yield Finding(key, NOT_MEASURED, wrong=False)
 
     def _zones(self) -> Iterator[Finding]:
         half = 0.5 * self._scene.floor.size
@@ -233,6 +227,8 @@ class _Checker:
                 yield Finding("put_back/objects", f"{self._unknown(name)}, and {ALL}")
         for metric in exercise.metrics:
             where = f"metrics/{metric.name}"
+            if metric.kind == "dose":
+                continue
             if metric.object and metric.object not in (FLOOR, *self._objects):
                 yield Finding(f"{where}/object", self._unknown(metric.object))
             timed = any(m.kind == "time" and m.expert is not None for m in exercise.metrics)
@@ -240,9 +236,20 @@ class _Checker:
                 yield Finding(where, "metrics/time/expert is missing: there is no expert's rate")
             if metric.kind == "answers" and not exercise.questions:
                 yield Finding(where, "the exercise asks no questions")
-        for source in exercise.reserved.sources:
-            if source.object not in self._objects:
-                yield Finding("sources", self._unknown(source.object))
+
+    def _doses(self) -> Iterator[Finding]:
+        """Doses are only told where something radiates, or has."""
+        links = [link for item in self._scene.objects for link in item.model.links]
+        if any(link.source is not None for link in links):
+            return
+        exercise = self._exercise
+        without = "the scene has no source; `sources` puts one on an object"
+        for where, condition in exercise.conditions():
+            if any(part.kind == "dose" for part in condition.walk()):
+                yield Finding(f"{where}/dose", without)
+        for metric in exercise.metrics:
+            if metric.kind == "dose":
+                yield Finding(f"metrics/{metric.name}", without)
 
     def _start(self) -> Iterator[Finding]:
         """The clock must not begin before anybody has done anything."""

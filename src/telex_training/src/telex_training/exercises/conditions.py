@@ -15,6 +15,8 @@ from telex_control.common.params import ConfigError, read_struct, read_value, re
 
 ROBOT, TOOL = "robot", "tool"
 FLOOR = "floor"
+ELECTRONICS = ("arm_electronics", "drive_electronics")
+"""Components that receive doses, beside the robot and its cameras."""
 MOST_PARTS = 200
 """Kinds that one condition may be composed of."""
 _LONGEST = 3600.0
@@ -151,7 +153,7 @@ class Answered:
 
 @dataclass(frozen=True)
 class Dose:
-    """What received more than `above` (Gy); not measured by this version."""
+    """A component has received more than `above` (Gy) in this repetition."""
 
     what: str
     above: float

@@ -33,8 +33,8 @@ from .model import (
     Penalty,
     PutBack,
     Question,
+    Radiation,
     Repetitions,
-    Reserved,
     SceneSource,
     Seeds,
     Source,
@@ -54,7 +54,6 @@ _DRAWN = "drawn"
 _LARGEST_SEED = 2**63 - 1
 _CONDITIONS = ("begin", "until", "when")
 _SCENE_CHANGES = ("floor", "lights", "start", "objects")
-_RESERVED = ("sources", "limits", "history")
 KEYS = (
     "name",
     "title",
@@ -82,7 +81,9 @@ KEYS = (
     "controls",
     "link",
     "malfunctions",
-    *_RESERVED,
+    "sources",
+    "limits",
+    "history",
 )
 """What an exercise file may have on its top level."""
 
@@ -250,6 +251,7 @@ def _exercise(
     for zone in zones:
         require_name(zone, "name of a zone")
     folder = Path(os.path.abspath(path)).parent
+    radiation = _radiation(content)
     return Exercise(
         path=path,
         sha256=digest,
@@ -269,7 +271,7 @@ def _exercise(
         any_order=read_value(bool, content.get("any_order", False), "any_order"),
         repetitions=read_struct(Repetitions, struct_of(content, "repetitions"), "repetitions"),
         put_back=read_struct(PutBack, struct_of(content, "put_back"), "put_back"),
-        faults=_named(content, "faults", _fault),
+        faults=_distinct((*_named(content, "faults", _fault), *radiation.faults()), "faults"),
         penalties=_named(content, "penalties", _penalty),
         contacts=read_struct(Contacts, struct_of(content, "contacts"), "contacts"),
         questions=_distinct(structs_of(content, "questions", Question), "questions"),
@@ -278,7 +280,7 @@ def _exercise(
         hints=_hints(content),
         controls=_controls(content),
         malfunctions=_malfunctions(content),
-        reserved=_reserved(content),
+        radiation=radiation,
         link=_link(content),
     )
 
@@ -448,21 +450,15 @@ def _link(content: Mapping[str, Any]) -> Optional[Link]:
     return Link(profile, fields)
 
 
-def _reserved(content: Mapping[str, Any]) -> Reserved:
-    doses = {}
+def _radiation(content: Mapping[str, Any]) -> Radiation:
+    limits: Dict[str, float] = {}
     for key, given in struct_of(content, "limits").items():
         require(key == "dose", f"limits/{key} is unknown; known is dose")
-        doses = read_value(Dict[str, float], given, "limits/dose")
-    history = read_value(Dict[str, float], struct_of(content, "history"), "history")
-    for key, values in (("limits/dose", doses), ("history", history)):
-        for name, value in values.items():
-            require(value >= 0.0, f"{key}/{name} is {value}; 0 or more (Gy) is needed")
-    given_keys = tuple(key for key in _RESERVED if content.get(key))
-    return Reserved(
+        limits = read_value(Dict[str, float], given, "limits/dose")
+    return Radiation(
         structs_of(content, "sources", Source),
-        doses,
-        history,
-        given_keys,
+        limits,
+        read_value(Dict[str, float], struct_of(content, "history"), "history"),
     )
 
 

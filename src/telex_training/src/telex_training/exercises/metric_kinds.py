@@ -54,6 +54,7 @@ KINDS: Dict[str, MetricKind] = {
     "pushing": MetricKind("s", "contact beyond the first 0.2 s", over=WORST, of_object=True),
     "drops": MetricKind("", "drops", over=WORST, of_object=True),
     "slip": MetricKind("m", "slip of what is held", over=WORST, of_object=True),
+    "dose": MetricKind("Gy", "dose received", over=WORST, of_object=True),
     "base_path": MetricKind("m", "path of the base"),
     "tool_path": MetricKind("m", "path of the tool"),
     "base_path_ratio": MetricKind("", "path of the base to the expert's", needs_length=True),

@@ -10,8 +10,9 @@ from typing import Any, Dict, Iterator, Mapping, Optional, Tuple
 from telex_control.common.params import require, require_choice, require_range
 from telex_sim.malfunctions.kinds import names_of_kinds
 from telex_sim.scene.model import LARGEST, ORIGIN, Vector3, require_name
+from telex_sim.scene.model import Source as Emitter
 
-from .conditions import Condition
+from .conditions import Condition, Dose
 from .metric_kinds import KINDS, OVERS
 
 PRACTICE, EXAM = "practice", "exam"
@@ -370,14 +371,51 @@ class SceneSource:
 
 @dataclass(frozen=True)
 class Source:
-    """A radiating object; `activity` in Bq. Not measured by this version."""
+    """An object of the scene that is made to radiate; `activity` in Bq."""
 
     object: str
     nuclide: str
     activity: float
 
     def __post_init__(self) -> None:
-        require_range(self, "activity", above=0.0)
+        Emitter(self.nuclide, self.activity)  # refuses what it cannot be
+
+
+@dataclass(frozen=True)
+class Radiation:
+    """Radiation that the exercise adds to its scene, and what may be received of it.
+
+    Attributes
+    ----------
+    sources : tuple of Source
+    limits : dict of str to float
+        Dose of a repetition from which it is spoilt, by component (Gy).
+    history : dict of str to float
+        Dose received before, by component (Gy).
+    """
+
+    sources: Tuple[Source, ...] = ()
+    limits: Dict[str, float] = field(default_factory=dict)
+    history: Dict[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        objects = [source.object for source in self.sources]
+        for i, name in enumerate(objects):
+            require(
+                name not in objects[:i],
+                f"sources[{i}]/object is '{name}'; it has a source already",
+            )
+        for component, limit in self.limits.items():
+            require(limit > 0.0, f"limits/dose/{component} is {limit}; above 0 (Gy) is needed")
+        for component, dose in self.history.items():
+            require(dose >= 0.0, f"history/{component} is {dose}; 0 or more (Gy) is needed")
+
+    def faults(self) -> Tuple[Fault, ...]:
+        """The limits as faults."""
+        return tuple(
+            Fault(f"dose of {name.replace('_', ' ')}", Condition("dose", Dose(name, limit)))
+            for name, limit in self.limits.items()
+        )
 
 
 @dataclass(frozen=True)
@@ -448,27 +486,6 @@ class Link:
 
 
 @dataclass(frozen=True)
-class Reserved:
-    """Keys that are read, and that this version does nothing with.
-
-    Attributes
-    ----------
-    sources : tuple of Source
-    limits : dict of str to float
-        Dose by part of the robot (Gy).
-    history : dict of str to float
-        Dose that parts have received already (Gy).
-    given : tuple of str
-        Those of these keys that the file has and that ask for something.
-    """
-
-    sources: Tuple[Source, ...] = ()
-    limits: Dict[str, float] = field(default_factory=dict)
-    history: Dict[str, float] = field(default_factory=dict)
-    given: Tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
 class Exercise:
     """An exercise in one of its settings; docs/instructor/exercises.md describes the keys.
 
@@ -515,7 +532,7 @@ class Exercise:
     hints: Tuple[Hint, ...]
     controls: Tuple[str, ...]
     malfunctions: Tuple[Malfunction, ...]
-    reserved: Reserved
+    radiation: Radiation
     link: Optional[Link]
 
     def conditions(self) -> Iterator[Tuple[str, Condition]]:

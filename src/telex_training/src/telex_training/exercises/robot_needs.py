@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Iterator, Tuple
+from typing import Iterator, Set, Tuple
 
 from telex_control.kinematics.urdf_tree import UrdfTree
 
-from .conditions import ROBOT, TOOL
+from .conditions import ELECTRONICS, ROBOT, TOOL
 from .metric_kinds import KINDS
 from .model import Exercise
 
 _TOOL_LINK, _FINGER_LINK = "tool_link", "left_finger_tip_link"
+_OPTICAL = "_camera_optical_frame"
 _OF_TOOL = ("tool_path", "tool_path_ratio", "sparc", "slip")
 
 
@@ -34,6 +35,28 @@ def lacking(exercise: Exercise, urdf: str) -> Iterator[Tuple[str, str]]:
             robot = part.kind == "joint" and part.of.object == ROBOT
             if robot and part.of.joint not in joints:
                 yield f"{where}/joint", f"it needs the joint '{part.of.joint}'"
+    yield from _unknown_components(exercise, links)
     for metric in exercise.metrics:
         if metric.kind in _OF_TOOL and _TOOL_LINK not in links:
             yield f"metrics/{metric.name}", f"{KINDS[metric.kind].text}: it needs a tool"
+
+
+def _unknown_components(exercise: Exercise, links: Set[str]) -> Iterator[Tuple[str, str]]:
+    """Components whose dose is asked for, and that nothing would tell the dose of."""
+    asked = [
+        (f"{where}/dose/what", part.of.what)
+        for where, condition in exercise.conditions()
+        for part in condition.walk()
+        if part.kind == "dose"
+    ]
+    asked += [
+        (f"metrics/{metric.name}/object", metric.object or ROBOT)
+        for metric in exercise.metrics
+        if metric.kind == "dose"
+    ]
+    asked += [(f"history/{name}", name) for name in exercise.radiation.history]
+    cameras = sorted(link[: -len(_OPTICAL)] for link in links if link.endswith(_OPTICAL))
+    known = (ROBOT, *ELECTRONICS, *cameras)
+    for where, name in asked:
+        if name not in known:
+            yield where, f"it is '{name}', and there are {', '.join(known)}: a component"

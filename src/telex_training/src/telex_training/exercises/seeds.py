@@ -21,7 +21,7 @@ from telex_sim.scene.model import Scene
 
 from .conditions import ROBOT
 from .exercise_file import ExerciseError, merged
-from .model import Exercise, Vary
+from .model import Exercise, Radiation, Vary
 
 _ADDRESSES = ("mesh", "texture")
 Change = Tuple[float, float, float, float]
@@ -86,6 +86,7 @@ def scene_text(
     try:
         content = _base(exercise, find)
         _lay_over(content, exercise.scene.changes)
+        _irradiate(content, exercise.radiation)
         for i, (entry, change) in enumerate(zip(exercise.vary, drawn_changes(exercise.vary, seed))):
             _move(content, entry.object, change, f"vary[{i}]/object")
         for name, token in (sealed or {}).items():
@@ -155,6 +156,15 @@ def _lay_over(content: Dict[str, Any], changes: Mapping[str, Any]) -> None:
         for name, values in change.items():
             index = _entry(content, name, f"objects/{name}")
             content["objects"][index] = merged(content["objects"][index], values)
+
+
+def _irradiate(content: Dict[str, Any], radiation: Radiation) -> None:
+    for i, source in enumerate(radiation.sources):
+        index = _entry(content, source.object, f"sources[{i}]/object")
+        given = {"nuclide": source.nuclide, "activity": source.activity}
+        content["objects"][index] = {**content["objects"][index], "source": given}
+    if radiation.history:
+        content["history"] = merged(content.get("history") or {}, radiation.history)
 
 
 def _entry(content: Mapping[str, Any], name: str, where: str) -> int:

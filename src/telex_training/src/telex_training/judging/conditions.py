@@ -11,6 +11,7 @@ from telex_control.common.geometry.quaternions import Vector3, invert, rotate
 from ..exercises import conditions as data
 from ..exercises.conditions import ROBOT, Condition
 from ..exercises.model import Zone
+from .doses import DoseRecord
 from .truth import Contact, World
 
 SLACK = 1e-6
@@ -35,6 +36,7 @@ class Context:
         Answered questions, and whether rightly; None: nobody knows.
     counts : dict of str to int
         Events of this repetition.
+    doses : DoseRecord
     """
 
     world: World
@@ -44,6 +46,7 @@ class Context:
     places: Dict[str, Vector3] = field(default_factory=dict)
     answers: Dict[str, Optional[bool]] = field(default_factory=dict)
     counts: Dict[str, int] = field(default_factory=dict)
+    doses: DoseRecord = field(default_factory=DoseRecord)
 
     def within(self, what: str, zone: str) -> bool:
         """Whether something is in a zone; not, where either is not known."""
@@ -244,8 +247,12 @@ def _event(given: data.Event) -> Test:
     return lambda context: context.counts.get(given.name, 0) >= given.count
 
 
-def _never(given: data.Dose) -> Test:
-    return lambda context: False
+def _dose(given: data.Dose) -> Test:
+    def test(context: Context) -> bool:
+        received = context.doses.received(given.what)
+        return received is not None and received > given.above
+
+    return test
 
 
 _TESTS: Dict[str, Callable[[Any], Test]] = {
@@ -259,7 +266,7 @@ _TESTS: Dict[str, Callable[[Any], Test]] = {
     "tilted": _tilted,
     "moved": _moved,
     "answered": _answered,
-    "dose": _never,
+    "dose": _dose,
     "elapsed": _elapsed,
     "event": _event,
 }

@@ -13,7 +13,7 @@ INPUTS = "training/inputs"
 """Channel of the training's own inputs: JSON in std_msgs/String."""
 TRUTH, NAMES, STATUS = "sim/truth", "sim/truth_names", "sim/status"
 CLIENTS, TELEMETRY, LINK = "bridge/clients", "console/telemetry", "link/state"
-MALFUNCTIONS, E_STOP = "sim/malfunctions", "e_stop"
+MALFUNCTIONS, E_STOP, DOSES = "sim/malfunctions", "e_stop", "sim/doses"
 _LONGEST_JSON = 100_000
 
 

@@ -14,8 +14,10 @@ from ..exercises.seeds import scene_of
 from . import sheet as sheets
 from .activity import COMMANDS, STATUSES, ActivityRecord
 from .conditions import Context
+from .doses import read_doses
 from .entries import (
     CLIENTS,
+    DOSES,
     E_STOP,
     INPUTS,
     LINK,
@@ -136,6 +138,7 @@ class Judge:
             TRUTH: self._take_truth,
             NAMES: self._take_names,
             STATUS: self._take_status,
+            DOSES: self._take_doses,
             CLIENTS: self._activity.clients,
             LINK: self._take_link,
             TELEMETRY: self._take_telemetry,
@@ -279,6 +282,9 @@ class Judge:
                 # Taken out and put in again elsewhere, in one pause; or another robot came or went.
                 self._invalidate("objects were moved, or robots came or went, from outside")
         self._world.name(names)
+
+    def _take_doses(self, entry: Entry) -> None:
+        self._context.doses.take(read_doses(entry))
 
     def _take_status(self, entry: Entry) -> None:
         message = decode(entry, "telex_msgs/SimStatus")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Dict, FrozenSet, List, Optional, Tuple
 
+from ..exercises.conditions import ROBOT
 from ..exercises.metric_kinds import KINDS
 from ..exercises.model import Exercise, Failure, Metric
 from .activity import ActivityRecord
@@ -131,6 +132,7 @@ class Repetition:
             return False
         self.began = self._context.began = self._context.time
         self._activity.begin()
+        self._context.doses.begin()
         self._measure(0.0, 0)
         return True
 
@@ -253,6 +255,8 @@ class Repetition:
             return self._contacts.figure(kind, metric.object)
         if kind in ("drops", "slip"):
             return self._handling.figure(kind, metric.object, metric.height)
+        if kind == "dose":
+            return self._context.doses.received(metric.object or ROBOT)
         if kind in _MOTION:
             return self._motion.figure(kind, metric.length)
         if kind in _BALANCE:

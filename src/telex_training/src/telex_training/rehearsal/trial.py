@@ -7,17 +7,20 @@ import json
 import tempfile
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Dict, List, Optional
+from typing import Any, Dict, List, Mapping, Optional
 
 import genpy
+import rospkg
 import yaml
 from std_msgs.msg import String
 from telex_msgs.msg import SimStatus
 
+from telex_sim.engine.exposure import Exposure
 from telex_sim.malfunctions.described import shipped_equipment
 from telex_sim.malfunctions.messages import malfunctions_message
 from telex_sim.offline.robot import OfflineRobot
 from telex_sim.offline.simulation import OfflineSimulation
+from telex_sim.radiation.messages import doses_message
 from telex_sim.scene.robot_in_scene import robot_description
 from telex_sim.stability.monitor import StabilityMonitor
 from telex_sim.truth.messages import names_message, sample_message
@@ -26,7 +29,7 @@ from telex_sim.truth.sampler import TruthSampler
 from ..exercises.model import PRACTICE, Exercise, Failure
 from ..exercises.questions import right_answers
 from ..exercises.seeds import scene_text
-from ..judging.entries import INPUTS, MALFUNCTIONS, NAMES, STATUS, TRUTH, Entry
+from ..judging.entries import DOSES, INPUTS, MALFUNCTIONS, NAMES, STATUS, TRUTH, Entry
 from ..judging.judge import ENDED, Judge
 from ..operators.experts.brief import Brief, Expert
 from ..operators.handling import Hand
@@ -111,12 +114,14 @@ class RehearsedTrial:
         robot = self._simulation.robots[0]
         robot.malfunctions.equip(*shipped_equipment())
         self._sampler = TruthSampler(self._simulation, robot)
+        self._exposure = Exposure(robot, _cameras)
         self._monitor = StabilityMonitor(robot)
         self._stuck = False
         self._number = self._sequence = 0
         publish, step = self._simulation.config.publish, self._simulation.config.timing.step_size
         self._truth_every = round(1.0 / (publish.truth_rate * step))
         self._stability_every = round(1.0 / (publish.stability_rate * step))
+        self._doses_every = round(1.0 / (robot.config.dosimetry.rate * step))
         self._step_size = step
         self._feed(NAMES, names_message(self._sampler.names, 1))
         self.port = _HeardTeleop(OfflineRobot(offline), self)
@@ -158,6 +163,8 @@ class RehearsedTrial:
                 self._watch()
             if steps % self._truth_every == 0:
                 self._sample()
+            if steps % self._doses_every == 0:
+                self._expose()
 
     def answer(self, question: str, answer: str) -> None:
         """Tell the judge what the operator answers."""
@@ -186,6 +193,11 @@ class RehearsedTrial:
         message.header.stamp = genpy.Time.from_sec(time)
         self._feed(TRUTH, message)
 
+    def _expose(self) -> None:
+        readings = self._exposure.observe(self._simulation)
+        if readings is not None:
+            self._feed(DOSES, doses_message(readings.components))
+
     def _input(self, kind: str, **fields: Any) -> None:
         self._feed(INPUTS, String(data=json.dumps({"input": kind, **fields})))
 
@@ -212,6 +224,14 @@ class RehearsedTrial:
         """End the simulation."""
         self._sampler.close()
         self._simulation.close()
+
+
+def _cameras() -> Mapping[str, Any]:
+    """The robot's cameras, as its node of cameras has them."""
+    path = Path(rospkg.RosPack().get_path("telex_description"), "config", "cameras.yaml")
+    described = yaml.safe_load(path.read_text(encoding="utf-8"))
+    cameras: Mapping[str, Any] = described["cameras"]
+    return cameras
 
 
 class _HeardTeleop(OfflineTeleop):

@@ -8,12 +8,23 @@ import genpy
 import rospy
 
 from ..judging.activity import COMMANDS, STATUSES
-from ..judging.entries import CLIENTS, E_STOP, LINK, MALFUNCTIONS, NAMES, STATUS, TELEMETRY, TRUTH
+from ..judging.entries import (
+    CLIENTS,
+    DOSES,
+    E_STOP,
+    LINK,
+    MALFUNCTIONS,
+    NAMES,
+    STATUS,
+    TELEMETRY,
+    TRUTH,
+)
 
 WATCHED: Dict[str, str] = {
     NAMES: "telex_msgs/TruthNames",
     TRUTH: "telex_msgs/TruthSample",
     STATUS: "telex_msgs/SimStatus",
+    DOSES: "telex_msgs/ComponentDoses",
     CLIENTS: "telex_msgs/BridgeClients",
     TELEMETRY: "std_msgs/String",
     LINK: "telex_msgs/LinkState",

@@ -24,6 +24,7 @@ from ..model import (
     Quaternion,
     Scene,
     SceneObject,
+    Source,
     Start,
     Vector3,
     View,
@@ -64,8 +65,17 @@ class _Header:
 
 
 @dataclass(frozen=True)
+class _Emitter:
+    """A source that an entry carries; without a position, in its first part's middle."""
+
+    nuclide: str
+    activity: float
+    position: Optional[Vector3] = None
+
+
+@dataclass(frozen=True)
 class _Placement:
-    """Where an entry stands, what it is called, and of what it is made that radiation meets."""
+    """Where an entry stands, what it is called, how it attenuates radiation and what it emits."""
 
     type: str
     name: str = ""
@@ -73,6 +83,7 @@ class _Placement:
     yaw: Optional[float] = None
     rpy: Optional[Vector3] = None
     shield: str = ""
+    source: Optional[_Emitter] = None
 
     def orientation(self) -> Quaternion:
         return quaternion_from_rpy(self.rpy or (0.0, 0.0, self.yaw or 0.0))
@@ -275,6 +286,8 @@ def build_entry(entry: Any, folder: Path, default_name: str) -> Tuple[SceneObjec
     names = {item.name for item in made}
     require(bool(made) and len(names) == len(made), "it makes no object, or two of the same name")
     origin = (placement.position, placement.orientation())
+    if placement.source is not None:
+        made = (replace(made[0], model=_emitting(made[0].model, placement.source)), *made[1:])
     objects = []
     for item in made:
         position, orientation = compose(origin, (item.position, item.orientation))
@@ -292,6 +305,20 @@ def build_entry(entry: Any, folder: Path, default_name: str) -> Tuple[SceneObjec
             )
         )
     return tuple(objects)
+
+
+def _emitting(model: ObjectModel, given: _Emitter) -> ObjectModel:
+    """The same object with a source in its first link, in place of one that is there."""
+    first = model.links[0]
+    position = given.position
+    if position is None:
+        solid = [part.position for part in first.parts if part.solid] or [ORIGIN]
+        position = solid[0] if first.source is None else first.source.position
+    try:
+        source = Source(given.nuclide, given.activity, position)
+    except ConfigError as error:
+        raise ConfigError(f"source: {error}") from None
+    return replace(model, links=(replace(first, source=source), *model.links[1:]))
 
 
 def _shielding(model: ObjectModel, material: str) -> ObjectModel:

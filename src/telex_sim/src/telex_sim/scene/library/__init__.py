@@ -40,7 +40,7 @@ from typing import Dict, Type
 
 from .object_type import ObjectType
 
-RESERVED = ("type", "name", "position", "yaw", "rpy", "shield")
+RESERVED = ("type", "name", "position", "yaw", "rpy", "shield", "source")
 """Keys that every entry of a scene file may have, whatever its type."""
 
 

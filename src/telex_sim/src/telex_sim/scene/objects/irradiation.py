@@ -87,12 +87,21 @@ class SceneField:
             self._field.centers[number] = position
             self._field.rotations[number] = rotation_matrix(orientation)
 
+    @property
+    def source_positions(self) -> np.ndarray:
+        """Where the sources were at the last look at the rates, shape (S, 3) (m)."""
+        return self._field.positions
+
     def rates(self, points: np.ndarray) -> np.ndarray:
         """Air-kerma rates (Gy/h) at points of the world, shape (P, 3) (m), with all where it is."""
+        return self.source_rates(points).sum(axis=0)
+
+    def source_rates(self, points: np.ndarray) -> np.ndarray:
+        """Air-kerma rates of each source; as `rates`, of shape (S, P)."""
         for name in self._moving:
             self._poses[name] = self._objects.link_pose(*name)
         self._place(self._moving_sources, self._moving_shields)
-        return self._field.rates(points)
+        return self._field.source_rates(points)
 
 
 def _halves(geometry: Geometry) -> Vector3:
