@@ -21,7 +21,11 @@ const PICTURE = { good: { age: 200, rate: 8 }, fair: { age: 500, rate: 4 } };
  */
 export function headingOf({ x, y, z, w }) {
   if (![x, y, z, w].every(Number.isFinite)) return "–";
-  const yaw = Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z));
+  return headingOfYaw(Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)));
+}
+
+/** @param {number} yaw  rad, counter-clockwise */
+export function headingOfYaw(yaw) {
   const heading = Math.round((-yaw * 180) / Math.PI + 720) % 360;
   return `${String(heading).padStart(3, "0")}°`;
 }

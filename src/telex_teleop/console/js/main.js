@@ -31,6 +31,7 @@ import { getParameter } from "./parameters.js";
 import { Panels, byId, setText, showTwist } from "./panels.js";
 import { PictureSize } from "./picture_size.js";
 import { DOSIMETER, DosimeterView } from "./radiation/dosimeter.js";
+import { RadiationMap } from "./radiation/map.js";
 import { FLIPPER_NODE, JOINT_NODES, MOVED_CAMERA, TRACK_NODE, TYPES } from "./robot.js";
 import { SILENT_AFTER, StatusView } from "./status.js";
 import { TOOL_TYPES, ToolCommander, ToolPanel } from "./tool.js";
@@ -104,6 +105,9 @@ class Console {
     );
     this._attitude = new AttitudeView((sentence) => this._status.log(sentence, "warning"));
     this._dosimeter = new DosimeterView((sentence) => this._status.warn(sentence, "alarm"));
+    this._map = new RadiationMap();
+    /** @type {RobotModel | null} */
+    this._model = null;
     this._pitch = 0; // rad, positive with the nose down
     this._cameras = startCameras(config);
     // What speaks to the robot.
@@ -334,19 +338,27 @@ class Console {
     }, JOINTS_PERIOD);
     this._listen(BATTERY.topic, BATTERY.type, (message) => this._battery.set(message), DISPLAY_PERIOD);
     this._listen(CONTACT.topic, CONTACT.type, (message) => this._gripper.feel(message), DISPLAY_PERIOD);
-    this._listen(ODOMETRY.topic, ODOMETRY.type, (odometry) => this._hud.setOdometry(odometry), ODOMETRY.period);
+    this._listen(ODOMETRY.topic, ODOMETRY.type, (odometry) => {
+      this._hud.setOdometry(odometry);
+      this._map.move(odometry);
+    }, ODOMETRY.period);
     this._listen(STABILITY.topic, STABILITY.type, (stability) => {
       this._attitude.set(stability);
       this._pitch = stability.pitch ?? 0;
     }, JOINTS_PERIOD);
-    this._listen(DOSIMETER.topic, DOSIMETER.type, (reading) => this._dosimeter.set(reading));
+    this._listen(DOSIMETER.topic, DOSIMETER.type, (reading) => {
+      this._dosimeter.set(reading);
+      this._map.measure(reading, this._directionOf(reading.detector));
+    });
     this._listen("sim/status", TYPES.simStatus, (sim) => {
       const status = this._status;
       const wasPaused = status.paused;
       if (status.isOtherWorld(sim)) {
         this._cameras.newScene();
         this._dosimeter.forget();
+        this._map.forget();
       }
+      this._map.hearStatus(sim);
       status.setSim(sim);
       // What was held before must not go on after it.
       if (status.paused && !wasPaused) this._letGo("the simulation is paused");
@@ -445,6 +457,7 @@ class Console {
     status.fade();
     this._attitude.fade();
     this._dosimeter.fade(status.paused);
+    this._map.draw();
   }
 
   /** Show who moves what. */
@@ -465,8 +478,18 @@ class Console {
     this._drive.show("drive-hud", `${forward}  ${turn}`);
   }
 
+  /**
+   * Heading of a link's x axis, from the robot's (rad); null: there is no such link.
+   * @param {string} link
+   */
+  _directionOf(link) {
+    const pose = link === "" ? undefined : this._model?.poses((joint) => this._joints.position(joint) ?? 0).get(link);
+    return pose === undefined ? null : Math.atan2(pose.rotation[3], pose.rotation[0]);
+  }
+
   async _showModel() {
     const model = await fetchModel(this._bridge, this._topic("robot_description"));
+    this._model = model;
     this._panels.setModel(model);
     this._avatar.setModel(model);
   }

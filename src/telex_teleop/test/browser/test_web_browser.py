@@ -192,6 +192,9 @@ def test_dosimeter_is_read_where_there_is_one(robot, page):
     assert page.text("dose-rate") == "hull 12.3 mGy/h tool 11.0 Gy/h"
     assert page.text("dose-total") == "500 mGy DOSE ALARM"
     assert "dose alarm: hull 12.3 mGy/h" in page.text("log")
+    page.element("#radiation-map-open").click()
+    wait_until(lambda: page.text("radiation-map-range") == "12.3 mGy/h to 12.3 mGy/h")
+    page.element("#radiation-map-close").click()
     robot.probe.publish("/telex/dosimeter", "telex_msgs/Dosimeter", reading)
     wait_until(lambda: not dose_rate.is_displayed())
 

@@ -9,7 +9,7 @@ export const DOSIMETER = { topic: "dosimeter", type: "telex_msgs/Dosimeter" };
 /** Time (ms) without a word after which there is no dosimeter: it speaks five times a second of sim time. */
 const SILENT_AFTER = 2500;
 
-/** @typedef {{hull_rate: number, tool_rate: number | null, total: number, alarm: boolean}} Reading  telex_msgs/Dosimeter. */
+/** @typedef {{hull_rate: number, tool_rate: number | null, detector: string, total: number, alarm: boolean}} Reading  telex_msgs/Dosimeter. */
 
 export class DosimeterView {
   /** @param {(sentence: string) => void} warn  Told when the alarm begins. */
