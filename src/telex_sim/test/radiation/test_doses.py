@@ -39,7 +39,7 @@ class TestDosimetryConfig:
             ({"history": {"arm": math.nan}}, "history/arm is nan; it must be finite"),
             ({"history": {"arm": -1.0}}, "history/arm is -1.0 Gy; 0 to 100000 is possible"),
             ({"camera_life": math.inf}, "camera_life is inf"),
-            ({"camera_spread": 1.0}, "camera_spread is 1"),
+            ({"spread": 1.0}, "spread is 1"),
         ],
     )
     def test_refuses_what_makes_no_sense(self, params, message):

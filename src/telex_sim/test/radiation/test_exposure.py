@@ -8,7 +8,8 @@ import pytest
 
 from telex_control.common.geometry.matrices import rotation_matrix
 from telex_control.common.params import ConfigError
-from telex_sim.engine.exposure import Exposure
+from telex_sim.engine.exposure import Exposure, dead_joints
+from telex_sim.offline.robot import OfflineRobot
 from telex_sim.offline.simulation import OfflineSimulation, robot_description
 from telex_sim.radiation.dosimetry import Collimator
 from telex_sim.radiation.nuclides import NUCLIDES, attenuation
@@ -156,6 +157,33 @@ class TestExposure:
         assert [(camera.dose, camera.failed) for camera in calm.cameras] == [(0.0, False)] * 2
         assert not calm.alarm
         assert exposure.observe(simulation) is None
+
+    def test_electronics_die_of_their_dose_and_brakes_hold_until_a_reset(self, started, caplog):
+        offline = started(SCENE + "history: {drive_electronics: 395, arm_electronics: 0}\n")
+        simulation, exposure = offline.simulation, exposed(offline.simulation)
+        with caplog.at_level(logging.WARNING, "rosout"):
+            readings = exposure.observe(simulation)
+        assert [(part.name, part.failed) for part in readings.electronics] == [
+            ("drive_electronics", True),
+            ("arm_electronics", False),
+        ]
+        assert caplog.text.count("electronics drive_electronics has died, of 395.0 Gy") == 1
+        joints = dead_joints(readings, simulation.robots[0].config.dosimetry)
+        assert "front_left_track_joint" in joints
+        assert "turret_joint" not in joints
+
+        def driven():
+            robot = OfflineRobot(offline)
+            before = robot.base_pose()[0][0]
+            for _ in range(5):
+                robot.drive(0.5, 0.0)
+                offline.run(0.1)
+            return robot.base_pose()[0][0] - before
+
+        assert abs(driven()) < 0.005
+        simulation.change_scene(simulation.plan_scene("name: calm\nobjects: []\n"))
+        assert exposure.observe(simulation).electronics[0].failed is False
+        assert driven() > 0.05
 
     def test_names_a_history_of_what_is_not_there(self, started, caplog):
         simulation = started("name: old\nobjects: []\nhistory: {nose: 3}\n").simulation

@@ -10,7 +10,7 @@ import numpy as np
 
 from telex_control.common.geometry.matrices import rotation_matrix
 
-from ..radiation.dosimetry import ROBOT, Doses
+from ..radiation.dosimetry import ROBOT, Doses, DosimetryConfig
 from ..robot.robot import Robot
 from ..scene.objects.irradiation import SceneField
 from .simulation import Simulation
@@ -40,7 +40,7 @@ class Readings(NamedTuple):
         Of the hull (Gy).
     alarm : bool
         A rate or the total is above what the dosimeter warns of.
-    cameras : tuple of ComponentReading
+    cameras, electronics : tuple of ComponentReading
     """
 
     hull_rate: float
@@ -49,15 +49,19 @@ class Readings(NamedTuple):
     total: float
     alarm: bool
     cameras: Tuple[ComponentReading, ...]
+    electronics: Tuple[ComponentReading, ...]
 
     @property
     def components(self) -> Tuple[ComponentReading, ...]:
-        """All parts whose dose is known: the hull, and the cameras."""
-        return (ComponentReading(ROBOT, self.hull_rate, self.total, False), *self.cameras)
+        """All parts whose dose is known: the hull, cameras, electronics."""
+        hull = ComponentReading(ROBOT, self.hull_rate, self.total, False)
+        return (hull, *self.cameras, *self.electronics)
 
 
 class Exposure:
     """Sums up what a robot receives; in the simulation's thread.
+
+    The brakes of drives whose electronics have died of it hold until the doses are set back.
 
     Nothing is computed in scenes that have neither sources nor a history of dose, but for a robot
     with a detector, whose dosimeter is read everywhere.
@@ -74,7 +78,8 @@ class Exposure:
         self._robot = robot
         self._find_cameras = find_cameras
         self._begun = -1
-        self._cameras: Dict[str, str] = {}
+        self._cameras: List[str] = []
+        self._electronics: List[str] = []
         self._lives: Dict[str, float] = {}
         self._links: List[str] = []
         self._doses: Optional[Doses] = None
@@ -94,15 +99,20 @@ class Exposure:
             before = self._doses
             self._begin(simulation, field)
             if self._doses is None and before is not None:
-                return self._readings(Doses([0.0] * len(self._links)))
+                return self._told(Doses([0.0] * len(self._links)))
         if self._doses is None:
             if field is None:
                 return None
             self._take_up({})
         assert self._doses is not None
         self._doses.receive(self._rates(field), simulation.time)
-        readings = self._readings(self._doses)
+        return self._told(self._doses)
+
+    def _told(self, doses: Doses) -> Readings:
+        """Make the readings of doses, and let what has died be dead."""
+        readings = self._readings(doses)
         self._tell_of_dead(readings)
+        self._robot.hw.set_dead(dead_joints(readings, self._robot.config.dosimetry))
         return readings
 
     def _begin(self, simulation: Simulation, field: Optional[SceneField]) -> None:
@@ -117,12 +127,16 @@ class Exposure:
     def _take_up(self, history: Mapping[str, float]) -> None:
         robot, dosimetry = self._robot, self._robot.config.dosimetry
         links = set(robot.body.link_names())
-        frames = _frames(self._find_cameras())
-        self._cameras = {name: frame for name, frame in frames.items() if frame in links}
-        self._lives = {name: dosimetry.life(name) for name in self._cameras}
+        cameras = _frames(self._find_cameras())
+        electronics = {name: each.link for name, each in dosimetry.electronics.items()}
+        self._cameras = [name for name, frame in cameras.items() if frame in links]
+        self._electronics = [name for name, link in electronics.items() if link in links]
+        mortal = [*self._cameras, *self._electronics]
+        places = {**cameras, **electronics}
+        self._lives = {name: dosimetry.life(name) for name in mortal}
         hull = dosimetry.hull if dosimetry.hull in links else robot.body.base_link
-        self._links = [hull, *self._cameras.values()]
-        received = [history.get(name, 0.0) for name in (ROBOT, *self._cameras)]
+        self._links = [hull, *(places[name] for name in mortal)]
+        received = [history.get(name, 0.0) for name in (ROBOT, *mortal)]
         self._detector = dosimetry.detector if dosimetry.detector in links else ""
         if self._detector or dosimetry.tool in links:
             self._links.append(self._detector or dosimetry.tool)
@@ -134,13 +148,13 @@ class Exposure:
                 robot.model,
                 link,
             )
-        unknown = sorted(set(history) - {ROBOT, *self._cameras})
+        unknown = sorted(set(history) - {ROBOT, *mortal})
         if unknown:
             _log.warning(
                 "%s: history has %s, which this robot lacks; it has %s",
                 robot.model,
                 ", ".join(unknown),
-                ", ".join([ROBOT, *self._cameras]),
+                ", ".join([ROBOT, *mortal]),
             )
 
     def _rates(self, field: Optional[SceneField]) -> np.ndarray:
@@ -157,32 +171,46 @@ class Exposure:
 
     def _readings(self, doses: Doses) -> Readings:
         rates, received = doses.rates.tolist(), doses.doses.tolist()
-        count, dosimetry = len(self._cameras), self._robot.config.dosimetry
-        tool = rates[-1] if len(rates) > 1 + count else math.nan
+        dosimetry, mortal = self._robot.config.dosimetry, list(self._lives)
+        tool = rates[-1] if len(rates) > 1 + len(mortal) else math.nan
         # A tool that measures nothing is nan, which is above nothing.
         high = any(rate > dosimetry.alarm_rate for rate in (rates[0], tool))
+        parts = [
+            ComponentReading(name, rate, dose, dose >= self._lives[name])
+            for name, rate, dose in zip(mortal, rates[1:], received[1:])
+        ]
         return Readings(
             rates[0],
             tool,
             self._detector,
             received[0],
             high or received[0] > dosimetry.alarm_dose,
-            tuple(
-                ComponentReading(name, rate, dose, dose >= self._lives[name])
-                for name, rate, dose in zip(self._cameras, rates[1:], received[1:])
-            ),
+            tuple(parts[: len(self._cameras)]),
+            tuple(parts[len(self._cameras) :]),
         )
 
     def _tell_of_dead(self, readings: Readings) -> None:
-        for camera in readings.cameras:
-            if camera.failed and camera.name not in self._dead:
-                self._dead.append(camera.name)
-                _log.warning(
-                    "%s: camera %s has died, of %.1f Gy",
-                    self._robot.model,
-                    camera.name,
-                    camera.dose,
-                )
+        for kind, parts in (("camera", readings.cameras), ("electronics", readings.electronics)):
+            for part in parts:
+                if part.failed and part.name not in self._dead:
+                    self._dead.append(part.name)
+                    _log.warning(
+                        "%s: %s %s has died, of %.1f Gy",
+                        self._robot.model,
+                        kind,
+                        part.name,
+                        part.dose,
+                    )
+
+
+def dead_joints(readings: Readings, config: DosimetryConfig) -> List[str]:
+    """Name the joints whose electronics have died."""
+    return [
+        joint
+        for part in readings.electronics
+        if part.failed
+        for joint in config.electronics[part.name].joints
+    ]
 
 
 def _frames(described: Any) -> Dict[str, str]:

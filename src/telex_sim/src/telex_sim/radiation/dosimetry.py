@@ -1,10 +1,10 @@
-"""Doses that places on a robot receive, and how much its cameras bear."""
+"""Doses that places on a robot receive, and how much its cameras and electronics bear."""
 
 from __future__ import annotations
 
 import zlib
 from dataclasses import dataclass, field
-from typing import Collection, Dict, List, Mapping, Optional, Sequence
+from typing import Collection, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -69,6 +69,29 @@ class Collimator:
 
 
 @dataclass(frozen=True)
+class Electronics:
+    """Electronics that die of dose, and with them the drives of joints.
+
+    Attributes
+    ----------
+    link : str
+        In whose origin they receive it.
+    joints : tuple of str
+        Whose brakes hold from then on.
+    life : float
+        Dose at which they die, in the mean (Gy).
+    """
+
+    link: str
+    joints: Tuple[str, ...]
+    life: float = 300.0
+
+    def __post_init__(self) -> None:
+        require(bool(self.link), "link is ''; a link is needed")
+        require_range(self, "life", maximum=MOST_GRAYS, above=0.0)
+
+
+@dataclass(frozen=True)
 class DosimetryConfig:
     """Where a robot's dose is measured, and what it does.
 
@@ -92,9 +115,11 @@ class DosimetryConfig:
         Doses received before (Gy), by the name of a camera, or ``robot``; a scene may say more.
     camera_life : float
         Dose at which a camera dies, in the mean (Gy).
-    camera_spread : float
-        Share of that by which lives differ at most, evenly spread: each camera's is by its name
-        and the seed.
+    electronics : dict of str to Electronics
+        By name; those whose link a robot lacks are left out.
+    spread : float
+        Share of a life by which lives differ at most, evenly spread: each camera's and each
+        electronics' is by its name and the seed.
     seed : int
     """
 
@@ -107,7 +132,8 @@ class DosimetryConfig:
     alarm_dose: float = 10.0
     history: Dict[str, float] = field(default_factory=dict)
     camera_life: float = 88.0
-    camera_spread: float = 0.3
+    electronics: Dict[str, Electronics] = field(default_factory=dict)
+    spread: float = 0.3
     seed: int = 0
 
     def __post_init__(self) -> None:
@@ -115,7 +141,7 @@ class DosimetryConfig:
         require_range(self, "alarm_rate", 0.0, MOST_GRAYS)
         require_range(self, "alarm_dose", 0.0, MOST_GRAYS)
         require_range(self, "camera_life", maximum=MOST_GRAYS, above=0.0)
-        require_range(self, "camera_spread", 0.0, 0.99)
+        require_range(self, "spread", 0.0, 0.99)
         require_range(self, "seed", 0)
         require_history(self.history)
 
@@ -123,10 +149,12 @@ class DosimetryConfig:
         """Name the links in which it is to measure and which are not among those of a robot."""
         return [link for link in (self.hull, self.tool) if link and link not in links]
 
-    def life(self, camera: str) -> float:
-        """Dose (Gy) at which a camera dies."""
-        drawn = np.random.default_rng((self.seed, zlib.crc32(camera.encode()))).uniform(-1.0, 1.0)
-        return self.camera_life * (1.0 + self.camera_spread * float(drawn))
+    def life(self, component: str) -> float:
+        """Dose (Gy) at which a camera, or electronics, die."""
+        electronics = self.electronics.get(component)
+        mean = self.camera_life if electronics is None else electronics.life
+        generator = np.random.default_rng((self.seed, zlib.crc32(component.encode())))
+        return mean * (1.0 + self.spread * float(generator.uniform(-1.0, 1.0)))
 
 
 class Doses:

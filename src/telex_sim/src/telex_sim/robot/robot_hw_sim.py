@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import logging
 import math
-from typing import Any, Collection, Dict, List, Mapping, Optional, Sequence, Set, Type
+from typing import Any, Collection, Dict, FrozenSet, List, Mapping, Optional, Sequence, Set, Type
 
 import pybullet
 
@@ -89,6 +89,7 @@ class RobotHWSim(RobotHW, Stateful):
         self._claims: Dict[str, Set[str]] = {}
         self._e_stop = False
         self._powered = True
+        self._dead: FrozenSet[str] = frozenset()
         self._body: Optional[Body] = None
         self._indices: List[int] = []
         # Of a state that was restored: what PyBullet has until the next step is of another.
@@ -520,6 +521,19 @@ class RobotHWSim(RobotHW, Stateful):
             }
         self._set_brakes()
 
+    def set_dead(self, joints: Collection[str]) -> None:
+        """Say which drives are dead: their brakes hold them, whatever is commanded.
+
+        Parameters
+        ----------
+        joints : collection of str
+            Names; those that the robot does not drive are left out.
+        """
+        dead = frozenset(joints)
+        if dead != self._dead:
+            self._dead = dead
+            self._set_brakes()
+
     def set_e_stop(self, active: bool) -> None:
         """Set all brakes, or give the joints back to their controllers."""
         if active != self._e_stop:
@@ -619,8 +633,9 @@ class RobotHWSim(RobotHW, Stateful):
         claimed: Set[str] = set().union(*self._claims.values())
         changed = []
         for drive in self._all:
-            stopped = self._e_stop or not self._powered or drive.description.name not in claimed
-            braked = stopped and not drive.impairment.limp
+            name = drive.description.name
+            dead = not self._powered or name in self._dead
+            braked = (self._e_stop or dead or name not in claimed) and not drive.impairment.limp
             if braked != drive.braked:
                 drive.reset()
                 changed.append(drive)

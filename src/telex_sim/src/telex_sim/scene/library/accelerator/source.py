@@ -30,6 +30,7 @@ from ..shapes import (
 
 _LID = 0.035
 _LID_MASS = 4.0
+_LID_OPEN = math.radians(105.0)
 
 
 @dataclass(frozen=True)
@@ -40,6 +41,7 @@ class SourceContainer(ObjectType):
     height: float = number(0.28, "Outside, without the lid (m).", 0.05, 1.0)
     hole: float = number(0.07, "Radius of the space inside (m).", 0.02)
     lid: str = choice("free", ("free", "hinged", "none"))
+    lid_angle: float = number(0.0, "Of a hinged lid at the start (rad).", 0.0, _LID_OPEN)
     mass: float = kilograms(60.0, "Of the pot (kg).")
     static: bool = parameter(True, "Whether it stands fast; a hinged lid needs that.")
 
@@ -52,6 +54,10 @@ class SourceContainer(ObjectType):
         )
         require(
             self.static or self.lid != "hinged", "static is False; a hinged lid needs a static pot"
+        )
+        require(
+            self.lid == "hinged" or not self.lid_angle,
+            f"lid_angle is {self.lid_angle}; the lid is {self.lid}, and only a hinged one has it",
         )
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
@@ -67,7 +73,8 @@ class SourceContainer(ObjectType):
                 "lid",
                 position=(behind, 0.0, self.height),
                 axis=(0.0, 1.0, 0.0),
-                upper=math.radians(105.0),
+                upper=_LID_OPEN,
+                start=self.lid_angle,
                 friction=0.3,
                 damping=0.1,
             )
