@@ -258,3 +258,26 @@ def test_a_dose_that_is_none_makes_the_trial_invalid(received):
     made = trial("{dose: {what: robot, above: 0}}")
     made.doses(robot=received)
     assert "sim/doses: a dose is" in made.judge.sheet()["invalid_because"][0]
+
+
+def test_a_survey_counts_missed_points_and_how_uneven_the_speed_was():
+    more = """survey: {points: [a, b, c], speed: 0.5, what: robot}
+metrics: {missed_points: {pass: 0}, speed_error: {}}
+"""
+    text = (
+        "zones:\n"
+        + "".join(
+            f"  {n}: {{center: [{x}, 0, 0], radius: 0.2}}\n" for n, x in zip("abc", (1, 2, 9))
+        )
+        + "begin: {not: {inside: {what: robot, zone: c}}}\n"
+        + "steps: [{name: go, until: {moved: {what: robot, distance: 2.5}}}]\n"
+        + more
+    )
+    made = Trial(exercise(text), scene=SCENE).begin()
+    made.drive(1.5, speed=0.5)
+    made.drive(2.6, speed=0.25)
+    made.input("abort")
+    figures = {each["name"]: each["value"] for each in made.judge.sheet()["metrics"]}
+    assert figures["missed_points"] == 1.0
+    # 0.7 m at the wanted speed, 1 m at half of it: the repetition ends there.
+    assert figures["speed_error"] == pytest.approx(0.25 * 4.0 / 5.4, rel=0.02)

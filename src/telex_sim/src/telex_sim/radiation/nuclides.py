@@ -8,6 +8,11 @@ Sources of the figures:
 * Mass attenuation coefficients, with coherent scattering: J. H. Hubbell, S. M. Seltzer, NIST
   Standard Reference Database 126, tables 3 and 4. Densities: ibid., tables 1 and 2.
 
+The coefficients agree within 0.1 % with an independent library of cross sections (xraylib 4.3, up
+to 0.8 MeV, which is as far as that goes). The constants agree with the sum over the lines
+(E yield mu_en/rho of air / 4 pi) within 1 % for Co-60 and Ir-192; that of Cs-137 is 8 % above what
+the 0.85 photons of 0.662 MeV in a decay, with the x-rays, give.
+
 Between the energies of the tables, coefficients are interpolated on logarithmic axes.
 """
 

@@ -20,6 +20,7 @@ from telex_sim.scene.robot_in_scene import robot_description
 from .conditions import EVENTS, FLOOR, ROBOT, TOOL, Condition
 from .exercise_file import ExerciseError, ExerciseFile
 from .findings import Finding
+from .metric_kinds import SURVEYED
 from .model import ALL, ANY, MODES, Exercise
 from .questions import read_objects, right_answers
 from .robot_needs import lacking
@@ -146,6 +147,11 @@ class _Checker:
             for part in condition.walk()
             for zone in _zones_of(part)
         }
+        survey = self._exercise.survey
+        for name in () if survey is None else survey.points:
+            used.add(name)
+            if name not in self._exercise.zones:
+                yield Finding("survey/points", f"there is no zone '{name}'")
         for name in sorted(set(self._exercise.zones) - used):
             yield Finding(f"zones/{name}", "no condition names it", wrong=False)
 
@@ -234,6 +240,8 @@ class _Checker:
             timed = any(m.kind == "time" and m.expert is not None for m in exercise.metrics)
             if metric.kind == "proficiency" and not timed:
                 yield Finding(where, "metrics/time/expert is missing: there is no expert's rate")
+            if metric.kind in SURVEYED and exercise.survey is None:
+                yield Finding(where, "survey is missing: there are no points to pass")
             if metric.kind == "answers" and not exercise.questions:
                 yield Finding(where, "the exercise asks no questions")
 

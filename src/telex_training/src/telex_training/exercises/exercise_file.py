@@ -39,6 +39,7 @@ from .model import (
     Seeds,
     Source,
     Step,
+    Survey,
     Vary,
     Zone,
     require_label,
@@ -84,6 +85,7 @@ KEYS = (
     "sources",
     "limits",
     "history",
+    "survey",
 )
 """What an exercise file may have on its top level."""
 
@@ -281,6 +283,7 @@ def _exercise(
         controls=_controls(content),
         malfunctions=_malfunctions(content),
         radiation=radiation,
+        survey=_survey(content),
         link=_link(content),
     )
 
@@ -460,6 +463,11 @@ def _radiation(content: Mapping[str, Any]) -> Radiation:
         limits,
         read_value(Dict[str, float], struct_of(content, "history"), "history"),
     )
+
+
+def _survey(content: Mapping[str, Any]) -> Optional[Survey]:
+    given = content.get("survey")
+    return None if given is None else read_struct(Survey, given, "survey")
 
 
 def _malfunctions(content: Mapping[str, Any]) -> Tuple[Malfunction, ...]:

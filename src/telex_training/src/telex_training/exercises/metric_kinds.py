@@ -12,6 +12,9 @@ MEDIAN, MEAN, WORST = "median", "mean", "worst"
 OVERS: Tuple[str, ...] = (MEDIAN, MEAN, WORST)
 """How the figures of several repetitions make one."""
 
+SURVEYED = ("missed_points", "speed_error")
+"""Kinds that look at the exercise's survey."""
+
 
 @dataclass(frozen=True)
 class MetricKind:
@@ -55,6 +58,8 @@ KINDS: Dict[str, MetricKind] = {
     "drops": MetricKind("", "drops", over=WORST, of_object=True),
     "slip": MetricKind("m", "slip of what is held", over=WORST, of_object=True),
     "dose": MetricKind("Gy", "dose received", over=WORST, of_object=True),
+    "missed_points": MetricKind("", "points of the survey that were missed", over=WORST),
+    "speed_error": MetricKind("m/s", "mean difference from the survey's speed"),
     "base_path": MetricKind("m", "path of the base"),
     "tool_path": MetricKind("m", "path of the tool"),
     "base_path_ratio": MetricKind("", "path of the base to the expert's", needs_length=True),

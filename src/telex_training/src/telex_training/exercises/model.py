@@ -12,7 +12,7 @@ from telex_sim.malfunctions.kinds import names_of_kinds
 from telex_sim.scene.model import LARGEST, ORIGIN, Vector3, require_name
 from telex_sim.scene.model import Source as Emitter
 
-from .conditions import Condition, Dose
+from .conditions import ROBOT, TOOL, Condition, Dose
 from .metric_kinds import KINDS, OVERS
 
 PRACTICE, EXAM = "practice", "exam"
@@ -419,6 +419,33 @@ class Radiation:
 
 
 @dataclass(frozen=True)
+class Survey:
+    """Points that are to be passed, at an even speed.
+
+    Attributes
+    ----------
+    points : tuple of str
+        Zones, each of which is to be met once.
+    speed : float
+        Of the robot over the floor, from the first point to the last (m/s).
+    what : str
+        What is to be led through them: the tool or the robot.
+    """
+
+    points: Tuple[str, ...]
+    speed: float
+    what: str = TOOL
+
+    def __post_init__(self) -> None:
+        require(
+            len(set(self.points)) == len(self.points) >= 2,
+            f"points is {list(self.points)[:8]}; two different zones or more are needed",
+        )
+        require_range(self, "speed", maximum=5.0, above=0.0)
+        require_choice(self, "what", (TOOL, ROBOT))
+
+
+@dataclass(frozen=True)
 class Failure:
     """Something of the robot that fails.
 
@@ -533,6 +560,7 @@ class Exercise:
     controls: Tuple[str, ...]
     malfunctions: Tuple[Malfunction, ...]
     radiation: Radiation
+    survey: Optional[Survey]
     link: Optional[Link]
 
     def conditions(self) -> Iterator[Tuple[str, Condition]]:

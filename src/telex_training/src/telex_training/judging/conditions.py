@@ -11,8 +11,7 @@ from telex_control.common.geometry.quaternions import Vector3, invert, rotate
 from ..exercises import conditions as data
 from ..exercises.conditions import ROBOT, Condition
 from ..exercises.model import Zone
-from .doses import DoseRecord
-from .truth import Contact, World
+from .truth import Contact, DoseRecord, World
 
 SLACK = 1e-6
 """Rounding of sim time (s)."""

@@ -76,6 +76,23 @@ def decode(entry: Entry, *kinds: str) -> Any:
     return message
 
 
+def doses_of(entry: Entry) -> Dict[str, float]:
+    """Return what each component has received (Gy), of a telex_msgs/ComponentDoses.
+
+    Raises
+    ------
+    BadEntryError
+        It has more or fewer doses than names, or one that is no dose.
+    """
+    message = decode(entry, "telex_msgs/ComponentDoses")
+    if len(message.names) != len(message.dose):
+        raise BadEntryError(f"it has {len(message.dose)} doses of {len(message.names)} components")
+    for dose in message.dose:
+        if not 0.0 <= dose < math.inf:
+            raise BadEntryError(f"a dose is {dose} Gy; 0 or more is needed")
+    return dict(zip(message.names, message.dose))
+
+
 def text_of(entry: Entry) -> str:
     """Return the text of a std_msgs/String.
 

@@ -14,7 +14,6 @@ from ..exercises.seeds import scene_of
 from . import sheet as sheets
 from .activity import COMMANDS, STATUSES, ActivityRecord
 from .conditions import Context
-from .doses import read_doses
 from .entries import (
     CLIENTS,
     DOSES,
@@ -29,6 +28,7 @@ from .entries import (
     BadEntryError,
     Entry,
     decode,
+    doses_of,
     json_of,
     number_field,
     text_field,
@@ -284,7 +284,7 @@ class Judge:
         self._world.name(names)
 
     def _take_doses(self, entry: Entry) -> None:
-        self._context.doses.take(read_doses(entry))
+        self._context.doses.take(doses_of(entry))
 
     def _take_status(self, entry: Entry) -> None:
         message = decode(entry, "telex_msgs/SimStatus")

@@ -7,7 +7,8 @@ from typing import Any, List, Optional
 
 from telex_control.common.geometry.quaternions import Vector3, rotate
 
-from .conditions import lean
+from ..exercises.model import Survey
+from .conditions import Context, lean
 from .smoothness import mean_sparc
 from .truth import World
 
@@ -139,3 +140,31 @@ class BalanceRecord:
         figures: Any = {"margin": self._margin, "caution": self._caution, "tips": self._tips}
         value = figures[kind]
         return None if value is None else float(value)
+
+
+class SurveyRecord:
+    """Points of a survey that were passed, and how evenly; None: the exercise has none."""
+
+    def __init__(self, survey: Optional[Survey]) -> None:
+        self._survey = survey
+        self._missed = set() if survey is None else set(survey.points)
+        self._lasted = self._error = 0.0
+
+    def sample(self, context: Context, span: float) -> None:
+        """Take a sample; `span` is the time since the one before (s)."""
+        survey, sample = self._survey, context.world.sample
+        if survey is None or sample is None or not self._missed:
+            return
+        if len(self._missed) < len(survey.points):
+            speed = math.hypot(sample.twist[0], sample.twist[1])
+            self._lasted += span
+            self._error += abs(speed - survey.speed) * span
+        self._missed -= {name for name in self._missed if context.within(survey.what, name)}
+
+    def figure(self, kind: str) -> Optional[float]:
+        """Return a figure."""
+        if self._survey is None:
+            return None
+        if kind == "missed_points":
+            return float(len(self._missed))
+        return self._error / self._lasted if self._lasted else None

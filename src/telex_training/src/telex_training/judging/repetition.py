@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import Any, Dict, FrozenSet, List, Optional, Tuple
 
 from ..exercises.conditions import ROBOT
-from ..exercises.metric_kinds import KINDS
+from ..exercises.metric_kinds import KINDS, SURVEYED
 from ..exercises.model import Exercise, Failure, Metric
 from .activity import ActivityRecord
 from .conditions import SLACK, Context, Evaluator
 from .contacts import APART, ContactRecord
 from .handling import HandlingRecord
-from .motion import BalanceRecord, MotionRecord
+from .motion import BalanceRecord, MotionRecord, SurveyRecord
 
 TIME_FAULT = "time"
 GIVEN_UP = "given up"
@@ -108,6 +108,7 @@ class Repetition:
         self._handling = HandlingRecord(goals, heights)
         self._motion = MotionRecord()
         self._balance = BalanceRecord()
+        self._survey = SurveyRecord(exercise.survey)
         self._activity = activity
         self.looked = False
         activity.begin()
@@ -184,6 +185,7 @@ class Repetition:
         ]
         happened += [("drop", name, {}) for name in self._handling.sample(context, span)]
         self._motion.sample(world, time, span)
+        self._survey.sample(context, span)
         if self._balance.sample(world, time, span):
             happened.append(("tipped", "", {}))
         self._activity.sample(time, span)
@@ -257,6 +259,8 @@ class Repetition:
             return self._handling.figure(kind, metric.object, metric.height)
         if kind == "dose":
             return self._context.doses.received(metric.object or ROBOT)
+        if kind in SURVEYED:
+            return self._survey.figure(kind)
         if kind in _MOTION:
             return self._motion.figure(kind, metric.length)
         if kind in _BALANCE:

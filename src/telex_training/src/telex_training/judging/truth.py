@@ -1,11 +1,11 @@
-"""The truth stream: samples decoded, and the world as they tell it."""
+"""The truth stream: samples decoded, the world as they tell it, and doses."""
 
 from __future__ import annotations
 
 import math
 import struct
 from functools import lru_cache
-from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from telex_control.common.geometry.quaternions import Pose, compose
 from telex_control.kinematics.chain import Chain
@@ -230,6 +230,30 @@ class Tool:
         if self._chain is None or self._order is None:
             return None
         return self._chain.forward([joints[i] for i in self._order])
+
+
+class DoseRecord:
+    """What has been received since a repetition began."""
+
+    def __init__(self) -> None:
+        self._now: Dict[str, float] = {}
+        self._before: Dict[str, float] = {}
+
+    def begin(self) -> None:
+        """Count from now on."""
+        self._before = dict(self._now)
+
+    def take(self, doses: Mapping[str, float]) -> None:
+        """Take what components have received by now (Gy); one that is new counts from here on."""
+        self._now = dict(doses)
+        for component, dose in doses.items():
+            self._before.setdefault(component, dose)
+
+    def received(self, component: str) -> Optional[float]:
+        """Dose of a component since the begin (Gy); None: nobody tells."""
+        if component not in self._now:
+            return None
+        return self._now[component] - self._before[component]
 
 
 class World:
