@@ -405,6 +405,8 @@ class Radiation:
                 name not in objects[:i],
                 f"sources[{i}]/object is '{name}'; it has a source already",
             )
+        for component in (*self.limits, *self.history):
+            require_name(component, "name of a component")
         for component, limit in self.limits.items():
             require(limit > 0.0, f"limits/dose/{component} is {limit}; above 0 (Gy) is needed")
         for component, dose in self.history.items():
