@@ -231,6 +231,18 @@ def test_dose_counts_from_the_begin_of_the_repetition():
     assert done(made)
 
 
+def test_a_dose_that_was_set_back_counts_from_there():
+    made = trial("{dose: {what: robot, above: 0.5}}")
+    made.doses(robot=5.0)
+    made.sample()
+    made.doses(robot=1.0)
+    made.sample()
+    made.doses(robot=1.51)
+    assert not done(made)
+    made.sample()
+    assert done(made)
+
+
 def test_a_limit_of_dose_is_a_fault():
     made = trial("{elapsed: 60}", "limits: {dose: {robot: 2}}")
     made.doses(robot=5.0)

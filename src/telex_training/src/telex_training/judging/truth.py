@@ -244,10 +244,13 @@ class DoseRecord:
         self._before = dict(self._now)
 
     def take(self, doses: Mapping[str, float]) -> None:
-        """Take what components have received by now (Gy); one that is new counts from here on."""
+        """Take what components have received by now (Gy).
+
+        One that is new counts from here on, and so does one that a reset has set back.
+        """
         self._now = dict(doses)
         for component, dose in doses.items():
-            self._before.setdefault(component, dose)
+            self._before[component] = min(self._before.get(component, dose), dose)
 
     def received(self, component: str) -> Optional[float]:
         """Dose of a component since the begin (Gy); None: nobody tells."""
