@@ -21,6 +21,7 @@ EXPERTS: Dict[str, Expert] = {
     "pallet": handling_exercises.pallet,
     "rails": driving_exercises.over_rails,
     "slalom": driving_exercises.slalom,
+    "source_to_pot": handling_exercises.source_to_pot,
     "stairs": driving_exercises.over_stairs,
     "stepfield": driving_exercises.over_posts,
     "valve": mounted_exercises.valve,

@@ -31,6 +31,14 @@ _ABOVE_CUBE = 0.034  # m, of the tool over the cube's middle: the fingertips rea
 _OVER = 0.22  # m
 _CUBE_OPENING = 0.24  # rad
 
+_POT_REACH = 0.85  # m, from base_link to the pot
+_CAPSULE_GRIP = 0.10  # m, of the tool over the capsule's foot: the fingertips reach 5 cm beyond it
+_INTO_POT = 0.04  # m, of the capsule's foot below the rim when it is let go
+_BESIDE_LID, _PUSHED = (
+    0.40,
+    0.10,
+)  # m, beside the pot's middle, before the push at the lid and after
+
 _PALLET_LENGTH = 1.2  # m
 
 
@@ -108,6 +116,44 @@ def cube_to_bin(hand: Hand, brief: Brief) -> None:
     hand.to(aimed(x, y, z + 0.05, 0.0, _DOWN), tolerance=0.01)
     hand.open(_CUBE_OPENING)
     hand.to(aimed(x, y, z + _OVER, 0.0, _DOWN), tolerance=0.02)
+
+
+def source_to_pot(hand: Hand, brief: Brief) -> None:
+    """Put the capsule into its pot, shut the lid, and drive back."""
+    station = hand.station
+    station.mode("CARTESIAN")
+    pot = brief.entries["pot"]
+    px, py, pz = pot["position"]
+    rim = np.array([px, py, pz + float(pot["height"]), 1.0])
+    # Prepared from afar: beside the source every second counts.
+    station.hold_preset("flat")
+    hand.to(aimed(_POT_REACH - 0.15, 0.0, 0.55, 0.0, 1.3), tolerance=0.03)
+    hand.open(_CUBE_OPENING)
+    driving.run_to(station, (rim[0] - _POT_REACH, 0.0), 0.4, heading=0.0)
+    station.stop()
+    station.wait(0.4)
+    station.hold_preset("")
+    here = inverse(station.base())
+    x, y, z = (here @ station.object_pose("capsule") @ (0.0, 0.0, _CAPSULE_GRIP, 1.0))[:3]
+    hand.to(aimed(x, y, z + _OVER, 0.0, _DOWN), tolerance=0.01)
+    hand.to(aimed(x, y, z, 0.0, _DOWN), tolerance=0.006)
+    hand.grip(_CUBE_FORCE)
+    over = (here @ rim)[:3] + (0.0, 0.0, _CAPSULE_GRIP)
+    high = over[2] + 0.04
+    hand.to(aimed(x, y, high, 0.0, _DOWN), tolerance=0.01)
+    hand.to(aimed(over[0], over[1], high, 0.0, _DOWN), tolerance=0.008)
+    hand.to(aimed(over[0], over[1], over[2] - _INTO_POT, 0.0, _DOWN), tolerance=0.008)
+    hand.open(_CUBE_OPENING)
+    hand.to(aimed(over[0], over[1], high, 0.0, _DOWN), tolerance=0.02)
+    # Around the open lid, and against it from outside.
+    before, beside = over[0] - 0.30, over[1] + _BESIDE_LID
+    hand.to(aimed(before, over[1], high, 0.0, 0.6), tolerance=0.03)
+    hand.to(aimed(before, beside, high, 0.0, 0.6), tolerance=0.03)
+    hand.to(aimed(over[0] - 0.03, beside, over[2], 0.0, 0.6), tolerance=0.02)
+    hand.to(aimed(over[0] - 0.03, over[1] + _PUSHED, over[2], 0.0, 0.6), tolerance=0.02)
+    hand.to(aimed(before, beside, high, 0.0, 0.6), tolerance=0.03)
+    driving.run_to(station, (0.0, 0.0), 0.5, True)
+    station.stop()
 
 
 def _upright_turn(angle: float) -> float:
