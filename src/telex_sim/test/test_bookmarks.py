@@ -327,3 +327,15 @@ def test_the_newest_ten_are_kept_by_names_that_are_given_or_count(bench):
         bookmarks.restore("x")
     with pytest.raises(ConfigError, match="at most 80 characters"):
         bookmarks.save("a\nb")
+
+
+def test_one_may_take_the_place_of_another_so_that_many_do_not_push_all_out(bench):
+    bookmarks = bench(world="floor").bookmarks
+    for number in range(MOST):
+        bookmarks.save(f"mark {number}")
+    bookmarks.save("step 1", replaces="gone already")
+    for number in range(2, 20):
+        bookmarks.save(f"step {number}", replaces=f"step {number - 1}")
+    assert bookmarks.names() == [*(f"mark {number}" for number in range(1, MOST)), "step 19"]
+    with pytest.raises(ConfigError, match="'step 18' has ended: 'step 19' has taken its place"):
+        bookmarks.restore("step 18")

@@ -726,6 +726,7 @@ INSTRUCTORS_ONLY = {
             "sim/bookmark",
             "sim/restore",
             "sim/malfunction",
+            "sim/list_bookmarks",
             "sim/add_robot",
             "cameras/configure",
             "controller_manager/unload_controller",

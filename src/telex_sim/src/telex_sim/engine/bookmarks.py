@@ -45,13 +45,15 @@ class Bookmarks:
         self._end()
         return list(self._kept)
 
-    def save(self, name: str = "") -> str:
+    def save(self, name: str = "", replaces: str = "") -> str:
         """Save the present state.
 
         Parameters
         ----------
         name : str
             One of the same name is replaced. Empty: a number that counts up.
+        replaces : str
+            Name of one that goes for it, if it is still there. Empty: none does.
 
         Returns
         -------
@@ -77,6 +79,8 @@ class Bookmarks:
         state = simulation.save_state()
         self._kept.pop(name, None)
         self._ended.pop(name, None)
+        if self._kept.pop(replaces, None) is not None:
+            self._note_end(replaces, f"'{name}' has taken its place")
         self._kept[name] = _Bookmark(simulation.structure, state)
         while len(self._kept) > MOST:
             oldest = next(iter(self._kept))

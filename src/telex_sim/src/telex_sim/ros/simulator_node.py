@@ -22,6 +22,8 @@ from telex_msgs.srv import (
     BookmarkResponse,
     Delete,
     DeleteResponse,
+    ListBookmarks,
+    ListBookmarksResponse,
     ListScenes,
     ListScenesResponse,
     LoadScene,
@@ -139,6 +141,7 @@ class SimulatorNode:
             rospy.Service("sim/reset", Empty, lambda _: self._empty(self._reset)),
             rospy.Service("sim/bookmark", Bookmark, self._on_bookmark),
             rospy.Service("sim/restore", Restore, self._on_restore),
+            rospy.Service("sim/list_bookmarks", ListBookmarks, self._on_list_bookmarks),
             rospy.Service("sim/step", Step, self._on_step),
             rospy.Service("sim/list_scenes", ListScenes, self._on_list_scenes),
             rospy.Service("sim/load_scene", LoadScene, self._on_load_scene),
@@ -197,7 +200,7 @@ class SimulatorNode:
         names: List[str] = []
 
         def save() -> None:
-            name.append(self._bookmarks.save(request.name))
+            name.append(self._bookmarks.save(request.name, request.replaces))
             names.extend(self._bookmarks.names())
 
         try:
@@ -219,6 +222,11 @@ class SimulatorNode:
         message = f"back at bookmark '{name[0]}'"
         rospy.loginfo("%s", message)
         return RestoreResponse(success=True, message=message, name=name[0])
+
+    def _on_list_bookmarks(self, _request: Any) -> ListBookmarksResponse:
+        names: List[str] = []
+        self._requests.carry_out(lambda: names.extend(self._bookmarks.names()))
+        return ListBookmarksResponse(names=names)
 
     def _on_list_scenes(self, _request: Any) -> ListScenesResponse:
         try:
