@@ -25,6 +25,7 @@ setup(
             "telex_training.ros.exam",
             "telex_training.ros.pages",
             "telex_training.ros.replay",
+            "telex_training.ros.trial",
         ],
         package_dir={"": "src"},
     )

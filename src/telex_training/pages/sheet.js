@@ -112,6 +112,14 @@ function failureRow(failure) {
   ];
 }
 
+/** @param {any} repetition @param {number | undefined} ended sim time of its end (s) */
+function practisedRow(repetition, ended) {
+  const cells = repetitionRow(repetition, 0, ended);
+  cells[0] = element("td", repetition.bookmark);
+  cells[3] = element("td", repetition.fault || "completed");
+  return cells;
+}
+
 /** @param {any} sheet */
 function show(sheet) {
   const { exercise, verdict } = sheet;
@@ -131,6 +139,11 @@ function show(sheet) {
   parts.push(table(["repetition", "seconds", "penalty", "result", ""], rows));
   const failures = sheet.malfunctions ?? []; // sheets of older recordings have none
   if (failures.length > 0) parts.push(table(["malfunction", "other command", "emergency stop", ""], failures.map(failureRow)));
+  if (sheet.practised?.length > 0) {
+    const practisedEnds = sheet.events.filter((/** @type {any} */ each) => each.event === "practised").map((/** @type {any} */ each) => each.time);
+    parts.push(element("p", "Practice only, from bookmarks: counts neither for the rate nor for reliability.", { class: "about" }));
+    parts.push(table(["from", "clock", "penalty", "result", ""], sheet.practised.map((/** @type {any} */ each, /** @type {number} */ index) => practisedRow(each, practisedEnds[index]))));
+  }
   parts.push(element("p", `Trial ${sheet.trial}, software ${sheet.software}, log ${sheet.log.sha256.slice(0, 16)}, ${sheet.log.samples} samples, ${sheet.log.gaps} gaps, real-time factor ${number(sheet.real_time_factor.mean, 3)}`, { class: "about" }));
   const main = /** @type {HTMLElement} */ (document.getElementById("sheet"));
   main.replaceChildren(...parts);

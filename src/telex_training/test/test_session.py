@@ -13,7 +13,7 @@ import pytest
 import rospy
 from std_msgs.msg import Bool
 from telex_msgs.msg import ActiveMalfunction, Malfunctions, SimStatus
-from training_truth import Trial, serialized
+from training_truth import LEVEL, Trial, serialized
 from waiting import wait_until
 
 from telex_sim.scene.robot_in_scene import robot_description
@@ -32,7 +32,9 @@ DRILL = """
 title: Drill
 zones: {start: {center: [0, 0, 0], size: [1, 2, 1]}}
 begin: {not: {inside: {what: robot, zone: start}}}
-steps: [{name: there, until: {moved: {what: robot, distance: 1}}}]
+steps:
+  - {name: on the way, until: {moved: {what: robot, distance: 1}}}
+  - {name: there, until: {moved: {what: robot, distance: 3}}}
 scene: {objects: []}
 """
 
@@ -43,7 +45,7 @@ class Clock:
     get_time = staticmethod(time.monotonic)
     get_rostime = staticmethod(lambda: SimpleNamespace(to_nsec=time.monotonic_ns))
     is_shutdown = staticmethod(lambda: False)
-    logerr = staticmethod(lambda *_: None)
+    logerr = logwarn = staticmethod(lambda *_: None)
 
 
 class Simulator:
@@ -55,6 +57,8 @@ class Simulator:
         self.problem = ""
         self.lines = []
         self.failed = []
+        self.ring = []
+        self.resets = 0
 
     def can_fail(self, _failure):
         return True
@@ -67,7 +71,8 @@ class Simulator:
     def load(self, _scene):
         if self.problem:
             raise ApparatusError(self.problem)
-        return 1
+        self.resets += 1
+        return self.resets
 
     def reset(self, _entries):
         return self.load("")
@@ -77,6 +82,20 @@ class Simulator:
 
     def restore_line(self):
         self.lines.append("as before")
+
+    def bookmark(self, name, replaces):
+        if self.problem:
+            raise ApparatusError(self.problem)
+        self.ring = [each for each in self.ring if each not in (name, replaces)][-9:] + [name]
+        return list(self.ring)
+
+    def bookmarks(self):
+        return list(self.ring)
+
+    def back(self, name):
+        if name not in self.ring:
+            raise ApparatusError(f"bookmark '{name}' has ended: 'crate' was spawned")
+        return self.load("")
 
 
 @pytest.fixture
@@ -357,6 +376,122 @@ def test_a_malfunction_that_is_refused_makes_the_trial_invalid(breaking, simulat
     assert session.state()["invalid_because"] == [
         "a malfunction that could not be made from outside"
     ]
+
+
+class Truth:
+    """Lets a session hear a robot that drives."""
+
+    def __init__(self, session):
+        self.session, self.trial, self.heard = session, Trial(session.exercise), 0
+        self.trial.names()
+        self.tell()
+
+    def tell(self):
+        self.trial.resets = self.session._apparatus.resets
+        self.trial.sample()
+        for entry in self.trial.entries[self.heard :]:
+            self.session._hear(entry.channel, entry.kind, entry.data)
+        self.heard = len(self.trial.entries)
+
+    def at(self, x):
+        self.trial.robot = ((x, 0.0, 0.112), LEVEL)
+        self.tell()
+
+
+def test_a_step_sets_a_bookmark_and_one_goes_on_from_it(session, simulator):
+    session.start()
+    wait(session, "waiting")
+    truth = Truth(session)
+    truth.at(0.8)
+    truth.at(1.5)
+    wait_until(lambda: session.state()["bookmarks"] == ["on the way, repetition 1"])
+    assert session.bookmark() == "mark 1, repetition 1"
+    assert session.bookmark(" the door ") == "the door"
+    assert simulator.ring == session.state()["bookmarks"]
+    with pytest.raises(sessions.SessionError, match="name is 'x'; bookmarks of this trial: 'on"):
+        session.back("x")
+    assert session.back("on the way, repetition 1") == "on the way, repetition 1"
+    wait(session, "waiting")
+    truth.tell()
+    wait(session, "running")
+    state = session.state()
+    assert (state["from_bookmark"], state["valid"]) == ("on the way, repetition 1", True)
+    assert state["steps_done"] == [True, False]
+    truth.at(3.5)
+    wait(session, "between")
+    assert session.back() == "the door"  # the newest
+    wait(session, "waiting")
+    session.abort("aborted")
+    sheet = ended(session)
+    assert sheet["valid"]
+    assert [each["bookmark"] for each in sheet["practised"]] == ["on the way, repetition 1"]
+    assert [each["fault"] for each in sheet["repetitions"]] == ["went back"]
+    assert session.state()["bookmarks"] == []
+
+
+def test_steps_and_marks_leave_room_for_those_with_names(session, simulator):
+    simulator.ring = [f"instructor's {number}" for number in range(4)]
+    session.start()
+    wait(session, "waiting")
+    for _ in range(9):
+        session.bookmark()
+    for number in range(9):
+        session._set(session._bookmarks.of_step(f"step {number}", 1))
+    assert simulator.ring[:4] == [f"instructor's {number}" for number in range(4)]
+    assert session.state()["bookmarks"] == [
+        *(f"mark {number}, repetition 1" for number in (7, 8, 9)),
+        *(f"step {number}, repetition 1" for number in (6, 7, 8)),
+    ]
+
+
+def test_a_bookmark_that_has_ended_leads_to_the_start_and_says_so(session, simulator):
+    session.start()
+    wait(session, "waiting")
+    name = session.bookmark()
+    simulator.ring.clear()
+    session.back()
+    wait_until(lambda: "'crate' was spawned; all is put to the start" in session.state()["message"])
+    wait(session, "waiting")
+    assert session.state()["bookmarks"] == []
+    assert session.state()["from_bookmark"] == ""
+    with pytest.raises(sessions.SessionError, match="there is no bookmark of this trial"):
+        session.back(name)
+
+
+def test_no_bookmark_is_offered_that_the_simulator_refused(session, simulator):
+    session.start()
+    wait(session, "waiting")
+    simulator.problem = "/telex/sim/bookmark has not answered for 20 s"
+    with pytest.raises(sessions.SessionError, match="no bookmark is set: .*not answered"):
+        session.bookmark()
+    assert session.state()["bookmarks"] == []
+
+
+@pytest.mark.parametrize("name", ["x" * 61, "a\nb"])
+def test_a_name_that_cannot_be_shown_is_refused(session, name):
+    session.start()
+    wait(session, "waiting")
+    with pytest.raises(sessions.SessionError, match="at most 60 characters"):
+        session.bookmark(name)
+
+
+def test_before_the_start_after_the_end_and_in_an_exam_there_are_none(session, new_session):
+    for act in (session.bookmark, session.back):
+        with pytest.raises(sessions.SessionError, match="the trial is ready"):
+            act()
+    session.start()
+    wait(session, "waiting")
+    session.abort("aborted")
+    ended(session)
+    for act in (session.bookmark, session.back):
+        with pytest.raises(sessions.SessionError, match="the trial is ended"):
+            act()
+    exam = new_session(DRILL, "exam")
+    exam.start()
+    wait(exam, "waiting")
+    for act in (exam.bookmark, exam.back):
+        with pytest.raises(sessions.SessionError, match="mode is exam; bookmarks are for practice"):
+            act()
 
 
 class Watched:

@@ -210,6 +210,8 @@ class Console {
       "hold tool": () => this._tool.toggleHold(),
       "proximity guard": () => this._tool.toggleGuard(),
       "next camera": () => this._cameras.next(),
+      bookmark: () => this._strip.bookmarks.set(),
+      "go back": () => this._strip.bookmarks.back(),
       help: () => {
         this._letGo("the list of keys");
         this._keyDialog.toggle();

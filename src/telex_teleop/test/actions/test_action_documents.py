@@ -111,6 +111,8 @@ CONTROLS = (
     ("A, Y", ("south", "north"), False),
     ("LT, RT", ("left_trigger", "right_trigger"), False),
     ("left stick pressed", ("left_stick",), False),
+    ("right stick pressed", ("right_stick",), False),
+    ("**RB** held: right stick pressed", ("right_stick",), True),
     ("LB + Back", ("back",), False),
 )
 

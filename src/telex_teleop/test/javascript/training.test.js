@@ -5,11 +5,12 @@ import "./browser.js";
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { addressOf, clockText } from "../../console/js/training/client.js";
+import { offered } from "../../console/js/training/bookmarks.js";
 import { noteOf, repetitionText, stepText } from "../../console/js/training/strip.js";
 
 const STATE = /** @type {any} */ ({
   phase: "running", message: "", hint: "slower", mode: "practice", verdict: "", repetition: 2, repetitions: 10, results: ["passed"],
-  steps: ["out", "back"], steps_done: [true, false],
+  steps: ["out", "back"], steps_done: [true, false], from_bookmark: "", bookmarks: [], faults: [],
 });
 
 test("the step that is due is named with its number", () => {
@@ -32,6 +33,21 @@ test("hints are for practice, and what went wrong comes first", () => {
   assert.equal(noteOf({ ...STATE, phase: "between", results: ["passed", "tipped"] }), "fault: tipped");
   assert.equal(noteOf({ ...STATE, phase: "ended", verdict: "passed" }), "PASSED: see the sheet");
   assert.equal(noteOf({ ...STATE, phase: "ended" }), "no verdict: see the sheet");
+});
+
+test("what goes on from a bookmark is told to be practice only", () => {
+  const resumed = { ...STATE, from_bookmark: "out, repetition 2" };
+  assert.equal(repetitionText(resumed), "practice only, from: out, repetition 2");
+  assert.equal(noteOf({ ...resumed, phase: "between", steps_done: [true, true], faults: ["cone"] }), "done, as practice only");
+  assert.equal(noteOf({ ...resumed, phase: "between", faults: ["cone", "tipped"] }), "fault: tipped; practice only");
+});
+
+test("bookmarks are offered in practice, while there is something to go back in", () => {
+  const having = { ...STATE, bookmarks: ["out, repetition 1", "mark 1, repetition 2"] };
+  assert.deepEqual(offered(having), { canSet: true, names: having.bookmarks });
+  assert.deepEqual(offered({ ...having, phase: "between" }), { canSet: false, names: having.bookmarks });
+  for (const phase of ["ready", "preparing", "ended"]) assert.deepEqual(offered({ ...having, phase }), { canSet: false, names: [] });
+  assert.deepEqual(offered({ ...having, mode: "exam" }), { canSet: false, names: [] });
 });
 
 test("times are minutes and seconds", () => {

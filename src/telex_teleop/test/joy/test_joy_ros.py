@@ -15,7 +15,15 @@ pytestmark = [pytest.mark.ros, pytest.mark.waiting]
 
 NODES = Path(__file__).parents[2] / "nodes"
 ROBOT = "/robot7"
-BUTTONS = {"south": 0, "left_bumper": 4, "back": 6, "start": 7, "left_stick": 9}
+BUTTONS = {
+    "south": 0,
+    "left_bumper": 4,
+    "right_bumper": 5,
+    "back": 6,
+    "start": 7,
+    "left_stick": 9,
+    "right_stick": 10,
+}
 MODES = ("DRIVE", "JOINT", "CARTESIAN", "CAMERA")  # in the order of the button
 
 
@@ -32,11 +40,11 @@ class Player:
         from sensor_msgs.msg import Joy
         from std_msgs.msg import Bool, Float64, String
         from telex_msgs.msg import JointTeleopStatus, TrackTeleopStatus
-        from telex_msgs.srv import SetMode
+        from telex_msgs.srv import Bookmark, Restore, SetMode
 
         self.message = Joy
-        self.twists, self.jogs, self.e_stops, self.speeds, self.modes, self.asked = (
-            [] for _ in range(6)
+        self.twists, self.jogs, self.e_stops, self.speeds, self.modes, self.asked, self.training = (
+            [] for _ in range(7)
         )
         heard = (
             ("track_teleop/cmd_vel", Twist, self._on_twist),
@@ -47,6 +55,8 @@ class Player:
         )
         self.listeners = [topics.subscriber(*each) for each in heard]
         topics.service("arm_teleop/set_mode", SetMode, self._on_mode)
+        topics.service("training/bookmark", Bookmark, self._training("bookmark"))
+        topics.service("training/back", Restore, self._training("back"))
         speed = {"speed_scale": 0.5, "min_speed_scale": 0.05, "max_speed_scale": 1.0}
         self.arm = JointTeleopStatus(
             mode="JOINT", joint_names=["turret_joint"], max_velocity=[0.5], **speed
@@ -91,6 +101,13 @@ class Player:
         self.asked.append(request.mode)
         self.arm.mode = request.mode
         return SetModeResponse(success=True)
+
+    def _training(self, name):
+        def answer(request):
+            self.training.append((name, request.name))
+            return {"success": True}
+
+        return answer
 
     def plug_in(self):
         self.device.publish("Microsoft X-Box 360 pad")
@@ -153,7 +170,14 @@ class Player:
         self.hold()
         self.select("DRIVE")
         self.arm.mode = "JOINT"
-        for said in (self.twists, self.jogs, self.e_stops, self.speeds, self.asked):
+        for said in (
+            self.twists,
+            self.jogs,
+            self.e_stops,
+            self.speeds,
+            self.asked,
+            self.training,
+        ):
             said.clear()
 
 
@@ -252,6 +276,13 @@ class TestJoyTeleop:
         pad.press("left_stick", lambda: True in pad.e_stops)
         pad.press("back", lambda: False in pad.e_stops, "left_bumper")
         assert [pad.e_stops[0], pad.e_stops[-1]] == [True, False]
+
+    def test_bookmarks_of_an_exercise(self, pad):
+        pad.press("right_stick", lambda: pad.training)
+        assert set(pad.training) == {("bookmark", "")}
+        pad.training.clear()
+        pad.press("right_stick", lambda: pad.training, "right_bumper")
+        assert ("back", "") in pad.training
 
     def test_speed(self, pad):
         pad.select("CARTESIAN")

@@ -18,6 +18,8 @@ KEYS = {
     "tab": "mode",
     "8": "lamps front rear",
     "\\": "proximity guard",
+    "]": "bookmark",
+    "backspace": "go back",
     "?": "help",
     "ctrl+c": "quit",
 }
@@ -84,6 +86,12 @@ class Robot:
 
     def toggle_guard(self):
         self.done.append("guard")
+
+    def set_bookmark(self):
+        self.done.append("bookmark")
+
+    def go_back(self):
+        self.done.append("back")
 
     def switch_lamps(self, names):
         self.done.append(names)
@@ -341,10 +349,13 @@ class TestLine:
         assert terminal.asked == 0
 
 
-def test_lamps_and_guard_are_done_once(keyboard, robot):
+def test_lamps_guard_and_bookmarks_are_done_once(keyboard, robot):
     press(keyboard, b"8", 1.0)
     press(keyboard, b"8", 1.1)  # repeated by the terminal
     press(keyboard, b"\\", 2.0)
-    assert robot.done == [("front", "rear"), "guard"]
+    press(keyboard, b"]", 3.0)
+    press(keyboard, b"\x7f", 4.0)
+    press(keyboard, b"\x7f", 4.1)
+    assert robot.done == [("front", "rear"), "guard", "bookmark", "back"]
     assert keyboard.picture(1.05)
     assert not robot.sent or not robot.sent[-1].jogs

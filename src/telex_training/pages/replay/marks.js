@@ -24,7 +24,7 @@ export const STRETCHES = /** @type {Record<string, string>} */ ({ slow: "#8a7420
 
 const EVENTS = /** @type {Record<string, string>} */ ({
   begin: "the clock starts", step: "step done", fault: "fault", penalty: "penalty", contact: "touched", drop: "dropped", tipped: "tipped over",
-  repetition: "repetition", e_stop: "emergency stop", stuck: "stuck", invalid: "not valid", note: "note", mark: "instructor's mark", answer: "answered",
+  repetition: "repetition", practised: "practice only", bookmark: "bookmark", back: "back to", e_stop: "emergency stop", stuck: "stuck", invalid: "not valid", note: "note", mark: "instructor's mark", answer: "answered",
   camera: "camera switched", mode: "mode switched", end: "end", released: "keys let go",
   malfunction: "malfunction", mended: "works again", reaction: "reaction",
 });

@@ -21,6 +21,8 @@ const OPERATOR = "telex.operator"; // where the browser keeps whose name was typ
  * @property {string[]} invalid_because
  * @property {number} repetition
  * @property {number} repetitions
+ * @property {string} from_bookmark
+ * @property {string[]} bookmarks
  * @property {string[]} results
  * @property {number} elapsed
  * @property {number} penalty

@@ -3,6 +3,7 @@
 
 import { onClick } from "../buttons.js";
 import { byId, element, setText } from "../panels.js";
+import { StripBookmarks } from "./bookmarks.js";
 import { addressOf, clockText } from "./client.js";
 
 const PHASES = /** @type {Record<string, string>} */ ({
@@ -32,6 +33,7 @@ export class TrainingStrip {
     /** @type {State | null} */
     this._state = null;
     build(byId("training"));
+    this.bookmarks = new StripBookmarks(byId("training-bookmarks"), client, letGo);
     this._listen();
   }
 
@@ -84,6 +86,7 @@ export class TrainingStrip {
     setText(byId("training-malfunctions"), state.malfunctions.join(" · "));
     setText(byId("training-hint"), noteOf(state));
     this._showButtons(state);
+    this.bookmarks.show(state);
     this._showQuestions(state);
   }
 
@@ -158,15 +161,16 @@ function build(strip) {
   line.append(
     part("b", "title"), invalid, part("span", "repetition", "num"), part("span", "results"), part("b", "clock", "num"),
     part("span", "step"), part("span", "faults", "", "status"), element("span", "fill"), part("span", "limit", "num note"),
-    button("brief", "brief"), button("start", "start"), button("again", "again"), button("give-up", "give up"), button("sheet", "score sheet"),
+    part("span", "bookmarks"), button("brief", "brief"), button("start", "start"), button("again", "again"), button("give-up", "give up"), button("sheet", "score sheet"),
   );
   const failing = part("div", "malfunctions", "training-malfunctions", "status");
   strip.replaceChildren(line, failing, part("div", "hint", "training-hint", "status"), part("div", "questions", "training-questions"));
 }
 
 /** @param {State} state */
-export function repetitionText({ repetition, repetitions, phase }) {
+export function repetitionText({ repetition, repetitions, phase, from_bookmark: bookmark }) {
   if (repetition === 0 || phase === "ended") return "";
+  if (bookmark !== "") return `practice only, from: ${bookmark}`;
   return repetitions > 0 ? `rep ${repetition}/${repetitions}` : `rep ${repetition}`;
 }
 
@@ -179,9 +183,10 @@ export function stepText({ steps, steps_done: done, phase }) {
 }
 
 /** What is said under the strip: what went wrong before what helps. @param {State} state */
-export function noteOf({ message, hint, phase, verdict, results, mode }) {
+export function noteOf({ message, hint, phase, verdict, results, mode, from_bookmark: bookmark, steps_done: done, faults }) {
   if (message !== "") return message;
   if (phase === "ended") return verdict === "" ? "no verdict: see the sheet" : `${verdict.toUpperCase()}: see the sheet`;
+  if (phase === "between" && bookmark !== "") return done.every(Boolean) ? "done, as practice only" : `fault: ${faults.at(-1)}; practice only`;
   if (phase === "between") return results.at(-1) === "passed" ? "passed" : `fault: ${results.at(-1)}`;
   return mode === "practice" ? hint : "";
 }

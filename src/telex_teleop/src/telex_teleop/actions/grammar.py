@@ -5,8 +5,8 @@ An action is a short text. What lasts as long as a key or button is held: ``trac
 follow meanwhile), ``preset NAME`` (of the flippers), ``tool x +``, ``pose NAME`` (of the arm),
 ``zoom +``. What is done once by a press: ``lamps NAME NAME`` (on, or off when one is lit) and the
 commands ``stop``, ``e-stop``, ``release e-stop``, ``faster``, ``slower``, ``mode``, ``frame``,
-``hold tool``, ``proximity guard``, ``help``; of a terminal ``quit``; of the console's page ``drive
-mode``, ``camera mode``, ``next camera``.
+``hold tool``, ``proximity guard``, ``bookmark``, ``go back`` (to one, in practice), ``help``; of a
+terminal ``quit``; of the console's page ``drive mode``, ``camera mode``, ``next camera``.
 
 What a stick moves both ways is an axis: ``tracks linear``, ``tracks angular``, ``zoom``, or the
 text of an action without its sign. Its positive end is that of the action with ``+``.
@@ -117,6 +117,8 @@ class Command(Enum):
     FRAME = "frame"
     HOLD_TOOL = "hold tool"
     GUARD = "proximity guard"
+    BOOKMARK = "bookmark"
+    GO_BACK = "go back"
     HELP = "help"
     QUIT = "quit"
     DRIVE_MODE = "drive mode"

@@ -256,6 +256,10 @@ class JoyTeleopNode:
             robot.toggle_hold()
         elif action is Command.GUARD:
             robot.toggle_guard()
+        elif action is Command.BOOKMARK:
+            robot.set_bookmark()
+        elif action is Command.GO_BACK:
+            robot.go_back()
         elif action is Command.MODE:
             self._change_mode()
         elif isinstance(action, Lamps):

@@ -355,7 +355,11 @@ def _position(joints: Tuple[str, ...], lengths: Sequence[str], state: ScreenStat
 
 
 def _commands(keys: KeyMap, columns: int) -> List[Line]:
-    commands = [action for action in keys.actions.values() if isinstance(action, Command)]
+    commands = [
+        action
+        for action in keys.actions.values()
+        if isinstance(action, Command) and action not in IN_HELP
+    ]
     parts = [f"{_names(keys, each)}: {keys.label(each)}" for each in dict.fromkeys(commands)]
     return [Line(text) for text in _fill(parts, columns, "  ")]
 
@@ -375,6 +379,8 @@ def _names(keys: KeyMap, command: Command) -> str:
     return " ".join(keys.keys_of(command))
 
 
+# What is seldom used has no place on a screen of 24 lines.
+IN_HELP = (Command.BOOKMARK, Command.GO_BACK)
 EXACT_KEYS = """\
 This terminal reports when a key goes up: a motion lasts exactly as long as its key is held, and
 several keys work at once."""
@@ -385,11 +391,11 @@ keys only the last one counts. Terminals with the kitty protocol (kitty, foot, W
 exact."""
 HELP = """\
 Hold a key to move, let it go to stop; all motion is on ramps. The first key of a pair moves
-ahead, up, in or to the left, or closes. '!' marks a joint that a limit, or something in its way,
-holds back. In mode CARTESIAN the arm's keys move its tool along the axes of the frame. A pose moves
-the whole arm, a preset all flippers; a flipper key ends a preset, which then needs a new press.
-With a side key held, only the flippers of that side follow. Lamps go on and off by a press ('*' is
-lit). The guard slows and stops the arm before what is near.
+ahead, up, in or to the left, or closes. '!' marks a joint that a limit or something in its way
+holds back. In mode CARTESIAN the arm's keys move its tool along the frame's axes. A pose moves
+the whole arm, a preset all flippers; a flipper key ends a preset until a new press. A held side key
+leaves the flippers of that side. Lamps go on and off by a press ('*' is lit). The guard keeps
+the arm off what is near.{bookmarks}
 
 {holding}
 
@@ -398,10 +404,16 @@ lets all held keys go. The e-stop also brakes the tracks; after it, press anew w
 move. When this window loses the keyboard, or this program ends, everything stops."""
 
 
+def _bookmarks(keys: KeyMap) -> str:
+    mark, back = (_names(keys, each) for each in IN_HELP)
+    return f" {mark} sets a bookmark, {back} goes back." if mark and back else ""
+
+
 def _help(keys: KeyMap, state: ScreenState, columns: int) -> List[Line]:
     text = HELP.format(
         holding=EXACT_KEYS if state.exact_keys else TYPED_KEYS,
         stop=_names(keys, Command.STOP),
+        bookmarks=_bookmarks(keys),
     )
     lines: List[Line] = []
     for paragraph in text.split("\n\n"):

@@ -212,6 +212,10 @@ class KeyboardTeleop:
             self._robot.toggle_hold()
         elif command is Command.GUARD:
             self._robot.toggle_guard()
+        elif command is Command.BOOKMARK:
+            self._robot.set_bookmark()
+        elif command is Command.GO_BACK:
+            self._robot.go_back()
         elif command is Command.HELP:
             self._show_help = not self._show_help
         elif command is Command.QUIT:

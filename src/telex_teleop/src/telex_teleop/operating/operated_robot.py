@@ -20,7 +20,7 @@ from telex_msgs.msg import (
     SimStatus,
     TrackTeleopStatus,
 )
-from telex_msgs.srv import SetMode
+from telex_msgs.srv import Bookmark, Restore, SetMode
 
 from telex_teleop.actions.grammar import NODES
 from telex_teleop.motion.e_stop_state import EStopState
@@ -233,7 +233,7 @@ class OperatedRobot:
 
     def set_mode(self, mode: str) -> None:
         """Ask the arm for a mode; when it refuses, the answer comes as a notice."""
-        self._ask("mode", "arm_teleop/set_mode", SetMode, mode)
+        self._ask("mode", "arm_teleop/set_mode", SetMode, mode=mode)
 
     def toggle_mode(self) -> None:
         """Ask the arm for its other mode."""
@@ -242,7 +242,7 @@ class OperatedRobot:
     def toggle_hold(self) -> None:
         """Let the tool keep its place in the world while the base moves, or no longer."""
         held = self._cartesian is not None and self._cartesian.holds_tool
-        self._ask("hold tool", "arm_teleop/hold_tool", SetBool, not held)
+        self._ask("hold tool", "arm_teleop/hold_tool", SetBool, data=not held)
 
     def toggle_guard(self) -> None:
         """Let what is near slow and stop the arm, or no longer."""
@@ -250,7 +250,15 @@ class OperatedRobot:
             self.notice = "proximity guard: no answer from the arm"
             return
         wanted = not self._cartesian.guard
-        self._ask("proximity guard", "arm_teleop/set_proximity_guard", SetBool, wanted)
+        self._ask("proximity guard", "arm_teleop/set_proximity_guard", SetBool, data=wanted)
+
+    def set_bookmark(self) -> None:
+        """Set a bookmark of the exercise, in practice; when it is refused, a notice says why."""
+        self._ask("bookmark", "training/bookmark", Bookmark, name="")
+
+    def go_back(self) -> None:
+        """Go on from the newest bookmark of the exercise, in practice."""
+        self._ask("go back", "training/back", Restore, name="")
 
     def next_frame(self) -> None:
         """Move the tool along the axes of the next frame from now on."""
@@ -311,7 +319,7 @@ class OperatedRobot:
         linear.x, linear.y, linear.z, angular.x, angular.y, angular.z = rates
         self._tool.publish(message)
 
-    def _ask(self, what: str, service: str, kind: Any, wanted: Any) -> None:
+    def _ask(self, what: str, service: str, kind: Any, **wanted: Any) -> None:
         if self.refused:
             return
         self._requests.ask(what, f"{self.namespace}/{service}", kind, wanted)

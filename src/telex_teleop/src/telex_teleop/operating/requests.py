@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from typing import Any, Callable, Dict, Tuple
+from typing import Any, Callable, Dict, Mapping, Tuple
 
 import rospy
 
@@ -29,7 +29,7 @@ class Requests:
         self._waiting: Dict[str, Tuple[str, Any, Any]] = {}
         self._running = False
 
-    def ask(self, what: str, name: str, kind: Any, wanted: Any) -> None:
+    def ask(self, what: str, name: str, kind: Any, wanted: Mapping[str, Any]) -> None:
         """Call a service.
 
         Parameters
@@ -37,7 +37,7 @@ class Requests:
         what
             What the operator calls it, for messages.
         name, kind, wanted
-            Of the service: its full name, its type, and the one field of its request.
+            Of the service: its full name, its type, and the fields of its request.
         """
         with self._lock:
             self._waiting[what] = (name, kind, wanted)
@@ -56,10 +56,10 @@ class Requests:
                 name, kind, wanted = self._waiting.pop(what)
             self._call(what, name, kind, wanted)
 
-    def _call(self, what: str, name: str, kind: Any, wanted: Any) -> None:
+    def _call(self, what: str, name: str, kind: Any, wanted: Mapping[str, Any]) -> None:
         try:
             rospy.wait_for_service(name, SERVICE_TIMEOUT)
-            answer = rospy.ServiceProxy(name, kind)(wanted)
+            answer = rospy.ServiceProxy(name, kind)(**wanted)
         except rospy.ROSException:
             self._tell(f"{what}: no answer from {name}")
         except rospy.ServiceException as error:

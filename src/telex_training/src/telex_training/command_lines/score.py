@@ -154,6 +154,11 @@ def sheet_report(sheet: Dict[str, Any], name: str, remarks: Sequence[str]) -> st
         lines.append(
             f"  repetition {number}: {rep['seconds']:.1f} s + {rep['penalty']:g} s, {fault}"
         )
+    for rep in sheet.get("practised", []):
+        lines.append(
+            f"  practice only, from '{rep['bookmark']}': {rep['seconds']:.1f} s, "
+            f"{rep['fault'] or 'completed'}"
+        )
     return "\n".join(lines) + "\n\n"
 
 

@@ -35,7 +35,7 @@ from .entries import (
 )
 from .handling import goal_zones
 from .malfunctions import MalfunctionRecord, Turn
-from .repetition import GIVEN_UP, Happening, Repetition
+from .repetition import GIVEN_UP, PUT_BACK, WENT_BACK, Happening, Progress, Repetition
 from .truth import Names, World, read_sample
 from .validity import MOST_SLOW, Continuity, LinkRecord, Pace
 from .workload import INPUT as TLX
@@ -45,6 +45,7 @@ IDLE, READY, PREPARING, WAITING = "idle", "ready", "preparing", "waiting"
 RUNNING, BETWEEN, ENDED = "running", "between", "ended"
 _MOST_EVENTS = 10_000
 _MOST_REASONS = 20
+_MOST_BOOKMARKS = 100
 _NAMES_PATIENCE = 1.0
 _UNCOUNTED = ("command", "answer", "step", "penalty", "contact", "drop", "tipped")
 """Events that the repetition counts itself."""
@@ -118,6 +119,9 @@ class Judge:
         self._header: Dict[str, Any] = {}
         self._repetition: Optional[Repetition] = None
         self._finished: List[Dict[str, Any]] = []
+        # Those that went on from bookmarks: they count for nothing.
+        self._practised: List[Dict[str, Any]] = []
+        self._bookmarks: Dict[str, Progress] = {}
         self._expected: Dict[str, str] = {}
         self._events: List[JudgeEvent] = []
         self._new: List[JudgeEvent] = []
@@ -155,6 +159,8 @@ class Judge:
             "drawn": self._drawn,
             "answer": self._answer,
             "again": self._again,
+            "bookmark": self._bookmark,
+            "back": self._back,
             "abort": self._abort,
             "pause": self._pause,
             "mark": self._mark,
@@ -162,6 +168,12 @@ class Judge:
             TLX: self._rate,
             "outside": self._outside,
         }
+
+    @property
+    def repetition(self) -> int:
+        """Number of the repetition that is under way or comes next, from 1."""
+        repetition = self._repetition
+        return len(self._finished) + 1 if repetition is None else repetition.number
 
     def feed(self, entry: Entry) -> List[JudgeEvent]:
         """Take the next entry.
@@ -214,6 +226,7 @@ class Judge:
         wanted = sample.resets == self._resets_due
         if was_reset and not wanted and self.phase in (WAITING, RUNNING, BETWEEN):
             self._invalidate("the simulation was reset from outside")
+            self._put_back_from_outside()
         self._time = self._context.time = sample.time
         if self._pace_counts() and self._pace.sample(sample.time, sample.wall_time):
             self._say("slow")
@@ -252,7 +265,8 @@ class Judge:
         if self.phase == WAITING:
             if repetition.wait():
                 self.phase = RUNNING
-                self._say("begin", detail={"repetition": repetition.number})
+                bookmark = {"bookmark": repetition.bookmark} if repetition.bookmark else {}
+                self._say("begin", detail={"repetition": repetition.number, **bookmark})
                 self._hint_on(repetition.current_step)
         else:
             step = repetition.current_step
@@ -261,6 +275,8 @@ class Judge:
                 self._hint_on(repetition.current_step)
             if repetition.ended:
                 self._finish(repetition)
+                if not repetition.bookmark:
+                    self._end_if_complete()
         limit = self.exercise.repetitions.trial_time
         if limit and self._trial_time >= limit and self.phase != ENDED:
             self._end("time")
@@ -379,20 +395,29 @@ class Judge:
 
     def _ready(self, content: Dict[str, Any]) -> None:
         due = number_field(content, "resets") if "resets" in content else 0
+        bookmark, missed = text_field(content, "bookmark"), text_field(content, "missed")
         if not self._allowed(content, PREPARING):
             return
+        number = len(self._finished) + 1
+        progress = None
+        if bookmark:
+            # One that is not known was set while nothing could be done: still it is no start.
+            progress = self._bookmarks.get(bookmark) or Progress(bookmark, number)
         self._resets_due = int(due)
         self._pace.cut()
         self._repetition = Repetition(
-            len(self._finished) + 1,
+            number if progress is None else progress.number,
             self.exercise,
             self._context,
             self._goals,
             self._activity,
             self._expected,
+            progress,
         )
         self._expected = {}
-        self._hint = self._message = ""
+        self._hint, self._message = "", missed
+        if missed:
+            self._say("refused", "back", {"reason": missed})
         self.phase = WAITING
 
     def _drawn(self, content: Dict[str, Any]) -> None:
@@ -415,12 +440,55 @@ class Judge:
     def _again(self, content: Dict[str, Any]) -> None:
         if not self._allowed(content, WAITING, RUNNING, BETWEEN):
             return
-        if self.phase == RUNNING and self._repetition is not None:
-            self._tell(self._repetition.spoil(GIVEN_UP))
-            self._finish(self._repetition)
+        self._leave(GIVEN_UP)
+        self._end_if_complete()
         if self.phase != ENDED:
-            self._repetition = None
             self.phase = PREPARING
+
+    def _leave(self, fault: str) -> None:
+        """End the repetition that runs with a fault; one that waits has not been."""
+        if self.phase == RUNNING and self._repetition is not None:
+            self._tell(self._repetition.spoil(fault))
+            self._finish(self._repetition)
+        self._repetition = None
+
+    def _put_back_from_outside(self) -> None:
+        """Leave a repetition whose world is another one now."""
+        if self.phase == BETWEEN:
+            return
+        self._leave(PUT_BACK)
+        self._end_if_complete()
+        if self.phase != ENDED:
+            self._message = "the simulation was reset from outside; again begins anew"
+            self.phase = BETWEEN
+
+    def _in_practice(self, content: Dict[str, Any]) -> bool:
+        if self._header.get("mode") != EXAM:
+            return True
+        self._message = f"{content['input']}: an exam has no bookmarks"
+        self._say("refused", content["input"], {"mode": EXAM})
+        return False
+
+    def _bookmark(self, content: Dict[str, Any]) -> None:
+        name = text_field(content, "name")
+        if not self._in_practice(content) or not self._allowed(content, WAITING, RUNNING):
+            return
+        assert self._repetition is not None
+        self._bookmarks.pop(name, None)
+        self._bookmarks[name] = self._repetition.progress(name)
+        while len(self._bookmarks) > _MOST_BOOKMARKS:
+            del self._bookmarks[next(iter(self._bookmarks))]
+        self._say("bookmark", name)
+
+    def _back(self, content: Dict[str, Any]) -> None:
+        """Going back to a bookmark begins: the repetition ends, uncredited."""
+        name = text_field(content, "bookmark")
+        if not self._in_practice(content) or not self._allowed(content, WAITING, RUNNING, BETWEEN):
+            return
+        # Even the last repetition does not end the trial so: what comes counts for nothing.
+        self._leave(WENT_BACK)
+        self._say("back", name)
+        self.phase = PREPARING
 
     def _abort(self, content: Dict[str, Any]) -> None:
         reason, by = text_field(content, "reason", "aborted"), text_field(content, "by")
@@ -471,6 +539,9 @@ class Judge:
 
     def _finish(self, repetition: Repetition) -> None:
         made = repetition.sheet()
+        if repetition.bookmark:
+            self._practise(repetition, made)
+            return
         made["passed"] = sheets.passes(self.exercise, made)
         self._finished.append(made)
         self._say(
@@ -479,9 +550,22 @@ class Judge:
             {"number": repetition.number, "seconds": repetition.time},
         )
         self.phase = BETWEEN
+
+    def _end_if_complete(self) -> None:
         most = self.exercise.repetitions.most
         if most and len(self._finished) >= most:
             self._end("complete")
+
+    def _practise(self, repetition: Repetition, made: Dict[str, Any]) -> None:
+        """Note a repetition that went on from a bookmark, apart from all that counts."""
+        made.update(bookmark=repetition.bookmark, repetition=repetition.number)
+        self._practised.append(made)
+        self._say(
+            "practised",
+            "completed" if repetition.completed else repetition.fault,
+            {"number": repetition.number, "bookmark": repetition.bookmark},
+        )
+        self.phase = BETWEEN
 
     def _end(self, reason: str, by: str = "") -> None:
         self._ended_by = reason
@@ -532,7 +616,7 @@ class Judge:
                 self._say("hint", hint.on, {"text": hint.text})
 
     def state(self) -> Dict[str, Any]:
-        """Return the fields of telex_msgs/TrainingState, but its header."""
+        """Return the fields of telex_msgs/TrainingState, but its header and bookmarks."""
         exercise, repetition = self.exercise, self._repetition
         running = repetition if repetition is not None and self.phase != IDLE else None
         answered = running.answers if running else {}
@@ -546,8 +630,9 @@ class Judge:
             "operator": self._header.get("operator", ""),
             "valid": not self._reasons,
             "invalid_because": list(self._reasons),
-            "repetition": running.number if running else len(self._finished) + 1,
+            "repetition": self.repetition,
             "repetitions": exercise.repetitions.most,
+            "from_bookmark": running.bookmark if running else "",
             "results": [
                 "passed" if made["completed"] else made["fault"] for made in self._finished
             ],
@@ -613,6 +698,8 @@ class Judge:
                 "ended": self._ended_by,
                 "trial_seconds": self._trial_time,
                 "repetitions": self._finished,
+                # Sheets of trials that had none stay as they were.
+                **({"practised": self._practised} if self._practised else {}),
                 "summary": figures,
                 "metrics": found,
                 "expert": {

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, FrozenSet, List, Optional, Tuple
+from typing import Any, Dict, FrozenSet, List, NamedTuple, Optional, Tuple
+
+from telex_control.common.geometry.quaternions import Vector3
 
 from ..exercises.conditions import ROBOT
 from ..exercises.metric_kinds import KINDS, SURVEYED
@@ -15,7 +17,11 @@ from .motion import BalanceRecord, MotionRecord, SurveyRecord
 
 TIME_FAULT = "time"
 GIVEN_UP = "given up"
-"""Faults that no exercise names: the repetition's time was over; the operator began anew."""
+WENT_BACK = "went back"
+PUT_BACK = "put back from outside"
+"""Faults that no exercise names: the repetition's time was over; the operator began anew; he went
+back to a bookmark; somebody else reset the simulation, or went back.
+"""
 _CONTACTS = ("contacts", "peak_force", "impulse", "pushing")
 _MOTION = (
     "base_path",
@@ -31,8 +37,46 @@ Happening = Tuple[str, str, Dict[str, Any]]
 """An event without its time: kind, name, details."""
 
 
+class Progress(NamedTuple):
+    """How far a repetition was when a bookmark was set; another one goes on from it, as practice.
+
+    Attributes
+    ----------
+    bookmark : str
+    number : int
+        Of the repetition.
+    seconds : float, optional
+        Since its begin (s); None: it had not begun.
+    penalty : float
+        s.
+    step_times, marks, answers
+        See `Repetition`.
+    rights : dict of str to bool or None
+    places : dict of str to tuple of 3 floats
+    counts : dict of str to int
+        See `Context`.
+    expected : dict of str to str
+        Right answers.
+    """
+
+    bookmark: str
+    number: int
+    seconds: Optional[float] = None
+    penalty: float = 0.0
+    step_times: Tuple[Optional[float], ...] = ()
+    marks: Tuple[str, ...] = ()
+    answers: Dict[str, str] = {}
+    rights: Dict[str, Optional[bool]] = {}
+    places: Dict[str, Vector3] = {}
+    counts: Dict[str, int] = {}
+    expected: Dict[str, str] = {}
+
+
 class Repetition:
     """A repetition from "ready" to its end.
+
+    One that goes on from a bookmark has the clock, steps, penalties and answers of then; what else
+    is measured begins with it. Its time has no limit: it counts for nothing.
 
     Parameters
     ----------
@@ -46,9 +90,13 @@ class Repetition:
     activity : ActivityRecord
     expected : dict of str to str
         Right answers of this repetition.
+    progress : Progress, optional
+        What it goes on from; None: it begins at the start.
 
     Attributes
     ----------
+    bookmark : str
+        That it goes on from; empty: none.
     began : float, optional
         s; None: it has not.
     looked : bool
@@ -79,8 +127,10 @@ class Repetition:
         goals: Dict[str, FrozenSet[str]],
         activity: ActivityRecord,
         expected: Dict[str, str],
+        progress: Optional[Progress] = None,
     ) -> None:
         self.number = number
+        self.bookmark = ""
         self.began: Optional[float] = None
         self.ended = self.completed = False
         self.seconds = self.penalty = 0.0
@@ -116,6 +166,41 @@ class Repetition:
         context.places = {}
         context.answers = {}
         context.counts = {}
+        self._resumes = False
+        self._before = 0.0  # on the clock when it begins (s)
+        if progress is not None:
+            self._take_up(progress)
+
+    def _take_up(self, progress: Progress) -> None:
+        self.bookmark = progress.bookmark
+        self._resumes = progress.seconds is not None
+        self.seconds = self._before = progress.seconds or 0.0
+        self.penalty = progress.penalty
+        self.step_times[: len(progress.step_times)] = progress.step_times
+        self.marks = list(progress.marks)
+        self.answers = dict(progress.answers)
+        self._expected.update(progress.expected)
+        self.looked = bool(progress.places)
+        self._context.places = dict(progress.places)
+        self._context.answers = dict(progress.rights)
+        self._context.counts = dict(progress.counts)
+
+    def progress(self, bookmark: str) -> Progress:
+        """Return how far it is, under the name of a bookmark that is set now."""
+        context = self._context
+        return Progress(
+            bookmark,
+            self.number,
+            None if self.began is None else self.seconds,
+            self.penalty,
+            tuple(self.step_times),
+            tuple(self.marks),
+            dict(self.answers),
+            dict(context.answers),
+            dict(context.places),
+            dict(context.counts),
+            dict(self._expected),
+        )
 
     @property
     def current_step(self) -> str:
@@ -129,9 +214,10 @@ class Repetition:
         if not self.looked:
             self.looked = True
             self._context.places = self._context.world.places()
-        if not self._begin.holds(self._context):
+        if not self._resumes and not self._begin.holds(self._context):
             return False
-        self.began = self._context.began = self._context.time
+        self.began = self._context.time
+        self._context.began = self.began - self._before
         self._activity.begin()
         self._context.doses.begin()
         self._measure(0.0, 0)
@@ -140,7 +226,7 @@ class Repetition:
     def run(self, span: float, steps: int) -> List[Happening]:
         """Look at a sample, `span` (s) and a number of physics steps after the one before."""
         assert self.began is not None
-        self.seconds = self._context.time - self.began
+        self.seconds = self._before + self._context.time - self.began
         happened = self._measure(span, steps)
         for kind, _, _ in happened:
             self.count(kind)
@@ -221,7 +307,8 @@ class Repetition:
             if holds:
                 return fault.name
         limit = self._exercise.repetitions.time
-        return TIME_FAULT if limit and self.seconds >= limit - SLACK else ""
+        over = bool(limit) and not self.bookmark and self.seconds >= limit - SLACK
+        return TIME_FAULT if over else ""
 
     def _advance(self) -> List[Happening]:
         """At most one step a sample where they have an order: the next is due from then on."""

@@ -3,13 +3,22 @@
 from __future__ import annotations
 
 import threading
-from typing import Any, Callable, Mapping, Optional, Set, Tuple
+from typing import Any, Callable, List, Mapping, Optional, Set, Tuple
 
 import rospy
 import yaml
 from std_srvs.srv import Empty
 from telex_msgs.msg import LinkState, Malfunctions, SimStatus
-from telex_msgs.srv import ConfigureLink, Delete, LoadScene, Malfunction, Spawn
+from telex_msgs.srv import (
+    Bookmark,
+    ConfigureLink,
+    Delete,
+    ListBookmarks,
+    LoadScene,
+    Malfunction,
+    Restore,
+    Spawn,
+)
 
 from ..exercises.model import LINK_FIELDS, Failure, Link
 from .channels import hear_decoded
@@ -25,7 +34,7 @@ class ApparatusError(RuntimeError):
 
 
 class Apparatus:
-    """Loads scenes, resets them, and draws objects anew.
+    """Loads scenes, resets them, draws objects anew, and goes back to bookmarks.
 
     Parameters
     ----------
@@ -177,6 +186,41 @@ class Apparatus:
                 if not answer.success:
                     raise ApparatusError(answer.message)
         return resets
+
+    def bookmark(self, name: str, replaces: str) -> List[str]:
+        """Set a bookmark, for which another may go; returns the names of all that there are.
+
+        Raises
+        ------
+        ApparatusError
+        """
+        answer = self._call("sim/bookmark", Bookmark, name=name, replaces=replaces)
+        if not answer.success:
+            raise ApparatusError(answer.message)
+        return list(answer.names)
+
+    def bookmarks(self) -> List[str]:
+        """Names of all bookmarks that there are.
+
+        Raises
+        ------
+        ApparatusError
+        """
+        return list(self._call("sim/list_bookmarks", ListBookmarks).names)
+
+    def back(self, name: str) -> int:
+        """Go back to a bookmark; returns the simulator's number of resets.
+
+        Raises
+        ------
+        ApparatusError
+            It has ended, for one; nothing has changed then.
+        """
+        before = self._resets()
+        answer = self._call("sim/restore", Restore, name=name)
+        if not answer.success:
+            raise ApparatusError(answer.message)
+        return self._reset_told(before)
 
     def _resets(self) -> int:
         with self._news:

@@ -13,16 +13,16 @@ import threading
 import time
 from datetime import datetime
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Mapping, Optional
+from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
 
 import rospy
 from telex_msgs.msg import SimStatus
 
 from ..exercises.exercise_file import ExerciseFile
-from ..exercises.model import EXAM, Exercise, Failure
+from ..exercises.model import EXAM, PRACTICE, Exercise, Failure
 from ..exercises.readings import draw
 from ..judging.entries import INPUTS, Entry
-from ..judging.judge import ENDED, PREPARING, READY, RUNNING, Judge, JudgeEvent
+from ..judging.judge import ENDED, PREPARING, READY, RUNNING, WAITING, Judge, JudgeEvent
 from ..recording.inbox import Inbox
 from ..recording.signature import sealing
 from ..recording.station_keys import StationKeyError, station_key
@@ -39,11 +39,13 @@ from ..recording.writer import RecordingError, RecordingWriter, Seal, check_room
 from .apparatus import Apparatus, ApparatusError
 from .channels import Channels
 from .configuration import ConfigurationWatch
+from .trial.bookmarks import TrialBookmarks, Wanted
 
 _MOST_SEED = 2**31
 _SETTLING = 0.3
 """Sim time for which the robot settles on its tracks before a repetition can begin (s)."""
 _CLOSING = 30.0
+_MOST_REASON = 200
 
 
 class SessionError(RuntimeError):
@@ -112,6 +114,7 @@ class Session:
         self._inbox: Optional[Inbox] = None
         self._channels: Optional[Channels] = None
         self._watch: Optional[ConfigurationWatch] = None
+        self._bookmarks = TrialBookmarks()
         self._loaded = False
         self._closing = self._restoring = False
         self._done = threading.Event()
@@ -142,6 +145,7 @@ class Session:
         if self._inbox is None and made["phase"] != ENDED:
             made.update(phase=READY, trial=self.trial, mode=self.mode, operator=self.operator)
         made["message"] = self.message or made["message"]
+        made["bookmarks"] = self._bookmarks.names() if self.begun else []
         return made
 
     def load(self) -> None:
@@ -239,6 +243,82 @@ class Session:
         self._put({"input": "again"})
         self._prepare()
 
+    def bookmark(self, name: str = "") -> str:
+        """Set a bookmark of the repetition that waits or runs, in practice.
+
+        Parameters
+        ----------
+        name : str
+            Empty: a number, and the repetition.
+
+        Returns
+        -------
+        str
+            Its name.
+
+        Raises
+        ------
+        SessionError
+        """
+        self._require_practice()
+        try:
+            wanted = self._bookmarks.of_operator(name, self._judge.repetition)
+        except ValueError as error:
+            raise SessionError(str(error)) from error
+        self._set(wanted)
+        return wanted.name
+
+    def _set(self, wanted: Wanted) -> None:
+        # Not while all is put back: it would be a bookmark of something else.
+        with self._apparatus.busy:
+            if self._restoring or self.phase not in (WAITING, RUNNING):
+                raise SessionError(
+                    f"the trial is {self.phase}; bookmarks are set while a repetition waits or runs"
+                )
+            # The judge's notes are of a moment before the bookmark: what happens in between it sees
+            # again.
+            self._put({"input": "bookmark", "name": wanted.name})
+            try:
+                there = self._apparatus.bookmark(wanted.name, wanted.replaces)
+            except ApparatusError as error:
+                raise SessionError(f"no bookmark is set: {error}") from error
+        self._bookmarks.add(wanted, there)
+        self._changed()
+
+    def back(self, name: str = "") -> str:
+        """Go on from a bookmark, in practice: the repetition ends, and the next counts for nothing.
+
+        Parameters
+        ----------
+        name : str
+            Empty: the newest.
+
+        Returns
+        -------
+        str
+            Its name.
+
+        Raises
+        ------
+        SessionError
+        """
+        self._require_practice()
+        if self.phase in (READY, ENDED):
+            raise SessionError(f"the trial is {self.phase}; there is nothing to go back in")
+        if self.phase == PREPARING or self._restoring:
+            raise SessionError("robot and apparatus are being put back; again in a moment")
+        try:
+            found = self._bookmarks.newest(name)
+        except ValueError as error:
+            raise SessionError(str(error)) from error
+        self._put({"input": "back", "bookmark": found})
+        self._prepare(found)
+        return found
+
+    def _require_practice(self) -> None:
+        if self.mode != PRACTICE:
+            raise SessionError(f"mode is {self.mode}; bookmarks are for practice, an exam has none")
+
     def answer(self, question: str, answer: str) -> None:
         """Answer a question.
 
@@ -311,31 +391,61 @@ class Session:
 
     # --- threads ---------------------------------------------------------------------------------
 
-    def _prepare(self) -> None:
+    def _prepare(self, bookmark: str = "") -> None:
         self._restoring = True
-        threading.Thread(target=self._put_back, name="apparatus", daemon=True).start()
+        threading.Thread(
+            target=self._put_back, args=(bookmark,), name="apparatus", daemon=True
+        ).start()
 
-    def _put_back(self) -> None:
-        """Put robot and apparatus to the start, then say that a repetition may begin."""
+    def _put_back(self, bookmark: str) -> None:
+        """Put all to the start, or as it was at a bookmark; then say that a repetition may begin.
+
+        Where the bookmark has ended meanwhile, all is put to the start.
+        """
         with self._apparatus.busy:
             if self._left or self.phase == ENDED:
                 return
             try:
-                resets = self._restore()
-                if self.exercise.link is not None:
-                    self._apparatus.set_line(self.exercise.link)
-                self._settle()
-                self._require_upright()
+                found, missed = self._go_back(bookmark) if bookmark else (None, "")
+                resets = self._begin_anew() if found is None else found
             except Exception as error:  # whatever it is, the trial must not wait for ever
                 self.message = f"the apparatus cannot be put back: {error}"
                 rospy.logerr("training: %s", self.message)
                 with contextlib.suppress(SessionError):
-                    self.abort(self.message[:200], "training")
+                    self.abort(self.message[:_MOST_REASON], "training")
                 return
-            self._put({"input": "drawn", "answers": self._drawn.answers})
-            self._put({"input": "ready", "resets": resets})
+            if found is None:
+                self._put({"input": "drawn", "answers": self._drawn.answers})
+            self._put(
+                {
+                    "input": "ready",
+                    "resets": resets,
+                    **({} if found is None else {"bookmark": bookmark}),
+                    **({"missed": missed} if missed else {}),
+                }
+            )
             self._restoring = False
             self._changed()
+
+    def _go_back(self, bookmark: str) -> Tuple[Optional[int], str]:
+        """Go back to a bookmark; returns the number of resets, or why there is none."""
+        try:
+            return self._apparatus.back(bookmark), ""
+        except ApparatusError as error:
+            rospy.logwarn("training/back: %s", error)
+            return None, f"{error}; all is put to the start"[:_MOST_REASON]
+
+    def _begin_anew(self) -> int:
+        """Put robot and apparatus to the start; returns the simulator's number of resets."""
+        resets = self._restore()
+        if self.exercise.link is not None:
+            self._apparatus.set_line(self.exercise.link)
+        if self._bookmarks.names():
+            # Objects that were drawn anew have ended them.
+            self._bookmarks.keep(self._apparatus.bookmarks())
+        self._settle()
+        self._require_upright()
+        return resets
 
     def _restore(self) -> int:
         if not self._loaded:
@@ -384,6 +494,12 @@ class Session:
         phase = self._judge.phase
         if phase != before or events:
             self._changed()
+        steps = [event.name for event in events if event.event == "step"]
+        if steps and phase == RUNNING and self.mode == PRACTICE:
+            wanted = self._bookmarks.of_step(steps[-1], self._judge.repetition)
+            threading.Thread(
+                target=self._set_quietly, args=(wanted,), name="bookmark", daemon=True
+            ).start()
         if phase == ENDED and not self._closing:
             self._closing = True
             threading.Thread(target=self._close, name="sheet").start()
@@ -403,6 +519,12 @@ class Session:
             # Most have ended already: that is no mistake.
             with contextlib.suppress(ApparatusError):
                 self._apparatus.fail(self._failures.pop(), on=False)
+
+    def _set_quietly(self, wanted: Wanted) -> None:
+        try:
+            self._set(wanted)
+        except SessionError as error:
+            rospy.logwarn("training: %s: %s", wanted.name, error)
 
     def _close(self) -> None:
         """Close the recording of a trial that has ended, and show its sheet."""

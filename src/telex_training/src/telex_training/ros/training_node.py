@@ -25,12 +25,16 @@ from telex_msgs.msg import (
 from telex_msgs.srv import (
     AnswerQuestion,
     AnswerQuestionResponse,
+    Bookmark,
+    BookmarkResponse,
     ListExercises,
     ListExercisesResponse,
     NoteTrial,
     NoteTrialResponse,
     OpenExercise,
     OpenExerciseResponse,
+    Restore,
+    RestoreResponse,
 )
 
 from telex_control.common.params import ConfigError, read_config
@@ -99,6 +103,8 @@ class TrainingNode:
             rospy.Service("training/start", Trigger, lambda _: self._trigger(self._start)),
             rospy.Service("training/again", Trigger, lambda _: self._trigger(Session.again)),
             rospy.Service("training/abort", Trigger, self._on_abort),
+            rospy.Service("training/bookmark", Bookmark, self._on_bookmark),
+            rospy.Service("training/back", Restore, self._on_back),
             rospy.Service("training/answer", AnswerQuestion, self._on_answer),
             rospy.Service("training/note", NoteTrial, self._on_note),
             rospy.Service("training/rate", NoteTrial, self._on_rate),
@@ -234,10 +240,13 @@ class TrainingNode:
                 act(self._open_session())
         except SessionError as error:
             return TriggerResponse(success=False, message=str(error))
+        self._somebody_is_there()
+        return TriggerResponse(success=True, message="")
+
+    def _somebody_is_there(self) -> None:
         self._away_since = None
         self._had_holder = bool(self._holder)
         self._wanted.set()
-        return TriggerResponse(success=True, message="")
 
     def _start(self, session: Session) -> None:
         """Start a trial; of an exam, once the list holds.
@@ -278,6 +287,35 @@ class TrainingNode:
 
     def _on_abort(self, _request: Any) -> TriggerResponse:
         return self._trigger(lambda session: session.abort("aborted"))
+
+    def _on_bookmark(self, request: Any) -> BookmarkResponse:
+        if request.replaces:
+            words = f"replaces is '{request.replaces[:80]}'; the trial's own are replaced by age"
+            return BookmarkResponse(success=False, message=words)
+        try:
+            session = self._open_session()
+            name = session.bookmark(request.name)
+        except SessionError as error:
+            return BookmarkResponse(success=False, message=str(error))
+        return BookmarkResponse(
+            success=True,
+            message=f"bookmark '{name}' is set",
+            name=name,
+            names=session.state()["bookmarks"],
+        )
+
+    def _on_back(self, request: Any) -> RestoreResponse:
+        try:
+            with self._lock:
+                name = self._open_session().back(request.name)
+        except SessionError as error:
+            return RestoreResponse(success=False, message=str(error))
+        self._somebody_is_there()
+        return RestoreResponse(
+            success=True,
+            message=f"back to '{name}': practice only, it counts for nothing",
+            name=name,
+        )
 
     def _on_answer(self, request: Any) -> AnswerQuestionResponse:
         try:
