@@ -21,6 +21,7 @@ import { Roster } from "./roster.js";
 import { SceneChooser } from "./scenes.js";
 import { StatusView } from "./status.js";
 import { TrainingClient } from "./training/client.js";
+import { InstructorBookmarks } from "./training/instructor_bookmarks.js";
 import { ExercisePanel } from "./training/instructor_panel.js";
 import { TrainingStrip } from "./training/strip.js";
 
@@ -69,6 +70,7 @@ async function start() {
       roster.connected();
       scenes.list();
       exercises.list();
+      bookmarks.list();
       overview.connected();
       line.connected();
       malfunctions.connected();
@@ -89,6 +91,7 @@ async function start() {
   const examList = new ExamList(bridge, topic, log, warn);
   const line = new LinePanel(bridge, topic, log, warn);
   const malfunctions = new MalfunctionPanel(bridge, topic, log, warn);
+  const bookmarks = new InstructorBookmarks(bridge, topic, log, warn);
   const overview = new OverviewControl(bridge, topic, () => cameras.main.camera);
 
   const size = new PictureSize(bridge, topic);
@@ -181,6 +184,7 @@ async function start() {
     exercises.show(state);
     examList.hear(state);
     malfunctions.show(state);
+    bookmarks.show(state);
   });
 
   setInterval(() => {

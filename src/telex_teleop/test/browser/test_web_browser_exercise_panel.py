@@ -45,6 +45,8 @@ class Training:
         for name in ("start", "again", "abort"):
             self.serve(name, "std_srvs/Trigger", **DONE)
         self.serve("note", "telex_msgs/NoteTrial", **DONE)
+        self.serve("bookmark", "telex_msgs/Bookmark", message="bookmark 'door' is set", **DONE)
+        self.serve("back", "telex_msgs/Restore", message="back to it", **DONE)
         self.reset()
 
     def reset(self):
@@ -299,11 +301,47 @@ def test_a_malfunction_is_injected_now_or_at_the_next_step_and_ended(played, pag
     assert page.text("malfunction-active") == ""
 
 
+def test_bookmarks_are_those_of_practice_while_one_goes_on_and_else_the_simulators(
+    training, simulator, page
+):
+    names = ["mark 1", "door"]
+    simulator.serve("list_bookmarks", "telex_msgs/ListBookmarks", names=names[:1])
+    simulator.serve("bookmark", "telex_msgs/Bookmark", names=names, **DONE)
+    simulator.serve("restore", "telex_msgs/Restore", **DONE)
+    back = page.element("#bookmarks-back")
+    assert not back.is_enabled()
+    page.element("#bookmarks-name").send_keys("door")
+    page.element("#bookmarks-set").click()
+    wait_until(lambda: simulator.asked("bookmark") == [{"name": "door", "replaces": ""}])
+    wait_until(lambda: options(page, "bookmarks-names") == ["mark 1"])
+    assert page.element("#bookmarks-name").get_property("value") == ""
+    back.click()
+    wait_until(lambda: simulator.asked("restore") == [{"name": "mark 1"}])
+    training.tell("running", mode="practice", bookmarks=names)
+    wait_until(lambda: options(page, "bookmarks-names") == ["door", "mark 1"])
+    back.click()
+    wait_until(lambda: training.asked("back") == [{"name": "door"}])
+    page.element("#bookmarks-set").click()
+    wait_until(lambda: training.asked("bookmark") == [{"name": "", "replaces": ""}])
+    # The trainee's strip is on this page, too.
+    assert options(page, "training-bookmarks-names") == ["door", "mark 1"]
+    Select(page.element("#training-bookmarks-names")).select_by_value("mark 1")
+    page.element("#training-back").click()
+    wait_until(lambda: training.asked("back")[1:] == [{"name": "mark 1"}])
+    training.tell("running", mode="exam")
+    wait_until(lambda: not page.element("#bookmarks-set").is_enabled())
+    assert not back.is_enabled()
+    assert not page.element("#training-bookmarks").is_displayed()
+    assert len(simulator.asked("restore")) == len(simulator.asked("bookmark")) == 1
+    assert page.errors() == []
+
+
 @pytest.mark.parametrize("size", [(1280, 720), (1920, 1080)])
 def test_nothing_is_cut_off_while_a_trial_runs(training, page, played, size):
     page.resize(*size)
     asked = {"name": "ring", "ask": "Where is the ring open?", "choices": ["up", "down"]}
-    training.tell("running", questions=[asked])
+    marks = [f"a name as long as that of a step can be, {number}, repetition 12" for number in "ab"]
+    training.tell("running", mode="practice", bookmarks=marks, questions=[asked])
     wait_until(lambda: "ring open" in page.text("training-questions"))
     played.hear("bridge/exam", {"data": "t1"})
     played.hear("link/state", {**PERFECT, "outage": False})

@@ -4,6 +4,7 @@
 import "./browser.js";
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { bookmarksOf } from "../../console/js/training/instructor_bookmarks.js";
 import { addressOf, clockText } from "../../console/js/training/client.js";
 import { offered } from "../../console/js/training/bookmarks.js";
 import { noteOf, repetitionText, stepText } from "../../console/js/training/strip.js";
@@ -48,6 +49,13 @@ test("bookmarks are offered in practice, while there is something to go back in"
   assert.deepEqual(offered({ ...having, phase: "between" }), { canSet: false, names: having.bookmarks });
   for (const phase of ["ready", "preparing", "ended"]) assert.deepEqual(offered({ ...having, phase }), { canSet: false, names: [] });
   assert.deepEqual(offered({ ...having, mode: "exam" }), { canSet: false, names: [] });
+});
+
+test("an instructor's bookmarks are the trial's while one goes on", () => {
+  assert.equal(bookmarksOf(null), "simulator");
+  assert.equal(bookmarksOf(STATE), "practice");
+  assert.equal(bookmarksOf({ ...STATE, mode: "exam" }), "exam");
+  for (const phase of ["idle", "ready", "ended"]) assert.equal(bookmarksOf({ ...STATE, phase, mode: "exam" }), "simulator");
 });
 
 test("times are minutes and seconds", () => {

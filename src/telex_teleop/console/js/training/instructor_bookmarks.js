@@ -1,0 +1,139 @@
+// @ts-check
+/** The instructor's bookmarks: of a trainee's practice where one goes on, else of the simulator. */
+
+import { onClick } from "../buttons.js";
+import { byId, element } from "../panels.js";
+
+/** @typedef {import("./client.js").State} State */
+
+const LONGEST = 60; // characters of a name
+
+export class InstructorBookmarks {
+  /**
+   * @param {import("../bridge.js").Bridge} bridge
+   * @param {(name: string) => string} topic
+   * @param {(sentence: string) => void} log
+   * @param {(sentence: string) => void} warn
+   */
+  constructor(bridge, topic, log, warn) {
+    this._bridge = bridge;
+    this._topic = topic;
+    this._log = log;
+    this._warn = warn;
+    /** The simulator's, oldest first. @type {string[]} */
+    this._there = [];
+    /** @type {State | null} */
+    this._state = null;
+    this._name = build();
+    this._choice.addEventListener("pointerdown", () => this.list()); // others may have set some
+    onClick(byId("bookmarks-set"), () => this._set());
+    onClick(byId("bookmarks-back"), () => this._back());
+    this._show();
+  }
+
+  get _choice() {
+    return /** @type {HTMLSelectElement} */ (byId("bookmarks-names"));
+  }
+
+  /** Whose bookmarks these are now. */
+  get _of() {
+    return bookmarksOf(this._state);
+  }
+
+  /** Ask which the simulator has; after every new connection, and when a trial has ended. */
+  async list() {
+    const answer = await this._call("sim/list_bookmarks", {}, () => {});
+    if (answer !== null) this._there = answer.names;
+    this._show();
+  }
+
+  /** @param {State} state */
+  show(state) {
+    const before = this._of;
+    this._state = state;
+    if (this._of !== before) this.list();
+    else this._show();
+  }
+
+  _show() {
+    const of = this._of;
+    const names = of === "practice" ? this._state?.bookmarks ?? [] : of === "simulator" ? this._there : [];
+    const shown = [...this._choice.options].map(({ value }) => value).reverse();
+    if (JSON.stringify(names) !== JSON.stringify(shown)) {
+      const chosen = names.includes(this._choice.value) && this._choice.value !== shown.at(-1) ? this._choice.value : names.at(-1) ?? "";
+      this._choice.replaceChildren(...names.slice().reverse().map((name) => new Option(name, name)));
+      this._choice.value = chosen;
+    }
+    const why = of === "exam" ? "An exam has no bookmarks" : "";
+    for (const [id, off] of /** @type {[string, boolean][]} */ ([
+      ["bookmarks-set", of === "exam" || (of === "practice" && this._state?.phase === "between")],
+      ["bookmarks-back", names.length === 0],
+      ["bookmarks-names", names.length === 0],
+    ])) {
+      const part = /** @type {HTMLButtonElement | HTMLSelectElement} */ (byId(id));
+      part.disabled = off;
+      part.title = why;
+    }
+  }
+
+  async _set() {
+    const fields = { name: this._name.value.trim(), replaces: "" };
+    const service = this._of === "practice" ? "training/bookmark" : "sim/bookmark";
+    const answer = await this._call(service, fields, this._warn);
+    if (answer === null) return;
+    this._name.value = "";
+    this._log(answer.message);
+    this.list();
+  }
+
+  async _back() {
+    const service = this._of === "practice" ? "training/back" : "sim/restore";
+    const answer = await this._call(service, { name: this._choice.value }, this._warn);
+    if (answer !== null) this._log(answer.message);
+    else this.list();
+  }
+
+  /**
+   * @param {string} service
+   * @param {object} fields
+   * @param {(sentence: string) => void} told  Told why it was not done.
+   * @returns {Promise<any>} Null: it was not done.
+   */
+  async _call(service, fields, told) {
+    try {
+      const answer = await this._bridge.call(this._topic(service), fields);
+      if (answer.success !== false) return answer;
+      told(answer.message);
+    } catch (error) {
+      told(`${service}: ${/** @type {Error} */ (error).message}`);
+    }
+    return null;
+  }
+}
+
+/**
+ * Whose bookmarks are set and gone back to: past the training node they would spoil a trial.
+ * @param {State | null} state
+ * @returns {"practice" | "exam" | "simulator"}
+ */
+export function bookmarksOf(state) {
+  if (state === null || !["preparing", "waiting", "running", "between"].includes(state.phase)) return "simulator";
+  return state.mode === "exam" ? "exam" : "practice";
+}
+
+/** Fill the page's place for them. @returns {HTMLInputElement} The field of the name. */
+function build() {
+  const name = /** @type {HTMLInputElement} */ (element("input"));
+  Object.assign(name, { id: "bookmarks-name", maxLength: LONGEST, autocomplete: "off", placeholder: "name, or none" });
+  name.setAttribute("aria-label", "Name of the bookmark");
+  const choice = element("select");
+  choice.id = "bookmarks-names";
+  choice.setAttribute("aria-label", "Bookmark to go back to");
+  const button = (/** @type {string} */ id, /** @type {string} */ text) => {
+    const made = element("button", "hold", text);
+    Object.assign(made, { id, type: "button", tabIndex: -1 });
+    return made;
+  };
+  byId("bookmarks").replaceChildren(name, button("bookmarks-set", "bookmark"), choice, button("bookmarks-back", "back to it"));
+  return name;
+}
