@@ -11,7 +11,7 @@ import genpy
 from std_srvs.srv import SetBoolResponse
 
 from telex_teleop.web.bridge.protocol.operations import OperationError
-from telex_teleop.web.serving import bind, serve, url_of
+from telex_teleop.web.listening import bind, serve, url_of
 from telex_teleop.web.video.topics import find_topic
 
 

@@ -10,9 +10,9 @@ import yaml
 
 from telex_control.common.params import ConfigError
 from telex_teleop.web import serving
+from telex_teleop.web.listening import BindError, bind, url_of
 from telex_teleop.web.rights import Rights
 from telex_teleop.web.server_config import RosbridgeConfig, VideoServerConfig, read_server_config
-from telex_teleop.web.serving import BindError, bind, url_of
 from telex_teleop.web.tokens import is_loopback
 
 PACKAGE = Path(__file__).resolve().parents[2]

@@ -11,8 +11,8 @@ from web_fakes import FakeRos, on_loop, served
 
 from telex_teleop.web.bridge.bridge_app import Rosbridge
 from telex_teleop.web.bridge.status_topics import LOOKS_PER_LIST, NodeWatch
+from telex_teleop.web.listening import bind, bind_again, url_of
 from telex_teleop.web.server_config import RosbridgeConfig
-from telex_teleop.web.serving import bind, bind_again, url_of
 
 PACKAGE = Path(__file__).resolve().parents[2]
 INCLUDE = re.compile(r'<include file="\$\(find (\w+)\)/(\S+)"')

@@ -21,7 +21,7 @@ from sample_pictures import RED, is_like, two_halves
 from waiting import wait_until, wait_until_async
 from web_fakes import FakePictures, served
 
-from telex_teleop.web import serving
+from telex_teleop.web import listening
 from telex_teleop.web.server_config import VideoServerConfig
 from telex_teleop.web.video.pictures import CompressedPicture
 from telex_teleop.web.video.video_server_app import VideoServer
@@ -282,7 +282,7 @@ def test_the_documented_client_receives_pictures(server, tmp_path):
 
 
 def test_a_request_that_never_ends_is_cut_off(tmp_path, monkeypatch):
-    monkeypatch.setattr(serving, "REQUEST_TIMEOUT", 0.6)
+    monkeypatch.setattr(listening, "REQUEST_TIMEOUT", 0.6)
     with RunningServer(tmp_path) as server:
         clients = [socket.create_connection(("127.0.0.1", server.port)) for _ in range(3)]
         streaming = Watcher(server)

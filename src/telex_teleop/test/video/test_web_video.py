@@ -305,6 +305,61 @@ def test_snapshot_of_a_silent_topic_says_so_and_of_a_latched_one_repeats(tmp_pat
     run(check())
 
 
+def test_a_snapshot_of_what_is_watched_has_nothing_made_for_it(bench):
+    async def check():
+        async with bench.served() as url, aiohttp.ClientSession() as http:
+            address = f"{url}/snapshot?watched&topic=cameras/front/image_raw"
+            assert (await http.get(address)).status == 404
+            assert bench.pictures.events == []
+            watcher = Stream(url, f"/stream?topic={CAMERA}")
+            await bench.feed(jpeg())
+            await watcher.until(b"\xff\xd9")
+            reply = await http.get(address)
+            assert (reply.status, await reply.read()) == (200, jpeg())
+            assert (await http.get(f"{address}&width=16")).status == 404
+            assert (await http.get(f"{url}/snapshot?watched&topic={CAMERA}x")).status == 404
+            assert [event for event in bench.pictures.events if event[0] == "unsubscribe"] == []
+            watcher.socket.close()
+
+    run(check())
+
+
+def test_of_a_watched_camera_the_small_picture_is_taken(bench):
+    preview = "/telex/cameras/front/preview/compressed"
+    bench.pictures.published[preview] = "sensor_msgs/CompressedImage"
+
+    async def check():
+        async with bench.served() as url, aiohttp.ClientSession() as http:
+            small = jpeg(quality=50)
+            watchers = [Stream(url, f"/stream?topic={name}") for name in (CAMERA, preview)]
+            await bench.feed(jpeg())
+            await bench.feed(small, preview)
+            for watcher in watchers:
+                await watcher.until(b"\xff\xd9")
+            reply = await http.get(f"{url}/snapshot?watched&topic={CAMERA}")
+            assert await reply.read() == small
+            for watcher in watchers:
+                watcher.socket.close()
+
+    run(check())
+
+
+def test_what_operators_may_not_watch_is_not_shown_to_them_either(tmp_path):
+    bench = Bench(tmp_path, hidden_cameras=("front",))
+
+    async def check():
+        async with bench.served() as url, aiohttp.ClientSession() as http:
+            watcher = Stream(url, f"/stream?topic={CAMERA}&role=instructor")
+            await bench.feed(jpeg())
+            await watcher.until(b"\xff\xd9")
+            address = f"{url}/snapshot?watched&topic={CAMERA}"
+            assert (await http.get(address)).status == 403
+            assert (await http.get(f"{address}&role=instructor")).status == 200
+            watcher.socket.close()
+
+    run(check())
+
+
 @pytest.mark.parametrize("path", ["stream", "snapshot", "stream_viewer"])
 @pytest.mark.parametrize(
     ("asked", "status", "said"),

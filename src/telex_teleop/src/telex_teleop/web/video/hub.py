@@ -11,7 +11,7 @@ from typing import Callable, Collection, Dict, Hashable, KeysView, Optional, Pro
 
 from ..workers import NewestWorker, OrderedWorker
 from .pictures import JPEG, PNG, EncodedPicture, Picture, UnusablePictureError, Variant, kept
-from .topics import PictureTopic
+from .topics import COMPRESSED_TYPE, RAW_TYPE, PictureTopic, Topics
 from .viewers import Viewer
 
 
@@ -110,6 +110,15 @@ class PictureHub:
             return kept(self._last, variant) is not None
         except UnusablePictureError:
             return False
+
+    def last(self, variant: Variant) -> Optional[EncodedPicture]:
+        """Return the last picture in a variant, where it need not be encoded for that."""
+        if self._last is None:
+            return None
+        try:
+            return kept(self._last, variant) or self.newest(variant)
+        except UnusablePictureError:
+            return None
 
     def add(
         self, viewer: Viewer, variant: Variant, *, show_newest: bool, likely_passes: bool
@@ -354,6 +363,18 @@ class PictureHubs:
 
     def __len__(self) -> int:
         return len(self._hubs)
+
+    @property
+    def topics(self) -> Topics:
+        """What is watched, and its types."""
+        return {
+            topic.name: COMPRESSED_TYPE if topic.compressed else RAW_TYPE for topic in self._hubs
+        }
+
+    def last(self, topic: PictureTopic, variant: Variant) -> Optional[EncodedPicture]:
+        """Return the last picture of a topic that is watched, where it need not be encoded."""
+        hub = self._hubs.get(topic)
+        return None if hub is None else hub.last(variant)
 
     def join(
         self,

@@ -35,7 +35,7 @@ from .held_pictures import HeldPictures
 from .hub import EncoderFullError, Encoders, PictureHubs, PictureSource
 from .mounts import Mounts, find_file
 from .pictures import EncodedPicture, UnusablePictureError, encode
-from .topics import PictureTopic, Topics, base_topics, find_cameras
+from .topics import PictureTopic, Topics, base_topics, find_cameras, find_topic
 from .viewers import SnapshotViewer, StreamViewer, client_of
 from .websocket.sockets import VideoSockets
 
@@ -56,6 +56,9 @@ _PAGE_HEADERS = {
     "Referrer-Policy": "no-referrer",
     "X-Content-Type-Options": "nosniff",
 }
+
+_FULL = "/image_raw"
+"""End of a camera's topic with pictures of full size."""
 
 _PAGES = {"": "index.html", "instructor": "instructor.html"}
 
@@ -220,21 +223,38 @@ class VideoServer:
     async def snapshot(self, request: web.Request) -> web.StreamResponse:
         """Send the next picture of a topic."""
         wish = query.parse_snapshot(request.query, self._config.max_size)
-        topic, instructor = await self._find(request, wish)
+        instructor = await self._gate.admit(request)
         held = self._hold(instructor)
-        limit = self._config.snapshot_timeout
-        if held is not None:
-            limit += self.line.fields.delay
-        picture = await self._next_picture(topic, wish, client_of(request), held, limit)
-        self._gate.require_visible(topic.name, instructor=instructor)  # an exam may have begun
-        if picture is None:
-            return _page(
-                pages.error_page(504, f"No picture came on {topic.name} within {limit:g} s."), 504
-            )
+        picture: Optional[EncodedPicture]
+        if "watched" in request.query and (held is None or held.passes):
+            picture = self._watched(wish, instructor=instructor)
+        else:
+            topic, instructor = await self._find(request, wish)
+            limit = self._config.snapshot_timeout
+            if held is not None:
+                limit += self.line.fields.delay
+            picture = await self._next_picture(topic, wish, client_of(request), held, limit)
+            # An exam may have begun meanwhile.
+            self._gate.require_visible(topic.name, instructor=instructor)
+            if picture is None:
+                text = f"No picture came on {topic.name} within {limit:g} s."
+                return _page(pages.error_page(504, text), 504)
         headers = dict(mjpeg.SERVER_HEADERS)
         headers["X-Timestamp"] = mjpeg.timestamp(picture.stamp)
         headers["Access-Control-Allow-Origin"] = "*"
         return web.Response(body=picture.data, content_type=picture.mime, headers=headers)
+
+    def _watched(self, wish: query.PictureQuery, *, instructor: bool) -> EncodedPicture:
+        """Return the last picture that somebody watches, its preview first: none is made for it."""
+        name, watched = wish.topic, self.hubs.topics
+        for spelling in (f"{name[: -len(_FULL)]}/preview" if name.endswith(_FULL) else name, name):
+            topic = find_topic(spelling, watched, self._namespace)
+            if topic is not None:
+                self._gate.require_visible(topic.name, instructor=instructor)
+                picture = self.hubs.last(topic, wish.variant)
+                if picture is not None:
+                    return picture
+        raise _NoSuchTopicError(f"Nobody watches '{name}' now; without 'watched' one is made.")
 
     async def _next_picture(
         self,
