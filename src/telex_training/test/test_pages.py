@@ -13,6 +13,7 @@ from telex_training.exercises.catalog import find_exercise
 from telex_training.exercises.exercise_file import load_exercise
 from telex_training.ros.library import Library
 from telex_training.ros.pages.brief_pages import OpenTrial
+from telex_training.ros.pages.class_pages import ClassPages
 from telex_training.ros.pages.training_pages import Pages
 
 
@@ -24,6 +25,13 @@ def sheet(operator, setting, *times):
     }
 
 
+def open_exercise(asked, *given):
+    if given[0] == "taken":
+        raise RuntimeError("a trial of Slalom is running (bob)")
+    asked.append(given)
+    return "t7"
+
+
 @pytest.fixture
 def station(tmp_path, monkeypatch):
     library = Library(tmp_path)
@@ -33,21 +41,33 @@ def station(tmp_path, monkeypatch):
         "sheets",
         lambda operator=None: [each for each in done if operator in (None, each["operator"])],
     )
-    pages = Pages(library, tmp_path, 0, lambda trial, ratings: None)
+    state = {"phase": "running", "operator": "ann", "help": 2.5, "questions": ["secret"]}
+    asked = []
+    pages = Pages(
+        library,
+        tmp_path,
+        0,
+        lambda trial, ratings: None,
+        ClassPages(lambda: state, lambda *given: open_exercise(asked, *given), asked.append),
+    )
     pages.start()
     exercise = load_exercise(find_exercise("slalom")).first
     pages.briefs.opened = lambda: OpenTrial("t1", exercise, "exam", "ann")
 
-    def get(path, name="", role="operator"):
+    def get(path, name="", role="operator", send=None, kind="application/json"):
         headers = {"X-Telex-Role": role, "X-Telex-Name": name}
-        request = urllib.request.Request(f"{pages._address}/training{path}", headers=headers)
+        data = None if send is None else json.dumps(send).encode()
+        if data is not None:
+            headers["Content-Type"] = kind
+        address = path if path.startswith("/progress") else f"/training{path}"
+        request = urllib.request.Request(f"{pages._address}{address}", data, headers)
         try:
             with urllib.request.urlopen(request, timeout=20.0) as reply:
                 return reply.status, reply.read()
         except urllib.error.HTTPError as error:
             return error.code, error.read()
 
-    yield SimpleNamespace(get=get, pages=pages)
+    yield SimpleNamespace(get=get, pages=pages, asked=asked)
     pages.close()
 
 
@@ -81,3 +101,43 @@ def test_the_goal_is_a_picture(station):
 @pytest.mark.parametrize("name", ["slalom", "..%2F..%2Fslalom", "..%2Fprevious", "none"])
 def test_previews_are_those_that_are_shipped(station, name):
     assert station.get(f"/preview/{name}.jpg")[0] == (200 if name == "slalom" else 404)
+
+
+class TestForAClass:
+    def test_instructors_are_told_the_trial_and_nobody_else_is(self, station):
+        status, content = station.get("/api/state", role="instructor")
+        assert status == 200
+        # What the trainee is asked is for the trainee.
+        assert json.loads(content) == {"phase": "running", "operator": "ann", "help": 2.5}
+        assert station.get("/api/state", "ann")[0] == 403
+        assert station.get("/progress/api/standing", "ann")[0] == 403
+        assert station.get("/progress/api/standing", role="instructor") == (200, b"[]")
+
+    def test_an_exercise_is_opened_and_started_for_an_instructor(self, station):
+        wanted = {"exercise": "slalom", "setting": "day", "mode": "exam", "operator": "eve"}
+        send = {**wanted, "start": True}
+        status, content = station.get("/api/open", role="instructor", send=send)
+        assert (status, json.loads(content)) == (200, {"trial": "t7"})
+        assert station.asked == [("slalom", "day", "exam", "eve", True)]
+        status, content = station.get("/api/open", role="instructor", send={"exercise": "taken"})
+        assert (status, content) == (409, b"a trial of Slalom is running (bob)\n")
+
+    def test_help_is_taken_back(self, station):
+        assert station.get("/api/help", role="instructor", send={"help": False})[0] == 200
+        assert station.asked == [False]
+
+    @pytest.mark.parametrize(
+        ("path", "send", "status"),
+        [
+            ("/api/open", {"exercise": 3}, 400),
+            ("/api/open", {"exercise": "slalom", "start": "yes"}, 400),
+            ("/api/open", {"exercise": "slalom", "path": "/etc/passwd"}, 400),
+            ("/api/open", [], 400),
+            ("/api/help", {}, 400),
+        ],
+    )
+    def test_what_makes_no_sense_is_refused(self, station, path, send, status):
+        assert station.get(path, role="instructor", send=send)[0] == status
+        assert station.get(path, "ann", send=send)[0] == 403
+        assert station.get(path, role="instructor", send=send, kind="text/plain")[0] == 415
+        assert station.asked == []

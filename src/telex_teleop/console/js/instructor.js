@@ -72,7 +72,7 @@ async function start() {
       exercises.list();
       bookmarks.list();
       overview.connected();
-      line.connected();
+      linePanel.connected();
       malfunctions.connected();
     },
     lost: (reason) => {
@@ -89,7 +89,7 @@ async function start() {
   const strip = new TrainingStrip(training, given, () => {}); // nothing is held here
   const exercises = new ExercisePanel(training, given, () => roster.drivers, log);
   const examList = new ExamList(bridge, topic, log, warn);
-  const line = new LinePanel(bridge, topic, log, warn);
+  const linePanel = new LinePanel(bridge, topic, log, warn);
   const malfunctions = new MalfunctionPanel(bridge, topic, log, warn);
   const bookmarks = new InstructorBookmarks(bridge, topic, log, warn);
   const overview = new OverviewControl(bridge, topic, () => cameras.main.camera);

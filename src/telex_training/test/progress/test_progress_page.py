@@ -1,5 +1,6 @@
 """The page of progress, as the video server asks for it: everybody sees their own."""
 
+import json
 import urllib.error
 import urllib.parse
 import urllib.request
@@ -8,6 +9,7 @@ import pytest
 from recorded_trials import record
 
 from telex_training.ros.library import Library
+from telex_training.ros.pages.class_pages import ClassPages
 from telex_training.ros.pages.training_pages import Pages
 
 pytestmark = pytest.mark.waiting
@@ -19,7 +21,7 @@ def ask(tmp_path_factory):
     record(folder, "ann", exercise="slalom", setting="cones_3", times=[(30.0, True)] * 7)
     record(folder, "Bäb, the 2nd")
     (folder / "bad.mcap").write_text("nonsense")
-    pages = Pages(Library(folder), folder, 0, lambda *_: None)
+    pages = Pages(Library(folder), folder, 0, print, ClassPages(dict, str, print))
     pages.start()
 
     def ask(query="", name="", role="operator"):
@@ -70,3 +72,14 @@ def test_instructors_see_the_class_and_everybody_in_it(ask):
     assert "2 people, 2 trials" in text
     status, text, _ = ask("?person=ann", role="instructor")
     assert "<h1>ann</h1>" in text
+
+
+def test_instructors_are_told_where_everybody_stands(ask):
+    status, text, _ = ask("api/standing", role="instructor")
+    assert status == 200
+    begun = {course["name"]: course for course in json.loads(text)}
+    # Nobody has begun the others.
+    assert begun.keys() == {"telex_basic"}
+    course = begun["telex_basic"]
+    assert course["people"].keys() == {"ann"}
+    assert dict(zip(course["modules"], course["people"]["ann"]))["slalom"] == "open"

@@ -35,6 +35,7 @@ const OPERATOR = "telex.operator"; // where the browser keeps whose name was typ
  * @property {string[]} malfunctions announced ones
  * @property {string} hint
  * @property {string} message
+ * @property {boolean} help  The operator asks for the instructor.
  * @property {string} verdict
  */
 

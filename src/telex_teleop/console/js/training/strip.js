@@ -47,6 +47,8 @@ export class TrainingStrip {
     press("training-start", () => this.start());
     press("training-again", () => this._act("again"));
     press("training-give-up", () => this._act("abort"));
+    // What is held goes on: to ask changes nothing on the robot.
+    press("training-help", () => this._client.act("help", { data: !this._state?.help }));
     press("training-sheet", () => window.open(this.sheetAddress, "_blank"));
   }
 
@@ -91,10 +93,15 @@ export class TrainingStrip {
   }
 
   /** @param {State} state */
-  _showButtons({ phase, valid, invalid_because }) {
+  _showButtons({ phase, valid, invalid_because, help }) {
     const shown = { start: phase === "ready", again: ["waiting", "running", "between"].includes(phase), sheet: phase === "ended" };
     for (const [name, visible] of Object.entries(shown)) byId(`training-${name}`).hidden = !visible;
     byId("training-give-up").hidden = ["ready", "ended"].includes(phase);
+    const helpButton = byId("training-help");
+    helpButton.hidden = phase === "ended" && !help;
+    helpButton.setAttribute("aria-pressed", String(help));
+    setText(helpButton, help ? "help is asked for ✕" : "ask for help");
+    helpButton.title = help ? "Press when it is no longer needed" : "The instructor sees it on the page of the class";
     byId("training-again").dataset.wanted = String(phase === "between");
     byId("training-invalid").hidden = valid;
     byId("training-invalid").title = invalid_because.join("; ");
@@ -161,7 +168,7 @@ function build(strip) {
   line.append(
     part("b", "title"), invalid, part("span", "repetition", "num"), part("span", "results"), part("b", "clock", "num"),
     part("span", "step"), part("span", "faults", "", "status"), element("span", "fill"), part("span", "limit", "num note"),
-    part("span", "bookmarks"), button("brief", "brief"), button("start", "start"), button("again", "again"), button("give-up", "give up"), button("sheet", "score sheet"),
+    part("span", "bookmarks"), button("help", "ask for help"), button("brief", "brief"), button("start", "start"), button("again", "again"), button("give-up", "give up"), button("sheet", "score sheet"),
   );
   const failing = part("div", "malfunctions", "training-malfunctions", "status");
   strip.replaceChildren(line, failing, part("div", "hint", "training-hint", "status"), part("div", "questions", "training-questions"));

@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import Any, Dict, List, Optional, Tuple
 
 import rospy
-from std_srvs.srv import Trigger, TriggerResponse
+from std_msgs.msg import String
+from std_srvs.srv import SetBool, SetBoolResponse, Trigger, TriggerResponse
 from telex_msgs.msg import (
     BridgeClients,
     SimStatus,
@@ -44,6 +45,7 @@ from ..exercises.catalog import exercises, find_exercise, known_exercise
 from ..exercises.exercise_file import ExerciseError, load_exercise
 from ..exercises.model import EXAM, PRACTICE, Exercise
 from ..exercises.robot_needs import lacking
+from ..judging.entries import TELEMETRY
 from ..judging.judge import ENDED, IDLE, READY, JudgeEvent
 from ..judging.workload import INPUT as TLX
 from ..judging.workload import workload_of
@@ -56,6 +58,7 @@ from .channels import hear_decoded
 from .exam.exam_list import ExamList, ExamListError
 from .library import Library
 from .pages.brief_pages import OpenTrial
+from .pages.class_pages import ClassPages
 from .pages.training_pages import Pages
 from .robot_files import about_robot, software_version
 from .session import Session, SessionError
@@ -84,7 +87,9 @@ class TrainingNode:
         self._amending = threading.Lock()
         self._offers: Dict[Path, Tuple[int, Dict[str, Any]]] = {}
         self._session: Optional[Session] = None
-        self._holder = ""
+        self._holder = self._holder_name = ""
+        self._asked_for_help: Optional[float] = None
+        self._telemetry = ""
         self._heard_of_clients = 0.0
         self._had_holder = False
         self._away_since: Optional[float] = None
@@ -95,7 +100,9 @@ class TrainingNode:
         self._exam = ExamList(settings.bridge, self._on_list_lifted)
         self._apparatus = Apparatus(self._on_status)
         self._clients = hear_decoded("bridge/clients", BridgeClients, self._on_clients)
-        self.pages = Pages(self._library, self._folder, settings.port, self._rate)
+        self._console = hear_decoded(TELEMETRY, String, self._on_telemetry)
+        class_pages = ClassPages(self._tell_class, self._open_for_class, self._help)
+        self.pages = Pages(self._library, self._folder, settings.port, self._rate, class_pages)
         self.pages.briefs.opened = self._opened
         self._services = [
             rospy.Service("training/list", ListExercises, self._on_list),
@@ -105,6 +112,7 @@ class TrainingNode:
             rospy.Service("training/abort", Trigger, self._on_abort),
             rospy.Service("training/bookmark", Bookmark, self._on_bookmark),
             rospy.Service("training/back", Restore, self._on_back),
+            rospy.Service("training/help", SetBool, self._on_help),
             rospy.Service("training/answer", AnswerQuestion, self._on_answer),
             rospy.Service("training/note", NoteTrial, self._on_note),
             rospy.Service("training/rate", NoteTrial, self._on_rate),
@@ -214,7 +222,7 @@ class TrainingNode:
                 self._tell,
                 self._show,
             )
-            self._session = session
+            self._session, self._asked_for_help = session, None
         if mode == PRACTICE:
             session.load()
         self._wanted.set()
@@ -317,6 +325,29 @@ class TrainingNode:
             name=name,
         )
 
+    def _on_help(self, request: Any) -> SetBoolResponse:
+        try:
+            self._help(request.data)
+        except SessionError as error:
+            return SetBoolResponse(success=False, message=str(error))
+        return SetBoolResponse(success=True, message="")
+
+    def _help(self, wanted: bool) -> None:
+        """Ask for the instructor, or say that he has come.
+
+        Raises
+        ------
+        SessionError
+            No exercise is open.
+        """
+        session = self._open_session()
+        if wanted == (self._asked_for_help is not None):
+            return
+        self._asked_for_help = time.monotonic() if wanted else None
+        if wanted and session.begun:
+            session.note({"input": "note", "text": "asked for help", "by": session.operator})
+        self._wanted.set()
+
     def _on_answer(self, request: Any) -> AnswerQuestionResponse:
         try:
             self._open_session().answer(request.question, request.answer[:_MOST_TEXT])
@@ -378,6 +409,12 @@ class TrainingNode:
     def _on_clients(self, message: BridgeClients) -> None:
         self._holder, self._heard_of_clients = message.holder, time.monotonic()
 
+        names = (each.name for each in message.clients if each.id == message.holder)
+        self._holder_name = next(names, "")
+
+    def _on_telemetry(self, message: String) -> None:
+        self._telemetry = message.data
+
     def _look_who_is_there(self) -> None:
         """End a trial whose operator has been gone for long: his page was closed, or lost."""
         session = self._session
@@ -423,9 +460,38 @@ class TrainingNode:
         if session is not None:
             state = session.state()
             state["questions"] = [TrainingQuestion(**each) for each in state["questions"]]
-            message = TrainingState(**state)
+            message = TrainingState(**state, help=self._asked_for_help is not None)
         message.header.stamp = rospy.get_rostime()
         self._state.publish(message)
+
+    # --- for the class's page --------------------------------------------------------------------
+
+    def _tell_class(self) -> Dict[str, Any]:
+        """What a class's page shows of this station."""
+        session, asked = self._session, self._asked_for_help
+        state = {"phase": IDLE} if session is None else session.state()
+        return {
+            **state,
+            "help": None if asked is None else time.monotonic() - asked,
+            "holder": self._holder_name if self._holder else "",
+            "view": view_of(self._telemetry),
+        }
+
+    def _open_for_class(
+        self, exercise: str, setting: str, mode: str, operator: str, start: bool
+    ) -> str:
+        """Open an exercise, and start it if that is wanted; returns the trial.
+
+        Raises
+        ------
+        ExerciseError, SessionError, ValueError
+        """
+        session = self.open(known_exercise(exercise), setting, mode, operator)
+        if start:
+            answer = self._trigger(lambda current: current.start())
+            if not answer.success:
+                raise SessionError(f"it is open, but not started: {answer.message}")
+        return session.trial
 
     def keep_no_longer(self) -> None:
         """Remove what is older than the parameter allows, now and once a day."""
@@ -468,6 +534,16 @@ class TrainingNode:
             self._session.close("the training node was ended")
             self._end_list()
         self.pages.close()
+
+
+def view_of(telemetry: str) -> str:
+    """Name of the camera that the operator's page shows large; empty: it tells none."""
+    try:
+        told = json.loads(telemetry)
+        view = told.get("view") if isinstance(told, dict) else None
+    except (ValueError, RecursionError):
+        return ""
+    return view if isinstance(view, str) and len(view) <= _LONGEST_NAME else ""
 
 
 def _require_robot(exercise: Exercise, urdf: str, apparatus: Apparatus) -> None:

@@ -20,6 +20,7 @@ from ...progress.index import ProgressIndex
 from ...recording.sheet_table import sheet_csv
 from ..library import Library
 from .brief_pages import BriefPages
+from .class_pages import ClassPages
 from .page_server import PageServer, instructs, name_of
 from .progress_pages import ProgressPages
 
@@ -40,14 +41,18 @@ class Pages(PageServer):
     port : int
         0: any free one.
     rate : callable
+    class_pages : ClassPages
 
     Attributes
     ----------
     briefs : BriefPages
     """
 
-    def __init__(self, library: Library, folder: Path, port: int, rate: Rate) -> None:
+    def __init__(
+        self, library: Library, folder: Path, port: int, rate: Rate, class_pages: ClassPages
+    ) -> None:
         super().__init__(port)
+        self._class = class_pages
         self._library = library
         self.briefs = BriefPages(library, folder, _is_for)
         self._progress = ProgressPages(ProgressIndex(folder), instructs, name_of)
@@ -62,6 +67,7 @@ class Pages(PageServer):
         router.add_get(f"{_PREFIX}/api/workload/{{trial}}", self._workload)
         router.add_post(f"{_PREFIX}/api/workload/{{trial}}", self._take_workload)
         self.briefs.route(router, _PREFIX)
+        self._class.route(router, _PREFIX)
         self._progress.route(router, _PROGRESS)
 
     def show_at(self, video_server: str) -> None:

@@ -1,0 +1,98 @@
+"""Answers what the page of a class asks of this station, for the pages' handler."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any, Callable, Dict, Mapping
+
+from aiohttp import web
+
+from telex_control.common.params import ConfigError, read_value
+
+from .page_server import instructs
+
+_TOLD = (
+    "phase trial exercise title setting mode operator valid repetition repetitions results elapsed "
+    "penalty trial_elapsed trial_limit steps steps_done faults hint message verdict help holder "
+    "view"
+).split()
+"""What is told of a trial; the rest is for who does it."""
+_TEXTS = ("exercise", "setting", "mode", "operator")
+
+Tell = Callable[[], Mapping[str, Any]]
+"""Tells the trial as it stands, from any thread."""
+Open = Callable[[str, str, str, str, bool], str]
+"""Opens exercise, setting and mode for an operator, and starts it if that is wanted; returns the
+trial, or raises a RuntimeError or a ValueError with a message for a person."""
+Help = Callable[[bool], None]
+"""Asks for the instructor, or says that he has come; raises a RuntimeError."""
+
+
+class ClassPages:
+    """Answers instructors alone.
+
+    Parameters
+    ----------
+    tell, open_exercise, help_wanted : callable
+        See `Tell`, `Open` and `Help`.
+    """
+
+    def __init__(self, tell: Tell, open_exercise: Open, help_wanted: Help) -> None:
+        self._tell, self._open, self._help = tell, open_exercise, help_wanted
+
+    def route(self, router: web.UrlDispatcher, prefix: str) -> None:
+        """Answer under the addresses below `prefix`."""
+        router.add_get(f"{prefix}/api/state", self._state)
+        router.add_post(f"{prefix}/api/open", self._take_open)
+        router.add_post(f"{prefix}/api/help", self._take_help)
+
+    async def _state(self, request: web.Request) -> web.Response:
+        _require_instructor(request)
+        told = self._tell()
+        return web.json_response({key: told[key] for key in _TOLD if key in told})
+
+    async def _take_open(self, request: web.Request) -> web.Response:
+        content = await _content(request, (*_TEXTS, "start"))
+        try:
+            texts = [read_value(str, content.get(key, ""), key) for key in _TEXTS]
+            start = read_value(bool, content.get("start", False), "start")
+        except ConfigError as error:
+            raise web.HTTPBadRequest(text=f"{error}\n") from error
+        return web.json_response({"trial": await _done(self._open, *texts, start)})
+
+    async def _take_help(self, request: web.Request) -> web.Response:
+        content = await _content(request, ("help",))
+        try:
+            wanted = read_value(bool, content.get("help"), "help")
+        except ConfigError as error:
+            raise web.HTTPBadRequest(text=f"{error}\n") from error
+        await _done(self._help, wanted)
+        return web.json_response({})
+
+
+def _require_instructor(request: web.Request) -> None:
+    if not instructs(request):
+        raise web.HTTPForbidden(text="This is for instructors: add role=instructor.\n")
+
+
+async def _content(request: web.Request, keys: Any) -> Dict[str, Any]:
+    """Struct that an instructor sends, with none but known keys."""
+    _require_instructor(request)
+    # A page of another site cannot send this type without being asked whether it may.
+    if request.content_type != "application/json":
+        raise web.HTTPUnsupportedMediaType(text="application/json is needed.\n")
+    try:
+        content = await request.json()
+    except (ValueError, RecursionError):
+        content = None
+    if not isinstance(content, dict) or not set(content) <= set(keys):
+        raise web.HTTPBadRequest(text=f"a JSON object of {', '.join(keys)} is needed\n")
+    return content
+
+
+async def _done(act: Callable[..., Any], *arguments: Any) -> Any:
+    """Do it in another thread; what is refused is told as a conflict."""
+    try:
+        return await asyncio.get_running_loop().run_in_executor(None, act, *arguments)
+    except (RuntimeError, ValueError) as error:
+        raise web.HTTPConflict(text=f"{error}\n") from error
