@@ -9,6 +9,7 @@ setup(
         packages=[
             "telex_training",
             "telex_training.briefing",
+            "telex_training.classroom",
             "telex_training.command_lines",
             "telex_training.exercises",
             "telex_training.judging",

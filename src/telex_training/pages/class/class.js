@@ -1,0 +1,248 @@
+// @ts-check
+/** The page of a class: all stations, an exercise for several of them, and everybody's progress. */
+
+import { element } from "../elements.js";
+import { Card, orderText } from "./cards.js";
+
+/** @typedef {import("./cards.js").Station} Station */
+/** @typedef {{name: string, title: string, settings: string[], modes: string[]}} Exercise */
+
+const PERIOD = 1000; // ms
+const PROGRESS_PERIOD = 60_000; // ms
+const PATIENCE = 5000; // ms
+const GIVEN = new URLSearchParams(location.search);
+const MARKS = /** @type {Record<string, string>} */ ({ proficient: "●", working: "◐", open: "○", locked: "-", spent: "!" });
+
+const byId = (/** @type {string} */ id) => /** @type {HTMLElement} */ (document.getElementById(id));
+const field = (/** @type {string} */ id) => /** @type {HTMLInputElement} */ (byId(id));
+const choice = (/** @type {string} */ id) => /** @type {HTMLSelectElement} */ (byId(id));
+
+/**
+ * Address below this page, with what its own says of who looks.
+ * @param {string} path
+ * @param {Record<string, string>} [more]
+ */
+function address(path, more = {}) {
+  const query = new URLSearchParams(more);
+  for (const key of ["token", "name"]) if (GIVEN.has(key)) query.set(key, GIVEN.get(key) ?? "");
+  return `${path}?${query}`;
+}
+
+/** @param {string} path @param {Record<string, string>} [more] @param {number} [patience] ms */
+async function ask(path, more = {}, patience = PATIENCE) {
+  const reply = await fetch(address(path, more), { cache: "no-store", signal: AbortSignal.timeout(patience) });
+  if (!reply.ok) throw new Error((await reply.text()).trim() || String(reply.status));
+  return reply.json();
+}
+
+/** @param {string} path @param {object} content */
+async function send(path, content) {
+  const headers = { "Content-Type": "application/json" };
+  const reply = await fetch(address(path), { method: "POST", headers, body: JSON.stringify(content), signal: AbortSignal.timeout(PATIENCE) });
+  if (!reply.ok) throw new Error((await reply.text()).trim() || String(reply.status));
+  return reply.json();
+}
+
+/** @param {string} text */
+function trouble(text) {
+  byId("trouble").hidden = text === "";
+  if (byId("trouble").textContent !== text) byId("trouble").textContent = text;
+}
+
+/** @type {Map<string, Card>} */
+const cards = new Map();
+/** @type {Station[]} */
+let stations = [];
+/** What went wrong with the last thing that was pressed. */
+let failed = "";
+
+/** @param {string} name */
+async function endHelp(name) {
+  try {
+    await send(`api/help/${encodeURIComponent(name)}`, {});
+    failed = "";
+  } catch (error) {
+    failed = `${name}: ${/** @type {Error} */ (error).message}`;
+  }
+}
+
+async function look() {
+  const pictures = field("pictures").checked;
+  try {
+    // Nobody looks at pictures of a page that is hidden.
+    stations = (await ask("api/state", pictures && !document.hidden ? { pictures: "1" } : {})).stations;
+    trouble(failed);
+  } catch (error) {
+    trouble(`The class's server does not answer: ${/** @type {Error} */ (error).message}`);
+    return;
+  }
+  for (const station of stations) {
+    let card = cards.get(station.name);
+    if (card === undefined) {
+      card = new Card(station.name, address, endHelp);
+      cards.set(station.name, card);
+      byId("stations").append(card.root);
+    }
+    card.show(station, pictures);
+  }
+  showCounts();
+  order.showOutcomes();
+}
+
+function showCounts() {
+  const count = (/** @type {(station: Station) => boolean} */ is) => stations.filter(is).length;
+  const gone = count(({ phase }) => phase === "gone");
+  const asking = count(({ phase, state }) => phase === "here" && state !== null && state.help !== null);
+  const parts = [`${count(({ phase }) => phase === "here")} of ${stations.length} stations`];
+  if (gone > 0) parts.push(`${gone} gone`);
+  if (asking > 0) parts.push(`${asking} ask${asking === 1 ? "s" : ""} for help`);
+  const text = parts.join(" · ");
+  if (byId("counts").textContent !== text) byId("counts").textContent = text;
+  document.title = asking > 0 ? `(${asking}) Class` : "Class";
+}
+
+/** The dialog that opens an exercise on several stations. */
+class OrderDialog {
+  constructor() {
+    this._dialog = /** @type {HTMLDialogElement} */ (byId("order"));
+    /** @type {Exercise[]} */
+    this._exercises = [];
+    /** Rows by station. @type {Map<string, {chosen: HTMLInputElement, trainee: HTMLInputElement, outcome: HTMLElement}>} */
+    this._rows = new Map();
+    /** Stations that refused the last order because of one before it, and why. @type {Record<string, string>} */
+    this._busy = {};
+    /** Whether an order was sent since the dialog was opened. */
+    this._sent = false;
+    byId("order-open").addEventListener("click", () => this._open());
+    byId("order-close").addEventListener("click", () => this._dialog.close());
+    byId("order-exercise").addEventListener("change", () => this._showChoices());
+    field("order-all").addEventListener("change", () => {
+      for (const { chosen } of this._rows.values()) if (!chosen.disabled) chosen.checked = field("order-all").checked;
+    });
+    byId("order-form").addEventListener("submit", (event) => {
+      event.preventDefault();
+      this._send();
+    });
+  }
+
+  async _open() {
+    this._sent = false;
+    this._busy = {};
+    this._note("");
+    this._fillRows();
+    this._dialog.showModal();
+    if (this._exercises.length > 0) return;
+    try {
+      this._exercises = await ask("api/exercises", {}, 30_000);
+    } catch (error) {
+      this._note(`no exercises: ${/** @type {Error} */ (error).message}`);
+      return;
+    }
+    fill(choice("order-exercise"), this._exercises.map(({ name, title }) => [name, title || name]));
+    this._showChoices();
+  }
+
+  _showChoices() {
+    const exercise = this._exercises.find(({ name }) => name === choice("order-exercise").value);
+    fill(choice("order-setting"), (exercise?.settings ?? []).map((each) => [each, each]));
+    fill(choice("order-mode"), (exercise?.modes ?? []).map((each) => [each, each]));
+  }
+
+  _fillRows() {
+    const rows = byId("order-rows");
+    for (const { name, state } of stations) {
+      let row = this._rows.get(name);
+      if (row === undefined) {
+        const chosen = /** @type {HTMLInputElement} */ (element("input", "", { type: "checkbox", "aria-label": `Open it on ${name}` }));
+        const trainee = /** @type {HTMLInputElement} */ (element("input", "", { maxlength: "40", autocomplete: "off", "aria-label": `Trainee at ${name}` }));
+        trainee.addEventListener("input", () => { chosen.checked = trainee.value.trim() !== ""; });
+        row = { chosen, trainee, outcome: element("td") };
+        this._rows.set(name, row);
+        rows.append(element("tr", "", { "data-station": name }, [element("td", "", {}, [chosen]), element("td", name), element("td", "", {}, [trainee]), row.outcome]));
+      }
+      // Who sits there is who did the last trial there, or who has control.
+      if (row.trainee.value === "") row.trainee.value = state?.operator || state?.holder || "";
+    }
+    this.showOutcomes();
+  }
+
+  showOutcomes() {
+    if (!this._dialog.open) return;
+    for (const { name, phase, order: given } of stations) {
+      const row = this._rows.get(name);
+      if (row === undefined) continue;
+      row.chosen.disabled = phase !== "here";
+      const own = this._busy[name] ?? (this._sent && row.chosen.checked ? orderText(given) : "");
+      const text = phase === "here" ? own : phase;
+      if (row.outcome.textContent !== text) row.outcome.textContent = text;
+    }
+  }
+
+  async _send() {
+    const chosen = [...this._rows].filter(([, row]) => row.chosen.checked && !row.chosen.disabled);
+    const nameless = chosen.find(([, row]) => row.trainee.value.trim() === "");
+    if (chosen.length === 0 || nameless !== undefined) {
+      this._note(nameless === undefined ? "choose a station at least" : `${nameless[0]}: whose trial will it be? type a name`);
+      nameless?.[1].trainee.focus();
+      return;
+    }
+    const named = Object.fromEntries(chosen.map(([name, { trainee }]) => [name, trainee.value.trim()]));
+    const [exercise, setting, mode] = ["order-exercise", "order-setting", "order-mode"].map((id) => choice(id).value);
+    try {
+      this._busy = (await send("api/open", { stations: named, exercise, setting, mode, start: field("order-start").checked })).busy;
+      this._sent = true;
+      this._note("sent; outcomes stand with the stations");
+    } catch (error) {
+      this._note(/** @type {Error} */ (error).message);
+    }
+  }
+
+  /** @param {string} text */
+  _note(text) {
+    byId("order-note").textContent = text;
+  }
+}
+
+/** @param {HTMLSelectElement} where @param {string[][]} choices  Values and their texts. */
+function fill(where, choices) {
+  where.replaceChildren(...choices.map(([value, text]) => new Option(text, value)));
+  where.disabled = choices.length < 2;
+}
+
+/** @param {{title: string, modules: string[], people: Record<string, string[]>}} course */
+function courseTable({ title, modules, people }) {
+  const head = element("tr", "", {}, [element("th"), ...modules.map((name) => element("th", name))]);
+  const rows = Object.entries(people).map(([name, states]) => element("tr", "", {}, [
+    element("th", name || "no name"),
+    ...states.map((state) => element("td", MARKS[state] ?? state, { "data-state": state, title: state })),
+  ]));
+  return element("section", "", {}, [element("h2", title), element("table", "", {}, [element("thead", "", {}, [head]), element("tbody", "", {}, rows)])]);
+}
+
+async function showProgress() {
+  if (!(/** @type {HTMLDetailsElement} */ (byId("progress"))).open || document.hidden) return;
+  const note = byId("progress-note");
+  if (byId("courses").childElementCount === 0) note.textContent = "asking the stations …";
+  try {
+    const { courses, missing } = await ask("api/progress", {}, 30_000);
+    byId("courses").replaceChildren(...courses.map(courseTable));
+    const without = Object.entries(missing).map(([name, why]) => `without ${name}: ${why}`);
+    const legend = courses.length === 0 ? "Nobody has begun a curriculum." : "● mastered · ◐ begun · ○ open · - after others · ! too many repetitions";
+    note.textContent = [legend, ...without].join(" · ");
+  } catch (error) {
+    note.textContent = `no progress: ${/** @type {Error} */ (error).message}`;
+  }
+}
+
+const order = new OrderDialog();
+byId("progress").addEventListener("toggle", showProgress);
+setInterval(showProgress, PROGRESS_PERIOD);
+
+async function main() {
+  for (;;) {
+    await look();
+    await new Promise((resolve) => setTimeout(resolve, PERIOD));
+  }
+}
+
+main();

@@ -1,0 +1,160 @@
+"""Questions to one station over HTTP: few, short, and of bounded length and time."""
+
+from __future__ import annotations
+
+import asyncio
+from types import TracebackType
+from typing import Any, Mapping, Optional, Tuple, Type
+
+import aiohttp
+from yarl import URL
+
+from .answers import MOST_PICTURE, MOST_STATE, BadAnswerError, json_of
+from .stations_file import Station
+
+TIMEOUT = 4.0
+"""For an answer (s)."""
+_CONNECTIONS = 4
+_WHO = {"role": "instructor", "name": "class"}
+_MOST_REASON = 300
+_PICTURES = ("image/jpeg", "image/png")
+
+
+class StationError(RuntimeError):
+    """A station does not answer as it should; the message says why.
+
+    `status` is that of its reply; 0: there is none.
+    """
+
+    def __init__(self, sentence: str, status: int = 0) -> None:
+        super().__init__(sentence)
+        self.status = status
+
+
+class StationClient:
+    """Asks one station. Use it as an asynchronous context manager, on the loop's thread.
+
+    Parameters
+    ----------
+    station : Station
+    """
+
+    def __init__(self, station: Station) -> None:
+        self.station = station
+        self._http: Optional[aiohttp.ClientSession] = None
+
+    async def __aenter__(self) -> StationClient:
+        headers = {"Accept-Encoding": "identity"}
+        if self.station.token:
+            headers["Authorization"] = f"Bearer {self.station.token}"
+        self._http = aiohttp.ClientSession(
+            connector=aiohttp.TCPConnector(limit=_CONNECTIONS),
+            cookie_jar=aiohttp.DummyCookieJar(),
+            headers=headers,
+            # What unpacks to much more than it seems is never unpacked.
+            auto_decompress=False,
+        )
+        return self
+
+    async def __aexit__(
+        self,
+        kind: Optional[Type[BaseException]],
+        error: Optional[BaseException],
+        trace: Optional[TracebackType],
+    ) -> None:
+        assert self._http is not None
+        await self._http.close()
+
+    async def get(self, path: str, most: int = MOST_STATE, timeout: Optional[float] = None) -> Any:
+        """Ask for JSON, of so many bytes at most, within `TIMEOUT` or another time (s).
+
+        Raises
+        ------
+        StationError
+        """
+        _, data = await self._ask("GET", path, {}, None, most, timeout or TIMEOUT)
+        return self._json(data)
+
+    async def post(self, path: str, content: Mapping[str, Any], timeout: float) -> Any:
+        """Send JSON, and return what is answered.
+
+        Raises
+        ------
+        StationError
+        """
+        _, data = await self._ask("POST", path, {}, content, MOST_STATE, timeout)
+        return self._json(data)
+
+    async def picture(self, topic: str, watched: bool) -> Tuple[str, bytes]:
+        """Media type and bytes of a picture; `watched`: only one that is drawn already.
+
+        Raises
+        ------
+        StationError
+            Its status is 404 where nobody watches the topic.
+        """
+        query = {"topic": topic, **({"watched": "1"} if watched else {})}
+        kind, data = await self._ask("GET", "/snapshot", query, None, MOST_PICTURE, 2.0 * TIMEOUT)
+        if kind not in _PICTURES:
+            raise StationError(f"what came is no picture, but {kind[:40]!r}")
+        return kind, data
+
+    def _json(self, data: bytes) -> Any:
+        try:
+            return json_of(data)
+        except BadAnswerError as error:
+            raise StationError(f"{self.station.address}: {error}") from error
+
+    async def _ask(
+        self,
+        method: str,
+        path: str,
+        query: Mapping[str, str],
+        content: Optional[Mapping[str, Any]],
+        most: int,
+        timeout: float,
+    ) -> Tuple[str, bytes]:
+        assert self._http is not None
+        address = self.station.address
+        try:
+            async with self._http.request(
+                method,
+                URL(address + path).with_query({**_WHO, **query}),
+                json=content,
+                # It would take the token along to wherever it leads.
+                allow_redirects=False,
+                timeout=aiohttp.ClientTimeout(total=timeout),
+            ) as reply:
+                data = await _body(reply, most)
+                if reply.status != 200:
+                    raise StationError(self._refusal(reply, data), reply.status)
+                return reply.content_type, data
+        except asyncio.TimeoutError:
+            raise StationError(f"{address}: no answer within {timeout:g} s") from None
+        except (aiohttp.ClientError, OSError, ValueError) as error:
+            raise StationError(f"{address}: {str(error)[:_MOST_REASON]}") from None
+
+    def _refusal(self, reply: aiohttp.ClientResponse, data: bytes) -> str:
+        """Say in a sentence what an answer without an OK means."""
+        station, status = self.station, reply.status
+        if status in (401, 403):
+            given = f"the token in {station.token_file}" if station.token_file else "no token"
+            return f"{station.address}: it takes {given} for no instructor's ({status})"
+        if 300 <= status < 400:
+            return f"{station.address}: it leads elsewhere ({status}); that is no station's address"
+        if status == 404 and reply.url.path != "/snapshot":
+            return f"{station.address}: it has no training node, or one of another version (404)"
+        if reply.content_type == "text/plain":
+            return data.decode("utf-8", "replace").strip()[:_MOST_REASON] or f"it says {status}"
+        return f"{station.address}: it says {status} {str(reply.reason)[:60]}"
+
+
+async def _body(reply: aiohttp.ClientResponse, most: int) -> bytes:
+    """Read an answer; raises a ValueError where it is too long."""
+    data = bytearray()
+    async for chunk in reply.content.iter_any():
+        data += chunk
+        if len(data) > most:
+            reply.close()
+            raise ValueError(f"its answer is longer than {most} bytes")
+    return bytes(data)

@@ -1,0 +1,141 @@
+"""The file of a class's stations: YAML in, checked `Station`s with their tokens out.
+
+docs/instructor/class.md describes the keys.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, Mapping, Tuple
+from urllib.parse import urlsplit
+
+from telex_control.common.params import ConfigError, require
+from telex_control.common.text_file import read_text_file
+from telex_sim.scene.files.yaml_text import read_yaml
+from telex_teleop.web.token_files import read_token
+from telex_teleop.web.tokens import is_loopback
+
+from ..exercises.yaml_parts import structs_of
+
+MOST_BYTES = 100_000
+"""A longer file is refused before it is read."""
+_NAME = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9 _.-]{0,38}[A-Za-z0-9_.-])?")
+
+
+class StationsError(ValueError):
+    """The file cannot be used; the message names file, key, value and what would be right."""
+
+
+@dataclass(frozen=True)
+class Station:
+    """A station of the class.
+
+    Attributes
+    ----------
+    name : str
+        By which the page calls it.
+    address : str
+        Of its video server.
+    token_file : str
+        Of the token of its instructors; empty: it asks for none, which only this machine's may.
+    token : str
+        What the file holds.
+    """
+
+    name: str
+    address: str
+    token_file: str = ""
+    token: str = field(default="", repr=False)
+
+    def __post_init__(self) -> None:
+        require(
+            _NAME.fullmatch(self.name) is not None,
+            f"name is {self.name[:60]!r}; 1 to 40 letters, digits, spaces and _ . - are possible, "
+            "without a space at its ends",
+        )
+        require(
+            _is_address(self.address),
+            f"address is {self.address[:80]!r}; http://HOST:PORT is needed, and nothing after it",
+        )
+
+
+def _is_address(text: str) -> bool:
+    try:
+        parts = urlsplit(text)
+        port = parts.port
+    except ValueError:
+        return False
+    bare = text == f"{parts.scheme}://{parts.netloc}" and "@" not in parts.netloc
+    return bare and parts.scheme in ("http", "https") and bool(parts.hostname) and bool(port)
+
+
+@dataclass(frozen=True)
+class _Given:
+    """A station as the file has it: the token itself never stands there."""
+
+    name: str
+    address: str
+    token_file: str = ""
+
+
+def load_stations(path: Path) -> Tuple[Station, ...]:
+    """Read a file of stations, and the files of their tokens.
+
+    Parameters
+    ----------
+    path : Path
+        Paths in it that are not absolute begin at its folder.
+
+    Raises
+    ------
+    StationsError
+        ``FILE: where: what``.
+    """
+    text = read_text_file(path, MOST_BYTES, StationsError)
+    try:
+        content = read_yaml(text, MOST_BYTES)
+        require(isinstance(content, Mapping), "a struct with the key 'stations' is needed")
+        return _stations(content, path.resolve().parent)
+    except ConfigError as error:
+        raise StationsError(f"{path}: {error}") from error
+
+
+def _stations(content: Mapping[str, Any], folder: Path) -> Tuple[Station, ...]:
+    for key in content:
+        require(key == "stations", f"{key} is unknown; known is stations")
+    given = structs_of(content, "stations", _Given)
+    require(bool(given), "stations is []; one station at least is needed")
+    made = []
+    for i, each in enumerate(given):
+        try:
+            made.append(_with_token(Station(each.name, each.address, each.token_file), folder))
+        except ConfigError as error:
+            raise ConfigError(f"stations[{i}]: {error}") from None
+    for key in ("name", "address"):
+        values = [getattr(each, key) for each in made]
+        for i, value in enumerate(values):
+            first = values.index(value)
+            require(first == i, f"stations[{i}]/{key} is {value!r}; stations[{first}] has it, too")
+    return tuple(made)
+
+
+def _with_token(station: Station, folder: Path) -> Station:
+    if not station.token_file:
+        host = urlsplit(station.address).hostname or ""
+        require(
+            is_loopback(host),
+            f"token_file is missing; {host} is another machine, which asks instructors for a "
+            "token: a copy of its file of instructors' tokens is needed here (mode 0600)",
+        )
+        return station
+    path = os.path.join(folder, os.path.expanduser(station.token_file))
+    try:
+        return replace(station, token_file=path, token=read_token(path, "token_file"))
+    except FileNotFoundError:
+        raise ConfigError(
+            f"token_file: {path!r} is not there; a copy of the station's file of instructors' "
+            "tokens is needed (mode 0600)"
+        ) from None
