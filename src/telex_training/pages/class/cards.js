@@ -53,9 +53,9 @@ function at(seconds) {
 }
 
 /** Whether it is there, and if not, since when. @param {Station} station */
-export function standingText({ phase, since, age }) {
+export function standingText({ phase, since, age, state }) {
   if (phase === "connecting") return "connecting …";
-  if (phase === "gone") return `GONE since ${at(since)} (${ago(since)})`;
+  if (phase === "gone") return `${state === null ? "NOT REACHED" : "GONE"} since ${at(since)} (${ago(since)})`;
   return age > LATE ? `no answer for ${ago(age)}` : "";
 }
 

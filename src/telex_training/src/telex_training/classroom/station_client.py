@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import os
 from types import TracebackType
 from typing import Any, Mapping, Optional, Tuple, Type
 
@@ -131,6 +132,11 @@ class StationClient:
                 return reply.content_type, data
         except asyncio.TimeoutError:
             raise StationError(f"{address}: no answer within {timeout:g} s") from None
+        except aiohttp.ClientConnectorError as error:
+            number = error.os_error.errno
+            # Of several addresses of a name, the text has them all, and how each failed.
+            reason = os.strerror(number) if number else str(error.os_error)[:_MOST_REASON]
+            raise StationError(f"{address}: it cannot be reached: {reason}") from None
         except (aiohttp.ClientError, OSError, ValueError) as error:
             raise StationError(f"{address}: {str(error)[:_MOST_REASON]}") from None
 
