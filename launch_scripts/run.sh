@@ -4,6 +4,7 @@
 #   ./launch_scripts/run.sh [roslaunch arguments, e.g. world:=stairs video_port:=8081, or exercise:=slalom operator:=ann]
 #
 # replay:=FILE shows the recording of a trial again, without a simulator.
+# class:=FILE shows the stations of a class on one page, without ROS (docs/instructor/class.md).
 # Without world:= it starts in the training hall, without speed:= with 35 % of the speed.
 # ros_address:=NAME_OR_ADDRESS opens ROS to other machines, which know this one by it (docs/engineer/network.md).
 # Ctrl-C ends it all. A running ROS master (ROS_MASTER_URI) is used; without one, one is started.
@@ -12,7 +13,7 @@ set -uo pipefail
 root="$(CDPATH= cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)"
 case "${1:-}" in
   -h | --help)
-    sed -n '2,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
+    sed -n '2,10s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
     exit 0
     ;;
 esac
@@ -20,10 +21,17 @@ esac
 # roslaunch passes over what no launch file asks for: a misspelt name would go unnoticed.
 launch_file=station.launch
 for argument in "$@"; do
-  case "$argument" in replay:=*) launch_file=replay.launch ;; esac
+  case "$argument" in
+    replay:=*) launch_file=replay.launch ;;
+    class:=*) launch_file= ;;
+  esac
 done
-known="$(sed -n 's/^  <arg name="\([a-z_]*\)".*/\1/p' "$root/src/telex_training/launch/$launch_file")"
-known+=$'\nros_address\nreplay'
+if [ -n "$launch_file" ]; then
+  known="$(sed -n 's/^  <arg name="\([a-z_]*\)".*/\1/p' "$root/src/telex_training/launch/$launch_file")"
+  known+=$'\nros_address\nreplay\nclass'
+else
+  known=$'class\nclass_port\naddress\ntoken_file'
+fi
 takes_value=
 for argument in "$@"; do
   if [ -n "$takes_value" ]; then
@@ -61,6 +69,20 @@ case "$ros_address" in
 esac
 # shellcheck disable=SC1091
 . "$root/env.sh" || exit 1
+if [ -z "$launch_file" ]; then
+  file=
+  arguments=()
+  for argument in "$@"; do
+    value="${argument#*:=}"
+    case "$argument" in
+      class:=*) file="${value/#\~\//$HOME/}" ;;
+      class_port:=*) arguments+=(--port "$value") ;;
+      address:=*) arguments+=(--address "$value") ;;
+      token_file:=*) arguments+=(--token-file "${value/#\~\//$HOME/}") ;;
+    esac
+  done
+  exec "$root/src/telex_training/nodes/class" "${arguments[@]}" -- "$file"
+fi
 if [ -n "$ros_address" ]; then
   python -c 'import sys; from rosgraph.network import is_local_address
 sys.exit(sys.argv[1].startswith("0.") or not is_local_address(sys.argv[1]))' "$ros_address" || {

@@ -426,3 +426,42 @@ def test_every_argument_of_the_launch_file_is_known(tmp_path):
     )
     assert (done.returncode, done.stdout, done.stderr) == (1, "begins\n", "")
     assert len(names) > 20
+
+
+def run_class(tmp_path, *arguments):
+    """run.sh with a set-up that does nothing, and a server that tells its arguments."""
+    script = tmp_path / "launch_scripts" / "run.sh"
+    script.parent.mkdir()
+    script.write_bytes((ROOT / "launch_scripts" / "run.sh").read_bytes())
+    server = tmp_path / "src" / "telex_training" / "nodes" / "class"
+    server.parent.mkdir(parents=True)
+    (tmp_path / "env.sh").write_text("")
+    for path, text in (
+        (script.with_name("setup.sh"), "exit 0"),
+        (server, "printf '%s\\n' \"$@\""),
+    ):
+        path.write_text(f"#!/bin/sh\n{text}\n")
+        path.chmod(0o755)
+    return subprocess.run(
+        ["bash", str(script), *arguments],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=30.0,
+        check=False,
+    )
+
+
+def test_a_class_is_shown_without_ros(tmp_path):
+    given = ["class:=my stations.yaml", "class_port:=8071", "address:=0.0.0.0", "token_file:=t"]
+    done = run_class(tmp_path, *given)
+    wanted = ["--port", "8071", "--address", "0.0.0.0", "--token-file", "t", "--"]
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.splitlines() == [*wanted, "my stations.yaml"]
+
+
+def test_a_class_refuses_what_a_station_takes(tmp_path):
+    done = run_class(tmp_path, "class:=stations.yaml", "world:=stairs")
+    assert done.returncode == 2
+    known = "class:= class_port:= address:= token_file:="
+    assert f"unknown argument 'world:=stairs'; there are: {known}" in done.stderr

@@ -9,6 +9,7 @@ setup(
         packages=[
             "telex_experiments",
             "telex_experiments.cameras",
+            "telex_experiments.classroom",
             "telex_experiments.console",
             "telex_experiments.grasping",
             "telex_experiments.mobility",

@@ -13,7 +13,7 @@ import pytest
 from aiohttp import web
 from waiting import wait_until_async
 
-from telex_experiments.rigs.stand_in_station import StandInStation
+from telex_experiments.classroom.stand_in_station import StandInStation
 from telex_teleop.web.listening import bind, serve, url_of
 from telex_training.classroom import poller, station_client, watch
 from telex_training.classroom.answers import (

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from waiting import wait_until
 
+from telex_experiments.classroom.stand_in_station import StandInStation, beside
 from telex_experiments.rigs import chromium
-from telex_experiments.rigs.stand_in_station import StandInStation, beside
 
 pytestmark = [
     pytest.mark.browser,

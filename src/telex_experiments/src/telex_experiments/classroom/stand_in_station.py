@@ -4,14 +4,78 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import tempfile
 import threading
 import time
-from typing import Any, AsyncIterator, Dict, Iterator, List, Mapping, Optional, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import (
+    Any,
+    AsyncIterator,
+    Callable,
+    Coroutine,
+    Dict,
+    Iterator,
+    List,
+    Mapping,
+    Optional,
+    Sequence,
+)
 
 from aiohttp import web
 
+from telex_sim.scene.robot_in_scene import robot_description
+from telex_training.exercises.model import Exercise
+from telex_training.exercises.seeds import scene_text
+from telex_training.judging.entries import Entry
+from telex_training.judging.judge import Judge
+from telex_training.operators.experts.brief import Expert
+from telex_training.rehearsal.trial import RehearsedTrial
+
+_PATIENCE = 30.0
+
 Answer = Any
 """Coroutine function of a request: a response that comes in place of the usual one, or None."""
+
+
+def rehearsed(exercise: Exercise, seed: int, expert: Expert) -> List[Entry]:
+    """What one repetition of a scripted expert feeds the judge with."""
+    single = replace(exercise, repetitions=replace(exercise.repetitions, most=1, least=1))
+    with tempfile.TemporaryDirectory() as folder:
+        trial = RehearsedTrial(single, seed, Path(folder))
+        try:
+            trial.begin()
+            trial.perform(expert)
+        finally:
+            trial.close()
+    return trial.entries
+
+
+def recorded_states(
+    exercise: Exercise, seed: int, entries: Sequence[Entry], operator: str, period: float = 1.0
+) -> List[Dict[str, Any]]:
+    """States of a recorded trial at equal times, as a station tells them.
+
+    Parameters
+    ----------
+    exercise : Exercise
+    seed : int
+        Of the trial.
+    entries : sequence of Entry
+        What the judge was fed with.
+    operator : str
+        Whose trial it shall seem to be.
+    period : float
+        Sim time between two of them (s).
+    """
+    judge = Judge(exercise, scene_text(exercise, seed), robot_description(exercise.variant))
+    more = {"operator": operator, "holder": operator, "help": None, "view": "front"}
+    states: List[Dict[str, Any]] = []
+    for entry in entries:
+        judge.feed(entry)
+        if entry.time >= len(states) * period:
+            states.append({**judge.state(), **more})
+    return states
 
 
 class StandInStation:
@@ -58,6 +122,7 @@ class StandInStation:
         self._states, self._period = list(states), period
         self._picture, self._token, self._courses = picture, token, list(courses)
         self._began = time.monotonic()
+        self._runner: Optional[web.AppRunner] = None
 
     @property
     def address(self) -> str:
@@ -79,13 +144,19 @@ class StandInStation:
     @contextlib.asynccontextmanager
     async def served(self) -> AsyncIterator[None]:
         """Be there for a while."""
-        runner = web.AppRunner(self.app(), access_log=None, shutdown_timeout=0.1)
+        runner = self._runner = web.AppRunner(self.app(), access_log=None, shutdown_timeout=0.1)
         await runner.setup()
         try:
             await web.TCPSite(runner, "127.0.0.1", self.port, reuse_address=True).start()
             self.port = runner.addresses[0][1]
             yield
         finally:
+            await self.vanish()
+
+    async def vanish(self) -> None:
+        """Be there no more."""
+        runner, self._runner = self._runner, None
+        if runner is not None:
             await runner.cleanup()
 
     @web.middleware
@@ -131,8 +202,8 @@ class StandInStation:
 
 
 @contextlib.contextmanager
-def beside(stations: Sequence[StandInStation]) -> Iterator[asyncio.AbstractEventLoop]:
-    """Serve stand-ins in a thread of their own; gives its loop."""
+def beside(stations: Sequence[StandInStation]) -> Iterator[Callable[[Coroutine], Any]]:
+    """Serve stand-ins in a thread of their own; gives what runs a coroutine in it."""
     loop = asyncio.new_event_loop()
     thread = threading.Thread(target=loop.run_forever, name="stand-ins", daemon=True)
     thread.start()
@@ -142,11 +213,14 @@ def beside(stations: Sequence[StandInStation]) -> Iterator[asyncio.AbstractEvent
         for station in stations:
             await stack.enter_async_context(station.served())
 
+    def run(coroutine: Coroutine) -> Any:
+        return asyncio.run_coroutine_threadsafe(coroutine, loop).result(_PATIENCE)
+
     try:
-        asyncio.run_coroutine_threadsafe(enter(), loop).result(30.0)
-        yield loop
+        run(enter())
+        yield run
     finally:
-        asyncio.run_coroutine_threadsafe(stack.aclose(), loop).result(30.0)
+        run(stack.aclose())
         loop.call_soon_threadsafe(loop.stop)
         thread.join(10.0)
         loop.close()
