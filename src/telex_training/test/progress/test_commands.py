@@ -1,11 +1,14 @@
 """The commands progress and people, as they are called."""
 
+import csv
+import io
 import json
 
 import pytest
 from recorded_trials import record
 
 from telex_training.command_lines import people, progress
+from telex_training.recording.trial_file import amend
 
 
 @pytest.fixture
@@ -71,6 +74,25 @@ def test_a_table_has_one_end_of_line(run):
     content = (run.folder / "exports" / "trials.csv").read_bytes()
     assert content.count(b"\r\n") == 3
     assert b"\r\r" not in content
+
+
+def test_marks_and_workloads_stand_in_table_and_reports(run):
+    marks = [{"verdict": "failed", "reason": "<too> fast", "by": "eve", "time": 1.0}]
+    path = record(run.folder, "ida", marks=marks)
+    amend(path, [{"input": "tlx", "values": [10, 20, 30, 40, 50, 60]}], 1)
+    (row,) = csv.DictReader(io.StringIO(run("csv", "--person", "ida", "-o", "-").out))
+    assert [row[f"mark{each}"] for each in ("", "_reason", "_by")] == [
+        "failed",
+        "<too> fast",
+        "eve",
+    ]
+    assert (row["workload"], row["workload_frustration"]) == ("35.00", "60.0")
+    (other,) = csv.DictReader(io.StringIO(run("csv", "--person", "bob", "-o", "-").out))
+    assert (other["mark"], other["workload"], other["workload_mental"]) == ("", "", "")
+    report = run("report", "ida", "-o", "-").out
+    assert "failed: &lt;too&gt; fast" in report
+    assert "35 (n = 1)" in report
+    assert "35 (n = 1)" in run("report", "-o", "-").out
 
 
 def test_statements_go_to_the_standard_output_on_demand(run):

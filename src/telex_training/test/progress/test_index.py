@@ -10,7 +10,7 @@ from recorded_trials import record, sheet
 
 from telex_training.progress.importing import KNOWN, NEW, NEWER, REFUSED, import_files
 from telex_training.progress.index import ProgressIndex, ProgressIndexError
-from telex_training.progress.trial_facts import read_trial
+from telex_training.progress.trial_facts import MarkFacts, read_trial
 from telex_training.recording.trial_file import amend
 from telex_training.recording.writer import RecordingError
 
@@ -43,6 +43,27 @@ class TestReading:
             ("margin", 0.4, None),
         ]
         assert (trial.faults, trial.passed) == (1, True)
+
+    def test_marks_and_the_workload_are_read_with_it_and_anew_when_they_come_later(self, index):
+        marks = [{"verdict": "failed", "reason": "too fast", "by": "instructor", "time": 3.0}]
+        path = record(index.folder, marks=marks)
+        index.refresh()
+        (trial,) = index.trials()
+        assert (trial.marks, trial.workload) == (
+            (MarkFacts("failed", "too fast", "instructor"),),
+            (),
+        )
+        amend(path, [{"input": "tlx", "values": [10, 20, 30, 40, 50, 60]}], 1)
+        index.refresh()
+        (trial,) = index.trials()
+        assert trial == read_trial(path)
+        assert trial.workload == (10.0, 20.0, 30.0, 40.0, 50.0, 60.0)
+        assert trial.raw_workload == 35.0
+        index.rebuild()
+        assert index.trials() == [trial]
+        record(index.folder, "bob", marks=[{"verdict": "failed"}])
+        (problem,) = index.refresh()
+        assert "marks[0]/reason is missing" in problem
 
     def test_people_and_their_trials_are_told_apart(self, index):
         record(index.folder)

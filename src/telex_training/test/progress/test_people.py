@@ -7,11 +7,13 @@ import re
 import pytest
 from recorded_trials import judged_trial, record, wall_of
 
+from telex_training.progress.exports import trials_csv
 from telex_training.progress.index import ProgressIndex
 from telex_training.progress.people import EXPORTS, PeopleError, expire, forget, new_pseudonym
 from telex_training.progress.trial_facts import read_trial
 from telex_training.recording.pseudonym import MARK, operator_of, rename_person
 from telex_training.recording.reader import read_recording
+from telex_training.recording.trial_file import amend
 
 
 @pytest.fixture
@@ -137,6 +139,28 @@ class TestForget:
         assert len(done.renamed) == 2
         assert [(each.name, each.trials) for each in index.people()] == [(pseudonym, 2)]
         assert not any(b"ann" in path.read_bytes() for path in index.folder.glob("*.sqlite*"))
+
+    def test_marks_and_notes_of_others_forget_the_name_in_files_index_and_exports(self, index):
+        path = judged_trial(index.folder, "eve")
+        said = {"input": "mark", "verdict": "failed", "reason": "slower than ann", "by": "ann"}
+        noted = {"input": "note", "text": "ann helped", "by": "instructor"}
+        rated = {"input": "tlx", "values": [10, 20, 30, 40, 50, 60]}
+        amend(path, [said, noted, rated], 1)
+        record(index.folder, "ann", stamp="2026-03-05_080000")
+        index.refresh()
+        assert index.trials("eve")[0].marks[-1].reason == "slower than ann"
+        export = index.folder / EXPORTS / "trials.csv"
+        export.parent.mkdir()
+        export.write_text(trials_csv(index.trials("eve")))
+        assert "slower than ann" in export.read_text()
+        done = forget(index, "ann")
+        assert (done.mentioned, done.exports) == ([path], [export])
+        assert not re.search(rb"\bann\b", everything(path))
+        assert not re.search(rb"\bann\b", index.path.read_bytes())
+        (trial,) = index.trials()
+        assert re.fullmatch("slower than person-[0-9a-f]{8}", trial.marks[-1].reason)
+        assert trial.raw_workload == 35.0
+        assert trial == read_trial(path, verify=True)
 
     def test_others_keep_their_trials(self, index, judged):
         path = judged(index.folder)

@@ -22,12 +22,21 @@ export class ExerciseChooser {
       rememberOperator(name.value.trim());
       this._fill();
     });
+    name.addEventListener("input", () => this._showProgressLink());
     onClick(byId("exercises-open"), () => this.toggle());
     onClick(byId("exercises-close"), () => this.toggle());
   }
 
   get _nameField() {
     return /** @type {HTMLInputElement} */ (byId("exercises-operator"));
+  }
+
+  /** Lead to the standing of whoever is named: pages are shown by name. */
+  _showProgressLink() {
+    const link = /** @type {HTMLAnchorElement} */ (byId("exercises-progress"));
+    const name = this._nameField.value.trim();
+    link.hidden = name === "";
+    link.href = addressOf("/progress/", this._given, { name, person: name });
   }
 
   get isOpen() {
@@ -41,6 +50,7 @@ export class ExerciseChooser {
   }
 
   async _fill() {
+    this._showProgressLink();
     const note = byId("exercises-note");
     setText(note, "asking for the exercises …");
     try {

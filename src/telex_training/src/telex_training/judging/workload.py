@@ -9,8 +9,9 @@ from .stats import raw_tlx
 
 INPUT = "tlx"
 """Name of the training's own input with the ratings."""
-RATINGS = 6
-"""Mental, physical and temporal demand, performance, effort, frustration, in this order."""
+SCALES = ("mental", "physical", "temporal", "performance", "effort", "frustration")
+"""What is rated, in this order: three demands come first."""
+RATINGS = len(SCALES)
 
 
 def workload_of(values: Any) -> Dict[str, Any]:

@@ -11,6 +11,7 @@ from typing import Any, Dict, Iterator, List, Sequence
 from urllib.parse import quote
 
 from ..judging.sheet import FAILED, PASSED
+from ..judging.workload import RATINGS, SCALES
 from .trial_facts import TrialFacts
 
 BASE = "https://telex.example"
@@ -45,11 +46,25 @@ def trials_csv(trials: Sequence[TrialFacts]) -> str:
             sum(each.passed for each in trial.repetitions),
             trial.software,
             trial.log,
+            *_mark(trial),
+            "" if trial.raw_workload is None else f"{trial.raw_workload:.2f}",
+            *(trial.workload or [""] * RATINGS),
         ]
         for trial in trials
     ]
     heads = "trial began operator exercise setting mode seed valid verdict ended seconds".split()
-    return _table([*heads, "repetitions", "faults", "passed", "software", "log_sha256"], rows)
+    heads += ["repetitions", "faults", "passed", "software", "log_sha256"]
+    heads += ["mark", "mark_reason", "mark_by", "workload"]
+    heads += [f"workload_{name}" for name in SCALES]
+    return _table(heads, rows)
+
+
+def _mark(trial: TrialFacts) -> Sequence[str]:
+    """Verdict, reason and author of an instructor's last mark."""
+    if not trial.marks:
+        return "", "", ""
+    last = trial.marks[-1]
+    return last.verdict, last.reason, last.by
 
 
 def repetitions_csv(trials: Sequence[TrialFacts]) -> str:

@@ -12,16 +12,17 @@ import sqlite3
 import threading
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, Container, Dict, Iterator, List, Optional, Tuple
+from typing import Any, Container, Dict, Iterator, List, Optional, Sequence, Tuple
 
+from ..judging.workload import SCALES
 from ..recording.signature import OTHER, Signature
 from ..recording.station_keys import known_keys
 from ..recording.trial_file import trials
 from ..recording.writer import RecordingError
-from .trial_facts import MetricFacts, RepetitionFacts, TrialFacts, read_trial
+from .trial_facts import MarkFacts, MetricFacts, RepetitionFacts, TrialFacts, read_trial
 
 FILE = "progress.sqlite"
-VERSION = 2
+VERSION = 3
 _PATIENCE = 30.0
 """Wall time for which another process may hold the index (s)."""
 
@@ -54,6 +55,15 @@ CREATE TABLE metrics (
     more_is_better INTEGER NOT NULL, value REAL, bound REAL, expert REAL,
     PRIMARY KEY (trial, place)
 );
+CREATE TABLE marks (
+    trial TEXT NOT NULL REFERENCES trials(trial) ON DELETE CASCADE, place INTEGER NOT NULL,
+    verdict TEXT NOT NULL, reason TEXT NOT NULL, by TEXT NOT NULL, PRIMARY KEY (trial, place)
+);
+CREATE TABLE workloads (
+    trial TEXT PRIMARY KEY REFERENCES trials(trial) ON DELETE CASCADE, mental REAL NOT NULL,
+    physical REAL NOT NULL, temporal REAL NOT NULL, performance REAL NOT NULL,
+    effort REAL NOT NULL, frustration REAL NOT NULL
+);
 CREATE VIEW people AS
     SELECT operator AS name, count(*) AS trials, min(began_ns) AS first_ns, max(began_ns) AS last_ns
     FROM trials GROUP BY operator;
@@ -66,11 +76,12 @@ CREATE VIEW progress AS
     FROM trials LEFT JOIN repetitions USING (trial) WHERE valid
     GROUP BY operator, exercise, setting;
 """
-_TRIAL = tuple(
-    field.name for field in fields(TrialFacts) if field.name not in ("repetitions", "metrics")
-)
+_PARTS = ("repetitions", "metrics", "marks", "workload")
+"""Of a trial, in tables of their own."""
+_TRIAL = tuple(field.name for field in fields(TrialFacts) if field.name not in _PARTS)
 _REPETITION = tuple(field.name for field in fields(RepetitionFacts) if field.name != "metrics")
 _METRIC = tuple(field.name for field in fields(MetricFacts))
+_MARK = tuple(field.name for field in fields(MarkFacts))
 
 
 class ProgressIndexError(RuntimeError):
@@ -179,11 +190,9 @@ class ProgressIndex:
                 " ORDER BY began_ns, trial",
                 given,
             ).fetchall()
-            repetitions, metrics = _parts(base, where, given)
+            parts = _parts(base, where, given)
         keys = known_keys()
-        return [
-            _trial(row, repetitions.get(row[0], []), metrics.get(row[0], []), keys) for row in rows
-        ]
+        return [_trial(row, parts.get(row[0], {}), keys) for row in rows]
 
     def file_of(self, trial: str) -> Optional[Path]:
         """Path of a trial's recording; None: the index has no such trial."""
@@ -303,59 +312,64 @@ def _insert(base: sqlite3.Connection, file: str, facts: TrialFacts) -> None:
             "INSERT INTO figures VALUES (?, ?, ?, ?)",
             [(facts.trial, number, *item) for item in repetition.metrics.items()],
         )
+    _insert_list(base, "metrics", facts.trial, _METRIC, facts.metrics)
+    _insert_list(base, "marks", facts.trial, _MARK, facts.marks)
+    if facts.workload:
+        row = (facts.trial, *facts.workload)
+        base.execute(f"INSERT INTO workloads VALUES ({', '.join('?' * len(row))})", row)
+
+
+def _insert_list(
+    base: sqlite3.Connection, table: str, trial: str, keys: Sequence[str], items: Sequence[Any]
+) -> None:
     base.executemany(
-        f"INSERT INTO metrics (trial, place, {', '.join(_METRIC)})"
-        f" VALUES (?, ?{', ?' * len(_METRIC)})",
-        [
-            (facts.trial, place, *(getattr(metric, name) for name in _METRIC))
-            for place, metric in enumerate(facts.metrics)
-        ],
+        f"INSERT INTO {table} (trial, place, {', '.join(keys)}) VALUES (?, ?{', ?' * len(keys)})",
+        [(trial, place, *(getattr(item, key) for key in keys)) for place, item in enumerate(items)],
     )
 
 
 def _parts(
     base: sqlite3.Connection, where: str, given: Dict[str, Any]
-) -> Tuple[Dict[str, List[RepetitionFacts]], Dict[str, List[MetricFacts]]]:
-    """Repetitions and metrics of the trials that are asked for."""
+) -> Dict[str, Dict[str, List[Any]]]:
+    """What stands in tables of its own of the trials that are asked for, by trial."""
     chosen = f"trial IN (SELECT trial FROM trials WHERE true{where})"
+    found: Dict[str, Dict[str, List[Any]]] = {}
+
+    def rows(table: str, keys: Sequence[str], order: str) -> Iterator[Tuple[str, Dict[str, Any]]]:
+        """Each row of a table: its trial, and its columns by their names."""
+        for trial, *row in base.execute(
+            f"SELECT trial, {', '.join(keys)} FROM {table} WHERE {chosen} ORDER BY {order}", given
+        ):
+            yield trial, dict(zip(keys, row))
+
+    def put(trial: str, part: str, made: Any) -> None:
+        found.setdefault(trial, {}).setdefault(part, []).append(made)
+
     figures: Dict[Tuple[str, int], Dict[str, Optional[float]]] = {}
-    for trial, number, name, value in base.execute(
-        f"SELECT trial, number, name, value FROM figures WHERE {chosen}", given
-    ):
-        figures.setdefault((trial, number), {})[name] = value
-    repetitions: Dict[str, List[RepetitionFacts]] = {}
-    for trial, number, *row in base.execute(
-        f"SELECT trial, number, {', '.join(_REPETITION)} FROM repetitions WHERE {chosen}"
-        " ORDER BY trial, number",
-        given,
-    ):
-        made: Dict[str, Any] = dict(zip(_REPETITION, row))
-        made.update(completed=bool(made["completed"]), passed=bool(made["passed"]))
-        repetitions.setdefault(trial, []).append(
-            RepetitionFacts(**made, metrics=figures.get((trial, number), {}))
-        )
-    metrics: Dict[str, List[MetricFacts]] = {}
-    for trial, *row in base.execute(
-        f"SELECT trial, {', '.join(_METRIC)} FROM metrics WHERE {chosen} ORDER BY trial, place",
-        given,
-    ):
-        made = dict(zip(_METRIC, row))
-        made["more_is_better"] = bool(made["more_is_better"])
-        metrics.setdefault(trial, []).append(MetricFacts(**made))
-    return repetitions, metrics
+    for trial, row in rows("figures", ("number", "name", "value"), "trial"):
+        figures.setdefault((trial, row["number"]), {})[row["name"]] = row["value"]
+    for trial, row in rows("repetitions", ("number", *_REPETITION), "trial, number"):
+        metrics = figures.get((trial, row.pop("number")), {})
+        row.update(completed=bool(row["completed"]), passed=bool(row["passed"]))
+        put(trial, "repetitions", RepetitionFacts(**row, metrics=metrics))
+    for trial, row in rows("metrics", _METRIC, "trial, place"):
+        row["more_is_better"] = bool(row["more_is_better"])
+        put(trial, "metrics", MetricFacts(**row))
+    for trial, row in rows("marks", _MARK, "trial, place"):
+        put(trial, "marks", MarkFacts(**row))
+    for trial, row in rows("workloads", SCALES, "trial"):
+        for name in SCALES:
+            put(trial, "workload", row[name])
+    return found
 
 
-def _trial(
-    row: Tuple[Any, ...],
-    repetitions: List[RepetitionFacts],
-    metrics: List[MetricFacts],
-    keys: Container[str],
-) -> TrialFacts:
+def _trial(row: Tuple[Any, ...], parts: Dict[str, List[Any]], keys: Container[str]) -> TrialFacts:
     made: Dict[str, Any] = dict(zip(_TRIAL, row))
     made.update(valid=bool(made["valid"]), provisional=bool(made["provisional"]))
     if made["signer"] and made["signer"] not in keys:
         made["flaw"] = str(Signature(OTHER, made["signer"]))
-    return TrialFacts(**made, repetitions=tuple(repetitions), metrics=tuple(metrics))
+    made.update({part: tuple(parts.get(part, ())) for part in _PARTS})
+    return TrialFacts(**made)
 
 
 def _reason(error: Exception) -> str:

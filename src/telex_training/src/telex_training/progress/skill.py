@@ -70,6 +70,8 @@ class Skill:
     provisional : bool
         Whether the expert is a script.
     weakest : tuple of Weakness
+    workloads : tuple of float
+        Of the trials that the operator has rated, of 100; invalid ones, too.
     """
 
     operator: str
@@ -92,6 +94,7 @@ class Skill:
     proficiency: Optional[float]
     provisional: bool
     weakest: Tuple[Weakness, ...]
+    workloads: Tuple[float, ...]
 
     @property
     def passed(self) -> int:
@@ -149,6 +152,7 @@ def _skill(trials: Sequence[TrialFacts]) -> Skill:
         proficiency=None if expert is None or rate is None else rate * expert / 60.0,
         provisional=newest.provisional,
         weakest=_weakest(valid, newest.metrics),
+        workloads=tuple(trial.raw_workload for trial in trials if trial.raw_workload is not None),
     )
 
 

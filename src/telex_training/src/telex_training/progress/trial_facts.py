@@ -15,8 +15,9 @@ from telex_control.common.params import ConfigError, read_struct, read_value, re
 from ..exercises.metric_kinds import KINDS
 from ..exercises.model import EXAM
 from ..judging.sheet import FORMAT, PASSED, sheet_text
+from ..judging.stats import raw_tlx
 from ..recording.reader import read_recording
-from ..recording.trial_file import SHEET, SUFFIX, judged, signature_of
+from ..recording.trial_file import SHEET, SUFFIX, judged, read_workload, signature_of
 from ..recording.writer import PROFILE, RecordingError
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,199}")
@@ -82,6 +83,22 @@ class MetricFacts:
 
 
 @dataclass(frozen=True)
+class MarkFacts:
+    """An instructor's mark, which stands beside the verdict.
+
+    Attributes
+    ----------
+    verdict : str
+        ``passed`` or ``failed``.
+    reason, by : str
+    """
+
+    verdict: str
+    reason: str
+    by: str
+
+
+@dataclass(frozen=True)
 class TrialFacts:
     """A trial that has ended.
 
@@ -108,6 +125,10 @@ class TrialFacts:
         Why an exam has no signature that counts; empty for others.
     repetitions : tuple of RepetitionFacts
     metrics : tuple of MetricFacts
+    marks : tuple of MarkFacts
+        The last one counts.
+    workload : tuple of float
+        The operator's six ratings, see `telex_training.judging.workload`; empty: none.
     """
 
     trial: str
@@ -129,6 +150,13 @@ class TrialFacts:
     flaw: str
     repetitions: Tuple[RepetitionFacts, ...]
     metrics: Tuple[MetricFacts, ...]
+    marks: Tuple[MarkFacts, ...] = ()
+    workload: Tuple[float, ...] = ()
+
+    @property
+    def raw_workload(self) -> Optional[float]:
+        """Mean of the ratings, of 100; None: there are none."""
+        return raw_tlx(self.workload) if self.workload else None
 
     @property
     def began(self) -> float:
@@ -171,7 +199,7 @@ def read_trial(path: Path, verify: bool = False) -> TrialFacts:
         sheet = json.loads(text)
         # Half a surrogate pair, which JSON can spell, is no text that could be stored.
         json.dumps(sheet, ensure_ascii=False).encode()
-        facts = _facts(sheet, began)
+        facts = _facts(sheet, began, read_workload(path))
     except (ConfigError, ValueError, RecursionError) as error:
         raise RecordingError(f"{path}: its {SHEET} is wrong: {error}") from error
     if verify and sheet_text(judged(read_recording(path)).sheet()).encode() != text:
@@ -207,7 +235,7 @@ def _first_and_sheet(path: Path) -> Tuple[int, bytes]:
     return first[2].publish_time, sheets[-1]
 
 
-def _facts(sheet: Any, began_ns: int) -> TrialFacts:
+def _facts(sheet: Any, began_ns: int, workload: Optional[Mapping[str, Any]]) -> TrialFacts:
     require(isinstance(sheet, Mapping), "a struct is needed")
     form = sheet.get("format")
     require(form == FORMAT, f"format is {str(form)[:40]}; {FORMAT} is read")
@@ -243,6 +271,8 @@ def _facts(sheet: Any, began_ns: int) -> TrialFacts:
         metrics=tuple(
             _metric(given, f"metrics[{i}]") for i, given in enumerate(_list(sheet, "metrics"))
         ),
+        marks=tuple(_mark(given, f"marks[{i}]") for i, given in enumerate(_list(sheet, "marks"))),
+        workload=() if workload is None else tuple(workload["ratings"]),
     )
 
 
@@ -262,6 +292,11 @@ def _metric(given: Any, where: str) -> MetricFacts:
     fields["bound"] = _at(given, "pass", where)
     fields["expert"] = expert[0] if expert else None
     return read_struct(MetricFacts, fields, where)
+
+
+def _mark(given: Any, where: str) -> MarkFacts:
+    keys = ("verdict", "reason", "by")
+    return read_struct(MarkFacts, {key: _at(given, key, where) for key in keys}, where)
 
 
 def _at(content: Any, keys: str, where: str = "") -> Any:

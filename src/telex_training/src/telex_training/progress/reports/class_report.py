@@ -23,6 +23,7 @@ from .report_pieces import (
     page,
     percent,
     table,
+    workload,
 )
 from .svg_figures import strip_figure
 
@@ -166,9 +167,10 @@ def _exercise(found: Sequence[Skill]) -> str:
                 percent(skill.proficiency),
                 number(skill.best, "s"),
                 escape(missed),
+                workload(skill),
             ]
         )
-    heads = ["", "n", "passed", "reliability", "proficiency", "best", "weakest metric"]
+    heads = ["", "n", "passed", "reliability", "proficiency", "best", "weakest metric", "workload"]
     parts = [
         f"<h2>{escape(first.title)}, {escape(first.setting)}</h2>",
         table(heads, rows),

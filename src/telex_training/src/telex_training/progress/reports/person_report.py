@@ -23,6 +23,7 @@ from .report_pieces import (
     page,
     percent,
     table,
+    workload,
 )
 from .svg_figures import cusum_figure, learning_figure
 
@@ -130,6 +131,8 @@ def _skill(skill: Skill) -> str:
         ["tenth next", *_forecast(skill)],
         ["failures", _verdict(skill), _rates()],
     ]
+    if skill.workloads:
+        rows.append(["workload", workload(skill), "NASA-TLX, unweighted, of 100; median"])
     for place, weak in enumerate(skill.weakest, 1):
         rows.append([f"weakest metric {place}", *_weak(weak)])
     figures = []
@@ -209,8 +212,19 @@ def _trials(trials: Sequence[TrialFacts]) -> str:
                 str(len(trial.repetitions)),
                 str(trial.faults),
                 f'<span class="{kind}">{escape(verdict)}</span>' if trial.verdict else verdict,
+                _marked(trial),
+                number(trial.raw_workload, ""),
             ]
         )
-    shown = table(["began", "exercise", "setting", "mode", "n", "faults", "verdict"], rows)
+    heads = ["began", "exercise", "setting", "mode", "n", "faults", "verdict", "mark", "workload"]
+    shown = table(heads, rows, text=(7,))
     left = len(trials) - len(rows)
     return shown + (f'<p class="dim">and {left} older ones</p>' if left else "")
+
+
+def _marked(trial: TrialFacts) -> str:
+    """Say how an instructor has marked a trial last, and why."""
+    if not trial.marks:
+        return NONE
+    last = trial.marks[-1]
+    return escape(f"{last.verdict}: {last.reason}")

@@ -9,6 +9,8 @@ from typing import Optional, Sequence, Tuple
 
 import rospkg
 
+from ...judging import stats
+from ..skill import Skill
 from ..standing import LOCKED, OPEN, PROFICIENT, SPENT, WORKING, ExamStanding, Standing
 from ..trial_facts import TrialFacts
 
@@ -82,6 +84,13 @@ def number(value: Optional[float], unit: str) -> str:
 def percent(share: Optional[float]) -> str:
     """Write a share in per cent."""
     return NONE if share is None else f"{100 * share:.0f} %"
+
+
+def workload(skill: Skill) -> str:
+    """Write the median of the workloads that somebody has rated, with their number."""
+    if not skill.workloads:
+        return NONE
+    return f"{stats.median(skill.workloads):.0f} (n = {len(skill.workloads)})"
 
 
 def count(count: int, one: str, several: str = "") -> str:
