@@ -2,6 +2,7 @@
 /** Shows a score sheet: the verdict first, then each metric, then each repetition. */
 
 import { element } from "./elements.js";
+import { whoLooks } from "./replay/visitor.js";
 import { workloadPart } from "./workload.js";
 
 const GIVEN = new URLSearchParams(location.search);
@@ -21,15 +22,8 @@ function address(path) {
  * @param {number} [time] sim time of what is to be seen (s)
  */
 function replayAddress(time) {
-  const query = whoLooks();
-  if (time !== undefined) query.set("at", String(time));
+  const query = whoLooks(time === undefined ? {} : { at: time });
   return `/replay/${encodeURIComponent(GIVEN.get("trial") ?? "")}?${query}`;
-}
-
-function whoLooks() {
-  const query = new URLSearchParams();
-  for (const key of ["token", "role", "name"]) if (GIVEN.has(key)) query.set(key, GIVEN.get(key) ?? "");
-  return query;
 }
 
 /**
@@ -37,9 +31,7 @@ function whoLooks() {
  * @param {string} person
  */
 function progressOf(person) {
-  const query = whoLooks();
-  query.set("person", person);
-  return `/progress/?${query}`;
+  return `/progress/?${whoLooks({ person })}`;
 }
 
 /**

@@ -2,6 +2,7 @@
 /** Shows a trial again: a picture of any moment from any camera, and what happened along a timeline. */
 
 import { KINDS, STRETCHES, ceiling, clock, current, outline, sentence } from "./marks.js";
+import { whoLooks } from "./visitor.js";
 
 /** @typedef {import("./marks.js").Mark} Mark */
 
@@ -25,10 +26,7 @@ let marks = [];
 
 /** @param {string} path @param {Record<string, string | number>} [more] */
 function address(path, more = {}) {
-  const query = new URLSearchParams();
-  for (const key of ["token", "role", "name"]) if (GIVEN.has(key)) query.set(key, GIVEN.get(key) ?? "");
-  for (const [key, value] of Object.entries(more)) query.set(key, String(value));
-  return `api/${path}/${TRIAL}?${query}`;
+  return `api/${path}/${TRIAL}?${whoLooks(more)}`;
 }
 
 /** @param {string} text */
