@@ -158,6 +158,7 @@ def judged_trial(folder: Path, operator: str = "ann", others: Sequence[str] = ()
     trial.again()
     trial.drive(3.0, 1.0)
     trial.input("note", text=f"{operator} was faster than {operator}s brother", by=operator)
+    trial.input("moment", at=2.0, text=f"here {operator} turned", by=operator, instructor=False)
     trial.input("mark", verdict="passed", reason=f"well done, {operator}!", by="instructor")
     made = json.loads(trial.judge.text())
     assert made["verdict"] == "passed"

@@ -32,6 +32,7 @@ const EVENTS = /** @type {Record<string, string>} */ ({
 /** @param {Mark} mark */
 export function sentence(mark) {
   const { event, name, detail } = mark;
+  if (event === "moment") return `${name}${detail?.instructor && name !== "instructor" ? " (instructor)" : ""}: ${detail?.text ?? ""}`;
   const text = event === "note" ? detail?.text ?? "" : name;
   const force = event === "contact" && typeof detail?.force === "number" ? `, ${Math.round(detail.force)} N` : "";
   const how = detail?.by === "e_stop" ? "emergency stop" : "other command";

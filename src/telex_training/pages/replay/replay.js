@@ -2,6 +2,7 @@
 /** Shows a trial again: a picture of any moment from any camera, and what happened along a timeline. */
 
 import { KINDS, STRETCHES, ceiling, clock, current, outline, sentence } from "./marks.js";
+import { listenToNotes } from "./notes.js";
 import { whoLooks } from "./visitor.js";
 
 /** @typedef {import("./marks.js").Mark} Mark */
@@ -161,11 +162,17 @@ function drawTimeline(about) {
   for (const { kind, begin, end } of about.stretches) {
     line.append(shape("rect", { x: begin, y: 0, width: Math.max(end - begin, width), height: 1, fill: STRETCHES[kind] ?? "#444" }, kind));
   }
-  for (const mark of marks) {
-    const { color, top } = KINDS[mark.kind] ?? KINDS.other;
-    line.append(shape("rect", { x: mark.time - width / 2, y: top, width, height: 1 - top, fill: color }, `${clock(mark.time)} ${sentence(mark)}`));
-  }
+  line.append(shape("g", { id: "ticks" }));
   seekable(line);
+}
+
+function drawMarks() {
+  const width = state.duration / 500;
+  const ticks = marks.map((mark) => {
+    const { color, top } = KINDS[mark.kind] ?? KINDS.other;
+    return shape("rect", { x: mark.time - width / 2, y: top, width, height: 1 - top, fill: color }, `${clock(mark.time)} ${sentence(mark)}`);
+  });
+  get("ticks").replaceChildren(...ticks);
 }
 
 /** @param {string} name @param {SVGElement} line @param {string} kind */
@@ -196,7 +203,7 @@ function drawStrips(about) {
 }
 
 function listMarks() {
-  for (const mark of marks) {
+  const items = marks.map((mark) => {
     const item = document.createElement("li");
     const button = document.createElement("button");
     const dot = document.createElement("i");
@@ -208,8 +215,9 @@ function listMarks() {
     button.append(dot, time, text);
     button.addEventListener("click", () => seek(mark.time));
     item.append(button);
-    get("marks").append(item);
-  }
+    return item;
+  });
+  get("marks").replaceChildren(...items);
 }
 
 /** @param {any} about */
@@ -224,6 +232,28 @@ function explain(about) {
     part.append(dot, text);
     get("legend").append(part);
   }
+}
+
+/**
+ * What happened, with all that has been noted by now.
+ * @param {any} about
+ */
+function tell(about) {
+  marks = about.marks;
+  drawMarks();
+  listMarks();
+}
+
+/**
+ * Write a note; all marks come back with it.
+ * @param {{at: number, text: string}} note
+ */
+async function writeNote(note) {
+  const body = JSON.stringify(note);
+  const reply = await fetch(address("notes"), { method: "POST", headers: { "Content-Type": "application/json" }, body });
+  if (!reply.ok) throw new Error((await reply.text()).trim() || String(reply.status));
+  tell(await reply.json());
+  show(state.time);
 }
 
 /** @param {string[]} names */
@@ -279,6 +309,7 @@ function listenToPointer() {
 /** @param {KeyboardEvent} event */
 function onKey(event) {
   if (event.ctrlKey || event.altKey || event.metaKey || event.target instanceof HTMLSelectElement) return;
+  if (event.target instanceof HTMLInputElement && event.target.type === "text") return;
   const far = event.shiftKey ? 1 : state.period;
   if (event.key === " " && !(event.target instanceof HTMLButtonElement || event.target === seen)) play(!state.playing);
   else if (event.key === "ArrowLeft") step(-far);
@@ -298,6 +329,7 @@ function listen() {
   document.addEventListener("keydown", onKey);
   addEventListener("resize", () => show(state.time));
   listenToPointer();
+  listenToNotes(get("write"), () => state.time, writeNote);
 }
 
 async function main() {
@@ -307,7 +339,6 @@ async function main() {
     return;
   }
   const about = await reply.json();
-  marks = about.marks;
   Object.assign(state, { duration: Math.max(about.duration, 1e-3), period: about.period });
   slider.max = String(about.duration);
   slider.step = "any";
@@ -318,7 +349,7 @@ async function main() {
   for (const problem of about.problems) get("problems").append(Object.assign(document.createElement("li"), { textContent: problem }));
   drawTimeline(about);
   drawStrips(about);
-  listMarks();
+  tell(about);
   explain(about);
   listen();
   say("drawing the first picture …");

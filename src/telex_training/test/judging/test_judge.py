@@ -13,8 +13,9 @@ from telex_msgs.msg import BridgeClient, BridgeClients, JointTeleopStatus, Truth
 from training_truth import LEVEL, SCENE, Trial, exercise, serialized
 
 from telex_sim.offline.simulation import robot_description
-from telex_training.judging.entries import Entry
+from telex_training.judging.entries import BadEntryError, Entry
 from telex_training.judging.judge import Judge
+from telex_training.judging.moments import MomentNote, moment_note, moment_notes
 from telex_training.judging.truth import read_sample
 
 pytestmark = pytest.mark.slow
@@ -335,6 +336,49 @@ def test_a_rating_of_the_workload_leaves_the_sheet_as_it_is():
     assert trial.judge.sheet()["notes"][0]["text"] == "after it"
     assert folded(trial).text() == trial.judge.text()
     assert folded(trial).workload == trial.judge.workload
+
+
+def test_a_note_at_a_moment_leaves_the_sheet_as_it_is():
+    trial = ready()
+    lap(trial)
+    note = {"at": 1.5, "text": "too close", "by": "eve", "instructor": True}
+    before = trial.judge.text()
+    trial.input("moment", **note)
+    assert trial.judge.text() == before
+    trial.input("abort")
+    shown = trial.judge.text()
+    trial.input("moment", **note)
+    assert trial.judge.text() == shown
+    assert folded(trial).text() == shown
+    assert moment_notes(trial.entries) == [MomentNote(1.5, "too close", "eve", True)] * 2
+
+
+def test_a_note_at_a_moment_hides_no_gap():
+    trial = ready(mode="exam")
+    trial.input("moment", at=1.0, text="here")
+    bent = [*trial.entries[:-1], trial.entries[-1]._replace(number=999)]
+    assert not folded(trial, bent).sheet()["valid"]
+    assert folded(trial).sheet()["valid"]
+
+
+@pytest.mark.parametrize(
+    ("change", "why"),
+    [
+        ({"at": float("nan")}, "at"),
+        ({"at": -1.0}, "0 s or later"),
+        ({"at": "1"}, "a number"),
+        ({"text": " "}, "one line of text"),
+        ({"text": "a\nb"}, "one line of text"),
+        ({"text": "x" * 501}, "at most 500"),
+        ({"text": 7}, "a text"),
+        ({"by": "x" * 101}, "at most 100"),
+        ({"by": "a\x1b[2J"}, "a name"),
+        ({"instructor": "yes"}, "true or false"),
+    ],
+)
+def test_a_note_that_makes_no_sense_is_refused(change, why):
+    with pytest.raises(BadEntryError, match=why):
+        moment_note({"at": 1.0, "text": "here", "by": "ann", **change})
 
 
 def test_a_lost_sample_is_a_gap():
@@ -697,7 +741,7 @@ INPUT = st.dictionaries(
     st.sampled_from(["input", "question", "answer", "answers", "values", "mode", "seed", "resets"]),
     JSON
     | st.sampled_from(
-        ["open", "start", "ready", "again", "answer", "drawn", "abort", "tlx", "note"]
+        ["open", "start", "ready", "again", "answer", "drawn", "abort", "tlx", "note", "moment"]
     ),
 )
 

@@ -8,7 +8,7 @@ import pytest
 from recorded_trials import record
 
 from telex_training.command_lines import people, progress
-from telex_training.recording.trial_file import amend
+from telex_training.recording.amending import amend
 
 
 @pytest.fixture

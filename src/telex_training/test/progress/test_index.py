@@ -11,7 +11,7 @@ from recorded_trials import record, sheet
 from telex_training.progress.importing import KNOWN, NEW, NEWER, REFUSED, import_files
 from telex_training.progress.index import ProgressIndex, ProgressIndexError
 from telex_training.progress.trial_facts import MarkFacts, read_trial
-from telex_training.recording.trial_file import amend
+from telex_training.recording.amending import amend
 from telex_training.recording.writer import RecordingError
 
 OTHER = "2026-03-02_101500"

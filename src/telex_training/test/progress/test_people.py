@@ -11,9 +11,9 @@ from telex_training.progress.exports import trials_csv
 from telex_training.progress.index import ProgressIndex
 from telex_training.progress.people import EXPORTS, PeopleError, expire, forget, new_pseudonym
 from telex_training.progress.trial_facts import read_trial
+from telex_training.recording.amending import amend
 from telex_training.recording.pseudonym import MARK, operator_of, rename_person
 from telex_training.recording.reader import read_recording
-from telex_training.recording.trial_file import amend
 
 
 @pytest.fixture

@@ -13,6 +13,7 @@ from telex_training.command_lines.score import main as score
 from telex_training.progress.index import ProgressIndex
 from telex_training.progress.trial_facts import read_trial
 from telex_training.recording import station_keys
+from telex_training.recording.amending import amend
 from telex_training.recording.pseudonym import rename_person
 from telex_training.recording.reader import Recording, read_recording
 from telex_training.recording.signature import (
@@ -33,7 +34,7 @@ from telex_training.recording.station_keys import (
     read_public_key,
     station_key,
 )
-from telex_training.recording.trial_file import SHEET, amend, input_entry, signature_of
+from telex_training.recording.trial_file import SHEET, input_entry, signature_of
 from telex_training.recording.writer import Attachment, RecordingWriter
 
 NOTE = {"input": "note", "text": "looks back too late", "by": "instructor"}

@@ -20,8 +20,11 @@ from telex_training.exercises.catalog import find_exercise
 from telex_training.exercises.exercise_file import load_exercise
 from telex_training.exercises.seeds import scene_text
 from telex_training.judging.entries import Entry
+from telex_training.judging.moments import MomentNote
+from telex_training.recording.amending import amend
+from telex_training.recording.reader import read_recording
 from telex_training.recording.trial_file import Trial as About
-from telex_training.recording.trial_file import attachments, sheet_attachment
+from telex_training.recording.trial_file import attachments, judged, sheet_attachment
 from telex_training.recording.writer import Attachment, RecordingError, RecordingWriter
 from telex_training.replay.cameras import CLEAR, OUTSIDE, replay_config
 from telex_training.replay.replay import Replay
@@ -170,6 +173,25 @@ class TestWhatHappened:
         replay = Replay.open(record(tmp_path / "t1.mcap", trial.entries, ending=ending), {})
         again = Replay.open(record(tmp_path / "t2.mcap", trial.entries), {})
         assert replay.marks() == again.marks()
+
+    def test_notes_at_moments_stand_among_them(self, tmp_path):
+        ending = {"sheet.json": sheet_attachment(drill().judge.text())}
+        path = record(tmp_path / "t1.mcap", drill().entries, ending=ending)
+        before = read_recording(path)
+        notes = [MomentNote(1.0, "slower", "ann", False), MomentNote(2.0, "good", "", True)]
+        assert amend(path, [note.content() for note in notes], 1) == drill().judge.text()
+        after = read_recording(path)
+        assert after.attachments == before.attachments
+        assert after.entries[: len(before.entries)] == before.entries
+        assert judged(after).text() == judged(before).text()
+        replay = Replay.open(path, {})
+        assert replay.notes == notes
+        marks = [mark for mark in replay.marks() if mark["event"] == "moment"]
+        assert [(mark["time"], mark["name"]) for mark in marks] == [
+            (1.0, "ann"),
+            (2.0, "instructor"),
+        ]
+        assert marks[0]["detail"]["text"] == "slower"
 
     def test_a_recording_with_a_gap_is_told_of_and_shown(self, tmp_path):
         entries = drill().entries

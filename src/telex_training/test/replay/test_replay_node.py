@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import urllib.error
 import urllib.request
 from pathlib import Path
@@ -11,6 +12,8 @@ import pytest
 from own_ros import NodeProcess, Topics
 from replay_drill import drill, record
 from waiting import wait_until
+
+from telex_training.replay.replay import Replay
 
 pytestmark = [pytest.mark.ros, pytest.mark.waiting]
 
@@ -46,10 +49,13 @@ class Station:
         wait_until(lambda: rospy.has_param(name), "the mount", 60.0)
         return rospy.get_param(name)["handler"]
 
-    def ask(self, path, name="", role="operator"):
+    def ask(self, path, name="", role="operator", post=None):
         """Status and body of an answer, as the video server passes requests on."""
         headers = {"X-Telex-Role": role, "X-Telex-Name": name}
-        request = urllib.request.Request(f"{self.address}/replay/{path}", headers=headers)
+        data = None if post is None else json.dumps(post).encode()
+        if data is not None:
+            headers["Content-Type"] = "application/json"
+        request = urllib.request.Request(f"{self.address}/replay/{path}", data, headers)
         try:
             with urllib.request.urlopen(request, timeout=90.0) as answer:
                 return answer.status, answer.read(), dict(answer.headers)
@@ -163,6 +169,25 @@ class TestPages:
         finally:
             station.phase("ended")
         wait_until(lambda: station.ask("api/trial/t1", name="ann")[0] == 200, "that it is back")
+
+    def test_notes_are_kept_with_the_trial(self, station):
+        note = {"at": 1.0, "text": "slower", "by": "somebody else"}
+        status, body, _ = station.ask("api/notes/t1", name="ann", post=note)
+        assert status == 200, body
+        status, body, _ = station.ask("api/notes/t1", role="instructor", post={**note, "at": 2})
+        told = [each for each in json.loads(body)["marks"] if each["event"] == "moment"]
+        assert [each["name"] for each in told] == ["ann", "instructor"]
+        kept = Replay.open(station.folder / "t1.mcap", {}).notes
+        assert [each.at for each in kept] == [1.0, 2.0]
+        assert (
+            json.loads(station.ask("api/trial/t1", name="ann")[1])["marks"]
+            == (json.loads(body)["marks"])
+        )
+        # Whose it is not, and what is no note.
+        assert station.ask("api/notes/t1", name="bob", post=note)[0] == 404
+        for change in ({"at": 1e9}, {"at": float("nan")}, {"text": ""}):
+            assert station.ask("api/notes/t1", name="ann", post={**note, **change})[0] == 400
+        assert station.ask("api/notes/t1", name="ann", post=[])[0] == 400
 
     def test_the_page_is_there_for_every_trial(self, station):
         status, body, _ = station.ask("t1")

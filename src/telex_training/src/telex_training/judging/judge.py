@@ -35,6 +35,7 @@ from .entries import (
 )
 from .handling import goal_zones
 from .malfunctions import MalfunctionRecord, Turn
+from .moments import INPUT as MOMENT
 from .repetition import GIVEN_UP, PUT_BACK, WENT_BACK, Happening, Progress, Repetition
 from .truth import Names, World, read_sample
 from .validity import MOST_SLOW, Continuity, LinkRecord, Pace
@@ -179,8 +180,8 @@ class Judge:
         """Take the next entry.
 
         Once the trial has ended, only the training's own inputs are looked at: a recording that was
-        closed a little later makes the same sheet. Ratings of the workload leave no trace in it, so
-        that a sheet that was printed is still that of the recording.
+        closed a little later makes the same sheet. Ratings of the workload and notes at moments
+        leave no trace in it, so that a sheet that was printed is still that of the recording.
 
         Returns
         -------
@@ -188,7 +189,7 @@ class Judge:
             What happened with it.
         """
         self._new = []
-        if self.phase == ENDED and (entry.channel != INPUTS or self._takes_rating(entry)):
+        if self._takes_aside(entry) if entry.channel == INPUTS else self.phase == ENDED:
             return self._new
         channel = entry.channel.encode("utf-8", "replace")
         self._digest.update(struct.pack("<II", len(channel), len(entry.data)))
@@ -196,10 +197,7 @@ class Judge:
         self._digest.update(entry.data)
         if math.isfinite(entry.time):
             self._time = entry.time
-        if self.phase != ENDED:
-            wrong = self._continuity.entry(entry.number)
-            if wrong:
-                self._invalidate("entries of the recording are missing", at=wrong)
+        self._count(entry)
         handle = self._handlers.get(entry.channel)
         if handle is not None:
             try:
@@ -211,6 +209,11 @@ class Judge:
             except Exception as error:  # live and from the file alike, and never the trial's end
                 self._invalidate(f"{entry.channel}: the judge fails: {type(error).__name__}")
         return self._new
+
+    def _count(self, entry: Entry) -> None:
+        wrong = self._continuity.entry(entry.number) if self.phase != ENDED else None
+        if wrong:
+            self._invalidate("entries of the recording are missing", at=wrong)
 
     # What comes from the simulator
 
@@ -514,13 +517,17 @@ class Judge:
     def _rate(self, content: Dict[str, Any]) -> None:
         self._allowed(content, ENDED)
 
-    def _takes_rating(self, entry: Entry) -> bool:
-        """Take an input of the trial that has ended, if it is a rating; tells whether it is one."""
+    def _takes_aside(self, entry: Entry) -> bool:
+        """Take an input that leaves no trace in the sheet; tells whether it is one."""
         try:
             content = json_of(entry)
         except BadEntryError:
             return False
-        if content.get("input") != TLX:
+        kind = content.get("input")
+        if kind == MOMENT:
+            self._count(entry)
+            return True
+        if kind != TLX or self.phase != ENDED:
             return False
         try:
             self.workload = workload_of(content.get("values"))

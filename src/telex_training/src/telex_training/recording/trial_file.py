@@ -7,7 +7,7 @@ import re
 from dataclasses import asdict, dataclass
 from io import BytesIO
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 from mcap.reader import make_reader
 from std_msgs.msg import String
@@ -21,9 +21,9 @@ from ..judging.judge import Judge
 from ..judging.sheet import FORMAT
 from ..judging.workload import INPUT as TLX
 from ..judging.workload import workload_of
-from .reader import Recording, read_recording, repair
-from .signature import CHANGED, SIGNATURE, Signature, sealing_again, verified
-from .writer import Attachment, RecordingError, RecordingWriter
+from .reader import Recording, read_recording
+from .signature import CHANGED, Signature, verified
+from .writer import Attachment, RecordingError
 
 EXERCISE, SCENE, ROBOT = "exercise.yaml", "scene.yaml", "robot.urdf"
 CAMERAS, MESHES, TRIAL, SHEET = "cameras.json", "meshes.json", "trial.json", "sheet.json"
@@ -142,54 +142,6 @@ def judged(recording: Recording) -> Judge:
     for entry in recording.entries:
         judge.feed(entry)
     return judge
-
-
-def amend(path: Path, inputs: Sequence[Mapping[str, Any]], wall_ns: int) -> str:
-    """Add inputs to a recording that is closed, such as a mark or a note, and judge it anew.
-
-    The file is replaced as a whole, so that a reader finds the old or the new one. Ratings of the
-    workload leave its sheet as it is. A valid signature is made anew, any other is left out.
-
-    Parameters
-    ----------
-    path : Path
-    inputs : sequence of mapping
-    wall_ns : int
-        Wall time of them (ns).
-
-    Returns
-    -------
-    str
-        The new score sheet.
-
-    Raises
-    ------
-    RecordingError
-    """
-    recording = repair(path)
-    entries, walls = list(recording.entries), list(recording.walls)
-    last = entries[-1] if entries else Entry(-1, 0.0, "", "", b"")
-    for number, content in enumerate(inputs, last.number + 1):
-        entries.append(input_entry(number, round(last.time * 1e9), content))
-        walls.append(wall_ns)
-    shown = recording.attachments.get(SHEET)
-    if shown is not None and all(content["input"] == TLX for content in inputs):
-        text = attached_text(recording, SHEET)
-    else:
-        text = judged(Recording(path, entries, walls, recording.attachments)).text()
-    gone = (SHEET, SIGNATURE)
-    kept = {name: found for name, found in recording.attachments.items() if name not in gone}
-    draft = path.with_name(f".{path.name}.amended")
-    draft.unlink(missing_ok=True)
-    writer = RecordingWriter(draft, kept)
-    for entry, wall in zip(entries, walls):
-        writer.put(entry, wall)
-    writer.close({SHEET: sheet_attachment(text)}, sealing_again(recording))
-    try:
-        draft.replace(path)
-    except OSError as error:
-        raise RecordingError(f"{path}: {error.strerror}") from error
-    return text
 
 
 def read_sheet(path: Path) -> Optional[Dict[str, Any]]:

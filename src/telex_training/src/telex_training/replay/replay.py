@@ -15,6 +15,7 @@ from telex_sim.scene.model import Scene
 
 from ..exercises.exercise_file import ExerciseError
 from ..exercises.seeds import scene_of
+from ..judging.moments import MomentNote, moment_notes
 from ..recording.reader import Recording, read_recording
 from ..recording.trial_file import (
     CAMERAS,
@@ -83,6 +84,10 @@ class Replay:
         Of the robot.
     cameras : mapping
         Parameters of the cameras' node when the trial began.
+    notes : list of MomentNote
+        Written by whoever watched it.
+    closed : bool
+        Whether the recording is complete; notes are added to such a one alone.
     problems : list of str
         What is not as it was, and is drawn all the same.
 
@@ -96,7 +101,9 @@ class Replay:
         self.path = recording.path
         self.trial, self.exercise = trial_of(recording)
         self.problems: List[str] = []
-        if not recording.whole:
+        self.notes = moment_notes(recording.entries)
+        self.closed = recording.whole
+        if not self.closed:
             self.problems.append("The recording was cut off; what is left of it is shown.")
         self.cameras = self._cameras(recording, cameras)
         self._meshes = _struct(recording, MESHES)
@@ -245,7 +252,18 @@ class Replay:
             {"time": round(time, 3), "kind": "stop", "event": "released", "name": why, "detail": {}}
             for time, why in self.timeline.released
         ]
+        made += [self._note(note) for note in self.notes]
         return sorted(made, key=lambda mark: mark["time"])
+
+    def _note(self, note: MomentNote) -> Dict[str, Any]:
+        author = note.by or ("instructor" if note.instructor else "no name")
+        return {
+            "time": round(min(note.at, self.timeline.duration), 3),
+            "kind": "note",
+            "event": "moment",
+            "name": author,
+            "detail": {"text": note.text, "instructor": note.instructor},
+        }
 
     def stretches(self) -> List[Dict[str, Any]]:
         """Spans of time: slow, stopped by the emergency stop, paused."""

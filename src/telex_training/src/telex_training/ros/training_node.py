@@ -51,7 +51,8 @@ from ..judging.workload import INPUT as TLX
 from ..judging.workload import workload_of
 from ..progress.index import ProgressIndex, ProgressIndexError
 from ..progress.people import expire
-from ..recording.trial_file import SUFFIX, amend
+from ..recording.amending import amend
+from ..recording.trial_file import SUFFIX
 from ..recording.writer import RecordingError
 from .apparatus import Apparatus
 from .channels import hear_decoded
@@ -84,7 +85,6 @@ class TrainingNode:
         self._folder = Path(os.path.expanduser(settings.folder))
         self._library = Library(self._folder)
         self._lock = threading.RLock()
-        self._amending = threading.Lock()
         self._offers: Dict[Path, Tuple[int, Dict[str, Any]]] = {}
         self._session: Optional[Session] = None
         self._holder = self._holder_name = ""
@@ -394,8 +394,7 @@ class TrainingNode:
         path = self._library.path(trial)
         if path is None:
             raise SessionError(f"trial is '{trial}'; there is no recording {trial}{SUFFIX}")
-        with self._amending:
-            sheet = amend(path, [content], time.time_ns())
+        sheet = amend(path, [content], time.time_ns())
         self._library.forget()
         self._publish_sheet(trial, sheet)
 

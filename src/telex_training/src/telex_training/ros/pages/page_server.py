@@ -110,3 +110,20 @@ def instructs(request: web.Request) -> bool:
 def name_of(request: web.Request) -> str:
     """Name that whoever asks gives himself."""
     return urllib.parse.unquote(request.headers.get(_NAME, ""))
+
+
+async def posted(request: web.Request) -> Any:
+    """Return the JSON that was sent.
+
+    Raises
+    ------
+    aiohttp.web.HTTPException
+        It is none: the answer that says so.
+    """
+    # A page of another site cannot send this type without being asked whether it may.
+    if request.content_type != "application/json":
+        raise web.HTTPUnsupportedMediaType(text="application/json is needed.\n")
+    try:
+        return await request.json()
+    except (ValueError, LookupError, RecursionError) as error:
+        raise web.HTTPBadRequest(text=f"It is no JSON: {error}\n") from error

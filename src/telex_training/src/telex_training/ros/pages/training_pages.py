@@ -21,7 +21,7 @@ from ...recording.sheet_table import sheet_csv
 from ..library import Library
 from .brief_pages import BriefPages
 from .class_pages import ClassPages
-from .page_server import PageServer, instructs, name_of
+from .page_server import PageServer, instructs, name_of, posted
 from .progress_pages import ProgressPages
 
 _PREFIX, _PROGRESS = "/training", "/progress"
@@ -122,12 +122,9 @@ class Pages(PageServer):
         sheet = await self._permitted(request)
         if sheet.get("operator") != name_of(request):
             raise web.HTTPForbidden(text="The workload is rated by who did the trial.\n")
-        # A page of another site cannot send this type without being asked whether it may.
-        if request.content_type != "application/json":
-            raise web.HTTPUnsupportedMediaType(text="application/json is needed.\n")
         try:
-            given = workload_of(await request.json())
-        except (BadEntryError, ValueError, RecursionError) as error:
+            given = workload_of(await posted(request))
+        except BadEntryError as error:
             raise web.HTTPBadRequest(text=f"{error}\n") from error
         try:
             await self.aside(self._rate, request.match_info["trial"], given["ratings"])

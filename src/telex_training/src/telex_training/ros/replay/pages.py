@@ -11,9 +11,11 @@ from aiohttp import web
 from telex_control.common.params import ConfigError
 from telex_sim.cameras.cameras_config import ORBIT, ViewConfig
 
+from ...judging.entries import BadEntryError
+from ...judging.moments import moment_note
 from ...recording.writer import RecordingError
 from ...replay.cameras import CLEAR, OUTSIDE
-from ..pages.page_server import PageServer, instructs, name_of
+from ..pages.page_server import PageServer, instructs, name_of, posted
 from .drawing import Drawing, DrawingError
 from .shelf import NotHereError, Open, Shelf
 
@@ -56,6 +58,7 @@ class ReplayPages(PageServer):
         """See `PageServer.add_routes`."""
         router.add_get(f"{PREFIX}/api/trial/{{trial}}", self._about)
         router.add_get(f"{PREFIX}/api/picture/{{trial}}", self._picture)
+        router.add_post(f"{PREFIX}/api/notes/{{trial}}", self._take_note)
         router.add_get(f"{PREFIX}/", self._given)
         router.add_get(f"{PREFIX}/{{trial}}", self._page)
 
@@ -106,6 +109,31 @@ class ReplayPages(PageServer):
             raise web.HTTPGatewayTimeout(text=f"{error}\n") from None
         headers = {"X-Replay-Time": f"{moment.time:.4f}", "Cache-Control": "no-store"}
         return web.Response(body=data, content_type="image/jpeg", headers=headers)
+
+    async def _take_note(self, request: web.Request) -> web.Response:
+        """Add a note at a moment, and tell all marks anew."""
+        replay, name = (await self._permitted(request)).replay, name_of(request)
+        instructor = instructs(request)
+        if not instructor and replay.trial.operator != name:
+            raise web.HTTPForbidden(
+                text="Notes are written by who did the trial, and by instructors.\n"
+            )
+        content = await posted(request)
+        if not isinstance(content, dict):
+            raise web.HTTPBadRequest(text="A struct with at and text is needed.\n")
+        try:
+            note = moment_note({**content, "by": name, "instructor": instructor})
+            if note.at > replay.timeline.duration:
+                raise BadEntryError(
+                    f"at is {note.at:g}; the recording has {replay.timeline.duration:.3f} s"
+                )
+        except BadEntryError as error:
+            raise web.HTTPBadRequest(text=f"{error}\n") from error
+        try:
+            await self.aside(self._shelf.note, replay, note)
+        except RecordingError as error:
+            raise web.HTTPConflict(text=f"{error}\n") from error
+        return web.json_response({"marks": await self.aside(replay.marks)})
 
     async def _permitted(self, request: web.Request) -> Open:
         instructor = instructs(request)

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections import OrderedDict
 from pathlib import Path
 from typing import Any, List, Mapping, NamedTuple, Tuple
 
+from ...judging.moments import MOST_NOTES, MomentNote
+from ...recording.amending import amend
 from ...recording.writer import RecordingError
 from ...replay.replay import Replay
 from ..library import Library
@@ -69,10 +72,7 @@ class Shelf:
         path = self._file if given else self._library.path(trial)
         if path is None:
             raise NotHereError(trial)
-        try:
-            changed = path.stat().st_mtime_ns
-        except OSError as error:
-            raise RecordingError(f"{path}: {error.strerror}") from error
+        changed = _changed(path)
         with self._lock:
             known = self._open.get(path)
             if known is not None and known[0] == changed:
@@ -86,6 +86,31 @@ class Shelf:
             while len(self._open) > _MOST_OPEN:
                 self._open.popitem(last=False)
             return made
+
+    def note(self, replay: Replay, note: MomentNote) -> None:
+        """Add a note to a recording; it stays open.
+
+        Raises
+        ------
+        RecordingError
+            Nothing can be added to it.
+        """
+        path = replay.path
+        with self._lock:
+            if not replay.closed:
+                raise RecordingError(
+                    f"{path}: it is not complete, for its trial goes on or was cut off; notes "
+                    "are added to complete ones"
+                )
+            if len(replay.notes) >= MOST_NOTES:
+                raise RecordingError(f"{path}: it has {MOST_NOTES} notes; more are not possible")
+            before = _changed(path)
+            amend(path, [note.content()], time.time_ns())
+            replay.notes.append(note)
+            known = self._open.get(path)
+            if known is not None and known[0] == before:
+                # What has changed is known: it needs not be read again.
+                self._open[path] = (_changed(path), known[1])
 
     def permitted(self, trial: str, name: str, instructor: bool) -> Open:
         """Open a recording for whoever may see it: its operator, and instructors.
@@ -109,3 +134,16 @@ class Shelf:
         if instructor or trial == self.given or found.replay.trial.operator == name:
             return found
         raise NotHereError(trial)
+
+
+def _changed(path: Path) -> int:
+    """Time of a file's last change (ns).
+
+    Raises
+    ------
+    RecordingError
+    """
+    try:
+        return path.stat().st_mtime_ns
+    except OSError as error:
+        raise RecordingError(f"{path}: {error.strerror}") from error
