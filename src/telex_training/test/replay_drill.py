@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
+
 from training_truth import SCENE, Trial, exercise
 
+from telex_training.recording.trial_file import SHEET, attachments, sheet_attachment
 from telex_training.recording.trial_file import Trial as About
-from telex_training.recording.trial_file import attachments
-from telex_training.recording.writer import RecordingWriter
+from telex_training.recording.writer import Attachment, RecordingWriter
 
 SIZE = {"width": 320, "height": 240, "horizontal_fov": 1.2}
 CAMERAS = {
@@ -40,6 +42,7 @@ URDF = """
   </joint>
 </robot>
 """
+BOX = '<link name="turret"><visual><geometry><box size="1 1 1"/></geometry></visual></link>'
 
 
 def record(path, made, changes=(), ending=None):
@@ -64,3 +67,21 @@ def drill():
     trial.contacts = [("base", "wall", 250.0), ("tracks", "floor", 900.0)]
     trial.sample(5)
     return trial
+
+
+def faster():
+    """The drill done at twice the speed, after a longer wait."""
+    trial = Trial(exercise(TEXT), scene=SCENE).begin()
+    trial.seconds(1.0)
+    trial.drive(2.0, 1.0)
+    return trial
+
+
+def record_faster(path):
+    """Write the faster run, of a robot that can be seen, with its sheet."""
+    trial = faster()
+    urdf = URDF.replace('<link name="turret"/>', BOX)
+    changes = {"robot.urdf": Attachment("text/xml", urdf.encode())}
+    sheet = json.loads(trial.judge.text())
+    sheet["trial"] = path.stem
+    return record(path, trial.entries, changes, {SHEET: sheet_attachment(json.dumps(sheet))})

@@ -2,6 +2,7 @@
 /** Shows a trial again: a picture of any moment from any camera, and what happened along a timeline. */
 
 import { KINDS, STRETCHES, ceiling, clock, current, outline, sentence } from "./marks.js";
+import { aheadText, offerRuns } from "./ghosts.js";
 import { listenToNotes } from "./notes.js";
 import { whoLooks } from "./visitor.js";
 
@@ -19,6 +20,7 @@ const canvas = /** @type {HTMLCanvasElement} */ (get("picture"));
 const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
 const slider = /** @type {HTMLInputElement} */ (get("slider"));
 const seen = /** @type {HTMLInputElement} */ (get("seen"));
+const ghost = /** @type {HTMLSelectElement} */ (get("ghost"));
 
 const view = { azimuth: 2.6, elevation: 0.5, distance: 4.0, x: 0, y: 0, z: 0.3 };
 const state = { time: 0, duration: 1, period: 0.02, speed: 1, playing: false, camera: OUTSIDE };
@@ -75,7 +77,9 @@ function advance() {
 async function picture() {
   const { camera, time } = state;
   const asked = camera === OUTSIDE ? view : { seen: seen.checked ? 1 : 0 };
-  const reply = await fetch(address("picture", { time: time.toFixed(4), camera, ...asked }), { cache: "no-store" });
+  // The operator's cameras do not show it, but what draws keeps it in its scene.
+  const beside = /** @type {Record<string, string>} */ (ghost.value ? { ghost: ghost.value } : {});
+  const reply = await fetch(address("picture", { time: time.toFixed(4), camera, ...asked, ...beside }), { cache: "no-store" });
   if (!reply.ok) throw new Error((await reply.text()).trim() || `the picture is refused: ${reply.status}`);
   const bitmap = await createImageBitmap(await reply.blob());
   if (canvas.width !== bitmap.width || canvas.height !== bitmap.height) {
@@ -85,6 +89,7 @@ async function picture() {
   context.drawImage(bitmap, 0, 0);
   bitmap.close();
   say("");
+  get("ahead").textContent = aheadText(camera === OUTSIDE ? reply.headers.get("X-Replay-Ghost-Ahead") : null);
   canvas.dataset.camera = camera;
   canvas.dataset.time = reply.headers.get("X-Replay-Time") ?? "";
   canvas.dataset.number = String(Number(canvas.dataset.number ?? 0) + 1);
@@ -326,10 +331,16 @@ function listen() {
   const speed = /** @type {HTMLSelectElement} */ (get("speed"));
   speed.addEventListener("change", () => { state.speed = Number(speed.value); });
   seen.addEventListener("change", want);
+  ghost.addEventListener("change", want);
   document.addEventListener("keydown", onKey);
   addEventListener("resize", () => show(state.time));
   listenToPointer();
   listenToNotes(get("write"), () => state.time, writeNote);
+}
+
+async function findGhosts() {
+  const reply = await fetch(address("ghosts"), { cache: "no-store" });
+  offerRuns(ghost, reply.ok ? await reply.json() : []);
 }
 
 async function main() {
@@ -358,6 +369,7 @@ async function main() {
   show(Math.min(Math.max(begin || 0, 0), state.duration));
   offerCameras(about.cameras);
   get("replay").setAttribute("aria-busy", "false");
+  await findGhosts();
 }
 
 main().catch((error) => say(`The trial cannot be shown: ${error.message}`));

@@ -10,9 +10,10 @@ from pathlib import Path
 
 import pytest
 from own_ros import NodeProcess, Topics
-from replay_drill import drill, record
+from replay_drill import drill, record, record_faster
 from waiting import wait_until
 
+from telex_training.recording.trial_file import EXPERTS, expert_path
 from telex_training.replay.replay import Replay
 
 pytestmark = [pytest.mark.ros, pytest.mark.waiting]
@@ -71,7 +72,10 @@ def station(master, tmp_path_factory):
     import rospy
 
     folder = tmp_path_factory.mktemp("trials")
+    (folder / EXPERTS).mkdir()
     record(folder / "t1.mcap", drill().entries)
+    record_faster(folder / "t9.mcap")
+    record_faster(expert_path(folder, "drill", "standard"))
     (folder / "broken.mcap").write_bytes(b"no recording")
     for key, value in (("folder", str(folder)), ("niceness", 0), ("busy_period", 0.1)):
         rospy.set_param(f"{NAMESPACE}/{key}", value)
@@ -169,6 +173,27 @@ class TestPages:
         finally:
             station.phase("ended")
         wait_until(lambda: station.ask("api/trial/t1", name="ann")[0] == 200, "that it is back")
+
+    def test_other_runs_are_drawn_beside_it(self, station):
+        status, body, _ = station.ask("api/ghosts/t1", name="ann")
+        assert status == 200, body
+        assert [each["ghost"] for each in json.loads(body)] == ["expert", "t9"]
+        plain, _, ghost, expert = (
+            station.ask(f"api/picture/t1?time=1.0{more}", name="ann")
+            for more in ("", "&camera=front&ghost=t9", "&ghost=t9", "&ghost=expert")
+        )
+        assert ghost[1] != plain[1]
+        assert ghost[1] == expert[1]
+        assert float(ghost[2]["X-Replay-Ghost-Ahead"]) > 0.1
+        assert "X-Replay-Ghost-Ahead" not in plain[2]
+        # The robot's own cameras show what they showed, and what is not there is refused.
+        front, beside = (
+            station.ask(f"api/picture/t1?time=1.0&camera=front{more}", name="ann")[1]
+            for more in ("", "&ghost=t9")
+        )
+        assert front == beside
+        assert station.ask("api/picture/t1?ghost=t2", name="ann")[0] == 404
+        assert station.ask("api/picture/t9?ghost=t1", name="bob")[0] == 404
 
     def test_notes_are_kept_with_the_trial(self, station):
         note = {"at": 1.0, "text": "slower", "by": "somebody else"}

@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import tempfile
 import threading
 import time
-from dataclasses import replace
-from pathlib import Path
 from typing import (
     Any,
     AsyncIterator,
@@ -29,26 +26,11 @@ from telex_training.exercises.model import Exercise
 from telex_training.exercises.seeds import scene_text
 from telex_training.judging.entries import Entry
 from telex_training.judging.judge import Judge
-from telex_training.operators.experts.brief import Expert
-from telex_training.rehearsal.trial import RehearsedTrial
 
 _PATIENCE = 30.0
 
 Answer = Any
 """Coroutine function of a request: a response that comes in place of the usual one, or None."""
-
-
-def rehearsed(exercise: Exercise, seed: int, expert: Expert) -> List[Entry]:
-    """What one repetition of a scripted expert feeds the judge with."""
-    single = replace(exercise, repetitions=replace(exercise.repetitions, most=1, least=1))
-    with tempfile.TemporaryDirectory() as folder:
-        trial = RehearsedTrial(single, seed, Path(folder))
-        try:
-            trial.begin()
-            trial.perform(expert)
-        finally:
-            trial.close()
-    return trial.entries
 
 
 def recorded_states(

@@ -1,15 +1,21 @@
-"""The command ``expert``: lets scripted experts do exercises, and measures their figures."""
+"""The command ``expert``: lets scripted experts do exercises, measures their figures, records."""
 
 from __future__ import annotations
 
 import argparse
 import sys
+from pathlib import Path
 from typing import Any, Dict, Optional, Sequence
 
 from ..exercises.catalog import find_exercise
 from ..exercises.exercise_file import ExerciseError, load_exercise
+from ..operators.experts.brief import Expert
 from ..operators.experts.catalog import EXPERTS
+from ..recording.trial_file import FOLDER
+from ..recording.writer import RecordingError
+from ..rehearsal.demonstration import demonstrate
 from ..rehearsal.figures import LEAST_RUNS, Figure, FiguresError, measured, places, with_figures
+from ..ros.robot_files import software_version
 
 _RUNS = 5
 
@@ -20,8 +26,11 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     status = 0
     for name in given.exercises or sorted(EXPERTS):
         try:
-            _measure(name, given.runs, given.write)
-        except (ExerciseError, FiguresError, OSError) as error:
+            if given.record:
+                _record(name, given.setting, given.recordings.expanduser())
+            else:
+                _measure(name, given.runs, given.write)
+        except (ExerciseError, FiguresError, RecordingError, OSError) as error:
             print(f"expert: {error}", file=sys.stderr)
             status = 1
     return status
@@ -42,6 +51,19 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--write", action="store_true", help="put the figures into the exercise's file"
     )
+    parser.add_argument(
+        "--record",
+        action="store_true",
+        help="measure nothing: record a run of each setting that has figures, for replays",
+    )
+    parser.add_argument("--setting", metavar="NAME", help="of what is recorded: this one alone")
+    parser.add_argument(
+        "--recordings",
+        type=Path,
+        default=Path(FOLDER),
+        metavar="FOLDER",
+        help=f"of people's recordings, beside which experts' are put; default {FOLDER}",
+    )
     return parser
 
 
@@ -51,16 +73,29 @@ def _runs(text: str) -> int:
     return int(text)
 
 
-def _measure(name: str, runs: int, write: bool) -> None:
+def _record(name: str, setting: Optional[str], folder: Path) -> None:
+    expert = _expert(name)
+    file = load_exercise(find_exercise(name))
+    settings = [setting] if setting else dict.fromkeys(each.setting for each in places(file))
+    for each in settings:
+        print(demonstrate(file, each, expert, folder, software_version()), flush=True)
+
+
+def _expert(name: str) -> Expert:
     if name not in EXPERTS:
         raise FiguresError(f"{name} has no scripted expert; these have: {', '.join(EXPERTS)}")
+    return EXPERTS[name]
+
+
+def _measure(name: str, runs: int, write: bool) -> None:
+    expert = _expert(name)
     path = find_exercise(name)
     file = load_exercise(path)
     where = places(file)
     figures: Dict[str, Dict[str, Figure]] = {}
     for setting in dict.fromkeys(place.setting for place in where):
         exercise = file.setting(setting)
-        figures[setting] = measured(exercise, EXPERTS[name], range(1, runs + 1), _progress)
+        figures[setting] = measured(exercise, expert, range(1, runs + 1), _progress)
         for metric, (mean, deviation) in figures[setting].items():
             print(f"{name} {setting} {metric}: {mean:.4g} +- {deviation:.2g}", flush=True)
     if write:

@@ -30,6 +30,8 @@ CAMERAS, MESHES, TRIAL, SHEET = "cameras.json", "meshes.json", "trial.json", "sh
 SUFFIX = ".mcap"
 FOLDER = "~/.ros/telex_training"
 """Of the recordings, where nobody says otherwise."""
+EXPERTS = "experts"
+"""Folder beside people's recordings with those of experts."""
 _YAML, _XML, _JSON = "text/yaml", "text/xml", "application/json"
 _UNSAFE = re.compile(r"[^A-Za-z0-9_-]+")
 
@@ -60,6 +62,11 @@ class Trial:
 def safe_name(name: str) -> str:
     """Spell a name, of a person or an exercise, as a trial's name and its file's can have it."""
     return _UNSAFE.sub("-", name).strip("-") or "nobody"
+
+
+def expert_path(folder: Path, exercise: str, setting: str) -> Path:
+    """Where the recording of an expert's run stands, or would; `folder` has people's."""
+    return folder / EXPERTS / f"{safe_name(exercise)}_{safe_name(setting)}{SUFFIX}"
 
 
 def attachments(

@@ -66,7 +66,22 @@ def rehearse(exercise: Exercise, expert: Expert, seed: Optional[int] = None) -> 
         The expert gave up; the message says what was tried, and where.
     """
     if seed is None:
-        seed = exercise.seeds.of(PRACTICE) or 0
+        seed = practice_seed(exercise)
+    return rehearsed(exercise, expert, seed).judge.sheet()
+
+
+def practice_seed(exercise: Exercise) -> int:
+    """Seed with which an exercise is practised."""
+    return exercise.seeds.of(PRACTICE) or 0
+
+
+def rehearsed(exercise: Exercise, expert: Expert, seed: int) -> RehearsedTrial:
+    """Let an expert do one repetition of an exercise; returns the trial, which has ended.
+
+    Raises
+    ------
+    telex_training.operators.port.NotManagedError
+    """
     single = replace(exercise, repetitions=replace(exercise.repetitions, most=1, least=1))
     with tempfile.TemporaryDirectory() as folder:
         trial = RehearsedTrial(single, seed, Path(folder))
@@ -75,7 +90,7 @@ def rehearse(exercise: Exercise, expert: Expert, seed: Optional[int] = None) -> 
             trial.perform(expert)
         finally:
             trial.close()
-    return trial.judge.sheet()
+    return trial
 
 
 class RehearsedTrial:

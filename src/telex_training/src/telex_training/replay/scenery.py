@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from genpy import Time
 from telex_msgs.msg import SceneDescription, ScenePoses
@@ -21,6 +21,22 @@ OUTSIDE_FRAME = "replay_outside_optical_frame"
 own view, and a picture shows both or none."""
 
 
+class OtherRobot(NamedTuple):
+    """A robot that is drawn beside the recording's own.
+
+    Attributes
+    ----------
+    name : str
+        In the scene.
+    links : tuple of str
+    visuals : sequence of UrdfVisual
+    """
+
+    name: str
+    links: Tuple[str, ...]
+    visuals: Sequence[UrdfVisual]
+
+
 class Scenery:
     """What there is to see in a recording, and where it is.
 
@@ -31,6 +47,11 @@ class Scenery:
     scene : Scene, optional
         As it was loaded; None: the robot alone is shown.
 
+    Attributes
+    ----------
+    visuals : sequence of UrdfVisual
+        The robot's.
+
     Raises
     ------
     telex_control.urdf.elements.UrdfError
@@ -39,7 +60,7 @@ class Scenery:
     def __init__(self, urdf: str, scene: Optional[Scene]) -> None:
         self._urdf = urdf
         self._links = RobotLinks(urdf)
-        self._visuals: Sequence[UrdfVisual] = urdf_visuals(urdf)
+        self.visuals: Sequence[UrdfVisual] = urdf_visuals(urdf)
         self._scene = scene if scene is not None else Scene(name="replay")
 
     @property
@@ -56,10 +77,22 @@ class Scenery:
         present = set(part.names.objects)
         return [item for item in self._scene.objects if item.name in present]
 
-    def description(self, moment: Moment, revision: int) -> SceneDescription:
-        """What there is to see from a moment on, until the names change."""
+    def description(
+        self, moment: Moment, revision: int, other: Optional[OtherRobot] = None
+    ) -> SceneDescription:
+        """What there is to see from a moment on, until the names change.
+
+        Parameters
+        ----------
+        moment : Moment
+        revision : int
+        other : OtherRobot, optional
+            A second robot in the scene.
+        """
         part = moment.part
         messages = SceneMessages(part.robot, self._links.names, self._urdf, self._scene)
+        if other is not None:
+            messages.add_robot(*other)
         messages.show(self._shown(part))
         made = messages.description(_time(moment.stamp))
         made.revision = revision
@@ -71,7 +104,18 @@ class Scenery:
         row = moment.part.joints[moment.row].tolist()
         return {name: row[index] for name, index in moment.part.names.joints.items()}
 
-    def poses(self, moment: Moment, revision: int, stamp: int, outside: Pose) -> ScenePoses:
+    def link_poses(self, moment: Moment) -> List[Pose]:
+        """Poses of the robot's links in the world (m, quaternion), in the order of `links`."""
+        return self._links.poses(base_of(moment), self.joints(moment))
+
+    def poses(
+        self,
+        moment: Moment,
+        revision: int,
+        stamp: int,
+        outside: Pose,
+        others: Sequence[Pose] = (),
+    ) -> ScenePoses:
         """Where everything was.
 
         Parameters
@@ -83,11 +127,15 @@ class Scenery:
             Of the message (ns).
         outside : Pose
             Of the free camera's optical frame in the world (m, quaternion).
+        others : sequence of Pose
+            Of the links of the second robot, where the description has one.
         """
         numbers: List[float] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
-        for position, orientation in self._links.poses(base_of(moment), self.joints(moment)):
-            numbers += (*position, *orientation)
-        for position, orientation in self._object_poses(moment):
+        for position, orientation in (
+            *self.link_poses(moment),
+            *others,
+            *self._object_poses(moment),
+        ):
             numbers += (*position, *orientation)
         numbers += (*outside[0], *outside[1])
         message = ScenePoses(revision=revision, poses=numbers)

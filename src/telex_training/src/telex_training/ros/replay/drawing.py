@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import Dict, NamedTuple, Optional, Tuple
+from typing import Dict, NamedTuple, Optional, Sequence, Tuple
 
 import rospy
 from sensor_msgs.msg import CompressedImage, JointState
@@ -16,7 +16,8 @@ from telex_control.common.geometry.quaternions import Pose
 from telex_sim.cameras.cameras_config import ORBIT, ViewConfig
 from telex_sim.cameras.ros.overview_rig import OverviewRig
 
-from ...replay.cameras import replay_config
+from ...replay.cameras import OUTSIDE, replay_config
+from ...replay.ghost import Ghost
 from ...replay.replay import Replay
 from ...replay.scenery import base_of
 from ...replay.timeline import Moment
@@ -40,6 +41,7 @@ class _Shown(NamedTuple):
     replay: Replay
     robot: str
     objects: Tuple[str, ...]
+    ghost: Optional[Ghost]
 
 
 class Drawing:
@@ -101,6 +103,7 @@ class Drawing:
         camera: str,
         view: Optional[ViewConfig] = None,
         spacing: float = 0.0,
+        ghost: Optional[Ghost] = None,
     ) -> bytes:
         """Draw a moment.
 
@@ -114,6 +117,8 @@ class Drawing:
             Of the outside camera; None: as it was last.
         spacing : float
             Time since the last picture that has to pass (s).
+        ghost : Ghost, optional
+            Another run, which the outside camera alone sees.
 
         Returns
         -------
@@ -127,14 +132,15 @@ class Drawing:
         with self._turn:
             time.sleep(max(0.0, min(spacing, self._drawn_at + spacing - time.monotonic())))
             self._view = view or self._view
-            self._prepare(replay, moment)
+            self._prepare(replay, moment, ghost)
             limit = _DRAWING if self._draws else _STARTING
             self._look_through(camera)
             changed = self._publish_switches(replay, moment)
-            drawn = self._draw(replay, moment, limit)
+            others = _others(ghost, moment, camera)
+            drawn = self._draw(replay, moment, others, limit)
             if changed:
                 # Lamps and zoom go by topics of their own: only the next picture surely has them.
-                drawn = self._draw(replay, moment, limit)
+                drawn = self._draw(replay, moment, others, limit)
             self._drawn_at = time.monotonic()
             return drawn
 
@@ -157,16 +163,17 @@ class Drawing:
 
     # --- one at a time ---------------------------------------------------------------------------
 
-    def _prepare(self, replay: Replay, moment: Moment) -> None:
+    def _prepare(self, replay: Replay, moment: Moment, ghost: Optional[Ghost] = None) -> None:
         """Have the scene of a moment shown, which may take a while."""
         part = moment.part
         if self._process.require(replay_config(replay.cameras, part.robot, self._niceness)):
             self._draws = False
-        shown = _Shown(replay, part.robot, part.names.objects)
+        shown = _Shown(replay, part.robot, part.names.objects, ghost)
         if shown == self._shown:
             return
         self._revision += 1
-        self._scene.publish(replay.scenery.description(moment, self._revision))
+        robot = None if ghost is None else ghost.robot
+        self._scene.publish(replay.scenery.description(moment, self._revision, robot))
         self._shown, self._draws = shown, False
 
     def _look_through(self, camera: str) -> None:
@@ -203,20 +210,21 @@ class Drawing:
     def _level(self, topic: str) -> Optional[float]:
         return self._levels.get(topic)
 
-    def _publish_poses(self, replay: Replay, moment: Moment) -> int:
+    def _publish_poses(self, replay: Replay, moment: Moment, others: Sequence[Pose] = ()) -> int:
         """Publish where everything was; returns the stamp (ns)."""
         self._number = (self._number + 1) % _TOLD_APART
         stamp = moment.stamp // _TOLD_APART * _TOLD_APART + self._number
         outside = _outside(self._view, base_of(moment))
-        self._poses.publish(replay.scenery.poses(moment, self._revision, stamp, outside))
+        poses = replay.scenery.poses(moment, self._revision, stamp, outside, others)
+        self._poses.publish(poses)
         joints = replay.scenery.joints(moment)
         message = JointState(name=list(joints), position=list(joints.values()))
         message.header.stamp = rospy.Time(moment.stamp // 10**9, moment.stamp % 10**9)
         self._joints.publish(message)
         return stamp
 
-    def _draw(self, replay: Replay, moment: Moment, limit: float) -> bytes:
-        stamp = self._publish_poses(replay, moment)
+    def _draw(self, replay: Replay, moment: Moment, others: Sequence[Pose], limit: float) -> bytes:
+        stamp = self._publish_poses(replay, moment, others)
         end = time.monotonic() + limit
 
         def has_come() -> bool:
@@ -237,6 +245,13 @@ class Drawing:
             raise DrawingError("what draws has ended; the log says why")
         self._draws = True
         return bytes(picture.data)
+
+
+def _others(ghost: Optional[Ghost], moment: Moment, camera: str) -> Sequence[Pose]:
+    """Poses of the ghost's links: out of sight for what the operator's cameras showed."""
+    if ghost is None:
+        return ()
+    return ghost.poses(moment.time) if camera == OUTSIDE else ghost.away()
 
 
 def _outside(view: ViewConfig, base: Pose) -> Pose:

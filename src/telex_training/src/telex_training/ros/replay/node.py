@@ -28,6 +28,7 @@ from ...replay.replay import Replay
 from ..channels import hear_decoded
 from ..library import Library
 from .drawing import Drawing
+from .ghosts import Ghosts
 from .pages import ReplayPages
 from .settings import ReplaySettings
 from .shelf import NotHereError, Shelf
@@ -52,12 +53,14 @@ class ReplayNode:
     def __init__(self, settings: ReplaySettings) -> None:
         self._phase = ""
         package = Path(rospkg.RosPack().get_path("telex_training"))
-        library = Library(Path(settings.folder).expanduser())
+        folder = Path(settings.folder).expanduser()
+        library = Library(folder)
         self._shelf = Shelf(library, settings.file, shipped_cameras())
         self._drawing = Drawing(settings.niceness, settings.idle)
         self._busy_period = settings.busy_period
         self.pages = ReplayPages(
             self._shelf,
+            Ghosts(library, self._shelf, folder),
             self._drawing,
             package / "pages" / "replay",
             settings.port,

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from pathlib import Path
-from typing import Any, Callable
+from typing import Any, Callable, Optional
 
 from aiohttp import web
 
@@ -15,8 +16,11 @@ from ...judging.entries import BadEntryError
 from ...judging.moments import moment_note
 from ...recording.writer import RecordingError
 from ...replay.cameras import CLEAR, OUTSIDE
+from ...replay.ghost import Ghost, GhostError
+from ...replay.replay import Replay
 from ..pages.page_server import PageServer, instructs, name_of, posted
 from .drawing import Drawing, DrawingError
+from .ghosts import Ghosts
 from .shelf import NotHereError, Open, Shelf
 
 PREFIX = "/replay"
@@ -30,6 +34,7 @@ class ReplayPages(PageServer):
     Parameters
     ----------
     shelf : Shelf
+    ghosts : Ghosts
     drawing : Drawing
     folder : Path
         Of the page's files.
@@ -44,6 +49,7 @@ class ReplayPages(PageServer):
     def __init__(
         self,
         shelf: Shelf,
+        ghosts: Ghosts,
         drawing: Drawing,
         folder: Path,
         port: int,
@@ -51,13 +57,14 @@ class ReplayPages(PageServer):
         busy_period: float,
     ) -> None:
         super().__init__(port)
-        self._shelf, self._drawing, self._folder = shelf, drawing, folder
+        self._shelf, self._ghosts, self._drawing, self._folder = shelf, ghosts, drawing, folder
         self._is_busy, self._busy_period = is_busy, busy_period
 
     def add_routes(self, router: web.UrlDispatcher) -> None:
         """See `PageServer.add_routes`."""
         router.add_get(f"{PREFIX}/api/trial/{{trial}}", self._about)
         router.add_get(f"{PREFIX}/api/picture/{{trial}}", self._picture)
+        router.add_get(f"{PREFIX}/api/ghosts/{{trial}}", self._offer_ghosts)
         router.add_post(f"{PREFIX}/api/notes/{{trial}}", self._take_note)
         router.add_get(f"{PREFIX}/", self._given)
         router.add_get(f"{PREFIX}/{{trial}}", self._page)
@@ -101,14 +108,42 @@ class ReplayPages(PageServer):
         except (ConfigError, ValueError) as error:
             raise web.HTTPBadRequest(text=f"{error}\n") from None
         moment = replay.timeline.moment(replay.seen_at(time) if seen else time)
+        ghost = await self._ghost(request, replay)
         name = camera if seen or camera == OUTSIDE else camera + CLEAR
         spacing = self._busy_period if self._is_busy() else 0.0
+        draw = functools.partial(self._drawing.picture, ghost=ghost)
         try:
-            data = await self.aside(self._drawing.picture, replay, moment, name, view, spacing)
+            data = await self.aside(draw, replay, moment, name, view, spacing)
         except DrawingError as error:
             raise web.HTTPGatewayTimeout(text=f"{error}\n") from None
         headers = {"X-Replay-Time": f"{moment.time:.4f}", "Cache-Control": "no-store"}
+        if ghost is not None:
+            headers["X-Replay-Ghost-Ahead"] = f"{ghost.ahead(moment.time):.3f}"
         return web.Response(body=data, content_type="image/jpeg", headers=headers)
+
+    async def _offer_ghosts(self, request: web.Request) -> web.Response:
+        """List the runs that can be drawn beside a trial."""
+        replay = (await self._permitted(request)).replay
+        return web.json_response(
+            await self.aside(self._ghosts.offered, replay, name_of(request), instructs(request))
+        )
+
+    async def _ghost(self, request: web.Request, replay: Replay) -> Optional[Ghost]:
+        """Run that a picture is to show beside the trial; None: none."""
+        ghost = request.query.get("ghost")
+        if not ghost:
+            return None
+        try:
+            found: Ghost = await self.aside(
+                self._ghosts.open, replay, ghost, name_of(request), instructs(request)
+            )
+        except NotHereError:
+            raise web.HTTPNotFound(text=_NOT_HERE) from None
+        except GhostError as error:
+            raise web.HTTPBadRequest(text=f"{error}\n") from None
+        except RecordingError as error:
+            raise web.HTTPUnprocessableEntity(text=f"{error}\n") from None
+        return found
 
     async def _take_note(self, request: web.Request) -> web.Response:
         """Add a note at a moment, and tell all marks anew."""

@@ -15,7 +15,8 @@ from ...replay.replay import Replay
 from ..library import Library
 from ..robot_files import mesh_digests, software_version
 
-_MOST_OPEN = 3
+_MOST_OPEN = 4
+"""Two trials, each with a ghost."""
 
 
 class NotHereError(Exception):
@@ -72,6 +73,15 @@ class Shelf:
         path = self._file if given else self._library.path(trial)
         if path is None:
             raise NotHereError(trial)
+        return self.open_file(path)
+
+    def open_file(self, path: Path) -> Open:
+        """Open a recording; see `open`.
+
+        Raises
+        ------
+        RecordingError
+        """
         changed = _changed(path)
         with self._lock:
             known = self._open.get(path)
