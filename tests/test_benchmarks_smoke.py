@@ -26,7 +26,6 @@ OFFLINE = (
     "ik",
     "mobility",
     "step_response",
-    "training",
     "trajectory",
 )
 LIMIT = 900.0

@@ -18,6 +18,7 @@ setup(
             "telex_experiments.paper.experiments",
             "telex_experiments.paper.tasks",
             "telex_experiments.rigs",
+            "telex_experiments.training",
         ],
         package_dir={"": "src"},
     )

@@ -6,7 +6,7 @@ import contextlib
 import subprocess
 import time
 from pathlib import Path
-from typing import Callable, Dict, List, Mapping, Sequence, TypeVar
+from typing import Callable, Dict, List, Mapping, Sequence, Tuple, TypeVar
 
 from telex_control.common.child_processes import DIES_WITH_US
 from telex_experiments.rigs.private_master import descendants, end_tree
@@ -16,13 +16,17 @@ Value = TypeVar("Value")
 DEFAULTS = ("video_port:=0", "bridge_port:=0", "speed:=1")
 """Console and bridge take free ports, and the operator's speed is the full one."""
 
+BRINGUP = ("telex_teleop", "bringup.launch")
+STATION = ("telex_training", "station.launch")
+"""Simulator, robot and console; the same with the training."""
+
 
 class SimulatorStartError(RuntimeError):
     """The simulator did not come up; the message holds the end of its output."""
 
 
 class Bringup:
-    """Runs ``telex_teleop bringup.launch``; to be ended.
+    """Runs ``telex_teleop bringup.launch``, or a launch file that includes it; to be ended.
 
     Parameters
     ----------
@@ -34,6 +38,8 @@ class Bringup:
         What roslaunch and its nodes print is appended to this file.
     options : sequence of str
         Of roslaunch.
+    launch : tuple of str
+        Package and launch file.
     """
 
     def __init__(
@@ -42,12 +48,13 @@ class Bringup:
         environment: Mapping[str, str],
         log: Path,
         options: Sequence[str] = (),
+        launch: Tuple[str, str] = BRINGUP,
     ) -> None:
         self._log = log
         command = [
             *DIES_WITH_US,
             *("roslaunch", *options, "--sigint-timeout=1.5", "--sigterm-timeout=1.0"),
-            *("telex_teleop", "bringup.launch", *DEFAULTS, *arguments),
+            *(*launch, *DEFAULTS, *arguments),
         ]
         with open(log, "a") as output:
             print(f"==== {' '.join(command)}", file=output, flush=True)

@@ -9,12 +9,12 @@ import os
 import tempfile
 import time
 from pathlib import Path
-from typing import Any, Dict
+from typing import Any, Dict, Tuple
 
 import rosgraph
 
 from telex_control.ros.rospy_fixes.connecting import miss_nothing
-from telex_experiments.rigs.bringup import Bringup, SimulatorStartError
+from telex_experiments.rigs.bringup import BRINGUP, Bringup, SimulatorStartError
 from telex_experiments.rigs.private_master import free_port
 
 __all__ = ["PrivateSimulator", "SimulatorStartError", "cpu_seconds"]
@@ -27,6 +27,8 @@ class PrivateSimulator(Bringup):
     ----------
     *arguments : str
         roslaunch arguments, e.g. ``"pose:=drive"``; without others the operator's speed is full.
+    launch : tuple of str
+        See `Bringup`.
 
     Attributes
     ----------
@@ -37,14 +39,14 @@ class PrivateSimulator(Bringup):
     ``rospy.init_node``.
     """
 
-    def __init__(self, *arguments: str) -> None:
+    def __init__(self, *arguments: str, launch: Tuple[str, str] = BRINGUP) -> None:
         miss_nothing()
         self.began = time.monotonic()
         port = free_port()
         self.master_uri = f"http://127.0.0.1:{port}"
         self._logs = tempfile.TemporaryDirectory(prefix="telex-")
         log = Path(self._logs.name) / "roslaunch.txt"
-        super().__init__(arguments, self.environment(), log, (f"--port={port}",))
+        super().__init__(arguments, self.environment(), log, (f"--port={port}",), launch)
 
     def environment(self) -> Dict[str, str]:
         """The environment for programs that are to talk to this simulator."""

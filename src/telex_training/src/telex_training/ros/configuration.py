@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import threading
-from typing import Any, Callable, Dict, List
+from typing import Any, Callable, Dict, List, Optional
 
 import rospy
 from controller_manager_msgs.srv import ListControllers
+from rospy.exceptions import ROSInternalException
 
 _PERIOD = 1.0
 """Wall time between two looks (s)."""
@@ -18,23 +19,44 @@ Look = Callable[[], Dict[str, Any]]
 """Returns plain data by what it configures; what cannot be read now is left out."""
 
 
-def configuration() -> Dict[str, Any]:
-    """Return parameters of the operator's cameras, the controllers loaded, and their parameters.
+class Configuration:
+    """Reads the operator's cameras and the controllers of the robot in this namespace.
 
     Whether a controller runs is not looked at: operators may switch them.
     """
-    found: Dict[str, Any] = {}
-    try:
-        cameras = rospy.get_param("cameras", {})
-        found[CAMERAS] = {name: cameras[name] for name in cameras if name != _OVERVIEW}
-        answer = rospy.ServiceProxy("controller_manager/list_controllers", ListControllers)()
-    except (OSError, rospy.ROSException, rospy.ServiceException):
+
+    def __init__(self) -> None:
+        self._list: Optional[rospy.ServiceProxy] = None
+
+    def __call__(self) -> Dict[str, Any]:
+        """Return parameters of the cameras, the controllers loaded, and their parameters."""
+        found: Dict[str, Any] = {}
+        try:
+            cameras = rospy.get_param("cameras", {})
+            found[CAMERAS] = {name: cameras[name] for name in cameras if name != _OVERVIEW}
+            answer = self._controllers()
+        except (OSError, rospy.ROSException, rospy.ServiceException, ROSInternalException):
+            # Who answers may have been started anew: the next look connects again.
+            self.close()
+            return found
+        found[CONTROLLERS] = {each.name: each.type for each in answer.controller}
+        for name in found[CONTROLLERS]:
+            # The master tells of changes: after the first look this asks nobody.
+            found[f"parameters of {name}"] = _cached(name)
         return found
-    found[CONTROLLERS] = {each.name: each.type for each in answer.controller}
-    for name in found[CONTROLLERS]:
-        # The master tells of changes: after the first look this asks nobody.
-        found[f"parameters of {name}"] = _cached(name)
-    return found
+
+    def _controllers(self) -> Any:
+        """List the controllers, over one connection for all looks: a new one costs far more."""
+        if self._list is None:
+            name = "controller_manager/list_controllers"
+            self._list = rospy.ServiceProxy(name, ListControllers, persistent=True)
+        return self._list()
+
+    def close(self) -> None:
+        """Let the connection go."""
+        if self._list is not None:
+            self._list.close()
+        self._list = None
 
 
 def _cached(name: str) -> Any:
@@ -51,13 +73,17 @@ class ConfigurationWatch:
     ----------
     tell : callable
         Told the name of what was reconfigured.
-    look : callable
+    look : callable, optional
+        That of `Configuration` by default.
     period : float
         Wall time between two looks (s).
     """
 
     def __init__(
-        self, tell: Callable[[str], None], look: Look = configuration, period: float = _PERIOD
+        self,
+        tell: Callable[[str], None],
+        look: Optional[Look] = None,
+        period: float = _PERIOD,
     ) -> None:
         self._tell, self._look, self._period = tell, look, period
         self._known: Dict[str, str] = {}
@@ -65,10 +91,13 @@ class ConfigurationWatch:
         threading.Thread(target=self._run, name="configuration", daemon=True).start()
 
     def _run(self) -> None:
+        configuration = Configuration()
+        look = self._look or configuration
         while not self._ended.is_set():
-            for name in self.changed(self._look()):
+            for name in self.changed(look()):
                 self._tell(name)
             self._ended.wait(self._period)
+        configuration.close()
 
     def changed(self, found: Dict[str, Any]) -> List[str]:
         """Return the names of what is not as it was seen last; what is new has not changed."""
