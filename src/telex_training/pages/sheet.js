@@ -69,9 +69,11 @@ function lead(sheet) {
 function metricRow(metric) {
   const sign = metric.more_is_better ? "≥" : "≤";
   const within = /** @type {Record<string, string>} */ ({ true: "ok", false: "missed", null: "" })[String(metric.within)];
+  // Without a figure nothing is within a bound, but nothing was missed that anybody tried.
+  const value = metric.value === null ? element("td", "no figure") : element("td", `${number(metric.value)} ${metric.unit}`, { class: within });
   return [
     element("td", metric.text),
-    element("td", `${number(metric.value)} ${metric.unit}`, { class: within }),
+    value,
     element("td", metric.pass === null ? "" : `${sign} ${number(metric.pass)}`),
     element("td", metric.expert === null ? "" : `${number(metric.expert[0])} ± ${number(metric.expert[1])}`),
   ];

@@ -179,11 +179,14 @@ def _bound(summary: Dict[str, Any]) -> str:
 
 
 def _metric(item: Dict[str, Any]) -> str:
-    value = "-" if item["value"] is None else f"{item['value']:g}"
-    parts: List[str] = [f"{item['text']}: {value} {item['unit']}".rstrip()]
+    # Without a figure nothing is within a bound, but nothing was missed that anybody tried.
+    measured = item["value"] is not None
+    value = f"{item['value']:g} {item['unit']}".rstrip() if measured else "no figure"
+    parts: List[str] = [f"{item['text']}: {value}"]
     if item["pass"] is not None:
         sign = ">=" if item["more_is_better"] else "<="
-        parts.append(f"{sign} {item['pass']:g}: {'ok' if item['within'] else 'MISSED'}")
+        found = f": {'ok' if item['within'] else 'MISSED'}" if measured else ""
+        parts.append(f"{sign} {item['pass']:g}{found}")
     if item["expert"] is not None:
         parts.append(f"expert {item['expert'][0]:g}")
     return ", ".join(parts)
