@@ -79,9 +79,10 @@ class ConsolePage(Page):
             """
         )
 
-    def reload(self) -> None:
-        """Load the page anew."""
+    def reload(self, meanwhile: Callable[[], None] = lambda: None) -> None:
+        """Load the page anew, and do something before an operator would go on."""
         self._browser.call("Page.reload")
+        meanwhile()
         self.settle()
 
     def log(self) -> List[str]:
