@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import subprocess
 import sys
 import threading
@@ -518,8 +519,10 @@ class TestCameras:
 
     def test_parameters_are_changed_while_it_runs(self, stage):
         import rospy
+        from std_msgs.msg import String
 
         rear, infos = stage.pictures("rear"), stage.infos("rear")
+        told = stage.topics.heard("cameras/settings", String)
         brightness = rear.wait().middle.mean()
         topics = set(camera_topics())
         try:
@@ -536,6 +539,9 @@ class TestCameras:
             # One EV less is half the light.
             assert pictures[-1].middle.mean() < 0.85 * brightness
             assert rospy.get_param(f"{NAMESPACE}/cameras/cameras/rear/width") == 80
+            cameras = json.loads(told[-1].data)["cameras"]
+            assert cameras["rear"]["exposure"]["ev"] == -1
+            assert "overview" not in cameras
             assert infos.wait().size == (80, 60)
             assert infos.wait().focal_length == pytest.approx(40.0 / EDGE)
             assert set(camera_topics()) - topics == {"/telex/cameras/rear/depth"}

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 from typing import Any, Dict, Iterable
 
 import rospy
+from std_msgs.msg import String
 from telex_msgs.srv import (
     ConfigureCamera,
     ConfigureCameraRequest,
@@ -28,6 +30,9 @@ _FIXED = ("follow", "frame", "smoothing", "start", "zoom_max")
 class CameraService:
     """Serves ``cameras/configure``, and keeps the parameter server as things are.
 
+    ``cameras/settings`` (latched) tells all of them but the overview's, at the start and after each
+    change: recordings of what an operator saw need no other place to look.
+
     Parameters
     ----------
     config
@@ -44,6 +49,8 @@ class CameraService:
     def __init__(self, config: CamerasConfig, streams: Iterable[CameraStream]) -> None:
         self.config = config
         self._streams = {stream.name: stream for stream in streams}
+        self._told = rospy.Publisher("cameras/settings", String, queue_size=1, latch=True)
+        self._tell()
         self._service = rospy.Service("cameras/configure", ConfigureCamera, self._serve)
 
     def _serve(self, request: ConfigureCameraRequest) -> ConfigureCameraResponse:
@@ -52,7 +59,17 @@ class CameraService:
         except ConfigError as error:
             rospy.logwarn("cameras/configure: %s", error)
             return ConfigureCameraResponse(False, str(error), "")
+        self._tell()
         return ConfigureCameraResponse(True, "", as_yaml(values))
+
+    def _tell(self) -> None:
+        made = {key: getattr(self.config, key) for key in _COMMON}
+        made["cameras"] = {
+            name: dataclasses.asdict(stream.config)
+            for name, stream in sorted(self._streams.items())
+            if name != OVERVIEW
+        }
+        self._told.publish(json.dumps(plain(made), sort_keys=True))
 
     def _configure(self, name: str, text: str) -> Dict[str, Any]:
         if not name:
