@@ -6,10 +6,10 @@ from typing import Dict, Optional
 
 import rospy
 from geometry_msgs.msg import PoseStamped
-from robot import eventually
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
 from telex_msgs.msg import SimStatus
+from waiting import wait_until
 
 
 class Crane:
@@ -40,10 +40,10 @@ class Crane:
     def wait_until_controllable(self) -> None:
         """Wait until its controllers listen and the joint states come."""
         publishers = (self.slew, self.trolley, self.e_stop)
-        eventually(
-            lambda: all(p.get_num_connections() for p in publishers), 60.0, "the crane to listen"
+        wait_until(
+            lambda: all(p.get_num_connections() for p in publishers), "the crane to listen", 60.0
         )
-        eventually(lambda: self.state, 10.0, "joint states")
+        wait_until(lambda: self.state, "joint states", 10.0)
 
     def positions(self) -> Dict[str, float]:
         """Joint positions (rad, m)."""
@@ -54,7 +54,7 @@ class Crane:
         """Command both joints, and see that they follow."""
         self.trolley.publish(Float64(0.5))
         self.slew.publish(Float64(0.5))
-        eventually(lambda: abs(self.positions()["trolley_joint"] - 0.5) < 2e-3, 20.0, "the trolley")
+        wait_until(lambda: abs(self.positions()["trolley_joint"] - 0.5) < 2e-3, "the trolley", 20.0)
         before = self.positions()["slew_joint"]
-        eventually(lambda: self.positions()["slew_joint"] > before + 0.2, 20.0, "the jib to turn")
+        wait_until(lambda: self.positions()["slew_joint"] > before + 0.2, "the jib to turn", 20.0)
         self.slew.publish(Float64(0.0))

@@ -25,7 +25,8 @@ import roslib.message
 import rospy
 import rosservice
 import rostest
-from robot import Robot, eventually
+from robot import Robot
+from waiting import wait_until
 
 from telex_control.urdf.joints import joints, parse_urdf
 
@@ -127,10 +128,10 @@ def wait_for_pictures(master: rosgraph.Master) -> None:
     _, _, served = master.getSystemState()
     if rospy.resolve_name("cameras/configure") in {name for name, _ in served}:
         pictures = re.compile(re.escape(rospy.resolve_name("cameras")) + "/[^/]+/image_raw$")
-        eventually(
+        wait_until(
             lambda: any(pictures.match(topic) for topic, _ in master.getPublishedTopics("")),
-            LOADING,
             "pictures of the cameras, which load the scene",
+            LOADING,
         )
 
 
@@ -154,7 +155,7 @@ def throw(seconds: float, seed: int = 1) -> Dict[str, Any]:
     robot, garbage = Robot(), Garbage(seed)
     robot.wait_until_controllable()
     limits = joints(parse_urdf(rospy.get_param("robot_description")))
-    eventually(lambda: robot.status and robot.base and robot.state, 10.0, "the robot's state")
+    wait_until(lambda: robot.status and robot.base and robot.state, "the robot's state", 10.0)
     master = rosgraph.Master(rospy.get_name())
     wait_for_pictures(master)
     time.sleep(2.0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Callable, List
 
-from robot import eventually
+from waiting import wait_until
 
 from telex_experiments.rigs.chromium import Chromium
 
@@ -66,7 +66,7 @@ class ConsolePage(Page):
 
     def settle(self) -> None:
         """Wait until an operator would begin."""
-        eventually(self.settled, 30.0, "the console to be connected and to show a picture")
+        wait_until(self.settled, "the console to be connected and to show a picture", 30.0)
 
     def settled(self) -> bool:
         """Tell whether an operator would begin: a page that still loads lets go of held keys."""
@@ -111,7 +111,7 @@ class ConsolePage(Page):
         released = [self._count_released()]
         self.press(key)
         try:
-            eventually(seen, 15.0, what)
+            wait_until(seen, what, 15.0)
         except AssertionError as error:
             raise AssertionError(
                 f"{error}; the console says, newest first: {self.log()}"

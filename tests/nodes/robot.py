@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import threading
-import time
 import urllib.request
-from typing import Any, Callable, Dict, List, Optional
+from typing import Any, Dict, List, Optional
 from xmlrpc.client import ServerProxy
 
 import rosgraph
@@ -15,6 +14,7 @@ from controller_manager_msgs.srv import ListControllers
 from geometry_msgs.msg import PoseStamped, Twist
 from sensor_msgs.msg import JointState
 from telex_msgs.msg import JointTeleopStatus, SimStatus, TrackTeleopStatus
+from waiting import wait_until
 
 from telex_control.ros.rospy_fixes.connecting import miss_nothing
 
@@ -26,17 +26,6 @@ TELEOP_NODES = {
     "flipper_teleop": JointTeleopStatus,
     "track_teleop": TrackTeleopStatus,
 }
-
-
-def eventually(condition: Callable[[], object], timeout: float, what: str) -> object:
-    """Wait (wall time) for `condition`, and return its value."""
-    end = time.monotonic() + timeout
-    while time.monotonic() < end:
-        value = condition()
-        if value:
-            return value
-        time.sleep(0.02)
-    raise AssertionError(f"not within {timeout} s: {what}")
 
 
 def pid_of(name: str) -> Optional[int]:
@@ -92,10 +81,10 @@ class Robot:
         wanted = nodes or tuple(TELEOP_NODES)
         for node in wanted:
             self.teleop.pop(node, None)
-        eventually(
+        wait_until(
             lambda: all(self.teleop.get(node) == "" for node in wanted),
-            timeout,
             f"{', '.join(wanted)} to obey",
+            timeout,
         )
 
     def wait_until_still(self, timeout: float = 10.0) -> None:
@@ -106,7 +95,7 @@ class Robot:
             self.sleep(0.1)
             return all(abs(at - before[joint]) < 1e-4 for joint, at in self.positions().items())
 
-        eventually(still, timeout, "every joint at rest")
+        wait_until(still, "every joint at rest", timeout)
 
     def wait_until_controllable(self, timeout: float = 60.0) -> None:
         """Wait until the controllers that run from the start do, and the joint states come."""
@@ -117,8 +106,8 @@ class Robot:
             states = [controller.state for controller in listing().controller]
             return states.count("running") > 20
 
-        eventually(running, timeout, "21 controllers running")
-        eventually(lambda: self.state and self.base and self.status, timeout, "robot topics")
+        wait_until(running, "21 controllers running", timeout)
+        wait_until(lambda: self.state and self.base and self.status, "robot topics", timeout)
 
     def positions(self) -> Dict[str, float]:
         assert self.state is not None
@@ -140,7 +129,7 @@ class Robot:
     def sleep(self, seconds: float) -> None:
         """Let `seconds` of sim time pass, by the joint states' stamps."""
         end = self.sim_time() + seconds
-        eventually(lambda: self.sim_time() >= end, 10.0 * seconds + 10.0, "sim time to pass")
+        wait_until(lambda: self.sim_time() >= end, "sim time to pass", 10.0 * seconds + 10.0)
 
 
 class Stream:
@@ -153,10 +142,10 @@ class Stream:
         self._thread = threading.Thread(target=self._run, daemon=True)
 
     def __enter__(self) -> Stream:
-        eventually(
+        wait_until(
             lambda: self._publisher.get_num_connections() > 0,
-            20.0,
             f"a subscriber of {self._publisher.name}",
+            20.0,
         )
         self._thread.start()
         return self

@@ -1,0 +1,1 @@
+../../src/telex_control/test/waiting.py
