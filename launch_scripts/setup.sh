@@ -110,11 +110,12 @@ install_system_packages() {
 
 make_venv() {
   local requirements=("$root/requirements.txt") stamp="$root/.venv/.telex-requirements" wanted pip_arguments=()
-  [ -n "$with_tests" ] && requirements+=("$root/requirements-test.txt")
+  local tests=("$root/requirements-test.txt" "$root/requirements-many-machines.txt")
+  [ -n "$with_tests" ] && requirements+=("${tests[@]}")
   wanted="$("$python" --version) $root $(cat "${requirements[@]}" | sha256sum)"
   # An environment that has the tests' packages too serves run.sh as well.
   local both
-  both="$("$python" --version) $root $(cat "$root/requirements.txt" "$root/requirements-test.txt" | sha256sum)"
+  both="$("$python" --version) $root $(cat "$root/requirements.txt" "${tests[@]}" | sha256sum)"
   if [ -x "$root/.venv/bin/python" ] && [ -f "$stamp" ]; then
     case "$(cat "$stamp")" in "$wanted" | "$both") return 0 ;; esac
   fi

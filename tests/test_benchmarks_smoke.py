@@ -25,6 +25,7 @@ OFFLINE = (
     "grasping",
     "ik",
     "mobility",
+    "rehearse",
     "step_response",
     "trajectory",
 )

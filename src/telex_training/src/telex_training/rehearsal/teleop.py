@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, Dict, Mapping, Optional, Type, TypeVar
+from typing import Any, Callable, Dict, Mapping, Optional, Set, Type, TypeVar
 
 import numpy as np
 import yaml
@@ -26,6 +26,7 @@ from telex_teleop.cores import (
 from telex_teleop.flippers.flipper_settings import FlipperTeleopSettings
 from telex_teleop.joints.joint_settings import GripperTeleopSettings
 from telex_teleop.joints.joint_teleop import JointTeleop
+from telex_teleop.motion.idle_rest import LONGEST_REST
 from telex_teleop.motion.joint_jog import InvalidCommand, parse_joint_jog
 from telex_teleop.tracks.track_drive import TrackDrive, TrackSettings, Velocity
 
@@ -57,8 +58,9 @@ _LISTENING = 3.0
 class OfflineTeleop(TeleopPort):
     """A robot with the teleoperation nodes' cores and their shipped parameters.
 
-    The cores hear of joints, base and what is near the arm as often as the nodes do, and their
-    watchdogs go by sim time. No pictures are drawn: there is no camera to look through.
+    The cores hear of joints, base and what is near the arm as often as the nodes do, which look
+    seldom while there is nothing to move, and their watchdogs go by sim time. No pictures are
+    drawn: there is no camera to look through.
 
     Parameters
     ----------
@@ -94,6 +96,9 @@ class OfflineTeleop(TeleopPort):
         self._tracks = TrackDrive(tracks, tracks.speed_scale())
         self._status = _Due(tracks.status_rate)
         self._nearness = _Due(robot.simulation.config.proximity.rate)
+        self._idle_nearness = _Due(1.5 / self._nearness_age)
+        self._looks = {name: _Due(1.0 / LONGEST_REST) for name in self._joints}
+        self._woken: Set[str] = set()
         self._base_pose = _Due(robot.simulation.config.publish.base_pose_rate)
         robot.each_joint_state.append(self._on_joint_state)
         self._advance(_LISTENING * tracks.command_timeout)
@@ -108,6 +113,7 @@ class OfflineTeleop(TeleopPort):
         if made.chain is not None:
             made.core.attach(tool_motion(made.core, made.chain, settings.cartesian))
         self._frames = settings.frames.names()
+        self._nearness_age = settings.proximity.max_age
         return made.core
 
     # --- the cores' pulse ------------------------------------------------------------------------
@@ -116,11 +122,14 @@ class OfflineTeleop(TeleopPort):
         robot, self._now = self._robot, stamp
         if self._base_pose.due(stamp):
             self._arm.base.take(stamp, make_pose(*robot.base_pose()))
-        if self._nearness.due(stamp):
+        nearness = self._nearness if self._active(_ARM) else self._idle_nearness
+        if nearness.due(stamp):
             self._arm.guard.take(self._near(stamp))
-        for core in self._joints.values():
-            positions = {joint: robot.positions[joint] for joint in core.measured_joints}
-            robot.move(core.update(stamp, stamp, positions))
+        for name, core in self._joints.items():
+            if self._looks[name].due(stamp) or self._active(name):
+                positions = {joint: robot.positions[joint] for joint in core.measured_joints}
+                robot.move(core.update(stamp, stamp, positions))
+        self._woken.clear()
         velocity = self._tracks.update(stamp, stamp)
         if velocity is not None:
             robot.drive(velocity.linear, velocity.angular)
@@ -129,6 +138,10 @@ class OfflineTeleop(TeleopPort):
                 state = core.state(stamp)
                 self._say(name, state.message or state.notice)
             self._say(_TRACKS, self._tracks.state(stamp).message)
+
+    def _active(self, name: str) -> bool:
+        """Whether a node has something to move; an idle one looks seldom, as the nodes do."""
+        return name in self._woken or not self._joints[name].idle
 
     def _say(self, node: str, text: str) -> None:
         last = self._notices.get(node)
@@ -179,6 +192,7 @@ class OfflineTeleop(TeleopPort):
     def send(self, command: Command) -> None:
         """See `Port.send`; what a core refuses, its node says."""
         node = _node_of(command)
+        self._woken.add(node)
         try:
             self._obey(command)
         except InvalidCommand as error:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import io
 import json
 import tempfile
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, Optional
+from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple
 
 import genpy
 import rospkg
@@ -33,7 +34,7 @@ from ..judging.entries import DOSES, INPUTS, MALFUNCTIONS, NAMES, STATUS, TRUTH,
 from ..judging.judge import ENDED, Judge
 from ..operators.experts.brief import Brief, Expert
 from ..operators.handling import Hand
-from ..operators.port import Command
+from ..operators.port import Command, NotManagedError
 from ..operators.station import Station
 from ..ros.commands import message_of
 from .teleop import OfflineTeleop
@@ -82,15 +83,48 @@ def rehearsed(exercise: Exercise, expert: Expert, seed: int) -> RehearsedTrial:
     ------
     telex_training.operators.port.NotManagedError
     """
+    with rehearsed_trial(exercise, seed) as trial:
+        trial.begin()
+        trial.perform(expert)
+    return trial
+
+
+def rehearse_to_end(exercise: Exercise, expert: Expert, seed: int) -> Tuple[RehearsedTrial, str]:
+    """Let an expert do one repetition of an exercise; who gives up has failed.
+
+    Parameters
+    ----------
+    exercise : Exercise
+        In one of its settings.
+    expert : callable
+    seed : int
+
+    Returns
+    -------
+    tuple of RehearsedTrial and str
+        The trial, which has ended, and why the expert gave up; empty: he did not.
+    """
+    problem = ""
+    with rehearsed_trial(exercise, seed) as trial:
+        trial.begin()
+        try:
+            trial.perform(expert)
+        except NotManagedError as error:
+            problem = str(error) or type(error).__name__
+        trial.abort()
+    return trial, problem
+
+
+@contextmanager
+def rehearsed_trial(exercise: Exercise, seed: int) -> Iterator[RehearsedTrial]:
+    """Make a trial of one repetition, whose simulation ends with the context."""
     single = replace(exercise, repetitions=replace(exercise.repetitions, most=1, least=1))
     with tempfile.TemporaryDirectory() as folder:
         trial = RehearsedTrial(single, seed, Path(folder))
         try:
-            trial.begin()
-            trial.perform(expert)
+            yield trial
         finally:
             trial.close()
-    return trial
 
 
 class RehearsedTrial:
@@ -109,16 +143,20 @@ class RehearsedTrial:
     judge : Judge
     entries : list of Entry
         All that it was fed with.
+    scene, urdf : str
+        Texts of the scene as it was loaded, and of the robot.
+    step_size : float
+        Of the simulation (s).
     port : TeleopPort
         To the robot; what is sent through it, the judge hears.
     """
 
     def __init__(self, exercise: Exercise, seed: int, folder: Path) -> None:
         self._exercise, self._seed = exercise, seed
-        text = scene_text(exercise, seed)
+        self.scene = text = scene_text(exercise, seed)
         path = folder / f"{exercise.name}.yaml"
         path.write_text(text, encoding="utf-8")
-        urdf = robot_description(exercise.variant)
+        self.urdf = urdf = robot_description(exercise.variant)
         self._answers = right_answers(exercise, text)
         entries = {entry["name"]: entry for entry in yaml.safe_load(text)["objects"]}
         self._brief = Brief(exercise.setting, entries, self._answers)
@@ -137,9 +175,14 @@ class RehearsedTrial:
         self._truth_every = round(1.0 / (publish.truth_rate * step))
         self._stability_every = round(1.0 / (publish.stability_rate * step))
         self._doses_every = round(1.0 / (robot.config.dosimetry.rate * step))
-        self._step_size = step
+        self.step_size = step
         self._feed(NAMES, names_message(self._sampler.names, 1))
         self.port = _HeardTeleop(OfflineRobot(offline), self)
+
+    @property
+    def steps(self) -> int:
+        """How many steps the simulation has made."""
+        return int(self._simulation.steps)
 
     def begin(self) -> None:
         """Open and start the trial, until the judge waits for the first repetition's begin."""
@@ -169,9 +212,14 @@ class RehearsedTrial:
         while self.judge.phase != ENDED and station.time < until:
             station.tick()
 
+    def abort(self) -> None:
+        """End the trial where the judge has not."""
+        if self.judge.phase != ENDED:
+            self._input("abort")
+
     def advance(self, seconds: float) -> None:
         """Let so much sim time (s) pass."""
-        for _ in range(round(seconds / self._step_size)):
+        for _ in range(round(seconds / self.step_size)):
             self._simulation.step()
             steps = self._simulation.steps
             if steps % self._stability_every == 0:

@@ -1,0 +1,134 @@
+"""Rehearsed trials as jobs: plain data in, plain data out, the same on any machine."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Tuple
+
+import rospkg
+
+from ..exercises.exercise_file import parse_exercise
+from ..operators.experts.brief import Expert
+from ..operators.experts.catalog import EXPERTS
+from .figures import spread
+from .trial import RehearsedTrial, rehearse_to_end
+
+SCRIPTED = "scripted"
+"""Name of the operator that is the exercise's own expert."""
+_SOURCES = (".py", ".yaml", ".xacro", ".urdf", ".obj", ".stl", ".msg", ".srv")
+_PACKAGES = ("telex_control", "telex_description", "telex_sim", "telex_teleop", "telex_training")
+
+
+class OperatorError(ValueError):
+    """There is no such operator; the message says why, and what there is."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """One trial to rehearse.
+
+    Attributes
+    ----------
+    path : str
+        Of the exercise's file, for messages.
+    text : str
+        Of the exercise's file: machines that help need not have it.
+    setting : str
+    seed : int
+    operator : str
+        `SCRIPTED`, or ``MODULE:FUNCTION``.
+    """
+
+    path: str
+    text: str
+    setting: str
+    seed: int
+    operator: str = SCRIPTED
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a job comes to.
+
+    Attributes
+    ----------
+    sheet : str
+        Text of the score sheet, which holds nothing of the wall clock.
+    gave_up : str
+        Why the operator gave up; empty: he did not.
+    """
+
+    sheet: str
+    gave_up: str = ""
+
+
+def run(job: Job) -> Outcome:
+    """Rehearse a trial, and return what it comes to."""
+    trial, problem = rehearse_job(job)
+    return Outcome(trial.judge.text(), problem)
+
+
+def rehearse_job(job: Job) -> Tuple[RehearsedTrial, str]:
+    """Rehearse a trial; see `rehearse_to_end`."""
+    file = parse_exercise(job.text, Path(job.path))
+    exercise = spread(file.setting(job.setting))
+    return rehearse_to_end(exercise, find_operator(job.operator, exercise.name), job.seed)
+
+
+def find_operator(name: str, exercise: str) -> Expert:
+    """Find the operator of an exercise.
+
+    Parameters
+    ----------
+    name : str
+        `SCRIPTED`, or ``MODULE:FUNCTION`` of a function that takes a `Hand` and a `Brief`.
+    exercise : str
+        Name.
+
+    Raises
+    ------
+    OperatorError
+    """
+    if name == SCRIPTED:
+        if exercise not in EXPERTS:
+            raise OperatorError(
+                f"{exercise} has no scripted operator; these have: {', '.join(sorted(EXPERTS))}; "
+                "or give --operator MODULE:FUNCTION"
+            )
+        return EXPERTS[exercise]
+    module, _, function = name.partition(":")
+    if not module or not function:
+        raise OperatorError(f"operator is '{name}'; {SCRIPTED} or MODULE:FUNCTION is needed")
+    try:
+        found = getattr(importlib.import_module(module), function)
+    except Exception as error:  # whatever a user's module does when it is imported
+        raise OperatorError(f"operator '{name}': {type(error).__name__}: {error}") from error
+    if not callable(found):
+        raise OperatorError(f"operator '{name}': it is no function")
+    return found
+
+
+def software_digest() -> str:
+    """SHA-256 over the sources that a trial's outcome depends on, of this checkout."""
+    packages = rospkg.RosPack()
+    digest = hashlib.sha256()
+    for package in _PACKAGES:
+        root = Path(packages.get_path(package))
+        for path in _sources(root):
+            digest.update(f"{package}/{path.relative_to(root).as_posix()}\n".encode())
+            digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
+def _sources(root: Path) -> Tuple[Path, ...]:
+    found = []
+    for folder, folders, names in os.walk(root):
+        folders[:] = sorted(
+            set(folders) - {"test", "node_modules", "__pycache__", "pages", "exercises"}
+        )
+        found += [Path(folder, name) for name in sorted(names) if name.endswith(_SOURCES)]
+    return tuple(found)
