@@ -230,6 +230,16 @@ def test_a_latch_lets_go_at_its_force_whatever_the_direction(stage, direction):
     assert released_at(tested, direction) == pytest.approx(30.0, rel=0.1)
 
 
+@pytest.mark.parametrize(
+    ("direction", "force"),
+    [((1.0, 0.0, 0.0), 10.0), ((0.0, 1.0, 0.0), 40.0), ((-1.0, 0.0, 0.0), 40.0)],
+)
+def test_a_seated_piece_comes_out_along_its_axis_only(stage, direction, force):
+    tested = stage(plug(hold=10.0, across=4.0))
+    tested.run(0.2)
+    assert released_at(tested, direction) == pytest.approx(force, rel=0.15)
+
+
 def test_a_latch_holds_in_place_and_takes_its_body_again(stage):
     tested = stage(plug())
     tested.run(1.0)

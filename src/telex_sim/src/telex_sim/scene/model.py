@@ -327,6 +327,9 @@ class Joint:
         N m s/rad or N s/m.
     hold : float
         LATCH: force that lets it go (N).
+    across : float
+        LATCH: what it bears across `axis`, and against it, in multiples of `hold`: a piece that is
+        seated in a hole comes out along the hole only.
     capture : float
         LATCH: within this distance of its place (m), and within 0.1 rad of `axis`, a body that
         has come to rest there is held again.
@@ -347,6 +350,7 @@ class Joint:
     closer: Optional[Closer] = None
     detents: Optional[Detents] = None
     hold: float = 0.0
+    across: float = 1.0
     capture: float = 0.004
 
     def __post_init__(self) -> None:
@@ -356,6 +360,7 @@ class Joint:
         _require_unit(self, "axis")
         if self.motion is Motion.LATCH:
             require_range(self, "hold", maximum=STRONGEST, above=0.0)
+            require_range(self, "across", 1.0, 50.0)
             require_range(self, "capture", maximum=LARGEST, above=0.0)
             return
         require_range(self, "lower", -LARGEST)

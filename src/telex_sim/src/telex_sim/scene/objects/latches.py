@@ -98,9 +98,18 @@ class Latch:
         self._look()
 
     def _measured_pull(self, constraint: int) -> float:
-        """Force that the constraint bore in the last step (N)."""
+        """Force that the constraint bore in the last step, as it pulls at the latch (N)."""
+        # Along the world's axes, upon the parent.
         force = pybullet.getConstraintState(constraint, physicsClientId=self._client)
-        return math.sqrt(force[0] ** 2 + force[1] ** 2 + force[2] ** 2)
+        squared = force[0] ** 2 + force[1] ** 2 + force[2] ** 2
+        across = self._joint.across
+        # Far from what lets go, its direction makes no difference.
+        if across == 1.0 or squared < (0.5 * self._joint.hold) ** 2:
+            return math.sqrt(squared)
+        turned = compose(_frame_pose(self._client, *self._parent), self._place)[1]
+        axis = rotate(turned, self._joint.axis)
+        out = max(0.0, sum(a * b for a, b in zip(force, axis)))
+        return math.sqrt(out**2 + max(0.0, squared - out**2) / across**2)
 
     def save_state(self) -> Any:
         """Return the present state."""

@@ -34,7 +34,7 @@ from ..shapes import (
     touched_only,
     yawed,
 )
-from .mounts import MOUNTS, PLATE, mount
+from .mounts import MOUNTS, PLATE, SEATED, mount
 
 
 @dataclass(frozen=True)
@@ -266,6 +266,7 @@ class Connector(ObjectType):
             position=(-PLATE - _SOCKET, 0.0, self.height),
             orientation=TOWARDS_US,
             hold=self.hold,
+            across=SEATED,
         )
         links = (Link("socket", 0.0, self._socket()), Link("plug", self.mass, self._plug()))
         return single(ObjectModel(links, (latch,), static=True))

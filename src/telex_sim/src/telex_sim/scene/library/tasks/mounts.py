@@ -17,6 +17,9 @@ PLATE = 0.02
 
 MOUNTS: Tuple[str, ...] = ("stand", "wall")
 
+SEATED = 8.0
+"""Sideways and inwards, a piece in a hole bears so much more than the pull that brings it out."""
+
 _FOOT = 0.012
 _POST = 0.08
 

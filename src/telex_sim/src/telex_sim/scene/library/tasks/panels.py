@@ -33,7 +33,7 @@ from ..shapes import (
     tube,
     yawed,
 )
-from .mounts import MOUNTS, PLATE, mount
+from .mounts import MOUNTS, PLATE, SEATED, mount
 
 _PIPE_RADIUS = 0.025
 
@@ -249,6 +249,7 @@ class ExtractPanel(ObjectType):
                     position=(-PLATE - deep, at, self.height),
                     orientation=TOWARDS_US,
                     hold=self.hold,
+                    across=SEATED,
                 )
             )
         model = ObjectModel((Link("panel", 0.0, tuple(panel)), *links), tuple(joints), static=True)
