@@ -259,6 +259,20 @@ class TestConnector:
         assert made.pose("peg/cylinder")[0][2] == pytest.approx(0.74, abs=2e-3)
 
 
+class TestTouchPanel:
+    def test_a_block_gives_way_on_its_spring_and_comes_back(self, stage):
+        made = stage(*build("touch_panel", count=1, travel=0.02, spring=1000.0))
+        uid, place = made.uid("it"), (-0.12, 0.0, 0.8)
+        for force, way in ((3.0, 0.0), (14.0, 0.01), (100.0, 0.02), (0.0, 0.0)):
+            pull(made, uid, 0, (force, 0.0, 0.0), place, 1.0)
+            position = made.objects.joint_position("it", "block_1_slide")
+            assert position == pytest.approx(way, abs=1e-3)
+
+    def test_it_stands_fast_without_travel(self):
+        (item,) = build("touch_panel")
+        assert item.model.joints == ()
+
+
 DOORS = [("left", "push"), ("left", "pull"), ("right", "push"), ("right", "pull")]
 
 

@@ -15,7 +15,7 @@ from typing import List, Tuple
 from telex_control.common.geometry.quaternions import product, rotate
 from telex_control.common.params import require
 
-from ...model import Joint, Link, Motion, ObjectModel, SceneObject, Vector3
+from ...model import Closer, Joint, Link, Motion, ObjectModel, SceneObject, Vector3
 from ...textures.optotypes import sealed_angle
 from .. import materials as look
 from ..object_type import ObjectType, single
@@ -136,32 +136,63 @@ _LEANING = (0.0, math.sin(math.pi / 8.0), 0.0, math.cos(math.pi / 8.0))
 
 @dataclass(frozen=True)
 class TouchPanel(ObjectType):
-    """Blocks with dots to touch."""
+    """Blocks with dots to touch, which stand fast or give way on springs."""
 
     count: int = number(5, "Blocks side by side.", 1, 10)
     dot: float = number(0.02, "Diameter of a dot (m); the tests allow 0.01 of error.", 0.004, 0.08)
+    travel: float = number(
+        0.0, "How far a block gives way on its spring (m); 0: it stands fast.", 0.0, 0.05
+    )
+    spring: float = number(
+        800.0, "What each metre of that way adds to the 4 N that it begins with (N/m).", 0.0, 1.0e5
+    )
     height: float = number(0.8, "Of the middle over the floor (m).", 0.08, 2.5)
     mounting: str = choice("stand", MOUNTS)
 
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
-        parts: List = list(mount(self.mounting, self.height, _row(self.count), 0.26, look.PLYWOOD))
-        for at in _columns(self.count):
-            block = 0.1
-            parts.append(
-                box((block, block, block), (-PLATE - 0.5 * block, at, self.height), look.WOOD)
+        panel: List = list(mount(self.mounting, self.height, _row(self.count), 0.26, look.PLYWOOD))
+        front = -PLATE - _BLOCK
+        if self.travel == 0.0:
+            for at in columns(self.count):
+                panel.extend(placed(self._block(_BLOCK), (front, at, self.height)))
+            return standing("panel", tuple(panel))
+        links, joints = [], []
+        for index, at in enumerate(columns(self.count)):
+            guide = cylinder(0.02, _BLOCK, (0.5 * front, at, self.height), look.STEEL, LYING_X)
+            panel.extend(seen_only((guide,)))
+            name = f"block_{index + 1}"
+            links.append(Link(name, 0.3, self._block(_BLOCK - self.travel)))
+            joints.append(
+                Joint(
+                    f"{name}_slide",
+                    Motion.SLIDE,
+                    "panel",
+                    name,
+                    position=(front, at, self.height),
+                    axis=(1.0, 0.0, 0.0),
+                    upper=self.travel,
+                    damping=20.0,
+                    closer=Closer(_PRELOAD, self.spring),
+                )
             )
-            face = -PLATE - block
+        model = ObjectModel((Link("panel", 0.0, tuple(panel)), *links), tuple(joints), static=True)
+        return single(model)
+
+    def _block(self, deep: float) -> Parts:
+        """Block behind x = 0 with a dot on its face."""
+        dots = (
+            cylinder(radius, thick, (-0.5 * thick, 0.0, 0.0), surface, LYING_X)
             for radius, thick, surface in (
                 (0.040, 0.001, look.BLACK),
                 (0.034, 0.002, look.WHITE),
                 (0.5 * self.dot, 0.003, look.RED_PAINT),
-            ):
-                dot = cylinder(
-                    radius, thick, (face - 0.5 * thick, at, self.height), surface, LYING_X
-                )
-                parts.extend(seen_only((dot,)))
-        return standing("panel", tuple(parts))
+            )
+        )
+        return (
+            box((deep, 0.1, 0.1), (0.5 * deep, 0.0, 0.0), look.WOOD),
+            *seen_only(tuple(dots)),
+        )
 
 
 @dataclass(frozen=True)
@@ -179,7 +210,7 @@ class RotatePanel(ObjectType):
         panel: List = list(mount(self.mounting, self.height, _row(self.count), 0.26, look.PLYWOOD))
         links, joints = [], []
         base = 0.05
-        for index, at in enumerate(_columns(self.count)):
+        for index, at in enumerate(columns(self.count)):
             middle = (-PLATE - 0.5 * base, at, self.height)
             panel.append(cylinder(0.045, base, middle, look.LIGHT_PAINT, LYING_X))
             for mark, surface in ((0.055, look.GREEN_PAINT), (-0.055, look.RED_PAINT)):
@@ -234,7 +265,7 @@ class ExtractPanel(ObjectType):
         panel: List = list(mount(self.mounting, self.height, _row(self.count), 0.26, look.PLYWOOD))
         links, joints = [], []
         deep, gap = 0.04, 0.003
-        for index, at in enumerate(_columns(self.count)):
+        for index, at in enumerate(columns(self.count)):
             middle = (-PLATE - 0.5 * deep, at, self.height)
             hole = staves(self.radius + gap, self.radius + 0.012, deep, 8, look.DARK_STEEL)
             panel.extend(placed(hole, middle, TOWARDS_US))
@@ -283,7 +314,7 @@ class PlacePanel(ObjectType):
         parts: List = [
             box((deep, wide, thick), (0.0, 0.0, bottom - 0.5 * thick), look.PLYWOOD),
         ]
-        for at in _columns(self.count):
+        for at in columns(self.count):
             middle = (0.0, at, bottom + 0.5 * self.depth)
             parts.extend(
                 placed(
@@ -306,6 +337,10 @@ class PlacePanel(ObjectType):
 
 
 _SPACING = 0.13
+_BLOCK = 0.1
+"""From a touch panel's plate to the face of its blocks (m)."""
+_PRELOAD = 4.0
+"""With which a block's spring begins (N): more than what friction could hold."""
 
 
 def _row(count: int) -> float:
@@ -313,7 +348,7 @@ def _row(count: int) -> float:
     return count * _SPACING + 0.02
 
 
-def _columns(count: int) -> List[float]:
+def columns(count: int) -> List[float]:
     """Where the places lie along y (m)."""
     return [(index - 0.5 * (count - 1)) * _SPACING for index in range(count)]
 
