@@ -115,6 +115,19 @@ def test_dropped_is_a_fall_outside_of_the_zones():
     assert made.kinds().count("step") == 1
 
 
+def test_the_plug_of_a_socket_that_stands_fast_can_be_dropped():
+    made = trial("{dropped: {object: plug, height: 0.1}}")
+    for height, held in ((0.8, "plug"), (0.8, None), (0.75, None)):
+        made.bodies["plug/plug"] = ((0.0, -4.2, height), LEVEL)
+        made.held = held
+        made.sample()
+    assert not done(made)
+    made.bodies["plug/plug"] = ((0.0, -4.2, 0.6), LEVEL)
+    made.sample()
+    assert done(made)
+    assert [event.name for event in made.events if event.event == "drop"] == ["plug/plug"]
+
+
 def test_touches_and_force_by_group():
     made = trial("{touches: {object: wall, group: arm}}")
     made.contacts = [("base", "wall", 5.0), ("arm", "cube", 5.0)]

@@ -160,14 +160,17 @@ class _Dropped:
         self._given = given
         self._released: Optional[float] = None
         self._held = False
+        self._what = given.object
         self._fell = False
 
     def __call__(self, context: Context) -> bool:
-        place = context.world.position(self._given.object)
-        if place is None:
-            return False
-        if context.world.held == self._given.object:
+        world = context.world
+        if world.held == self._given.object:
+            self._what = world.carried
             self._held, self._fell, self._released = True, False, None
+            return False
+        place = world.position(self._what)
+        if place is None:
             return False
         if self._held:
             self._held, self._released = False, place[2]

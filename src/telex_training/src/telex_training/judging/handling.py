@@ -67,7 +67,7 @@ class HandlingRecord:
         list of str
             Objects that have just fallen by more than `USUAL_HEIGHT`.
         """
-        world, held = context.world, context.world.held
+        world, held = context.world, context.world.carried
         if held != self._held:
             place = world.position(self._held) if self._held else None
             if place is not None:
@@ -110,11 +110,16 @@ class HandlingRecord:
     def figure(self, kind: str, thing: str = "", height: float = USUAL_HEIGHT) -> Optional[float]:
         """Return drops or slip (m), of one thing or of all."""
         if kind == "slip":
-            return math.fsum(way for name, way in self._slip.items() if thing in ("", name))
+            return math.fsum(way for name, way in self._slip.items() if _is_of(name, thing))
         return float(
             sum(
                 count
                 for (name, limit), count in self._drops.items()
-                if thing in ("", name) and limit == height
+                if _is_of(name, thing) and limit == height
             )
         )
+
+
+def _is_of(name: str, thing: str) -> bool:
+    """Whether something is a thing, or a piece of it; empty: of any."""
+    return thing in ("", name, name.partition("/")[0])

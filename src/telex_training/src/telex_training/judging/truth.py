@@ -18,6 +18,7 @@ from .entries import BadEntryError
 TOOL_LINK = "tool_link"
 ANOTHER_ROBOT = "another robot"
 _FLOOR_INDEX, _ROBOT_INDEX, _NOTHING = -1, -2, -1
+_NOWHERE = (math.inf, math.inf, math.inf)
 _HEADER = struct.Struct("<IIII")
 _FIXED = struct.Struct("<QQIId13f")
 _COUNT = struct.Struct("<I")
@@ -346,6 +347,21 @@ class World:
         if self.sample is None or self.names is None or self.sample.held == _NOTHING:
             return ""
         return self.names.thing(self.sample.held)
+
+    @property
+    def carried(self) -> str:
+        """Name of what of it moves along with the gripper.
+
+        Of an object that stands fast, that is the loose piece ("object/link") next to the tool.
+        """
+        held = self.held
+        if held not in self._static or self.names is None:
+            return held
+        pieces = [body for body in self.names.bodies if body.partition("/")[0] == held]
+        tool = self.tool
+        if not pieces or tool is None:
+            return pieces[0] if pieces else held
+        return min(pieces, key=lambda piece: math.dist(self.position(piece) or _NOWHERE, tool))
 
     def pose(self, what: str) -> Optional[Pose]:
         """Pose of the robot, an object or an object's link ("object/link"); None: not known."""
