@@ -90,10 +90,13 @@ class OfflineRobot:
         return self.simulation.robots[0].proximity.joints
 
     def object_pose(self, name: str) -> Optional[Pose]:
-        """Pose of an object's first link that can move; None where there is no such link."""
+        """Pose of an object's first link that can move, or of a link by its name ("object/link").
+
+        None where there is no such link.
+        """
         objects = self.simulation.objects
         for index, frame in enumerate(objects.frames()):
-            if frame.split("/")[0] == name:
+            if name in (frame, frame.split("/")[0]):
                 numbers = objects.poses()[7 * index : 7 * index + 7]
                 return tuple(numbers[:3]), tuple(numbers[3:])
         return None

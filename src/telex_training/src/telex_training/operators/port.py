@@ -332,6 +332,8 @@ class TeleopPort(Port):
     def object_pose(self, name: str) -> Optional[np.ndarray]:
         """True pose of an object's first link in the world, 4x4; None where it is not known.
 
+        Another link is named as "object/link".
+
         No person at a console sees that: it is for operators that stand for somebody beside the
         robot, and for judging.
         """

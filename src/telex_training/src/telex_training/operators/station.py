@@ -135,7 +135,7 @@ class Station(Operator):
         return chain.forward([joints[name] for name in chain.joint_names])
 
     def object_pose(self, name: str) -> np.ndarray:
-        """True pose of an object's first link in the world, 4x4; see `TeleopPort.object_pose`.
+        """True pose of an object, or a link, in the world, 4x4; see `TeleopPort.object_pose`.
 
         Raises
         ------

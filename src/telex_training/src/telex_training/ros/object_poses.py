@@ -44,11 +44,17 @@ class ObjectPoses:
             return self._poses.revision in self._frames and bool(self._poses.poses)
 
     def find(self, name: str) -> Optional[np.ndarray]:
-        """Return the pose of an object's first link in the world, 4x4; None without any."""
+        """Return a pose in the world, 4x4; None where it is not known.
+
+        Parameters
+        ----------
+        name : str
+            Of an object, whose first link that can move is meant, or of a link: "object/link".
+        """
         with self._lock:
             places = self._frames.get(self._poses.revision, {})
             for frame, index in places.items():
-                if frame.split("/")[0] == name:
+                if name in (frame, frame.split("/")[0]):
                     numbers = self._poses.poses[7 * index : 7 * index + 7]
                     return make_pose(numbers[:3], numbers[3:])
         return None
