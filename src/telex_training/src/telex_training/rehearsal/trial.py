@@ -45,6 +45,10 @@ _PATIENCE = 5.0
 """How long the judge may need after the expert has done (s)."""
 
 
+class _EndedError(Exception):
+    """The judge has ended the trial: what an expert still does is of no use."""
+
+
 def rehearse(exercise: Exercise, expert: Expert, seed: Optional[int] = None) -> Dict[str, Any]:
     """Let an expert do one repetition of an exercise.
 
@@ -199,18 +203,19 @@ class RehearsedTrial:
         self.advance(_SETTLING)
 
     def perform(self, expert: Expert) -> None:
-        """Let an expert work, and wait for the judge.
+        """Let an expert work until the judge has seen enough, or for some seconds longer.
 
         Raises
         ------
         NotManagedError
         """
         station = Station(self.port)
-        expert(Hand(station), self._brief)
-        station.release()
-        until = station.time + _PATIENCE
-        while self.judge.phase != ENDED and station.time < until:
-            station.tick()
+        try:
+            expert(Hand(station), self._brief)
+            station.release()
+            station.wait(_PATIENCE)
+        except _EndedError:
+            return
 
     def abort(self) -> None:
         """End the trial where the judge has not."""
@@ -218,7 +223,15 @@ class RehearsedTrial:
             self._input("abort")
 
     def advance(self, seconds: float) -> None:
-        """Let so much sim time (s) pass."""
+        """Let so much sim time (s) pass.
+
+        Raises
+        ------
+        _EndedError
+            The trial has ended.
+        """
+        if self.judge.phase == ENDED:
+            raise _EndedError
         for _ in range(round(seconds / self.step_size)):
             self._simulation.step()
             steps = self._simulation.steps
