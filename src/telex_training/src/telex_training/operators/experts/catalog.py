@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import Dict
 
-from . import driving_exercises, handling_exercises, mounted_exercises, reading
+from . import driving_exercises, handling_exercises, mounted_exercises, panel_exercises, reading
 from .brief import Expert
 
 EXPERTS: Dict[str, Expert] = {
     "acuity": reading.acuity,
     "briefcase": handling_exercises.briefcase,
     "confinement": driving_exercises.confinement,
+    "connector": panel_exercises.connector,
     "continuous_ramps": driving_exercises.over_ramps,
     "cube_to_bin": handling_exercises.cube_to_bin,
     "gap": driving_exercises.over_gap,
@@ -24,6 +25,7 @@ EXPERTS: Dict[str, Expert] = {
     "source_to_pot": handling_exercises.source_to_pot,
     "stairs": driving_exercises.over_stairs,
     "stepfield": driving_exercises.over_posts,
+    "touch": panel_exercises.touch,
     "valve": mounted_exercises.valve,
 }
 """By exercise."""

@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Mapping
 
 import numpy as np
 
-from telex_control.common.geometry.matrices import homogeneous, inverse, rotation_from_rpy
+from telex_control.common.geometry.matrices import homogeneous, inverse
 from telex_sim.scene.library.tasks.panels import InspectionPipes
 
-from .. import driving
 from ..handling import GRIPPER_CAMERA, TOOL, Hand, aimed
 from ..tasks.task import heading_of
 from .brief import Brief
-
-_RUN_UP = 0.4
-"""How far the robot drives up to its place in a straight line (m)."""
+from .standing import seen_from_base, stand_before
 
 _VALVE_REACH = 0.85  # m, from base_link to the wheel's plane
 _WHEEL_AHEAD = 0.16  # m, of the wheel before the valve's middle
@@ -31,38 +27,13 @@ _LOOK = 0.6
 """At the bottom of each pipe (s)."""
 
 
-def _stand_before(hand: Hand, entry: Mapping[str, Any], distance: float, opening: float) -> None:
-    """Drive so far before what is mounted (m), square to it, with the arm ready."""
-    station = hand.station
-    place, yaw = entry["position"], float(entry.get("yaw", 0.0))
-
-    def before(way: float) -> driving.Point:
-        return (place[0] - way * math.cos(yaw), place[1] - way * math.sin(yaw))
-
-    driving.drive_to(station, before(distance + _RUN_UP))
-    driving.turn_to(station, yaw)
-    station.hold_preset("approach")
-    hand.to_named_pose("ready")
-    hand.open(opening)
-    driving.run_to(station, before(distance), 0.3, heading=yaw)
-    station.stop()
-    station.wait(0.4)
-    station.hold_preset("")
-
-
-def _seen_from_base(hand: Hand, entry: Mapping[str, Any]) -> np.ndarray:
-    """Pose of a thing of the scene's file in base_link, 4x4."""
-    turn = rotation_from_rpy((0.0, 0.0, float(entry.get("yaw", 0.0))))
-    return inverse(hand.station.base()) @ homogeneous(turn, entry["position"])
-
-
 def valve(hand: Hand, brief: Brief) -> None:
     """Open the valve: lead the closed fingers round between two spokes."""
     station = hand.station
     station.mode("CARTESIAN")
     entry = brief.entries["valve"]
-    _stand_before(hand, entry, _WHEEL_AHEAD + _VALVE_REACH, 0.02)
-    here = _seen_from_base(hand, entry)
+    stand_before(hand, entry, _WHEEL_AHEAD + _VALVE_REACH, 0.02)
+    here = seen_from_base(hand, entry)
     centre = (here @ (-_WHEEL_AHEAD, 0.0, float(entry["height"]), 1.0))[:3]
     turn = heading_of(here)
 
@@ -100,8 +71,8 @@ def inspect(hand: Hand, brief: Brief) -> None:
     pipes = InspectionPipes(entry["layout"], float(entry["length"]), float(entry["height"]))
     mouths = pipes.mouths()
     (x, _, _), _ = mouths[0]
-    _stand_before(hand, entry, _LOOK_FROM - x + _PIPES_STAND, 0.02)
-    here = _seen_from_base(hand, entry)
+    stand_before(hand, entry, _LOOK_FROM - x + _PIPES_STAND, 0.02)
+    here = seen_from_base(hand, entry)
     # The tool as the camera sees it.
     tool = inverse(station.place_of(GRIPPER_CAMERA)) @ station.place_of(TOOL)
     for number, (mouth, towards) in enumerate(mouths, 1):
