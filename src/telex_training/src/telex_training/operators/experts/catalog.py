@@ -14,6 +14,7 @@ EXPERTS: Dict[str, Expert] = {
     "connector": panel_exercises.connector,
     "continuous_ramps": driving_exercises.over_ramps,
     "cube_to_bin": handling_exercises.cube_to_bin,
+    "door": mounted_exercises.door,
     "gap": driving_exercises.over_gap,
     "hurdle": driving_exercises.over_hurdle,
     "incline": driving_exercises.incline,

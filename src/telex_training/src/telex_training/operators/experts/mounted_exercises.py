@@ -1,4 +1,4 @@
-"""Exercises of the arm at what is mounted and looks at the robot: valve, pipes."""
+"""Exercises of the arm at what is mounted and looks at the robot: valve, pipes, door."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 from telex_control.common.geometry.matrices import homogeneous, inverse
 from telex_sim.scene.library.tasks.panels import InspectionPipes
 
+from .. import driving
 from ..handling import GRIPPER_CAMERA, TOOL, Hand, aimed
 from ..tasks.task import heading_of
 from .brief import Brief
@@ -25,6 +26,12 @@ _PIPES_STAND = 0.85  # m, from base_link to where the camera is before the middl
 _LOOK_FROM = 0.28  # m, of the camera before a pipe's mouth
 _LOOK = 0.6
 """At the bottom of each pipe (s)."""
+
+_PUSHING = (0.85, -0.20, 0.65)
+"""Of the closed fingers, ahead of base_link and towards the leaf's free edge (m)."""
+_PUSH_SPEED = 0.25  # m/s
+_BEHIND_DOOR = 2.0
+"""How far behind the door no leaf touches the robot any more (m)."""
 
 
 def valve(hand: Hand, brief: Brief) -> None:
@@ -88,3 +95,17 @@ def _looking(eye: np.ndarray, ahead: np.ndarray) -> np.ndarray:
     right = np.cross(ahead, (0.0, 0.0, 1.0))
     right /= np.linalg.norm(right)
     return homogeneous(np.column_stack((right, np.cross(ahead, right), ahead)), eye)
+
+
+def door(hand: Hand, brief: Brief) -> None:
+    """Push the leaf open with the closed fingers, and drive on through, the arm before the leaf."""
+    station = hand.station
+    station.mode("CARTESIAN")
+    entry = brief.entries["door"]
+    hand.to_named_pose("ready")
+    hand.open(0.02)
+    hand.to(aimed(*_PUSHING), tolerance=0.02)
+    x, y = entry["position"][:2]
+    driving.run_to(station, (x + _BEHIND_DOOR, y), _PUSH_SPEED, heading=0.0)
+    station.stop()
+    station.wait(0.7)
