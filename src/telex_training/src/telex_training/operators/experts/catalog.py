@@ -15,6 +15,7 @@ EXPERTS: Dict[str, Expert] = {
     "continuous_ramps": driving_exercises.over_ramps,
     "cube_to_bin": handling_exercises.cube_to_bin,
     "door": mounted_exercises.door,
+    "extract_place": panel_exercises.extract_place,
     "gap": driving_exercises.over_gap,
     "hurdle": driving_exercises.over_hurdle,
     "incline": driving_exercises.incline,

@@ -1,4 +1,4 @@
-"""Exercises of the arm at task panels: dots to touch, a plug to pull out."""
+"""Exercises of the arm at task panels: dots to touch, caps and plugs to pull out."""
 
 from __future__ import annotations
 
@@ -10,10 +10,13 @@ from telex_control.common.geometry.matrices import (
     homogeneous,
     inverse,
     rotation_from_rpy,
+    rotation_matrix,
 )
+from telex_sim.scene.library.shapes import TOWARDS_US
 from telex_sim.scene.library.tasks.panels import columns
 
-from ..handling import Hand
+from ..handling import Hand, aimed
+from ..tasks.task import heading_of
 from .brief import Brief
 from .standing import seen_from_base, stand_before
 
@@ -28,6 +31,17 @@ and the gripper's camera sees it."""
 _CORNER = (0.040, 0.0, 0.022)  # m, in the frame of a tool that is not rolled
 _PRESS = 0.006
 """How far a block is pushed in (m)."""
+
+_RIM = 0.06  # m, of the caps' holes before the panel's origin
+_HOLD = 0.078
+"""Where a cap is held, from its rim (m): so far out that the fingertips stay over the tray."""
+_CAP_OPENING = 0.24  # rad
+_CAP_FORCE = 40.0  # N
+_PULLED, _OVER = 0.10, 0.14  # m, that a cap is taken out of its hole, and carried over the tray
+_IN_TRAY = 0.043
+"""Height of a cap's rim over the bottom of its hole in the tray, as it is let go (m)."""
+_TRAY_DEPTH = 0.06  # m, of its holes
+_DOWN = 0.5 * math.pi
 
 _SOCKET = 0.065  # m, from the connector's origin to its socket's rim
 _PLUG_HOLD = 0.075  # m, of the tool before the rim
@@ -58,6 +72,46 @@ def touch(hand: Hand, brief: Brief) -> None:
         hand.to(at(dot, _BEFORE), tolerance=0.005)
         hand.to(at(dot, -_PRESS), tolerance=0.003)
         hand.to(at(dot, _BEFORE), tolerance=0.02)
+
+
+def extract_place(hand: Hand, brief: Brief) -> None:
+    """Pull one cap after the other out of the panel, and stand it in the tray's next hole."""
+    station = hand.station
+    station.mode("CARTESIAN")
+    panel, tray = brief.entries["panel"], brief.entries["tray"]
+    stand_before(hand, panel, _RIM + _HOLD + _REACH, _CAP_OPENING)
+    here, there = seen_from_base(hand, panel), seen_from_base(hand, tray)
+    bottom = float(tray["height"]) - _TRAY_DEPTH
+
+    def before(cap: float, out: float) -> np.ndarray:
+        """Tool at a cap that is so far out of its hole (m)."""
+        place = (-_RIM - _HOLD - out, cap, float(panel["height"]))
+        return here @ homogeneous(np.eye(3), place)
+
+    # The hand points down, and its fingers open across the row of holes: neighbours stand along it.
+    down = aimed(0.0, 0.0, 0.0, heading_of(there) - _DOWN, _DOWN)[:3, :3]
+    upright = down @ rotation_matrix(TOWARDS_US)
+
+    def over(hole: float, height: float, in_hand: np.ndarray) -> np.ndarray:
+        """Tool that holds a cap upright, its rim so high over the bottom of a hole (m)."""
+        place = (there @ (0.0, hole, bottom + height, 1.0))[:3]
+        return homogeneous(upright, place) @ inverse(in_hand)
+
+    for number, cap in enumerate(columns(int(panel.get("count", 5)))):
+        hole = columns(5)[number]
+        hand.to(before(cap, _PULLED), tolerance=0.01)
+        hand.to(before(cap, 0.0))
+        hand.grip(_CAP_FORCE)
+        hand.to(before(cap, _PULLED), tolerance=0.02)
+        name = f"panel/cap_{number + 1}"
+        hand.to(over(hole, _OVER, _in_hand(hand, name)), tolerance=0.02)
+        # On the way it swings between the pads.
+        station.wait(0.3)
+        in_hand = _in_hand(hand, name)
+        hand.to(over(hole, _OVER, in_hand), tolerance=0.003)
+        hand.to(over(hole, _IN_TRAY, in_hand))
+        hand.open(_CAP_OPENING)
+        hand.to(over(hole, _OVER, in_hand), tolerance=0.02)
 
 
 def connector(hand: Hand, brief: Brief) -> None:
