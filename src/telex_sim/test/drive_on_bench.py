@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from telex_control.hardware import hardware_interface
 from telex_control.hardware.hardware_interface import ControllerInfo, InterfaceResources
 from telex_control.ros.local_node_handle import LocalNodeHandle
 from telex_control.urdf.joints import parse_urdf
@@ -43,7 +44,8 @@ class DriveOnBench:
             raise
         claim = InterfaceResources(f"hardware_interface::{interface}JointInterface", ("drive",))
         self.hw.do_switch([ControllerInfo("test", "test", (claim,))], [])
-        self.handle = self.hw._joints["drive"].handle
+        kind = getattr(hardware_interface, f"{interface}JointInterface")
+        self.handle = self.hw.get(kind).get_handle("drive")
         self.state = self.handle.state
 
     def place(self):

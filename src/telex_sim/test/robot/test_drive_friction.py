@@ -9,7 +9,7 @@ import pytest
 from drive_on_bench import STEP, DriveOnBench
 from std_msgs.msg import Float64
 
-from telex_control.hardware.hardware_interface import ControllerInfo
+from telex_control.hardware.hardware_interface import ControllerInfo, EffortJointInterface
 from telex_control.urdf.joints import joints, parse_urdf
 from telex_sim.offline.simulation import OfflineSimulation
 
@@ -143,7 +143,7 @@ def test_the_robots_turret_breaks_away_at_the_friction_of_its_urdf(urdf):
     try:
         robot.run(1.0)
         hw = robot.simulation.hw
-        turret = hw._joints["turret_joint"].handle
+        turret = hw.get(EffortJointInterface).get_handle("turret_joint")
         loaded = robot.simulation.controllers.loaded
         controller = loaded["turret_position_controller"]
         controller.stop(robot.simulation.time)
