@@ -12,6 +12,7 @@ from control_msgs.msg import (
 from control_msgs.srv import QueryTrajectoryStateRequest
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from telex_control.controllers import joint_trajectory_controller
 from telex_control.hardware.hardware_interface import (
     EffortJointInterface,
     PositionJointInterface,
@@ -19,6 +20,7 @@ from telex_control.hardware.hardware_interface import (
 )
 from telex_control.ros.node_handle import ServiceError
 from telex_control.trajectory import spline
+from telex_control.trajectory.waypoints import read_tracks
 
 NAMES = ("elbow", "slide", "wheel")
 TIMEOUT = 20.0
@@ -617,14 +619,13 @@ def test_a_long_trajectory_is_taken_over_within_a_cycle(start, monkeypatch):
 
 def test_a_goal_whose_controller_stops_while_it_is_read_is_cancelled(start, monkeypatch):
     tested = start()
-    read = tested.controller._order
 
     def stopped_meanwhile(*arguments):
-        order = read(*arguments)
+        tracks = read_tracks(*arguments)
         assert tested.bench.switch(stop=["c"])
-        return order
+        return tracks
 
-    monkeypatch.setattr(tested.controller, "_order", stopped_meanwhile)
+    monkeypatch.setattr(joint_trajectory_controller, "read_tracks", stopped_meanwhile)
     goal = tested.send(trajectory((1.0, [0.5, 0.1, 0.2])))
     assert goal.status == "cancelled"
     assert tested.bench.switch(start=["c"])
