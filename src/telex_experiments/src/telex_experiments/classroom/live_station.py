@@ -12,7 +12,7 @@ import time
 import urllib.request
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Dict, Iterator, List, Optional, Type
+from typing import Any, Dict, Iterator, List, Optional, Sequence, Type
 
 import rosgraph
 
@@ -22,8 +22,10 @@ from telex_experiments.rigs.private_master import PrivateMaster, descendants, en
 from telex_experiments.rigs.private_simulator import cpu_seconds
 from telex_experiments.workspace import ROOT
 
-ASKED = ("video_server", "training", "cameras")
-"""Nodes of a station that the page of a class has work for, beside the master."""
+ASKED = ("video_server", "training", "master")
+"""Processes of a station that the page of a class has work for; where nobody watches, its cameras
+as well."""
+CAMERAS = "cameras"
 _STARTS_WITHIN = 180.0
 _PERIOD = 1.0
 _WATCHERS = ROOT / "src/telex_experiments/src/telex_experiments/console/watchers.py"
@@ -89,9 +91,9 @@ class LiveStation:
             time.sleep(0.2)
         raise RuntimeError(f"the station did not set {name} within {_STARTS_WITHIN} s")
 
-    def used(self) -> float:
-        """CPU time (s) of the processes that the page of a class has work for."""
-        return sum(cpu_seconds(self._pids[name]) for name in (*ASKED, "master"))
+    def used(self, names: Sequence[str]) -> float:
+        """CPU time (s) of some of its processes, see `ASKED` and `CAMERAS`."""
+        return sum(cpu_seconds(self._pids[name]) for name in names)
 
     @contextlib.contextmanager
     def watched(self) -> Iterator[None]:
