@@ -97,7 +97,9 @@ class TestCommand:
         assert "none.yaml: No such file" in capsys.readouterr().err
         path = folder / "stations.yaml"
         path.write_text(TWO)
-        assert main([str(path), "--address", "192.0.2.1", "--token-file", "tokens"]) == os.EX_CONFIG
+        elsewhere = ["--address", "192.0.2.1", "--token-file", str(folder / "own")]
+        assert main([str(path), *elsewhere]) == os.EX_CONFIG
+        assert "192.0.2.1' is not an address of this machine" in capsys.readouterr().err
         with pytest.raises(SystemExit):
             main([str(path), "--port", "70000"])
         assert "0 to 65535" in capsys.readouterr().err
