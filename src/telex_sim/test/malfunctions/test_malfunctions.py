@@ -103,6 +103,17 @@ def test_what_was_stuck_does_not_jump_when_it_is_free_again(bench):
     assert bench.position(SHOULDER) == pytest.approx(before + 0.1, abs=0.02)
 
 
+def test_a_joint_that_becomes_less_weak_stays_where_it_is(bench):
+    before = bench.position(SHOULDER)
+    bench.begin(SHOULDER, "weak", 0.02)
+    bench.robot.move({SHOULDER: before - 0.5})
+    bench.run(0.2)
+    now = bench.position(SHOULDER)
+    bench.begin(SHOULDER, "weak", 0.95)
+    bench.run(0.5)
+    assert bench.position(SHOULDER) == pytest.approx(now, abs=0.05)
+
+
 def test_nothing_holds_a_limp_joint(bench):
     before = bench.position(SHOULDER)
     bench.begin(SHOULDER, "limp")

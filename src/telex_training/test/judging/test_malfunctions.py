@@ -29,7 +29,7 @@ malfunctions:
 class Breaking(Trial):
     """A trial in which things fail."""
 
-    def fail(self, *names, announced=False, value=0.0):
+    def fail(self, *names, announced=False, value=0.0, since=None):
         active = [
             ActiveMalfunction(
                 what=what,
@@ -37,7 +37,7 @@ class Breaking(Trial):
                 kind=kind,
                 value=value,
                 announced=announced,
-                since=genpy.Time.from_sec(self.time),
+                since=genpy.Time.from_sec(self.time if since is None else since),
             )
             for what, group, kind in names
         ]
@@ -155,6 +155,17 @@ def test_what_works_again_waits_for_no_reaction(trial):
     found = reactions(trial.command(0.5))
     assert [name for name, _ in found] == ["arm frozen"]
     assert trial.record[0]["ended"] == pytest.approx(trial.time)
+
+
+def test_one_that_is_told_again_is_still_the_same(trial):
+    since = trial.time + 0.01  # as the simulator's clock may be a little ahead
+    trial.fail(BELT, since=since)
+    trial.seconds(0.5)
+    assert [e.name for e in trial.fail(BELT, CAMERA, since=since)] == ["arm frozen"]
+    trial.seconds(0.5)
+    again = trial.fail(BELT, CAMERA)
+    assert [e.event for e in again] == ["mended", "malfunction"] * 2
+    assert len(trial.record) == 4
 
 
 def test_what_is_announced_is_shown_until_it_works_again_and_what_is_silent_never(trial):

@@ -71,7 +71,8 @@ class BatteryConfig:
                 continue
             effort, strongest = drive.state.effort, drive.rated_effort
             total += max(0.0, effort * drive.state.velocity) / self.efficiency
-            total += self.holding_power * min(1.0, (effort / strongest) ** 2)
+            if strongest > 0.0:
+                total += self.holding_power * min(1.0, (effort / strongest) ** 2)
         return total
 
 

@@ -143,7 +143,10 @@ class Malfunctions(Stateful):
             self.battery = Battery(self._robot.config.battery, severity)
             self._repower()
         kept = [each for each in self.active if (each.what, each.kind) != (made.what, kind)]
+        replaced = len(kept) < len(self.active)
         self._set((*kept, made))
+        if replaced and made.group in _MOVING:
+            self._robot.begin_anew()  # for it may have become less
         return made
 
     def end(self, what: str = "", kind: str = "") -> Tuple[Active, ...]:

@@ -295,7 +295,8 @@ class Robot:
     def flippers(self) -> Tuple[str, ...]:
         """Driven joints that lift a belt."""
         lifted = set(self.tracks.carriers())
-        return tuple(joint for joint in self.hw.moved_joints() if self.body.joints[joint] in lifted)
+        indices = self.body.joints
+        return tuple(name for name in self.hw.moved_joints() if indices.get(name) in lifted)
 
     def begin_anew(self) -> None:
         """Let running controllers begin anew with the next cycle: they hold what is measured."""

@@ -28,6 +28,8 @@ class Episode:
     what, group, kind : str
     value : float
     announced : bool
+    stamp : genpy.Time
+        By which the simulator tells it from others of its kind.
     since : float
         Sim time (s).
     ended : float, optional
@@ -37,11 +39,12 @@ class Episode:
         none before it ended.
     """
 
-    def __init__(self, active: Any, since: float, held: Dict[Axis, float]) -> None:
+    def __init__(self, active: Any, heard: float, held: Dict[Axis, float]) -> None:
         self.what, self.group = str(active.what), str(active.group)
         self.kind, self.value = str(active.kind), float(active.value)
         self.announced = bool(active.announced)
-        self.since = since
+        self.stamp = active.since
+        self.since = min(active.since.to_sec(), heard)
         self.ended: Optional[float] = None
         self.commanded: Optional[float] = None
         self.stopped: Optional[float] = None
@@ -109,12 +112,12 @@ class MalfunctionRecord:
             if not math.isfinite(each.value):
                 raise BadEntryError(f"the value of {what} {kind} is {each.value}")
             before = known.get((what, kind))
-            if before is not None and before.since == min(since.to_sec(), time):
+            if before is not None and before.stamp == since:
                 continue
             if before is not None:
                 turns.append(self._end(before, time))
             if len(self.episodes) < _MOST:
-                made = Episode(each, min(since.to_sec(), time), self._held(time))
+                made = Episode(each, time, self._held(time))
                 self.episodes.append(made)
                 self._open.append(made)
                 detail = {"value": made.value, "announced": made.announced}
