@@ -15,6 +15,8 @@ from telex_sim.offline.robot import OfflineRobot
 from telex_sim.offline.simulation import OfflineSimulation
 from telex_sim.scene.robot_in_scene import robot_description
 
+pytestmark = pytest.mark.slow
+
 SHOULDER, FLIPPER = "shoulder_joint", "front_left_flipper_joint"
 
 
