@@ -9,10 +9,10 @@ import { rateText } from "./units.js";
 
 /** @typedef {import("./track.js").Place} Place */
 
-const WIDTH = 360, HEIGHT = 300; // CSS pixels
-const MARGIN = 24; // pixels
+const WIDTH = 280, HEIGHT = 220; // CSS pixels
+const MARGIN = 18; // pixels
 const LEAST_SPAN = 4; // m that the map shows at least
-const ROSE = 44; // pixels, its radius
+const ROSE = 36; // pixels, its radius
 const DOT = 4; // pixels
 
 /** From cold to hot; told by the legend's figures as well. */
