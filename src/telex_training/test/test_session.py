@@ -165,6 +165,8 @@ def test_the_line_is_the_exercises_for_the_trial_and_as_before_after_it(new_sess
     session = new_session(DRILL + "link: {profile: lossy, delay: 0.4}\n")
     session.start()
     wait(session, "waiting")
+    session.again()
+    wait(session, "waiting")
     assert simulator.lines == ["lossy (delay 0.4)"]
     session.abort("aborted")
     ended(session)

@@ -115,7 +115,7 @@ class Session:
         self._channels: Optional[Channels] = None
         self._watch: Optional[ConfigurationWatch] = None
         self._bookmarks = TrialBookmarks()
-        self._loaded = False
+        self._loaded = self._has_line = False
         self._closing = self._restoring = False
         self._done = threading.Event()
         self._sheet = ""
@@ -438,8 +438,7 @@ class Session:
     def _begin_anew(self) -> int:
         """Put robot and apparatus to the start; returns the simulator's number of resets."""
         resets = self._restore()
-        if self.exercise.link is not None:
-            self._apparatus.set_line(self.exercise.link)
+        self._set_line()
         if self._bookmarks.names():
             # Objects that were drawn anew have ended them.
             self._bookmarks.keep(self._apparatus.bookmarks())
@@ -457,6 +456,12 @@ class Session:
             # What was read before must not be right again.
             self._drawn = draw(self.exercise, self._seed)
         return self._apparatus.reset(self._drawn.entries)
+
+    def _set_line(self) -> None:
+        """Set the line that the exercise asks for, once: what an instructor changes later stays."""
+        if self.exercise.link is not None and not self._has_line:
+            self._apparatus.set_line(self.exercise.link)
+            self._has_line = True
 
     def _require_upright(self) -> None:
         """Refuse to begin where the robot has tipped over as it was put down."""
@@ -536,7 +541,6 @@ class Session:
     def _finish(self) -> None:
         assert self._inbox is not None
         assert self._writer is not None
-        self._restore_line()
         if self._watch is not None:
             self._watch.close()
         if self._channels is not None:
@@ -550,6 +554,8 @@ class Session:
             self.message = f"the recording is not complete: {error}"
             rospy.logerr("training: %s", self.message)
         self._ended(self.trial, self._sheet)
+        # After the recording is closed: a bridge that has ended takes its time not to answer.
+        self._restore_line()
         self._changed()
         self._mend()
 

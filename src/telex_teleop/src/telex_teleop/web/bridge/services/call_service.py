@@ -191,7 +191,11 @@ class ServiceCalls:
 
     def commands(self, operation: Operation) -> bool:
         """Tell whether an operation `call_service` commands the robot."""
-        return self._services.commands(self._resolve(operation.text("service")), self._client)
+        try:
+            name = self._resolve(operation.text("service"))
+        except OperationError:
+            return False  # which the call's answer says
+        return self._services.commands(name, self._client)
 
     def refuse(self, operation: Operation, reason: str) -> None:
         """Answer a call that is not made, with the reason."""
