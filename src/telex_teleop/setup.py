@@ -29,6 +29,7 @@ setup(
             "telex_teleop.web.line",
             "telex_teleop.web.transforms",
             "telex_teleop.web.video",
+            "telex_teleop.web.video.late",
             "telex_teleop.web.video.websocket",
         ],
         package_dir={"": "src"},

@@ -17,7 +17,7 @@ from web_fakes import FakePictures, served
 
 from telex_teleop.web.server_config import VideoServerConfig
 from telex_teleop.web.video.cameras import CameraList
-from telex_teleop.web.video.pacer import Pacer
+from telex_teleop.web.video.late.pacer import Pacer
 from telex_teleop.web.video.pictures import CompressedPicture
 from telex_teleop.web.video.ros_source import captured_at
 from telex_teleop.web.video.video_server_app import VideoServer

@@ -66,8 +66,16 @@ class LineFields:
             f"bandwidth is {self.bandwidth!r}; it must be 0 (no cap) or at least "
             f"{LEAST_BANDWIDTH:g} bit/s",
         )
-        _require_pair("burst", "burst_interval", self.burst_interval, self.burst_length)
-        _require_pair("outage", "outage_every", self.outage_every, self.outage_for)
+        self._require_pair("burst", "burst_length", "burst_interval")
+        self._require_pair("outage", "outage_for", "outage_every")
+
+    def _require_pair(self, what: str, length: str, period: str) -> None:
+        one, other = getattr(self, length), getattr(self, period)
+        require(
+            (one == 0.0) == (other == 0.0) and one <= other,
+            f"{length} is {one!r} and {period} {other!r}; a {what} needs both above 0, and it must "
+            "not be longer than the time from one to the next",
+        )
 
     @property
     def is_perfect(self) -> bool:
@@ -88,15 +96,6 @@ class LineFields:
     def replace(self, changes: Mapping[str, Any]) -> LineFields:
         """Return these figures with some others; raises ConfigError if they cannot be."""
         return dataclasses.replace(self, **changes)
-
-
-def _require_pair(what: str, name: str, period: float, length: float) -> None:
-    part = {"burst_interval": "burst_length", "outage_every": "outage_for"}[name]
-    require(
-        (period == 0.0) == (length == 0.0) and length <= period,
-        f"{part} is {length!r} and {name} {period!r}; a {what} needs both above 0, and it must not "
-        "be longer than the time from one to the next",
-    )
 
 
 PERFECT = LineFields()

@@ -31,8 +31,8 @@ from ..workers import OrderedWorker
 from . import mjpeg, pages, query
 from .gate import Gate
 from .handlers import Handlers, MountError
-from .held_pictures import HeldPictures
 from .hub import EncoderFullError, Encoders, PictureHubs, PictureSource
+from .late.held_pictures import HeldPictures
 from .mounts import Mounts, find_file
 from .pictures import EncodedPicture, UnusablePictureError, encode
 from .topics import PictureTopic, Topics, base_topics, find_cameras, find_topic

@@ -8,7 +8,7 @@ import time
 from typing import Callable, Deque, Dict, Hashable, List, Optional, Tuple
 
 from ..cameras import Camera
-from ..pacer import Pacer
+from ..late.pacer import Pacer
 from ..pictures import EncodedPicture, Variant
 from ..topics import PictureTopic
 from .messages import View, picture_header

@@ -16,8 +16,8 @@ from ...freshness import Backlog
 from ...line.line import Line
 from ...uplink import Sent, Uplink
 from ..cameras import Camera, CameraList
-from ..held_pictures import HeldPictures, LateViewer
 from ..hub import EncoderFullError, PictureHubs
+from ..late.held_pictures import HeldPictures, LateViewer
 from ..topics import PictureTopic
 from ..viewers import Viewer
 from .feed import Feed

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Callable, Hashable, Optional
 
-from ..line.line import Line
-from ..line.pictures import PictureLine
-from ..line_waits import LinePump
+from ...line.line import Line
+from ...line.pictures import PictureLine
+from ...line_waits import LinePump
+from ..pictures import EncodedPicture
+from ..viewers import Viewer
 from .pacer import Pacer
-from .pictures import EncodedPicture
-from .viewers import Viewer
 
 
 class LateViewer:

@@ -1,0 +1,1 @@
+"""Pictures that come late: which of them are taken, and when they have passed the line."""
