@@ -10,15 +10,17 @@ from bridge_bench import TWIST, Bench, Client
 from telex_msgs.msg import Radio, SimStatus
 from telex_msgs.srv import ConfigureLinkRequest
 from waiting import wait_until_async
-from web_fakes import LINK_CONFIGURE, on_loop
+from web_fakes import LINK_CONFIGURE, LINK_STATE, FakeRos, on_loop
 
 from telex_control.common.params import ConfigError
+from telex_teleop.web.bridge.clients.access import Access
 from telex_teleop.web.bridge.link.link_service import (
     LinkService,
     initial_setting,
 )
 from telex_teleop.web.line.fields import PERFECT, LineFields
 from telex_teleop.web.line.profiles import LineSetting, Profiles
+from telex_teleop.web.rights import Rights
 from telex_teleop.web.workers import in_own_thread
 
 DRIVE = "/telex/track_teleop/cmd_vel"
@@ -158,6 +160,19 @@ async def test_reset_and_e_stop_call_commands_back():
         link.bench.ros.time = 101.0
         await asyncio.sleep(0.15)
         assert not [topic for topic, _ in link.bench.ros.published if topic == DRIVE]
+
+
+def test_the_line_is_set_by_instructors_alone_and_without_control():
+    rights = Rights.read()
+    operator, instructor = (
+        Access(rights, FakeRos().resolve, "e_stop", instructor=each) for each in (False, True)
+    )
+    assert not operator.allows("call", LINK_CONFIGURE)
+    assert operator.allows("subscribe", LINK_STATE)
+    assert instructor.allows("call", LINK_CONFIGURE)
+    assert not instructor.needs_control("call", LINK_CONFIGURE)
+    for use, name in (("publish", LINK_STATE), ("serve", LINK_CONFIGURE)):
+        assert not instructor.allows(use, name)
 
 
 def test_the_line_at_the_start_is_that_of_the_parameter_or_of_a_node_that_crashed():
