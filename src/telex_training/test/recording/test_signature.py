@@ -11,6 +11,7 @@ from recorded_trials import judged_trial, record
 
 from telex_training.command_lines.score import main as score
 from telex_training.progress.index import ProgressIndex
+from telex_training.progress.reports.person_report import person_report
 from telex_training.progress.trial_facts import read_trial
 from telex_training.recording import station_keys
 from telex_training.recording.amending import amend
@@ -36,6 +37,7 @@ from telex_training.recording.station_keys import (
 )
 from telex_training.recording.trial_file import SHEET, input_entry, signature_of
 from telex_training.recording.writer import Attachment, RecordingWriter
+from telex_training.ros.library import Library
 
 NOTE = {"input": "note", "text": "looks back too late", "by": "instructor"}
 RATING = {"input": "tlx", "values": [10.0] * 6}
@@ -202,6 +204,18 @@ def test_an_exam_without_a_signature_is_none(tmp_path, capsys):
     capsys.readouterr()
     assert score(["--verify", str(tmp_path / "none.mcap")]) == 1
     assert "No such file" in capsys.readouterr().err
+
+
+def test_reports_and_sheets_say_what_a_signature_is_worth(exam):
+    unsigned = record(exam.parent, "bob", mode="exam")
+    library = Library(exam.parent)
+    assert library.signature(exam.stem) == "valid, signed by this station"
+    assert library.signature(unsigned.stem) == "no signature"
+    assert library.signature("none") is None
+    index = ProgressIndex(exam.parent)
+    index.refresh()
+    for name, shown in (("ann", "<td>exam</td>"), ("bob", "<td>exam, no signature</td>")):
+        assert shown in person_report(name, index.trials(name), [], 0.0)
 
 
 def test_marks_ratings_and_pseudonyms_keep_a_valid_signature_and_make_none(tmp_path):
