@@ -72,8 +72,6 @@ async function start() {
       exercises.list();
       bookmarks.list();
       overview.connected();
-      linePanel.connected();
-      malfunctions.connected();
     },
     lost: (reason) => {
       status.forgetSim();
@@ -140,7 +138,10 @@ async function start() {
     throttle = 0,
   ) => bridge.subscribe({ topic: topic(name), type, throttle, heard });
   const line = new Line((sentence, level) => status.log(sentence, level));
-  listen(LINK_STATE.topic, LINK_STATE.type, (message) => line.hear(message));
+  listen(LINK_STATE.topic, LINK_STATE.type, (message) => {
+    line.hear(message);
+    linePanel.hear(message);
+  });
   listen("sim/status", TYPES.simStatus, (message) => {
     sim = message;
     if (status.isOtherWorld(message)) cameras.newScene();
@@ -179,6 +180,7 @@ async function start() {
   roster.subscribe();
   overview.subscribe();
   examList.subscribe();
+  malfunctions.subscribe();
   training.subscribe((state) => {
     strip.show(state);
     exercises.show(state);

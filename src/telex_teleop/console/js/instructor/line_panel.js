@@ -3,9 +3,7 @@
 
 import { onClick } from "../buttons.js";
 import { byId, element, setText } from "../panels.js";
-import { WhenOffered } from "./offered.js";
 
-const STATE = "telex_msgs/LinkState";
 /** Profiles of the shipped file, and how a button calls them. @type {[string, string, string][]} */
 const PROFILES = [
   ["perfect", "perfect", "nothing is impaired"],
@@ -18,15 +16,7 @@ const PROFILES = [
   ["by_distance", "distance", "as the radio signal is where the robot stands"],
 ];
 
-/**
- * @typedef {object} LinkState  telex_msgs/LinkState, what is used of it
- * @property {string} profile
- * @property {number} delay  s, one way
- * @property {number} jitter  s
- * @property {number} loss  0 to 1
- * @property {number} bandwidth  bit/s; 0: unlimited
- * @property {boolean} outage
- */
+/** @typedef {import("../line.js").LinkState} LinkState */
 
 /** Shown once somebody tells of a line. */
 export class LinePanel {
@@ -43,16 +33,10 @@ export class LinePanel {
     this._warn = warn;
     this._profile = "";
     this._offered = "";
-    this._state = new WhenOffered(bridge, { topic: topic("link/state"), type: STATE, throttle: 200, heard: (state) => this._show(state) });
-  }
-
-  /** To be called after every new connection. */
-  connected() {
-    this._state.connected();
   }
 
   /** @param {LinkState} state */
-  _show(state) {
+  hear(state) {
     byId("line-panel").hidden = false;
     this._profile = state.profile;
     setText(byId("line-note"), lineText(state));
@@ -93,7 +77,10 @@ export class LinePanel {
   }
 }
 
-/** What the line does to what passes it. @param {LinkState} state */
+/**
+ * What the line does to what passes it.
+ * @param {Pick<LinkState, "delay" | "jitter" | "loss" | "bandwidth" | "outage">} state
+ */
 export function lineText({ delay, jitter, loss, bandwidth, outage }) {
   if (outage) return "nothing passes now";
   const parts = [];

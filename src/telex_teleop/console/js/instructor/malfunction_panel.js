@@ -3,7 +3,6 @@
 
 import { onClick } from "../buttons.js";
 import { byId, element, setText } from "../panels.js";
-import { WhenOffered } from "./offered.js";
 
 const TYPE = "telex_msgs/Malfunctions";
 const BEGUN = ["preparing", "waiting", "running", "between"];
@@ -46,15 +45,13 @@ export class MalfunctionPanel {
     /** @type {Active[]} */
     this._active = [];
     this._waiting = new AtNextStep();
-    this._told = new WhenOffered(bridge, { topic: topic("sim/malfunctions"), type: TYPE, throttle: 0, heard: (message) => this._hear(message) });
     onClick(byId("malfunction-now"), () => this._injectNow());
     onClick(byId("malfunction-next"), () => this._injectLater());
     this._what.addEventListener("change", () => this._showRange());
   }
 
-  /** To be called after every new connection. */
-  connected() {
-    this._told.connected();
+  subscribe() {
+    this._bridge.subscribe({ topic: this._topic("sim/malfunctions"), type: TYPE, throttle: 0, heard: (message) => this._hear(message) });
   }
 
   get _what() {
