@@ -339,3 +339,56 @@ def test_one_may_take_the_place_of_another_so_that_many_do_not_push_all_out(benc
     assert bookmarks.names() == [*(f"mark {number}" for number in range(1, MOST)), "step 19"]
     with pytest.raises(ConfigError, match="'step 18' has ended: 'step 19' has taken its place"):
         bookmarks.restore("step 18")
+
+
+def test_a_reset_leads_to_the_same_each_time_and_fills_no_world_anew(bench):
+    bench = bench(world="manipulation_bench")
+    simulation = bench.simulation
+    changes, start = simulation.changes, simulation.link_poses()
+    latch = simulation.objects.latches()[0].latch
+    monitor = StabilityMonitor(simulation.robots[0])
+    simulation.robots[0].watchers = (monitor,)
+    runs = []
+    for _ in range(2):
+        bench.work(0.5)
+        monitor.observe(simulation.time)
+        latch.release()
+        before = simulation.time
+        simulation.reset()
+        assert simulation.time == before
+        assert simulation.link_poses() == pytest.approx(start, abs=1e-6)
+        assert latch.holds
+        simulation.hw.read(simulation.time, 0.002)
+        # What PyBullet tells of the forces of before counts no more.
+        assert {simulation.hw.joint_state(name).effort for name in bench.offline.positions()} == {0}
+        runs.append(bench.work(0.5))
+        monitor.observe(simulation.time)
+    assert runs[0] == runs[1]
+    assert simulation.changes == changes
+
+
+def test_a_reset_fills_the_world_anew_where_objects_or_robots_have_come_or_gone(bench):
+    bench = bench(world="floor")
+    simulation = bench.simulation
+    simulation.spawn(simulation.plan(CRATE, "crate"))
+    for anew in (True, False):
+        before = simulation.changes
+        simulation.reset()
+        assert simulation.objects.objects() == []
+        assert (simulation.changes != before) == anew
+    bench.bookmarks.save("there")
+    simulation.reset()
+    assert bench.bookmarks.restore() == "there"
+
+
+def test_an_emergency_stop_outlives_a_reset(bench):
+    bench = bench(world="floor")
+    bench.work(0.5)
+    bench.simulation.request_e_stop(True)
+    bench.offline.run(0.1)
+    bench.simulation.reset()
+    place = bench.robot.base_pose()[0]
+    bench.robot.drive(0.3, 0.0)
+    bench.offline.run(0.3)
+    assert bench.simulation.hw.e_stop
+    assert math.dist(bench.robot.base_pose()[0], place) < 5e-3

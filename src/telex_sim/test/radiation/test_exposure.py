@@ -144,6 +144,36 @@ class TestExposure:
         again = exposure.observe(simulation)
         assert (again.total, again.cameras[0].dose, again.cameras[1].dose) == (0.5, 0.0, 40.0)
 
+    def test_a_bookmark_brings_doses_back(self, started):
+        offline = started(SCENE + "history: {front: 10, gripper: 120}\n")
+        simulation, exposure = offline.simulation, exposed(offline.simulation)
+        simulation.robots[0].watchers = (exposure,)
+        exposure.observe(simulation)
+        offline.run(0.5)
+        before = exposure.observe(simulation)
+        saved = simulation.save_state()
+        offline.run(1.0)
+        assert exposure.observe(simulation).total > before.total
+        for spoil in (lambda: offline.run(0.1), simulation.reset):
+            spoil()
+            simulation.restore_state(saved)
+            assert exposure.observe(simulation) == before
+        # What is received from then on comes to it: nothing of the time in between.
+        offline.run(1.0)
+        later = exposure.observe(simulation)
+        assert later.total == pytest.approx(before.total + later.hull_rate / 3600.0, rel=1e-3)
+
+    def test_a_bookmark_of_before_the_first_look_begins_with_the_history(self, started):
+        offline = started(SCENE + "history: {robot: 0.5}\n")
+        simulation, exposure = offline.simulation, exposed(offline.simulation)
+        simulation.robots[0].watchers = (exposure,)
+        saved = simulation.save_state()
+        exposure.observe(simulation)
+        offline.run(1.0)
+        exposure.observe(simulation)
+        simulation.restore_state(saved)
+        assert exposure.observe(simulation).total == 0.5
+
     def test_a_camera_dies_of_its_dose_alone_and_is_new_in_another_scene(self, started, caplog):
         offline = started(SCENE + "history: {gripper: 120}\n")
         simulation, exposure = offline.simulation, exposed(offline.simulation)

@@ -18,6 +18,7 @@ from telex_control.hardware.hardware_interface import EffortJointInterface
 from telex_control.ros.local_node_handle import LocalNodeHandle
 from telex_control.urdf.joints import MOVABLE, UrdfError, joints, parse_urdf
 from telex_control.urdf.model import read_xml
+from telex_sim.engine.bookmarks import Bookmarks
 from telex_sim.engine.simulation import Simulation
 from telex_sim.engine.simulator_config import RobotConfig, SimulatorConfig
 from telex_sim.robot.model import robot_model
@@ -311,6 +312,65 @@ def test_a_reset_puts_added_robots_back_to_the_last_bit(robot, kuka):
     simulation.reset()
     telex.run(0.1)
     assert simulation.link_poses() == fresh
+
+
+def states(simulation):
+    """Poses of all that moves, and what is measured of all joints."""
+    measured = [
+        (state.position, state.velocity, state.effort)
+        for robot in simulation.robots
+        for state in map(robot.hw.joint_state, robot.hw.joint_positions())
+    ]
+    return simulation.link_poses(), measured
+
+
+def require_bookmark(simulation, command):
+    """Set a bookmark while something moves, go back twice, and do the same again."""
+    bookmarks = Bookmarks(simulation)
+    command()
+    run(simulation, 0.3)
+    there = simulation.link_poses()
+    bookmarks.save("there")
+    ends = []
+    for _ in range(2):
+        run(simulation, 0.4)
+        bookmarks.restore("there")
+        assert simulation.link_poses() == pytest.approx(there, abs=1e-9)
+        command()
+        run(simulation, 0.4)
+        ends.append(states(simulation))
+    assert ends[0][0] != pytest.approx(there, abs=1e-3)
+    assert ends[0] == ends[1]
+
+
+def test_a_bookmark_holds_for_one_with_a_fixed_base(alone, kuka):
+    simulation, node = alone(*kuka, model="kuka")
+    require_bookmark(simulation, lambda: command_kuka(node))
+
+
+def test_a_bookmark_holds_for_one_without_tracks(alone, husky):
+    place = (0.0, 0.0, 0.15, 0.0)
+    simulation, node = alone(*husky, model="husky", place=place, fixed_base=False)
+    require_bookmark(simulation, lambda: drive(node, 0.8, 0.3))
+    simulation.reset()
+    assert simulation.body.base_pose()[0] == pytest.approx(place[:3], abs=1e-6)
+
+
+def test_a_bookmark_holds_for_all_robots_of_a_simulator(robot, kuka, panda):
+    simulation = robot().simulation
+    _, first = beside(simulation, kuka)
+    _, second = beside(simulation, panda, "/panda", (-2.0, 0.0, 0.0, 0.0))
+
+    def command():
+        command_kuka(first)
+        command_panda(second)
+
+    require_bookmark(simulation, command)
+    bookmarks = Bookmarks(simulation)
+    bookmarks.save("before")
+    simulation.remove_robot("/panda")
+    with pytest.raises(ConfigError, match="'before' has ended: robot 'panda' was removed"):
+        bookmarks.restore("before")
 
 
 def test_same_inputs_give_bit_identical_states_of_all_robots(alone, kuka):

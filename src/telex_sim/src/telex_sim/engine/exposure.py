@@ -9,6 +9,7 @@ from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Tup
 import numpy as np
 
 from telex_control.common.geometry.matrices import rotation_matrix
+from telex_control.common.stateful import Stateful
 
 from ..radiation.dosimetry import ROBOT, Doses, DosimetryConfig
 from ..robot.robot import Robot
@@ -58,8 +59,10 @@ class Readings(NamedTuple):
         return (hull, *self.cameras, *self.electronics)
 
 
-class Exposure:
+class Exposure(Stateful):
     """Sums up what a robot receives; in the simulation's thread.
+
+    As a watcher of the robot it goes back to a bookmark with it: doses are of the world's history.
 
     The brakes of drives whose electronics have died of it hold until the doses are set back.
 
@@ -86,6 +89,27 @@ class Exposure:
         self._detector = ""
         self._dead: List[str] = []
 
+    def save_state(self) -> Any:
+        """Return the present state; None before the first look, and where nothing is told."""
+        doses = self._doses
+        if doses is None:
+            return None
+        # What is taken up is replaced, never changed; `_dead` grows.
+        parts = self._cameras, self._electronics, self._lives, self._links, self._detector
+        return parts, list(self._dead), doses.save_state()
+
+    def restore_state(self, saved: Any, elapsed: float) -> None:
+        """Take a state up again; see `Stateful.restore_state`."""
+        self._doses, self._begun = None, -1  # it begins anew, with what was received before
+        if saved is None:
+            return
+        self._begun = self._robot.starts
+        parts, dead, doses = saved
+        self._cameras, self._electronics, self._lives, self._links, self._detector = parts
+        self._dead = list(dead)
+        self._doses = Doses([0.0] * len(self._links))
+        self._doses.restore_state(doses, elapsed)
+
     def observe(self, simulation: Simulation) -> Optional[Readings]:
         """Expose the robot to the field until now.
 
@@ -95,7 +119,7 @@ class Exposure:
             None where there is nothing to tell; when that begins, all is told as 0 once.
         """
         field = simulation.radiation
-        if self._begun != simulation.starts:
+        if self._begun != self._robot.starts:
             before = self._doses
             self._begin(simulation, field)
             if self._doses is None and before is not None:
@@ -117,7 +141,7 @@ class Exposure:
 
     def _begin(self, simulation: Simulation, field: Optional[SceneField]) -> None:
         """Set the doses back to what configuration and scene say of before."""
-        self._begun = simulation.starts
+        self._begun = self._robot.starts
         history = {**self._robot.config.dosimetry.history, **simulation.scene.history}
         self._doses = None
         detector = self._robot.config.dosimetry.detector

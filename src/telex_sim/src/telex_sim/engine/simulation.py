@@ -75,8 +75,6 @@ class Simulation:
         it is the same.
     last_change : str
         What the last time was, in words.
-    starts : int
-        How often the scene was put where it begins.
 
     Raises
     ------
@@ -105,7 +103,10 @@ class Simulation:
         self._altered = False
         # Of the bodies that there were at a number of `changes`.
         self._bodies: Optional[Tuple[int, WorldState]] = None
-        self.starts = 0
+        # Number of `changes` since which the constraints of latches come last.
+        self._ordered = -1
+        # What a reset puts back: structure, steps, bodies, objects.
+        self._start: Optional[Tuple[int, int, Any, Any]] = None
         self._field: Tuple[int, Optional[SceneField]] = (-1, None)
         self._assets = Assets()
         self.robots: Tuple[Robot, ...] = ()
@@ -172,11 +173,14 @@ class Simulation:
 
     def _fill_world(self) -> None:
         """Put the scene and the robots into an empty world."""
-        self.starts += 1
         self._load_scene()
         for robot in self.robots:
             robot.place(self.world, self.scene.start, self.objects.material)
         self._name_bodies()
+        bodies, objects = self._world_state().save_state(), self.objects.save_state()
+        self._start = (self.structure, self.steps, bodies, objects)
+        # What is put back differs by its rounding: so it is the same from the first time on.
+        self._put_back()
 
     def _check_start(self) -> None:
         """Refuse a start that would throw objects or the robot; a reset leads back to it.
@@ -286,10 +290,27 @@ class Simulation:
             robot.idle(self.time)
 
     def reset(self) -> None:
-        """Put everything back to where it began; time goes on."""
+        """Put everything back to where it began; time goes on.
+
+        The world is filled anew only where objects or robots have come or gone since it was.
+        """
         if self._altered:
             self._note_change("a reset brought back what was loaded")
-        self._refill()
+        assert self._start is not None
+        if self._start[0] == self.structure:
+            self._put_back()
+            self._reset_controllers()
+        else:
+            self._refill()
+
+    def _put_back(self) -> None:
+        """Put bodies, objects and robots to where they began; all of them are there."""
+        assert self._start is not None
+        _, steps, bodies, objects = self._start
+        self._world_state().restore_state(bodies)
+        self._restore_objects(objects, (self.steps - steps) * self._step_size)
+        for robot in self.robots:
+            robot.put_back()
 
     def _note_change(self, words: str) -> None:
         self.structure += 1
@@ -299,6 +320,9 @@ class Simulation:
         self._altered = False
         self.world.clear()
         self._fill_world()
+        self._reset_controllers()
+
+    def _reset_controllers(self) -> None:
         for robot in self.robots:
             robot.controllers.reset(self.time)
 
@@ -309,6 +333,9 @@ class Simulation:
         mechanisms; of each robot its drives, brakes, sensors, belts, controllers and watchers.
         """
         bodies = self._world_state()
+        if self._ordered != self.changes:
+            # So that restores change no other constraint's place.
+            self._restore_objects(self.objects.save_state(), 0.0)
         return (
             self.steps,
             bodies.save_state(),
@@ -332,7 +359,7 @@ class Simulation:
         self.steps += (steps - self.steps) % self._steps_per_cycle
         now, elapsed = self.time, (self.steps - steps) * self._step_size
         self._world_state().restore_state(bodies)
-        self.objects.restore_state(objects, elapsed)
+        self._restore_objects(objects, elapsed)
         for robot in self.robots:
             robot.restore_state(robots[robot], now, elapsed)
 
@@ -340,9 +367,12 @@ class Simulation:
         """What saves and restores the bodies that there are now."""
         if self._bodies is None or self._bodies[0] != self.changes:
             self._bodies = (self.changes, WorldState(self.world.client, self.world.bodies()))
-            # So that the constraints of latches come last, and restores change no other's place.
-            self.objects.restore_state(self.objects.save_state(), 0.0)
         return self._bodies[1]
+
+    def _restore_objects(self, saved: Any, elapsed: float) -> None:
+        """Let objects take a state up again; the constraints of latches come last then."""
+        self.objects.restore_state(saved, elapsed)
+        self._ordered = self.changes
 
     def plan_robot(self, config: RobotConfig, urdf: str, node: NodeHandle) -> Robot:
         """Prepare a robot for `add_robot`; may be called from any thread.

@@ -9,6 +9,7 @@ from typing import Collection, Dict, List, Mapping, Optional, Sequence, Tuple
 import numpy as np
 
 from telex_control.common.params import require, require_range
+from telex_control.common.stateful import Stateful
 
 ROBOT = "robot"
 """Name of the hull's place among those with a history of dose."""
@@ -157,7 +158,7 @@ class DosimetryConfig:
         return mean * (1.0 + self.spread * float(generator.uniform(-1.0, 1.0)))
 
 
-class Doses:
+class Doses(Stateful):
     """Doses of several places, summed up over time.
 
     Parameters
@@ -172,6 +173,9 @@ class Doses:
     doses : numpy.ndarray
         Until then (Gy).
     """
+
+    SAVED = ("doses", "rates")
+    SAVED_TIMES = ("_time",)
 
     def __init__(self, received: Sequence[float]) -> None:
         self.doses = np.array(received, dtype=float)

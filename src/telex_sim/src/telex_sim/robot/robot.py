@@ -77,6 +77,8 @@ class Robot:
         Once it is placed.
     watchers : tuple of Stateful
         What looks at it from outside, and remembers what it saw.
+    starts : int
+        How often it was put where it begins.
 
     Raises
     ------
@@ -91,6 +93,7 @@ class Robot:
     ledger: Optional[ContactLedger] = None
     held: Tuple[int, ...] = ()
     watchers: Tuple[Stateful, ...] = ()
+    starts: int = 0
 
     def __init__(
         self,
@@ -201,12 +204,29 @@ class Robot:
         self.malfunctions.forget()
         self.body = self.figure.load(world, scene_start, self._positions, self._resolve)
         self.proximity = ProximityMonitor(self.body, config.proximity, config.self_collision)
+        self.hw.attach(self.body)
+        self._material_of = material_of
+        self._begin()
+
+    def put_back(self) -> None:
+        """Begin anew where it was placed; its body is there already."""
+        self.malfunctions.forget()
+        for joint in self.body.wheels:
+            self.body.wheels[joint] = 0.0
+        self.hw.restart()
+        self.held = ()
+        if self.ledger is not None:
+            self.ledger.forget()
+        self._begin()
+
+    def _begin(self) -> None:
+        config = self.config
+        self.starts += 1
         self.gripper_contacts = (
             GripperContacts(self.body, config.gripper_contact) if self._has_pads else None
         )
-        self.hw.attach(self.body)
         drives = {joint: self.hw.drive(joint) for joint in config.tracks.belts}
-        self.tracks = Tracks(self.body, config.tracks, drives, self._step_size, material_of)
+        self.tracks = Tracks(self.body, config.tracks, drives, self._step_size, self._material_of)
 
     def start_from(self, positions: Dict[str, float]) -> None:
         """Have the joints start from other positions the next time that it is placed."""

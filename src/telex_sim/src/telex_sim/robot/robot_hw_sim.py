@@ -320,17 +320,27 @@ class RobotHWSim(RobotHW, Stateful):
         self._surfaces.apply(body)
         self._indices = [drive.index for drive in self._moved]
         self._indices += [body.joints[name] for name in self._watched]
+        self.restart()
+        self._loosen(body)
+        self._gear(body)
+
+    def restart(self) -> None:
+        """Begin anew, at rest where the body is; claims and the emergency stop stay."""
+        body = self._body
+        assert body is not None
         for imu in self.imus:
             imu.attach(body)
         for belt in self._belts:
             state = self._joints[belt].state
             state.position, state.velocity, state.effort = 0.0, 0.0, 0.0
+        # Until the next step PyBullet tells forces of before.
+        still = [0.0] * len(self._read_handles())
+        self._efforts = still
         self.read(0.0, 0.0)
+        self._efforts = still
         for drive in self._all:
             drive.reset()
         self._set_brakes()
-        self._loosen(body)
-        self._gear(body)
 
     def _add_armature(self, drive: Drive) -> None:
         """Add the drive's inertia to its link.

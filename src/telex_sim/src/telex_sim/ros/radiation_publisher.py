@@ -23,9 +23,11 @@ class RadiationPublisher:
 
     def __init__(self, robot: Robot) -> None:
         namespace = robot.namespace
+        self._robot = robot
         self._exposure = Exposure(
             robot, lambda: rospy.get_param(f"{namespace}/cameras/cameras", {})
         )
+        robot.watchers = (*robot.watchers, self._exposure)
         self._starts = -1
         self._tells = False
         self._dosimeter = rospy.Publisher(f"{namespace}/dosimeter", Dosimeter, queue_size=1)
@@ -46,8 +48,8 @@ class RadiationPublisher:
         readings = self._exposure.observe(simulation)
         if readings is None:
             return
-        self._tells = not self._tells or simulation.starts != self._starts
-        self._starts = simulation.starts
+        self._tells = not self._tells or self._robot.starts != self._starts
+        self._starts = self._robot.starts
         if not self._tells:
             return
         cameras = CameraRadiation(

@@ -105,7 +105,7 @@ class RobotPresence:
             if not robot.config.tracks.belts or robot.config.fixed_base:
                 return
             self._monitor = StabilityMonitor(robot)
-            robot.watchers = (self._monitor,)
+            robot.watchers = (*robot.watchers, self._monitor)
         self._monitor.observe(time)
 
     def _state(self) -> Tuple[bool, bool, bool]:

@@ -105,7 +105,8 @@ class StabilityMonitor(Stateful):
         self._begin(robot.body)
 
     def _begin(self, body: Body) -> None:
-        """Watch `body`, which stands for the robot in a new world."""
+        """Watch `body`, which stands where the robot begins."""
+        self._starts = self._robot.starts
         self._attach(body)
         config = self._robot.config.stability
         self._tip_over = TipOverDetector(config)
@@ -173,6 +174,7 @@ class StabilityMonitor(Stateful):
         """Take a state up again; see `Stateful.restore_state`."""
         if self._robot.body is not self._body:
             self._begin(self._robot.body)
+        self._starts = self._robot.starts
         super().restore_state(saved, elapsed)
         if self._momentum is not None:
             time, momentum, turning = self._momentum
@@ -181,7 +183,7 @@ class StabilityMonitor(Stateful):
     def observe(self, time: float) -> None:
         """Look at attitude and progress at `time` (s); to be called at a steady rate."""
         robot = self._robot
-        if robot.body is not self._body:  # the world was filled anew
+        if robot.starts != self._starts:
             self._begin(robot.body)
         position, orientation = robot.body.base_pose()
         rotation = _rotation(orientation)
@@ -207,7 +209,7 @@ class StabilityMonitor(Stateful):
 
     def margin(self, time: float) -> Margin:
         """How far the robot is from tipping over at `time` (s)."""
-        if self._robot.body is not self._body:
+        if self._robot.starts != self._starts:
             self._begin(self._robot.body)
         position, orientation = self._body.base_pose()
         base = _rotation(orientation)
