@@ -110,11 +110,10 @@ def test_a_zone_outside_of_the_scene_is_named(zone, said):
 
 
 def test_what_holds_in_some_settings_alone_is_said_with_them():
-    settings = "{name: a}, {name: b, objects: {gap: {gap: 0.2}}}, {name: c, history: {arm: 4}}"
+    settings = "{name: a}, {name: b, objects: {gap: {gap: 0.2}}}, {name: c}"
     more = f"settings: [{settings}]\n"
     found = findings(BEGIN + STEPS + more)
     assert any(finding.startswith("note: setting a, c: scene (gap)") for finding in found)
-    assert any(finding.startswith("note: setting c: history") for finding in found)
 
 
 def test_what_the_variant_lacks_and_a_robot_without_room_are_named():
