@@ -195,7 +195,7 @@ class TestCommand:
         self, tmp_path: Path, capsys: pytest.CaptureFixture
     ) -> None:
         assert self.run(tmp_path, "--seeds", "1") == 0
-        sheet = tmp_path / "cones_3" / "perfect" / "1.json"
+        sheet = tmp_path / "cones_3" / "own" / "1.json"
         before, made = sheet.read_bytes(), sheet.stat().st_mtime_ns
         capsys.readouterr()
         assert self.run(tmp_path, "--seeds", "2", "--record", "1") == 0
@@ -204,12 +204,12 @@ class TestCommand:
         assert "0 of 2 passed" in printed.out
         assert "gave up: setting cones_3: no way through" in printed.out
         assert (sheet.read_bytes(), sheet.stat().st_mtime_ns) == (before, made)
-        recording = tmp_path / "rehearsal_slalom_cones_3_perfect_1.mcap"
+        recording = tmp_path / "rehearsal_slalom_cones_3_own_1.mcap"
         assert trial_of(read_recording(recording))[0].seed == 1
         # The same trial in another folder is the same bytes.
         other = tmp_path / "other"
         assert self.run(other, "--seeds", "1-1", "--compare", str(tmp_path), "--json") == 0
-        assert (other / "cones_3" / "perfect" / "1.json").read_bytes() == before
+        assert (other / "cones_3" / "own" / "1.json").read_bytes() == before
 
     def test_an_operator_that_breaks_is_named_and_tried_again(
         self, tmp_path: Path, capsys: pytest.CaptureFixture
@@ -239,7 +239,11 @@ class TestCommand:
     def test_unknown_names_are_refused(self, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
         assert rehearse.main(["swimming"]) == 2
         assert self.run(tmp_path, "--settings", "cones_99") == 2
-        assert "cones_99" in capsys.readouterr().err
+        assert self.run(tmp_path, "--lines", "perfect,string") == 2
+        assert self.run(tmp_path, "--lines", "by_distance") == 2
+        said = capsys.readouterr().err
+        for word in ("cones_99", "'string'; known are perfect", "does not go by the signal"):
+            assert word in said
 
 
 def test_a_job_travels_as_plain_data() -> None:

@@ -11,6 +11,8 @@ from collections import defaultdict
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
+from telex_control.common.params import ConfigError
+
 from ..exercises.catalog import find_exercise
 from ..exercises.exercise_file import ExerciseError, ExerciseFile, load_exercise
 from ..recording.trial_file import Trial
@@ -26,16 +28,26 @@ from ..rehearsal.jobs import (
     run,
     software_digest,
 )
+from ..rehearsal.line_port import line_setting
 from ..rehearsal.outcomes import Change, Run, change, provisional, run_of, summarised, worst
 from ..rehearsal.recorded import record
 from ..rehearsal.store import About, Store, StoreError
 
 FOLDER = "~/.ros/telex_rehearsals"
-PERFECT = "perfect"
+OWN = "own"
+"""Name of the line that the exercise asks for."""
 _SEEDS = 20
 _WORST = 5
 _MOST_SEEDS = 100_000
-_ERRORS = (CrewError, ExerciseError, OperatorError, RecordingError, StoreError, OSError)
+_ERRORS = (
+    ConfigError,
+    CrewError,
+    ExerciseError,
+    OperatorError,
+    RecordingError,
+    StoreError,
+    OSError,
+)
 
 Outcomes = Dict[Tuple[str, str], Dict[int, Outcome]]
 """By setting and line, then by seed."""
@@ -80,6 +92,14 @@ def _parser() -> argparse.ArgumentParser:
         default=[],
         metavar="NAMES",
         help="with commas between, or all; default: the first",
+    )
+    parser.add_argument(
+        "--lines",
+        type=_names,
+        default=[OWN],
+        metavar="NAMES",
+        help="profiles of the line to the robot, with commas between, e.g. perfect,300; default: "
+        f"{OWN}, what the exercise asks for",
     )
     parser.add_argument(
         "--workers",
@@ -162,16 +182,20 @@ def _rehearse(given: argparse.Namespace) -> int:
     file = load_exercise(find_exercise(given.exercise))
     settings = _settings(file, given.settings)
     find_operator(given.operator, file.first.name)
+    for setting in settings:
+        for line in given.lines:
+            line_setting(file.setting(setting), "" if line == OWN else line)
     about = About(file.first.name, file.first.sha256, given.operator, software_digest())
     before = None if given.compare is None else Store.open(given.compare.expanduser())
     folder = given.out or Path(FOLDER) / f"{about.exercise}-{about.sha256[:8]}-{about.software[:8]}"
     store = Store.begin(folder.expanduser(), about)
     jobs = [
-        Job(str(file.path), file.text, setting, seed, given.operator)
+        Job(str(file.path), file.text, setting, seed, given.operator, "" if line == OWN else line)
         for setting in settings
+        for line in given.lines
         for seed in given.seeds
     ]
-    left = [job for job in jobs if store.get(job.setting, PERFECT, job.seed) is None]
+    left = [job for job in jobs if store.get(job.setting, job.line or OWN, job.seed) is None]
     progress = _Progress(len(jobs), len(jobs) - len(left), store)
     try:
         _do(left, given, progress.done)
@@ -182,9 +206,9 @@ def _rehearse(given: argparse.Namespace) -> int:
     progress.end()
     found: Outcomes = defaultdict(dict)
     for job in jobs:
-        outcome = store.get(job.setting, PERFECT, job.seed)
+        outcome = store.get(job.setting, job.line or OWN, job.seed)
         if outcome is not None:
-            found[job.setting, PERFECT][job.seed] = outcome
+            found[job.setting, job.line or OWN][job.seed] = outcome
     _report(given, store, found)
     if before is not None:
         _compare(before, found)
@@ -230,12 +254,13 @@ class _Progress:
         """Take the outcome of a job, or why there is none."""
         self._at += 1
         if outcome is None:
-            problem = f"setting {job.setting!r}, seed {job.seed}: {type(error).__name__}: {error}"
+            where = f"setting {job.setting!r}, line {job.line or OWN}, seed {job.seed}"
+            problem = f"{where}: {type(error).__name__}: {error}"
             self.problems.append(problem)
             self.end()
             _warn(problem)
         else:
-            self._store.put(job.setting, PERFECT, job.seed, outcome)
+            self._store.put(job.setting, job.line or OWN, job.seed, outcome)
             self._passed += run_of(job.seed, outcome).passed
         share = 10 * self._at // self._total
         if self._live or share > self._shown:
@@ -336,7 +361,8 @@ def _record(given: argparse.Namespace, file: ExerciseFile, store: Store, found: 
     for (setting, line), outcomes in found.items():
         runs = [run_of(seed, outcome) for seed, outcome in sorted(outcomes.items())]
         for each in worst(runs, given.record):
-            job = Job(str(file.path), file.text, setting, each.seed, given.operator)
+            own = "" if line == OWN else line
+            job = Job(str(file.path), file.text, setting, each.seed, given.operator, own)
             trial, _ = rehearse_job(job)
             name = f"rehearsal_{store.about.exercise}_{setting}_{line}_{each.seed}"
             about = Trial(

@@ -41,6 +41,8 @@ class Job:
     seed : int
     operator : str
         `SCRIPTED`, or ``MODULE:FUNCTION``.
+    line : str
+        Profile of the line to the robot; empty: what the exercise asks for.
     """
 
     path: str
@@ -48,6 +50,7 @@ class Job:
     setting: str
     seed: int
     operator: str = SCRIPTED
+    line: str = ""
 
 
 @dataclass(frozen=True)
@@ -76,7 +79,8 @@ def rehearse_job(job: Job) -> Tuple[RehearsedTrial, str]:
     """Rehearse a trial; see `rehearse_to_end`."""
     file = parse_exercise(job.text, Path(job.path))
     exercise = spread(file.setting(job.setting))
-    return rehearse_to_end(exercise, find_operator(job.operator, exercise.name), job.seed)
+    operator = find_operator(job.operator, exercise.name)
+    return rehearse_to_end(exercise, operator, job.seed, job.line)
 
 
 def find_operator(name: str, exercise: str) -> Expert:

@@ -8,6 +8,7 @@ import tempfile
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from random import Random
 from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple
 
 import genpy
@@ -37,7 +38,7 @@ from ..operators.handling import Hand
 from ..operators.port import Command, NotManagedError
 from ..operators.station import Station
 from ..ros.commands import message_of
-from .teleop import OfflineTeleop
+from .line_port import LineTeleop, line_setting
 
 _SETTLING = 0.2
 """Between the inputs and the expert, and for how long the robot stands before (s)."""
@@ -93,7 +94,9 @@ def rehearsed(exercise: Exercise, expert: Expert, seed: int) -> RehearsedTrial:
     return trial
 
 
-def rehearse_to_end(exercise: Exercise, expert: Expert, seed: int) -> Tuple[RehearsedTrial, str]:
+def rehearse_to_end(
+    exercise: Exercise, expert: Expert, seed: int, line: str = ""
+) -> Tuple[RehearsedTrial, str]:
     """Let an expert do one repetition of an exercise; who gives up has failed.
 
     Parameters
@@ -102,6 +105,8 @@ def rehearse_to_end(exercise: Exercise, expert: Expert, seed: int) -> Tuple[Rehe
         In one of its settings.
     expert : callable
     seed : int
+    line : str
+        See `line_setting`.
 
     Returns
     -------
@@ -109,7 +114,7 @@ def rehearse_to_end(exercise: Exercise, expert: Expert, seed: int) -> Tuple[Rehe
         The trial, which has ended, and why the expert gave up; empty: he did not.
     """
     problem = ""
-    with rehearsed_trial(exercise, seed) as trial:
+    with rehearsed_trial(exercise, seed, line) as trial:
         trial.begin()
         try:
             trial.perform(expert)
@@ -120,11 +125,11 @@ def rehearse_to_end(exercise: Exercise, expert: Expert, seed: int) -> Tuple[Rehe
 
 
 @contextmanager
-def rehearsed_trial(exercise: Exercise, seed: int) -> Iterator[RehearsedTrial]:
+def rehearsed_trial(exercise: Exercise, seed: int, line: str = "") -> Iterator[RehearsedTrial]:
     """Make a trial of one repetition, whose simulation ends with the context."""
     single = replace(exercise, repetitions=replace(exercise.repetitions, most=1, least=1))
     with tempfile.TemporaryDirectory() as folder:
-        trial = RehearsedTrial(single, seed, Path(folder))
+        trial = RehearsedTrial(single, seed, Path(folder), line)
         try:
             yield trial
         finally:
@@ -141,6 +146,8 @@ class RehearsedTrial:
     seed : int
     folder : Path
         For the scene's file.
+    line : str
+        Profile of the line between operator and robot, see `line_setting`.
 
     Attributes
     ----------
@@ -155,7 +162,7 @@ class RehearsedTrial:
         To the robot; what is sent through it, the judge hears.
     """
 
-    def __init__(self, exercise: Exercise, seed: int, folder: Path) -> None:
+    def __init__(self, exercise: Exercise, seed: int, folder: Path, line: str = "") -> None:
         self._exercise, self._seed = exercise, seed
         self.scene = text = scene_text(exercise, seed)
         path = folder / f"{exercise.name}.yaml"
@@ -181,7 +188,14 @@ class RehearsedTrial:
         self._doses_every = round(1.0 / (robot.config.dosimetry.rate * step))
         self.step_size = step
         self._feed(NAMES, names_message(self._sampler.names, 1))
-        self.port = _HeardTeleop(OfflineRobot(offline), self)
+        self.port = LineTeleop(
+            OfflineRobot(offline),
+            self.advance,
+            self.answer,
+            self.hear,
+            line_setting(exercise, line),
+            Random(seed),
+        )
 
     @property
     def steps(self) -> int:
@@ -308,16 +322,3 @@ def _cameras() -> Mapping[str, Any]:
     described = yaml.safe_load(path.read_text(encoding="utf-8"))
     cameras: Mapping[str, Any] = described["cameras"]
     return cameras
-
-
-class _HeardTeleop(OfflineTeleop):
-    """A robot whose commands a judge hears as well."""
-
-    def __init__(self, robot: OfflineRobot, trial: RehearsedTrial) -> None:
-        self._trial = trial
-        super().__init__(robot, trial.advance, trial.answer)
-
-    def send(self, command: Command) -> None:
-        """See `Port.send`."""
-        self._trial.hear(command)
-        super().send(command)
