@@ -13,6 +13,7 @@ EXPERTS: Dict[str, Expert] = {
     "confinement": driving_exercises.confinement,
     "connector": panel_exercises.connector,
     "continuous_ramps": driving_exercises.over_ramps,
+    "crossing_ramps": driving_exercises.over_crossing_ramps,
     "cube_to_bin": handling_exercises.cube_to_bin,
     "door": mounted_exercises.door,
     "extract_place": panel_exercises.extract_place,

@@ -191,6 +191,20 @@ def over_ramps(hand: Hand, brief: Brief) -> None:
     _home(back, 2.0 * middle)
 
 
+def over_crossing_ramps(hand: Hand, brief: Brief) -> None:
+    """Over ramps of which one side rises where the other falls, and back."""
+    entry = brief.entries["ramps"]
+    angle = float(entry.get("angle", rough.CrossingRamps.angle))
+    rows, length, width = int(entry["rows"]), float(entry["length"]), float(entry["width"])
+    middle = float(entry["position"][0])
+    start = middle - 0.5 * (rows + 1) * length
+    ramps = rough.CrossingRamps(rows, length, width, angle=angle, start=start)
+    rough.cross(hand.station, ramps.height, ramps.end)
+    back = _turned(hand.station, 2.0 * middle, ramps.end + _BEHIND_RAMPS)
+    rough.cross(back, rough.from_behind(ramps.height, middle), ramps.end)
+    _home(back, 2.0 * middle)
+
+
 def over_rails(hand: Hand, brief: Brief) -> None:
     """Over the rails to the far platform, a turn on it, and back."""
     station = hand.station

@@ -36,13 +36,10 @@ _PATIENCE = 2.0
 _FREE = 0.08
 """After how much way the flippers are set to the ground again (m)."""
 
-_ANGLE = math.radians(15.0)
-"""Of a ramp."""
-
 
 @dataclass(frozen=True)
 class CrossingRamps:
-    """Two columns of ramps of 15 degrees, side by side; where one rises, the other falls.
+    """Two columns of ramps, side by side; where one rises, the other falls.
 
     Attributes
     ----------
@@ -51,17 +48,23 @@ class CrossingRamps:
     length, width : float
         Of a ramp (m).
     friction : float
+    angle : float
+        Of a ramp (rad).
+    start : float
+        Where they begin (m).
     """
 
     rows: int = 4
     length: float = 1.2
     width: float = 0.6
     friction: float = 1.0
+    angle: float = math.radians(15.0)
+    start: float = START
 
     @property
     def end(self) -> float:
         """Where they end (m)."""
-        return START + (self.rows + 1) * self.length
+        return self.start + (self.rows + 1) * self.length
 
     def objects(self) -> List[Dict[str, Any]]:
         """Entries of a scene file."""
@@ -69,10 +72,11 @@ class CrossingRamps:
             {
                 "type": "crossing_ramps",
                 "name": "ramps",
-                "position": [0.5 * (START + self.end), 0.0, 0.0],
+                "position": [0.5 * (self.start + self.end), 0.0, 0.0],
                 "rows": self.rows,
                 "length": self.length,
                 "width": self.width,
+                "angle": self.angle,
                 "friction": self.friction,
             }
         ]
@@ -81,11 +85,11 @@ class CrossingRamps:
         """Height of the ground (m); the left column begins a ramp later."""
         if abs(y) > self.width:
             return 0.0
-        along = (x - START) / self.length - (1.0 if y > 0.0 else 0.0)
+        along = (x - self.start) / self.length - (1.0 if y > 0.0 else 0.0)
         if not 0.0 <= along <= self.rows:
             return 0.0
         ramp, share = divmod(along, 1.0)
-        return self.length * math.tan(_ANGLE) * (share if ramp % 2.0 == 0.0 else 1.0 - share)
+        return self.length * math.tan(self.angle) * (share if ramp % 2.0 == 0.0 else 1.0 - share)
 
 
 @dataclass(frozen=True)
