@@ -106,6 +106,12 @@ function failureRow(failure) {
   ];
 }
 
+/** What the line to the robot was set to. @param {any} setting */
+function lineText({ time, profile, ...figures }) {
+  const named = Object.entries(figures).map(([name, value]) => `${name.replace(/_/g, " ")} ${number(/** @type {number} */ (value), 3)}`);
+  return `Line: ${profile}${named.length > 0 ? ` (${named.join(", ")})` : ""}, from ${number(time, 1)} s`;
+}
+
 /** @param {any} repetition @param {number | undefined} ended sim time of its end (s) */
 function practisedRow(repetition, ended) {
   const cells = repetitionRow(repetition, 0, ended);
@@ -125,6 +131,7 @@ function show(sheet) {
     element("p", `${exercise.title}, ${exercise.setting}${seed} · ${sheet.operator || "no name"} · ${sheet.mode} · ended: ${sheet.ended}`, { class: "about" }),
   ];
   if (!sheet.valid) parts.push(element("p", `Not valid: ${sheet.invalid_because.join("; ")}`, { class: "invalid" }));
+  for (const setting of sheet.link ?? []) parts.push(element("p", lineText(setting), { class: "about line" }));
   for (const mark of sheet.marks) parts.push(element("p", `Instructor's mark: ${mark.verdict} (${mark.reason})`, { class: "about" }));
   parts.push(buttons(sheet.operator));
   if (sheet.metrics.length > 0) parts.push(table(["metric", "you", "pass", "expert"], sheet.metrics.map(metricRow)));
