@@ -154,8 +154,9 @@ class CustomJoint:
         {preload, stiffness, rest}: N m, N m/rad, rad (N, N/m, m).
     detents : Detents, optional
         {positions, effort, width}: rad, N m, rad (m, N, m).
-    hold, capture : float
-        Latch: force that lets it go (N); distance within which it holds again (m).
+    hold, across, capture : float
+        Latch: force that lets it go (N); how many times more it bears across and against its axis;
+        distance within which it holds again (m).
     """
 
     name: str
@@ -173,6 +174,7 @@ class CustomJoint:
     closer: Optional[Closer] = None
     detents: Optional[Detents] = None
     hold: float = 0.0
+    across: float = 1.0
     capture: float = 0.004
 
     def __post_init__(self) -> None:
