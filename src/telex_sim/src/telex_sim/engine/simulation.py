@@ -124,6 +124,7 @@ class Simulation:
         except (ConfigError, WorldError) as error:
             self.close()
             raise WorldError(f"{self.scene_path}: {error}") from error
+        self._put_back()
 
     @property
     def scene(self) -> Scene:
@@ -172,15 +173,17 @@ class Simulation:
         return [robot.model for robot in self.robots] or [self.config.model]
 
     def _fill_world(self) -> None:
-        """Put the scene and the robots into an empty world."""
+        """Put the scene and the robots into an empty world; `_put_back` is to follow.
+
+        What is put back differs by its rounding: so it is the same from the first time on. It takes
+        a step, which with bodies in each other lasts for minutes: they are refused before.
+        """
         self._load_scene()
         for robot in self.robots:
             robot.place(self.world, self.scene.start, self.objects.material)
         self._name_bodies()
         bodies, objects = self._world_state().save_state(), self.objects.save_state()
         self._start = (self.structure, self.steps, bodies, objects)
-        # What is put back differs by its rounding: so it is the same from the first time on.
-        self._put_back()
 
     def _check_start(self) -> None:
         """Refuse a start that would throw objects or the robot; a reset leads back to it.
@@ -320,6 +323,7 @@ class Simulation:
         self._altered = False
         self.world.clear()
         self._fill_world()
+        self._put_back()
         self._reset_controllers()
 
     def _reset_controllers(self) -> None:
