@@ -81,6 +81,7 @@ def outcome(page, row):
 
 
 def test_an_instructor_sees_the_class_gives_help_and_opens_an_exercise(stations, page):
+    page.wait_for("the page", "document.getElementById('counts') !== null")
     wait_until(lambda: "3 of 3 stations" in page.evaluate("counts.textContent"), "the stations")
     assert text(page, "s0", "about") == "Slalom · day · EXAM"
     assert text(page, "s0", "clock") == "running · repetition 2 of 5 · 00:42 · ✔"

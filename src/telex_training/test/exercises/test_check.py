@@ -140,7 +140,7 @@ def test_the_command_lists_and_checks(tmp_path, capsys):
     assert main(["list"]) == 0
     assert "slalom: Slalom" in capsys.readouterr().out
     assert main(["check", "--no-robot", "slalom"]) == 0
-    assert "slalom.yaml: OK, 4 settings, 14 steps, 14 zones, 9 metrics" in capsys.readouterr().out
+    assert "slalom.yaml: OK, 5 settings, 14 steps, 14 zones, 9 metrics" in capsys.readouterr().out
     wrong = tmp_path / "wrong.yaml"
     wrong.write_text(SCENE + step("{inside: {what: robot, zone: gaol}}"))
     assert main(["check", "--no-robot", str(wrong), "slalon"]) == 1
