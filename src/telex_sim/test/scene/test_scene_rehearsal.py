@@ -6,6 +6,7 @@ import contextlib
 import os
 import pickle
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -281,6 +282,22 @@ def _runs(pid):
         return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
     except (FileNotFoundError, ProcessLookupError):
         return False
+
+
+def test_a_default_timeout_of_sockets_is_no_matter():
+    before = socket.getdefaulttimeout()
+    socket.setdefaulttimeout(0.05)
+    try:
+        client = RehearsalClient(shipped_config())
+        try:
+            assert client.scene("floor", []).scene.name == "floor"
+            time.sleep(0.3)
+            # It waits for the next request.
+            assert client._process.poll() is None
+        finally:
+            client.close()
+    finally:
+        socket.setdefaulttimeout(before)
 
 
 def test_a_mesh_that_is_no_file_is_refused(rehearsal, tmp_path):

@@ -146,6 +146,10 @@ class RehearsalClient:
     def _start(self) -> None:
         self._end()
         ours, theirs = socket.socketpair()
+        # Some of ROS's modules set a default timeout when they are imported: with one, the other
+        # process would read nothing where it is to wait.
+        ours.setblocking(True)
+        theirs.setblocking(True)
         module = ["-m", "telex_sim.rehearsal.start"]
         with theirs:
             try:
