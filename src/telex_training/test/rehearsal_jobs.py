@@ -1,4 +1,4 @@
-"""What the rehearsal's tests have other processes do."""
+"""Functions that the rehearsal's tests have other processes do."""
 
 from __future__ import annotations
 

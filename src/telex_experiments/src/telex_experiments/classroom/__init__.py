@@ -1,1 +1,1 @@
-"""What trying the page of a class takes: stand-ins for stations, a live one, and the page."""
+"""Rig for the page of a class: stand-ins for stations, a live station, and the page."""

@@ -1,4 +1,4 @@
-"""What a belt's drive does when something of it is broken."""
+"""Effects of faults of a belt's drive."""
 
 from __future__ import annotations
 

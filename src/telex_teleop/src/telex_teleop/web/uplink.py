@@ -1,4 +1,4 @@
-"""What one client sends to a server, under way."""
+"""Messages of one client, under way to a server."""
 
 from __future__ import annotations
 

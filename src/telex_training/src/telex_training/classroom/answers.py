@@ -1,4 +1,4 @@
-"""What stations answer, checked: they may be of another version, or no stations at all."""
+"""Checked answers of stations, which may be of another version, or no stations at all."""
 
 from __future__ import annotations
 

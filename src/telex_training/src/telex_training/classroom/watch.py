@@ -1,4 +1,4 @@
-"""What is known of a station, as its answers come and stay away; without a clock or a network."""
+"""State of one station, as its answers come and stay away; without a clock or a network."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What makes a trial an exam: the list that the bridge holds while it runs."""
+"""The list that the bridge holds while an exam runs."""

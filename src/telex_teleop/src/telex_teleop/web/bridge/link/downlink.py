@@ -1,4 +1,4 @@
-"""What goes to one client, under way from the bridge."""
+"""Messages to one client, under way from the bridge."""
 
 from __future__ import annotations
 
