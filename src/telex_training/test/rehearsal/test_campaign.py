@@ -16,6 +16,8 @@ from telex_training.rehearsal.jobs import Job, OperatorError, Outcome, find_oper
 from telex_training.rehearsal.outcomes import change, provisional, run_of, summarised, worst
 from telex_training.rehearsal.store import About, Store, StoreError
 
+pytestmark = pytest.mark.slow
+
 ABOUT = About("slalom", "a" * 64, "scripted", "b" * 64)
 
 

@@ -8,9 +8,7 @@ import subprocess
 import sys
 import tempfile
 import threading
-import time
 import urllib.request
-from pathlib import Path
 from types import TracebackType
 from typing import Any, Dict, Iterator, List, Optional, Sequence, Type
 
@@ -18,15 +16,14 @@ import rosgraph
 
 from telex_control.common.child_processes import DIES_WITH_US
 from telex_experiments.classroom.class_server import ClassServer
-from telex_experiments.rigs.private_master import PrivateMaster, descendants, end_tree
-from telex_experiments.rigs.private_simulator import cpu_seconds
+from telex_experiments.rigs.bringup import STATION
+from telex_experiments.rigs.private_simulator import PrivateSimulator, cpu_seconds
 from telex_experiments.workspace import ROOT
 
 ASKED = ("video_server", "training", "master")
 """Processes of a station that the page of a class has work for; where nobody watches, its cameras
 as well."""
 CAMERAS = "cameras"
-_STARTS_WITHIN = 180.0
 _PERIOD = 1.0
 _WATCHERS = ROOT / "src/telex_experiments/src/telex_experiments/console/watchers.py"
 
@@ -62,34 +59,18 @@ class LiveStation:
         self._stack.close()
 
     def _start(self) -> None:
-        master = self._stack.enter_context(PrivateMaster())
         recordings = self._stack.enter_context(tempfile.TemporaryDirectory(prefix="telex-trials-"))
-        launch = subprocess.Popen(
-            [
-                *(*DIES_WITH_US, "roslaunch", "telex_training", "station.launch"),
-                *("video_port:=0", "bridge_port:=0", f"recordings:={recordings}"),
-                *("exercise:=slalom", "operator:=ann"),
-            ],
-            env=master.environment(),
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            start_new_session=True,
+        station = self._stack.enter_context(
+            PrivateSimulator(
+                *(f"recordings:={recordings}", "exercise:=slalom", "operator:=ann"), launch=STATION
+            )
         )
-        self._stack.callback(end_tree, launch)
-        asks = rosgraph.Master("/live_station", master_uri=master.uri)
-        end = time.monotonic() + _STARTS_WITHIN
-        self.url = self._parameter(asks, "/telex/video_server/url", end)
-        self.bridge = self._parameter(asks, "/telex/rosbridge/url", end)
-        self._parameter(asks, "/telex/video_server/mounts/training", end)
-        self._pids = {**_nodes(launch.pid), "master": int(asks.getPid())}
-
-    def _parameter(self, asks: rosgraph.Master, name: str, end: float) -> Any:
-        while time.monotonic() < end:
-            with contextlib.suppress(OSError, rosgraph.MasterError):
-                return asks.getParam(name)
-            time.sleep(0.2)
-        raise RuntimeError(f"the station did not set {name} within {_STARTS_WITHIN} s")
+        station.wait_for_master()
+        self.url = station.wait_for_param("/telex/video_server/url")
+        self.bridge = station.wait_for_param("/telex/rosbridge/url")
+        station.wait_for_param("/telex/video_server/mounts/training")
+        master = rosgraph.Master("/live_station", master_uri=station.master_uri)
+        self._pids = {**station.processes(), "master": int(master.getPid())}
 
     def used(self, names: Sequence[str]) -> float:
         """CPU time (s) of some of its processes, see `ASKED` and `CAMERAS`."""
@@ -110,17 +91,6 @@ class LiveStation:
                     raise RuntimeError("who was to watch the station has ended")
             finally:
                 watcher.terminate()
-
-
-def _nodes(pid: int) -> Dict[str, int]:
-    """Processes of nodes below one, by name."""
-    found = {}
-    for each in descendants(pid):
-        with contextlib.suppress(OSError):
-            for word in Path(f"/proc/{each}/cmdline").read_text(errors="replace").split("\0"):
-                if word.startswith("__name:="):
-                    found[word[len("__name:=") :]] = each
-    return found
 
 
 class Looking:

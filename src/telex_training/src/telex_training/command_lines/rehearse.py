@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import sys
 import time
 from collections import defaultdict
@@ -15,7 +14,7 @@ from telex_control.common.params import ConfigError
 
 from ..exercises.catalog import find_exercise
 from ..exercises.exercise_file import ExerciseError, ExerciseFile, load_exercise
-from ..recording.trial_file import Trial
+from ..recording.trial_file import SUFFIX, Trial
 from ..recording.writer import RecordingError
 from ..rehearsal.crew import CrewError, do_elsewhere, do_here, processors
 from ..rehearsal.jobs import (
@@ -31,7 +30,7 @@ from ..rehearsal.jobs import (
 from ..rehearsal.line_port import line_setting
 from ..rehearsal.outcomes import Change, Run, change, provisional, run_of, summarised, worst
 from ..rehearsal.recorded import record
-from ..rehearsal.store import About, Store, StoreError
+from ..rehearsal.store import SUMMARY, About, Store, StoreError
 
 FOLDER = "~/.ros/telex_rehearsals"
 OWN = "own"
@@ -307,10 +306,8 @@ def _report(given: argparse.Namespace, store: Store, found: Outcomes) -> None:
         if not given.json:
             _print_row(row, runs, given.factor)
     text = json.dumps(summary, indent=1, sort_keys=True, ensure_ascii=False) + "\n"
-    draft = store.folder / f".summary.json.{os.getpid()}"
-    draft.write_text(text, encoding="utf-8")
-    draft.replace(store.folder / "summary.json")
-    print(text if given.json else f"\nsheets and summary.json: {store.folder}", flush=True)
+    store.summarise(text)
+    print(text if given.json else f"\nsheets and {SUMMARY}: {store.folder}", flush=True)
 
 
 def _print_row(row: Dict[str, Any], runs: Sequence[Run], factor: float) -> None:
@@ -374,4 +371,5 @@ def _record(given: argparse.Namespace, file: ExerciseFile, store: Store, found: 
                 store.about.software[:12],
                 each.seed,
             )
-            print(record(store.folder, about, file.text, trial), flush=True)
+            path = store.folder / f"{name}{SUFFIX}"
+            print(record(path, about, file.text, trial), flush=True)

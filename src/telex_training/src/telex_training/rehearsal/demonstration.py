@@ -4,24 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from telex_sim.scene.robot_in_scene import robot_description
-
 from ..exercises.exercise_file import ExerciseFile
 from ..exercises.model import PRACTICE
-from ..exercises.seeds import scene_text
 from ..judging.judge import Judge
 from ..operators.experts.brief import Expert
 from ..operators.port import NotManagedError
-from ..recording.trial_file import (
-    EXPERTS,
-    SHEET,
-    Trial,
-    attachments,
-    expert_path,
-    sheet_attachment,
-)
-from ..recording.writer import RecordingWriter, check_room
+from ..recording.trial_file import EXPERTS, Trial, expert_path
+from ..recording.writer import check_room
 from .figures import FiguresError
+from .recorded import record
 from .trial import practice_seed, rehearsed
 
 _OPERATOR = "expert"
@@ -62,19 +53,11 @@ def demonstrate(
     except NotManagedError as error:
         raise FiguresError(f"{where}: the expert gave up: {error}") from error
     path = expert_path(folder, exercise.name, exercise.setting)
-    scene, urdf = scene_text(exercise, seed), robot_description(exercise.variant)
     # He did one repetition of an exercise that may ask for more: the sheet is that of the file.
-    judge = Judge(exercise, scene, urdf)
+    judge = Judge(exercise, trial.scene, trial.urdf)
     for entry in trial.entries:
         judge.feed(entry)
     if not any(each["completed"] for each in judge.sheet()["repetitions"]):
         raise FiguresError(f"{where}: the expert did not complete a repetition")
     about = Trial(path.stem, str(file.path), exercise.setting, PRACTICE, _OPERATOR, software, seed)
-    draft = path.with_name(f".{path.name}.new")
-    draft.unlink(missing_ok=True)
-    writer = RecordingWriter(draft, attachments(about, file.text, scene, urdf, {}, {}))
-    for entry in trial.entries:
-        writer.put(entry, 0)
-    writer.close({SHEET: sheet_attachment(judge.text())})
-    draft.replace(path)
-    return path
+    return record(path, about, file.text, trial, judge.text())

@@ -4,39 +4,40 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..recording.trial_file import SUFFIX, Trial, attachments
+from ..recording.trial_file import SHEET, Trial, attachments, sheet_attachment
 from ..recording.writer import RecordingWriter
 from .trial import RehearsedTrial
 
 
-def record(folder: Path, about: Trial, exercise: str, trial: RehearsedTrial) -> Path:
-    """Write a trial that has ended as a recording.
-
-    The wall's time in it is sim time. It has no sheet: the rehearsed trial ended after one
-    repetition, whatever the exercise asks for.
+def record(path: Path, about: Trial, exercise: str, trial: RehearsedTrial, sheet: str = "") -> Path:
+    """Write a trial that has ended as a recording; the wall's time in it is 0.
 
     Parameters
     ----------
-    folder : Path
+    path : Path
+        Of the recording; an earlier one is replaced once the new one is complete.
     about : Trial
     exercise : str
         Text of the exercise's file.
     trial : RehearsedTrial
+    sheet : str
+        Text of its score sheet; empty: it has none.
 
     Returns
     -------
     Path
-        Of the recording; one of the same name is replaced.
+        The same.
 
     Raises
     ------
     RecordingError
     """
-    path = folder / f"{about.trial}{SUFFIX}"
-    path.unlink(missing_ok=True)
+    draft = path.with_name(f".{path.name}.new")
+    draft.unlink(missing_ok=True)
     # No cameras: a replay draws with the shipped ones.
-    writer = RecordingWriter(path, attachments(about, exercise, trial.scene, trial.urdf, {}, {}))
+    writer = RecordingWriter(draft, attachments(about, exercise, trial.scene, trial.urdf, {}, {}))
     for entry in trial.entries:
-        writer.put(entry, round(1e9 * entry.time))
-    writer.close({})
+        writer.put(entry, 0)
+    writer.close({SHEET: sheet_attachment(sheet)} if sheet else {})
+    draft.replace(path)
     return path

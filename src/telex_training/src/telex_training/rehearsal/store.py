@@ -12,7 +12,7 @@ from telex_control.common.params import ConfigError, read_struct
 
 from .jobs import Outcome
 
-ABOUT = "campaign.json"
+ABOUT, SUMMARY = "campaign.json", "summary.json"
 FORMAT = 1
 _SUFFIX = ".json"
 
@@ -111,6 +111,18 @@ class Store:
             _write(path, text + "\n")
         except OSError as error:
             raise StoreError(f"{path}: {error.strerror}") from error
+
+    def summarise(self, text: str) -> None:
+        """Keep the summary.
+
+        Raises
+        ------
+        StoreError
+        """
+        try:
+            _write(self.folder / SUMMARY, text)
+        except OSError as error:
+            raise StoreError(f"{self.folder / SUMMARY}: {error.strerror}") from error
 
     def all(self) -> Iterator[Tuple[str, str, int, Outcome]]:
         """Yield setting, line, seed and outcome of all that there is, in order.

@@ -229,7 +229,7 @@ class VideoServer:
         if "watched" in request.query and (held is None or held.passes):
             picture = self._watched(wish, instructor=instructor)
         else:
-            topic, instructor = await self._find(request, wish)
+            topic = await self._topic(wish, instructor=instructor)
             limit = self._config.snapshot_timeout
             if held is not None:
                 limit += self.line.fields.delay
@@ -334,13 +334,16 @@ class VideoServer:
     ) -> Tuple[PictureTopic, bool]:
         """Return the topic that a client asks for, and whether it is an instructor."""
         instructor = await self._gate.admit(request)
+        return await self._topic(wish, instructor=instructor), instructor
+
+    async def _topic(self, wish: query.PictureQuery, *, instructor: bool) -> PictureTopic:
         topic = await self._ask(lambda: self._graph.find(wish.topic, raw=wish.raw))
         if topic is None:
             raise _NoSuchTopicError(
                 f"No image topic '{wish.topic}' is published; /streams lists those that are."
             )
         self._gate.require_visible(topic.name, instructor=instructor)
-        return topic, instructor
+        return topic
 
     async def _parameter(self, name: str) -> object:
         return await self._ask(lambda: self._graph.parameter(name))
