@@ -27,6 +27,7 @@ setup(
             "telex_teleop.web.bridge.topics",
             "telex_teleop.web.exam",
             "telex_teleop.web.line",
+            "telex_teleop.web.link",
             "telex_teleop.web.transforms",
             "telex_teleop.web.video",
             "telex_teleop.web.video.late",

@@ -16,7 +16,7 @@ from telex_teleop.web.bridge.clients.outbox import Outbox
 from telex_teleop.web.bridge.link.downlink import Downlink
 from telex_teleop.web.line.fields import PERFECT, LineFields
 from telex_teleop.web.line.line import Line
-from telex_teleop.web.line_waits import LONGEST, LinePump
+from telex_teleop.web.link.waits import LONGEST, LinePump
 
 DRIVE, E_STOP = "/telex/track_teleop/cmd_vel", "/telex/e_stop"
 AHEAD, STILL = {"linear": {"x": 1.0}}, {"linear": {"x": 0.0}}

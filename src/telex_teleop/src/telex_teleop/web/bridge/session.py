@@ -8,9 +8,9 @@ from typing import Callable, Dict, Optional
 
 from ..exam.exam_list import Exam
 from ..line.line import Line
+from ..link.uplink import Sent, Uplink
 from ..rights import ExamRights, Rights
 from ..server_config import RosbridgeConfig
-from ..uplink import Sent, Uplink
 from ..workers import OrderedWorker
 from .clients.access import Access
 from .clients.client import LEVELS, Client

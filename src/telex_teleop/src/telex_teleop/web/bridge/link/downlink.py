@@ -7,7 +7,7 @@ from typing import Callable, Optional
 
 from ...line.line import Line
 from ...line.messages import LineQueue
-from ...line_waits import DueWait
+from ...link.waits import DueWait
 from ..clients.outbox import Outbox
 from ..protocol.compression import Encoded
 

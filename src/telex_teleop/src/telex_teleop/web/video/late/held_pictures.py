@@ -6,7 +6,7 @@ from typing import Callable, Hashable, Optional
 
 from ...line.line import Line
 from ...line.pictures import PictureLine
-from ...line_waits import LinePump
+from ...link.waits import LinePump
 from ..pictures import EncodedPicture
 from ..viewers import Viewer
 from .pacer import Pacer

@@ -14,7 +14,7 @@ from aiohttp import WSCloseCode, WSMessage, WSMsgType, web
 from ...exam.exam_list import Exam
 from ...freshness import Backlog
 from ...line.line import Line
-from ...uplink import Sent, Uplink
+from ...link.uplink import Sent, Uplink
 from ..cameras import Camera, CameraList
 from ..hub import EncoderFullError, PictureHubs
 from ..late.held_pictures import HeldPictures, LateViewer

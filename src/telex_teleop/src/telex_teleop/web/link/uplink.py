@@ -5,9 +5,9 @@ from __future__ import annotations
 import asyncio
 from typing import Callable, Optional
 
-from .line.line import Line
-from .line.messages import LineQueue
-from .line_waits import LinePump
+from ..line.line import Line
+from ..line.messages import LineQueue
+from .waits import LinePump
 
 MOST_BYTES = 4 * 2**20
 """Messages under way (bytes) above which no more of the client's are read."""
