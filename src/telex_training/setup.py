@@ -13,6 +13,7 @@ setup(
             "telex_training.command_lines",
             "telex_training.exercises",
             "telex_training.judging",
+            "telex_training.judging.records",
             "telex_training.operators",
             "telex_training.operators.experts",
             "telex_training.operators.tasks",

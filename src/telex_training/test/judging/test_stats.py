@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from telex_training.judging import stats
-from telex_training.judging.smoothness import mean_sparc, sparc, sub_movements
+from telex_training.judging.records.smoothness import mean_sparc, sparc, sub_movements
 
 
 def reach(duration=1.0, length=0.3, rate=50.0):

@@ -11,9 +11,9 @@ from ..exercises.metric_kinds import KINDS, SURVEYED
 from ..exercises.model import Exercise, Failure, Metric
 from .activity import ActivityRecord
 from .conditions import SLACK, Context, Evaluator
-from .contacts import APART, ContactRecord
 from .handling import HandlingRecord
-from .motion import BalanceRecord, MotionRecord, SurveyRecord
+from .records.contacts import APART, ContactRecord
+from .records.motion import BalanceRecord, MotionRecord, SurveyRecord
 
 TIME_FAULT = "time"
 GIVEN_UP = "given up"

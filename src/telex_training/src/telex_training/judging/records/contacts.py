@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import Any, Dict, Iterator, List, Optional, Tuple
 
-from ..exercises.model import Contacts as Allowed
-from .truth import World
+from ...exercises.model import Contacts as Allowed
+from ..truth import World
 
 APART = 0.5
 """A contact is a new one once the two were apart for so long (s)."""

@@ -7,10 +7,10 @@ from typing import Any, List, Optional
 
 from telex_control.common.geometry.quaternions import Vector3, rotate
 
-from ..exercises.model import Survey
-from .conditions import Context, lean
+from ...exercises.model import Survey
+from ..conditions import Context, lean
+from ..truth import World
 from .smoothness import mean_sparc
-from .truth import World
 
 _STANDS = 1e-3
 """m/s, below which what is left of motion is the physics' and no path."""

@@ -1,0 +1,1 @@
+"""Figures that a repetition adds up: contacts, motion and its smoothness."""
