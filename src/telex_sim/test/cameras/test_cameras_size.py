@@ -42,6 +42,10 @@ def test_who_has_time_is_not_behind_for_want_of_it(sizes):
     assert set(run(sizes, 10, previews=25, busy=0.5)) == {FULL}
 
 
+def test_waiting_for_poses_between_pictures_is_no_time_left(sizes):
+    assert run(sizes, 2, previews=26, busy=0.92) == [FULL, COARSER]
+
+
 def test_nobody_watches_previews(sizes):
     assert set(run(sizes, 10, previews=0, asked=0.0)) == {FULL}
 

@@ -44,9 +44,10 @@ _TOO_BUSY_FOR, _AT_EASE_FOR = 2, 5
 # periods.
 _MOST_PATIENCE = 80
 
-# Share of the time that is spent drawing: from the one on there is no time left, below the other
-# there is enough for larger pictures.
-_FULL, _EASY = 0.95, 0.75
+# Share of the time that is spent drawing: from the one on there is no time left for previews that
+# fall behind (the rest goes by waiting for poses), below the other there is enough for larger
+# pictures.
+_FULL, _EASY = 0.88, 0.75
 
 # Previews may fall to this share of their rate before pictures lose detail.
 _LEAST_PREVIEWS = 0.8
