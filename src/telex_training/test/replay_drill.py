@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 
-from training_truth import SCENE, Trial, exercise
+from telex_msgs.msg import ActiveMalfunction, ComponentDoses, Malfunctions
+from training_truth import SCENE, Trial, exercise, serialized
 
 from telex_training.recording.trial_file import SHEET, attachments, sheet_attachment
 from telex_training.recording.trial_file import Trial as About
@@ -67,6 +68,43 @@ def drill():
     trial.contacts = [("base", "wall", 250.0), ("tracks", "floor", 900.0)]
     trial.sample(5)
     return trial
+
+
+def failing(trial):
+    """Have the drill's camera fail for a second in each of several ways, two seconds apart.
+
+    Dark, frozen, dead of its dose, and without power, in which the lamp is dead as well.
+    """
+    for broken, failed in (
+        ({"active": [active("front", "camera", "dark", 1.0)]}, False),
+        ({"active": [active("front", "camera", "frozen")]}, False),
+        ({}, True),
+        (
+            {
+                "active": [active("front_left", "lamp", "dead")],
+                "unpowered": ["drives", "lamps", "cameras"],
+            },
+            False,
+        ),
+    ):
+        for now, dead in ((broken, failed), ({}, False)):
+            message = Malfunctions(**now)
+            trial.feed("sim/malfunctions", "telex_msgs/Malfunctions", serialized(message))
+            rate, dose = (2.0, 90.0) if dead else (0.0, 0.0)
+            told = ComponentDoses(
+                names=["robot", "front"],
+                dose_rate=[1.0, rate],
+                dose=[1.0, dose],
+                failed=[False, dead],
+            )
+            trial.feed("sim/doses", "telex_msgs/ComponentDoses", serialized(told))
+            trial.seconds(1.0)
+    return trial
+
+
+def active(what, group, kind, value=0.0):
+    """Something that fails."""
+    return ActiveMalfunction(what=what, group=group, kind=kind, value=value)
 
 
 def faster():

@@ -13,6 +13,7 @@ const TRIAL = location.pathname.split("/").pop() ?? "";
 const OUTSIDE = "outside";
 const SVG = "http://www.w3.org/2000/svg";
 const RETRY_AFTER = 1000; // ms
+const SILENT_PERIOD = 100; // ms
 
 /** @template {HTMLElement | SVGElement} T @param {string} id @returns {T} */
 const get = (id) => /** @type {any} */ (document.getElementById(id));
@@ -81,6 +82,14 @@ async function picture() {
   const beside = /** @type {Record<string, string>} */ (ghost.value ? { ghost: ghost.value } : {});
   const reply = await fetch(address("picture", { time: time.toFixed(4), camera, ...asked, ...beside }), { cache: "no-store" });
   if (!reply.ok) throw new Error((await reply.text()).trim() || `the picture is refused: ${reply.status}`);
+  const silent = reply.headers.get("X-Replay-Silent");
+  if (silent !== null) {
+    context.fillRect(0, 0, canvas.width, canvas.height);
+    drawn(reply, camera, silent);
+    // Nothing is drawn that would set the pace.
+    await new Promise((resolve) => setTimeout(resolve, SILENT_PERIOD));
+    return;
+  }
   const bitmap = await createImageBitmap(await reply.blob());
   if (canvas.width !== bitmap.width || canvas.height !== bitmap.height) {
     canvas.width = bitmap.width;
@@ -88,15 +97,24 @@ async function picture() {
   }
   context.drawImage(bitmap, 0, 0);
   bitmap.close();
-  say("");
+  drawn(reply, camera, "");
   get("ahead").textContent = aheadText(camera === OUTSIDE ? reply.headers.get("X-Replay-Ghost-Ahead") : null);
-  canvas.dataset.camera = camera;
-  canvas.dataset.time = reply.headers.get("X-Replay-Time") ?? "";
-  canvas.dataset.number = String(Number(canvas.dataset.number ?? 0) + 1);
   // Cameras set their exposure by the picture before: what stands still is drawn once more.
   const moment = `${camera} ${time} ${seen.checked}`;
   if (camera !== OUTSIDE && moment !== shown && !state.playing) wanted = true;
   shown = moment;
+}
+
+/**
+ * @param {Response} reply
+ * @param {string} camera
+ * @param {string} said  What is wrong; empty: nothing.
+ */
+function drawn(reply, camera, said) {
+  say(said);
+  canvas.dataset.camera = camera;
+  canvas.dataset.time = reply.headers.get("X-Replay-Time") ?? "";
+  canvas.dataset.number = String(Number(canvas.dataset.number ?? 0) + 1);
 }
 
 // --- time -------------------------------------------------------------------------------------------

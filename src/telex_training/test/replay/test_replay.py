@@ -8,8 +8,9 @@ import numpy as np
 import pybullet
 import pytest
 from genpy import Time
-from replay_drill import CAMERAS, drill, record
+from replay_drill import CAMERAS, active, drill, failing, record
 from std_msgs.msg import Float64, String
+from telex_msgs.msg import ComponentDoses, Malfunctions
 from training_truth import serialized
 
 from telex_control.common.geometry.matrices import pose_matrices
@@ -27,7 +28,7 @@ from telex_training.recording.trial_file import Trial as About
 from telex_training.recording.trial_file import attachments, judged, sheet_attachment
 from telex_training.recording.writer import Attachment, RecordingError, RecordingWriter
 from telex_training.replay.cameras import CLEAR, OUTSIDE, replay_config
-from telex_training.replay.replay import Replay
+from telex_training.replay.replay import Replay, SilentCameraError
 from telex_training.replay.scenery import base_of
 
 
@@ -254,6 +255,79 @@ class TestCameras:
 
     def test_only_cameras_that_the_robot_has_are_offered(self, replay):
         assert replay.camera_names == ["front"]
+
+
+class TestWhatFailed:
+    @pytest.fixture
+    def failed(self, tmp_path):
+        trial = drill()
+        before = len(trial.entries)
+        failing(trial)
+        replay = Replay.open(record(tmp_path / "t1.mcap", trial.entries), {})
+        replay.begins = replay.timeline.entry_times[before]
+        return replay
+
+    @staticmethod
+    def at(replay, seconds):
+        """Moment so long after the first thing failed."""
+        return replay.timeline.moment(replay.begins + seconds)
+
+    def test_flaws_are_there_while_they_were(self, failed):
+        for seconds, kinds in ((-0.5, []), (0.5, ["dark"]), (1.5, []), (0.6, ["dark"])):
+            found = failed.condition(self.at(failed, seconds)).malfunctions.active
+            assert [each.kind for each in found] == kinds
+
+    def test_a_frozen_camera_shows_when_it_froze(self, failed):
+        first, late = (self.at(failed, seconds) for seconds in (2.1, 2.9))
+        for moment in (late, first):
+            frozen = failed.sent_by("front", moment)
+            assert frozen.time == pytest.approx(failed.begins + 2.0, abs=0.021)
+            assert not failed.condition(frozen).malfunctions.active
+        after = self.at(failed, 3.1)
+        assert failed.sent_by("front", after) == after
+        assert failed.sent_by("turret", late) == late
+
+    def test_doses_are_those_of_the_moment(self, failed):
+        before, after = (
+            failed.condition(self.at(failed, seconds)).radiation for seconds in (1.0, 4.5)
+        )
+        assert (before.names, before.dose_rate, before.dose) == (["front"], [0.0], [0.0])
+        assert (after.names, after.dose_rate, after.dose) == (["front"], [2.0], [90.0])
+
+    @pytest.mark.parametrize(("seconds", "why"), [(4.5, "dose"), (6.5, "battery")])
+    def test_a_dead_camera_sends_nothing(self, failed, seconds, why):
+        with pytest.raises(SilentCameraError, match=f"front.*{why}"):
+            failed.sent_by("front", self.at(failed, seconds))
+        back = self.at(failed, seconds - 1.0)
+        assert failed.sent_by("front", back) == back
+
+    def test_without_power_the_views_from_outside_go_on(self, failed):
+        condition = failed.condition(self.at(failed, 6.5))
+        assert condition.malfunctions.unpowered == ["drives", "lamps"]
+        assert condition.radiation.failed == [True]
+        assert [each.what for each in condition.malfunctions.active] == ["front_left"]
+
+    def test_what_makes_no_sense_is_left_out(self, tmp_path):
+        trial = drill()
+        dark = active("front", "camera", "dark", float("nan"))
+        for kind, message in (
+            ("telex_msgs/Malfunctions", Malfunctions(active=[dark])),
+            ("telex_msgs/ComponentDoses", ComponentDoses(names=["front"], dose=[1.0])),
+            (
+                "telex_msgs/ComponentDoses",
+                ComponentDoses(
+                    names=["front"], dose_rate=[float("inf")], dose=[1.0], failed=[False]
+                ),
+            ),
+        ):
+            channel = "sim/doses" if "Doses" in kind else "sim/malfunctions"
+            trial.feed(channel, kind, serialized(message))
+        trial.sample(5)
+        replay = Replay.open(record(tmp_path / "t1.mcap", trial.entries), {})
+        assert replay.timeline.bad == 3
+        condition = replay.condition(replay.timeline.at(10**6))
+        assert not condition.malfunctions.active
+        assert not condition.radiation.names
 
 
 class TestWhatIsNotAsItWas:

@@ -9,8 +9,9 @@ import urllib.request
 from pathlib import Path
 
 import pytest
+import simplejpeg
 from own_ros import NodeProcess, Topics
-from replay_drill import drill, record, record_faster
+from replay_drill import drill, failing, record, record_faster
 from waiting import wait_until
 
 from telex_training.recording.trial_file import EXPERTS, expert_path
@@ -74,6 +75,7 @@ def station(master, tmp_path_factory):
     folder = tmp_path_factory.mktemp("trials")
     (folder / EXPERTS).mkdir()
     record(folder / "t1.mcap", drill().entries)
+    record(folder / "t3.mcap", failing(drill()).entries)
     record_faster(folder / "t9.mcap")
     record_faster(expert_path(folder, "drill", "standard"))
     (folder / "broken.mcap").write_bytes(b"no recording")
@@ -173,6 +175,29 @@ class TestPages:
         finally:
             station.phase("ended")
         wait_until(lambda: station.ask("api/trial/t1", name="ann")[0] == 200, "that it is back")
+
+    def test_what_failed_is_seen_wherever_one_looks(self, station):
+        # Each fails for a second, two seconds apart: dark, frozen, dead, without power.
+        began = Replay.open(station.folder / "t3.mcap", {}).timeline.duration - 8.0
+
+        def seen(seconds, more="&seen=1"):
+            address = f"api/picture/t3?time={began + seconds}&camera=front{more}"
+            return station.ask(address, name="ann")
+
+        def light(answer):
+            assert answer[0] == 200, answer[1]
+            return simplejpeg.decode_jpeg(answer[1]).mean()
+
+        bright = light(seen(-0.5))
+        for seconds, is_dark in ((0.5, True), (1.5, False), (0.6, True), (2.5, False)):
+            assert (light(seen(seconds)) < 0.2 * bright) == is_dark, seconds
+            assert light(seen(seconds, "")) > 0.8 * bright
+        for seconds in (4.5, 6.5):
+            status, body, headers = seen(seconds)
+            assert (status, body) == (204, b"")
+            assert "front sends nothing" in headers["X-Replay-Silent"]
+            assert light(seen(seconds, "")) > 0.8 * bright
+        assert light(seen(5.5)) > 0.8 * bright
 
     def test_other_runs_are_drawn_beside_it(self, station):
         status, body, _ = station.ask("api/ghosts/t1", name="ann")

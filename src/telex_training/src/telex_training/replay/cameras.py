@@ -48,9 +48,9 @@ def replay_config(recorded: Mapping[str, Any], model: str, niceness: int) -> Dic
         cameras[name] = seen
         clear = {key: value for key, value in seen.items() if key not in ("radiation", "zoom_max")}
         cameras[name + CLEAR] = {**clear, "noise": 0.0}
-    kept = ("lamps", "quality", "renderer", "shadow_radius", "software_threads", "egl_device")
+    kept = ("egl_device", "lamps", "quality", "renderer", "seed", "shadow_radius")
     return {
-        **{key: recorded[key] for key in kept if key in recorded},
+        **{key: recorded[key] for key in (*kept, "software_threads") if key in recorded},
         "cameras": cameras,
         "model": model,
         "niceness": niceness,

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, Optional
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional
 
 import numpy as np
+from telex_msgs.msg import CameraRadiation, Malfunctions
 
 from telex_control.common.params import ConfigError, read_config
 from telex_control.urdf.elements import UrdfError
 from telex_sim.cameras.cameras_config import CamerasConfig
+from telex_sim.malfunctions import battery
 from telex_sim.scene.model import Scene
 
 from ..exercises.exercise_file import ExerciseError
@@ -62,6 +64,17 @@ _MARKS = {
     "end": "end",
 }
 """Kinds of marks on the timeline, by the judge's events."""
+
+
+class SilentCameraError(Exception):
+    """A camera sent no pictures; the message says which, and why."""
+
+
+class Condition(NamedTuple):
+    """What cameras and lamps have come to."""
+
+    radiation: CameraRadiation
+    malfunctions: Malfunctions
 
 
 class Replay:
@@ -194,6 +207,40 @@ class Replay:
             elif topic.endswith("/zoom"):
                 held[topic] = 1.0
         return held
+
+    def sent_by(self, camera: str, moment: Moment) -> Moment:
+        """Moment of the picture that a camera sent at a moment: an earlier one while it is frozen.
+
+        Raises
+        ------
+        SilentCameraError
+            It sent none.
+        """
+        equipment = self.timeline.equipment
+        why = equipment.silent(camera, moment.time)
+        if why:
+            raise SilentCameraError(f"{camera} sends nothing: {why}")
+        since = equipment.frozen_since(camera, moment.time)
+        return moment if since is None else self.timeline.moment(since)
+
+    def condition(self, moment: Moment) -> Condition:
+        """What cameras and lamps have come to at a moment, for what draws it."""
+        equipment, cameras = self.timeline.equipment, self.camera_names
+        malfunctions = equipment.malfunctions(moment.time)
+        radiation = equipment.radiation(cameras, moment.time)
+        if battery.CAMERAS not in malfunctions.unpowered:
+            return Condition(radiation, malfunctions)
+        # The views from outside, and the clear ones, need none of the robot's power.
+        nothing = [0.0] * len(cameras)
+        return Condition(
+            CameraRadiation(
+                names=cameras, dose_rate=nothing, dose=nothing, failed=[True] * len(cameras)
+            ),
+            Malfunctions(
+                active=malfunctions.active,
+                unpowered=[each for each in malfunctions.unpowered if each != battery.CAMERAS],
+            ),
+        )
 
     def seen_at(self, time: float) -> float:
         """Time (s) of what the operator saw at a time: earlier by the age of his picture."""

@@ -67,6 +67,13 @@ class Intervals:
         ]
         self.spans = [[first, last] for first, last in moved if last >= first]
 
+    def since(self, time: float) -> Optional[float]:
+        """Begin (s) of the span that a time (s) is in; None: it is in none."""
+        for first, last in reversed(self.spans):
+            if first <= time < last:
+                return first
+        return None
+
     def rounded(self) -> List[List[float]]:
         """Return the spans for a page."""
         return [[round(first, 3), round(last, 3)] for first, last in self.spans]

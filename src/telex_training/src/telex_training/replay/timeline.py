@@ -15,6 +15,8 @@ import numpy as np
 from ..exercises.conditions import FLOOR
 from ..judging.activity import COMMANDS, asks_for_motion
 from ..judging.entries import (
+    DOSES,
+    MALFUNCTIONS,
     NAMES,
     STATUS,
     TELEMETRY,
@@ -29,6 +31,7 @@ from ..judging.entries import (
 from ..judging.truth import Names, Sample, read_sample
 from ..recording.reader import Recording
 from ..recording.writer import RecordingError
+from .equipment import Equipment
 from .series import Intervals, Steps
 
 _FLOAT = "std_msgs/Float64"
@@ -158,6 +161,8 @@ class Timeline:
         Camera of the main picture.
     switches : dict of str to Steps
         Lamps and zooms by their topics.
+    equipment : Equipment
+        What radiation and malfunctions had done to cameras and lamps.
     keys : dict of str to Intervals
         When each teleoperation node was asked for motion.
     stopped, paused : Intervals
@@ -178,6 +183,7 @@ class Timeline:
     def __init__(self, recording: Recording) -> None:
         self.age, self.view = Steps(), Steps()
         self.switches: Dict[str, Steps] = {}
+        self.equipment = Equipment()
         self.keys: Dict[str, Intervals] = {}
         self.stopped, self.paused = Intervals(), Intervals()
         self.released: List[Tuple[float, str]] = []
@@ -217,6 +223,7 @@ class Timeline:
         for spans in (self.stopped, self.paused, *self.keys.values()):
             spans.close(self._times[-1])
             spans.shift(begin, self.duration)
+        self.equipment.close(self._times[-1], begin, self.duration)
         self.released = [(max(0.0, time - begin), why) for time, why in self.released]
         self._times, self._stamps, self._figures = [], [], []
 
@@ -237,6 +244,10 @@ class Timeline:
             self.paused.set(self._now, bool(status.paused))
         elif channel == TELEMETRY:
             self._take_telemetry(entry)
+        elif channel == DOSES:
+            self.equipment.take_doses(entry, self._now)
+        elif channel == MALFUNCTIONS:
+            self.equipment.take_malfunctions(entry, self._now)
         elif channel in COMMANDS:
             if asks_for_motion(entry):
                 node = channel.partition("/")[0]

@@ -6,6 +6,7 @@ import math
 import os
 import sys
 import time
+import zlib
 from dataclasses import replace
 from typing import Callable, Dict, List, Optional
 
@@ -21,7 +22,7 @@ from telex_control.ros.node_start import init_node, until_shutdown
 
 from ...engine.simulator_config import read_simulator_config
 from ...scene.content_store import shared_store
-from ..cameras_config import CamerasConfig
+from ..cameras_config import OVERVIEW, CamerasConfig
 from ..drawing.gl_context import NoContextError, create_context
 from ..drawing.light.daylight import Lighting
 from ..drawing.quality import choose_quality
@@ -80,13 +81,13 @@ class CamerasNode:
                 scene_frame=f"{config.model}/{camera.frame}",
                 locate=_itself,
                 repeat_rate=config.repeat_rate,
-                seed=config.seed + number,
+                seed=_seed(config, name),
             )
-            for number, (name, camera) in enumerate(sorted(config.cameras.items()))
+            for name, camera in sorted(config.cameras.items())
         ]
         camera_frames = [stream.scene_frame for stream in self._streams]
         if config.overview is not None:
-            seed = config.seed + len(self._streams)
+            seed = _seed(config, OVERVIEW)
             self._overview = Overview(config.overview, config.model, seed)
             self._streams.append(self._overview.stream)
         self._lamps = LampSwitches(config.lamps)
@@ -288,6 +289,11 @@ class CamerasNode:
 def _itself(frame_in_world: np.ndarray, now: float) -> np.ndarray:
     """Pose of a camera whose optical frame is part of the scene."""
     return frame_in_world
+
+
+def _seed(config: CamerasConfig, name: str) -> int:
+    """Seed of a camera's noise and dirt: by its name, so that a replay, with others, has it too."""
+    return config.seed + zlib.crc32(name.encode())
 
 
 def _niceness(config: CamerasConfig) -> int:

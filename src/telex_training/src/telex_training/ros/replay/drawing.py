@@ -9,7 +9,7 @@ from typing import Dict, NamedTuple, Optional, Sequence, Tuple
 import rospy
 from sensor_msgs.msg import CompressedImage, JointState
 from std_msgs.msg import Float64
-from telex_msgs.msg import SceneDescription, ScenePoses
+from telex_msgs.msg import CameraRadiation, Malfunctions, SceneDescription, ScenePoses
 
 from telex_control.common.geometry.matrices import pose_matrix, quaternion_tuple
 from telex_control.common.geometry.quaternions import Pose
@@ -18,7 +18,7 @@ from telex_sim.cameras.ros.overview_rig import OverviewRig
 
 from ...replay.cameras import OUTSIDE, replay_config
 from ...replay.ghost import Ghost
-from ...replay.replay import Replay
+from ...replay.replay import Condition, Replay
 from ...replay.scenery import base_of
 from ...replay.timeline import Moment
 from .cameras_process import CamerasProcess
@@ -65,6 +65,9 @@ class Drawing:
         self._scene = self._publisher("sim/scene", SceneDescription)
         self._poses = self._publisher("sim/poses", ScenePoses)
         self._joints = self._publisher("joint_states", JointState)
+        self._radiation = self._publisher("cameras/radiation", CameraRadiation)
+        self._malfunctions = self._publisher("sim/malfunctions", Malfunctions)
+        self._condition: Optional[Condition] = None
         self._switches: Dict[str, rospy.Publisher] = {}
         self._levels: Dict[str, float] = {}
         self._subscriber: Optional[rospy.Subscriber] = None
@@ -89,10 +92,10 @@ class Drawing:
             self._drawn_at = time.monotonic()
 
     def place(self, replay: Replay, moment: Moment) -> None:
-        """Publish scene, poses, joints and lamps of a moment, whoever listens."""
+        """Publish scene, poses, joints, lamps and what fails at a moment, whoever listens."""
         with self._turn:
             self._prepare(replay, moment)
-            self._publish_switches(replay, moment)
+            self._publish_equipment(replay, moment)
             self._publish_poses(replay, moment)
             self._drawn_at = time.monotonic()
 
@@ -135,11 +138,11 @@ class Drawing:
             self._prepare(replay, moment, ghost)
             limit = _DRAWING if self._draws else _STARTING
             self._look_through(camera)
-            changed = self._publish_switches(replay, moment)
+            changed = self._publish_equipment(replay, moment)
             others = _others(ghost, moment, camera)
             drawn = self._draw(replay, moment, others, limit)
             if changed:
-                # Lamps and zoom go by topics of their own: only the next picture surely has them.
+                # What fails goes by topics of its own: only the next picture surely has it.
                 drawn = self._draw(replay, moment, others, limit)
             self._drawn_at = time.monotonic()
             return drawn
@@ -195,6 +198,16 @@ class Drawing:
         with self._come:
             self._picture = message
             self._come.notify_all()
+
+    def _publish_equipment(self, replay: Replay, moment: Moment) -> bool:
+        """Have cameras and lamps as they were; returns whether anything has changed."""
+        condition = replay.condition(moment)
+        worse = condition != self._condition
+        if worse:
+            self._radiation.publish(condition.radiation)
+            self._malfunctions.publish(condition.malfunctions)
+            self._condition = condition
+        return self._publish_switches(replay, moment) or worse
 
     def _publish_switches(self, replay: Replay, moment: Moment) -> bool:
         """Set lamps and zooms as they were; returns whether any has changed."""

@@ -17,7 +17,7 @@ from ...judging.moments import moment_note
 from ...recording.writer import RecordingError
 from ...replay.cameras import CLEAR, OUTSIDE
 from ...replay.ghost import Ghost, GhostError
-from ...replay.replay import Replay
+from ...replay.replay import Replay, SilentCameraError
 from ..pages.page_server import PageServer, instructs, name_of, posted
 from .drawing import Drawing, DrawingError
 from .ghosts import Ghosts
@@ -109,14 +109,20 @@ class ReplayPages(PageServer):
             raise web.HTTPBadRequest(text=f"{error}\n") from None
         moment = replay.timeline.moment(replay.seen_at(time) if seen else time)
         ghost = await self._ghost(request, replay)
+        headers = {"X-Replay-Time": f"{moment.time:.4f}", "Cache-Control": "no-store"}
         name = camera if seen or camera == OUTSIDE else camera + CLEAR
+        drawn = moment
+        if name != OUTSIDE and seen:
+            try:
+                drawn = replay.sent_by(camera, moment)
+            except SilentCameraError as error:
+                return web.Response(status=204, headers={**headers, "X-Replay-Silent": str(error)})
         spacing = self._busy_period if self._is_busy() else 0.0
         draw = functools.partial(self._drawing.picture, ghost=ghost)
         try:
-            data = await self.aside(draw, replay, moment, name, view, spacing)
+            data = await self.aside(draw, replay, drawn, name, view, spacing)
         except DrawingError as error:
             raise web.HTTPGatewayTimeout(text=f"{error}\n") from None
-        headers = {"X-Replay-Time": f"{moment.time:.4f}", "Cache-Control": "no-store"}
         if ghost is not None:
             headers["X-Replay-Ghost-Ahead"] = f"{ghost.ahead(moment.time):.3f}"
         return web.Response(body=data, content_type="image/jpeg", headers=headers)
