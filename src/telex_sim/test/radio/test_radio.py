@@ -6,6 +6,8 @@ import pybullet
 import pytest
 
 from telex_control.common.params import ConfigError, read_struct
+from telex_sim.engine.radio import signal_at
+from telex_sim.offline.simulation import OfflineSimulation, robot_description
 from telex_sim.radio.radio_config import RadioConfig
 from telex_sim.radio.reception import signal_of, thicknesses_between
 
@@ -50,6 +52,26 @@ def test_bodies_in_between_are_found_with_their_thickness(client):
     assert thicknesses_between(client, BEGIN, BEGIN, ()) == ()
 
 
+@pytest.mark.parametrize(
+    ("scene", "distance"),
+    # The robot's antenna stands 0.6 m above its root link.
+    [("", 0.9), ("antenna: [30.0, 0.0, 1.5]\n", 30.0), ("start: {x: 3.0, ground: 0.0}\n", 0.9)],
+)
+def test_the_antenna_stands_where_the_scene_says_or_above_the_start(tmp_path, scene, distance):
+    path = tmp_path / "scene.yaml"
+    path.write_text(f"{scene}objects: []\n")
+    simulation = OfflineSimulation(robot_description(), world=str(path)).simulation
+    try:
+        signal = signal_at(simulation, simulation.robots[0])
+    finally:
+        simulation.close()
+    base = 0.12  # m, of the root link above the ground
+    height = 0.9 - base
+    expected = height if distance < 1.0 else (distance**2 + height**2) ** 0.5
+    assert signal.distance == pytest.approx(expected, abs=0.1)
+    assert signal.walls == 0
+
+
 def test_a_body_around_the_antenna_counts_by_what_is_before_it(client):
     box(client, 0.0, 2.0)
     (thickness,) = thicknesses_between(client, END, BEGIN, ())
@@ -59,8 +81,8 @@ def test_a_body_around_the_antenna_counts_by_what_is_before_it(client):
 @pytest.mark.parametrize(
     ("params", "said"),
     [
-        ({"antenna": [1.0, 2.0]}, "three numbers"),
-        ({"antenna": [1.0, 2.0, float("nan")]}, "finite"),
+        ({"antenna": [1.0, 2.0, 3.0]}, "antenna is unknown"),
+        ({"antenna_height": float("nan")}, "antenna_height is nan"),
         ({"good": -95.0}, "good is -95.0; it must be above -90"),
         ({"rate": -1.0}, "rate is -1.0"),
         ({"height": 1.0}, "height is unknown"),

@@ -67,6 +67,16 @@ def test_oversampling_smooths_and_changes_nothing_else(subject):
     assert 0.0 < np.abs(fine - plain).mean() < 3.0
 
 
+def test_the_antenna_of_the_operator_is_seen(tmp_path):
+    path = tmp_path / "scene.yaml"
+    path.write_text("antenna: [-2.0, 3.0, 1.5]\nobjects: []\n")
+    camera = PinholeCamera(160, 120, 0.6, 0.05, 100.0)
+    pose = looking((-2.0, 0.0, 1.5), (-2.0, 3.0, 1.5))
+    picture = photograph(settled(str(path)), camera, pose, TIERS["software"], 1)
+    rows, columns = np.nonzero(reddish(picture))
+    assert (rows.mean(), columns.mean()) == pytest.approx((59.5, 79.5), abs=2)
+
+
 def test_the_robot_can_be_left_out(subject):
     bare = subject.without_robot()
     assert len(bare.scene.visuals) == 2

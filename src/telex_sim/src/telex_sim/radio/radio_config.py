@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Tuple
 
-from telex_control.common.params import require, require_range
+from telex_control.common.params import require_range
 
 
 @dataclass(frozen=True)
@@ -16,11 +15,8 @@ class RadioConfig:
     ----------
     rate : float
         How often it is computed while somebody listens (Hz of sim time); 0: never.
-    antenna : tuple of float
-        Place of the operator's antenna in the world (m), three numbers; empty: above the robot's
-        start.
     antenna_height : float
-        Of the operator's antenna above the robot's start, where its place is not given (m).
+        Of the operator's antenna above the robot's start, in scenes that have no `antenna` (m).
     robot_height : float
         Of the robot's antenna above its root link (m).
     power : float
@@ -42,7 +38,6 @@ class RadioConfig:
     """
 
     rate: float = 4.0
-    antenna: Tuple[float, ...] = ()
     antenna_height: float = 1.5
     robot_height: float = 0.6
     power: float = -40.0
@@ -55,10 +50,6 @@ class RadioConfig:
 
     def __post_init__(self) -> None:
         require_range(self, "rate", 0.0, 50.0)
-        require(
-            len(self.antenna) in (0, 3),
-            f"antenna is {list(self.antenna)}; three numbers (x, y, z in m) are needed, or none",
-        )
         require_range(self, "antenna_height", 0.0, 100.0)
         require_range(self, "robot_height", 0.0, 10.0)
         require_range(self, "power", -120.0, 30.0)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import rospy
 from telex_msgs.msg import Radio
 
+from ..engine.radio import signal_at
 from ..engine.simulation import Simulation
-from ..radio.reception import signal_of, thicknesses_between
 from ..robot.robot import Robot
 
 
@@ -26,17 +26,7 @@ class RadioPublisher:
         """Compute and publish the signal; in the simulation's thread."""
         if not self._topic.get_num_connections():
             return
-        config = self._robot.config.radio
-        antenna = config.antenna
-        if not antenna:
-            start = simulation.scene.start
-            antenna = (start.x, start.y, start.ground + config.antenna_height)
-        x, y, z = self._robot.body.base_pose()[0]
-        place = (x, y, z + config.robot_height)
-        robots = {robot.body.uid for robot in simulation.robots}
-        walls = thicknesses_between(simulation.world.client, antenna, place, robots)
-        distance = sum((one - other) ** 2 for one, other in zip(antenna, place)) ** 0.5
-        signal = signal_of(config, distance, walls)
+        signal = signal_at(simulation, self._robot)
         message = Radio(
             distance=signal.distance,
             walls=signal.walls,

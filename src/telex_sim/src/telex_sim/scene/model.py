@@ -607,6 +607,8 @@ class Scene:
     history : dict of str to float
         Doses that the robot's parts have received before it begins (Gy): of a camera by its name,
         and of the ``robot``.
+    antenna : tuple of float, optional
+        Place of the operator's radio antenna in the world (m); None: above the robot's start.
     """
 
     name: str
@@ -617,6 +619,9 @@ class Scene:
     start: Start = field(default_factory=Start)
     views: Tuple[View, ...] = ()
     history: Dict[str, float] = field(default_factory=dict)
+    antenna: Optional[Vector3] = None
 
     def __post_init__(self) -> None:
         require_history(self.history)
+        if self.antenna is not None:
+            _require_vector(self, "antenna")

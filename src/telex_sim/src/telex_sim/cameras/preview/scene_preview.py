@@ -24,7 +24,7 @@ from ...offline.simulation import package_file
 from ...ros.scene_messages import SceneMessages
 from ...scene.catalog import find_scene
 from ...scene.files.scene_file import SceneError
-from ...scene.model import View
+from ...scene.model import WORLD_FRAME, Vector3, View
 from ...scene.robot_in_scene import place_robot, robot_description
 from ...scene.visual_scene import Visual, VisualScene, VisualShape
 from ..cameras_config import CameraConfig, CamerasConfig
@@ -41,6 +41,10 @@ _SHADOW_REACH = 30.0
 
 _LARGEST_SIDE = 4096
 _NEAR, _FAR = 0.05, 300.0
+
+# The operator's radio antenna: a mast with a ball (m).
+_MAST, _BALL = 0.04, 0.12
+_MAST_COLOR, _BALL_COLOR = (0.85, 0.85, 0.85, 1.0), (0.9, 0.1, 0.1, 1.0)
 
 # From where a scene without views is looked at; of any length.
 _USUAL_SIDE = np.array([-1.0, -0.8, 0.75])
@@ -151,7 +155,19 @@ def settled(
         simulation.close()
     if problems:
         raise PreviewError(f"{path}: " + "; ".join(problems))
+    if simulation.scene.antenna is not None:
+        scene = replace(scene, visuals=(*scene.visuals, *_antenna(simulation.scene.antenna)))
     return Subject(path.stem, scene, frames, simulation.scene.views, model)
+
+
+def _antenna(place: Vector3) -> Tuple[Visual, ...]:
+    """Show where the operator's antenna is, which no camera of the robot sees."""
+    x, y, z = place
+    ball = Visual(WORLD_FRAME, VisualShape.SPHERE, (_BALL, 0.0, 0.0), place, color=_BALL_COLOR)
+    if z <= _BALL:
+        return (ball,)
+    size, middle = (_MAST, _MAST, z), (x, y, 0.5 * z)
+    return ball, Visual(WORLD_FRAME, VisualShape.BOX, size, middle, color=_MAST_COLOR)
 
 
 def photograph(

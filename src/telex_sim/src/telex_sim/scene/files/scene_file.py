@@ -52,6 +52,7 @@ class _Header:
     start: Start = field(default_factory=Start)
     views: Tuple[View, ...] = ()
     history: Dict[str, float] = field(default_factory=dict)
+    antenna: Optional[Vector3] = None
 
     def __post_init__(self) -> None:
         require(
@@ -180,6 +181,7 @@ def parse_scene(
             header.start,
             header.views,
             header.history,
+            header.antenna,
         )
     except ConfigError as error:
         raise SceneError(f"{path}: {error}") from error
