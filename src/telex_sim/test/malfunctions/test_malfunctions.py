@@ -9,7 +9,7 @@ import pytest
 
 from telex_control.common.params import ConfigError
 from telex_sim.engine.bookmarks import Bookmarks
-from telex_sim.malfunctions.battery import Battery, BatteryConfig, charge_of
+from telex_sim.malfunctions.battery import Battery, BatteryConfig, Reach, charge_of
 from telex_sim.malfunctions.described import described_parts, shipped_equipment
 from telex_sim.offline.robot import OfflineRobot
 from telex_sim.offline.simulation import OfflineSimulation
@@ -243,6 +243,34 @@ def test_voltage_falls_with_charge_and_with_load():
     assert charge_of(config, 0.5, 500.0).voltage < charge_of(config, 0.5, 0.0).voltage
     charge = charge_of(config, 0.5, 500.0)
     assert charge.voltage * charge.current == pytest.approx(500.0)
+
+
+def test_the_range_follows_what_the_robot_takes_per_metre():
+    reach = Reach(BatteryConfig(energy=1.0, consumption=360.0, averaging_way=5.0))
+    assert reach.of(0.5) == pytest.approx(5.0)
+    for second in range(60):
+        reach.be_at((0.5 * second, 0.0, 0.0), 90.0, float(second))
+    assert reach.of(0.5) == pytest.approx(10.0, rel=0.01)
+    # Standing takes nothing for a metre, and being put elsewhere is no way.
+    for second in range(60, 120):
+        reach.be_at((29.5, 0.0, 0.0), 90.0, float(second))
+    reach.be_at((-10.0, 0.0, 0.0), 90.0, 120.0)
+    reach.be_at((-10.5, 0.0, 0.0), 90.0, 120.0)
+    assert reach.of(0.5) == pytest.approx(10.0, rel=0.01)
+    assert reach.of(0.0) == 0.0
+
+
+def test_driving_tells_how_far_the_charge_lasts(bench):
+    bench.begin("battery", "low", 0.5)
+    shipped = bench.body.config.battery
+    told = []
+    for _ in range(12):
+        bench.drive(0.5, 0.0, 1.0)
+        told.append(bench.malfunctions.reach(bench.simulation.time))
+    consumption = 0.5 * shipped.energy * 3600.0 / told[-1]
+    assert 0.6 * shipped.consumption < consumption < 1.5 * shipped.consumption
+    bench.begin("battery", "low", 0.25)
+    assert bench.malfunctions.reach(bench.simulation.time) == pytest.approx(told[-1] / 2, rel=0.02)
 
 
 def test_an_empty_battery_lets_the_brakes_hold_belts_and_joints(bench):

@@ -1,9 +1,10 @@
 // @ts-check
-/** Charge of the robot's battery, and how long it will last. */
+/** Charge of the robot's battery, how long it will last, and how far. */
 
 import { byId, setText } from "./panels.js";
 
 export const BATTERY = { topic: "battery", type: "sensor_msgs/BatteryState" };
+export const BATTERY_RANGE = { topic: "battery/range", type: "std_msgs/Float64" };
 
 /** Share of the charge below which it is shown as a warning. */
 const LOW = 0.2;
@@ -15,6 +16,13 @@ export class BatteryView {
   constructor() {
     /** Mean current that the robot takes (A); null: not known. @type {number | null} */
     this._current = null;
+    /** How far the charge lasts (m); null: not known. @type {number | null} */
+    this._range = null;
+  }
+
+  /** @param {any} message  std_msgs/Float64 */
+  setRange({ data }) {
+    this._range = Number.isFinite(data) && data >= 0 ? data : null;
   }
 
   /** @param {any} message  sensor_msgs/BatteryState */
@@ -25,7 +33,7 @@ export class BatteryView {
     const taken = Math.max(0, -current);
     if (Number.isFinite(taken)) this._current = this._current === null ? taken : this._current + RENEWAL * (taken - this._current);
     chip.dataset.low = String(percentage < LOW);
-    setText(byId("battery-text"), chargeText(percentage, runtime(charge, this._current)));
+    setText(byId("battery-text"), chargeText(percentage, runtime(charge, this._current), this._range));
   }
 }
 
@@ -34,12 +42,22 @@ export function runtime(charge, current) {
   return current === null || !(current > 0) || !Number.isFinite(charge) ? null : (60 * charge) / current;
 }
 
-/** @param {number} share @param {number | null} minutes */
-export function chargeText(share, minutes) {
+/** @param {number} share @param {number | null} minutes @param {number | null} [metres] */
+export function chargeText(share, minutes, metres = null) {
   // What is left is not rounded up to what it has not got.
   const percent = `${Math.floor(100 * share + 1e-6)} %`;
   if (share <= 0) return "EMPTY";
-  if (minutes === null) return percent;
-  const whole = Math.floor(minutes);
-  return `${percent} · ${whole < 60 ? `${whole} min` : `${Math.floor(whole / 60)} h ${whole % 60} min`}`;
+  return [percent, ...(minutes === null ? [] : [duration(Math.floor(minutes))]), ...(metres === null ? [] : [distance(metres)])].join(" · ");
+}
+
+/** @param {number} minutes */
+function duration(minutes) {
+  return minutes < 60 ? `${minutes} min` : `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
+}
+
+/** In two digits: nobody knows it better. @param {number} metres */
+function distance(metres) {
+  const step = 10 ** Math.max(0, Math.floor(Math.log10(Math.max(metres, 1))) - 1);
+  const whole = Math.floor(metres / step) * step;
+  return whole < 1000 ? `${whole} m` : `${whole / 1000} km`;
 }

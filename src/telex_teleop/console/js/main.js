@@ -2,7 +2,7 @@
 /** Puts the console together. */
 
 import { AttitudeView, STABILITY } from "./attitude.js";
-import { BATTERY, BatteryView } from "./battery.js";
+import { BATTERY, BATTERY_RANGE, BatteryView } from "./battery.js";
 import { Avatar } from "./avatar.js";
 import { Bridge } from "./bridge.js";
 import { onClick } from "./buttons.js";
@@ -339,6 +339,7 @@ class Console {
       this._panels.showJoints();
     }, JOINTS_PERIOD);
     this._listen(BATTERY.topic, BATTERY.type, (message) => this._battery.set(message), DISPLAY_PERIOD);
+    this._listen(BATTERY_RANGE.topic, BATTERY_RANGE.type, (message) => this._battery.setRange(message), DISPLAY_PERIOD);
     this._listen(CONTACT.topic, CONTACT.type, (message) => this._gripper.feel(message), DISPLAY_PERIOD);
     this._listen(ODOMETRY.topic, ODOMETRY.type, (odometry) => {
       this._hud.setOdometry(odometry);

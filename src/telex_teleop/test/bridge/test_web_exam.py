@@ -34,6 +34,7 @@ NEEDED = {
         *("cameras/front/image_raw/compressed", "cameras/turret/zoom", "lamps/gripper/command"),
         *("training/state", "bridge/clients", "bridge/missing_nodes", "sim/status"),
         *("sim/stability", "sim/gripper_contact", "battery", "link/state"),
+        "battery/range",
     ],
     "call": ["training/answer", "training/again", "training/abort", "arm_teleop/set_mode"],
 }

@@ -18,4 +18,9 @@ test("charge and runtime are never said to be more than they are", () => {
   assert.equal(chargeText(0.129, 12.9), "12 % · 12 min");
   assert.equal(chargeText(0.5, null), "50 %");
   assert.equal(chargeText(0, null), "EMPTY");
+  assert.equal(chargeText(0.129, 12.9, 389.9), "12 % · 12 min · 380 m");
+  assert.equal(chargeText(0.5, null, 0.4), "50 % · 0 m");
+  assert.equal(chargeText(1, 400.9, 6480), "100 % · 6 h 40 min · 6.4 km");
+  assert.equal(chargeText(1, null, 99.9), "100 % · 99 m");
+  assert.equal(chargeText(0, 0, 0), "EMPTY");
 });

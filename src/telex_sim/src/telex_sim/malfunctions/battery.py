@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import Iterable, NamedTuple, Tuple
+from typing import Iterable, NamedTuple, Sequence, Tuple
 
 from telex_control.common.params import require_range
 from telex_control.common.stateful import Stateful
@@ -11,6 +12,8 @@ from telex_control.common.stateful import Stateful
 from ..robot.drives import Drive
 
 _HOUR = 3600.0
+_SLOWEST, _FASTEST = 0.02, 5.0
+"""Speeds (m/s) of driving: what is slower stands, and what is faster was put there."""
 DRIVES, LAMPS, CAMERAS = "drives", "lamps", "cameras"
 """What an empty battery feeds no longer."""
 
@@ -39,6 +42,10 @@ class BatteryConfig:
         For how long the cameras' own cells feed them once the battery is empty (s).
     averaging : float
         Over which the power is averaged that the runtime is told by (s).
+    consumption : float
+        By which the range is told before the robot has driven (J/m).
+    averaging_way : float
+        Over which the consumption is averaged that the range is told by (m).
     """
 
     energy: float = 900.0
@@ -51,6 +58,8 @@ class BatteryConfig:
     holding_power: float = 60.0
     camera_reserve: float = 60.0
     averaging: float = 20.0
+    consumption: float = 500.0
+    averaging_way: float = 20.0
 
     def __post_init__(self) -> None:
         require_range(self, "energy", maximum=1.0e5, above=0.0)
@@ -62,6 +71,8 @@ class BatteryConfig:
         require_range(self, "efficiency", 0.05, 1.0)
         require_range(self, "camera_reserve", 0.0, 3600.0)
         require_range(self, "averaging", 0.1, 3600.0)
+        require_range(self, "consumption", maximum=1.0e6, above=0.0)
+        require_range(self, "averaging_way", 0.1, 1.0e4)
 
     def drive_power(self, drives: Iterable[Drive]) -> float:
         """Power that drives take now (W); what turns them back gives none."""
@@ -104,6 +115,36 @@ def charge_of(config: BatteryConfig, share: float, power: float) -> Charge:
     voltage = max(0.5 * config.empty_voltage, rest - config.resistance * power / rest)
     middle = 0.5 * (config.voltage + config.empty_voltage)
     return Charge(share, voltage, power / voltage, config.energy / middle)
+
+
+class Reach:
+    """How far a charge lasts, by what the robot has taken for each metre of late.
+
+    Parameters
+    ----------
+    config : BatteryConfig
+    """
+
+    def __init__(self, config: BatteryConfig) -> None:
+        self._config = config
+        self._consumption = config.consumption
+        self._place: Tuple[float, ...] = ()
+        self._time = 0.0
+
+    def be_at(self, place: Sequence[float], power: float, time: float) -> None:
+        """Take note of the robot's place (m) and of the power that it takes (W) at a time (s)."""
+        before, self._place = self._place, tuple(place)
+        period, self._time = time - self._time, time
+        if period <= 0.0 or not before:
+            return
+        way = math.dist(before, self._place)
+        if _SLOWEST * period <= way <= _FASTEST * period:
+            weight = min(1.0, way / self._config.averaging_way)
+            self._consumption += weight * (power * period / way - self._consumption)
+
+    def of(self, share: float) -> float:
+        """Way (m) that a share of a full charge is enough for."""
+        return share * self._config.energy * _HOUR / self._consumption
 
 
 class Battery(Stateful):

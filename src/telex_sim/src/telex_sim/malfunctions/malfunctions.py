@@ -11,7 +11,7 @@ from telex_control.common.stateful import Stateful
 from ..robot.drives import WHOLE, Impairment
 from ..tracks.belt_faults import SOUND, BeltFault
 from . import kinds
-from .battery import DRIVES, Battery, Charge, charge_of
+from .battery import DRIVES, Battery, Charge, Reach, charge_of
 from .kinds import Parts, Possible
 
 if TYPE_CHECKING:
@@ -72,6 +72,7 @@ class Malfunctions(Stateful):
         self.active: Tuple[Active, ...] = ()
         self.changes = 0
         self.battery: Optional[Battery] = None
+        self._reach = Reach(robot.config.battery)
         self.lamp_levels = 0.0
 
     def equip(self, cameras: Any, lamps: Any) -> None:
@@ -126,6 +127,11 @@ class Malfunctions(Stateful):
         if battery is None:
             return charge_of(config, 1.0, self._power())
         return charge_of(config, battery.share, battery.power)
+
+    def reach(self, time: float) -> float:
+        """Return how far (m) the charge lasts at a time (s); to be asked about once a second."""
+        self._reach.be_at(self._robot.body.base_pose()[0], self._power(), time)
+        return self._reach.of(self.charge().share)
 
     def begin(self, what: str, kind: str, value: float, announced: bool, time: float) -> Active:
         """Let something fail at `time` (s); what fails so already gets another severity.

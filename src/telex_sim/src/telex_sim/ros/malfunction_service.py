@@ -1,4 +1,7 @@
-"""Malfunctions of one robot over ROS: ``sim/malfunction``, ``sim/malfunctions``, ``battery``."""
+"""Malfunctions of one robot over ROS: ``sim/malfunction``, ``sim/malfunctions``.
+
+With what its battery tells: ``battery``, ``battery/range``.
+"""
 
 from __future__ import annotations
 
@@ -49,6 +52,7 @@ class MalfunctionService:
             f"{namespace}/sim/malfunctions", Malfunctions, queue_size=1, latch=True
         )
         self._battery = rospy.Publisher(f"{namespace}/battery", BatteryState, queue_size=1)
+        self._range = rospy.Publisher(f"{namespace}/battery/range", Float64, queue_size=1)
         self._service = rospy.Service(f"{namespace}/sim/malfunction", Malfunction, self._on_call)
 
     def _equipment(self) -> Any:
@@ -113,7 +117,9 @@ class MalfunctionService:
         self._active.publish(message)
 
     def publish_battery(self) -> None:
-        """Tell the charge, when anybody listens; one that does not run down tells the same."""
+        """Tell charge and range, when anybody listens; what does not run down tells the same."""
+        if self._robot.body.free:
+            self._range.publish(self._malfunctions.reach(self._now().to_sec()))
         if not self._battery.get_num_connections():
             return
         charge = self._malfunctions.charge()
@@ -140,6 +146,7 @@ class MalfunctionService:
             lamp.unregister()
         self._active.unregister()
         self._battery.unregister()
+        self._range.unregister()
 
 
 def _name(each: Active) -> str:
