@@ -11,7 +11,16 @@ from telex_sim.radiation.nuclides import MATERIALS, NUCLIDES, attenuation
 STRONG = PointSource("Co-60", 3.7e13)
 # Energies (MeV) and yields of the lines, and mass energy-absorption coefficients of air at these
 # energies (m2/kg): NIST Standard Reference Database 126.
-LINES = {"Co-60": ((1.1732, 0.9985, 2.70e-3), (1.3325, 0.9998, 2.62e-3))}
+# MeV, photons in a decay, mass energy-absorption coefficient of air (m2/kg).
+LINES = {
+    "Co-60": ((1.1732, 0.9985, 2.70e-3), (1.3325, 0.9998, 2.62e-3)),
+    # The isomer of barium, its K-alpha and its K-beta.
+    "Cs-137": (
+        (0.6617, 0.9436 / 1.1102, 2.929e-3),
+        (0.0321, 0.0554, 1.27e-2),
+        (0.0366, 0.0132, 8.8e-3),
+    ),
+}
 
 
 def unshielded(distance, source=STRONG):
@@ -42,10 +51,11 @@ def turned(angle):
 
 
 class TestNuclides:
-    def test_the_constant_of_cobalt_is_that_of_its_lines(self):
+    @pytest.mark.parametrize("nuclide", sorted(LINES))
+    def test_the_constant_is_that_of_the_lines(self, nuclide):
         joules = 1.602177e-13  # per MeV
-        lines = sum(energy * share * air for energy, share, air in LINES["Co-60"])
-        assert NUCLIDES["Co-60"].kerma_constant == pytest.approx(
+        lines = sum(energy * share * air for energy, share, air in LINES[nuclide])
+        assert NUCLIDES[nuclide].kerma_constant == pytest.approx(
             lines * joules / (4.0 * math.pi), rel=0.02
         )
 
