@@ -13,6 +13,7 @@ from telex_training.judging.stats import reliability_bound
 from telex_training.progress.comparison import ComparisonError, compare
 from telex_training.progress.curriculum_file import curricula, load_curriculum
 from telex_training.progress.exports import repetitions_csv, statements, statements_text, trials_csv
+from telex_training.progress.index import ProgressIndex
 from telex_training.progress.reports.class_report import (
     class_report,
     comparison_lines,
@@ -154,6 +155,24 @@ class TestExports:
         rows = list(csv.DictReader(io.StringIO(repetitions_csv(trials()))))
         assert [row["seconds"] for row in rows] == ["20.0", "25.0"]
         assert [row["contacts"] for row in rows] == ["0.0", "1.0"]
+
+    def test_exports_say_what_an_exams_signature_is(self, tmp_path, monkeypatch):
+        monkeypatch.setenv("ROS_HOME", str(tmp_path / "home"))
+        for stamp, mode, signed in (
+            ("2026-03-01_101500", "exam", True),
+            ("2026-03-01_101600", "exam", False),
+            ("2026-03-01_101700", "practice", False),
+        ):
+            record(tmp_path / "trials", stamp=stamp, mode=mode, signed=signed)
+        index = ProgressIndex(tmp_path / "trials")
+        assert index.refresh() == []
+        made = index.trials()
+        said = ["valid", "no signature", ""]
+        for text in (trials_csv(made), repetitions_csv(made)):
+            rows = {row["trial"]: row["signature"] for row in csv.DictReader(io.StringIO(text))}
+            assert list(rows.values()) == said
+        extensions = [each["context"]["extensions"] for each in statements(made)]
+        assert [each["https://telex.example/xapi/signature"] for each in extensions] == said
 
     def test_statements_are_those_of_xapi(self, trials):
         trials(times=[(20.0, True), (20.0, True), (0.0, False), (25.0, True)])

@@ -36,6 +36,7 @@ def trials_csv(trials: Sequence[TrialFacts]) -> str:
             trial.exercise,
             trial.setting,
             trial.mode,
+            trial.signature,
             trial.seed,
             trial.valid,
             trial.verdict,
@@ -52,8 +53,8 @@ def trials_csv(trials: Sequence[TrialFacts]) -> str:
         ]
         for trial in trials
     ]
-    heads = "trial began operator exercise setting mode seed valid verdict ended seconds".split()
-    heads += ["repetitions", "faults", "passed", "software", "log_sha256"]
+    heads = "trial began operator exercise setting mode signature seed valid verdict ended".split()
+    heads += ["seconds", "repetitions", "faults", "passed", "software", "log_sha256"]
     heads += ["mark", "mark_reason", "mark_by", "workload"]
     heads += [f"workload_{name}" for name in SCALES]
     return _table(heads, rows)
@@ -79,6 +80,7 @@ def repetitions_csv(trials: Sequence[TrialFacts]) -> str:
             trial.exercise,
             trial.setting,
             trial.mode,
+            trial.signature,
             trial.valid,
             number,
             each.began,
@@ -92,8 +94,8 @@ def repetitions_csv(trials: Sequence[TrialFacts]) -> str:
         for trial in trials
         for number, each in enumerate(trial.repetitions, 1)
     ]
-    heads = "trial operator exercise setting mode valid repetition began seconds penalty".split()
-    return _table([*heads, "fault", "completed", "passed", *names], rows)
+    heads = "trial operator exercise setting mode signature valid repetition began seconds".split()
+    return _table([*heads, "penalty", "fault", "completed", "passed", *names], rows)
 
 
 def _table(heads: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
@@ -157,6 +159,7 @@ def statements(trials: Sequence[TrialFacts], base: str = BASE) -> Iterator[Dict[
                 "platform": "telex_training",
                 "extensions": {
                     f"{base}/xapi/mode": trial.mode,
+                    f"{base}/xapi/signature": trial.signature,
                     f"{base}/xapi/software": trial.software,
                 },
             },

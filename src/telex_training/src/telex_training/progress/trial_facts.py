@@ -17,6 +17,7 @@ from ..exercises.model import EXAM
 from ..judging.sheet import FORMAT, PASSED, sheet_text
 from ..judging.stats import raw_tlx
 from ..recording.reader import read_recording
+from ..recording.signature import VALID
 from ..recording.trial_file import SHEET, SUFFIX, judged, read_workload, signature_of
 from ..recording.writer import PROFILE, RecordingError
 
@@ -172,6 +173,11 @@ class TrialFacts:
     def in_exam(self) -> bool:
         """Whether it is an exam: without a valid signature it is none."""
         return self.mode == EXAM and not self.flaw
+
+    @property
+    def signature(self) -> str:
+        """Whether an exam's signature is valid, or what is wrong with it; empty for others."""
+        return (self.flaw or VALID) if self.mode == EXAM else ""
 
     @property
     def faults(self) -> int:
