@@ -27,6 +27,7 @@ FURTHER = {
     "command_lines": OF_SERVERS,
     "rehearsal": (
         "telex_sim.engine.exposure",
+        "telex_sim.engine.radio",
         "telex_sim.offline",
         "telex_sim.radiation.messages",
         "telex_sim.stability",

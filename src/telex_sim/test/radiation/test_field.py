@@ -11,7 +11,6 @@ from telex_sim.radiation.nuclides import MATERIALS, NUCLIDES, attenuation
 STRONG = PointSource("Co-60", 3.7e13)
 # Energies (MeV) and yields of the lines, and mass energy-absorption coefficients of air at these
 # energies (m2/kg): NIST Standard Reference Database 126.
-# MeV, photons in a decay, mass energy-absorption coefficient of air (m2/kg).
 LINES = {
     "Co-60": ((1.1732, 0.9985, 2.70e-3), (1.3325, 0.9998, 2.62e-3)),
     # The isomer of barium, its K-alpha and its K-beta.

@@ -13,7 +13,7 @@ from telex_sim.offline.robot import OfflineRobot
 from telex_sim.offline.simulation import OfflineSimulation, robot_description
 from telex_teleop.web.line.profiles import Profiles
 from telex_training.exercises.exercise_file import parse_exercise
-from telex_training.operators.port import Command, Drive
+from telex_training.operators.port import Command, Drive, NotManagedError
 from telex_training.rehearsal.line_port import LineTeleop, line_setting
 
 pytestmark = pytest.mark.slow
@@ -28,8 +28,8 @@ steps: [{name: a metre, until: {moved: {what: robot, distance: 1}}}]
 class Far:
     """A robot behind a line, and what of its commands has arrived when (s)."""
 
-    def __init__(self, profile: str, fields: str = "") -> None:
-        self.offline = OfflineSimulation(robot_description(), world="floor")
+    def __init__(self, profile: str, fields: str = "", world: str = "floor") -> None:
+        self.offline = OfflineSimulation(robot_description(), world=world)
         self.robot = OfflineRobot(self.offline)
         self.arrived: List[Any] = []
         self.port = LineTeleop(
@@ -53,8 +53,8 @@ class Far:
 def far() -> Iterator[Any]:
     made: List[Far] = []
 
-    def make(*line: str) -> Far:
-        made.append(Far(*line))
+    def make(*line: str, **options: str) -> Far:
+        made.append(Far(*line, **options))
         return made[-1]
 
     yield make
@@ -118,5 +118,32 @@ def test_the_exercises_own_line_is_taken_unless_one_is_named() -> None:
     assert line_setting(exercise("link: 150\n"), "perfect").is_perfect
     with pytest.raises(ConfigError, match="known are perfect"):
         line_setting(exercise(""), "string")
-    with pytest.raises(ConfigError, match="'by_distance'; one that does not go by the signal"):
-        line_setting(exercise(""), "by_distance")
+    assert line_setting(exercise("link: by_distance\n")).by_signal is not None
+
+
+def test_by_distance_the_line_is_as_the_robot_stands_from_the_antenna(
+    far: Any, tmp_path: Path
+) -> None:
+    delays = []
+    for distance in (1.0, 50.0):
+        scene = tmp_path / f"{distance:g}.yaml"
+        scene.write_text(f"antenna: [{distance}, 0, 1.5]\nobjects: []\n")
+        there = far("by_distance", "{loss: 0, jitter: 0}", world=str(scene))
+        there.port.advance(0.5)
+        sent = there.time
+        there.port.send(Drive())
+        there.port.advance(1.0)
+        ((arrived, _),) = there.arrived
+        delays.append(arrived - sent)
+    assert delays[0] < 0.05
+    assert 0.15 < delays[1] < 0.3
+
+
+def test_where_nothing_passes_an_operator_gives_up(far: Any, tmp_path: Path) -> None:
+    scene = tmp_path / "far.yaml"
+    scene.write_text("antenna: [500, 0, 1.5]\nobjects: []\n")
+    there = far("by_distance", world=str(scene))
+    there.port.send(Drive(0.2, 0.0))
+    with pytest.raises(NotManagedError, match="nothing has passed"):
+        there.port.answer("label", "left")
+    assert there.arrived == []

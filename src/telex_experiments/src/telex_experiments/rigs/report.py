@@ -12,6 +12,8 @@ import sys
 from dataclasses import dataclass
 from typing import List, Optional
 
+from telex_training.rehearsal.processor import processor
+
 
 @dataclass(frozen=True)
 class Figure:
@@ -78,13 +80,7 @@ def quantile(values: List[float], share: float) -> float:
 
 def machine() -> str:
     """Processor, cores and Python, in words."""
-    model = "unknown processor"
-    with open("/proc/cpuinfo") as file:
-        for line in file:
-            if line.startswith("model name"):
-                model = line.split(":", 1)[1].strip()
-                break
-    return f"{model}, {os.cpu_count()} cores, Python {platform.python_version()}"
+    return f"{processor()}, {os.cpu_count()} cores, Python {platform.python_version()}"
 
 
 def finish(

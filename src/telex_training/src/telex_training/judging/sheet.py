@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from typing import Any, Dict, List, Optional, Sequence
+from typing import Any, Dict, List, Mapping, Optional, Sequence
 
 from ..exercises.metric_kinds import KINDS, MEAN, WORST
 from ..exercises.model import Exercise, Metric
@@ -34,6 +34,17 @@ def rounded(value: Any) -> Any:
 def sheet_text(sheet: Dict[str, Any]) -> str:
     """Write a sheet as JSON; equal sheets make equal texts."""
     return json.dumps(sheet, sort_keys=True, ensure_ascii=False, indent=1, allow_nan=False) + "\n"
+
+
+def why_not_passed(sheet: Mapping[str, Any]) -> str:
+    """Say of a sheet why its trial did not pass: faults, else what is beyond its bound."""
+    reasons = [str(each["fault"]) for each in sheet["repetitions"] if each["fault"] is not None]
+    reasons = reasons or [
+        f"{each['name']} {each['value']} (pass {each['pass']})"
+        for each in sheet["metrics"]
+        if each["within"] is False and each["value"] is not None
+    ]
+    return "; ".join(reasons) or "not completed"
 
 
 def summary(exercise: Exercise, repetitions: Sequence[Dict[str, Any]]) -> Dict[str, Any]:

@@ -10,11 +10,11 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from importlib import metadata
-from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, TypeVar
 from urllib.parse import urlsplit
 
 from .jobs import software_digest
+from .processor import processor
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
@@ -212,18 +212,8 @@ def about_machine() -> Dict[str, str]:
         "sources": software_digest(),
         "wheels": ", ".join(f"{name} {metadata.version(name)}" for name in _WHEELS),
         "Python": platform.python_version(),
-        "processor": _processor(),
+        "processor": processor(),
     }
-
-
-def _processor() -> str:
-    try:
-        for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
-            if line.startswith("model name"):
-                return line.partition(":")[2].strip()
-    except OSError:
-        pass
-    return platform.machine()
 
 
 def compare(

@@ -15,6 +15,7 @@ import yaml
 from ..exercises.conditions import ROBOT
 from ..exercises.exercise_file import ExerciseFile
 from ..exercises.model import Exercise, Vary
+from ..judging.sheet import PASSED, why_not_passed
 from ..operators.experts.brief import Expert
 from ..operators.port import NotManagedError
 from .trial import rehearse
@@ -96,8 +97,8 @@ def measured(
             sheet = rehearse(spread(exercise), expert, seed)
         except NotManagedError as error:
             raise FiguresError(f"{where}: the expert gave up: {error}") from error
-        if sheet["verdict"] != "passed":
-            raise FiguresError(f"{where}: the expert did not pass; {_why(sheet)}")
+        if sheet["verdict"] != PASSED:
+            raise FiguresError(f"{where}: the expert did not pass: {why_not_passed(sheet)}")
         done(sheet)
         for metric in sheet["metrics"]:
             if metric["value"] is not None:
@@ -107,14 +108,6 @@ def measured(
         for name, each in values.items()
         if len(each) == len(seeds)
     }
-
-
-def _why(sheet: Mapping[str, Any]) -> str:
-    faults = [each["fault"] for each in sheet["repetitions"] if each["fault"] is not None]
-    wrong = [
-        f"{each['name']} is {each['value']}" for each in sheet["metrics"] if each["within"] is False
-    ]
-    return "; ".join([*faults, *wrong]) or "it did not complete a repetition"
 
 
 def places(file: ExerciseFile) -> List[Place]:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import collections
+import functools
+import math
 from random import Random
 from typing import Callable, Deque
 
 import numpy as np
 
-from telex_control.common.params import ConfigError
+from telex_sim.engine.radio import signal_at
 from telex_sim.offline.robot import OfflineRobot
 from telex_teleop.web.line.line import Line
 from telex_teleop.web.line.messages import LineQueue
@@ -21,6 +23,7 @@ from ..operators.port import (
     FlipperPreset,
     Jog,
     NamedPose,
+    NotManagedError,
     Observation,
     ToolTwist,
 )
@@ -28,6 +31,12 @@ from .teleop import OfflineTeleop
 
 _SIZE = 250
 """Bytes of a command as the console sends it."""
+_DOWN = 60.0
+"""For how long (s) an operator waits for a line on which nothing passes."""
+_LOOK = 0.25
+"""Between two looks whether something passes again (s)."""
+
+_profiles = functools.lru_cache(maxsize=None)(Profiles.read)
 
 
 def line_setting(exercise: Exercise, profile: str = "") -> LineSetting:
@@ -42,18 +51,12 @@ def line_setting(exercise: Exercise, profile: str = "") -> LineSetting:
     Raises
     ------
     ConfigError
-        There is no such profile, or it depends on the radio signal, which is not computed here.
+        There is no such profile.
     """
-    profiles = Profiles.read()
-    if profile:
-        setting = profiles.choose(profile)
-    elif exercise.link is not None:
-        setting = profiles.combine(exercise.link.profile, exercise.link.fields)
-    else:
-        setting = profiles.choose("")
-    if setting.by_signal is not None:
-        raise ConfigError(f"line is '{setting.name}'; one that does not go by the signal is needed")
-    return setting
+    profiles = _profiles()
+    if profile or exercise.link is None:
+        return profiles.choose(profile)
+    return profiles.combine(exercise.link.profile, exercise.link.fields)
 
 
 class LineTeleop(OfflineTeleop):
@@ -61,7 +64,8 @@ class LineTeleop(OfflineTeleop):
 
     Commands pass it first in, first out; those that move may be lost. A call (mode, e-stop, an
     answer) waits for its way there and back. What is seen is as old as the delay, and stands
-    during an outage.
+    during an outage. Where the line goes by the radio signal, that is computed as often as a
+    simulator tells it.
 
     Parameters
     ----------
@@ -85,8 +89,9 @@ class LineTeleop(OfflineTeleop):
         random: Random,
     ) -> None:
         self._hear = hear
-        self._line = Line(random)
-        self._line.configure(setting.fields, robot.simulation.time)
+        self._line, self._setting = Line(random), setting
+        self._since, self._looked = robot.simulation.time, -math.inf
+        self._line.configure(setting.fields, self._since)
         self._queue: LineQueue[Command] = LineQueue(self._line)
         self._seen: Deque[Observation] = collections.deque()
         super().__init__(robot, advance, on_answer)
@@ -133,12 +138,32 @@ class LineTeleop(OfflineTeleop):
         super().answer(question, answer)
 
     def _cross(self) -> None:
-        if not self._line.is_perfect:
+        if self._line.is_perfect:
+            return
+        asked = now = self._robot.simulation.time
+        # Where all is lost, only another place of the robot, which may still move, or the end of
+        # the trial changes that.
+        while math.isinf(self._line.reopens(now)):
+            if now - asked > _DOWN:
+                raise NotManagedError(f"nothing has passed the line for {_DOWN:g} s")
+            self.advance(_LOOK)
             now = self._robot.simulation.time
-            wait = self._line.reopens(now) - now + self._line.draw_delay()
-            self.advance(wait + self._line.draw_retransmissions())
+        wait = self._line.reopens(now) - now + self._line.draw_delay()
+        self.advance(wait + self._line.draw_retransmissions())
+
+    def _follow(self, now: float) -> None:
+        """Have the line as the radio signal is."""
+        simulation = self._robot.simulation
+        (robot, *_) = simulation.robots
+        rate = robot.config.radio.rate
+        if self._setting.by_signal is None or not rate or now < self._looked + 1.0 / rate:
+            return
+        self._looked = now
+        quality = signal_at(simulation, robot).quality
+        self._line.configure(self._setting.at(quality), self._since)
 
     def _on_joint_state(self, stamp: float) -> None:
+        self._follow(stamp)
         command = self._queue.take(stamp)
         while command is not None:
             self._arrive(command)

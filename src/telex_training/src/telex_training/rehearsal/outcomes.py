@@ -6,7 +6,7 @@ import json
 from dataclasses import dataclass
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
-from ..judging.sheet import PASSED
+from ..judging.sheet import PASSED, why_not_passed
 from ..judging.stats import CONFIDENCE, median, percentile, reliability_bound
 from ..progress.inference import Difference, difference_of_medians, fisher
 from .jobs import Outcome
@@ -67,15 +67,7 @@ def run_of(seed: int, outcome: Outcome) -> Run:
 def _why(sheet: Dict[str, Any], gave_up: str) -> str:
     if sheet["verdict"] == PASSED:
         return ""
-    reasons = [f"gave up: {gave_up}"] if gave_up else []
-    reasons += [str(each["fault"]) for each in sheet["repetitions"] if each["fault"] is not None]
-    if not reasons:
-        reasons = [
-            f"{each['name']} {each['value']} (pass {each['pass']})"
-            for each in sheet["metrics"]
-            if each["within"] is False and each["value"] is not None
-        ]
-    return "; ".join(reasons) or "not completed"
+    return f"gave up: {gave_up}" if gave_up else why_not_passed(sheet)
 
 
 def spread_of(runs: Sequence[Run], metric: str) -> Optional[Spread]:
