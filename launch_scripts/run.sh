@@ -7,7 +7,7 @@
 # class:=FILE shows the stations of a class on one page, without ROS (docs/instructor/class.md).
 # Without world:= it starts in the training hall, without speed:= with 35 % of the speed.
 # ros_address:=NAME_OR_ADDRESS opens ROS to other machines, which know this one by it (docs/engineer/network.md).
-# Ctrl-C ends it all. A running ROS master (ROS_MASTER_URI) is used; without one, one is started.
+# Ctrl-C ends it all. A running ROS master (ROS_MASTER_URI, or -p PORT) is used; without one, one is started.
 set -uo pipefail
 
 root="$(CDPATH= cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)"
@@ -33,14 +33,18 @@ else
   known=$'class\nclass_port\naddress\ntoken_file'
 fi
 takes_value=
+master_port=
 for argument in "$@"; do
   if [ -n "$takes_value" ]; then
+    case "$takes_value" in -p | --port) master_port="$argument" ;; esac
     takes_value=
     continue
   fi
   case "$argument" in
+    -p?*) master_port="${argument#-p}" ;;
+    --port=*) master_port="${argument#--port=}" ;;
     -[cptuw] | --args | --child | --find-node | --master-logger-level | --numworkers | --pid | --port | --run_id | \
-      --server_uri | --sigint-timeout | --sigterm-timeout | --timeout) takes_value=1 ;;
+      --server_uri | --sigint-timeout | --sigterm-timeout | --timeout) takes_value="$argument" ;;
     -*) ;;
     token:=* | instructor_token:=*)
       printf 'run.sh: %s:= is gone, for all users of this machine can read a command line: write the token into a file, and give %s_file:=FILE (without such a file, one is made)\n' \
@@ -56,6 +60,15 @@ for argument in "$@"; do
       ;;
   esac
 done
+
+if [ -n "$master_port" ]; then
+  if [[ ! "$master_port" =~ ^[1-9][0-9]{0,4}$ ]] || [ "$master_port" -gt 65535 ]; then
+    echo "run.sh: the master's port is '$master_port'; 1 to 65535 are possible" >&2
+    exit 2
+  fi
+  # roslaunch starts the master there, or takes the one that runs there; all that waits for it must know.
+  export ROS_MASTER_URI="http://localhost:$master_port"
+fi
 
 "$root/launch_scripts/setup.sh" || exit 1
 ros_address=

@@ -428,14 +428,33 @@ def test_every_argument_of_the_launch_file_is_known(tmp_path):
     assert len(names) > 20
 
 
-def run_class(tmp_path, *arguments):
-    """run.sh with a set-up that does nothing, and a server that tells its arguments."""
+@pytest.mark.parametrize(
+    "given", [["-p", "11399"], ["--screen", "--port", "11399"], ["-p11399"], ["--port=11399"]]
+)
+def test_the_masters_port_holds_for_all_that_is_started(tmp_path, given):
+    done = run_alone(tmp_path, *given, environment='echo "$ROS_MASTER_URI"; exit 0')
+    assert (done.returncode, done.stdout) == (0, "http://localhost:11399\n")
+
+
+@pytest.mark.parametrize("port", ["0", "65536", "eleven", "-1"])
+def test_a_port_that_no_master_can_have_is_refused(tmp_path, port):
+    done = run_alone(tmp_path, "-p", port)
+    assert done.returncode == 2
+    assert f"port is '{port}'; 1 to 65535" in done.stderr
+
+
+def run_alone(tmp_path, *arguments, environment=""):
+    """run.sh with a set-up that does nothing, and a server of a class that tells its arguments."""
     script = tmp_path / "launch_scripts" / "run.sh"
     script.parent.mkdir()
     script.write_bytes((ROOT / "launch_scripts" / "run.sh").read_bytes())
     server = tmp_path / "src" / "telex_training" / "nodes" / "class"
     server.parent.mkdir(parents=True)
-    (tmp_path / "env.sh").write_text("")
+    (tmp_path / "env.sh").write_text(environment)
+    launch = ROOT / "src" / "telex_training" / "launch" / "station.launch"
+    copy = tmp_path / launch.relative_to(ROOT)
+    copy.parent.mkdir()
+    copy.write_bytes(launch.read_bytes())
     for path, text in (
         (script.with_name("setup.sh"), "exit 0"),
         (server, "printf '%s\\n' \"$@\""),
@@ -454,14 +473,14 @@ def run_class(tmp_path, *arguments):
 
 def test_a_class_is_shown_without_ros(tmp_path):
     given = ["class:=my stations.yaml", "class_port:=8071", "address:=0.0.0.0", "token_file:=t"]
-    done = run_class(tmp_path, *given)
+    done = run_alone(tmp_path, *given)
     wanted = ["--port", "8071", "--address", "0.0.0.0", "--token-file", "t", "--"]
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.splitlines() == [*wanted, "my stations.yaml"]
 
 
 def test_a_class_refuses_what_a_station_takes(tmp_path):
-    done = run_class(tmp_path, "class:=stations.yaml", "world:=stairs")
+    done = run_alone(tmp_path, "class:=stations.yaml", "world:=stairs")
     assert done.returncode == 2
     known = "class:= class_port:= address:= token_file:="
     assert f"unknown argument 'world:=stairs'; there are: {known}" in done.stderr
