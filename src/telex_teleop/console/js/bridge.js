@@ -35,8 +35,10 @@ export class Bridge {
     this._events = events;
     /** @type {WebSocket | null} */
     this._socket = null;
-    /** @type {Map<string, {type: string, latch: boolean}>} */
+    /** @type {Map<string, {type: string, latch: boolean, urgent: boolean}>} */
     this._advertised = new Map();
+    /** Calls under way beside which nothing is published but what is urgent. */
+    this._alone = 0;
     /** @type {Map<string, Subscription>} */
     this._subscriptions = new Map();
     /** Who waits for the answer of a service, by the id of the call. @type {Map<string, (answer: any) => void>} */
@@ -118,21 +120,37 @@ export class Bridge {
   /**
    * @param {string} topic
    * @param {string} type
-   * @param {{latch?: boolean}} [options]
+   * @param {{latch?: boolean, urgent?: boolean}} [options]  Urgent: goes out also beside a call that wants to be alone.
    */
-  advertise(topic, type, { latch = false } = {}) {
-    this._advertised.set(topic, { type, latch });
+  advertise(topic, type, { latch = false, urgent = false } = {}) {
+    this._advertised.set(topic, { type, latch, urgent });
     if (this.connected) this._advertiseNow(topic);
   }
 
   /**
-   * Publish on an advertised topic; nothing is kept for later if there is no connection.
+   * Publish on an advertised topic; nothing is kept for later if there is no connection, or a call wants to be alone.
    * @param {string} topic
    * @param {object} msg
    * @returns {boolean} Whether it was sent.
    */
   publish(topic, msg) {
+    if (this._alone > 0 && this._advertised.get(topic)?.urgent !== true) return false;
     return this._send({ op: "publish", topic, msg });
+  }
+
+  /**
+   * Call a service after which what this page publishes means something else, and publish nothing until it is answered.
+   * @param {string} service
+   * @param {object} args
+   * @returns {Promise<any>} As of `call`.
+   */
+  async callAlone(service, args) {
+    this._alone += 1;
+    try {
+      return await this.call(service, args);
+    } finally {
+      this._alone -= 1;
+    }
   }
 
   /**
@@ -168,7 +186,7 @@ export class Bridge {
 
   /** @param {string} topic */
   _advertiseNow(topic) {
-    const { type, latch } = /** @type {{type: string, latch: boolean}} */ (this._advertised.get(topic));
+    const { type, latch } = /** @type {{type: string, latch: boolean, urgent: boolean}} */ (this._advertised.get(topic));
     // One message may wait for a slow subscriber, not a hundred: an old command is worse than none.
     this._send({ op: "advertise", id: `advertise:${topic}`, topic, type, latch, queue_size: 1 });
   }

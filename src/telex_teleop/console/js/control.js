@@ -21,6 +21,8 @@ export class ControlView {
     /** This page's name at the bridge; null: a bridge without a control lock, or not known yet. @type {string | null} */
     this._id = null;
     this._holder = FREE;
+    /** Whether this page has given control up, and the bridge has not answered yet. */
+    this.givesUp = false;
     /** @type {{id: string, name: string}[]} */
     this._clients = [];
   }
@@ -72,13 +74,20 @@ export class ControlView {
 
   /** Take control, or give it up. */
   async toggle() {
-    const name = this._holder === this._id ? "release_control" : "take_control";
-    if (name === "release_control") this._letGo("you gave up control");
+    if (this.givesUp) return;
+    const isMine = this._holder === this._id;
+    if (isMine) this._letGo("you gave up control");
+    this.givesUp = isMine;
     try {
-      const answer = await this._bridge.call(this._topic(`bridge/${name}`), {});
+      const answer = isMine
+        // A command that comes after it would take control again.
+        ? await this._bridge.callAlone(this._topic("bridge/release_control"), {})
+        : await this._bridge.call(this._topic("bridge/take_control"), {});
       if (!answer.success) this._warn(answer.message);
     } catch (error) {
       this._warn(/** @type {Error} */ (error).message);
+    } finally {
+      this.givesUp = false;
     }
   }
 

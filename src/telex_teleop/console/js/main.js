@@ -268,6 +268,7 @@ class Console {
     const { _status: status, _control: control } = this;
     if (!this._bridge.connected) status.warn("not connected: nothing can be moved");
     else if (status.estopped) status.warn("e-stop is active: release it first");
+    else if (control.givesUp) status.warn("control is being given up: nothing is sent until the robot's side knows");
     else if (control.isWatching) status.warn(`${control.holderName} has control: you are watching`);
     else if (this._keyDialog.isOpen) status.warn("close the list of keys first");
     else if (this._chooser.isOpen) status.warn("close the list of exercises first");
@@ -309,7 +310,7 @@ class Console {
     this._commander.advertise();
     this._toolCommander.advertise();
     this._cameraCommander.advertise();
-    this._bridge.advertise(this._topic("e_stop"), TYPES.bool, { latch: true });
+    this._bridge.advertise(this._topic("e_stop"), TYPES.bool, { latch: true, urgent: true });
   }
 
   /**

@@ -114,6 +114,28 @@ async def test_take_release_and_hand_over():
 
 
 @on_loop
+async def test_what_an_operator_sees_is_told_by_who_has_control_and_takes_none():
+    """A page tells it on, until it has heard that it has no control any more."""
+    bench = Bench()
+    first, second = await driver(bench), await driver(bench)
+    topic = "/telex/console/telemetry"
+    for client in (first, second):
+        client.say("advertise", topic=topic, type="std_msgs/String")
+    await bench.settle()
+    first.say("publish", topic=topic, msg={"data": "before"})
+    assert bench.control.holder is None
+    first.say("publish", topic=DRIVE, msg=AHEAD)
+    for client in (first, second):
+        client.say("publish", topic=topic, msg={"data": client.id})
+    assert (await first.ask("bridge/release_control"))[1]["success"]
+    first.say("publish", topic=topic, msg={"data": "after"})
+    assert bench.control.holder is None
+    told = [message.data for name, message in bench.ros.published if name == topic]
+    assert told == [first.id]
+    assert (first.member.dropped, second.member.dropped) == (0, 0)
+
+
+@on_loop
 async def test_an_instructor_may_do_some_things_without_control():
     every = {"publish": ["/*"], "call": ["/*"], "set": ["/*"]}
     bench = Bench(

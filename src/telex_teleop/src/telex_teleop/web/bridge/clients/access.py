@@ -10,6 +10,10 @@ from ..protocol.operations import OperationError
 
 _Uses = Dict[str, NamePatterns]
 
+TELEMETRY_TOPIC = "console/telemetry"
+"""On which a page tells what its operator sees, time and again while it believes that it has
+control: no command, though only he who has control is heard."""
+
 
 def _uses(lists: UseLists, namespace: str) -> _Uses:
     return {use: NamePatterns(patterns, namespace) for use, patterns in vars(lists).items()}
@@ -56,6 +60,7 @@ class Access:
         without_control = rights.without_control if instructor else UseLists()
         self._without_control = _uses(without_control, self._namespace)
         self.e_stop_topic = resolve(e_stop_topic)
+        self.telemetry_topic = resolve(TELEMETRY_TOPIC)
         self._exam = exam
         self._told_of_exams = (resolve(TRAINING_TOPIC), resolve(BRIDGE_TOPIC))
 
@@ -101,7 +106,7 @@ class Access:
 
     def is_command(self, use: str, name: str) -> bool:
         """Tell whether this commands the robot."""
-        return self._commands[use].match(name)
+        return name != self.telemetry_topic and self._commands[use].match(name)
 
     def needs_control(self, use: str, name: str) -> bool:
         """Tell whether the client may do this only while it holds control."""

@@ -204,7 +204,8 @@ class CommandGate:
         Returns
         -------
         bool
-            False for a stop that is not this client's to give; there is nothing to complain of.
+            False for a stop that is not this client's to give, and for what a client without
+            control tells of what it sees; there is nothing to complain of.
 
         Raises
         ------
@@ -220,6 +221,8 @@ class CommandGate:
         """
         if topic == self._access.e_stop_topic:
             return self._admit_e_stop(message, None if age is None else age + waited)
+        if topic == self._access.telemetry_topic:
+            return self._control.holder is self._member
         if not self._access.is_command("publish", topic):
             return True
         kind = kind_of(message)
