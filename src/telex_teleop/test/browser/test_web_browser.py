@@ -944,9 +944,13 @@ def test_a_page_that_is_left_gives_its_connections_up_until_it_is_shown_again(ro
     (before,) = names()
     with page.hold("w"):
         robot.wait_for(DRIVE, 5)
-        page.script("window.dispatchEvent(new Event('pagehide'))")
+        # At once, for a warning vanishes after 3 s.
+        warning = page.script(
+            "window.dispatchEvent(new Event('pagehide'));"
+            "return document.getElementById('warning').textContent"
+        )
+        assert "released: the page was left" in warning
         wait_until(lambda: robot.heard(DRIVE)[-1]["linear"]["x"] == 0.0, timeout=5.0)
-        assert "released: the page was left" in page.text("warning")
         # Whoever opens the page anew does not find that this one has control.
         wait_until(lambda: names() == [], timeout=20.0)
         wait_until(lambda: ros.subscribers(PICTURE) == [], timeout=20.0)
