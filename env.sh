@@ -25,7 +25,7 @@ case ":$PATH:" in
   *) PATH="$_telex_root/src/telex_control/bin:$PATH" ;;
 esac
 export PATH
-# the suites that cross packages: rostest telex_tests end_to_end.test
+# the suites that cross packages: rostest telex_tests station.test
 case ":$ROS_PACKAGE_PATH:" in
   *":$_telex_root/tests:"*) ;;
   *) export ROS_PACKAGE_PATH="$_telex_root/tests:$ROS_PACKAGE_PATH" ;;

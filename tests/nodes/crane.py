@@ -13,20 +13,26 @@ from waiting import wait_until
 
 
 class Crane:
-    """Its topics, by relative names."""
+    """Its topics.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    prefix : str
+        Of their names, with a slash at the end; without it, they are relative.
+    """
+
+    def __init__(self, prefix: str = "") -> None:
         self.state: Optional[JointState] = None
         self.status: Optional[SimStatus] = None
         self.base: Optional[PoseStamped] = None
         self._subscribers = [
-            rospy.Subscriber("joint_states", JointState, self._on_state),
-            rospy.Subscriber("sim/status", SimStatus, self._on_status),
-            rospy.Subscriber("sim/base_pose", PoseStamped, self._on_base),
+            rospy.Subscriber(f"{prefix}joint_states", JointState, self._on_state),
+            rospy.Subscriber(f"{prefix}sim/status", SimStatus, self._on_status),
+            rospy.Subscriber(f"{prefix}sim/base_pose", PoseStamped, self._on_base),
         ]
-        self.slew = rospy.Publisher("slew_controller/command", Float64, queue_size=1)
-        self.trolley = rospy.Publisher("trolley_controller/command", Float64, queue_size=1)
-        self.e_stop = rospy.Publisher("e_stop", Bool, queue_size=1)
+        self.slew = rospy.Publisher(f"{prefix}slew_controller/command", Float64, queue_size=1)
+        self.trolley = rospy.Publisher(f"{prefix}trolley_controller/command", Float64, queue_size=1)
+        self.e_stop = rospy.Publisher(f"{prefix}e_stop", Bool, queue_size=1)
 
     def _on_state(self, message: JointState) -> None:
         self.state = message

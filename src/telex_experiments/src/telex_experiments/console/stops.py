@@ -371,17 +371,11 @@ def told(stop: Stop) -> str:
     return f"{zero}stands after {stop.stood:.3f} s and {stop.way:.3f} m"
 
 
-def stop_figures(
-    stops: Stops, times: int, names: Optional[List[str]] = None, posed: bool = True
-) -> List[Figure]:
-    """Do all drills, each some times: half in each pose, forwards and backwards in turn.
-
-    Without being `posed`, the robot stays in the pose that it has.
-    """
+def stop_figures(stops: Stops, times: int, names: Optional[List[str]] = None) -> List[Figure]:
+    """Do all drills, each some times: half in each pose, forwards and backwards in turn."""
     found: Dict[str, List[Stop]] = {name: [] for name in (names or WAYS)}
     for number, pose in enumerate(POSES):
-        if posed:
-            stops.take_pose(pose)
+        stops.take_pose(pose)
         for name, done in found.items():
             for turn in range((times + 1 - number) // 2):
                 stop = stops.drill(WAYS[name], backwards=turn % 2 == 1)
