@@ -33,7 +33,7 @@ class DriveRig:
 
     @property
     def controller(self):
-        return self.bench.manager._controllers[0].controller
+        return self.bench.manager.controller("d")
 
     def start(self):
         assert self.loaded

@@ -251,7 +251,7 @@ def test_a_switch_happens_in_one_cycle_after_the_updates(recorders):
     recorders.cycle()
     thread.join(5.0)
     assert not thread.is_alive()
-    rival = recorders.manager._controllers[1].controller
+    rival = recorders.manager.controller("rival")
     assert a.calls == ["update", "stopping"]
     assert rival.calls == ["starting"]
     assert recorders.hw.switches[-1] == (["rival"], ["a"])

@@ -66,7 +66,7 @@ class Run:
             "effort_controllers": EffortJointInterface,
         }[kind]
         assert self.bench.manager.load_controller("c")
-        self.controller = self.bench.manager._controllers[0].controller
+        self.controller = self.bench.manager.controller("c")
         handles = self.hw.get(interface)
         self.joints = {name: handles.get_handle(name) for name in NAMES}
         self.moves = kind == "position_controllers"

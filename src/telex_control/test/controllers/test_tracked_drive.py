@@ -107,7 +107,7 @@ class Rig(DriveRig):
 
     @property
     def loop(self):
-        return self.controller._loop
+        return self.controller.yaw_loop
 
     def drive(self, linear, angular, seconds):
         """Send commands at 20 Hz, and return the fastest belt (m/s)."""

@@ -23,7 +23,7 @@ from telex_control.kinematics import (
     make_pose,
     rotation_vector,
 )
-from telex_control.kinematics.inverse.task import SINGULARITY
+from telex_control.kinematics.inverse.task import DISTANCE, SINGULARITY, GoalFunction, TaskShape
 
 pytestmark = pytest.mark.slow
 
@@ -57,6 +57,7 @@ PLANAR = urdf(
     joint(2, "prismatic", "0.5 0 0", "1 0 0", 0, 0.2),
 )
 CHAIN = Chain.from_urdf(ARM, "l0", "l7")
+LIMITS = CHAIN.lower, CHAIN.upper
 BENT = np.array([0.3, -1.2, 0.1, 1.9, 0.4, 0.8, -0.5])
 
 
@@ -90,6 +91,10 @@ def assert_reaches(result, target, place=1e-5, turn=1e-5):
 def assert_within(q):
     assert (q >= CHAIN.lower).all()
     assert (q <= CHAIN.upper).all()
+
+
+def task_of(target, tolerance=None):
+    return TaskShape.of(tolerance or Tolerance(), IKOptions().length_weight).at(target)
 
 
 # ---- what it computes with
@@ -137,19 +142,19 @@ def jacobian_by_kdl(task, q):
 def test_it_measures_what_kdl_and_numpy_do(solver, tolerance):
     numerics = solver.numerics
     for q, other in zip(postures(20, 1), postures(20, 2)):
-        task = solver._task(CHAIN.forward(other), tolerance)
+        task = task_of(CHAIN.forward(other), tolerance)
         measured = numerics.descend(task, q, (q, q), 0)
         place, turn = errors_by_kdl(task, q)
         assert measured.position_error == pytest.approx(place, abs=1e-12)
         assert measured.orientation_error == pytest.approx(turn, abs=1e-7)
         left, values, _ = np.linalg.svd(jacobian_by_kdl(task, q), full_matrices=False)
-        tick = numerics.tick(task, q, solver._box, np.zeros(7), 0)
+        tick = numerics.tick(task, q, LIMITS, np.zeros(7), 0)
         assert tick.sigma == pytest.approx(values[-1], abs=1e-9)
         worst = np.zeros(6)
         worst[~np.isinf(task.bounds)] = left[:, -1]
         worst = np.concatenate([task.target[:3, :3] @ part for part in (worst[:3], worst[3:])])
         assert abs(tick.direction @ worst) == pytest.approx(1.0, abs=1e-6)
-        away = solver._goal(other)
+        away = GoalFunction(DISTANCE, other, np.arange(1.0, 8.0))
         distance = 0.5 * np.sum(((q - away.reference) / away.scale) ** 2)
         assert numerics.goal_value(task, q, away) == pytest.approx(distance, abs=1e-9)
         singularity = numerics.goal_value(task, q, away._replace(kind=SINGULARITY))
@@ -160,7 +165,7 @@ def test_half_a_turn_is_measured():
     solver = IKSolver(CHAIN)
     for axis in np.eye(4)[:3]:
         target = CHAIN.forward(BENT) @ make_pose((0, 0, 0), axis)
-        found = solver.numerics.descend(solver._task(target, None), BENT, (BENT, BENT), 0)
+        found = solver.numerics.descend(task_of(target), BENT, (BENT, BENT), 0)
         assert found.orientation_error == pytest.approx(math.pi, abs=1e-9)
         assert found.position_error == pytest.approx(0.0, abs=1e-12)
 
@@ -310,8 +315,17 @@ def test_fewer_joints_than_directions():
 # ---- secondary goals
 
 
-def goal_value(solver, target, q, seed):
-    return solver.numerics.goal_value(solver._task(target, None), q, solver._goal(seed))
+def goal_value(goal, q, seed):
+    """What a goal makes small."""
+    if goal is Goal.MANIPULABILITY:
+        values = np.linalg.svd(jacobian_by_kdl(task_of(CHAIN.forward(q)), q), compute_uv=False)
+        return -np.log(values).sum()
+    away = q - seed
+    if goal is Goal.MID_RANGE:
+        lower, upper = LIMITS
+        bounded = np.isfinite(upper - lower)
+        away = ((q - 0.5 * (lower + upper)) / (0.5 * (upper - lower)))[bounded]
+    return 0.5 * away @ away
 
 
 @pytest.mark.parametrize("goal", [Goal.SEED, Goal.MID_RANGE, Goal.MANIPULABILITY])
@@ -325,7 +339,7 @@ def test_a_goal_is_followed_and_the_target_kept(goal):
         first, slid, chosen = (each.solve(target, seed) for each in (plain, fast, best))
         for found in (first, slid, chosen):
             assert_reaches(found, target)
-        values = [goal_value(fast, target, each.q, seed) for each in (first, slid, chosen)]
+        values = [goal_value(goal, each.q, seed) for each in (first, slid, chosen)]
         assert values[1] <= values[0] + 1e-9
         assert values[2] <= values[1] + 1e-3
         gained += values[1] < values[0] - 1e-3
@@ -337,13 +351,11 @@ def test_the_goal_is_at_a_minimum_along_the_self_motion():
     target = CHAIN.forward(BENT)
     q = solver.solve(target, BENT).q
     motion = np.linalg.svd(CHAIN.jacobian(q))[2][-1]
-    least = goal_value(solver, target, q, BENT)
+    least = goal_value(Goal.MID_RANGE, q, BENT)
     for step in (0.05, -0.05):
-        moved = solver.numerics.descend(
-            solver._task(target, None), q + step * motion, solver._box, 20
-        )
+        moved = solver.numerics.descend(task_of(target), q + step * motion, LIMITS, 20)
         assert moved.converged
-        assert goal_value(solver, target, moved.q, BENT) > least
+        assert goal_value(Goal.MID_RANGE, moved.q, BENT) > least
 
 
 def test_the_best_of_many_is_hardly_worse_than_the_best_of_very_many():

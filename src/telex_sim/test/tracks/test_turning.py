@@ -159,7 +159,7 @@ def bias_error(tested):
     """How wrong the bias is that was learnt, and its standard deviation (rad/s)."""
     controller = tested.simulation.controllers.loaded["track_controller"].controller
     (sensor,) = tested.simulation.hw.imus
-    imu = controller._imu
+    imu = controller.imu
     # The mount is not turned: the sensor's axes are the base's.
     wrong = np.subtract(imu.bias, sensor.errors.gyroscope(0.0))
     return np.abs(wrong).max(), math.sqrt(imu.bias_variance)

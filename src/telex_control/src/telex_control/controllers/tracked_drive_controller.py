@@ -40,6 +40,13 @@ class TrackedDriveController(DiffDriveController):
     Parameters beside those: ``max_belt_speed`` (m/s, required), ``imu`` (see `BaseImuConfig`),
     ``yaw_rate_loop`` (see `YawRateLoopConfig`), ``odometry_errors`` (see `OdometryErrors`),
     ``braking`` (see `BrakingConfig`; without it, the limits of ``linear/x`` hold everywhere).
+
+    Attributes
+    ----------
+    imu : BaseImu, optional
+        The robot's inertial sensor, with the bias that was learnt.
+    yaw_loop : YawRateLoop
+        What adapts the turn of the belts.
     """
 
     parameters = DiffDriveController.parameters | {
@@ -50,7 +57,7 @@ class TrackedDriveController(DiffDriveController):
         "yaw_rate_loop",
     }
     SAVED = ("_sensor_lost",)
-    SAVED_PARTS = ("_braking_limit", "_imu", "_loop")
+    SAVED_PARTS = ("_braking_limit", "imu", "yaw_loop")
 
     def init(self, hw: RobotHW, root: NodeHandle, node: NodeHandle) -> None:
         """Claim the belts, find the sensor and open the topics."""
@@ -63,8 +70,8 @@ class TrackedDriveController(DiffDriveController):
                 f"parameter {node.resolve('yaw_rate_loop')}/max_factor is {loop.max_factor}; it "
                 f"must not be below {node.resolve('wheel_separation_multiplier')}, {factor}"
             )
-        self._loop = YawRateLoop(loop, node.positive_param("max_belt_speed"))
-        self._imu = self._find_sensor(hw, root, node)
+        self.yaw_loop = YawRateLoop(loop, node.positive_param("max_belt_speed"))
+        self.imu = self._find_sensor(hw, root, node)
         self._sensor_lost = False
         super().init(hw, root, node)
         self._braking_limit = self._make_braking_limit(hw, root, node)
@@ -117,31 +124,31 @@ class TrackedDriveController(DiffDriveController):
 
     def _make_odometry(self, window: int) -> Any:
         """Odometry of the drive, with velocities averaged over `window` cycles."""
-        return TrackedOdometry(window, self._errors, self._imu, self._sensor_config.noise_density)
+        return TrackedOdometry(window, self._errors, self.imu, self._sensor_config.noise_density)
 
     def starting(self, time: float) -> None:
         """Stand still; commands from before are forgotten."""
-        self._loop.reset()
-        if self._imu is not None:
-            self._imu.restart()
+        self.yaw_loop.reset()
+        if self.imu is not None:
+            self.imu.restart()
         if self._braking_limit is not None:
             self._braking_limit.restart()
         super().starting(time)
 
     def reset(self, time: float) -> None:
         """Stand still, and start odometry and sensor again from nothing."""
-        if self._imu is not None:
-            self._imu.reset()
+        if self.imu is not None:
+            self.imu.reset()
         super().reset(time)
 
     def _brake(self) -> None:
         super()._brake()
-        self._loop.reset()
+        self.yaw_loop.reset()
 
     def _measure(self, time: float, period: float) -> None:
-        if self._imu is not None:
-            self._imu.update(self._stands(), period)
-            self._watch_sensor(self._imu)
+        if self.imu is not None:
+            self.imu.update(self._stands(), period)
+            self._watch_sensor(self.imu)
         super()._measure(time, period)
 
     def _stands(self) -> bool:
@@ -180,17 +187,17 @@ class TrackedDriveController(DiffDriveController):
             time,
             now,
             (now - before) / period if period > 0.0 else 0.0,
-            None if self._imu is None else self._imu.up(),
+            None if self.imu is None else self.imu.up(),
         )
 
     def _side_speeds(self, linear: float, angular: float, period: float) -> Tuple[float, float]:
         if linear == 0.0 and angular == 0.0:
-            self._loop.reset()
+            self.yaw_loop.reset()
             return 0.0, 0.0
-        rates = None if self._imu is None else self._imu.rates
+        rates = None if self.imu is None else self.imu.rates
         left = _mean_velocity(self._left) * self._left_radius
         right = _mean_velocity(self._right) * self._right_radius
-        return self._loop.update(
+        return self.yaw_loop.update(
             linear,
             angular,
             None if rates is None else rates[2],
