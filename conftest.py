@@ -12,10 +12,11 @@ at the end of a run.
 from __future__ import annotations
 
 import os
+import re
 from collections import defaultdict
 from functools import lru_cache
 from pathlib import Path
-from typing import DefaultDict, Iterator, List, Set
+from typing import DefaultDict, Iterator, List, Optional, Set
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -62,6 +63,16 @@ def pytest_configure(config: pytest.Config) -> None:
     if hasattr(config.option, "loadscopereorder"):  # of xdist 3.8, which needs Python 3.9
         config.option.loadscopereorder = False
     config.pluginmanager.register(CpuTimes())
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> Optional[bool]:
+    """Leave out, without importing it, a file whose own marks ``-m "not (...)"`` leaves out."""
+    left_out = re.fullmatch(r"not \(([\w ]+)\)", config.option.markexpr)
+    if left_out is None or collection_path.suffix != ".py" or not collection_path.is_file():
+        return None
+    own = re.search(r"^pytestmark = (\[\n.*?^\]|.*?$)", collection_path.read_text(), re.M | re.S)
+    marks = re.findall(r"pytest\.mark\.(\w+)", own.group(1)) if own else []
+    return True if set(marks) & set(left_out.group(1).split(" or ")) else None
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -53,25 +53,47 @@ export ROS_LOG_DIR="$folder/log"
 mkdir "$TMPDIR" "$ROS_LOG_DIR" || exit 1
 failed=()
 
-# check TITLE COMMAND...
-check() {
-  local title="$1" started=$SECONDS
+# begin NAME COMMAND...: runs a check in the background.
+begin() {
+  local name="$1" started=$SECONDS
   shift
+  (
+    "$@" >"$folder/$name.out" 2>&1
+    printf '%s %s\n' $? $((SECONDS - started)) >"$folder/$name.end"
+  ) &
+  pids[$name]=$!
+}
+
+# end NAME TITLE: waits for it, and prints what it said and how it went.
+end() {
+  local name="$1" title="$2" rc=1 took='?'
+  wait "${pids[$name]}"
+  read -r rc took <"$folder/$name.end"
   printf '\n== %s\n' "$title"
-  if "$@"; then
-    printf '== %s: ok (%d s)\n' "$title" $((SECONDS - started))
+  cat "$folder/$name.out"
+  if [ "$rc" -eq 0 ]; then
+    printf '== %s: ok (%s s)\n' "$title" "$took"
   else
-    printf '== %s: FAILED (%d s)\n' "$title" $((SECONDS - started))
+    printf '== %s: FAILED (%s s)\n' "$title" "$took"
     failed+=("$title")
   fi
 }
 
-check "ruff (lint)" ruff check
-check "ruff (format)" ruff format --check --quiet
-check "mypy" mypy
+declare -A pids
 javascript="$root/src/telex_teleop/test/javascript"
-check "tsc (the page's JavaScript)" "$javascript/node_modules/.bin/tsc" --project "$javascript"
-check "node --test (the page's JavaScript)" env -C "$javascript" node --test --test-reporter=spec
+page_checks() {
+  "$javascript/node_modules/.bin/tsc" --project "$javascript" &&
+    env -C "$javascript" node --test --test-reporter=spec
+}
+# mypy takes one processor for as long as the others take a second one.
+begin mypy mypy
+begin lint ruff check
+begin format ruff format --check --quiet
+begin page page_checks
+end lint "ruff (lint)"
+end format "ruff (format)"
+end page "tsc and node --test (the page's JavaScript)"
+end mypy "mypy"
 if [ -n "$fast" ]; then
   pytest_arguments=(-m "not (ros or browser or real_time or slow)" --durations=5 "${pytest_arguments[@]}")
 fi
