@@ -16,7 +16,6 @@ from unittest import mock
 
 import numpy as np
 import pytest
-import rospkg
 from waiting import wait_until
 
 from telex_control.common.params import ConfigError
@@ -331,7 +330,7 @@ def perform(request):
     """The answer's file, and how the process ended that was to give it."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGCHLD])
     try:
-        return _perform(request, _Stage(shipped_config(), rospkg.RosPack()))
+        return _perform(request, _Stage(shipped_config()))
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import os
 from typing import Type, TypeVar
 
-import rospkg
 import yaml
 
+from telex_control.common.file_catalog import package_path
 from telex_control.common.params import ConfigError, read_struct
 from telex_control.common.yaml_files import load_yaml
 
@@ -37,4 +37,4 @@ def read_file(kind: Type[Config], path: str) -> Config:
 
 def shipped_file(name: str) -> str:
     """Return the path of a file of the package's folder ``config``."""
-    return os.path.join(rospkg.RosPack().get_path("telex_teleop"), "config", name)
+    return os.path.join(package_path("telex_teleop"), "config", name)

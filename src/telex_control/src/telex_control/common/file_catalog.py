@@ -1,14 +1,41 @@
-"""Files by name: the shipped ones, and those in folders that an environment variable names."""
+"""Files by name: the shipped ones, and those in folders that an environment variable names.
+
+And the folders of ROS packages, in which the shipped ones stand.
+"""
 
 from __future__ import annotations
 
 import difflib
 import os
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Dict, List
 
 import rospkg
+
+
+def package_path(package: str) -> str:
+    """Return the folder of a ROS package.
+
+    rospkg goes through all packages of the machine to find one; here that is done once in a
+    process, and again for a package that was not there then.
+
+    Raises
+    ------
+    rospkg.ResourceNotFound
+    """
+    where = os.environ.get("ROS_PACKAGE_PATH", "")
+    try:
+        return str(_packages(where).get_path(package))
+    except rospkg.ResourceNotFound:
+        _packages.cache_clear()
+        return str(_packages(where).get_path(package))
+
+
+@lru_cache(maxsize=1)
+def _packages(where: str) -> rospkg.RosPack:
+    return rospkg.RosPack()
 
 
 @dataclass(frozen=True)
@@ -38,7 +65,7 @@ class FileCatalog:
     def folders(self) -> List[Path]:
         """Folders in which files are looked up by name, first come, first served."""
         given = [Path(part) for part in os.environ.get(self.variable, "").split(os.pathsep) if part]
-        return [*given, Path(rospkg.RosPack().get_path(self.package), self.folder)]
+        return [*given, Path(package_path(self.package), self.folder)]
 
     def files(self) -> Dict[str, Path]:
         """All that have a name, and their files."""

@@ -10,10 +10,10 @@ import argparse
 from pathlib import Path
 from typing import Any, List, Optional, Sequence
 
-import rospkg
 import yaml
 
 from ..command_lines import program
+from ..common.file_catalog import package_path
 from ..common.params import ConfigError
 from ..common.yaml_files import load_yaml
 from . import report, table
@@ -24,7 +24,7 @@ from .runner import Runner, StepError, StepResult
 
 def default_plan() -> Path:
     """Path of the shipped ``step_response.yaml``."""
-    return Path(rospkg.RosPack().get_path("telex_control")) / "config" / "step_response.yaml"
+    return Path(package_path("telex_control")) / "config" / "step_response.yaml"
 
 
 def read_plan(path: Path) -> Plan:
@@ -35,7 +35,7 @@ def read_plan(path: Path) -> Plan:
     ConfigError
         A file cannot be read or is wrong; the message names it.
     """
-    poses = Path(rospkg.RosPack().get_path("telex_description")) / "config" / "poses.yaml"
+    poses = Path(package_path("telex_description")) / "config" / "poses.yaml"
     try:
         return Plan(_yaml(path), _yaml(poses)["poses"])
     except (OSError, yaml.YAMLError, ConfigError) as error:

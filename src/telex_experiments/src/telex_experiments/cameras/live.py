@@ -17,7 +17,6 @@ from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Sequenc
 
 import cv2
 import numpy as np
-import rospkg
 import rospy
 import yaml
 from control_msgs.msg import JointControllerState, JointJog
@@ -26,6 +25,7 @@ from std_msgs.msg import Float64
 from telex_msgs.msg import ScenePoses, SimStatus
 from telex_msgs.srv import ConfigureCamera
 
+from telex_control.common.file_catalog import package_path
 from telex_experiments.cameras.renderer import LARGE, NAMES, WORLD, bare_picture, told
 from telex_experiments.rigs.private_simulator import (
     PrivateSimulator,
@@ -533,7 +533,7 @@ def by_night(seconds: float, simulator: PrivateSimulator) -> List[Figure]:
 
 def night_scene(directory: str) -> str:
     """The training hall without any light, as a file."""
-    source = f"{rospkg.RosPack().get_path('telex_sim')}/scenes/{WORLD}.yaml"
+    source = f"{package_path('telex_sim')}/scenes/{WORLD}.yaml"
     with open(source) as file:
         scene = yaml.safe_load(file)
     scene["lights"] = {"sun": {"intensity": 0.0}, "ambient": 0.02}

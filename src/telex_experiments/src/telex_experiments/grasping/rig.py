@@ -24,7 +24,7 @@ from telex_control.follow_trajectory import TrajectoryError
 from telex_control.kinematics import Chain, IKSolver, Tolerance
 from telex_sim.engine.simulator_config import TUNED_PERIOD
 from telex_sim.offline.robot import OfflineRobot
-from telex_sim.offline.simulation import OfflineSimulation, package_file, robot_description
+from telex_sim.offline.simulation import OfflineSimulation, package_yaml, robot_description
 from telex_sim.robot.gripper.contact import GripperContact
 from telex_training.operators.scripted_operator import DirectOperator
 from telex_training.rehearsal.controllers import OfflineControllers
@@ -429,17 +429,12 @@ def _solver() -> IKSolver:
     return IKSolver(_chain())
 
 
-def _read(package: str, name: str) -> Any:
-    with open(package_file(package, "config", name)) as file:
-        return yaml.safe_load(file)
-
-
 def _for_period(period: float) -> Tuple[Dict[str, Any], str]:
     """Shipped controllers and robot, with gains that are stable at a longer control period (s).
 
     An explicit damper chatters where its gain is above 2 * inertia / period.
     """
-    controllers, urdf = _read("telex_control", "telex_controllers.yaml"), _urdf()
+    controllers, urdf = package_yaml("telex_control", "config", "telex_controllers.yaml"), _urdf()
     share = min(1.0, TUNED_PERIOD / period)
     if share == 1.0:
         return controllers, urdf
@@ -462,14 +457,16 @@ def _weakened(params: Any, share: float) -> Any:
 
 def _start_pose(place: Vector, pitch: float, roll: float, opening: float) -> Dict[str, float]:
     """Joint positions with the tool at a place, the flippers flat."""
-    pose = dict(_read("telex_description", "poses.yaml")["poses"][_SEED_POSE])
+    pose = dict(package_yaml("telex_description", "config", "poses.yaml")["poses"][_SEED_POSE])
     names = _chain().joint_names
     target = homogeneous(rotation_from_rpy((roll, pitch, 0.0)), place)
     found = _solver().solve(target, [pose[name] for name in names])
     if not found.converged:
         raise TrajectoryError(f"the tool cannot reach {list(place)}")
     pose.update(zip(names, np.asarray(found.q).tolist()))
-    geometry = _read("telex_control", "telex_controllers.yaml")[_GRIPPER]["geometry"]
+    geometry = package_yaml("telex_control", "config", "telex_controllers.yaml")[_GRIPPER][
+        "geometry"
+    ]
     angle = read_config(FingerGeometry, geometry, "geometry").angle(opening)
     for joint, ratio in (("base", 1.0), ("middle", 1.0), ("tip", -2.0)):
         for side in ("left", "right"):

@@ -9,11 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Dict
 
-import yaml
 from sensor_msgs.msg import JointState
 
 from telex_control.common.params import read_config
-from telex_sim.offline.simulation import package_file
+from telex_sim.offline.simulation import package_yaml
 from telex_teleop.cores import flipper_core, limits_of_present
 from telex_teleop.flippers.flipper_settings import FlipperTeleopSettings
 from telex_training.operators.by_presets import PresetKeys
@@ -65,7 +64,7 @@ class Novice(PresetKeys):
 def _settings() -> FlipperTeleopSettings:
     values: Dict[str, Any] = {}
     for name in ("flipper_teleop.yaml", "flipper_presets.yaml"):
-        values.update(yaml.safe_load(package_file("telex_teleop", "config", name).read_text()))
+        values.update(package_yaml("telex_teleop", "config", name))
     return read_config(FlipperTeleopSettings, values, "flipper_teleop")
 
 

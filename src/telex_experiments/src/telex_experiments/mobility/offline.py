@@ -14,7 +14,7 @@ import yaml
 
 from telex_sim.engine.simulator_config import TUNED_PERIOD
 from telex_sim.offline.robot import OfflineRobot
-from telex_sim.offline.simulation import OfflineSimulation, package_file, robot_description
+from telex_sim.offline.simulation import OfflineSimulation, package_yaml, robot_description
 from telex_training.operators.scripted_operator import TICK, DirectOperator
 from telex_training.rehearsal.controllers import OfflineControllers
 
@@ -36,8 +36,7 @@ def _for_period(period: float, urdf: str) -> Tuple[Dict[str, Any], str]:
     the brakes of the soft limits go near that at 2 ms; they shrink as the period grows.
     """
     share = min(1.0, TUNED_PERIOD / period)
-    path = package_file("telex_control", "config", "telex_controllers.yaml")
-    controllers = yaml.safe_load(path.read_text())
+    controllers = package_yaml("telex_control", "config", "telex_controllers.yaml")
     for value in controllers.values():
         pid = value.get("pid", {}) if isinstance(value, dict) else {}
         smaller = {gain: share * pid[gain] for gain in ("p", "i", "d") if gain in pid}

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import copy
 import subprocess
 import threading
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Dict, List, Optional
 
-import rospkg
 import yaml
 
+from telex_control.common.file_catalog import package_path
 from telex_control.common.params import read_config
 from telex_control.manager.controller_joints import controller_joints, without_joints
 from telex_control.ros.local_node_handle import LocalNodeHandle
@@ -21,7 +23,13 @@ from ..scene.addresses import resolve_address
 
 def package_file(package: str, *parts: str) -> Path:
     """Path of a file of a ROS package."""
-    return Path(rospkg.RosPack().get_path(package)).joinpath(*parts)
+    return Path(package_path(package)).joinpath(*parts)
+
+
+def package_yaml(package: str, *parts: str) -> Any:
+    """Return what is in a YAML file of a ROS package; it is the caller's own."""
+    # To parse a file takes much longer than to copy what is in it.
+    return copy.deepcopy(_parsed(package_file(package, *parts).read_text(encoding="utf-8")))
 
 
 def robot_description() -> str:
@@ -41,9 +49,9 @@ def shipped_config(**changes: Any) -> SimulatorConfig:
         Values to replace, by their path with two underscores for the slash, e.g.
         ``timing__step_size=0.001``.
     """
-    params = _yaml("telex_sim", "config", "simulator.yaml")
-    params["start"].update(_yaml("telex_description", "config", "poses.yaml"))
-    params["self_collision"] = _yaml("telex_description", "config", "self_collision.yaml")
+    params = package_yaml("telex_sim", "config", "simulator.yaml")
+    params["start"].update(package_yaml("telex_description", "config", "poses.yaml"))
+    params["self_collision"] = package_yaml("telex_description", "config", "self_collision.yaml")
     for path, value in changes.items():
         *parents, key = path.split("__")
         target = params
@@ -76,15 +84,16 @@ class OfflineSimulation:
     def __init__(
         self, urdf: str, controllers: Optional[Dict[str, Any]] = None, **changes: Any
     ) -> None:
-        params = dict(controllers or _yaml("telex_control", "config", "telex_controllers.yaml"))
+        params = dict(
+            controllers or package_yaml("telex_control", "config", "telex_controllers.yaml")
+        )
         params["robot_description"] = urdf
         self.node = LocalNodeHandle(params)
-        packages = rospkg.RosPack()
         self.simulation = Simulation(
             shipped_config(**changes),
             urdf,
             self.node,
-            lambda address: resolve_address(address, packages.get_path),
+            lambda address: resolve_address(address, package_path),
         )
         names = self._fit(params)
         for name in names:
@@ -128,9 +137,9 @@ class OfflineSimulation:
         return self.simulation.hw.joint_positions()
 
 
-def _yaml(package: str, *parts: str) -> Any:
-    with open(package_file(package, *parts)) as file:
-        return yaml.safe_load(file)
+@lru_cache(maxsize=16)
+def _parsed(text: str) -> Any:
+    return yaml.safe_load(text)
 
 
 def _is_controller(value: Any) -> bool:

@@ -17,10 +17,11 @@ import socket
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, BinaryIO, Callable, Iterator, List, Mapping, Optional, Sequence, Tuple
+from typing import Any, BinaryIO, Iterator, List, Mapping, Optional, Sequence, Tuple
 
 import rospkg
 
+from telex_control.common.file_catalog import package_path
 from telex_control.common.params import ConfigError
 
 from ..engine.simulator_config import SimulatorConfig
@@ -64,7 +65,7 @@ class SceneRequest:
 
     def answer(self, stage: _Stage) -> Iterator[Any]:
         """Read and try it."""
-        planned = plan_world(self.world, Assets(stage.package), stage.step_size)
+        planned = plan_world(self.world, Assets(package_path), stage.step_size)
         check_scene(stage.config, planned, [robot.model for robot in self.robots])
         stage.begin_building()
         with stage.rehearsal() as rehearsal:
@@ -89,7 +90,7 @@ class EntryRequest:
     def answer(self, stage: _Stage) -> Iterator[Any]:
         """Read and try it."""
         plans = plan_entry(
-            self.text, self.name, self.folder, self.taken, Assets(stage.package), stage.step_size
+            self.text, self.name, self.folder, self.taken, Assets(package_path), stage.step_size
         )
         check_names(plans, self.models)
         stage.begin_building()
@@ -167,16 +168,13 @@ def _state(path: Path) -> Optional[Tuple[int, int]]:
 class _Stage:
     """What a rehearsal gets from its process."""
 
-    def __init__(
-        self, config: SimulatorConfig, packages: rospkg.RosPack, most_memory: int = MOST_MEMORY
-    ) -> None:
+    def __init__(self, config: SimulatorConfig, most_memory: int = MOST_MEMORY) -> None:
         self.config = config
         self.most_memory = most_memory
         self.step_size = config.timing.step_size
-        self.package: Callable[[str], str] = packages.get_path
 
     def rehearsal(self) -> Rehearsal:
-        return Rehearsal(self.config, lambda address: resolve_address(address, self.package))
+        return Rehearsal(self.config, lambda address: resolve_address(address, package_path))
 
     def begin_reading(self) -> None:
         """Be ended (SIGPROF) after the computing time for the next part, if that goes on."""
@@ -260,12 +258,11 @@ def _why_ended(request: Any, status: int, most_memory: int) -> ConfigError:
 
 def serve(connection: socket.socket, config: SimulatorConfig, most_memory: int) -> None:
     """Answer requests until the other side closes the connection."""
-    packages = rospkg.RosPack()
-    stage = _Stage(config, packages, most_memory)
+    stage = _Stage(config, most_memory)
     # Looked up once here, for all who are forked.
     object_types()
     with contextlib.suppress(rospkg.ResourceNotFound):
-        packages.get_path("telex_sim")
+        package_path("telex_sim")
     gc.collect()
     gc.freeze()
     signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGCHLD])

@@ -10,7 +10,6 @@ import threading
 import time as wall
 from typing import Any, Callable, Iterator, List, Optional, Tuple
 
-import rospkg
 import rospy
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Empty, EmptyResponse
@@ -38,6 +37,7 @@ from telex_msgs.srv import (
     StepResponse,
 )
 
+from telex_control.common.file_catalog import package_path
 from telex_control.common.interpreter import prepare_for_loop
 from telex_control.common.params import ConfigError, read_config
 from telex_control.common.scheduling import LoopPriority
@@ -637,7 +637,6 @@ def _come_first(config: SimulatorConfig) -> LoopPriority:
 def main() -> None:
     """Run the node; a mistake in the configuration ends it with one line that says what to do."""
     init_node("simulator", coarse_clock=True)  # the loop has its own
-    packages = rospkg.RosPack()
     try:
         paused = bool(rospy.get_param("~paused", False))
         description = wait_for_robot_description()
@@ -647,7 +646,7 @@ def main() -> None:
             read_simulator_config(rospy.get_param("~", {}), rospy.get_name()),
             description,
             RosNodeHandle(),
-            lambda address: resolve_address(address, packages.get_path),
+            lambda address: resolve_address(address, package_path),
         )
         recovery = CrashRecovery(RunMemory.of_this_node())
         recovery.restore(simulation)

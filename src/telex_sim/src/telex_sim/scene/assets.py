@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Callable, Optional, Tuple
 
 import numpy as np
-import rospkg
 
+from telex_control.common.file_catalog import package_path as path_of_package
 from telex_control.common.params import ConfigError
 
 from .addresses import AddressError, PackagePath, resolve_address
@@ -35,7 +35,7 @@ class Assets:
     """
 
     def __init__(self, package_path: Optional[PackagePath] = None) -> None:
-        self._package_path = package_path or rospkg.RosPack().get_path
+        self._package_path = package_path or path_of_package
         self._meshes: Callable = lru_cache(maxsize=_REMEMBERED)(_read_mesh)
         self._hulls: Callable = lru_cache(maxsize=_REMEMBERED)(self._make_hull)
         self._textures: Callable = lru_cache(maxsize=_REMEMBERED)(_read_texture)

@@ -9,8 +9,7 @@ import subprocess
 from pathlib import Path
 from typing import Sequence
 
-import rospkg
-
+from telex_control.common.file_catalog import package_path
 from telex_control.common.params import ConfigError
 from telex_control.ros.local_node_handle import LocalNodeHandle
 
@@ -68,10 +67,9 @@ def place_robot(path: Path, urdf: str, pose: str = "") -> Simulation:
     changes = {"world": str(path)}
     if pose:
         changes["start__pose"] = pose
-    packages = rospkg.RosPack()
     return Simulation(
         shipped_config(**changes),
         urdf,
         LocalNodeHandle({"robot_description": urdf}),
-        lambda address: resolve_address(address, packages.get_path),
+        lambda address: resolve_address(address, package_path),
     )

@@ -9,7 +9,7 @@ import threading
 from contextlib import suppress
 from pathlib import Path
 
-import rospkg
+from telex_control.common.file_catalog import package_path
 
 from ..exercises.exercise_file import ExerciseError
 from ..exercises.model import PRACTICE, Exercise
@@ -35,7 +35,7 @@ class GoalPictures:
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        self._package = Path(rospkg.RosPack().get_path("telex_training"))
+        self._package = Path(package_path("telex_training"))
         self._drawing = threading.Lock()
 
     def shipped(self, exercise: Path) -> str:

@@ -11,8 +11,7 @@ import sys
 from pathlib import Path
 from typing import Optional, Sequence, Tuple
 
-import rospkg
-
+from telex_control.common.file_catalog import package_path
 from telex_control.common.params import ConfigError
 from telex_teleop.web.listening import BindError, bind, serve, url_of
 from telex_teleop.web.token_files import read_or_make_token
@@ -99,6 +98,6 @@ async def _serve(
     loop, stop = asyncio.get_running_loop(), asyncio.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, stop.set)
-    pages = Path(rospkg.RosPack().get_path("telex_training"), "pages")
+    pages = Path(package_path("telex_training"), "pages")
     app = ClassApp(stations, token, pages).make_app()
     await serve(app, listener, stop, lambda: print(f"The class is at {url}", flush=True))

@@ -7,9 +7,9 @@ import tempfile
 from pathlib import Path
 from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Set
 
-import rospkg
 import yaml
 
+from telex_control.common.file_catalog import package_path
 from telex_control.common.params import ConfigError
 from telex_sim.malfunctions.described import described_parts
 from telex_sim.malfunctions.kinds import Parts
@@ -358,7 +358,7 @@ def _malfunctions(exercise: Exercise, urdf: str) -> Iterator[Finding]:
 
 def _room(texts: Dict[int, str], variant: str) -> str:
     """Put the robot into scenes by their seeds; returns what is in the way, empty: nothing."""
-    script = Path(rospkg.RosPack().get_path("telex_sim"), "nodes", "scene")
+    script = Path(package_path("telex_sim"), "nodes", "scene")
     with tempfile.TemporaryDirectory() as folder:
         paths = {seed: Path(folder, f"seed_{seed}.yaml") for seed in texts}
         for seed, path in paths.items():

@@ -11,8 +11,8 @@ from typing import Any, Dict, Iterator, List, Sequence, Tuple
 
 import cv2
 import numpy as np
-import rospkg
 
+from telex_control.common.file_catalog import package_path
 from telex_control.common.geometry.quaternions import IDENTITY, Pose, compose
 from telex_sim.scene.model import Scene, Vector3
 
@@ -169,7 +169,7 @@ def write_picture(output: Path, picture: np.ndarray) -> None:
 
 def _photograph(text: str, exercise: Exercise, camera: Camera, quality: str) -> np.ndarray:
     """Let the simulator's package draw the scene; shape (height, width, 3), BGR."""
-    script = Path(rospkg.RosPack().get_path("telex_sim"), "nodes", "scene")
+    script = Path(package_path("telex_sim"), "nodes", "scene")
     with tempfile.TemporaryDirectory() as folder:
         path, picture = Path(folder, f"{exercise.name}.yaml"), Path(folder, "scene.png")
         path.write_text(text, encoding="utf-8")

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Tuple
 
-import rospkg
+from telex_control.common.file_catalog import package_path
 
 from ..exercises.exercise_file import parse_exercise
 from ..operators.experts.brief import Expert
@@ -118,10 +118,9 @@ def find_operator(name: str, exercise: str) -> Expert:
 
 def software_digest() -> str:
     """SHA-256 over the sources that a trial's outcome depends on, of this checkout."""
-    packages = rospkg.RosPack()
     digest = hashlib.sha256()
     for package in _PACKAGES:
-        root = Path(packages.get_path(package))
+        root = Path(package_path(package))
         for path in _sources(root):
             digest.update(f"{package}/{path.relative_to(root).as_posix()}\n".encode())
             digest.update(path.read_bytes())

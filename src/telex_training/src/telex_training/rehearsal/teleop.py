@@ -6,12 +6,11 @@ import math
 from typing import Any, Callable, Dict, Mapping, Optional, Set, Type, TypeVar
 
 import numpy as np
-import yaml
 
 from telex_control.common.params import read_config
 from telex_control.kinematics import make_pose
 from telex_sim.offline.robot import OfflineRobot
-from telex_sim.offline.simulation import package_file
+from telex_sim.offline.simulation import package_yaml
 from telex_teleop.arm.arm_settings import ArmTeleopSettings
 from telex_teleop.arm.arm_teleop import ArmTeleop, ModeError
 from telex_teleop.arm.proximity import ProximityPair, ProximityState
@@ -104,9 +103,7 @@ class OfflineTeleop(TeleopPort):
         self._advance(_LISTENING * tracks.command_timeout)
 
     def _made_arm(self) -> ArmTeleop:
-        poses = yaml.safe_load(
-            package_file("telex_description", "config", "poses.yaml").read_text()
-        )
+        poses = package_yaml("telex_description", "config", "poses.yaml")
         settings = _shipped(ArmTeleopSettings, _ARM, more=poses)
         limits, _ = limits_of_present(settings, self.urdf)
         made = arm_core(settings, limits, self.urdf)
@@ -290,7 +287,5 @@ def _shipped(
     """Read the parameters of a node as its launch file loads them."""
     values: Dict[str, Any] = {}
     for name in files:
-        values.update(
-            yaml.safe_load(package_file("telex_teleop", "config", f"{name}.yaml").read_text())
-        )
+        values.update(package_yaml("telex_teleop", "config", f"{name}.yaml"))
     return read_config(kind, {**values, **(more or {})}, files[0])

@@ -12,7 +12,6 @@ from random import Random
 from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple
 
 import genpy
-import rospkg
 import yaml
 from std_msgs.msg import String
 from telex_msgs.msg import SimStatus
@@ -21,7 +20,7 @@ from telex_sim.engine.exposure import Exposure
 from telex_sim.malfunctions.described import shipped_equipment
 from telex_sim.malfunctions.messages import malfunctions_message
 from telex_sim.offline.robot import OfflineRobot
-from telex_sim.offline.simulation import OfflineSimulation
+from telex_sim.offline.simulation import OfflineSimulation, package_yaml
 from telex_sim.radiation.messages import doses_message
 from telex_sim.scene.robot_in_scene import robot_description
 from telex_sim.stability.monitor import StabilityMonitor
@@ -318,7 +317,7 @@ class RehearsedTrial:
 
 def _cameras() -> Mapping[str, Any]:
     """The robot's cameras, as its node of cameras has them."""
-    path = Path(rospkg.RosPack().get_path("telex_description"), "config", "cameras.yaml")
-    described = yaml.safe_load(path.read_text(encoding="utf-8"))
-    cameras: Mapping[str, Any] = described["cameras"]
+    cameras: Mapping[str, Any] = package_yaml("telex_description", "config", "cameras.yaml")[
+        "cameras"
+    ]
     return cameras

@@ -12,6 +12,7 @@ from xml.etree import ElementTree
 import rospkg
 import rospy
 
+from telex_control.common.file_catalog import package_path
 from telex_sim.scene.addresses import AddressError, resolve_address
 
 _UNKNOWN = "unknown"
@@ -30,7 +31,6 @@ def about_robot() -> Dict[str, Any]:
 
 def mesh_digests(urdf: str) -> Dict[str, str]:
     """Return the SHA-256 of each mesh file that a URDF names, by its address."""
-    packages = rospkg.RosPack()
     found: Dict[str, str] = {}
     try:
         meshes = list(ElementTree.fromstring(urdf).iter("mesh"))
@@ -39,7 +39,7 @@ def mesh_digests(urdf: str) -> Dict[str, str]:
     for mesh in meshes:
         address = mesh.get("filename", "")
         try:
-            content = Path(resolve_address(address, packages.get_path)).read_bytes()
+            content = Path(resolve_address(address, package_path)).read_bytes()
         except (AddressError, OSError):
             found[address] = _UNKNOWN
             continue
@@ -51,7 +51,7 @@ def mesh_digests(urdf: str) -> Dict[str, str]:
 def software_version() -> str:
     """Return the commit of the sources, with a + if they were changed; or the package's version."""
     try:
-        folder = rospkg.RosPack().get_path("telex_training")
+        folder = package_path("telex_training")
     except rospkg.ResourceNotFound:
         return _UNKNOWN
     commit = _git(folder, "rev-parse", "--short=12", "HEAD")

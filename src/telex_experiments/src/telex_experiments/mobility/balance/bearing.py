@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import functools
 import math
 from dataclasses import dataclass
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 import pybullet
-import yaml
 
 from telex_sim.engine.contacts import contacts
 from telex_sim.engine.simulation import Simulation
 from telex_sim.engine.world import GRAVITY
-from telex_sim.offline.simulation import package_file
+from telex_sim.offline.simulation import package_yaml
 from telex_training.operators.port import NotManagedError
 from telex_training.operators.robot_size import AXLE_HEIGHT
 from telex_training.operators.scripted_operator import TICK
@@ -390,10 +388,10 @@ def _center_of_mass(simulation: Simulation, held: Sequence[int]) -> Tuple[float,
     )
 
 
-@functools.lru_cache(maxsize=None)
 def _shipped_poses() -> Dict[str, Dict[str, float]]:
-    path = package_file("telex_description", "config", "poses.yaml")
-    poses: Dict[str, Dict[str, float]] = yaml.safe_load(path.read_text())["poses"]
+    poses: Dict[str, Dict[str, float]] = package_yaml("telex_description", "config", "poses.yaml")[
+        "poses"
+    ]
     return poses
 
 

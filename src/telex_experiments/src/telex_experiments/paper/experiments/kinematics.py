@@ -11,7 +11,6 @@ from typing import Dict, List, Set, Tuple
 
 import numpy as np
 import pybullet
-import rospkg
 import rospy
 from pybullet_utils.bullet_client import BulletClient
 from sensor_msgs.msg import JointState
@@ -20,6 +19,7 @@ from telex_msgs.srv import ComputeFK
 from tf2_msgs.msg import TFMessage
 from tf2_py import BufferCore
 
+from telex_control.common.file_catalog import package_path
 from telex_control.common.geometry.matrices import inverse, pose_matrices
 from telex_control.kinematics import Chain, DHChain, dh_chain, make_pose
 from telex_control.ros.pose_messages import pose_in, quaternion_in, vector_in
@@ -68,7 +68,7 @@ def by_service(session: Session, chain: Chain, positions: np.ndarray) -> np.ndar
 
 def by_pybullet(urdf: str, chain: Chain, positions: np.ndarray) -> np.ndarray:
     """Poses of the tool by PyBullet, from the robot description of the running system."""
-    package = rospkg.RosPack().get_path("telex_description")
+    package = package_path("telex_description")
     bullet = BulletClient(pybullet.DIRECT)
     try:
         with tempfile.TemporaryDirectory() as folder:

@@ -13,7 +13,7 @@ import os
 import sys
 from dataclasses import replace
 
-import rospkg
+from telex_control.common.file_catalog import package_path
 
 from ...scene.catalog import scenes
 from ...scene.content_store import ContentStore, cache_folder
@@ -43,7 +43,7 @@ def main() -> int:
         context,
         choose_quality(config.quality, context.info["GL_RENDERER"]),
         replace(Lighting(), shadow_radius=config.shadow_radius),
-        rospkg.RosPack().get_path,
+        package_path,
         ContentStore(folder),
     )
     for name in scenes():

@@ -12,15 +12,14 @@ from typing import Any, List, Mapping, Optional, Sequence, Tuple
 
 import cv2
 import numpy as np
-import rospkg
-import yaml
 from genpy import Time
 
+from telex_control.common.file_catalog import package_path
 from telex_control.common.params import ConfigError, read_config
 from telex_control.urdf.joints import UrdfError
 
 from ...engine.world import WorldError
-from ...offline.simulation import package_file
+from ...offline.simulation import package_yaml
 from ...ros.scene_messages import SceneMessages
 from ...scene.catalog import find_scene
 from ...scene.files.scene_file import SceneError
@@ -209,7 +208,7 @@ def photograph(
     focus[2] = _eye_level(subject)
     lighting = Lighting(shadow_radius=min(radius, _SHADOW_REACH))
     fine = replace(camera, width=oversampling * camera.width, height=oversampling * camera.height)
-    still = Still(quality, lighting, rospkg.RosPack().get_path)
+    still = Still(quality, lighting, package_path)
     try:
         problems = still.load(subject.scene)
         if problems:
@@ -277,14 +276,10 @@ def with_lamps(subject: Subject, level: float) -> Subject:
 def shipped_cameras() -> CamerasConfig:
     """Read the shipped configuration of the cameras and lamps."""
     params: Mapping[str, Any] = {
-        **_shipped("cameras.yaml"),
-        **_shipped("lamps.yaml"),
+        **package_yaml("telex_description", "config", "cameras.yaml"),
+        **package_yaml("telex_description", "config", "lamps.yaml"),
     }
     return read_config(CamerasConfig, params, "cameras")
-
-
-def _shipped(name: str) -> Mapping[str, Any]:
-    return yaml.safe_load(package_file("telex_description", "config", name).read_text())
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:

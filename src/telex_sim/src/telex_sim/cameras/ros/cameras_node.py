@@ -12,10 +12,10 @@ from typing import Callable, Dict, List, Optional
 
 import cv2
 import numpy as np
-import rospkg
 import rospy
 from telex_msgs.msg import SceneDescription, ScenePoses
 
+from telex_control.common.file_catalog import package_path
 from telex_control.common.params import ConfigError, read_config
 from telex_control.common.scheduling import may_come_first, step_back
 from telex_control.ros.node_start import init_node, until_shutdown
@@ -342,6 +342,6 @@ def make_renderer(config: CamerasConfig) -> SceneRenderer:
         context,
         choose_quality(config.quality, name),
         replace(Lighting(), shadow_radius=config.shadow_radius),
-        rospkg.RosPack().get_path,
+        package_path,
         shared_store(),
     )

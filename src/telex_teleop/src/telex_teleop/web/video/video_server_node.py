@@ -7,12 +7,12 @@ import contextlib
 from pathlib import Path
 from typing import Callable
 
-import rospkg
 import rospy
 from aiohttp import web
 from std_msgs.msg import String
 from telex_msgs.msg import LinkState
 
+from telex_control.common.file_catalog import package_path
 from telex_control.common.params import ConfigError
 
 from ..exam.exam_list import BRIDGE_TOPIC
@@ -27,7 +27,7 @@ WARNING_PERIOD = 5.0
 
 
 def _make_app(config: VideoServerConfig) -> web.Application:
-    console = Path(rospkg.RosPack().get_path("telex_teleop")) / "console"
+    console = Path(package_path("telex_teleop")) / "console"
 
     def warn(sentence: str) -> None:
         rospy.logwarn_throttle(WARNING_PERIOD, f"{rospy.get_name()}: {sentence}")

@@ -7,7 +7,7 @@ from html import escape
 from pathlib import Path
 from typing import Optional, Sequence, Tuple
 
-import rospkg
+from telex_control.common.file_catalog import package_path
 
 from ...judging import stats
 from ..skill import Skill
@@ -22,7 +22,7 @@ _STYLE = ("pages", "report.css")
 
 def page(title: str, parts: Sequence[str]) -> str:
     """Put parts into an HTML page with its style in it."""
-    style = Path(rospkg.RosPack().get_path("telex_training"), *_STYLE).read_text(encoding="utf-8")
+    style = Path(package_path("telex_training"), *_STYLE).read_text(encoding="utf-8")
     return (
         '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'

@@ -10,8 +10,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional
 
-import rospkg
 from aiohttp import web
+
+from telex_control.common.file_catalog import package_path
 
 from ...judging.entries import BadEntryError
 from ...judging.sheet import sheet_text
@@ -72,7 +73,7 @@ class Pages(PageServer):
 
     def show_at(self, video_server: str) -> None:
         """Have a video server show folder and handler at ``/training/``, progress at its own."""
-        package = Path(rospkg.RosPack().get_path("telex_training"))
+        package = Path(package_path("telex_training"))
         self.mount(video_server, "training", package / "pages")
         self.mount(video_server, "progress")
 

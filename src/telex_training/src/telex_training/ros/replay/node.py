@@ -13,12 +13,12 @@ import time
 from pathlib import Path
 from typing import Any, Dict, Optional
 
-import rospkg
 import rospy
 import yaml
 from telex_msgs.msg import ReplayState, TrainingState
 from telex_msgs.srv import OpenReplay, OpenReplayResponse, SeekReplay, SeekReplayResponse
 
+from telex_control.common.file_catalog import package_path
 from telex_control.common.params import ConfigError, read_config
 from telex_control.ros.node_start import init_node
 
@@ -52,7 +52,7 @@ class ReplayNode:
 
     def __init__(self, settings: ReplaySettings) -> None:
         self._phase = ""
-        package = Path(rospkg.RosPack().get_path("telex_training"))
+        package = Path(package_path("telex_training"))
         folder = Path(settings.folder).expanduser()
         library = Library(folder)
         self._shelf = Shelf(library, settings.file, shipped_cameras())
@@ -189,7 +189,7 @@ class ReplayNode:
 
 def shipped_cameras() -> Dict[str, Any]:
     """Read the shipped parameters of cameras and lamps."""
-    folder = Path(rospkg.RosPack().get_path("telex_description"), "config")
+    folder = Path(package_path("telex_description"), "config")
     made: Dict[str, Any] = {}
     for name in ("cameras.yaml", "lamps.yaml"):
         made.update(yaml.safe_load((folder / name).read_text(encoding="utf-8")))
