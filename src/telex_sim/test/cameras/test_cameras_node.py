@@ -760,8 +760,6 @@ class TestCounted:
     ("params", "environment", "complaint"),
     [
         ({**PARAMS, "cameras": {}}, {}, "cameras is empty"),
-        ({**PARAMS, "colour": "red"}, {}, "colour is unknown"),
-        ({**PARAMS, "renderer": "tiny"}, {}, "renderer is 'tiny'; auto, opengl are possible"),
         (PARAMS, NO_EGL, "apt-get install libegl1 libgl1 libgl1-mesa-dri"),
     ],
 )

@@ -101,22 +101,28 @@ def server(ros, robot):
     return ros.serve("video_server")[1]
 
 
+@pytest.fixture(scope="module")
+def browser(server, tmp_path_factory):
+    page = Page(server, tmp_path_factory.mktemp("profile"))
+    try:
+        yield page
+    finally:
+        page.driver.quit()
+
+
 @pytest.fixture(scope="module", params=list(COMBINATIONS))
 def path(request):
     return request.param
 
 
 @pytest.fixture(scope="module")
-def page(path, server, tmp_path_factory):
-    page = Page(f"{server}{path}", tmp_path_factory.mktemp("profile"))
-    try:
-        page.load()
-        if path == "/instructor":
-            page.element("#reset").click()
-            wait_until(lambda: page.element("#ask").is_displayed())
-        yield page
-    finally:
-        page.driver.quit()
+def page(path, server, browser):
+    browser.url = f"{server}{path}"
+    browser.load()
+    if path == "/instructor":
+        browser.element("#reset").click()
+        wait_until(lambda: browser.element("#ask").is_displayed())
+    return browser
 
 
 @pytest.mark.parametrize("width", WIDTHS)
