@@ -103,15 +103,6 @@ def test_types_lists_all_and_explains_one(capsys):
     assert "there is no type 'dragon'; there are: " in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("name", sorted(object_types()))
-def test_every_parameter_of_every_type_is_explained(name):
-    kind = object_types()[name]
-    assert summary(kind)
-    for parameter, default, meaning in parameters(kind):
-        assert default, parameter
-        assert meaning, f"{name}: {parameter} is not in the section Attributes"
-
-
 def test_texts_of_types_come_from_their_documentation():
     @dataclass(frozen=True)
     class Inner:

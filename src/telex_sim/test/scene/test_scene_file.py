@@ -366,13 +366,6 @@ def test_the_examples_of_the_documentation_are_right(folder):
         assert scene.objects
 
 
-@pytest.mark.parametrize("name", sorted(scenes()))
-def test_every_shipped_scene_is_right(name):
-    scene = plan_scene(find_scene(name), Assets()).scene
-    assert scene.name == name
-    assert scene.description
-
-
 # What passed once, and ended or ruined the simulation
 RUINOUS = (
     "{type: custom, static: true, links: [{name: a, parts: [{box: [1, 1, 1]}]},"
