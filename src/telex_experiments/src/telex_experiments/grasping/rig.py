@@ -415,13 +415,8 @@ class Rig:
 
 
 @functools.lru_cache(maxsize=None)
-def _urdf() -> str:
-    return robot_description()
-
-
-@functools.lru_cache(maxsize=None)
 def _chain() -> Chain:
-    return Chain.from_urdf(_urdf(), "base_link", "tool_link")
+    return Chain.from_urdf(robot_description(), "base_link", "tool_link")
 
 
 @functools.lru_cache(maxsize=None)
@@ -434,7 +429,10 @@ def _for_period(period: float) -> Tuple[Dict[str, Any], str]:
 
     An explicit damper chatters where its gain is above 2 * inertia / period.
     """
-    controllers, urdf = package_yaml("telex_control", "config", "telex_controllers.yaml"), _urdf()
+    controllers, urdf = (
+        package_yaml("telex_control", "config", "telex_controllers.yaml"),
+        robot_description(),
+    )
     share = min(1.0, TUNED_PERIOD / period)
     if share == 1.0:
         return controllers, urdf

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import tempfile
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
@@ -22,11 +21,6 @@ LOAD_EDGE = 0.2
 """Edge of a load in the gripper (m), for its inertia."""
 LOAD_FORCE = 1.0e5
 """With which it is held (N)."""
-
-
-@functools.lru_cache(maxsize=None)
-def _urdf() -> str:
-    return robot_description()
 
 
 def _for_period(period: float, urdf: str) -> Tuple[Dict[str, Any], str]:
@@ -92,7 +86,7 @@ class Trial:
         **changes: Any,
     ) -> None:
         period = max(TUNED_PERIOD, step_size)
-        controllers, self.urdf = _for_period(period, _urdf())
+        controllers, self.urdf = _for_period(period, robot_description())
         scene = {
             "floor": {"friction": friction},
             "start": dict(start or {}),

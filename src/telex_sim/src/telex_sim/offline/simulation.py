@@ -32,8 +32,9 @@ def package_yaml(package: str, *parts: str) -> Any:
     return copy.deepcopy(_parsed(package_file(package, *parts).read_text(encoding="utf-8")))
 
 
+@lru_cache(maxsize=1)
 def robot_description() -> str:
-    """URDF text of the shipped robot."""
+    """URDF text of the shipped robot, made once in a process."""
     model = package_file("telex_description", "urdf", "telex.urdf.xacro")
     return subprocess.run(
         ["xacro", str(model)], check=True, stdout=subprocess.PIPE, text=True

@@ -6,6 +6,7 @@ It has no controllers: the brakes hold its joints, whatever the variant has of t
 from __future__ import annotations
 
 import subprocess
+from functools import lru_cache
 from pathlib import Path
 from typing import Sequence
 
@@ -19,7 +20,7 @@ from .addresses import resolve_address
 
 
 def robot_description(variant: str, options: Sequence[str] = ()) -> str:
-    """Make the URDF text of a variant of the robot.
+    """Make the URDF text of a variant of the robot; of one in a file each time anew.
 
     Parameters
     ----------
@@ -33,6 +34,12 @@ def robot_description(variant: str, options: Sequence[str] = ()) -> str:
     ConfigError
         In the words of ``rosrun telex_description robot_description``.
     """
+    if "/" in variant or variant.endswith(".yaml"):
+        return _described(variant, *options)
+    return _known(variant, *options)
+
+
+def _described(variant: str, *options: str) -> str:
     script = package_file("telex_description", "scripts", "robot_description")
     done = subprocess.run(
         [str(script), variant, *options], capture_output=True, text=True, check=False
@@ -40,6 +47,9 @@ def robot_description(variant: str, options: Sequence[str] = ()) -> str:
     if done.returncode:
         raise ConfigError(done.stderr.strip() or f"{script} ended with {done.returncode}")
     return done.stdout
+
+
+_known = lru_cache(maxsize=16)(_described)
 
 
 def place_robot(path: Path, urdf: str, pose: str = "") -> Simulation:
