@@ -17,13 +17,14 @@ from web_fakes import FakeRos, on_loop
 
 from telex_teleop.web.bridge.clients.access import Access
 from telex_teleop.web.bridge.clients.control import Control, ControlError, Member
+from telex_teleop.web.bridge.clients.other_robots import OtherRobots
 from telex_teleop.web.bridge.protocol.operations import OperationError
 from telex_teleop.web.bridge.topics.command_age import CommandAge
 from telex_teleop.web.bridge.topics.commands import stop_for
 from telex_teleop.web.bridge.topics.goals import MAX_GOALS
 from telex_teleop.web.bridge.topics.publish import MAX_HELD
 from telex_teleop.web.bridge.topics.shared_topics import SharedPublisher
-from telex_teleop.web.rights import Rights
+from telex_teleop.web.rights import Rights, UseLists
 
 DRIVE, E_STOP = "/telex/track_teleop/cmd_vel", "/telex/e_stop"
 AHEAD, STILL = {"linear": {"x": 1.0}}, {"linear": {"x": 0.0}}
@@ -693,6 +694,11 @@ async def test_only_what_is_listed_may_be_used():
     assert len(client.outbox) == 0
 
 
+_ALL = UseLists(**dict.fromkeys(vars(UseLists()), ("/*",)))
+EVERYTHING = Rights(operator=_ALL, instructor=_ALL)
+"""A file that gives everything to everybody."""
+
+
 def shipped(*, instructor, **kind):
     return Access(Rights.read(), FakeRos().resolve, "e_stop", instructor=instructor, **kind)
 
@@ -727,14 +733,7 @@ OPERATORS_OWN = {
     ),
 }
 INSTRUCTORS_ONLY = {
-    "publish": (
-        *("cameras/overview/view", "imu", "track_controller/odom", "arm_teleop/status"),
-        *("/crane/e_stop", "/crane/track_teleop/cmd_vel", "/crane/arm_teleop/delta_joint_cmds"),
-        *("/crane/turret_position_controller/command", "/crane/flipper_teleop/preset/goal"),
-        *("/crane/cameras/turret/zoom", "/crane/lamps/front/command", "/crane/sim/x"),
-        *("/e_stop", "/track_teleop/cmd_vel", "/crane/arm_teleop/speed_scale"),
-        "/crane/arm_trajectory_controller/follow_joint_trajectory/goal",
-    ),
+    "publish": (*("cameras/overview/view", "imu", "track_controller/odom", "arm_teleop/status"),),
     "subscribe": (
         *("sim/base_pose", "sim/scene", "sim/poses", "sim/proximity", "/rosout", "/rosout_agg"),
         *("cameras/overview/image_raw/compressed", "cameras/overview/view", "/crane/sim/poses"),
@@ -754,8 +753,6 @@ INSTRUCTORS_ONLY = {
             "controller_manager/unload_controller",
         ),
         *("arm_teleop/set_logger_level", "/crane/sim/reset", "/rosout/set_logger_level"),
-        *("/crane/cameras/configure", "/crane/controller_manager/load_controller"),
-        *("/crane/arm_teleop/set_mode", "/crane/track_controller/query_state"),
         *("simulator/anything", "robot_state_publisher/set_logger_level"),
     ),
     "serve": ("switch", "sim/reset"),
@@ -773,6 +770,35 @@ NOBODYS = {
     "serve": ("/rosapi/topics", "bridge/time"),
     "set": ("/telex", "/", "/use_sim_time", "/roslaunch", "rosbridge/url", "video_server/token"),
 }
+
+
+OTHER_ROBOTS = {
+    "publish": (
+        *("/crane/e_stop", "/crane/track_teleop/cmd_vel", "/crane/arm_teleop/delta_joint_cmds"),
+        *("/crane/turret_position_controller/command", "/crane/flipper_teleop/preset/goal"),
+        *("/crane/cameras/turret/zoom", "/crane/lamps/front/command", "/crane/sim/x"),
+        *("/e_stop", "/track_teleop/cmd_vel", "/crane/arm_teleop/speed_scale"),
+        *("/crane/cameras/overview/view", "/crane/console/telemetry", "/crane/training/exam"),
+        *("/crane/bridge/exam", "/crane/link/state"),
+        "/crane/arm_trajectory_controller/follow_joint_trajectory/goal",
+    ),
+    "call": (
+        *("/crane/cameras/configure", "/crane/controller_manager/load_controller"),
+        *("/crane/arm_teleop/set_mode", "/crane/track_controller/query_state"),
+        *("/crane/sim/malfunction", "/crane/link/configure", "/crane/training/start"),
+        *("/crane/controller_manager/switch_controller", "/crane/bridge/end_exam"),
+    ),
+    "serve": ("/crane/link/configure", "/crane/sim/reset", "/crane/arm_teleop/set_mode"),
+    "set": ("/crane/arm_teleop/command_timeout", "/crane/track_controller/linear"),
+}
+"""What only a robot has by these names, of one that the bridge has not found yet."""
+FOUND = {
+    "publish": ("/husky/cmd_vel", "/telex/trailer/cmd_vel", "/crane/arm/goal"),
+    "call": ("/husky/dock", "/crane/arm_teleop/set_logger_level", "/telex/trailer/dock"),
+    "serve": ("/husky/dock",),
+    "set": ("/husky/limit", "/husky", "/telex/trailer", "/"),
+}
+"""What is of a robot that it has found, by whatever name."""
 
 
 def fitting(access, names):
@@ -793,6 +819,58 @@ def test_what_operators_and_instructors_may_as_shipped(kind, expected):
     access = shipped(**kind)
     for names, allowed in zip((OPERATORS_OWN, INSTRUCTORS_ONLY, NOBODYS), expected):
         assert set(fitting(access, names)) == {allowed}
+
+
+KINDS = [
+    {"instructor": instructor, "plain": plain}
+    for instructor in (False, True)
+    for plain in (False, True)
+]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("rights", [Rights.read(), EVERYTHING])
+def test_no_client_touches_what_is_another_robots(kind, rights):
+    others = OtherRobots("/telex/")
+    access = Access(rights, FakeRos().resolve, "e_stop", others=others, **kind)
+    before = fitting(access, FOUND)
+    assert set(fitting(access, OTHER_ROBOTS)) == {False}
+    reviewed = []
+    others.changed = lambda: reviewed.append(fitting(access, FOUND))
+    marks = [
+        f"{robot}/controller_manager/list_controllers"
+        for robot in ("", "/telex", "/husky", "/crane", "/telex/trailer")
+    ]
+    for _ in range(2):  # told of once
+        others.note([*marks, "/husky/dock"])
+    assert reviewed == [[False] * len(before)]
+    own = fitting(access, OPERATORS_OWN)
+    assert set(own) == {True}
+    with pytest.raises(OperationError, match="/husky/cmd_vel is another robot's, and this bridge"):
+        access.check("publish", "/husky/cmd_vel")
+    # The simulator is one for all; only who may call it at all calls it there.
+    for name in ("pause", "reset", "spawn", "load_scene", "add_robot", "restore"):
+        shared = access.allows("call", f"/crane/sim/{name}")
+        assert shared == (kind["instructor"] or kind["plain"] or rights is EVERYTHING)
+
+
+@on_loop
+async def test_what_was_opened_before_a_robot_came_ends_with_its_coming():
+    bench = Bench(rights=asdict(EVERYTHING))
+    client = Client(bench, instructor=True)
+    client.say("advertise", topic="/husky/cmd_vel", type=TWIST)
+    client.say("advertise_service", service="/husky/dock", type="std_srvs/Empty")
+    await bench.settle()
+    client.say("publish", topic="/husky/cmd_vel", msg=AHEAD)
+    bench.shared.other_robots.note(["/husky/controller_manager/list_controllers"])
+    told = [(await client.hear())["msg"] for _ in range(2)]
+    assert all("is another robot's, and this bridge touches nothing but /telex" in m for m in told)
+    await bench.settle()
+    assert list(bench.ros.services_offered) == []
+    client.say("publish", topic="/husky/cmd_vel", type=TWIST, msg=AHEAD, id="late")
+    assert (await client.hear())["id"] == "late"
+    # What it drove has been stopped, and nothing came after that.
+    assert [message.linear.x for _, message in bench.ros.published] == [1.0]
 
 
 def test_a_plain_bridge_asks_operators_for_control_all_the_same():

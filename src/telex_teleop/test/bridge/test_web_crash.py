@@ -10,6 +10,7 @@ from waiting import wait_until_async
 from web_fakes import FakeRos, on_loop, served
 
 from telex_teleop.web.bridge.bridge_app import Rosbridge
+from telex_teleop.web.bridge.clients.other_robots import OtherRobots
 from telex_teleop.web.bridge.status_topics import LOOKS_PER_LIST, NodeWatch
 from telex_teleop.web.listening import bind, bind_again, url_of
 from telex_teleop.web.server_config import RosbridgeConfig
@@ -97,7 +98,7 @@ def test_the_master_is_seldom_asked_which_nodes_there_are():
     ros = FakeRos()
     asked = []
     ros.nodes = lambda: asked.append("list") or ["/telex/a", "/other/b"]
-    watch = NodeWatch(ros, None)
+    watch = NodeWatch(ros, None, OtherRobots("/telex/"))
     found = [watch._missing() for _ in range(LOOKS_PER_LIST)]
     ros.crashed.add("/telex/a")
     found.append(watch._missing())

@@ -15,6 +15,7 @@ from ..workers import OrderedWorker
 from .clients.access import Access
 from .clients.client import LEVELS, Client
 from .clients.control import Control, ControlServices, Member
+from .clients.other_robots import OtherRobots
 from .clients.outbox import Outbox
 from .protocol.operations import Operation, OperationError
 from .ros import Ros
@@ -72,13 +73,17 @@ class Shared:
         self.goals = AllGoals(self.publishers, self.subscribers, ros)
         self.stuck_key = StuckKey(ros, self.worker, config.e_stop_topic)
         self.control = Control()
-        self.exam = Exam(exam_rights or ExamRights(), ros.resolve("x")[: -len("x")])
+        namespace = ros.resolve("x")[: -len("x")]
+        self.exam = Exam(exam_rights or ExamRights(), namespace)
         self.exam.changed = self._review
+        self.other_robots = OtherRobots(namespace)
+        self.other_robots.changed = self._review
         self.access = {
             instructor: Access(
                 rights,
                 ros.resolve,
                 config.e_stop_topic,
+                others=self.other_robots,
                 instructor=instructor,
                 plain=config.plain,
                 exam=None if instructor and proven else self.exam,

@@ -12,6 +12,7 @@ from telex_msgs.msg import BridgeClient, BridgeClients, MissingNodes
 
 from ..workers import in_own_thread
 from .clients.control import Control, Member
+from .clients.other_robots import OtherRobots
 from .protocol.operations import OperationError
 from .ros import Ros
 from .topics.shared_topics import Publishers, SharedPublisher
@@ -86,10 +87,11 @@ def _entry(member: Member, holder: Optional[Member]) -> BridgeClient:
 
 
 class NodeWatch:
-    """Publishes `bridge/missing_nodes`: nodes in the bridge's namespace that cannot be reached.
+    """Publishes which nodes of the namespace cannot be reached, and finds other robots.
 
-    One that has ended in order has told the master so and is not missed; one that has crashed is
-    still known to it, and does not answer. The list is published when it changes, latched.
+    A node that has ended in order has told the master so and is not missed; one that has crashed is
+    still known to it, and does not answer. The list is published as `bridge/missing_nodes` when it
+    changes, latched.
 
     Parameters
     ----------
@@ -97,14 +99,18 @@ class NodeWatch:
         Where to look.
     publishers
         Where publishers come from.
+    other_robots
+        Told of all services, by which it knows the robots that there are.
     """
 
-    def __init__(self, ros: Ros, publishers: Publishers) -> None:
+    def __init__(self, ros: Ros, publishers: Publishers, other_robots: OtherRobots) -> None:
         self._ros = ros
+        self._other_robots = other_robots
         self._publishers = publishers
         self._topic = ros.resolve(_MISSING_NODES)
         self._namespace = self._topic[: -len(_MISSING_NODES)]
         self._nodes: List[str] = []
+        self._services: List[str] = []
         self._looks = 0
 
     async def run(self) -> None:
@@ -117,6 +123,7 @@ class NodeWatch:
             # Without a master nothing is known of anybody.
             with contextlib.suppress(OSError, OperationError):
                 missing = await in_own_thread(self._missing)
+                self._other_robots.note(self._services)
                 if missing != told:
                     message = MissingNodes(names=missing)
                     message.header.stamp = genpy.Time.from_sec(time.time())
@@ -128,5 +135,6 @@ class NodeWatch:
         """Return the nodes that do not answer; blocks."""
         if self._looks % LOOKS_PER_LIST == 0:
             self._nodes = [node for node in self._ros.nodes() if node.startswith(self._namespace)]
+            self._services = self._ros.services()
         self._looks += 1
         return [node for node in self._nodes if not self._ros.node_answers(node)]

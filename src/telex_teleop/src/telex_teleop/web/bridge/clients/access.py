@@ -7,6 +7,7 @@ from typing import Callable, Dict, Optional
 from ...exam.exam_list import BRIDGE_TOPIC, TRAINING_TOPIC, Exam
 from ...rights import NamePatterns, Rights, UseLists
 from ..protocol.operations import OperationError
+from .other_robots import OtherRobots
 
 _Uses = Dict[str, NamePatterns]
 
@@ -39,6 +40,8 @@ class Access:
     exam
         The exam whose list holds for them while it runs; None for those with the instructor's
         token.
+    others
+        What is another robot's; None: what looks so by its name.
     """
 
     def __init__(
@@ -50,6 +53,7 @@ class Access:
         instructor: bool,
         plain: bool = False,
         exam: Optional[Exam] = None,
+        others: Optional[OtherRobots] = None,
     ) -> None:
         self._namespace = resolve("x")[: -len("x")]
         self._instructor = instructor
@@ -61,6 +65,7 @@ class Access:
         self._without_control = _uses(without_control, self._namespace)
         self.e_stop_topic = resolve(e_stop_topic)
         self.telemetry_topic = resolve(TELEMETRY_TOPIC)
+        self._others = others or OtherRobots(self._namespace)
         self._exam = exam
         self._told_of_exams = (resolve(TRAINING_TOPIC), resolve(BRIDGE_TOPIC))
 
@@ -70,6 +75,8 @@ class Access:
             return True  # whatever the lists say: an emergency stop is everybody's
         if use in ("publish", "serve") and name in self._told_of_exams:
             return False  # whatever the lists say: nobody may lift an exam's list in this way
+        if self._others.owns(use, name):
+            return False  # whatever the lists say: its own bridge knows who has control of it
         if self._exam is not None and not self._exam.allows(use, name):
             return False
         return self._own[use].match(name) and not self._would_replace_all(use, name)
@@ -80,18 +87,23 @@ class Access:
 
     def check(self, use: str, name: str) -> None:
         """Raise OperationError unless the client may use a name in this way."""
-        if self.allows(use, name):
-            return
+        if not self.allows(use, name):
+            raise OperationError(self.refusal(use, name))
+
+    def refusal(self, use: str, name: str) -> str:
+        """Say why the client may not use a name in this way."""
+        if self._others.owns(use, name):
+            return self._others.refusal(name)
         if self._exam is not None and not self._exam.allows(use, name):
-            raise OperationError(self._exam.refusal(use, name))
+            return self._exam.refusal(use, name)
         if self._would_replace_all(use, name):
-            raise OperationError(f"{name} holds all parameters of the robot; name a single one")
+            return f"{name} holds all parameters of the robot; name a single one"
         if self._instructors[use].match(name):
-            raise OperationError(
+            return (
                 f"{name[:200]} is open to instructors only, who connect with ?role=instructor in "
                 f"the bridge's address ('{use}' in the file that its parameter ~rights names)"
             )
-        raise OperationError(
+        return (
             f"{name[:200]} is not open to clients ('{use}' in the file that the bridge's parameter "
             "~rights names)"
         )

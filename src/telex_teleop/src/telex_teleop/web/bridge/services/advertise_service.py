@@ -10,7 +10,6 @@ from typing import Any, Callable, Dict, Iterator, List, Optional, Set
 
 import genpy
 
-from ...exam.exam_list import Exam
 from ...server_config import RosbridgeConfig
 from ...workers import OrderedWorker
 from ..clients.client import Client
@@ -278,7 +277,7 @@ class AdvertisedServices:
         ended = [name for name in self._services if not self._client.access.allows("serve", name)]
         for name in ended:
             self._withdraw(name, self._services.pop(name))
-        return [f"unadvertised: {Exam.refusal('serve', name)}" for name in ended]
+        return [f"unadvertised: {self._client.access.refusal('serve', name)}" for name in ended]
 
     def respond(self, operation: Operation) -> None:
         """Take the answer to a call."""

@@ -9,7 +9,6 @@ from typing import Callable, Deque, Dict, List, Optional, Set
 
 import genpy
 
-from ...exam.exam_list import Exam
 from ...server_config import RosbridgeConfig
 from ..clients.client import Client
 from ..protocol.operations import Id, Operation, OperationError
@@ -363,7 +362,7 @@ class Publications:
         ]
         for topic in ended:
             self._publications.pop(topic).close()
-        return [f"unadvertised: {Exam.refusal('publish', topic)}" for topic in ended]
+        return [f"unadvertised: {self._client.access.refusal('publish', topic)}" for topic in ended]
 
     def close(self) -> None:
         """End: stop what the client drove, give back what it used."""

@@ -8,7 +8,6 @@ import functools
 import math
 from typing import Callable, Dict, List, Optional
 
-from ...exam.exam_list import Exam
 from ...server_config import RosbridgeConfig
 from ..clients.client import Client
 from ..protocol.compression import COMPRESSIONS, Encoded, TopicMessage
@@ -232,7 +231,9 @@ class Subscriptions:
         ]
         for spelled, _ in ended:
             self._subscriptions.pop(spelled).close()
-        return [f"unsubscribed: {Exam.refusal('subscribe', topic)}" for _, topic in ended]
+        return [
+            f"unsubscribed: {self._client.access.refusal('subscribe', topic)}" for _, topic in ended
+        ]
 
     def close(self) -> None:
         """End all subscriptions."""
