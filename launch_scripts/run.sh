@@ -4,6 +4,7 @@
 #   ./launch_scripts/run.sh [roslaunch arguments, e.g. world:=stairs video_port:=8081, or exercise:=slalom operator:=ann]
 #
 # replay:=FILE shows the recording of a trial again, without a simulator.
+# robots:=2, or names or variants with commas between, puts several robots into the scene (docs/operator/two_robots.md).
 # class:=FILE shows the stations of a class on one page, without ROS (docs/instructor/class.md).
 # Without world:= it starts in the training hall, without speed:= with 35 % of the speed.
 # ros_address:=NAME_OR_ADDRESS opens ROS to other machines, which know this one by it (docs/engineer/network.md).
@@ -13,7 +14,7 @@ set -uo pipefail
 root="$(CDPATH= cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)"
 case "${1:-}" in
   -h | --help)
-    sed -n '2,10s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
+    sed -n '2,11s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
     exit 0
     ;;
 esac
@@ -29,6 +30,7 @@ done
 if [ -n "$launch_file" ]; then
   known="$(sed -n 's/^  <arg name="\([a-z_]*\)".*/\1/p' "$root/src/telex_training/launch/$launch_file")"
   known+=$'\nros_address\nreplay\nclass'
+  [ "$launch_file" = station.launch ] && known+=$'\nrobots'
 else
   known=$'class\nclass_port\naddress\ntoken_file'
 fi
@@ -115,6 +117,26 @@ esac
 # Into a file, too, nodes say at once what they have to say.
 export PYTHONUNBUFFERED=1
 
+# What robots:= says becomes other arguments.
+robots=
+first=telex
+variant=standard
+for argument in "$@"; do
+  case "$argument" in
+    robots:=*) robots="$argument" ;;
+    ns:=*) first="${argument#ns:=}" ;;
+    variant:=*) variant="${argument#variant:=}" ;;
+  esac
+done
+names=
+if [ -n "$robots" ]; then
+  told="$(python "$root/launch_scripts/robots.py" "${robots#robots:=}" "$first" "$variant")" || exit 2
+  names="${told##*$'\n'}"
+  told="${told%$'\n'*}"
+  mapfile -t told <<<"$told"
+  set -- "$@" "${told[@]}"
+fi
+
 is_false() { case "${1,,}" in 0 | false) return 0 ;; *) return 1 ;; esac; }
 namespace=telex
 expected=()
@@ -135,12 +157,16 @@ for argument in "$@"; do
       file="${argument#*:=}"
       argument="file:=$(realpath -m -- "${file/#\~\//$HOME/}")"
       ;;
-    ros_address:=*) continue ;;
+    ros_address:=* | robots:=*) continue ;;
     ns:=*) namespace="${argument#ns:=}" ;;
     console:=*) is_false "${argument#console:=}" && expected+=(--no-console) ;;
     cameras:=*) is_false "${argument#cameras:=}" && expected+=(--no-picture) ;;
   esac
   arguments+=("$argument")
+done
+expected+=(--namespace "$namespace")
+for name in $names; do
+  [ "$name" = "$namespace" ] || expected+=(--beside "$name")
 done
 
 # Whatever is started here carries this mark in its environment, so that nothing else is ever ended.
@@ -185,7 +211,7 @@ os.execvp(sys.argv[1], sys.argv[1:])
 ' roslaunch --no-summary --sigint-timeout=1.5 --sigterm-timeout=1.0 telex_training "$launch_file" "${arguments[@]}" &
 launch_pid=$!
 
-env "$mark" python "$root/launch_scripts/wait_ready.py" --namespace "$namespace" --launch-pid "$launch_pid" \
+env "$mark" python "$root/launch_scripts/wait_ready.py" --launch-pid "$launch_pid" \
   "${expected[@]}" &
 wait $! || {
   echo "run.sh: the simulator did not start; the messages above say why" >&2

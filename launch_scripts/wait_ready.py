@@ -216,29 +216,45 @@ def bridge_answers(namespace: str) -> Optional[str]:
     return None
 
 
-def pages(namespace: str, url: str) -> str:
-    """What to say of the console's addresses; their tokens are shown on a terminal only."""
-    lines = []
+def pages(namespace: str, url: str, several: bool) -> str:
+    """What to say of a robot's addresses; their tokens are shown on a terminal only."""
+    lines = [f"  {namespace}"] if several else []
+    chosen = f"?robot={namespace[1:]}" if several else ""
     for title, page, name in (
         ("Console", "/", "token_file"),
         ("Instructor", "/instructor", "instructor_token_file"),
     ):
         path = str(rospy.get_param(f"{namespace}/rosbridge/{name}", ""))
         if not path:
-            lines += [f"  {title:<9} {url}"] if page == "/" else []
+            wanted = page if chosen else ""
+            lines += [f"  {title:<9} {url}{wanted}{chosen}"] if page == "/" or chosen else []
             continue
         token = f"…  with the token in {path}"
         if sys.stdout.isatty():
             with contextlib.suppress(ConfigError, OSError):  # it is gone again; the bridge says why
                 token = read_token(path, name)
-        lines.append(f"  {title:<9} {url}{page}?token={token}")
+        query = f"{chosen}&" if chosen else "?"
+        lines.append(f"  {title:<9} {url}{page}{query}token={token}")
     return "\n".join(lines)
+
+
+def _wait_for_robot(waiter: Waiter, robot: str, which: str = "") -> None:
+    waiter.wait(f"robot{which} controllable", lambda: controllers_run(robot))
+    waiter.wait(
+        f"teleoperation{which}", lambda: all(node_answers(f"{robot}/{name}") for name in _TELEOP)
+    )
+
+
+def _wait_for_bridge(waiter: Waiter, robot: str, which: str = "") -> None:
+    waiter.need(f"{robot}/rosbridge", _SERVER_ADVICE.format("bridge_port:=9091"))
+    waiter.wait(f"bridge{which}", lambda: bridge_answers(robot))
 
 
 def main() -> None:
     """Wait, then print."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--namespace", default="telex")
+    parser.add_argument("--beside", action="append", default=[], help="name of a further robot")
     parser.add_argument("--launch-pid", type=int, default=0)
     parser.add_argument("--no-console", action="store_true", help="the console was not asked for")
     parser.add_argument("--no-picture", action="store_true", help="the cameras were not asked for")
@@ -260,21 +276,22 @@ def main() -> None:
         shown = str(waiter.wait("replay", lambda: replays(namespace)))
         print(REPLAY.format(url=shown, namespace=namespace), flush=True)
         return
-    waiter.wait("robot controllable", lambda: controllers_run(namespace))
-    waiter.wait(
-        "teleoperation", lambda: all(node_answers(f"{namespace}/{name}") for name in _TELEOP)
-    )
+    beside = [f"/{name}" for name in options.beside]
+    _wait_for_robot(waiter, namespace)
+    for robot in beside:
+        _wait_for_robot(waiter, robot, f" {robot}")
     shown = "  Console   (not started)"
     if not options.no_console:
         waiter.need(f"{namespace}/video_server", _SERVER_ADVICE.format("video_port:=8081"))
         url = str(waiter.wait("console", lambda: console(namespace)))
-        waiter.need(f"{namespace}/rosbridge", _SERVER_ADVICE.format("bridge_port:=9091"))
-        waiter.wait("bridge", lambda: bridge_answers(namespace))
+        _wait_for_bridge(waiter, namespace)
+        for robot in beside:
+            _wait_for_bridge(waiter, robot, f" {robot}")
         if not options.no_picture:
             waiter.need(f"{namespace}/cameras", "its last message says why")
             init_node("wait_ready", anonymous=True, own_signals=True)
             waiter.wait("first camera picture", FirstPicture(namespace).came)
-        shown = pages(namespace, url)
+        shown = "\n".join(pages(robot, url, bool(beside)) for robot in (namespace, *beside))
     print(KEYS.format(pages=shown, namespace=namespace), flush=True)
 
 

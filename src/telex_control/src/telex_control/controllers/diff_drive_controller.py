@@ -76,9 +76,10 @@ class DiffDriveController(Controller):
     ``right_wheel_radius_multiplier``), ``wheel_separation_multiplier``,
     ``cmd_vel_timeout`` (s), ``allow_multiple_cmd_vel_publishers``, ``publish_rate`` (Hz),
     ``open_loop`` (odometry from commands), ``base_frame_id``, ``odom_frame_id``,
-    ``enable_odom_tf``, ``velocity_rolling_window_size``, ``pose_covariance_diagonal``,
-    ``twist_covariance_diagonal`` (six numbers each), ``linear/x`` and ``angular/z`` (limits, see
-    `SpeedLimiter`), ``publish_cmd`` (the limited command, on ``cmd_vel_out``),
+    ``enable_odom_tf``, ``tf_topic`` (where its transform goes, ``/tf``),
+    ``velocity_rolling_window_size``, ``pose_covariance_diagonal``, ``twist_covariance_diagonal`` (six
+    numbers each), ``linear/x`` and ``angular/z`` (limits, see `SpeedLimiter`), ``publish_cmd`` (the
+    limited command, on ``cmd_vel_out``),
     ``publish_wheel_joint_controller_state`` (on ``wheel_joint_controller_state``). The
     multipliers, ``publish_rate`` and ``enable_odom_tf`` may be changed at run time.
     """
@@ -101,6 +102,7 @@ class DiffDriveController(Controller):
             "publish_wheel_joint_controller_state",
             "right_wheel",
             "right_wheel_radius_multiplier",
+            "tf_topic",
             "twist_covariance_diagonal",
             "velocity_rolling_window_size",
             "wheel_radius",
@@ -149,7 +151,7 @@ class DiffDriveController(Controller):
         self._odometry = self._make_odometry(window)
         self._apply(self._tuning)
         self._odom = node.advertise("odom", Odometry)
-        self._tf = node.advertise("/tf", TFMessage)
+        self._tf = node.advertise(node.param("tf_topic", str, "/tf"), TFMessage)
         self._limited: Optional[Publisher] = None
         if node.param("publish_cmd", bool, False):
             self._limited = node.advertise("cmd_vel_out", TwistStamped, queue_size=1)

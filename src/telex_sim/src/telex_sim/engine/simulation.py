@@ -24,14 +24,14 @@ from ..robot.robot import Robot
 from ..robot.robot_hw_sim import RobotHWSim
 from ..scene.assets import Assets
 from ..scene.files.scene_file import SceneError
-from ..scene.model import WORLD_FRAME, Scene
+from ..scene.model import WORLD_FRAME, Scene, Start
 from ..scene.objects.assembly import Assembly
 from ..scene.objects.bodies import MeshLists, SceneBodies
 from ..scene.objects.irradiation import SceneField
 from ..scene.planning import PlannedScene, Progress, plan_entry, plan_world
 from .phase_timer import PhaseTimer
 from .simulator_config import TUNED_PERIOD, RobotConfig, SimulatorConfig
-from .start_check import check_place, check_start
+from .start_check import check_place, check_start, place_beside
 from .world import Body, World, WorldError
 from .world_state import WorldState
 
@@ -179,11 +179,32 @@ class Simulation:
         a step, which with bodies in each other lasts for minutes: they are refused before.
         """
         self._load_scene()
-        for robot in self.robots:
-            robot.place(self.world, self.scene.start, self.objects.material)
+        for number, robot in enumerate(self.robots):
+            self._place(robot, self.robots[:number])
         self._name_bodies()
         bodies, objects = self._world_state().save_state(), self.objects.save_state()
         self._start = (self.structure, self.steps, bodies, objects)
+
+    def _place(self, robot: Robot, others: Sequence[Robot]) -> None:
+        """Put a robot where its configuration says, or the scene: at its start, or beside that.
+
+        Raises
+        ------
+        ConfigError
+            There is no room.
+        UrdfError, WorldError
+            PyBullet refuses it.
+        """
+
+        def load(start: Start) -> Body:
+            robot.place(self.world, start, self.objects.material)
+            return robot.body
+
+        if robot.config.start.place is not None or not others:
+            load(self.scene.start)
+            return
+        there = {each.body.uid: each.model for each in others}
+        place_beside(self.world, self.scene.start, there, load, f"robot '{robot.model}'")
 
     def _check_start(self) -> None:
         """Refuse a start that would throw objects or the robot; a reset leads back to it.
@@ -403,7 +424,7 @@ class Simulation:
             raise ConfigError(f"namespace is '{robot.namespace}'; there is a robot already")
         before = self.world.bodies()
         try:
-            robot.place(self.world, self.scene.start, self.objects.material)
+            self._place(robot, self.robots)
             check_place(self.world, robot.body, self._owners(), "it")
         except (ConfigError, UrdfError, WorldError) as error:
             self.world.remove_others(before)

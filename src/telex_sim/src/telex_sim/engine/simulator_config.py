@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any, Dict, Mapping, Optional, Tuple
 
 from telex_control.common.params import read_config, require, require_range, require_text
@@ -211,8 +211,8 @@ class StartConfig:
     Attributes
     ----------
     place : tuple of 4 floats, optional
-        Where its root link starts: x, y, z (m) and heading (rad), in the world. Without it, the
-        scene says where.
+        Where its root link starts: x, y, z (m) and heading (rad), in the world. Without it, at the
+        scene's start, or beside that where a robot is there before it.
     height : float
         Of the root link above the scene's ground (m), without `place`; the robot settles from
         there.
@@ -335,6 +335,29 @@ class SimulatorConfig(RobotConfig):
         # be quicker than the wall would outrun the nodes that command the robot.
         rests = 0.0 < self.timing.real_time_factor <= 1.0 and not self.gui
         return self.timing.realtime_priority if rests else 0
+
+
+def read_robot_config(params: Mapping[str, Any], name: str) -> RobotConfig:
+    """Make the configuration of a further robot of the parameters in its namespace.
+
+    A file of a simulator's parameters may have been loaded there: what is the simulator's own in
+    it is checked and left alone.
+
+    Parameters
+    ----------
+    params : mapping
+    name : str
+        Where they are, for messages.
+
+    Raises
+    ------
+    ConfigError
+    """
+    known = {each.name for each in fields(RobotConfig)}
+    if isinstance(params, Mapping) and not known.issuperset(params):
+        read_simulator_config(params, name)
+        params = {key: value for key, value in params.items() if key in known}
+    return read_config(RobotConfig, params, name)
 
 
 def read_simulator_config(params: Mapping[str, Any], name: str) -> SimulatorConfig:

@@ -1,13 +1,17 @@
-"""Check that there is room for a robot where it starts."""
+"""Whether there is room for a robot where it starts, and where there is for a further one."""
 
 from __future__ import annotations
 
-from typing import Callable, Mapping
+import itertools
+import math
+from dataclasses import replace
+from typing import Callable, Iterator, Mapping, Tuple
 
 import pybullet
 
 from telex_control.common.params import ConfigError
 
+from ..scene.model import Start
 from .world import Body, World, WorldError
 
 _DEEPEST = 0.005
@@ -15,6 +19,88 @@ _DEEPEST = 0.005
 
 _OVERLAP = 0.01
 """How deep (m) a robot may stand in something where it is added: meshes are not exact."""
+
+_BESIDE = ((0.0, 1.3), (0.0, -1.3), (-1.8, 0.0), (0.0, 2.6), (0.0, -2.6), (-1.8, 1.3), (-1.8, -1.3))
+_FURTHER = ((-3.6, 0.0), (1.8, 1.3), (1.8, -1.3), (0.0, 3.9), (0.0, -3.9), (1.8, 0.0))
+"""Places of further robots, the nearest first: m ahead of the scene's start, and to its left."""
+
+_LENGTH, _WIDTH, _SPACING = 1.5, 0.9, 0.15
+"""Of the ground that must be level and free for one (m), and between looks at it."""
+
+_ABOVE, _EYE, _LEVEL = 1.2, 0.4, 0.03
+"""How far above the ground it must be free, and may be seen from the start; unevenness (m)."""
+
+
+def place_beside(
+    world: World, start: Start, robots: Mapping[int, str], load: Callable[[Start], Body], name: str
+) -> Body:
+    """Put a further robot beside the scene's start: on the same ground, and not behind a wall.
+
+    Parameters
+    ----------
+    world : World
+    start : Start
+        The scene's.
+    robots : mapping of int to str
+        Those that are there, by PyBullet's numbers.
+    load : callable
+        Puts it at a start into the world.
+    name : str
+        Of the robot, for the message.
+
+    Raises
+    ------
+    ConfigError
+        There is no room near the start.
+    """
+    for ahead, left in (*_BESIDE, *_FURTHER):
+        x, y = _turned(start.yaw, ahead, left)
+        place = replace(start, x=start.x + x, y=start.y + y)
+        if not _is_open(world.client, start, place, robots):
+            continue
+        before = world.bodies()
+        body = load(place)
+        if world.overlap(body, _OVERLAP) is None:
+            return body
+        world.remove_others(before)
+    raise ConfigError(
+        f"{name} finds no room beside the scene's start; start/place (x, y, z, heading) says where "
+        "it starts"
+    )
+
+
+def _turned(yaw: float, ahead: float, left: float) -> Tuple[float, float]:
+    cosine, sine = math.cos(yaw), math.sin(yaw)
+    return cosine * ahead - sine * left, sine * ahead + cosine * left
+
+
+def _is_open(client: int, start: Start, place: Start, robots: Mapping[int, str]) -> bool:
+    """Tell whether a place is level and free, and nothing but robots stands before the start."""
+    ground = start.ground
+    spots = [
+        (place.x + x, place.y + y)
+        for x, y in itertools.starmap(
+            lambda ahead, left: _turned(place.yaw, ahead, left),
+            itertools.product(_steps(_LENGTH), _steps(_WIDTH)),
+        )
+    ]
+    hits = pybullet.rayTestBatch(
+        [(x, y, ground + _ABOVE) for x, y in spots],
+        [(x, y, ground - 1.0) for x, y in spots],
+        physicsClientId=client,
+    )
+    if not all(uid >= 0 and abs(point[2] - ground) <= _LEVEL for uid, _, _, point, _ in hits):
+        return False
+    eye = ground + _EYE
+    (seen,) = pybullet.rayTest(
+        (place.x, place.y, eye), (start.x, start.y, eye), physicsClientId=client
+    )
+    return seen[0] < 0 or seen[0] in robots
+
+
+def _steps(length: float) -> Iterator[float]:
+    count = round(length / _SPACING)
+    return (_SPACING * (number - 0.5 * count) for number in range(count + 1))
 
 
 def check_place(world: World, body: Body, owners: Mapping[int, str], name: str) -> None:

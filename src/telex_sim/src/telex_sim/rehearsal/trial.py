@@ -7,6 +7,7 @@ thrown about by the first steps is found here.
 
 from __future__ import annotations
 
+import functools
 import math
 from typing import Callable, Dict, List, Optional, Sequence
 
@@ -17,7 +18,7 @@ from telex_control.urdf.checks import check_bodies
 from telex_control.urdf.joints import parse_urdf
 
 from ..engine.simulator_config import SimulatorConfig
-from ..engine.start_check import check_place, check_start
+from ..engine.start_check import check_place, check_start, place_beside
 from ..engine.world import World, WorldError
 from ..robot.body import RobotBody
 from ..robot.meshes import check_meshes
@@ -119,10 +120,21 @@ class Rehearsal:
         if not self._config.fixed_base:
             pose = self._config.start.pose_name(start.pose)
             check_start(body, pose, lambda uid: owners.get(uid, "the floor"))
+        robots = {body.uid: first.model}
         for robot in others:
-            body = robot.load(self._world, start, robot.start_positions(""), self._resolve)
-            check_place(self._world, body, owners, f"robot '{robot.model}'")
-            owners[body.uid] = f"robot '{robot.model}'"
+            name = f"robot '{robot.model}'"
+            load = functools.partial(
+                robot.load,
+                self._world,
+                positions=robot.start_positions(""),
+                resolve=self._resolve,
+            )
+            if robot.config.start.place is None:
+                body = place_beside(self._world, start, robots, load, name)
+            else:
+                body = load(start)
+            check_place(self._world, body, owners, name)
+            owners[body.uid], robots[body.uid] = name, robot.model
 
     def objects(self, floor: Floor, plans: Sequence[Assembly]) -> None:
         """Try objects by themselves.

@@ -1,16 +1,26 @@
-"""The ``add_robot`` node: puts the robot of its namespace into a simulator while it lives."""
+"""The ``add_robot`` node: puts the robot of its namespace into a simulator while it lives.
+
+A simulator that comes anew after a crash gets it again.
+"""
 
 from __future__ import annotations
 
+import os
 import sys
+import time
 from typing import Optional
 
+import rosgraph
 import rospy
 from telex_msgs.srv import AddRobot, RemoveRobot
 
 from telex_control.ros.node_start import init_node
 
 _REMIND = 10.0
+"""Wall time (s) after which it says that it waits for a simulator."""
+
+_WATCH_PERIOD = 1.0
+"""Wall time (s) between two looks whether the simulator is another one."""
 
 
 def _wait_for(service: str) -> None:
@@ -42,6 +52,24 @@ def _problem(service: str, robot: str) -> Optional[str]:
     return None if answer.success else answer.message
 
 
+def _address(service: str) -> Optional[str]:
+    """Where a service is offered; None where that is not known now."""
+    try:
+        return str(rosgraph.Master(rospy.get_name()).lookupService(service))
+    except (rosgraph.MasterException, OSError):
+        return None
+
+
+def _wait_for_another(service: str, address: Optional[str]) -> Optional[str]:
+    """Wait until a service is offered elsewhere, and return where; None when the node ends."""
+    while not rospy.is_shutdown():
+        time.sleep(_WATCH_PERIOD)
+        now = _address(service)
+        if now not in (None, address):
+            return now
+    return None
+
+
 def main() -> None:
     """Add the robot, and take it out again when the node ends."""
     init_node("add_robot")
@@ -52,10 +80,13 @@ def main() -> None:
         _wait_for(service)
     except rospy.ROSInterruptException:
         return
-    problem = _problem(service, robot)
+    address = _address(service)
+    # Started again after a crash of its own, it finds the robot there, and moves nothing.
+    there = address == _address(f"{robot}/controller_manager/list_controllers")
+    problem = None if there else _problem(service, robot)
     if problem is not None:
         rospy.logfatal("%s cannot be added: %s", robot or "/", problem)
-        sys.exit(1)
+        sys.exit(os.EX_CONFIG)
 
     def remove() -> None:
         try:
@@ -65,4 +96,11 @@ def main() -> None:
             rospy.logdebug("%s could not be removed: %s", robot, error)
 
     rospy.on_shutdown(remove)
-    rospy.spin()
+    while True:
+        address = _wait_for_another(service, address)
+        if address is None:
+            return
+        rospy.logwarn("the simulator has been started again")
+        problem = _problem(service, robot)
+        if problem is not None:
+            rospy.logerr("%s cannot be added again: %s", robot or "/", problem)

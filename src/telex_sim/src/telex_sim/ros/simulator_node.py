@@ -39,7 +39,7 @@ from telex_msgs.srv import (
 
 from telex_control.common.file_catalog import package_path
 from telex_control.common.interpreter import prepare_for_loop
-from telex_control.common.params import ConfigError, read_config
+from telex_control.common.params import ConfigError
 from telex_control.common.scheduling import LoopPriority
 from telex_control.ros.node_start import init_node, until_shutdown
 from telex_control.ros.robot_description import offer_globally, wait_for_robot_description
@@ -51,7 +51,7 @@ from ..engine.bookmarks import Bookmarks
 from ..engine.loop_requests import Action, LoopRequests
 from ..engine.pacing import RealTimeFactor, RealTimePacer
 from ..engine.simulation import Simulation
-from ..engine.simulator_config import RobotConfig, SimulatorConfig, read_simulator_config
+from ..engine.simulator_config import SimulatorConfig, read_robot_config, read_simulator_config
 from ..engine.world import WorldError
 from ..rehearsal.client import RehearsalClient
 from ..robot.body import RobotBody
@@ -326,7 +326,7 @@ class SimulatorNode:
         if not isinstance(urdf, str):
             raise ConfigError(f"parameter {node.resolve('robot_description')} is missing")
         params = node.find_param("simulation", {})
-        config = read_config(RobotConfig, params, node.resolve("simulation"))
+        config = read_robot_config(params, node.resolve("simulation"))
         figure = RobotBody.of(urdf, config, node.namespace)
         visuals = self._rehearsal.robot(figure, self._simulation.scene.start)
         return self._simulation.plan_robot(config, urdf, node), visuals
