@@ -21,6 +21,9 @@ import yaml
 MOST = 4
 """Robots in one scene: what the launch files have places for."""
 
+_IN_SCENE = "telex"
+"""What the first robot is called in the scene, whatever its namespace."""
+
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 
@@ -64,6 +67,8 @@ def robots(text: str, first: str, variant: str) -> List[Tuple[str, str]]:
     for name in names:
         if names.count(name) > 1:
             raise RobotsError(f"'{name}' stands there twice; NAME=VARIANT gives each its own name")
+    if _IN_SCENE in names[1:]:
+        raise RobotsError(f"'{_IN_SCENE}' can only be the first: that is called so in the scene")
     return found
 
 

@@ -77,9 +77,9 @@ class DiffDriveController(Controller):
     ``cmd_vel_timeout`` (s), ``allow_multiple_cmd_vel_publishers``, ``publish_rate`` (Hz),
     ``open_loop`` (odometry from commands), ``base_frame_id``, ``odom_frame_id``,
     ``enable_odom_tf``, ``tf_topic`` (where its transform goes, ``/tf``),
-    ``velocity_rolling_window_size``, ``pose_covariance_diagonal``, ``twist_covariance_diagonal`` (six
-    numbers each), ``linear/x`` and ``angular/z`` (limits, see `SpeedLimiter`), ``publish_cmd`` (the
-    limited command, on ``cmd_vel_out``),
+    ``velocity_rolling_window_size``, ``pose_covariance_diagonal``, ``twist_covariance_diagonal``
+    (six numbers each), ``linear/x`` and ``angular/z`` (limits, see `SpeedLimiter`), ``publish_cmd``
+    (the limited command, on ``cmd_vel_out``),
     ``publish_wheel_joint_controller_state`` (on ``wheel_joint_controller_state``). The
     multipliers, ``publish_rate`` and ``enable_odom_tf`` may be changed at run time.
     """

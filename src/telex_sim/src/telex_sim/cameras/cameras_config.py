@@ -356,6 +356,9 @@ class CamerasConfig:
         The instructor's camera; None: there is none.
     model
         Name of the robot in the scene; its frames are "<model>/<link>".
+    robots
+        Namespaces of further robots in the scene, after which they are called there; ``cameras`` in
+        each has parameters like these for its cameras, lamps and overview.
     renderer
         "opengl", or "auto", which is the same.
     quality
@@ -395,6 +398,7 @@ class CamerasConfig:
     lamps: Dict[str, LampConfig] = field(default_factory=dict)
     overview: Optional[OverviewConfig] = None
     model: str = "telex"
+    robots: Tuple[str, ...] = ()
     renderer: str = AUTO
     quality: str = AUTO
     shadow_radius: float = 9.0
@@ -420,6 +424,12 @@ class CamerasConfig:
             f"cameras has the key '{OVERVIEW}', which is the instructor's camera",
         )
         require_text(self, "model")
+        for robot in self.robots:
+            require(
+                bool(_NAME.match(robot)) and self.robots.count(robot) == 1 and robot != self.model,
+                f"robots has '{robot}'; names of namespaces are needed, each once, and not the "
+                f"first robot's",
+            )
         require_choice(self, "renderer", (AUTO, OPENGL))
         require_choice(self, "quality", (AUTO, *TIERS))
         require_range(self, "shadow_radius", above=0.0)

@@ -92,6 +92,8 @@ class CameraStream:
         Pictures per second while the poses stand still.
     seed
         Of its noise.
+    prefix
+        Of its topics: namespace of another robot, with a slash at its end.
     """
 
     def __init__(
@@ -103,8 +105,10 @@ class CameraStream:
         locate: Locate,
         repeat_rate: float,
         seed: int,
+        prefix: str = "",
     ) -> None:
         self.name = name
+        self._topic = f"{prefix}cameras/{name}"
         self.scene_frame = scene_frame
         self.locate = locate
         self._optical_frame = optical_frame
@@ -174,7 +178,7 @@ class CameraStream:
             self._offer_depth(self.config.depth)
 
     def _open(self) -> None:
-        topic = f"cameras/{self.name}"
+        topic = self._topic
         self._compressed = _publisher(f"{topic}/image_raw/compressed", CompressedImage)
         self._raw = _publisher(f"{topic}/image_raw", Image)
         self._info = _publisher(f"{topic}/camera_info", CameraInfo)
@@ -196,7 +200,7 @@ class CameraStream:
 
     def _offer_depth(self, wanted: bool) -> None:
         if wanted and self._depth is None:
-            self._depth = _publisher(f"cameras/{self.name}/depth", Image)
+            self._depth = _publisher(f"{self._topic}/depth", Image)
         elif not wanted and self._depth is not None:
             self._depth.unregister()
             self._depth = None

@@ -6,7 +6,6 @@ import math
 import os
 import sys
 import time
-import zlib
 from dataclasses import replace
 from typing import Callable, Dict, List, Optional
 
@@ -22,7 +21,7 @@ from telex_control.ros.node_start import init_node, until_shutdown
 
 from ...engine.simulator_config import read_simulator_config
 from ...scene.content_store import shared_store
-from ..cameras_config import OVERVIEW, CamerasConfig
+from ..cameras_config import CamerasConfig
 from ..drawing.gl_context import NoContextError, create_context
 from ..drawing.light.daylight import Lighting
 from ..drawing.quality import choose_quality
@@ -30,11 +29,8 @@ from ..drawing.renderer import Renderer
 from ..drawing.scene_renderer import SceneRenderer
 from ..optics.exposure import exposure_factor
 from .camera_topics import CameraStream, View, Wanted
-from .failures import HeardMalfunctions, ReceivedDose
 from .frame_pacer import next_due
-from .lamp_switches import LampSwitches
-from .overview import Overview
-from .parameter_service import CameraService
+from .robot_cameras import RobotCameras
 from .scene_inbox import Arrival, SceneInbox
 from .scene_mirror import SceneMirror
 from .size_by_load import SizeByLoad
@@ -73,33 +69,16 @@ class CamerasNode:
         self._config = config
         self._make_renderer = make_renderer
         self._renderer = make_renderer(config)
-        self._streams = [
-            CameraStream(
-                name,
-                camera,
-                optical_frame=camera.frame,
-                scene_frame=f"{config.model}/{camera.frame}",
-                locate=_itself,
-                repeat_rate=config.repeat_rate,
-                seed=_seed(config, name),
-            )
-            for name, camera in sorted(config.cameras.items())
-        ]
-        camera_frames = [stream.scene_frame for stream in self._streams]
-        if config.overview is not None:
-            seed = _seed(config, OVERVIEW)
-            self._overview = Overview(config.overview, config.model, seed)
-            self._streams.append(self._overview.stream)
-        self._lamps = LampSwitches(config.lamps)
-        self._received = ReceivedDose()
-        self._malfunctions = HeardMalfunctions()
+        robots = [RobotCameras(config), *(_further(robot) for robot in config.robots)]
+        self._robots = {stream: robot for robot in robots for stream in robot.streams}
+        self._lit = robots
         # Last pictures of frozen cameras, in full size.
-        self._frozen: Dict[str, np.ndarray] = {}
+        self._frozen: Dict[CameraStream, np.ndarray] = {}
         self._mirror = SceneMirror(
             self._renderer,
-            camera_frames,
-            [lamp.lamp(name, config.model) for name, lamp in config.lamps.items()],
-            [stream.scene_frame for stream in self._streams],
+            [frame for robot in robots for frame in robot.frames],
+            [lamp for robot in robots for lamp in robot.lamps],
+            [stream.scene_frame for stream in self._robots],
         )
         self._sizes = SizeByLoad(config.smallest)
         self._inbox = SceneInbox()
@@ -109,7 +88,7 @@ class CamerasNode:
         # Of which poses the shadows are, and since when.
         self._cast: Optional[Arrival] = None
         self._cast_time = -math.inf
-        self._service = CameraService(config, self._streams)
+        self._service = robots[0].service
         self._scene_subscriber = rospy.Subscriber(
             "sim/scene", SceneDescription, self._inbox.put_scene, queue_size=1
         )
@@ -122,7 +101,10 @@ class CamerasNode:
             self._take_news()
             now = time.monotonic()
             wanted = [
-                each for stream in self._streams if self._works(stream) for each in stream.wanted
+                each
+                for stream, robot in self._robots.items()
+                if robot.works(stream)
+                for each in stream.wanted
             ]
             self._follow_poses(bool(wanted), now)
             self._choose_sizes(wanted, now)
@@ -131,11 +113,6 @@ class CamerasNode:
             if not self._show_next(wanted, now):
                 self._inbox.wait(_PATIENCE)
                 self._sizes.rested(time.monotonic() - now)
-
-    def _works(self, stream: CameraStream) -> bool:
-        """Whether a camera sends pictures; the view from outside is none of the robot's."""
-        powered = self._malfunctions.cameras_work or stream.name not in self._config.cameras
-        return powered and not self._received.of(stream.name).failed
 
     def release(self) -> None:
         """Free what draws."""
@@ -149,7 +126,7 @@ class CamerasNode:
         if scene is not None:
             self._mirror.load(scene)
             self._placed = None
-        for stream in self._streams:
+        for stream in self._robots:
             stream.advertise(self._mirror.has(stream.scene_frame))
 
     def _configure(self, config: CamerasConfig) -> None:
@@ -173,7 +150,7 @@ class CamerasNode:
                 step.scale,
                 step.preview_detail,
             )
-            for stream in self._streams:
+            for stream in self._robots:
                 stream.give_way(step)
 
     def _follow_poses(self, wanted: bool, now: float) -> None:
@@ -233,7 +210,10 @@ class CamerasNode:
                 return True
         if not self._mirror.place(newest.poses, recast=recast):
             return False
-        self._renderer.set_lamp_levels(self._lamps.levels(self._malfunctions.burns))
+        levels: Dict[str, float] = {}
+        for robot in self._lit:
+            levels.update(robot.levels())
+        self._renderer.set_lamp_levels(levels)
         self._placed = newest
         if recast:
             self._cast, self._cast_time = newest, now
@@ -258,14 +238,14 @@ class CamerasNode:
 
     def _picture(self, stream: CameraStream, view: View, placed: Arrival, now: float) -> np.ndarray:
         """Show the scene as a camera sees it, or saw it when it froze."""
-        if not self._malfunctions.flaws(stream.name).frozen:
-            self._frozen.pop(stream.name, None)
+        if not self._robots[stream].flaws(stream).frozen:
+            self._frozen.pop(stream, None)
             return self._seen(stream, view, placed, now)
-        if stream.name not in self._frozen:
+        if stream not in self._frozen:
             whole = View(stream.full_sensor(), False)
-            self._frozen[stream.name] = self._seen(stream, whole, placed, now).copy()
+            self._frozen[stream] = self._seen(stream, whole, placed, now).copy()
         shape = (view.sensor.config.width, view.sensor.config.height)
-        return cv2.resize(self._frozen[stream.name], shape, interpolation=cv2.INTER_AREA)
+        return cv2.resize(self._frozen[stream], shape, interpolation=cv2.INTER_AREA)
 
     def _seen(self, stream: CameraStream, view: View, placed: Arrival, now: float) -> np.ndarray:
         """Show the scene as a camera sees it: where its frame is, exposed, drawn, developed."""
@@ -280,20 +260,24 @@ class CamerasNode:
             picture = self._renderer.render(sensor.pinhole, pose, exposure_factor(ev), coarse)
             # The next picture would overwrite it.
             pictures.append(picture.copy() if back > 0.0 else picture)
-        received = self._received.of(stream.name)
+        robot = self._robots[stream]
+        received = robot.received(stream)
         exposed = (received.dose_rate, received.dose)
-        flaws = self._malfunctions.flaws(stream.name)
+        flaws = robot.flaws(stream)
         return sensor.develop(pictures, self._renderer.repeats, ev, stamp, exposed, flaws)
 
 
-def _itself(frame_in_world: np.ndarray, now: float) -> np.ndarray:
-    """Pose of a camera whose optical frame is part of the scene."""
-    return frame_in_world
+def _further(namespace: str) -> RobotCameras:
+    """Make the cameras of a further robot, by the parameters in its namespace.
 
-
-def _seed(config: CamerasConfig, name: str) -> int:
-    """Seed of a camera's noise and dirt: by its name, so that a replay, with others, has it too."""
-    return config.seed + zlib.crc32(name.encode())
+    Raises
+    ------
+    ConfigError
+        Something in them is wrong.
+    """
+    place = rospy.resolve_name(f"/{namespace}/cameras")
+    config = read_config(CamerasConfig, rospy.get_param(place, {}), place)
+    return RobotCameras(replace(config, model=namespace), f"/{namespace}")
 
 
 def _niceness(config: CamerasConfig) -> int:

@@ -26,13 +26,23 @@ _NOTHING = Received()
 
 
 class ReceivedDose:
-    """Hears on ``cameras/radiation`` what each camera has received."""
+    """Hears on ``cameras/radiation`` what each camera has received.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    prefix
+        Of its topic.
+    """
+
+    def __init__(self, prefix: str = "") -> None:
         # Replaced as a whole by a thread of ROS, which needs no lock.
         self._received: Dict[str, Received] = {}
         self._subscriber = rospy.Subscriber(
-            "cameras/radiation", CameraRadiation, self._take, queue_size=1, tcp_nodelay=True
+            f"{prefix}cameras/radiation",
+            CameraRadiation,
+            self._take,
+            queue_size=1,
+            tcp_nodelay=True,
         )
 
     def of(self, camera: str) -> Received:
@@ -65,13 +75,19 @@ class _Broken(NamedTuple):
 
 
 class HeardMalfunctions:
-    """Hears on ``sim/malfunctions`` what does not work of cameras and lamps."""
+    """Hears on ``sim/malfunctions`` what does not work of cameras and lamps.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    prefix
+        Of its topic.
+    """
+
+    def __init__(self, prefix: str = "") -> None:
         # Replaced as a whole by a thread of ROS, which needs no lock.
         self._broken = _Broken()
         self._subscriber = rospy.Subscriber(
-            "sim/malfunctions", Malfunctions, self._take, queue_size=1, tcp_nodelay=True
+            f"{prefix}sim/malfunctions", Malfunctions, self._take, queue_size=1, tcp_nodelay=True
         )
 
     def flaws(self, camera: str) -> Flaws:

@@ -23,13 +23,15 @@ class Overview:
         Name in the scene of the robot that it follows.
     seed
         As for `CameraStream`.
+    prefix
+        Of its topics.
 
     Attributes
     ----------
     stream : CameraStream
     """
 
-    def __init__(self, config: OverviewConfig, model: str, seed: int) -> None:
+    def __init__(self, config: OverviewConfig, model: str, seed: int, prefix: str = "") -> None:
         self._rig = OverviewRig(config.start, config.smoothing)
         self.stream = CameraStream(
             OVERVIEW,
@@ -40,9 +42,14 @@ class Overview:
             # It moves while the poses stand still.
             repeat_rate=config.rate,
             seed=seed,
+            prefix=prefix,
         )
         self._subscriber = rospy.Subscriber(
-            f"cameras/{OVERVIEW}/view", OverviewView, self._take, queue_size=1, tcp_nodelay=True
+            f"{prefix}cameras/{OVERVIEW}/view",
+            OverviewView,
+            self._take,
+            queue_size=1,
+            tcp_nodelay=True,
         )
 
     def _take(self, message: OverviewView) -> None:

@@ -39,6 +39,9 @@ class CameraService:
         Of the node.
     streams
         The cameras.
+    namespace
+        Of a further robot; its parameters stand in ``cameras`` there, and what all cameras have in
+        common is not set by it.
 
     Attributes
     ----------
@@ -46,12 +49,17 @@ class CameraService:
         With what has been changed of what all cameras have in common; replaced as a whole.
     """
 
-    def __init__(self, config: CamerasConfig, streams: Iterable[CameraStream]) -> None:
+    def __init__(
+        self, config: CamerasConfig, streams: Iterable[CameraStream], namespace: str = ""
+    ) -> None:
         self.config = config
+        prefix = f"{namespace}/" if namespace else ""
+        self._parameters = f"{prefix}cameras/" if namespace else "~"
+        self._sets_common = not namespace
         self._streams = {stream.name: stream for stream in streams}
-        self._told = rospy.Publisher("cameras/settings", String, queue_size=1, latch=True)
+        self._told = rospy.Publisher(f"{prefix}cameras/settings", String, queue_size=1, latch=True)
         self._tell()
-        self._service = rospy.Service("cameras/configure", ConfigureCamera, self._serve)
+        self._service = rospy.Service(f"{prefix}cameras/configure", ConfigureCamera, self._serve)
 
     def _serve(self, request: ConfigureCameraRequest) -> ConfigureCameraResponse:
         try:
@@ -72,7 +80,7 @@ class CameraService:
         self._told.publish(json.dumps(plain(made), sort_keys=True))
 
     def _configure(self, name: str, text: str) -> Dict[str, Any]:
-        if not name:
+        if not name and self._sets_common:
             names = {field.name for field in dataclasses.fields(self.config)}
             self.config = changed(self.config, text, names.difference(_COMMON))
             values = {key: getattr(self.config, key) for key in _COMMON}
@@ -80,8 +88,8 @@ class CameraService:
             return values
         if name not in self._streams:
             raise ConfigError(
-                f"camera is '{name}'; {', '.join(sorted(self._streams))} are possible, or nothing"
-                " for what all have in common"
+                f"camera is '{name}'; {', '.join(sorted(self._streams))} are possible"
+                + (", or nothing for what all have in common" if self._sets_common else "")
             )
         stream = self._streams[name]
         stream.configure(changed(stream.config, text, _FIXED))
@@ -89,8 +97,7 @@ class CameraService:
         self._store("overview/" if name == OVERVIEW else f"cameras/{name}/", values)
         return values
 
-    @staticmethod
-    def _store(prefix: str, values: Dict[str, Any]) -> None:
+    def _store(self, prefix: str, values: Dict[str, Any]) -> None:
         # A node that is started anew, because it died, goes on as it was.
         for key, value in plain(values).items():
-            rospy.set_param(f"~{prefix}{key}", value)
+            rospy.set_param(f"{self._parameters}{prefix}{key}", value)
