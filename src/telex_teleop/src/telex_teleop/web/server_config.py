@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import Any, Mapping, Tuple, Type, TypeVar
 
@@ -16,6 +17,8 @@ from telex_control.common.params import (
 from .tokens import is_loopback
 
 Config = TypeVar("Config")
+
+_ROBOT = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 STREAM_TYPES = ("mjpeg", "ros_compressed", "png")
 """Types of streams that the video server offers."""
@@ -81,6 +84,7 @@ class VideoServerConfig:
     max_upload: int = 16777216
     handler_timeout: float = 30.0
     rosbridge: str = "rosbridge"
+    robots: Tuple[str, ...] = ()
     actions: str = ""
     joy_map: str = ""
 
@@ -105,6 +109,11 @@ class VideoServerConfig:
         require_range(self, "max_upload", 0, 2147483647)
         require_range(self, "handler_timeout", 0.1, 3600.0)
         require_text(self, "rosbridge")
+        for robot in self.robots:
+            require(
+                _ROBOT.fullmatch(robot) is not None and self.robots.count(robot) == 1,
+                f"robots has {robot!r}; names of namespaces are needed, each once",
+            )
 
 
 @dataclass(frozen=True)

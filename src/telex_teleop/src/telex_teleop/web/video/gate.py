@@ -1,4 +1,4 @@
-"""Admission to pictures, and to those of hidden cameras."""
+"""Admission to the pictures of each robot, and to those of hidden cameras."""
 
 from __future__ import annotations
 
@@ -36,11 +36,18 @@ class Gate:
     config
         The node's parameters.
     namespace
-        The node's namespace, with slashes around it.
+        The robot's namespace, with slashes around it.
     ask
         Returns a parameter's value, or None if it is not set.
     exam
         What operators may see while an exam runs.
+    bridge
+        Name of the robot's bridge.
+
+    Attributes
+    ----------
+    exam
+        As given.
 
     Raises
     ------
@@ -54,15 +61,17 @@ class Gate:
         namespace: str,
         ask: Callable[[str], Awaitable[object]],
         exam: Exam,
+        bridge: str,
     ) -> None:
         self._config = config
-        self._exam = exam
+        self.exam = exam
         self._heard_of_exams = False
         self._hidden = config.hidden_cameras
         self._ask = ask
         self._is_local = is_loopback(config.address)
         given = {name: getattr(config, name) for name in FILES if getattr(config, name)}
         self._own = read_tokens(given, f"{namespace}video_server")
+        self._bridge = bridge
 
     async def admit(self, request: web.Request) -> bool:
         """Return whether a client that may see pictures is an instructor.
@@ -79,20 +88,20 @@ class Gate:
             raise ForbiddenError(403, "This page's origin may not change anything here.")
         await self._learn_of_exam()
         # Without a token whoever says so is an instructor, which is not enough during an exam.
-        return is_instructor(request, tokens) and (bool(tokens.instructor) or not self._exam.trial)
+        return is_instructor(request, tokens) and (bool(tokens.instructor) or not self.exam.trial)
 
     def hear_of_exam(self, trial: str) -> None:
         """Hear from the bridge for which trial the exam's list holds; empty: for none."""
         self._heard_of_exams = True
-        self._exam.set(trial)
+        self.exam.set(trial)
 
     async def _learn_of_exam(self) -> None:
         """Ask for the exam that began before this server, until the bridge's topic is heard."""
         if self._heard_of_exams:
             return
-        trial = await self._ask(f"{self._config.rosbridge}/{PARAMETER}")
+        trial = await self._ask(f"{self._bridge}/{PARAMETER}")
         if not self._heard_of_exams:
-            self._exam.set(trial)
+            self.exam.set(trial)
 
     async def _tokens(self) -> Tokens:
         client = self._own.client or await self._of_bridge(CLIENT_FILE)
@@ -108,7 +117,7 @@ class Gate:
         return Tokens(client, instructor)
 
     async def _of_bridge(self, name: str) -> str:
-        parameter = f"{self._config.rosbridge}/{name}"
+        parameter = f"{self._bridge}/{name}"
         path = await self._ask(parameter)
         if not isinstance(path, str) or not path:
             return ""
@@ -124,8 +133,8 @@ class Gate:
 
     def require_visible(self, topic: str, *, instructor: bool) -> None:
         """Raise a ForbiddenError if a topic is of a camera that the client may not see."""
-        if not instructor and not self._exam.allows("subscribe", topic):
-            raise ForbiddenError(403, f"{self._exam.refusal('subscribe', topic)}.")
+        if not instructor and not self.exam.allows("subscribe", topic):
+            raise ForbiddenError(403, f"{self.exam.refusal('subscribe', topic)}.")
         camera = None if instructor else self._hidden_camera(topic)
         if camera is not None:
             raise ForbiddenError(
@@ -140,11 +149,11 @@ class Gate:
 
     def require_page(self, path: str, *, instructor: bool) -> None:
         """Raise a ForbiddenError if an address of another process is closed to the client now."""
-        if not instructor and not self._exam.allows("pages", path):
-            raise ForbiddenError(403, f"{self._exam.refusal('pages', path)}.")
+        if not instructor and not self.exam.allows("pages", path):
+            raise ForbiddenError(403, f"{self.exam.refusal('pages', path)}.")
 
     def _is_open(self, topic: str) -> bool:
-        return not self._hidden_camera(topic) and self._exam.allows("subscribe", topic)
+        return not self._hidden_camera(topic) and self.exam.allows("subscribe", topic)
 
     def _hidden_camera(self, topic: str) -> Optional[str]:
         """Return the hidden camera to which a topic belongs, of whatever robot of the master."""

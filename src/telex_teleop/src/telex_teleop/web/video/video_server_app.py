@@ -12,6 +12,7 @@ from typing import (
     Callable,
     Dict,
     Hashable,
+    NamedTuple,
     Optional,
     Protocol,
     Tuple,
@@ -85,6 +86,31 @@ class Log(Protocol):
         """Report a sentence, throttled."""
 
 
+class ShownRobot(NamedTuple):
+    """What the server has for one robot.
+
+    Attributes
+    ----------
+    namespace
+        With slashes around it.
+    bridge
+        Name of its bridge.
+    line
+        What passes between it and clients that are no instructors; perfect until somebody says
+        otherwise.
+    gate
+        Who may see its pictures.
+    sockets
+        Clients of all its cameras.
+    """
+
+    namespace: str
+    bridge: str
+    line: Line
+    gate: Gate
+    sockets: VideoSockets
+
+
 class VideoServer:
     """Handlers of the video server; make it on the loop's thread.
 
@@ -103,9 +129,9 @@ class VideoServer:
 
     Attributes
     ----------
-    line
-        What passes between the robot and clients that are no instructors; perfect until somebody
-        says otherwise.
+    robots
+        What is shown of each robot, by its name: of the one in whose namespace the node is, first,
+        and of the further ones that the parameters name.
     """
 
     def __init__(
@@ -116,7 +142,6 @@ class VideoServer:
         self._namespace = namespace
         self._console = console.resolve()
         self._warn = warn
-        self.line = Line(Random())
         self._worker = OrderedWorker("picture subscriptions")
         self.hubs = PictureHubs(
             graph,
@@ -126,32 +151,72 @@ class VideoServer:
             on_unusable=self._report_unusable,
             on_failure=lambda topic, error: warn(f"cannot subscribe to {topic}: {error}"),
         )
-        self.exam = Exam(_exam_rights(config, graph), namespace)
-        self.exam.changed = self._review
-        self._gate = Gate(config, namespace, self._parameter, self.exam)
+        self._first = self._show(namespace, config.rosbridge)
+        self.robots = {namespace.strip("/"): self._first}
+        for name in config.robots:
+            self.robots[name] = self._show(f"/{name}/", f"/{name}/{config.rosbridge}")
         self._streams: Dict[StreamViewer, str] = {}  # of operators, and their topics
         self._handlers = Handlers(config.max_upload, config.handler_timeout, warn)
-        self._mounts = Mounts(self._gate, self._handlers, self._parameter, warn)
-        self.sockets = VideoSockets(
+        self._mounts = Mounts(self._first.gate, self._handlers, self._parameter, warn)
+
+    @property
+    def line(self) -> Line:
+        """The line of the first robot."""
+        return self._first.line
+
+    @property
+    def sockets(self) -> VideoSockets:
+        """The clients of the first robot's cameras."""
+        return self._first.sockets
+
+    def _show(self, namespace: str, bridge: str) -> ShownRobot:
+        line, config = Line(Random()), self._config
+        exam = Exam(_exam_rights(config, self._graph, bridge), namespace)
+        exam.changed = self._review
+        sockets = VideoSockets(
             config,
             namespace,
             self.hubs,
             lambda: self._ask(self._graph.topics),
-            line=self.line,
-            sim_time=graph.sim_time,
-            exam=self.exam,
+            line=line,
+            sim_time=self._graph.sim_time,
+            exam=exam,
         )
+        gate = Gate(config, namespace, self._parameter, exam, bridge)
+        return ShownRobot(namespace, bridge, line, gate, sockets)
+
+    def _robot_of(self, topic: str) -> ShownRobot:
+        """Return the robot to which a topic belongs; what is of none counts as the first's."""
+        found = [each for each in self.robots.values() if topic.startswith(each.namespace)]
+        return max(found, key=lambda each: len(each.namespace)) if found else self._first
+
+    def _asked_robot(self, request: web.Request) -> ShownRobot:
+        """Return the robot that a client's address names.
+
+        Raises
+        ------
+        _NoSuchRobotError
+            There is none of this name.
+        """
+        name = request.query.get("robot")
+        if name is None:
+            return self._first
+        if name not in self.robots:
+            known = ", ".join(self.robots)
+            raise _NoSuchRobotError(f"There is no robot '{name[:100]}' here; there are: {known}.")
+        return self.robots[name]
 
     def hear_of_exam(self, trial: str) -> None:
-        """Hear from the bridge for which trial the exam's list holds; empty: for none."""
-        self._gate.hear_of_exam(trial)
+        """Hear from the first robot's bridge for which trial the exam's list holds, if any."""
+        self._first.gate.hear_of_exam(trial)
 
     def _review(self) -> None:
         """End what operators watch, and may not see any more."""
         for viewer, topic in tuple(self._streams.items()):
-            if not self.exam.allows("subscribe", topic):
+            if not self._robot_of(topic).gate.exam.allows("subscribe", topic):
                 viewer.close()
-        self.sockets.review()
+        for robot in self.robots.values():
+            robot.sockets.review()
 
     def make_app(self) -> web.Application:
         """Return the application with all routes."""
@@ -180,6 +245,7 @@ class VideoServer:
         """Send an MJPEG stream until the client goes."""
         wish = self._stream_query(request)
         topic, instructor = await self._find(request, wish)
+        robot = self._robot_of(topic.name)
         if request.transport is None:
             raise ConnectionResetError
         viewer = StreamViewer(
@@ -192,7 +258,7 @@ class VideoServer:
         # While there is still time for an error's head.
         self.hubs.require_room(topic, viewer.client, wish.variant)
         viewer.start()
-        held = self._hold(instructor)
+        held = self._hold(robot, instructor)
         watching = viewer if held is None else held.before(viewer)
         self.hubs.join(topic, watching, wish.variant)
         if not instructor:
@@ -207,9 +273,9 @@ class VideoServer:
             if held is not None:
                 held.close()
 
-    def _hold(self, instructor: bool) -> Optional[HeldPictures]:
-        """Return what holds back the pictures of one client, None for instructors."""
-        return None if instructor else HeldPictures(self.line, self._graph.sim_time)
+    def _hold(self, robot: ShownRobot, instructor: bool) -> Optional[HeldPictures]:
+        """Return what holds back a robot's pictures for one client, None for instructors."""
+        return None if instructor else HeldPictures(robot.line, self._graph.sim_time)
 
     async def _repeat(self, viewer: StreamViewer) -> None:
         """Wait, and send the last picture again if none has come and that is asked for."""
@@ -223,8 +289,9 @@ class VideoServer:
     async def snapshot(self, request: web.Request) -> web.StreamResponse:
         """Send the next picture of a topic."""
         wish = query.parse_snapshot(request.query, self._config.max_size)
-        instructor = await self._gate.admit(request)
-        held = self._hold(instructor)
+        robot = self._robot_of(self._spelled(wish.topic))
+        instructor = await robot.gate.admit(request)
+        held = self._hold(robot, instructor)
         picture: Optional[EncodedPicture]
         if "watched" in request.query and (held is None or held.passes):
             picture = self._watched(wish, instructor=instructor)
@@ -232,10 +299,10 @@ class VideoServer:
             topic = await self._topic(wish, instructor=instructor)
             limit = self._config.snapshot_timeout
             if held is not None:
-                limit += self.line.fields.delay
+                limit += robot.line.fields.delay
             picture = await self._next_picture(topic, wish, client_of(request), held, limit)
             # An exam may have begun meanwhile.
-            self._gate.require_visible(topic.name, instructor=instructor)
+            robot.gate.require_visible(topic.name, instructor=instructor)
             if picture is None:
                 text = f"No picture came on {topic.name} within {limit:g} s."
                 return _page(pages.error_page(504, text), 504)
@@ -250,7 +317,7 @@ class VideoServer:
         for spelling in (f"{name[: -len(_FULL)]}/preview" if name.endswith(_FULL) else name, name):
             topic = find_topic(spelling, watched, self._namespace)
             if topic is not None:
-                self._gate.require_visible(topic.name, instructor=instructor)
+                self._robot_of(topic.name).gate.require_visible(topic.name, instructor=instructor)
                 picture = self.hubs.last(topic, wish.variant)
                 if picture is not None:
                     return picture
@@ -286,28 +353,34 @@ class VideoServer:
 
     async def video(self, request: web.Request) -> web.StreamResponse:
         """Serve a client of all cameras over one WebSocket."""
-        return await self.sockets.accept(request, instructor=await self._gate.admit(request))
+        robot = self._asked_robot(request)
+        return await robot.sockets.accept(request, instructor=await robot.gate.admit(request))
 
     async def streams(self, request: web.Request) -> web.Response:
         """List the image topics."""
-        instructor = await self._gate.admit(request)
+        gate = self._asked_robot(request).gate
+        instructor = await gate.admit(request)
         topics = await self._ask(self._graph.topics)
-        shown = self._gate.visible(base_topics(topics), instructor=instructor)
+        shown = [
+            topic
+            for topic in gate.visible(base_topics(topics), instructor=instructor)
+            if self._robot_of(topic).gate is gate
+        ]
         access = {name: request.query[name] for name in ("token", "role") if name in request.query}
         return _page(pages.index_page(shown, topics, access))
 
     async def console_config(self, request: web.Request) -> web.Response:
         """Tell the console where everything is."""
+        robot = self._asked_robot(request)
         topics = await self._ask(self._graph.topics)
         hidden = self._config.hidden_cameras
         for_instructor = request.query.get("role") == INSTRUCTOR
-        bridge = await self._parameter(f"{self._config.rosbridge}/url")
         config: Dict[str, Any] = {
-            "namespace": self._namespace.rstrip("/"),
-            "rosbridge": _seen_from(request, bridge) if isinstance(bridge, str) else None,
+            "namespace": robot.namespace.rstrip("/"),
+            "rosbridge": await self._bridge_of(request, robot),
             "cameras": [
                 {"name": name, "topic": topic}
-                for name, topic in find_cameras(topics, self._namespace).items()
+                for name, topic in find_cameras(topics, robot.namespace).items()
                 if for_instructor or name not in hidden
             ],
             "hidden_cameras": list(hidden),
@@ -316,8 +389,18 @@ class VideoServer:
             "thumbnail_rate": self._config.thumbnail_rate,
             "thumbnail_width": self._config.thumbnail_width,
         }
+        if len(self.robots) > 1:
+            config["robots"] = [
+                {"name": name, "rosbridge": await self._bridge_of(request, each)}
+                for name, each in self.robots.items()
+            ]
+            config["simulator"] = self._namespace.rstrip("/")
         # As /snapshot: a page of one's own, from wherever it came, asks here for the rest.
         return web.json_response(config, headers={"Access-Control-Allow-Origin": "*"})
+
+    async def _bridge_of(self, request: web.Request, robot: ShownRobot) -> Optional[str]:
+        url = await self._parameter(f"{robot.bridge}/url")
+        return _seen_from(request, url) if isinstance(url, str) else None
 
     async def console_file(self, request: web.Request) -> web.StreamResponse:
         """Send a file of the console, or what another process has mounted."""
@@ -333,8 +416,13 @@ class VideoServer:
         self, request: web.Request, wish: query.PictureQuery
     ) -> Tuple[PictureTopic, bool]:
         """Return the topic that a client asks for, and whether it is an instructor."""
-        instructor = await self._gate.admit(request)
+        gate = self._robot_of(self._spelled(wish.topic)).gate
+        instructor = await gate.admit(request)
         return await self._topic(wish, instructor=instructor), instructor
+
+    def _spelled(self, topic: str) -> str:
+        """Return the global name of a topic as a client spells it, who may leave the slash out."""
+        return topic if topic.startswith("/") else f"/{topic}"
 
     async def _topic(self, wish: query.PictureQuery, *, instructor: bool) -> PictureTopic:
         topic = await self._ask(lambda: self._graph.find(wish.topic, raw=wish.raw))
@@ -342,7 +430,7 @@ class VideoServer:
             raise _NoSuchTopicError(
                 f"No image topic '{wish.topic}' is published; /streams lists those that are."
             )
-        self._gate.require_visible(topic.name, instructor=instructor)
+        self._robot_of(topic.name).gate.require_visible(topic.name, instructor=instructor)
         return topic
 
     async def _parameter(self, name: str) -> object:
@@ -369,6 +457,7 @@ class VideoServer:
             EncoderFullError,
             MountError,
             _NoSuchTopicError,
+            _NoSuchRobotError,
             _NoMasterError,
         ) as error:
             return _page(pages.error_page(error.status, str(error)), error.status)
@@ -377,7 +466,8 @@ class VideoServer:
 
     async def _dismiss(self, _app: web.Application) -> None:
         self.hubs.close()
-        await self.sockets.dismiss()
+        for robot in self.robots.values():
+            await robot.sockets.dismiss()
 
     async def _look_after(self, _app: web.Application) -> AsyncIterator[None]:
         async def check_regularly() -> None:
@@ -387,20 +477,24 @@ class VideoServer:
 
         tasks = [
             asyncio.ensure_future(check_regularly()),
-            asyncio.ensure_future(self.sockets.follow_cameras()),
+            *(asyncio.ensure_future(r.sockets.follow_cameras()) for r in self.robots.values()),
         ]
         yield
         for task in tasks:
             task.cancel()
 
 
-def _exam_rights(config: VideoServerConfig, graph: Graph) -> ExamRights:
-    """Read the exam's list that the bridge's parameter names."""
-    path = graph.parameter(f"{config.rosbridge}/exam_rights")
+def _exam_rights(config: VideoServerConfig, graph: Graph, bridge: str) -> ExamRights:
+    """Read the exam's list that the parameter of a robot's bridge names."""
+    path = graph.parameter(f"{bridge}/exam_rights")
     return ExamRights.read(path if isinstance(path, str) else "").hiding(config.hidden_cameras)
 
 
 class _NoSuchTopicError(LookupError):
+    status = 404
+
+
+class _NoSuchRobotError(LookupError):
     status = 404
 
 

@@ -20,7 +20,7 @@ from ..line.fields import LineFields
 from ..server_config import VideoServerConfig
 from ..serving import run_node
 from .ros_source import RosPictureSource
-from .video_server_app import VideoServer
+from .video_server_app import ShownRobot, VideoServer
 
 WARNING_PERIOD = 5.0
 """Shortest time (s) between two warnings."""
@@ -33,13 +33,14 @@ def _make_app(config: VideoServerConfig) -> web.Application:
         rospy.logwarn_throttle(WARNING_PERIOD, f"{rospy.get_name()}: {sentence}")
 
     server = VideoServer(config, RosPictureSource(), rospy.get_namespace(), console, warn)
-    _follow_link(server, warn)
-    _follow_exam(server)
+    for robot in server.robots.values():
+        _follow_link(robot, warn)
+        _follow_exam(robot)
     return server.make_app()
 
 
-def _follow_link(server: VideoServer, warn: Callable[[str], None]) -> None:
-    """Let the server's line be the one that the bridge's node tells of."""
+def _follow_link(robot: ShownRobot, warn: Callable[[str], None]) -> None:
+    """Let a robot's line be the one that its bridge tells of."""
     loop = asyncio.get_running_loop()
 
     def take(state: LinkState) -> None:
@@ -49,18 +50,18 @@ def _follow_link(server: VideoServer, warn: Callable[[str], None]) -> None:
             warn(f"link/state cannot be used: {error}")
             return
         with contextlib.suppress(RuntimeError):  # the loop may have ended
-            loop.call_soon_threadsafe(server.line.configure, fields, state.since.to_sec())
+            loop.call_soon_threadsafe(robot.line.configure, fields, state.since.to_sec())
 
-    rospy.Subscriber("link/state", LinkState, take, queue_size=10)
+    rospy.Subscriber(f"{robot.namespace}link/state", LinkState, take, queue_size=10)
 
 
-def _follow_exam(server: VideoServer) -> None:
-    """Let the exam's list hold as the bridge's node tells."""
+def _follow_exam(robot: ShownRobot) -> None:
+    """Let the exam's list hold for a robot as its bridge tells."""
     loop = asyncio.get_running_loop()
     rospy.Subscriber(
-        BRIDGE_TOPIC,
+        f"{robot.namespace}{BRIDGE_TOPIC}",
         String,
-        lambda message: loop.call_soon_threadsafe(server.hear_of_exam, message.data),
+        lambda message: loop.call_soon_threadsafe(robot.gate.hear_of_exam, message.data),
         queue_size=10,
     )
 
