@@ -128,7 +128,7 @@ export class Cameras {
    */
   constructor(config, canvas, column, named, given = new URLSearchParams(location.search)) {
     this._config = config;
-    this._access = Object.fromEntries([...given].filter(([name]) => name === "token" || name === "role"));
+    this._access = Object.fromEntries([...given].filter(([name]) => ["token", "role", "robot"].includes(name)));
     this._column = column;
     this._named = named;
     this._worker = new Worker(new URL("video_worker.js", import.meta.url), { type: "module" });

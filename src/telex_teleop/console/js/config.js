@@ -3,7 +3,11 @@
 
 const RETRY_AFTER = 1000; // ms
 
-/** @typedef {import("./video_source.js").VideoConfig & {rosbridge: string | null}} Config  What the video server tells. */
+/** @typedef {{name: string, rosbridge: string | null}} Robot */
+/**
+ * What the video server tells: also of all robots, and of the simulator's namespace, where there are several.
+ * @typedef {import("./video_source.js").VideoConfig & {rosbridge: string | null, robots?: Robot[], simulator?: string}} Config
+ */
 
 /** What this page's address says of who looks at it; meant for the bridge and the video server. */
 const GIVEN = ["token", "role", "name"];
@@ -13,15 +17,15 @@ const GIVEN = ["token", "role", "name"];
  * @returns {Promise<Config>}
  */
 async function fetchConfig(asked) {
-  const role = asked.get("role");
-  const reply = await fetch(`/config.json${role === null ? "" : `?role=${encodeURIComponent(role)}`}`, { cache: "no-store" });
+  const query = new URLSearchParams([...asked].filter(([name]) => name === "role" || name === "robot"));
+  const reply = await fetch(`/config.json?${query}`, { cache: "no-store" });
   if (!reply.ok) throw new Error(`the video server says ${reply.status}`);
   return reply.json();
 }
 
 /**
  * Ask until there is an answer.
- * @param {URLSearchParams} asked  Of this page: `role` counts.
+ * @param {URLSearchParams} asked  Of this page: `role` and `robot` count.
  * @returns {Promise<Config>}
  */
 export async function waitForConfig(asked) {
@@ -36,7 +40,7 @@ export async function waitForConfig(asked) {
 
 /**
  * Find the bridge, which may have another address than a moment ago.
- * @param {URLSearchParams} asked  Token, role and name to connect with.
+ * @param {URLSearchParams} asked  Token, role and name to connect with, and which robot.
  * @returns {Promise<string>}
  */
 export async function locateBridge(asked) {

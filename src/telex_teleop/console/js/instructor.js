@@ -11,6 +11,7 @@ import { FadingTexts } from "./fading.js";
 import { ExamList } from "./instructor/exam_list.js";
 import { LinePanel } from "./instructor/line_panel.js";
 import { MalfunctionPanel } from "./instructor/malfunction_panel.js";
+import { RobotsPanel } from "./instructor/robots_panel.js";
 import { Line, LINK_STATE } from "./line.js";
 import { ODOMETRY, headingOf } from "./hud.js";
 import { OVERVIEW, OverviewControl } from "./overview.js";
@@ -19,6 +20,7 @@ import { PictureSize } from "./picture_size.js";
 import { JOINT_NODES, TRACK_NODE, TYPES } from "./robot.js";
 import { Roster } from "./roster.js";
 import { SceneChooser } from "./scenes.js";
+import { globalNames, showRobot } from "./several_robots.js";
 import { StatusView } from "./status.js";
 import { TrainingClient } from "./training/client.js";
 import { InstructorBookmarks } from "./training/instructor_bookmarks.js";
@@ -59,7 +61,8 @@ async function start() {
   const status = new StatusView();
   const attitude = new AttitudeView((sentence) => status.log(sentence, "warning"));
   const config = await waitForConfig(given);
-  const topic = (/** @type {string} */ name) => `${config.namespace}/${name}`;
+  const topic = globalNames(config);
+  showRobot(config, byId("brand"));
   const cameras = startCameras(config);
   const warn = (/** @type {string} */ sentence) => status.warn(sentence);
   const log = (/** @type {string} */ sentence) => status.log(sentence);
@@ -90,6 +93,7 @@ async function start() {
   const linePanel = new LinePanel(bridge, topic, log, warn);
   const malfunctions = new MalfunctionPanel(bridge, topic, log, warn);
   const bookmarks = new InstructorBookmarks(bridge, topic, log, warn);
+  const robots = new RobotsPanel(config, given, (sentence, level) => status.log(sentence, level));
   const overview = new OverviewControl(bridge, topic, () => cameras.main.camera);
 
   const size = new PictureSize(bridge, topic);
@@ -120,12 +124,16 @@ async function start() {
   onClick(byId("reset"), async () => {
     if (await ask("Reset the scene? The robot and everything else go back to where they began.", "reset")) call("sim/reset");
   });
-  onClick(byId("estop"), () => setEstop(true));
+  const stopAll = () => {
+    setEstop(true);
+    robots.stopAll();
+  };
+  onClick(byId("estop"), stopAll);
   onClick(byId("release"), async () => {
     if (await ask("Release the e-stop? The robot obeys again, with the next new press.", "release")) setEstop(false);
   });
   window.addEventListener("keydown", (event) => {
-    if (event.key === "Escape" && !event.repeat) setEstop(true);
+    if (event.key === "Escape" && !event.repeat) stopAll();
   });
   const link = /** @type {HTMLAnchorElement} */ (byId("console-link"));
   link.href = `/?${given}`;

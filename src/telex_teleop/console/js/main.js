@@ -33,6 +33,7 @@ import { PictureSize } from "./picture_size.js";
 import { DOSIMETER, DosimeterView } from "./radiation/dosimeter.js";
 import { RadiationMap } from "./radiation/map.js";
 import { FLIPPER_NODE, JOINT_NODES, MOVED_CAMERA, TRACK_NODE, TYPES } from "./robot.js";
+import { showRobot } from "./several_robots.js";
 import { SILENT_AFTER, StatusView } from "./status.js";
 import { TOOL_TYPES, ToolCommander, ToolPanel } from "./tool.js";
 import { Tour } from "./tour.js";
@@ -502,6 +503,7 @@ class Console {
 /** Start the console, also where it is not told what can be done. */
 async function main() {
   const config = await waitForConfig(GIVEN);
+  showRobot(config, byId("brand"));
   const { vocabulary, problem } = await fetchVocabulary();
   byId("keys-band").hidden = problem === "";
   setText(byId("keys-band"), problem);

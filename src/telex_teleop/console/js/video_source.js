@@ -32,7 +32,7 @@ const REFUSALS = 2; // attempts after which pictures are got another way
 export class VideoSource {
   /**
    * @param {string} url  Of the WebSocket.
-   * @param {Record<string, string>} access  Parameters of every address: token and role.
+   * @param {Record<string, string>} access  Parameters of every address: token, role and robot.
    * @param {VideoConfig} config
    * @param {SourceListener} listener
    */

@@ -405,6 +405,8 @@ class VideoServer:
     async def console_file(self, request: web.Request) -> web.StreamResponse:
         """Send a file of the console, or what another process has mounted."""
         name = request.match_info["path"]
+        if name in _PAGES:
+            self._asked_robot(request)  # rather than a page that waits for it for ever
         path = find_file(self._console, _PAGES.get(name, name))
         return await self._mounts.answer(request) if path is None else web.FileResponse(path)
 

@@ -1,0 +1,96 @@
+// @ts-check
+/** The other robots of the scene: who has control, their emergency stops; one press stops them all. */
+
+import { Bridge } from "../bridge.js";
+import { onClick } from "../buttons.js";
+import { locateBridge } from "../config.js";
+import { byId, element, setText } from "../panels.js";
+import { TYPES } from "../robot.js";
+import { robotOf } from "../several_robots.js";
+
+/** One of them: a line of the card, and a connection to its bridge. */
+class OtherRobot {
+  /**
+   * @param {string} name
+   * @param {URLSearchParams} given  What this page connects with.
+   * @param {(sentence: string, level?: "info" | "warning" | "alarm") => void} log
+   */
+  constructor(name, given, log) {
+    this._name = name;
+    this._log = log;
+    this._estopped = false;
+    this._driver = "";
+    const asked = new URLSearchParams(given);
+    asked.set("robot", name);
+    this.row = element("li", "", "");
+    this.row.dataset.robot = name;
+    const link = document.createElement("a");
+    link.href = `/instructor?${asked}`;
+    link.textContent = name;
+    this._state = element("span", "num", "");
+    this._release = /** @type {HTMLButtonElement} */ (element("button", "small", "release e-stop"));
+    this._release.type = "button";
+    this._release.tabIndex = -1;
+    onClick(this._release, () => this.setEstop(false));
+    this.row.append(link, " ", this._state, " ", this._release);
+    this._bridge = new Bridge(() => locateBridge(asked), {
+      opened: () => this._show(),
+      lost: (reason) => {
+        log(`${name}: connection lost: ${reason}`, "alarm");
+        this._driver = "";
+        this._show();
+      },
+      refused: (sentence) => log(`${name}: ${sentence}`, "warning"),
+    });
+    this._bridge.advertise(`/${name}/e_stop`, TYPES.bool, { latch: true });
+    this._bridge.subscribe({
+      topic: `/${name}/sim/status`, type: TYPES.simStatus, throttle: 0, heard: ({ e_stop: estopped }) => {
+        this._estopped = estopped;
+        this._show();
+      },
+    });
+    this._bridge.subscribe({
+      topic: `/${name}/bridge/clients`, type: "telex_msgs/BridgeClients", throttle: 0, heard: ({ clients }) => {
+        const driver = clients.find((/** @type {any} */ client) => client.in_control);
+        this._driver = driver === undefined ? "" : driver.name || `client ${driver.id}`;
+        this._show();
+      },
+    });
+    this._show();
+    this._bridge.start();
+  }
+
+  /** @param {boolean} data */
+  setEstop(data) {
+    if (!this._bridge.publish(`/${this._name}/e_stop`, { data })) {
+      this._log(`${this._name}: not connected: e-stop was NOT sent`, "alarm");
+    }
+  }
+
+  _show() {
+    const { connected } = this._bridge;
+    const driven = this._driver === "" ? "nobody has control" : `${this._driver} has control`;
+    setText(this._state, connected ? `${this._estopped ? "E-STOP · " : ""}${driven}` : "not connected");
+    this._release.hidden = !(connected && this._estopped);
+  }
+}
+
+/** A card that is there where the scene has other robots than the one that the page shows. */
+export class RobotsPanel {
+  /**
+   * @param {import("../config.js").Config} config
+   * @param {URLSearchParams} given
+   * @param {(sentence: string, level?: "info" | "warning" | "alarm") => void} log
+   */
+  constructor(config, given, log) {
+    const names = (config.robots ?? []).map(({ name }) => name).filter((name) => name !== robotOf(config));
+    this._others = names.map((name) => new OtherRobot(name, given, log));
+    byId("robots").append(...this._others.map(({ row }) => row));
+    byId("robots-panel").hidden = names.length === 0;
+  }
+
+  /** Stop the other robots as well. */
+  stopAll() {
+    for (const other of this._others) other.setEstop(true);
+  }
+}

@@ -1,0 +1,33 @@
+// @ts-check
+/** Several robots in one scene: which one a page shows, and where the simulator's own services are. */
+
+/** @typedef {import("./config.js").Config} Config */
+
+/** Services of the simulator that all robots share; whatever else stands in `sim/` is each robot's own. */
+const SIMULATOR = new Set([
+  "sim/pause", "sim/unpause", "sim/step", "sim/reset", "sim/bookmark", "sim/restore", "sim/list_bookmarks", "sim/list_scenes",
+  "sim/load_scene", "sim/spawn", "sim/delete",
+]);
+
+/** @param {Config} config @returns {string} */
+export const robotOf = (config) => config.namespace.replace(/^\//, "");
+
+/**
+ * Gives names inside the shown robot's namespace their global form.
+ * @param {Config} config
+ * @returns {(name: string) => string}
+ */
+export const globalNames = (config) => (name) =>
+  `${SIMULATOR.has(name) ? config.simulator ?? config.namespace : config.namespace}/${name}`;
+
+/**
+ * Where there are several, say on the page which one it shows.
+ * @param {Config} config
+ * @param {HTMLElement} brand
+ */
+export function showRobot(config, brand) {
+  if (config.robots === undefined) return;
+  const name = robotOf(config);
+  brand.textContent = name;
+  document.title = `${name} · ${document.title}`;
+}
