@@ -142,6 +142,58 @@ def test_further_robots_need_their_place_too(robot, urdf, scene):
     assert simulation.robots[1].body.base_pose()[0][:2] == pytest.approx((0.0, 4.0), abs=1e-6)
 
 
+WALL = (
+    "{{type: platform, name: {name}, length: {length}, width: {width}, height: 1.0, "
+    "position: [{x}, {y}, 0.0]}}"
+)
+
+
+def wall(name, x, y, length=0.1, width=0.1):
+    return WALL.format(name=name, x=x, y=y, length=length, width=width)
+
+
+def add_beside(tested, urdf):
+    simulation = tested.simulation
+    node = LocalNodeHandle({"robot_description": urdf}, "/second")
+    config = shipped_config(model="second", start__beside=True)
+    simulation.add_robot(simulation.plan_robot(config, urdf, node))
+
+
+def where(tested):
+    return tested.simulation.robots[1].body.base_pose()[0][:2]
+
+
+def test_a_further_robot_finds_room_beside_the_start_of_each_scene(robot, urdf, scene):
+    tested = robot()
+    add_beside(tested, urdf)
+    assert where(tested) == pytest.approx((0.0, 1.3), abs=1e-6)
+    tested.run(1.0)
+    x, y, z = tested.simulation.robots[1].body.base_pose()[0]
+    assert (x, y, z) == pytest.approx((0.0, 1.3, 0.11), abs=0.02)
+    change(tested, scene("left", BLOCK.format(name="left", at=[0.0, 1.3, 0.0])))
+    assert where(tested) == pytest.approx((0.0, -1.3), abs=1e-6)
+    # Not behind a wall, though there is room.
+    lane = [wall("left", 0.0, 0.8, 4.0), wall("right", 0.0, -0.8, 4.0)]
+    change(tested, scene("lane", *lane))
+    assert where(tested) == pytest.approx((-1.8, 0.0), abs=1e-6)
+    tested.run(0.5)
+    tested.simulation.reset()
+    assert where(tested) == pytest.approx((-1.8, 0.0), abs=1e-6)
+
+
+def test_a_scene_without_room_for_all_robots_is_refused(robot, urdf, scene):
+    tested = robot()
+    add_beside(tested, urdf)
+    before = tested.simulation.link_poses()
+    cell = [
+        *(wall("left", 0.0, 0.8, 3.0), wall("right", 0.0, -0.8, 3.0)),
+        *(wall("front", 1.4, 0.0, width=1.4), wall("back", -1.2, 0.0, width=1.4)),
+    ]
+    with pytest.raises(SceneError, match="robot 'second' finds no room beside the scene's start"):
+        change(tested, scene("cell", *cell))
+    assert tested.simulation.link_poses() == before
+
+
 def resident():
     gc.collect()
     return int(Path("/proc/self/statm").read_text().split()[1]) * PAGE / 1e6

@@ -200,7 +200,7 @@ class Simulation:
             robot.place(self.world, start, self.objects.material)
             return robot.body
 
-        if robot.config.start.place is not None or not others:
+        if not (others and robot.config.start.looks_for_room):
             load(self.scene.start)
             return
         there = {each.body.uid: each.model for each in others}

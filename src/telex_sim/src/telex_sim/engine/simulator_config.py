@@ -211,8 +211,11 @@ class StartConfig:
     Attributes
     ----------
     place : tuple of 4 floats, optional
-        Where its root link starts: x, y, z (m) and heading (rad), in the world. Without it, at the
-        scene's start, or beside that where a robot is there before it.
+        Where its root link starts: x, y, z (m) and heading (rad), in the world. Without it, the
+        scene says where.
+    beside : bool
+        Whether a further robot starts beside the scene's start, where there is room, without
+        `place`.
     height : float
         Of the root link above the scene's ground (m), without `place`; the robot settles from
         there.
@@ -225,6 +228,7 @@ class StartConfig:
     """
 
     place: Optional[Tuple[float, float, float, float]] = None
+    beside: bool = False
     height: float = 0.115
     pose: str = ""
     default_pose: str = ""
@@ -245,6 +249,11 @@ class StartConfig:
         A robot without named poses is not the one that the scene's pose is for.
         """
         return self.pose or (of_scene if self.poses else "") or self.default_pose
+
+    @property
+    def looks_for_room(self) -> bool:
+        """Whether a further robot's place has to be found."""
+        return self.beside and self.place is None
 
     def joint_positions(self, of_scene: str = "") -> Dict[str, float]:
         """Joint positions of the pose to start in."""

@@ -129,7 +129,7 @@ class Rehearsal:
                 positions=robot.start_positions(""),
                 resolve=self._resolve,
             )
-            if robot.config.start.place is None:
+            if robot.config.start.looks_for_room:
                 body = place_beside(self._world, start, robots, load, name)
             else:
                 body = load(start)
