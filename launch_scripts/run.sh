@@ -121,9 +121,13 @@ export PYTHONUNBUFFERED=1
 robots=
 first=telex
 variant=standard
+address=127.0.0.1
+declare -A files=()
 for argument in "$@"; do
   case "$argument" in
     robots:=*) robots="$argument" ;;
+    address:=*) address="${argument#address:=}" ;;
+    token_file:=?* | instructor_token_file:=?*) files["${argument%%:=*}"]=given ;;
     ns:=*) first="${argument#ns:=}" ;;
     variant:=*) variant="${argument#variant:=}" ;;
   esac
@@ -133,6 +137,16 @@ if [ -n "$robots" ]; then
   told="$(python "$root/launch_scripts/robots.py" "${robots#robots:=}" "$first" "$variant")" || exit 2
   names="${told##*$'\n'}"
   told="${told%$'\n'*}"
+  case "$address" in
+    localhost | 127.*) ;;
+    *)
+      # Else each bridge would make tokens of its own, and no instructor's page could reach them all.
+      if [[ "$names" == *\ * ]] && [ "${#files[@]}" -lt 2 ]; then
+        echo "run.sh: $robots with address:=$address needs token_file:=FILE and instructor_token_file:=FILE, which all bridges share (they are made if absent)" >&2
+        exit 2
+      fi
+      ;;
+  esac
   mapfile -t told <<<"$told"
   set -- "$@" "${told[@]}"
 fi

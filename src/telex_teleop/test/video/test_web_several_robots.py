@@ -1,4 +1,4 @@
-"""The video server beside several robots: each with its pictures, its line, its exam, its tokens."""
+"""The video server beside several robots: each has its pictures, line, exam and tokens."""
 
 from __future__ import annotations
 
