@@ -30,12 +30,12 @@ def open_stream(url: str, topic: str = _TOPIC) -> HTTPResponse:
 
 
 class StreamReader:
-    """Reads the front camera's MJPEG stream, as an operator's browser does, and counts frames."""
+    """Reads a camera's MJPEG stream, as an operator's browser does, and counts frames."""
 
-    def __init__(self, url: str) -> None:
+    def __init__(self, url: str, topic: str = _TOPIC) -> None:
         self.frames = 0
         self._ended = False
-        self._answer = open_stream(url)
+        self._answer = open_stream(url, topic)
         threading.Thread(target=self._read, daemon=True).start()
 
     def _read(self) -> None:

@@ -10,11 +10,11 @@ import rospy
 from std_msgs.msg import Float64
 
 from ...scene.visual_scene import VisualLamp
-from ..cameras_config import CamerasConfig, LampConfig
+from ..cameras_config import OVERVIEW, CamerasConfig, LampConfig
 from ..optics.flaws import Flaws
 from .camera_topics import CameraStream
 from .failures import HeardMalfunctions, Received, ReceivedDose
-from .overview import OVERVIEW, Overview
+from .overview import Overview
 from .parameter_service import CameraService
 
 
