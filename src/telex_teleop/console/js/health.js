@@ -9,6 +9,7 @@ export const MISSING_NODES = { topic: "bridge/missing_nodes", type: "telex_msgs/
 const WITHOUT = /** @type {Record<string, string>} */ ({
   simulator: "nothing moves; once it is back, the exercise begins anew",
   controller_spawner: "a simulator that crashes would get no controllers",
+  add_robot: "a simulator that crashes would come back without this robot",
   robot_state_publisher: "other programs get no frames (/tf)",
   cameras: "there are no pictures",
   video_server: "there are no pictures",
