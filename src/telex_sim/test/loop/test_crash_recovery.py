@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from telex_control.ros.local_node_handle import LocalNodeHandle
 from telex_control.ros.run_memory import RunMemory
+from telex_sim.offline.simulation import shipped_config
 from telex_sim.ros.crash_recovery import CrashRecovery
 
 
@@ -47,6 +49,24 @@ def test_a_released_stop_stays_released(robot, memory):
     CrashRecovery(memory()).note(simulation, resets=0)
     CrashRecovery(memory()).restore(simulation)
     assert not simulation.robots[0].e_stop_wanted
+
+
+def test_a_further_robot_that_was_stopped_is_so_until_it_has_come_again(robot, urdf, memory):
+    simulation = robot().simulation
+    node = LocalNodeHandle({"robot_description": urdf}, "/second")
+    config = shipped_config(model="second", start__beside=True)
+    simulation.add_robot(simulation.plan_robot(config, urdf, node))
+    simulation.robots[1].request_e_stop(True)
+    CrashRecovery(memory()).note(simulation, resets=0)
+    alone = robot().simulation
+    for _ in range(2):  # also through a second crash
+        recovery = CrashRecovery(memory())
+        recovery.restore(alone)
+        recovery.note(alone, resets=1)
+    assert [recovery.was_stopped(name) for name in ("/third", "/second", "/second")] == [
+        *(False, True, False)
+    ]
+    assert not alone.robots[0].e_stop_wanted
 
 
 def test_an_end_in_order_leaves_nothing(robot, memory):

@@ -1,6 +1,8 @@
-"""Recovery of a simulator that crashed: its clock and its emergency stop."""
+"""Recovery of a simulator that crashed: its clock and the emergency stops."""
 
 from __future__ import annotations
+
+from typing import Any, Set
 
 from telex_control.ros.run_memory import RunMemory
 
@@ -29,7 +31,9 @@ class CrashRecovery:
 
     def __init__(self, memory: RunMemory) -> None:
         self._memory = memory
-        self._noted = (0, False, -1)
+        self._noted: Any = (0, False, -1, [])
+        # Namespaces of further robots that were stopped, and have not come again.
+        self._stopped: Set[str] = set()
         self.happened = False
         self.resets = 0
 
@@ -47,17 +51,30 @@ class CrashRecovery:
         simulation.steps = (steps // per_second + 2) * per_second
         if left.get("e_stop") is True:
             simulation.request_e_stop(True)
+        stopped = left.get("stopped")
+        if isinstance(stopped, list):
+            self._stopped = {name for name in stopped if isinstance(name, str)}
+
+    def was_stopped(self, namespace: str) -> bool:
+        """Whether a further robot that comes again was stopped before the crash."""
+        if namespace not in self._stopped:
+            return False
+        self._stopped.discard(namespace)
+        return True
 
     def note(self, simulation: Simulation, resets: int) -> None:
         """Keep the present state, where it is not that of just now; to be called often."""
-        e_stop = simulation.robots[0].e_stop_wanted
+        first, *others = simulation.robots
+        e_stop = first.e_stop_wanted
+        stopped = {robot.namespace for robot in others if robot.e_stop_wanted} | self._stopped
+        now = [e_stop, resets, sorted(stopped)]
         steps, *rest = self._noted
         # The clock goes on a whole second later at least than what is kept.
         soon = 0 <= simulation.steps - steps < round(0.5 / simulation.config.timing.step_size)
-        if soon and rest == [e_stop, resets]:
+        if soon and rest == now:
             return
-        self._noted = (simulation.steps, e_stop, resets)
-        self._memory.keep(steps=simulation.steps, e_stop=e_stop, resets=resets)
+        self._noted = (simulation.steps, *now)
+        self._memory.keep(steps=simulation.steps, e_stop=e_stop, resets=resets, stopped=now[2])
 
     def forget(self) -> None:
         """Leave nothing: the simulator ends in order."""

@@ -307,7 +307,10 @@ class SimulatorNode:
                 except Exception:
                     robot.close()
                     raise
-                self._presences = (*self._presences, self._present(robot))
+                stopped = self._recovery.was_stopped(robot.namespace)
+                if stopped:
+                    robot.request_e_stop(True)
+                self._presences = (*self._presences, self._present(robot, stopped))
         except (ConfigError, UrdfError, WorldError) as error:
             rospy.logwarn("sim/add_robot: %s: %s", name, error)
             return AddRobotResponse(success=False, message=str(error))
