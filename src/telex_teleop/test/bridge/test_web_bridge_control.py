@@ -848,6 +848,9 @@ def test_no_client_touches_what_is_another_robots(kind, rights):
     assert set(own) == {True}
     with pytest.raises(OperationError, match="/husky/cmd_vel is another robot's, and this bridge"):
         access.check("publish", "/husky/cmd_vel")
+    # Its own bridge has its line and its exam, which are for operators.
+    hears = access.allows("subscribe", "/husky/odom")
+    assert hears == (kind["instructor"] or kind["plain"])
     # The simulator is one for all; only who may call it at all calls it there.
     for name in ("pause", "reset", "spawn", "load_scene", "add_robot", "restore"):
         shared = access.allows("call", f"/crane/sim/{name}")

@@ -59,6 +59,7 @@ class Access:
         self._instructor = instructor
         self._instructors = _uses(rights.instructor, self._namespace)
         all_of_it = instructor or plain
+        self._hears_all = all_of_it
         self._own = self._instructors if all_of_it else _uses(rights.operator, self._namespace)
         self._commands = _uses(rights.commands, self._namespace)
         without_control = rights.without_control if instructor else UseLists()
@@ -75,11 +76,16 @@ class Access:
             return True  # whatever the lists say: an emergency stop is everybody's
         if use in ("publish", "serve") and name in self._told_of_exams:
             return False  # whatever the lists say: nobody may lift an exam's list in this way
-        if self._others.owns(use, name):
+        if self._is_closed(use, name):
             return False  # whatever the lists say: its own bridge knows who has control of it
         if self._exam is not None and not self._exam.allows(use, name):
             return False
         return self._own[use].match(name) and not self._would_replace_all(use, name)
+
+    def _is_closed(self, use: str, name: str) -> bool:
+        """Tell whether this is of another robot, whose bridge has its line and its exam, too."""
+        hears = use == "get" or (use == "subscribe" and self._hears_all)
+        return not hears and self._others.owns(use, name)
 
     def _would_replace_all(self, use: str, name: str) -> bool:
         """Tell whether this would set or delete all that stands in the robot's namespace."""
@@ -92,7 +98,7 @@ class Access:
 
     def refusal(self, use: str, name: str) -> str:
         """Say why the client may not use a name in this way."""
-        if self._others.owns(use, name):
+        if self._is_closed(use, name):
             return self._others.refusal(name)
         if self._exam is not None and not self._exam.allows(use, name):
             return self._exam.refusal(use, name)

@@ -45,6 +45,7 @@ _SIMULATOR = tuple(
 """Services of the simulator that all robots share; the rights say who may call them."""
 
 _CHANGES = ("publish", "call", "serve", "set")
+"""Uses that change something: of these, a name's form alone tells."""
 
 
 class OtherRobots:
@@ -77,16 +78,16 @@ class OtherRobots:
             self.changed()
 
     def owns(self, use: str, name: str) -> bool:
-        """Tell whether a use would change what is another robot's.
+        """Tell whether a use is of what is another robot's.
 
         Parameters
         ----------
         use
-            As the lists of rights are called. Hearing and reading change nothing.
+            As the lists of rights are called.
         name
             Global.
         """
-        if use not in _CHANGES or (use == "call" and not self._shared.match(name)):
+        if use == "call" and not self._shared.match(name):
             return False
         whole = name.rstrip("/") + "/"
         if use == "set" and any(robot.startswith(whole) for robot in self._found):
@@ -94,7 +95,7 @@ class OtherRobots:
         robot = self._robot_of(name)
         if robot is not None:
             return robot != self._namespace
-        return self._parts.match(name)
+        return use in _CHANGES and self._parts.match(name)
 
     def _robot_of(self, name: str) -> Optional[str]:
         """Return the namespace of the known robot to which a name belongs, if there is one."""
@@ -102,7 +103,7 @@ class OtherRobots:
         return max(robots, key=len) if robots else None
 
     def refusal(self, name: str) -> str:
-        """Say that a name is another robot's."""
+        """Say that a name is another robot's, and where it may be used."""
         own = self._namespace.rstrip("/") or "/"
         return (
             f"{name[:200]} is another robot's, and this bridge touches nothing but {own}; ask the "
