@@ -873,7 +873,7 @@ async def test_what_was_opened_before_a_robot_came_ends_with_its_coming():
     client.say("publish", topic="/husky/cmd_vel", type=TWIST, msg=AHEAD, id="late")
     assert (await client.hear())["id"] == "late"
     # What it drove has been stopped, and nothing came after that.
-    assert [message.linear.x for _, message in bench.ros.published] == [1.0]
+    assert [message.linear.x for _, message in bench.ros.published] == [1.0, 0.0]
 
 
 def test_a_plain_bridge_asks_operators_for_control_all_the_same():
