@@ -98,7 +98,6 @@ class BrakingLimit(Stateful):
 
     Parameters
     ----------
-    config : BrakingConfig
     robot : Robot
         See `telex_control.urdf.joints.parse_urdf`.
     base : str

@@ -87,7 +87,6 @@ class BaseImu(Stateful):
         Whoever fills it puts in a new tuple with each reading; so it shows when readings cease.
     mount : tuple of 3 Vector3
         Rotation matrix from the sensor's axes to the base's, row by row.
-    config : BaseImuConfig
 
     Attributes
     ----------

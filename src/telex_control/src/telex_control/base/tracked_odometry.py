@@ -68,8 +68,6 @@ class TrackedOdometry(WheelOdometry):
     ----------
     window : int
         Number of cycles over which the reported velocity is averaged.
-    errors : OdometryErrors
-    imu : BaseImu or None
     rate_noise : float
         White noise of the gyroscope (rad/s/sqrt(Hz)).
 

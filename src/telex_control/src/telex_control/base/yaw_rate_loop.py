@@ -109,7 +109,6 @@ class YawRateLoop(Stateful):
 
     Parameters
     ----------
-    config : YawRateLoopConfig
     max_speed : float
         Of a belt (m/s).
 

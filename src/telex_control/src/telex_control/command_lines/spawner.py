@@ -106,7 +106,6 @@ def read_file(path: str, namespace: str = "") -> Dict[str, Any]:
 
     Parameters
     ----------
-    path : str
     namespace : str
         Of the robot. Where the controllers stand in a namespace of the file, what is in there is
         taken for what is meant for this one; of several, that of the same name.

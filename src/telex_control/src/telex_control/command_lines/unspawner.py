@@ -20,13 +20,7 @@ _RESTART_TIMEOUT = 2.0
 
 
 class Unspawner:
-    """Stops controllers whenever they run.
-
-    Parameters
-    ----------
-    client : ControllerManagerClient
-    names : list of str
-    """
+    """Stops controllers whenever they run."""
 
     def __init__(self, client: ControllerManagerClient, names: List[str]) -> None:
         self._client = client

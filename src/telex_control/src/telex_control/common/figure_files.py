@@ -17,7 +17,6 @@ def save(figure: Figure, path: Path) -> List[Path]:
 
     Parameters
     ----------
-    figure : Figure
     path : Path
         Without suffix.
 

@@ -50,7 +50,6 @@ class FileCatalog:
         Environment variable with further folders, separated by colons; they come first.
     package, folder : str
         ROS package, and the folder in it that has the shipped ones.
-    suffix : str
     error : type
         Of the exception that is raised.
     """

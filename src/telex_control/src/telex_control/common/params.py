@@ -32,8 +32,6 @@ def read_config(kind: Type[Config], params: Any, name: str) -> Config:
 
     Parameters
     ----------
-    kind : dataclass type
-    params : mapping
     name : str
         Full name of the parameter that holds them, for messages.
 
@@ -52,8 +50,6 @@ def read_struct(kind: Type[Config], params: Any, name: str = "") -> Config:
 
     Parameters
     ----------
-    kind : dataclass type
-    params : mapping
     name : str
         Of the struct, for messages; without one they begin with the name of the value.
 
@@ -117,7 +113,6 @@ def read_value(kind: Any, value: Any, name: str) -> Any:
     ----------
     kind : type
         For ``float``, integers are taken too, and the value must be finite.
-    value
     name : str
         For messages.
 
@@ -185,7 +180,6 @@ def require_range(
 
     Parameters
     ----------
-    config : dataclass
     name : str
         Its field to check; None is taken there, as "not given".
     minimum, maximum : float
@@ -227,7 +221,6 @@ def require_names(config: object, name: str) -> None:
 
     Parameters
     ----------
-    config : dataclass
     name : str
         Its field to check.
     """

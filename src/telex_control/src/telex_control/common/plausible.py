@@ -42,7 +42,6 @@ def number_problem(value: float, largest: float) -> str:
 
     Parameters
     ----------
-    value : float
     largest : float
         Magnitude that is possible.
     """

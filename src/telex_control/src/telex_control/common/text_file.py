@@ -11,11 +11,8 @@ def read_text_file(path: Path, most_bytes: int, error: Type[Exception]) -> str:
 
     Parameters
     ----------
-    path : Path
     most_bytes : int
         A longer file is refused before it is read.
-    error : type
-        Of the exception that is raised.
 
     Raises
     ------

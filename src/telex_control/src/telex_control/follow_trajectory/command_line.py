@@ -121,7 +121,6 @@ def tool_path(options: argparse.Namespace, tool: np.ndarray) -> ToolPath:
 
     Parameters
     ----------
-    options : Namespace
     tool : ndarray, shape (3,)
         Where the tool is (m).
 
@@ -167,8 +166,6 @@ def lead(options: argparse.Namespace, chain: Chain, rig: Rig) -> Result:
         See `parse`.
     chain : Chain
         Of the arm.
-    rig : Rig
-        Of a robot at rest.
 
     Raises
     ------

@@ -160,7 +160,6 @@ def from_csv(file: File, offset: Optional[Sequence[float]] = None) -> Path:
 
     Parameters
     ----------
-    file : Path
     offset : sequence of 3 floats, optional
         Added to each point (m).
 

@@ -29,9 +29,6 @@ class Motion:
 
     Attributes
     ----------
-    chain : Chain
-    path : Path
-    profile : SpeedProfile
     period : float
         Time between references (s).
     references : ndarray, shape (n, joints)
@@ -73,10 +70,8 @@ def plan(
 
     Parameters
     ----------
-    solver : IKSolver
     path : Path
         In the base link's frame.
-    profile : SpeedProfile
     orientation : ndarray, shape (3, 3)
         Of the tool, all the way.
     seed : sequence of float

@@ -95,7 +95,6 @@ class JointHandle(NamedHandle):
 
     Attributes
     ----------
-    state : JointStateHandle
     command : float
         Effort, velocity or position, as the interface that holds the handle says.
     """
@@ -162,7 +161,6 @@ class ImuSensorHandle(NamedHandle):
 
     Attributes
     ----------
-    frame_id : str
     orientation : tuple of 4 floats or None
         Quaternion (x, y, z, w) from the world to the sensor.
     angular_velocity : tuple of 3 floats or None
@@ -211,7 +209,6 @@ class ForceTorqueSensorHandle(NamedHandle):
 
     Attributes
     ----------
-    frame_id : str
     force : tuple of 3 floats or None
         (N); None when the sensor does not measure it.
     torque : tuple of 3 floats or None

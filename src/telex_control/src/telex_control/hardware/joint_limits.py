@@ -33,7 +33,6 @@ class JointLimits:
 
     Attributes
     ----------
-    min_position, max_position : float
     max_velocity, max_acceleration, max_jerk, max_effort : float
         Of the magnitude.
     angle_wraparound : bool
@@ -159,7 +158,6 @@ def joint_limits(
 
     Parameters
     ----------
-    joint : UrdfJoint
     params : mapping, optional
         The parameters ``joint_limits``, as joint names to structs. In a struct, a value counts
         only when its flag (``has_velocity_limits`` …) is true; a flag that is false takes the

@@ -53,13 +53,7 @@ def _need(joint: JointHandle, limits: JointLimits, *names: str) -> None:
 
 
 class PositionJointSaturationHandle(JointLimitsHandle):
-    """Bounds a position command by the position limits, and its change by the velocity limit.
-
-    Parameters
-    ----------
-    joint : JointHandle
-    limits : JointLimits
-    """
+    """Bounds a position command by the position limits, and its change by the velocity limit."""
 
     __slots__ = ("_high", "_low", "_previous", "_velocity")
     SAVED = ("_previous",)
@@ -128,8 +122,6 @@ class PositionJointSoftLimitsHandle(_SoftLimitsHandle):
 
     Parameters
     ----------
-    joint : JointHandle
-    limits : JointLimits
     soft_limits : SoftJointLimits
         `k_velocity` is not used.
 
@@ -176,11 +168,6 @@ class EffortJointSaturationHandle(JointLimitsHandle):
     Beyond a position limit no effort points further out, beyond the velocity limit none
     accelerates, and the effort stays within its limit.
 
-    Parameters
-    ----------
-    joint : JointHandle
-    limits : JointLimits
-
     Raises
     ------
     JointLimitsError
@@ -214,12 +201,6 @@ class EffortJointSaturationHandle(JointLimitsHandle):
 
 class EffortJointSoftLimitsHandle(_SoftLimitsHandle):
     """Bounds an effort command so that the velocity stays within what soft limits allow.
-
-    Parameters
-    ----------
-    joint : JointHandle
-    limits : JointLimits
-    soft_limits : SoftJointLimits
 
     Raises
     ------
@@ -261,11 +242,6 @@ class EffortJointSoftLimitsHandle(_SoftLimitsHandle):
 class VelocityJointSaturationHandle(JointLimitsHandle):
     """Bounds a velocity command by the velocity limit, its change by the acceleration limit.
 
-    Parameters
-    ----------
-    joint : JointHandle
-    limits : JointLimits
-
     Raises
     ------
     JointLimitsError
@@ -305,7 +281,6 @@ class VelocityJointSoftLimitsHandle(_SoftLimitsHandle):
 
     Parameters
     ----------
-    joint : JointHandle
     limits : JointLimits
         The acceleration is limited about the measured velocity.
     soft_limits : SoftJointLimits
@@ -380,8 +355,6 @@ def limits_handle(
     ----------
     interface : class
         `EffortJointInterface`, `VelocityJointInterface` or `PositionJointInterface`.
-    joint : JointHandle
-    limits : JointLimits
     soft_limits : SoftJointLimits, optional
         With them, a handle that slows the joint down before its limits.
     """

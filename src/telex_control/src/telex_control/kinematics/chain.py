@@ -76,7 +76,6 @@ class Chain:
         ----------
         positions : sequence of float
             Of `joints` (rad, m); their limits are not looked at.
-        link : str, optional
 
         Returns
         -------

@@ -29,7 +29,6 @@ class DHRow:
 
     Attributes
     ----------
-    joint : str
     alpha, a : float
         Twist (rad) and length (m) of the link before the joint: alpha(i-1), a(i-1).
     theta, d : float
@@ -79,7 +78,6 @@ class DHChain:
     ----------
     base : ndarray, shape (4, 4)
         Frame 0 in the base link.
-    rows : tuple of DHRow
     tool : ndarray, shape (4, 4)
         The tip link in the last frame.
     """

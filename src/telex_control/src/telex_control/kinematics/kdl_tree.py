@@ -19,10 +19,6 @@ def kdl_tree(tree: UrdfTree) -> PyKDL.Tree:
     Segments have the names of the links that they carry, joints those of the URDF. As in
     kdl_parser, the inertia of the root is lost: a KDL tree begins with its root's first joints.
 
-    Parameters
-    ----------
-    tree : UrdfTree
-
     Returns
     -------
     PyKDL.Tree

@@ -105,7 +105,6 @@ class GravityModel(Stateful):
 
     Parameters
     ----------
-    urdf : str
     states : dict of str to JointStateHandle
         Measured joints; others are taken to be at 0.
     imus : sequence of ImuSensorHandle

@@ -52,7 +52,6 @@ class Controller(Stateful):
 
         Parameters
         ----------
-        hw : RobotHW
         root : NodeHandle
             The robot's namespace, for ``robot_description``.
         node : NodeHandle

@@ -78,7 +78,6 @@ class ControllerManager:
 
     Parameters
     ----------
-    hw : RobotHW
     root : NodeHandle
         The robot's namespace; controller ``x`` has its parameters and topics in ``x`` inside it.
     """
@@ -172,7 +171,6 @@ class ControllerManager:
         ----------
         saved : dict
             What `save_state` returned.
-        time : float
         """
         running = [each for each in self._controllers if each.state is ControllerState.RUNNING]
         stop = [each for each in running if each not in saved]
@@ -467,7 +465,6 @@ class ControllerManager:
 
         Parameters
         ----------
-        start, stop : sequence of str
         strictness : int
             STRICT: anything that cannot be done fails the whole switch. BEST_EFFORT: it is left
             out. Conflicts fail the switch in both.

@@ -15,7 +15,6 @@ class ControllerManagerServices:
 
     Parameters
     ----------
-    manager : ControllerManager
     namespace : str, optional
         Full name, without a slash at its end; by default the node's namespace.
     """

@@ -118,7 +118,6 @@ class NodeHandle(abc.ABC):
     ----------
     namespace : str
         Full name, without a slash at its end.
-    logger : logging.Logger
     """
 
     namespace: str

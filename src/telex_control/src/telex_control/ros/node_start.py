@@ -41,7 +41,6 @@ def init_node(
 
     Parameters
     ----------
-    name : str
     anonymous : bool
         Whether to make the name unique.
     own_signals : bool

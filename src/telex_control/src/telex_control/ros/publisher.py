@@ -30,7 +30,6 @@ class RosPublisher(Publisher):
     ----------
     topic : str
         Full name.
-    kind : class
     queue_size : int
         So many messages wait at most; then the oldest is dropped.
     """

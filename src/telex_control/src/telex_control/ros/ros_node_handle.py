@@ -95,7 +95,6 @@ class RosActionServer:
         Full name of the action.
     kind : class
         E.g. control_msgs.msg.FollowJointTrajectoryAction.
-    on_goal : callable
     """
 
     def __init__(self, name: str, kind: Any, on_goal: Callable[[ActionGoal], None]) -> None:

@@ -36,10 +36,6 @@ class RunMemory:
     A node that ends in order forgets them: what is recalled was left by one that could not. Only
     the user who runs the node can read the file, as nobody can who reads parameters or topics.
     Without a file, because it cannot be made, nothing is recalled, and nothing else changes.
-
-    Parameters
-    ----------
-    path : str
     """
 
     def __init__(self, path: str) -> None:

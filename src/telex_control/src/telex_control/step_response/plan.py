@@ -49,7 +49,6 @@ class PlanConfig:
         Joints that share a figure.
     via : str
         The named pose through which postures are entered and left.
-    postures : dict of str to PostureConfig
     """
 
     groups: Dict[str, List[str]]

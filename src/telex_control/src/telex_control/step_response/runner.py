@@ -80,12 +80,8 @@ class StepResult:
 
     Attributes
     ----------
-    posture : str
-    joint : UrdfJoint
     raw : bool
         Whether the controller followed the step itself, or led the joint within its limits.
-    recording : Recording
-    figures : StepFigures
     """
 
     posture: str
@@ -117,8 +113,6 @@ class Runner:
 
     Parameters
     ----------
-    rig : Rig
-    plan : Plan
     joints : dict of str to UrdfJoint
         Those that have a controller.
     say : callable
@@ -152,7 +146,6 @@ class Runner:
         ----------
         postures : list of str
             Names of the plan's, or `CURRENT`.
-        joints : list of str
         kinds : list of bool
             False: as the controller shapes its reference; True: raw.
         size : float, optional

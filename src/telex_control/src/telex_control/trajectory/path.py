@@ -144,7 +144,6 @@ class JointPath:
 
         Parameters
         ----------
-        track : Track
         first : int
             The state of the track that is reached first, not before `time`.
         origin : float

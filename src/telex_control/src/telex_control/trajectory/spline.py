@@ -26,7 +26,6 @@ class Segment:
     ----------
     start_time, end_time : float
         (s); the end is not before the start.
-    start, end : State
     """
 
     __slots__ = ("_coefficients", "end", "end_time", "start", "start_time")

@@ -38,10 +38,6 @@ _KINDS = ("fixed", "revolute", "continuous", "prismatic")
 def check_links(robot: Robot) -> None:
     """Refuse links that hang on themselves, on two joints, or in a chain without end.
 
-    Parameters
-    ----------
-    robot : Robot
-
     Raises
     ------
     UrdfError
@@ -90,10 +86,6 @@ def check_bodies(robot: Robot) -> None:
     """Refuse what makes no body, and masses, inertias, places and sizes that none can have.
 
     All of an inertia may be 0: it then counts for nothing.
-
-    Parameters
-    ----------
-    robot : Robot
 
     Raises
     ------

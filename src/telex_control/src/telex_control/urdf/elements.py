@@ -48,7 +48,6 @@ def number(
     Parameters
     ----------
     element : object of `model`, or None
-    attribute : str
     where : str
         What the element belongs to, for the message: ``link 'a'``.
     default : float, optional
@@ -104,8 +103,6 @@ def read_numbers(text: str, count: int, where: str) -> List[float]:
 
     Parameters
     ----------
-    text : str
-    count : int
     where : str
         For the message, up to the attribute's name: ``link 'a': <mass value``.
 

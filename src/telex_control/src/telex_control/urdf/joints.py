@@ -58,7 +58,6 @@ class UrdfJoint:
         Dry friction (``<dynamics friction>``), 0 or more.
     damping : float
         Viscous friction (``<dynamics damping>``; N m s/rad, N s/m), 0 or more.
-    soft : SoftLimits or None
     mimic : Mimic or None
         What it follows, if it does not move by itself.
     mimic_limits : bool

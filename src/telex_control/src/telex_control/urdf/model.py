@@ -229,12 +229,7 @@ _SHAPES = {shape.XML_REFL.tag: shape for shape in (Box, Cylinder, Capsule, Spher
 
 
 class UnknownShape:
-    """What stands in a ``<geometry>`` and is no shape of URDF.
-
-    Attributes
-    ----------
-    tag : str
-    """
+    """What stands in a ``<geometry>`` and is no shape of URDF."""
 
     def __init__(self, tag: str) -> None:
         self.tag = tag

@@ -65,7 +65,6 @@ class DrivenJoint:
 
     Attributes
     ----------
-    joint, transmission : str
     hardware_interface : str
         Without the prefix ``hardware_interface/``.
     """

@@ -26,8 +26,6 @@ class BarePicture:
 
     Parameters
     ----------
-    scene
-        What is there.
     frames_in_world
         Poses of its frames, shape (frames, 4, 4).
     camera

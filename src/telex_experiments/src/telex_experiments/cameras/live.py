@@ -161,10 +161,6 @@ class Viewer:
 class Live:
     """A running simulator, watched.
 
-    Parameters
-    ----------
-    simulator : PrivateSimulator
-
     Attributes
     ----------
     factors : list of float

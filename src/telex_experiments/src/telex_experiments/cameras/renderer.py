@@ -57,7 +57,6 @@ class Recording(NamedTuple):
 
     Attributes
     ----------
-    scene : Scene
     model : str
         Name of the robot in it.
     frames_in_world : ndarray, shape (frames, 4, 4)
@@ -127,7 +126,6 @@ class Views:
 
     Parameters
     ----------
-    names : tuple of str
     size : dict
         Width and height (pixels).
     step : Step

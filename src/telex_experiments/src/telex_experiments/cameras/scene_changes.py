@@ -51,7 +51,6 @@ def change_figures(
 
     Parameters
     ----------
-    simulator : PrivateSimulator
     judged : bool
         Whether the scenes have been prepared, so that they have to come soon.
     changing : sequence of str

@@ -98,7 +98,6 @@ class Looking:
 
     Parameters
     ----------
-    server : ClassServer
     pictures : bool
         Whether it shows them.
     """

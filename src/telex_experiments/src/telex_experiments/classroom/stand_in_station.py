@@ -40,7 +40,6 @@ def recorded_states(
 
     Parameters
     ----------
-    exercise : Exercise
     seed : int
         Of the trial.
     entries : sequence of Entry

@@ -74,8 +74,6 @@ def first_picture(
         When the key was pressed (s, wall).
     speed
         What it commands (rad/s).
-    stamps
-        What was heard.
     painted
         Pictures: wall time of the scene, known to the 10 ms between two clock messages, and of
         the end of painting (s).

@@ -56,7 +56,6 @@ class Way(NamedTuple):
     ----------
     broken : str
         A node, or the process that drives: ``client`` or ``rostopic``.
-    by : signal.Signals
     """
 
     broken: str

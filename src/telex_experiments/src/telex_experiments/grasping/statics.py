@@ -40,7 +40,6 @@ def load(thing: Thing, force: float, pitch: float, friction: float) -> float:
 
     Parameters
     ----------
-    thing : Thing
     force : float
         Commanded (N).
     pitch : float

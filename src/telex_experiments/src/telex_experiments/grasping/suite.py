@@ -65,7 +65,6 @@ def grasp(
 
     Parameters
     ----------
-    thing : Thing
     pitch : float
         How far down the hand points (rad).
     friction : float

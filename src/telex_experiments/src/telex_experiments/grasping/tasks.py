@@ -30,7 +30,6 @@ class Carried(NamedTuple):
         That the object was moved by, along the floor (m).
     slip : float
         At most, in the hand (m).
-    held : bool
     """
 
     way: float

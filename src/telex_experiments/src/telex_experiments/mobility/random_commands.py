@@ -29,7 +29,6 @@ class Behaviour:
 
     Attributes
     ----------
-    finite : bool
     jump, gain, fastest, deepest : float
         See `watch.Watch`.
     rated : float
@@ -86,7 +85,6 @@ def run(seed: int, seconds: float, step_size: float = 0.002) -> Behaviour:
 
     Parameters
     ----------
-    seed : int
     seconds : float
         Of sim time.
     """

@@ -20,7 +20,6 @@ class Obstacle:
 
     Attributes
     ----------
-    name : str
     objects : list of dict
         Entries of a scene file.
     script : callable
@@ -62,7 +61,6 @@ class Outcome:
 
     Attributes
     ----------
-    passed : bool
     time : float
         Sim time that it took, or until it was given up (s).
     message : str

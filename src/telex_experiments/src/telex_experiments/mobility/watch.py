@@ -41,10 +41,6 @@ class Motion:
 class Watch:
     """Looks at every step of a trial.
 
-    Parameters
-    ----------
-    trial : Trial
-
     Attributes
     ----------
     finite : bool

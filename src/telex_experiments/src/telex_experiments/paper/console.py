@@ -18,12 +18,7 @@ class ConsoleError(RuntimeError):
 
 
 class Console:
-    """The page as an operator has it before him.
-
-    Parameters
-    ----------
-    browser : Chromium
-    """
+    """The page as an operator has it before him."""
 
     def __init__(self, browser: Chromium) -> None:
         self._browser = browser

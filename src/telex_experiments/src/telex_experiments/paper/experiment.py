@@ -31,7 +31,6 @@ class Picture:
 
     Attributes
     ----------
-    title : str
     file : str
         JPEG, PNG or SVG, relative to the experiment's folder. Of a plot that is there as PNG and
         SVG, name the SVG: the report embeds it, and links the other.
@@ -57,7 +56,6 @@ class Table:
 
     Attributes
     ----------
-    title : str
     file : str
         Name of the CSV, in the experiment's folder.
     head : sequence of str
@@ -96,8 +94,6 @@ class Result:
     ----------
     figures : list of Figure
         Measured, with what is required: `Figure(name, value, unit, at_least=…, at_most=…)`.
-    pictures : list of Picture
-    tables : list of Table
     bags : list of str
         Recorded runs, relative to the experiment's folder.
     notes : list of str
@@ -167,7 +163,6 @@ class Experiment:
         As ``--only`` takes it, and as its folder is called: lower case, digits, underscores.
     paper : str
         Where it stands in the paper.
-    title : str
     claim : str
         What the paper says.
     method : str

@@ -27,13 +27,10 @@ class Run:
 
     Attributes
     ----------
-    when : str
     machine : str
         Processor, cores, Python.
     version : str
         Of the simulator: commit, or empty.
-    quick : bool
-    seed : int
     seconds : float
         Of wall time.
     """
@@ -51,8 +48,6 @@ def page(run: Run, outcomes: Sequence[Outcome], folder: Path) -> str:
 
     Parameters
     ----------
-    run : Run
-    outcomes : sequence of Outcome
     folder : Path
         Of the results: pictures are taken from the experiments' folders in it, and links are
         relative to it.

@@ -125,7 +125,6 @@ class Recorder:
 
     Parameters
     ----------
-    path : Path
     namespace : str
         Of the robot.
     log : Path
@@ -188,7 +187,6 @@ class Writer:
 
     Parameters
     ----------
-    path : Path
     rates : dict of str to float or None
         Topics, and how many messages a second of sim time are kept at most.
     """

@@ -34,8 +34,6 @@ class Outcome:
 
     Attributes
     ----------
-    experiment : Experiment
-    result : Result
     seconds : float
         Of wall time.
     """
@@ -60,8 +58,6 @@ class Schedule:
     ----------
     folder : Path
         Of the results; each experiment gets a folder in it.
-    quick : bool
-    seed : int
     say : callable
         Takes a line of progress.
     repeat : int

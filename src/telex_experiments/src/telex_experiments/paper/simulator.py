@@ -27,7 +27,6 @@ class Simulator:
 
     Parameters
     ----------
-    master : PrivateMaster
     log : Path
         What roslaunch and its nodes print is appended to this file.
     **arguments

@@ -66,12 +66,10 @@ def filmstrip(
 
     Parameters
     ----------
-    obstacle : Obstacle
     times : sequence of float
         Shares of the way in time, from 0 to 1, one picture each.
     side : tuple of 3 floats
         From the robot to the camera (m).
-    columns : int
     path : Path
         Of the PNG.
     """

@@ -21,8 +21,6 @@ class Figure:
 
     Attributes
     ----------
-    name, unit : str
-    value : float
     at_least, at_most : float, optional
         What is required of it.
     goal : float, optional

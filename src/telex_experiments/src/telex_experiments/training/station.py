@@ -42,8 +42,6 @@ class TrainingStation:
 
     Parameters
     ----------
-    exercise, setting : str
-
     Use it as a context manager, once in a process.
     """
 

@@ -26,10 +26,6 @@ class Bookmarks:
 
     They end when a scene is loaded, an object or a robot comes or goes, and are then refused by
     their names. A reset keeps them, unless it brings objects back or takes some away.
-
-    Parameters
-    ----------
-    simulation : Simulation
     """
 
     def __init__(self, simulation: Simulation) -> None:

@@ -44,7 +44,6 @@ def contacts(body: Body, link: Optional[int] = None) -> Iterator[Contact]:
 
     Parameters
     ----------
-    body : Body
     link : int, optional
         This one's only (PyBullet's number).
     """

@@ -41,7 +41,6 @@ class Readings(NamedTuple):
         Of the hull (Gy).
     alarm : bool
         A rate or the total is above what the dosimeter warns of.
-    cameras, electronics : tuple of ComponentReading
     """
 
     hull_rate: float
@@ -71,7 +70,6 @@ class Exposure(Stateful):
 
     Parameters
     ----------
-    robot : Robot
     find_cameras : callable
         Gives the parameters of the robot's cameras by name, as those of the ``cameras`` node: their
         optical frames are what counts. It is asked whenever a scene begins that needs them.

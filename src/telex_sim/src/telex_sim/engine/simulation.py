@@ -51,8 +51,6 @@ class Simulation:
 
     Parameters
     ----------
-    config : SimulatorConfig
-    urdf : str
     node : NodeHandle
         The robot's namespace, for the controllers.
     resolve : callable

@@ -164,7 +164,6 @@ class HardwareConfig:
         a joint can run at its limit.
     position_gain : float
         Share of a position joint's error that its motor takes away in one step.
-    joints : dict of str to JointHardware
     contacts : dict of str to ContactConfig
         By link; what they leave out is the URDF's, else PyBullet's.
     wheel_contact : WheelContactConfig
@@ -374,7 +373,6 @@ def read_simulator_config(params: Mapping[str, Any], name: str) -> SimulatorConf
 
     Parameters
     ----------
-    params : mapping
     name : str
         Of the node, for messages.
 

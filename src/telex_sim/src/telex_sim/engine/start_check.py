@@ -108,8 +108,6 @@ def check_place(world: World, body: Body, owners: Mapping[int, str], name: str) 
 
     Parameters
     ----------
-    world : World
-    body : Body
     owners : mapping of int to str
         What each body is of, in words, by PyBullet's number; not the floor.
     name : str
@@ -133,7 +131,6 @@ def check_start(body: Body, pose: str, name_of: Callable[[int], str]) -> None:
 
     Parameters
     ----------
-    body : Body
     pose : str
         Name of its start pose, for the message.
     name_of : callable

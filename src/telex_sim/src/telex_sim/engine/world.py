@@ -42,7 +42,6 @@ class Body:
 
     Attributes
     ----------
-    client, uid : int
     joints, links : dict of str to int
         Indices by name; a joint has the index of its child link, the base link is -1. Those that
         PyBullet has.
@@ -152,7 +151,6 @@ class World:
     ----------
     step_size : float
         Sim time of one step (s).
-    solver_iterations : int
     gui : bool
         Open PyBullet's window; needs a display.
 
@@ -221,7 +219,6 @@ class World:
 
         Parameters
         ----------
-        urdf : str
         resolve : callable
             Turns a mesh address (``package://…``) into a path.
         position : sequence of 3 floats

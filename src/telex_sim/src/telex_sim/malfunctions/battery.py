@@ -152,7 +152,6 @@ class Battery(Stateful):
 
     Parameters
     ----------
-    config : BatteryConfig
     share : float
         Of a full charge that it begins with.
     """

@@ -17,7 +17,6 @@ class Kind(NamedTuple):
 
     Attributes
     ----------
-    name : str
     text : str
         What it is, for people.
     unit : str
@@ -111,8 +110,6 @@ class Parts:
         Those of the joints that lift a belt.
     belts : tuple of str
         By their drives, as ``left_belt``.
-    gripper : bool
-    imus, lamps, cameras : tuple of str
     """
 
     joints: Tuple[str, ...] = ()

@@ -23,7 +23,6 @@ class Active(NamedTuple):
 
     Attributes
     ----------
-    what, group, kind : str
     value : float
         Severity, in the kind's unit.
     announced : bool
@@ -45,10 +44,6 @@ class Malfunctions(Stateful):
 
     What fails beyond the simulator (pictures, lamps, keys) is only noted: who simulates that hears
     of it. A reset ends all; a bookmark has those that there were.
-
-    Parameters
-    ----------
-    robot : Robot
 
     Attributes
     ----------

@@ -34,8 +34,6 @@ class OfflineArm:
     ----------
     simulation : Simulation
         Whose position controllers run; they say what they hold once it has made a step (`wait`).
-    node : LocalNodeHandle
-        Of the robot.
     joints : sequence of str
         Of the arm, each with a position controller.
     rate : float, optional
@@ -135,7 +133,6 @@ def plan_circle(shape: Shape, pose: str, speed: float, acceleration: float) -> M
 
     Parameters
     ----------
-    shape : Shape
     pose : str
         Named pose of the shipped robot.
     speed, acceleration : float

@@ -24,10 +24,6 @@ class OfflineRobot:
     Commands go to the topics of its controllers, and what its joints do comes from
     ``joint_states``: as often, and as late, as on a live robot.
 
-    Parameters
-    ----------
-    offline : OfflineSimulation
-
     Attributes
     ----------
     simulation : Simulation

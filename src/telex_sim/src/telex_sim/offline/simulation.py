@@ -69,7 +69,6 @@ class OfflineSimulation:
 
     Parameters
     ----------
-    urdf : str
     controllers : dict, optional
         In place of the shipped ``telex_controllers.yaml``.
     **changes

@@ -17,7 +17,6 @@ def grasped_bodies(body: Body, fingers: Sequence[Sequence[int]]) -> Set[int]:
 
     Parameters
     ----------
-    body : Body
     fingers : sequence of sequence of int
         The links of each finger.
 

@@ -23,7 +23,6 @@ class Links:
 
     Parameters
     ----------
-    body : Body
     arm : sequence of str
         Names of the joints that count; they come first.
     fingers : sequence of sequence of str

@@ -27,7 +27,6 @@ class NearPair(NamedTuple):
 
     Attributes
     ----------
-    place : Place
     link, other : str
         What the arm moves, and what it moves it towards.
     touchable : bool
@@ -65,8 +64,6 @@ class ProximityMonitor:
 
     Parameters
     ----------
-    body : Body
-    config : ProximityConfig
     self_collision : SelfCollisionConfig
         Links that cannot touch each other are not watched.
     """

@@ -28,13 +28,6 @@ class _Record(NamedTuple):
 class OwnDistances:
     """The pairs of a robot's links that the arm moves against each other.
 
-    Parameters
-    ----------
-    body : Body
-    links : Links
-    points : ClosestPoints
-    self_collision : SelfCollisionConfig
-
     Attributes
     ----------
     joints : dict of pair of int to frozenset of int

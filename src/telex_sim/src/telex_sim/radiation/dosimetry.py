@@ -107,7 +107,6 @@ class DosimetryConfig:
     detector : str
         Link of a shielded detector, which measures along its x axis, by `Collimator`; on a robot
         that has it, it takes the tool's place, and the dosimeter is read everywhere.
-    collimator : Collimator
     alarm_rate : float
         Dose rate of hull or tool from which the dosimeter warns (Gy/h).
     alarm_dose : float
@@ -121,7 +120,6 @@ class DosimetryConfig:
     spread : float
         Share of a life by which lives differ at most, evenly spread: each camera's and each
         electronics' is by its name and the seed.
-    seed : int
     """
 
     rate: float = 10.0

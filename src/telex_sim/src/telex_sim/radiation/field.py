@@ -58,7 +58,6 @@ class Shield:
 
     Attributes
     ----------
-    form : ShieldForm
     size : tuple of 3 floats
         BOX: half extents. CYLINDER, about z: (radius, radius, half its length). SPHERE: three
         times its radius (m).
@@ -76,11 +75,6 @@ class Shield:
 
 class Field:
     """Air-kerma rates of sources behind shields.
-
-    Parameters
-    ----------
-    sources : sequence of PointSource
-    shields : sequence of Shield
 
     Attributes
     ----------

@@ -46,7 +46,6 @@ def signal_of(config: RadioConfig, distance: float, thicknesses: Sequence[float]
 
     Parameters
     ----------
-    config : RadioConfig
     distance : float
         m.
     thicknesses : sequence of float

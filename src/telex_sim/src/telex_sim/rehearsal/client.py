@@ -42,7 +42,6 @@ class RehearsalClient:
 
     Parameters
     ----------
-    config : SimulatorConfig
     most_memory : int
         Bytes that a rehearsal may take.
     """

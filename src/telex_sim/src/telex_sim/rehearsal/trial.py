@@ -68,7 +68,6 @@ class Rehearsal:
 
     Parameters
     ----------
-    config : SimulatorConfig
     resolve : callable
         Turns a mesh address (``package://…``) into a path.
     meshes : MeshLists, optional

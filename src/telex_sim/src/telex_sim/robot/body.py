@@ -25,8 +25,6 @@ class RobotBody:
     ----------
     model : str
         Name in the scene.
-    urdf : str
-    config : RobotConfig
     """
 
     model: str
@@ -91,8 +89,6 @@ class RobotBody:
 
         Parameters
         ----------
-        world : World
-        scene_start : Start
         positions : dict of str to float
             Of the joints (rad, m).
         resolve : callable

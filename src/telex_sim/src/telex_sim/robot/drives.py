@@ -73,16 +73,11 @@ class Drive(Stateful):
 
     Parameters
     ----------
-    description : UrdfJoint
     interface : class
         Through which it is commanded.
-    limits : JointLimits
-    soft_limits : SoftJointLimits or None
     velocity_tolerance : float
         Factor on the velocity limit at which an effort joint stops accelerating, and which a
         position joint's motor may reach to catch up.
-    pid : Pid, optional
-        Of a velocity or position joint.
     overtravel : float
         How far beyond the limits the end stops lie, and with them the soft limits (rad, m).
         Position commands stay within the limits.

@@ -27,7 +27,6 @@ class Imu(Stateful):
     ----------
     name : str
         Of the sensor.
-    link : str
     noise : ImuNoise, optional
         Its errors, the same after every `attach`. Without, it is exact, and its covariances are as
         good as 0; 0 itself would mean "unknown".

@@ -79,7 +79,6 @@ class ImuErrors(Stateful):
 
     Parameters
     ----------
-    noise : ImuNoise
     name : str
         Of the sensor, and of its robot: two with the same seed differ in their errors.
     """

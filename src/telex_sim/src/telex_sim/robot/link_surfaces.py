@@ -23,11 +23,6 @@ _ROUND = (Cylinder, Sphere, Mesh)
 class LinkSurfaces:
     """What PyBullet has to be told of a robot's links.
 
-    Parameters
-    ----------
-    robot : Robot
-    config : HardwareConfig
-
     Raises
     ------
     UrdfError

@@ -28,7 +28,6 @@ def check_meshes(
 
     Parameters
     ----------
-    urdf : str
     resolve : callable
         Turns an address (``package://…``) into a path; raises a ValueError for one that is none.
     mind : callable, optional

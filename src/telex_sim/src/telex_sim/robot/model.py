@@ -25,7 +25,6 @@ def robot_model(path: Path, options: Sequence[str] = ()) -> str:
 
     Parameters
     ----------
-    path : Path
     options : sequence of str
         Arguments for xacro; NAME=VALUE is taken as well, since a roslaunch command line has no room
         for another ``:=`` in ``options:=``.

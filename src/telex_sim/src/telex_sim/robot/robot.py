@@ -42,8 +42,6 @@ class Robot:
 
     Parameters
     ----------
-    config : RobotConfig
-    urdf : str
     node : NodeHandle
         Its namespace, for the hardware and the controllers.
     resolve : callable
@@ -190,8 +188,6 @@ class Robot:
 
         Parameters
         ----------
-        world : World
-        scene_start : Start
         material_of : callable
             Material of a link (PyBullet's numbers of body and link), for the grip of its tracks.
 

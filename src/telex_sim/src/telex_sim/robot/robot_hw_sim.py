@@ -64,7 +64,6 @@ class RobotHWSim(RobotHW, Stateful):
     ----------
     robot : Robot
         As `telex_control.urdf.joints.parse_urdf` reads it; joints with a transmission are driven.
-    config : HardwareConfig
     belts : collection of str
         Driven joints that the tracks move, and whose states they fill.
     """

@@ -24,7 +24,6 @@ class DisabledPair:
 
     Attributes
     ----------
-    links : tuple of two str
     reason : str
         ``adjacent``: housings of neighbours overlap at their joint. ``by_design``: one part runs
         inside or on the other. ``never``: the joints cannot bring them together.
@@ -52,7 +51,6 @@ class SelfCollisionConfig:
         Whether the robot's links can touch each other at all.
     optional_links : tuple of str
         Links that a variant of the robot may lack. Any other name that is not there is a mistake.
-    disabled_pairs : tuple of DisabledPair
     """
 
     enabled: bool = True

@@ -17,10 +17,6 @@ class CrashRecovery:
     The scene begins anew, as after a reset. Sim time goes on, since tf, bags and timers do not
     survive a clock that jumps back, and an emergency stop stays set.
 
-    Parameters
-    ----------
-    memory : RunMemory
-
     Attributes
     ----------
     happened : bool

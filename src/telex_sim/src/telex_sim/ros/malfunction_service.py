@@ -31,8 +31,6 @@ class MalfunctionService:
 
     Parameters
     ----------
-    robot : Robot
-    change : callable
     now : callable
         Gives the sim time.
     """

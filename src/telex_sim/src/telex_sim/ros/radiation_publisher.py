@@ -15,10 +15,6 @@ class RadiationPublisher:
     """Publishes what a robot is exposed to; in the simulation's thread.
 
     The cameras are those of the robot's node ``cameras``, by its parameters.
-
-    Parameters
-    ----------
-    robot : Robot
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -38,13 +34,7 @@ class RadiationPublisher:
         self._doses = rospy.Publisher(f"{namespace}/sim/doses", ComponentDoses, queue_size=1)
 
     def publish(self, simulation: Simulation, stamp: rospy.Time) -> None:
-        """Expose the robot to the field until now; every second time, and at a start, tell it.
-
-        Parameters
-        ----------
-        simulation : Simulation
-        stamp : rospy.Time
-        """
+        """Expose the robot to the field until now; every second time, and at a start, tell it."""
         readings = self._exposure.observe(simulation)
         if readings is None:
             return

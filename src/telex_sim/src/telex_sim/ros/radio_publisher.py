@@ -11,12 +11,7 @@ from ..robot.robot import Robot
 
 
 class RadioPublisher:
-    """Publishes the signal between a robot and its operator's antenna, while somebody listens.
-
-    Parameters
-    ----------
-    robot : Robot
-    """
+    """Publishes the signal between a robot and its operator's antenna, while somebody listens."""
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot

@@ -47,7 +47,6 @@ class RobotPresence:
 
     Parameters
     ----------
-    robot : Robot
     change, now : callable
         See `MalfunctionService`.
     after_crash : bool

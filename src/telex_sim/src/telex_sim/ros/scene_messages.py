@@ -98,7 +98,6 @@ class SceneMessages:
             they were added, and before those of objects.
         links : sequence of str
             In the order in which `poses` gets their poses.
-        visuals : sequence of UrdfVisual
         """
         robot = _Robot(tuple(links), tuple(visuals))
         self._change(robots={**self._shown.robots, model: robot})
@@ -145,7 +144,6 @@ class SceneMessages:
 
         Parameters
         ----------
-        stamp : Time
         link_poses : sequence of float
             7 numbers each: the robots' links, then those of the objects shown that can move.
         """

@@ -18,12 +18,7 @@ _KEPT = 500
 
 
 class TruthPublisher:
-    """Publishes truth about a robot while somebody listens; in the simulation's thread.
-
-    Parameters
-    ----------
-    robot : Robot
-    """
+    """Publishes truth about a robot while somebody listens; in the simulation's thread."""
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
@@ -50,8 +45,6 @@ class TruthPublisher:
 
         Parameters
         ----------
-        simulation : Simulation
-        stamp : rospy.Time
         resets : int
             How often the scene was put back.
         margin : float

@@ -92,7 +92,6 @@ class Geometry:
 
     Attributes
     ----------
-    form : Form
     size : tuple of 3 floats
         BOX: full extents along x, y, z (m). SPHERE: (radius, 0, 0). CYLINDER, about z:
         (radius, 0, length). MESH: scale along x, y, z.

@@ -54,8 +54,6 @@ class PlannedScene:
 
     Attributes
     ----------
-    path : Path
-    scene : Scene
     assemblies : tuple of Assembly
         Of the scene's objects, in their order.
     """
@@ -73,8 +71,6 @@ def plan_world(world: str, assets: Assets, step_size: float = DEFAULT_STEP) -> P
     world : str
         A name, a path, or the text of a scene: whatever has a line break. A text has no folder, so
         that it can name no file by a relative address.
-    assets : Assets
-    step_size : float
 
     Raises
     ------
@@ -92,9 +88,6 @@ def plan_scene(
 
     Parameters
     ----------
-    path : Path
-    assets : Assets
-    step_size : float
     text : str, optional
         In place of what stands in the file.
 
@@ -138,8 +131,6 @@ def plan_entry(
         That relative addresses start from; empty allows none.
     taken : collection of str
         Names of the objects that there are.
-    assets : Assets
-    step_size : float
 
     Raises
     ------

@@ -59,7 +59,6 @@ def place_robot(path: Path, urdf: str, pose: str = "") -> Simulation:
     ----------
     path : Path
         Of the scene's file.
-    urdf : str
     pose : str
         Named pose of the robot; empty for the scene's.
 

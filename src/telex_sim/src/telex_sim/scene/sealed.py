@@ -36,7 +36,6 @@ def seed_of(token: str, part: str = "") -> int:
 
     Parameters
     ----------
-    token : str
     part : str
         Tells several seeds of one token apart.
 

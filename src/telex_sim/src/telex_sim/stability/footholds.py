@@ -32,7 +32,6 @@ class FootholdFinder:
 
     Parameters
     ----------
-    body : Body
     belts : dict of int to tuple of 2 floats
         Tracks (PyBullet's numbers of links), and where each belt begins and ends along its axle,
         from the centre of mass (m).

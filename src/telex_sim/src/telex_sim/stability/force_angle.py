@@ -50,11 +50,9 @@ class StabilityConfig:
         How long a warning stays after its cause is gone (s).
     tipped_angle : float
         Tilt beyond which the robot has tipped over (rad), once it lasts for `tipped_time` (s).
-    tipped_time : float
     stuck_time : float
         Time (s) over which a robot moves less than `stuck_ratio` of what its belts are told to run,
         until it counts as stuck.
-    stuck_ratio : float
     stuck_speed : float
         Commanded belt speed (m/s) below which it only stands.
     """

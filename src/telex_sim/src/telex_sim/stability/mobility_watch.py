@@ -55,7 +55,6 @@ class TipOverWarning(Stateful):
         ----------
         tipping : TippingAngle, optional
             None where nothing carries the robot.
-        margin : float
         turning : tuple of 2 floats
             Of the robot about its x and y axis (rad/s).
         """
@@ -156,7 +155,6 @@ class StuckDetector(Stateful):
 
     Parameters
     ----------
-    config : StabilityConfig
     half_gauge : float
         Half the distance of the belts (m): a turn moves them along by so much for a radian.
 

@@ -84,7 +84,6 @@ def tipping_angle(
         but its support and its inertia.
     center_of_mass : Vector
         m.
-    footholds : Footholds
     axes : array_like, shape (3, 3)
         The robot's x, y and z axis, one a row.
 

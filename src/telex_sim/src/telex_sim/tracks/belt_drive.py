@@ -50,7 +50,6 @@ class BeltDrive(Stateful):
 
     Parameters
     ----------
-    config : BeltDriveConfig
     friction, damping : float
         Dry and viscous friction of gear and belts, at the belt (N, N s/m).
     step_size : float
@@ -169,7 +168,6 @@ class BeltDrive(Stateful):
             See `_needed`, at this speed.
         limit : callable
             Motor force at a speed; it does not increase with it.
-        traction : callable
         """
         excess = self._with_friction(needed - limit(speed), speed)
         other = speed - excess / self._inertia

@@ -73,7 +73,6 @@ class Patch(Stateful):
 
         Parameters
         ----------
-        law : TractionLaw
         track_load : float
             Sum of the normal forces on the track (N): the track's stiffness is shared by load.
         softness : tuple of 2 floats

@@ -56,7 +56,6 @@ class Surfaces:
     ----------
     client : int
         Of PyBullet.
-    config : TrackConfig
     material_of : callable, optional
         Material of a link.
     """

@@ -155,8 +155,6 @@ class Tracks(Stateful):
 
     Parameters
     ----------
-    body : Body
-    config : TrackConfig
     drives : mapping of str to Drive
         The driven joint of each belt.
     step_size : float

@@ -27,7 +27,6 @@ class Entry(NamedTuple):
 
     Attributes
     ----------
-    group : int
     other : int
         Number of the object, or `FLOOR`, or `ROBOT`.
     peak : float

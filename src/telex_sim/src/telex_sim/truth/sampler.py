@@ -50,15 +50,10 @@ class Sample(NamedTuple):
         Of the root link in the world (m/s, rad/s).
     joints, mechanisms : list of float
         Positions (rad, m).
-    latched : list of bool
-    whole : bool
-    moved : list of int
     poses : list of float
         7 numbers for each body of `moved`.
-    held : int
     grip : float
         Clamping force (N).
-    contacts : list of Entry
     """
 
     base: List[float]
@@ -81,13 +76,8 @@ class TruthSampler:
 
     Parameters
     ----------
-    simulation : Simulation
     robot : Robot
         One of its robots.
-
-    Attributes
-    ----------
-    names : Names
     """
 
     names: Names

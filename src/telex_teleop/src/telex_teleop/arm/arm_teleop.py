@@ -70,8 +70,6 @@ class ArmTeleop(JointTeleop):
     ----------
     axes
         Joint name to the bounds of its motion.
-    carrier
-        Which of them carry the tool.
     command_timeout, longest_step, speed
         See `JointTeleop`.
     guard

@@ -17,8 +17,6 @@ class IKKinematics:
 
     Parameters
     ----------
-    chain
-        From the base to the tool.
     limits
         Of its joints: positions and velocities, inside the URDF's.
     """

@@ -111,8 +111,6 @@ class JointTeleop(TeleopCore):
 
         Parameters
         ----------
-        jog
-            What is wanted.
         wall
             Time of arrival (monotonic, s).
         caller

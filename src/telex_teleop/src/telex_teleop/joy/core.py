@@ -28,8 +28,6 @@ class JoyTeleop:
 
     Parameters
     ----------
-    joy_map
-        What the controls do.
     pad
         Where they are in the messages.
     timeout

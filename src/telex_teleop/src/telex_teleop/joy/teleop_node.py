@@ -102,8 +102,6 @@ class JoyTeleopNode:
     ----------
     settings
         The node's parameters.
-    joy_map
-        What the controls do.
     pads
         Known pads.
     namespace

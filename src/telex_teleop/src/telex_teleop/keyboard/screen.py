@@ -172,12 +172,8 @@ def render(
 
     Parameters
     ----------
-    keys
-        What is bound to what.
     lengths
         Joints whose position is shown in mm instead of degrees.
-    state
-        What to show.
     columns, lines
         Size of the terminal.
     show_help

@@ -78,7 +78,6 @@ def require_number(field: str, value: float, largest: float) -> None:
     ----------
     field : str
         Where it stands.
-    value : float
     largest : float
         Magnitude that is possible; beyond, it comes from a fault.
     """

@@ -61,8 +61,6 @@ class CommandStream(Generic[Command]):
 
         Parameters
         ----------
-        command
-            What is wanted.
         now
             Time of arrival.
         caller

@@ -127,13 +127,7 @@ class Commands:
 
 
 class Commander:
-    """Sums all that is held, and sends a zero to what was let go.
-
-    Parameters
-    ----------
-    rates
-        What a full demand stands for.
-    """
+    """Sums all that is held, and sends a zero to what was let go."""
 
     def __init__(self, rates: Rates) -> None:
         self._rates = rates

@@ -23,7 +23,6 @@ def add_maps(app: web.Application, actions: str, joy_map: str) -> None:
 
     Parameters
     ----------
-    app
     actions, joy_map
         Paths of the files; empty: the shipped ones.
 

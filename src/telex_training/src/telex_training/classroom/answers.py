@@ -97,8 +97,6 @@ class Course:
 
     Attributes
     ----------
-    name, title : str
-    modules : tuple of str
     people : dict of str to tuple of str
         State of each module, by name; see `telex_training.progress.standing`.
     """

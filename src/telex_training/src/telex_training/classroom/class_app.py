@@ -46,7 +46,6 @@ class ClassApp:
 
     Parameters
     ----------
-    stations : sequence of Station
     token : str
         Empty: nobody is asked for one.
     pages : Path

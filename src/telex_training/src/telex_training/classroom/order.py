@@ -19,7 +19,6 @@ class Order:
     ----------
     stations : dict of str to str
         Trainee of each station, by its name.
-    exercise, setting, mode : str
     start : bool
         Whether its trial begins at once; otherwise the trainee reads the brief first.
     """

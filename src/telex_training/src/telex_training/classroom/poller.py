@@ -29,7 +29,6 @@ class StationPoller:
 
     Parameters
     ----------
-    station : Station
     pictures_wanted : callable
         Whether somebody looks at pictures.
 

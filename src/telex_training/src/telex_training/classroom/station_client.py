@@ -33,12 +33,7 @@ class StationError(RuntimeError):
 
 
 class StationClient:
-    """Asks one station. Use it as an asynchronous context manager, on the loop's thread.
-
-    Parameters
-    ----------
-    station : Station
-    """
+    """Asks one station. Use it as an asynchronous context manager, on the loop's thread."""
 
     def __init__(self, station: Station) -> None:
         self.station = station

@@ -33,7 +33,6 @@ class Picture:
         Counts up.
     kind : str
         Its media type.
-    data : bytes
     """
 
     number: int
@@ -43,11 +42,6 @@ class Picture:
 
 class StationWatch:
     """A station as the page shows it. Times are monotonic (s).
-
-    Parameters
-    ----------
-    station : Station
-    now : float
 
     Attributes
     ----------

@@ -23,8 +23,6 @@ class Context:
 
     Attributes
     ----------
-    world : World
-    zones : dict of str to Zone
     time : float
         Sim time of the sample (s).
     began : float, optional
@@ -35,7 +33,6 @@ class Context:
         Answered questions, and whether rightly; None: nobody knows.
     counts : dict of str to int
         Events of this repetition.
-    doses : DoseRecord
     """
 
     world: World
@@ -66,12 +63,7 @@ class Context:
 
 
 class Evaluator:
-    """A condition with what it has to remember; ask it at every sample.
-
-    Parameters
-    ----------
-    condition : Condition
-    """
+    """A condition with what it has to remember; ask it at every sample."""
 
     def __init__(self, condition: Condition) -> None:
         self._seconds = condition.seconds

@@ -58,7 +58,6 @@ def decode(entry: Entry, *kinds: str) -> Any:
 
     Parameters
     ----------
-    entry : Entry
     *kinds : str
         Types that its channel may have.
 

@@ -20,7 +20,6 @@ class MomentNote(NamedTuple):
     ----------
     at : float
         Time since the recording's first sample (s).
-    text : str
     by : str
         Name that whoever wrote it gave himself; empty: none.
     instructor : bool

@@ -42,7 +42,6 @@ class Progress(NamedTuple):
 
     Attributes
     ----------
-    bookmark : str
     number : int
         Of the repetition.
     seconds : float, optional
@@ -51,7 +50,6 @@ class Progress(NamedTuple):
         s.
     step_times, marks, answers
         See `Repetition`.
-    rights : dict of str to bool or None
     places : dict of str to tuple of 3 floats
     counts : dict of str to int
         See `Context`.
@@ -82,12 +80,10 @@ class Repetition:
     ----------
     number : int
         From 1.
-    exercise : Exercise
     context : Context
         Whose world is at the start.
     goals : dict of str to frozenset of str
         See `handling.goal_zones`.
-    activity : ActivityRecord
     expected : dict of str to str
         Right answers of this repetition.
     progress : Progress, optional

@@ -52,7 +52,6 @@ def summary(exercise: Exercise, repetitions: Sequence[Dict[str, Any]]) -> Dict[s
 
     Parameters
     ----------
-    exercise : Exercise
     repetitions : sequence of dict
         Those that ended, as `Repetition.sheet` has them.
     """

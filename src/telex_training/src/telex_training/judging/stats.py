@@ -39,8 +39,6 @@ def reliability_bound(count: int, faults: int, confidence: float = CONFIDENCE) -
     ----------
     count : int
         Repetitions, with those that had a fault.
-    faults : int
-    confidence : float
 
     Returns
     -------

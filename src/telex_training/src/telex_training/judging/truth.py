@@ -267,7 +267,6 @@ class World:
     ----------
     scene : Scene, optional
         For where that stands which does not move by itself.
-    urdf : str
 
     Attributes
     ----------

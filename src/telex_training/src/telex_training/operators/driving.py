@@ -55,12 +55,10 @@ def drive_to(station: Station, goal: Point, speed: float = 0.5, backwards: bool 
 
     Parameters
     ----------
-    station : Station
     goal : tuple of 2 floats
         For base_link, in the station's course (m).
     speed : float
         At most (m/s).
-    backwards : bool
 
     Raises
     ------
@@ -101,12 +99,10 @@ def run_to(
 
     Parameters
     ----------
-    station : Station
     goal : tuple of 2 floats
         For base_link (m).
     speed : float
         At most (m/s).
-    backwards : bool
     heading : float, optional
         Of the line that leads there (rad), for one who has to arrive so; without it, the line is
         that from where the robot is.

@@ -18,7 +18,6 @@ class Eye:
 
     Parameters
     ----------
-    station : Station
     camera : str
         E.g. gripper.
 

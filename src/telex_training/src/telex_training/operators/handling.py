@@ -45,12 +45,7 @@ def aimed(
 
 
 class Hand:
-    """Arm and gripper at a station.
-
-    Parameters
-    ----------
-    station : Station
-    """
+    """Arm and gripper at a station."""
 
     def __init__(self, station: Station) -> None:
         self.station = station

@@ -98,7 +98,6 @@ class Observation:
         Of base_link.
     positions, velocities : mapping of str to float
         Of the joints, by their full names (rad, m; rad/s, m/s).
-    grip : Grip
     notices : mapping of str to Notice
         The last of each teleoperation node, such as ``arm_teleop``.
     """

@@ -66,10 +66,6 @@ class Operator(abc.ABC):
 
     Nothing here knows of a simulation: time passes by the port alone.
 
-    Parameters
-    ----------
-    port : Port
-
     Attributes
     ----------
     time : float
@@ -185,7 +181,6 @@ class Operator(abc.ABC):
 
         Parameters
         ----------
-        reached : callable
         timeout : float
             s.
         what : str
@@ -221,7 +216,6 @@ class Operator(abc.ABC):
 
         Parameters
         ----------
-        reached : callable
         settings : sequence of FlipperAngles
             The next is tried, round and round, when there is no progress with one.
         timeout : float

@@ -48,13 +48,8 @@ class Station(Operator):
     A command is held until it is released, as a key is; it is repeated at each look. What the base
     does is given in the frame of a course, so that a script for one along x serves anywhere.
 
-    Parameters
-    ----------
-    port : TeleopPort
-
     Attributes
     ----------
-    port : TeleopPort
     notices : dict of str to str
         What the teleoperation nodes have said last.
     """
@@ -297,12 +292,7 @@ class Station(Operator):
 
 
 class Keys(PresetKeys):
-    """The preset keys of a station; what is held is repeated by its looks.
-
-    Parameters
-    ----------
-    station : Station
-    """
+    """The preset keys of a station; what is held is repeated by its looks."""
 
     def __init__(self, station: Station) -> None:
         super().__init__(station)

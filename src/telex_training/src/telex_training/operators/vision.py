@@ -114,7 +114,6 @@ def find(image: np.ndarray, color: Color, least: float = 40.0) -> Optional[Blob]
     ----------
     image : ndarray, shape (height, width, 3), uint8
         Blue, green, red.
-    color : Color
     least : float
         Area (pixels) of what counts.
 
@@ -181,7 +180,6 @@ def cube_place(
 
     Parameters
     ----------
-    view : View
     blob : Blob
         The cube in it, all of it.
     height : float

@@ -23,7 +23,6 @@ class GroupFigures:
 
     Attributes
     ----------
-    name : str
     medians : dict of str to float
         By person: the median over the completed repetitions.
     repetitions : int
@@ -53,7 +52,6 @@ class Comparison:
 
     Attributes
     ----------
-    exercise, setting, metric, unit : str
     groups : tuple of GroupFigures
         The first and the second.
     difference : Difference or None

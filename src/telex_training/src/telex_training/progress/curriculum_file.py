@@ -74,14 +74,12 @@ class Module:
 
     Attributes
     ----------
-    exercise : str
     setting : str
         Empty: the exercise's first.
     name : str
         Of the module; by default the exercise's.
     needs : tuple of str
         Names of the modules that come before it.
-    proficient : Proficient
     """
 
     exercise: str
@@ -102,7 +100,6 @@ class ExamPart:
 
     Attributes
     ----------
-    exercise, setting : str
     repetitions : int
         That the trial has at least.
     faults : int
@@ -152,12 +149,8 @@ class Curriculum:
 
     Attributes
     ----------
-    path : Path
-    name, title, description : str
     modules : tuple of Module
         In the order in which they are offered.
-    exam : tuple of ExamPart
-    currency : Currency or None
     """
 
     path: Path
@@ -193,7 +186,6 @@ def parse_curriculum(text: str, path: Path) -> Curriculum:
 
     Parameters
     ----------
-    text : str
     path : Path
         Of the file: for messages, and for the name where it gives none.
 

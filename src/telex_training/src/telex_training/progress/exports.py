@@ -115,7 +115,6 @@ def statements(trials: Sequence[TrialFacts], base: str = BASE) -> Iterator[Dict[
 
     Parameters
     ----------
-    trials : sequence of TrialFacts
     base : str
         Beginning of the addresses that name people, exercises and sheets.
     """

@@ -26,7 +26,6 @@ class Imported:
 
     Attributes
     ----------
-    path : Path
     what : str
         See `NEW`.
     reason : str

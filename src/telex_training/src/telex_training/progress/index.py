@@ -96,7 +96,6 @@ class Person:
     ----------
     name : str
         Empty: trials under no name.
-    trials : int
     first, last : float
         Wall times of the first and the last trial (s since the epoch).
     """

@@ -144,8 +144,6 @@ def difference_of_medians(
     ----------
     first, second : sequence of float
         One value for each person.
-    confidence : float
-    resamples : int
 
     Returns
     -------

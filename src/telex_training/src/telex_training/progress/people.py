@@ -60,7 +60,6 @@ def forget(index: ProgressIndex, name: str, pseudonym: str = "") -> Forgotten:
 
     Parameters
     ----------
-    index : ProgressIndex
     name : str
         Exactly as in the trials.
     pseudonym : str
@@ -157,7 +156,6 @@ def expire(index: ProgressIndex, days: float, now: Optional[float] = None) -> Li
 
     Parameters
     ----------
-    index : ProgressIndex
     days : float
         Above 0.
     now : float, optional

@@ -24,7 +24,6 @@ class Weakness:
 
     Attributes
     ----------
-    metric : MetricFacts
     missed, count : int
         How often it was beyond its bound, of how many figures.
     shortfall : float
@@ -43,7 +42,6 @@ class Skill:
 
     Attributes
     ----------
-    operator, exercise, setting, title : str
     trials, invalid : int
         Valid trials, and those that do not count.
     repetitions : tuple of RepetitionFacts
@@ -56,7 +54,6 @@ class Skill:
         Least time of a completed repetition, with its penalties (s).
     times : tuple of float
         Of the completed repetitions, likewise.
-    curve : tuple of CurvePoint or None
     cusum : Cusum
         Of repetitions that did not pass.
     recent, recent_faults : int
@@ -69,7 +66,6 @@ class Skill:
         Rate of the recent repetitions to the expert's.
     provisional : bool
         Whether the expert is a script.
-    weakest : tuple of Weakness
     workloads : tuple of float
         Of the trials that the operator has rated, of 100; invalid ones, too.
     """

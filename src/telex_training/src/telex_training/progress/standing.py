@@ -29,7 +29,6 @@ class Credit:
         Passed since then.
     used : int
         Repetitions, up to the one with which it was mastered.
-    mastered : bool
     """
 
     row: int
@@ -45,7 +44,6 @@ def credit(passed: Sequence[bool], rule: Proficient) -> Credit:
     ----------
     passed : sequence of bool
         Of each repetition, the oldest first.
-    rule : Proficient
     """
     row = more = used = 0
     for each in passed[: rule.most or None]:
@@ -65,10 +63,8 @@ class ModuleStanding:
 
     Attributes
     ----------
-    module : Module
     state : str
         See `PROFICIENT`.
-    credit : Credit
     """
 
     module: Module
@@ -82,7 +78,6 @@ class ExamStanding:
 
     Attributes
     ----------
-    part : ExamPart
     tries : int
         Exams that are valid.
     passed : str
@@ -103,11 +98,8 @@ class Standing:
 
     Attributes
     ----------
-    curriculum : Curriculum
     begun : bool
         Whether there is any trial of its exercises.
-    modules : tuple of ModuleStanding
-    exam : tuple of ExamStanding
     current_until : float or None
         Wall time up to which the skill of ``currency`` counts (s since the epoch); None: there is
         no such skill, or it was never shown.
@@ -131,7 +123,6 @@ def standing(curriculum: Curriculum, trials: Sequence[TrialFacts], now: float) -
 
     Parameters
     ----------
-    curriculum : Curriculum
     trials : sequence of TrialFacts
         One person's, the oldest first.
     now : float

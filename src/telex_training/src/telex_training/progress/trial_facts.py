@@ -35,7 +35,6 @@ class RepetitionFacts:
         Sim time of its beginning, its time, and what penalties add (s).
     fault : str
         Empty: none.
-    completed : bool
     passed : bool
         Completed, with every metric within its bound.
     metrics : dict of str to float or None
@@ -62,8 +61,6 @@ class MetricFacts:
 
     Attributes
     ----------
-    name, kind, unit, text : str
-    more_is_better : bool
     value, bound, expert : float or None
         Of the trial, to pass, and the expert's mean.
     """
@@ -91,7 +88,6 @@ class MarkFacts:
     ----------
     verdict : str
         ``passed`` or ``failed``.
-    reason, by : str
     """
 
     verdict: str
@@ -109,11 +105,8 @@ class TrialFacts:
         By which trials are told apart: its name.
     began_ns : int
         Wall time of its first entry (ns since the epoch).
-    operator, exercise, title, setting, mode, software, ended : str
-    seed : int or None
     seconds : float
         Its length in sim time (s).
-    valid : bool
     verdict : str
         ``passed``, ``failed``, or empty: none.
     provisional : bool
@@ -124,8 +117,6 @@ class TrialFacts:
         Public key whose signature is over just this recording of an exam; empty: none.
     flaw : str
         Why an exam has no signature that counts; empty for others.
-    repetitions : tuple of RepetitionFacts
-    metrics : tuple of MetricFacts
     marks : tuple of MarkFacts
         The last one counts.
     workload : tuple of float
@@ -190,7 +181,6 @@ def read_trial(path: Path, verify: bool = False) -> TrialFacts:
 
     Parameters
     ----------
-    path : Path
     verify : bool
         Whether to judge the recording anew, too: its sheet has to be the one that comes of it.
 

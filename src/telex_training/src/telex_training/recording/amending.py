@@ -29,8 +29,6 @@ def amend(path: Path, inputs: Sequence[Mapping[str, Any]], wall_ns: int) -> str:
 
     Parameters
     ----------
-    path : Path
-    inputs : sequence of mapping
     wall_ns : int
         Wall time of them (ns).
 

@@ -19,7 +19,6 @@ class Inbox:
 
     Parameters
     ----------
-    judge : callable
     writer : RecordingWriter, optional
         Records each entry, too.
     """

@@ -77,7 +77,6 @@ def rename_person(path: Path, name: str, pseudonym: str) -> Optional[Renamed]:
 
     Parameters
     ----------
-    path : Path
     name : str
         As it stands in the recording, not empty.
     pseudonym : str

@@ -26,12 +26,10 @@ class Recording:
 
     Attributes
     ----------
-    path : Path
     entries : list of Entry
         In the order of their arrival.
     walls : list of int
         Wall time of each arrival (ns since the epoch).
-    attachments : dict of str to Attachment
     whole : bool
         Whether it was closed; otherwise it was cut off, and what is here is what is left.
     repeated : list of str

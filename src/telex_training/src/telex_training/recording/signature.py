@@ -92,7 +92,6 @@ def verified(recording: Recording, keys: Mapping[str, str]) -> Signature:
 
     Parameters
     ----------
-    recording : Recording
     keys : mapping of str to str
         Names of stations by the public keys that count.
     """

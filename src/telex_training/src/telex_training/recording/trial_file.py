@@ -46,8 +46,6 @@ class Trial:
         Its name, which is that of the file without its suffix.
     exercise : str
         Path of the exercise's file when the trial began.
-    setting, mode, operator, software : str
-    seed : int
     """
 
     trial: str
@@ -81,7 +79,6 @@ def attachments(
 
     Parameters
     ----------
-    trial : Trial
     exercise, scene, urdf : str
         Texts of the exercise's file, of the scene as it was loaded, and of the robot.
     cameras : mapping
@@ -170,7 +167,6 @@ def signature_of(path: Path, keys: Mapping[str, str]) -> Signature:
 
     Parameters
     ----------
-    path : Path
     keys : mapping of str to str
         See `verified`.
 

@@ -149,7 +149,6 @@ class RecordingWriter:
 
         Parameters
         ----------
-        attachments : mapping of str to Attachment
         seal : callable, optional
             Makes the last ones.
 

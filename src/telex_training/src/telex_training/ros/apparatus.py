@@ -80,10 +80,6 @@ class Apparatus:
     def set_line(self, link: Link) -> None:
         """Set the line to the operator; what it was is remembered the first time.
 
-        Parameters
-        ----------
-        link : Link
-
         Raises
         ------
         ApparatusError

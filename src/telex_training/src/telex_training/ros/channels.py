@@ -88,7 +88,6 @@ def hear_decoded(topic: str, kind: Type[Any], take: Callable[[Any], None]) -> ro
 
     Parameters
     ----------
-    topic : str
     kind : type
         Of its messages.
     take : callable
@@ -108,7 +107,6 @@ class Channels:
 
     Parameters
     ----------
-    take : callable
     more : sequence of str
         Further topics that are recorded, such as lamps' and the zoom's.
     """

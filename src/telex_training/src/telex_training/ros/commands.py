@@ -24,13 +24,7 @@ from ..operators.port import (
 
 
 class TopicPublishers:
-    """Publishers of a robot's topics, made when they are first needed.
-
-    Parameters
-    ----------
-    node : NodeHandle
-        Of the robot's namespace.
-    """
+    """Publishers of a robot's topics, made when they are first needed."""
 
     def __init__(self, node: NodeHandle) -> None:
         self._node = node

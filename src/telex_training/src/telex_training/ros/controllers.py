@@ -21,8 +21,6 @@ class ControllerTopics(Port):
 
     Parameters
     ----------
-    node : NodeHandle
-        Of the robot's namespace.
     advance : callable
         Lets so much sim time (s) pass, and returns once its messages are there.
 

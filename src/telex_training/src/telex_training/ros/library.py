@@ -12,12 +12,7 @@ from ..recording.writer import RecordingError
 
 
 class Library:
-    """The recordings of a folder; a sheet is read again only where its file has changed.
-
-    Parameters
-    ----------
-    folder : Path
-    """
+    """The recordings of a folder; a sheet is read again only where its file has changed."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder

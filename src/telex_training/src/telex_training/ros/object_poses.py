@@ -13,13 +13,7 @@ from telex_control.ros.node_handle import NodeHandle
 
 
 class ObjectPoses:
-    """Poses of the links of all objects, by ``sim/scene`` and ``sim/poses``.
-
-    Parameters
-    ----------
-    node : NodeHandle
-        Of the simulator's namespace.
-    """
+    """Poses of the links of all objects, by ``sim/scene`` and ``sim/poses``."""
 
     def __init__(self, node: NodeHandle) -> None:
         self._lock = threading.Lock()

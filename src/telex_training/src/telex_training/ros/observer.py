@@ -26,8 +26,6 @@ class Observer:
 
     Parameters
     ----------
-    node : NodeHandle
-        Of the robot's namespace.
     teleop : bool
         Whether to listen to the teleoperation nodes and to the gripper's contacts as well.
 

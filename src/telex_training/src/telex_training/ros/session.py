@@ -57,15 +57,12 @@ class Session:
 
     Parameters
     ----------
-    file : ExerciseFile
     exercise : Exercise
         In its setting.
-    mode, operator, software : str
     folder : Path
         For the recording.
     about : mapping
         ``urdf``, ``cameras`` and ``meshes`` of the robot, see `attachments`.
-    apparatus : Apparatus
     recorded : sequence of str
         Further topics that are recorded.
     changed : callable

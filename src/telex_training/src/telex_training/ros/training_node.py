@@ -73,12 +73,7 @@ _SILENT = 5.0
 
 
 class TrainingNode:
-    """Lets operators and instructors open exercises, do them, and see how well it went.
-
-    Parameters
-    ----------
-    settings : TrainingSettings
-    """
+    """Lets operators and instructors open exercises, do them, and see how well it went."""
 
     def __init__(self, settings: TrainingSettings) -> None:
         self._settings = settings
@@ -181,7 +176,6 @@ class TrainingNode:
             Of its file.
         setting, mode : str
             Empty: the first setting, practice.
-        operator : str
 
         Raises
         ------

@@ -20,10 +20,6 @@ from ..urdf_tree import FIXED
 def joint_frames(chain: Chain) -> Tuple[np.ndarray, np.ndarray]:
     """Return the constants of a chain.
 
-    Parameters
-    ----------
-    chain : Chain
-
     Returns
     -------
     links : ndarray, shape (n + 1, 3, 4)

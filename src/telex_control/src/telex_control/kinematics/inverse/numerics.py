@@ -20,11 +20,6 @@ class ChainNumerics:
 
     All joint vectors are float64 of shape (n,), all boxes are (lower, upper) with lower <= upper;
     what is answered is within the box.
-
-    Parameters
-    ----------
-    chain : Chain
-    options : IKOptions
     """
 
     default_iterations = 6000

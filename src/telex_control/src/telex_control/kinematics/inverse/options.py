@@ -95,7 +95,6 @@ class IKOptions:
 
     Attributes
     ----------
-    tolerance : Tolerance
     goal : str
         One of `Goal`.
     mode : str

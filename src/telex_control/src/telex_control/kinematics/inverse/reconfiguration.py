@@ -28,10 +28,8 @@ class PostureSearch:
 
     Parameters
     ----------
-    numerics : ChainNumerics
     box : pair of ndarray, shape (n,)
         Position limits.
-    options : IKOptions
     """
 
     def __init__(
@@ -68,7 +66,6 @@ class PostureSearch:
 
         Parameters
         ----------
-        task : Task
         here : ndarray, shape (n,)
             The present posture, which does not reach the target.
         dt : float

@@ -34,7 +34,6 @@ class IKResult:
         CONVERGED or BEST_EFFORT.
     position_error, orientation_error : float
         Distance from the target (m, rad), beyond the bounds of the tolerance.
-    iterations, restarts : int
     """
 
     q: np.ndarray
@@ -60,7 +59,6 @@ class TrackResult:
         The next joint reference (rad, m).
     velocity : ndarray, shape (n,)
         On the way there (rad/s, m/s).
-    status : IKStatus
     position_error, orientation_error : float
         Distance of `q` from the target (m, rad), beyond the bounds of the tolerance.
     at_limits, at_speed : tuple of str

@@ -81,8 +81,6 @@ class IKSolver:
 
     Parameters
     ----------
-    chain : Chain
-    options : IKOptions, optional
     velocity_limits : sequence of float, shape (n,), optional
         Replace the URDF's (rad/s, m/s) in tracking.
     position_limits : pair of sequences of float, shape (n,), optional
@@ -90,8 +88,6 @@ class IKSolver:
 
     Attributes
     ----------
-    chain : Chain
-    options : IKOptions
     numerics : ChainNumerics
         The compiled kinematics that it computes with.
 

@@ -93,9 +93,6 @@ class Outcome(NamedTuple):
     Attributes
     ----------
     q : ndarray, shape (n,)
-    converged : bool
-    position_error, orientation_error : float
-    iterations, restarts : int
     """
 
     q: np.ndarray
@@ -111,11 +108,9 @@ class Tick(NamedTuple):
 
     Attributes
     ----------
-    outcome : Outcome
     held : ndarray, shape (n,)
         Joints that would go on, upwards (above 0) or downwards: 2 or -2 where a position limit
         holds them, 1 or -1 where their reach does, else 0.
-    sigma : float
     direction : ndarray, shape (6,)
         See `TrackResult`.
     """

@@ -27,7 +27,6 @@ class DirectConnection(QueuedConnection):
 
     Parameters
     ----------
-    connection : TCPROSTransport
     queue_size : int
         So many messages wait at most; then the oldest is dropped. 0: all are kept.
     """

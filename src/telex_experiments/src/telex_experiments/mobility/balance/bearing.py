@@ -166,7 +166,6 @@ class Standing:
         Front and rear (rad): `FLAT` or `RAISED`.
     ground : str
         Of `GROUNDS`; the slope has 15 degrees.
-    start : Start
     **options
         See `Trial`.
 
@@ -332,7 +331,6 @@ def springs(
 
     Parameters
     ----------
-    simulation : Simulation
     spots : ndarray, shape (n, 3)
         Of the springs, in the root link (m).
     stiffness : float

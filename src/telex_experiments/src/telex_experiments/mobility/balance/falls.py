@@ -134,7 +134,6 @@ class SlowFall:
         Joints that move: from, to, and how fast (rad, rad/s).
     speed : float
         m/s.
-    friction : float
     """
 
     objects: List[Dict[str, Any]]

@@ -31,7 +31,6 @@ class Wheel:
 
     Attributes
     ----------
-    name : str
     x, y : float
         Of its axle in base_link, or of its swivel's axis (m).
     radius : float
@@ -53,7 +52,6 @@ class Robot:
 
     Attributes
     ----------
-    wheels : sequence of Wheel
     mass : float
         Of the hull (kg).
     center : sequence of 3 floats
@@ -158,7 +156,6 @@ class Wheeled:
 
     Parameters
     ----------
-    robot : Robot
     ground : str
         Of `bearing.GROUNDS` without the slope: a diff drive has no brakes.
     step_size : float

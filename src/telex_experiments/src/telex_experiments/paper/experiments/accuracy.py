@@ -156,7 +156,6 @@ class Measured:
 
     Attributes
     ----------
-    point : Point
     rms, largest : float
         Errors along the path (mm).
     cpu : float

@@ -37,7 +37,6 @@ class Led:
 
     Attributes
     ----------
-    figures : Figures
     digest : str
         SHA-256 of all joint states from the reset to the end, as messages.
     """

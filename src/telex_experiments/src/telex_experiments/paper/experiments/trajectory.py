@@ -35,7 +35,6 @@ class Way:
     ----------
     name : str
         Of the tool's figures.
-    title : str
     arguments : tuple of str
         Of ``follow_trajectory``.
     """

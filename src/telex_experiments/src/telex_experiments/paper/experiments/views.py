@@ -48,7 +48,6 @@ class View:
 
     Attributes
     ----------
-    camera : str
     distance, radius : float
         Of the ball on the camera's axis (m).
     """

@@ -25,10 +25,6 @@ class Film:
 
     Parameters
     ----------
-    station : Station
-        Whose time it goes by.
-    node : NodeHandle
-        Of the robot's namespace.
     interval : float
         At least so much between two pictures (s).
     """

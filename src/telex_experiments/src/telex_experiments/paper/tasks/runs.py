@@ -40,7 +40,6 @@ class TaskRuns:
 
     Parameters
     ----------
-    session : Session
     make : callable
         Makes the task.
     cameras : sequence of str

@@ -11,8 +11,6 @@ class FrameTarget:
 
     Parameters
     ----------
-    context
-        To draw with.
     width, height
         Of the picture (pixels).
     samples

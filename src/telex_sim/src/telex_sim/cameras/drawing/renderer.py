@@ -54,8 +54,6 @@ class Renderer:
     ----------
     context
         OpenGL 3.3 or later; it is the renderer's alone.
-    quality, lighting
-        What to draw with.
     package_path
         Gives the directory of a ROS package, for package:// addresses.
     store

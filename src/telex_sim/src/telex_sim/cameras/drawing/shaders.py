@@ -393,8 +393,6 @@ def lit_source(
 
     Parameters
     ----------
-    variant
-        What is needed.
     shadow_lookups
         In the sun's shadow maps for each pixel.
     lamp_lookups

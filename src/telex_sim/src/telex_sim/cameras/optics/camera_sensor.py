@@ -20,8 +20,6 @@ class CameraSensor:
 
     Parameters
     ----------
-    config
-        Of the camera.
     zoom
         Factor on the focal length.
     seed
@@ -31,7 +29,6 @@ class CameraSensor:
 
     Attributes
     ----------
-    config : OpticsConfig
     camera : LensCamera
         That the pictures are of; what sensor_msgs/CameraInfo describes.
 

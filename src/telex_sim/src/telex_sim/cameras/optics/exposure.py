@@ -77,8 +77,6 @@ class ExposureControl:
 
         Parameters
         ----------
-        config
-            How to choose it.
         stamp
             Sim time of the picture (ns); may jump back when the simulation restarts.
 

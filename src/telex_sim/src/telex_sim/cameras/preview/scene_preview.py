@@ -180,8 +180,6 @@ def photograph(
 
     Parameters
     ----------
-    subject
-        What to show.
     camera, optical_in_world
         As for `Renderer.render`.
     quality
@@ -231,8 +229,6 @@ def framed(subject: Subject, fov: float, aspect: float) -> View:
 
     Parameters
     ----------
-    subject
-        What to show.
     fov
         Full width of view (rad).
     aspect

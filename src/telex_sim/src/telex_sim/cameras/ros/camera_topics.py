@@ -80,14 +80,10 @@ class CameraStream:
     ----------
     name
         Of the camera; the topics stand under ``cameras/<name>``.
-    config
-        Of the camera.
     optical_frame
         What messages call the frame that they are in.
     scene_frame
         The frame in the scene on which the camera depends.
-    locate
-        Gives the camera's pose.
     repeat_rate
         Pictures per second while the poses stand still.
     seed

@@ -58,8 +58,6 @@ class CamerasNode:
 
     Parameters
     ----------
-    config
-        Of the node.
     make_renderer
         Makes what draws; called by the thread that constructs the node, which must be the one that
         calls ``run``, and again when what it depends on is changed.

@@ -19,7 +19,6 @@ def changed(config: Config, text: str, fixed: Collection[str]) -> Config:
 
     Parameters
     ----------
-    config : dataclass
     text : str
         YAML: a struct with some of its keys, and keys of structs in it; empty for none.
     fixed : collection of str

@@ -17,8 +17,6 @@ class Overview:
 
     Parameters
     ----------
-    config
-        Of the camera.
     model
         Name in the scene of the robot that it follows.
     seed

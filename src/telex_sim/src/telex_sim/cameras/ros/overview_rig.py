@@ -16,8 +16,6 @@ class OverviewRig:
 
     Parameters
     ----------
-    view
-        Where it is at first.
     smoothing
         Time constant of its movements (s); 0: none.
     """

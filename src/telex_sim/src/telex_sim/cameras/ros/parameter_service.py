@@ -35,8 +35,6 @@ class CameraService:
 
     Parameters
     ----------
-    config
-        Of the node.
     streams
         The cameras.
     namespace

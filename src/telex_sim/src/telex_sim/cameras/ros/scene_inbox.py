@@ -14,7 +14,6 @@ class Arrival(NamedTuple):
 
     Attributes
     ----------
-    poses : ScenePoses
     earlier : ScenePoses, optional
         Those before them, of the same scene.
     time : float

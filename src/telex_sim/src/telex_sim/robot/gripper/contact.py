@@ -25,7 +25,6 @@ class PadContact(NamedTuple):
 
     Attributes
     ----------
-    link : str
     objects : tuple of str
         Names of what it presses on.
     normal_force, friction_force : float
@@ -55,10 +54,8 @@ class GripperContact(NamedTuple):
         That clamps what is held: the smaller normal force of both pads on it (N); 0: nothing is.
     object : str
         Name of what both pads press on from opposite sides; empty: nothing.
-    slipping : bool
     slip_speed : float
         Of what is held along the pads, on the faster one (m/s).
-    pads : tuple of PadContact
     """
 
     opening: float
@@ -96,7 +93,6 @@ class GripperContacts(Stateful):
 
     Parameters
     ----------
-    body : Body
     config : GripperContactConfig
         Its pads are links of `body`.
     """

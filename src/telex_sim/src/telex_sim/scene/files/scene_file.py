@@ -104,7 +104,6 @@ def load_scene(path: Path, check: Optional[Check] = None) -> Scene:
 
     Parameters
     ----------
-    path : Path
     check : callable, optional
         Looks further, for example into the files that an object names.
 
@@ -148,7 +147,6 @@ def parse_scene(
 
     Parameters
     ----------
-    text : str
     path : Path
         Of the file, for messages, and for the scene's name when it gives none.
     check : callable, optional

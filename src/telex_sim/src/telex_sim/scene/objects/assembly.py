@@ -81,14 +81,12 @@ class Segment:
         Of its frame in the parent's, with the joint at 0; of the first in the object's frame.
     joint : Joint, optional
         HINGE or SLIDE; None where it is fixed to its parent.
-    shapes : tuple of Shape
     mass : float
         kg; 0 where it is static.
     center : tuple of 3 floats
         Centre of mass in its frame.
     moments, axes : tuple of float
         Principal moments of inertia (kg m2), and their orientation in its frame.
-    friction, rolling_friction : float
     """
 
     link: str
@@ -164,8 +162,6 @@ def assemble(item: SceneObject, assets: Assets, step_size: float) -> Assembly:
 
     Parameters
     ----------
-    item : SceneObject
-    assets : Assets
     step_size : float
         Of the physics (s): it bounds how stiff a closer can be.
 

@@ -203,7 +203,6 @@ class SceneBodies:
 
         Parameters
         ----------
-        plans : sequence of Assembly
         robots : sequence of int
             Bodies in which no object may stand.
 

@@ -27,10 +27,6 @@ class SceneField:
 
     It is of the objects that there are when it is made: when one comes or goes, or the scene is
     put back, another takes its place.
-
-    Parameters
-    ----------
-    objects : SceneBodies
     """
 
     def __init__(self, objects: SceneBodies) -> None:

@@ -99,7 +99,6 @@ class Mechanism(Stateful):
     ----------
     client, uid : int
         PyBullet's, of the body.
-    plan : BodyPlan
     step_size : float
         Time between calls of `apply` (s).
     """

@@ -47,8 +47,6 @@ class Rosbridge:
         ROS.
     warn
         Called with what an administrator should know.
-    tokens
-        What clients must know.
     memory
         Where the line's setting outlives a crash; None: it does not.
     """

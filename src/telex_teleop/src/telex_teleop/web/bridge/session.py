@@ -38,8 +38,6 @@ class Shared:
         The node's parameters.
     ros
         ROS.
-    rights
-        What clients may do.
     exam_rights
         What clients may do while an exam runs.
     proven
@@ -118,8 +116,6 @@ class ClientSession:
         The client as others see it.
     shared
         What it shares with others.
-    outbox
-        What goes to the client.
     drop
         Cuts the connection, with the reason.
 

@@ -35,8 +35,6 @@ class Roster:
 
     Parameters
     ----------
-    control
-        Who is there.
     publishers
         Where publishers come from.
     ros
@@ -95,8 +93,6 @@ class NodeWatch:
 
     Parameters
     ----------
-    ros
-        Where to look.
     publishers
         Where publishers come from.
     other_robots

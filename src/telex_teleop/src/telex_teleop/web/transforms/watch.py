@@ -87,8 +87,6 @@ class Watch:
 
         Parameters
         ----------
-        lookup
-            Where they are.
         stamp
             Present time, for their headers.
         """

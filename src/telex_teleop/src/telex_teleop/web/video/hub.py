@@ -127,8 +127,6 @@ class PictureHub:
 
         Parameters
         ----------
-        viewer, variant
-            Who, and what.
         show_newest
             Offer the last picture at once; otherwise the viewer begins with the next one.
         likely_passes

@@ -184,10 +184,6 @@ def encode(picture: Picture, variant: Variant, default_quality: int) -> EncodedP
 
     Parameters
     ----------
-    picture
-        What came from ROS.
-    variant
-        What is asked for.
     default_quality
         JPEG quality (1 to 100) where the variant names none.
 

@@ -32,10 +32,6 @@ class ContactRecord:
     """What the robot touched since the repetition began.
 
     Contacts that there were already when it began are no new ones.
-
-    Parameters
-    ----------
-    allowed : telex_training.exercises.model.Contacts
     """
 
     def __init__(self, allowed: Allowed) -> None:
@@ -48,7 +44,6 @@ class ContactRecord:
 
         Parameters
         ----------
-        world : World
         time : float
             s.
         span : float
@@ -107,7 +102,6 @@ class ContactRecord:
 
         Parameters
         ----------
-        kind : str
         thing : str
             Contacts with this one alone, allowed or not; empty: all that are not allowed.
         """

@@ -38,7 +38,6 @@ def way_through(maze: Maze, at: Tuple[float, float]) -> List[driving.Point]:
 
     Parameters
     ----------
-    maze : Maze
     at : tuple of 2 floats
         Its middle (m); it is not turned.
     """
@@ -81,7 +80,6 @@ class Section:
 
     Attributes
     ----------
-    name, title : str
     drive : callable
         Drives it; raises `NotManagedError`.
     view : View

@@ -23,7 +23,6 @@ class Verdict:
 
     Attributes
     ----------
-    done : bool
     measure : float
         What was asked for, in the task's unit.
     text : str

@@ -48,7 +48,6 @@ def settings(ground: Ground, x: float, y: float, clearance: float) -> Dict[str, 
 
     Parameters
     ----------
-    ground : callable
     x, y : float
         Of base_link (m).
     clearance : float

@@ -27,7 +27,6 @@ class Gap:
         Of the platforms (m).
     platform, ramp : float
         Lengths (m).
-    friction : float
     middle : float
         Of the gap, along x (m).
     """

@@ -47,7 +47,6 @@ class CrossingRamps:
         Ramps in a column.
     length, width : float
         Of a ramp (m).
-    friction : float
     angle : float
         Of a ramp (rad).
     start : float
@@ -98,9 +97,6 @@ class Stepfield:
 
     Attributes
     ----------
-    pattern : str
-    pallets, seed : int
-    friction : float
     start : float
         Where it begins (m).
     """
@@ -162,8 +158,6 @@ def cross(operator: Operator, ground: footing.Ground, end: float, speed: float =
 
     Parameters
     ----------
-    operator : Operator
-    ground : callable
     end : float
         Where it is level again (m).
     speed : float

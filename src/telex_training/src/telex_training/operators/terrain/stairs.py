@@ -33,7 +33,6 @@ class Stairs:
     ----------
     rise, run : float
         Of a step (m).
-    steps : int
     landing : float
         Its length (m).
     friction : float

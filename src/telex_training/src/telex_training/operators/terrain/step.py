@@ -107,8 +107,6 @@ def mount(operator: Operator, step: Step, first: Sequence[FlipperAngles] = ()) -
 
     Parameters
     ----------
-    operator : Operator
-    step : Step
     first : sequence of FlipperAngles
         What is tried before `PULL` to bring up the rear.
 

@@ -44,7 +44,6 @@ def class_report(
         Those that somebody has begun are shown.
     now : float
         Wall time (s since the epoch).
-    title : str
     """
     every = sorted((each for own in people.values() for each in own), key=lambda each: each.began)
     parts = [f"<h1>{escape(title)}</h1>", lead(every, now, len(people))]

@@ -37,7 +37,6 @@ def person_report(
 
     Parameters
     ----------
-    name : str
     trials : sequence of TrialFacts
         That person's, the oldest first.
     courses : sequence of Curriculum

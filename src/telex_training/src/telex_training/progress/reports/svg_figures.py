@@ -106,7 +106,6 @@ def learning_figure(
     ----------
     times : sequence of float
         Of the completed repetitions, not empty (s).
-    curve : sequence of CurvePoint, optional
     expert : float, optional
         The expert's time (s).
     """
@@ -163,8 +162,6 @@ def strip_figure(
     ----------
     rows : sequence of (str, sequence of float)
         At least one with a figure.
-    unit : str
-    expert : float, optional
     """
     values = [value for _, row in rows for value in row] + ([expert] if expert else [])
     low, high = min(0.0, *values), max(0.0, *values)

@@ -23,10 +23,8 @@ class OpenTrial(NamedTuple):
 
     Attributes
     ----------
-    trial : str
     exercise : Exercise
         In its setting.
-    mode, operator : str
     """
 
     trial: str

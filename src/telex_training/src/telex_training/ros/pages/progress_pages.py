@@ -33,7 +33,6 @@ class ProgressPages:
 
     Parameters
     ----------
-    index : ProgressIndex
     instructs : callable
         Whether whoever asks is an instructor.
     name_of : callable

@@ -36,13 +36,10 @@ class Pages(PageServer):
 
     Parameters
     ----------
-    library : Library
     folder : Path
         Of the recordings.
     port : int
         0: any free one.
-    rate : callable
-    class_pages : ClassPages
 
     Attributes
     ----------

@@ -18,10 +18,8 @@ class Wanted(NamedTuple):
 
     Attributes
     ----------
-    name : str
     replaces : str
         Name of the one that goes for it; empty: none does.
-    kind : str
     """
 
     name: str

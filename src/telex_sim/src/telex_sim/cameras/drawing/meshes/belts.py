@@ -112,8 +112,6 @@ class Riders:
 
     Parameters
     ----------
-    outline, places
-        Of the belt.
     positions, normals
         At rest, shape (V, 3); normals may be left out.
     """

@@ -39,14 +39,10 @@ class GpuMesh:
 
     Parameters
     ----------
-    context
-        To draw with.
     vertices, triangles
         As `batching.merge` returns them.
     shadow_detail
         What is smaller need not show in shadows (m).
-    store
-        Where coarser shapes are kept.
 
     Attributes
     ----------

@@ -49,8 +49,6 @@ class GpuScene:
 
     Parameters
     ----------
-    context
-        To draw with.
     anisotropy
         Of the textures.
     shadow_detail

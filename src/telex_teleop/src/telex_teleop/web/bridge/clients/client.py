@@ -28,10 +28,6 @@ class Client:
     ----------
     member
         The client as others see it.
-    access
-        What it may do.
-    outbox
-        What goes to it.
     drop
         Cuts the connection, with the reason.
     """

@@ -176,8 +176,6 @@ class ControlServices:
 
     Parameters
     ----------
-    control
-        Who holds control.
     resolve
         Gives a name its global form.
     end_exam

@@ -82,8 +82,6 @@ class LinkService:
         The line.
     control
         Whose commands are called back.
-    profiles
-        What may be chosen.
     initial
         The line at the start.
     ros
@@ -247,8 +245,6 @@ def initial_setting(
 
     Parameters
     ----------
-    profiles
-        What may be chosen.
     wanted
         Name of a profile, by the parameter.
     recalled

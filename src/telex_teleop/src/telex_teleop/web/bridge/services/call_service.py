@@ -22,12 +22,8 @@ class Services:
 
     Parameters
     ----------
-    ros
-        Where the services are.
     worker
         Thread for rosapi's questions to the master.
-    control
-        Answers what concerns control.
     access
         What clients may do and see, by whether they are instructors.
     timeout

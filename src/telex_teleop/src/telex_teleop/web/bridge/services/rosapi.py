@@ -53,8 +53,6 @@ class RosApi:
 
     Parameters
     ----------
-    ros
-        Where the answers are.
     own_services
         Types of the services that the bridge itself answers besides these, by their global names.
     access

@@ -133,10 +133,6 @@ class CommandGate:
 
     Parameters
     ----------
-    client
-        Whose commands they are.
-    control
-        Who holds control.
     config
         How old a command may be, and by how much the client's line may become slower.
 
@@ -192,8 +188,6 @@ class CommandGate:
         ----------
         topic
             Global name.
-        message
-            What the client wants to publish.
         age
             Its age on arrival (s), None if the client does not tell.
         waited

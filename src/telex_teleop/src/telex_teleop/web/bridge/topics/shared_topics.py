@@ -158,8 +158,6 @@ class SharedPublisher:
 
     Parameters
     ----------
-    publisher
-        Of ROS.
     codec
         Reads the topic's messages.
     expected
@@ -197,8 +195,6 @@ class Publishers(_Shares[Tuple[str, bool], SharedPublisher]):
 
     Parameters
     ----------
-    ros
-        Where to publish.
     worker
         Thread for the calls that block.
     linger
@@ -326,8 +322,6 @@ class Subscribers(_Shares[str, SharedSubscriber]):
 
     Parameters
     ----------
-    ros
-        Where to subscribe.
     worker
         Thread for the calls that block.
     """

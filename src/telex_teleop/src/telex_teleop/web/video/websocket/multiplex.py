@@ -73,8 +73,6 @@ class VideoClient:
     ----------
     websocket
         The connection, prepared.
-    transport
-        Of the connection.
     client
         Whose share of the encoder's time its pictures take.
     cameras
