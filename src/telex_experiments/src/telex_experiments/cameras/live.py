@@ -32,12 +32,10 @@ from telex_experiments.rigs.private_simulator import (
     SimulatorStartError,
     cpu_seconds,
 )
-from telex_experiments.rigs.report import Figure, quantile
-from telex_experiments.rigs.stream_reader import open_stream
+from telex_experiments.rigs.report import PATIENCE, Figure, MeasurementError, quantile, wait_until
+from telex_experiments.rigs.stream_reader import open_stream, pictures
 
 HEADLIGHTS = ("front_left", "front_right")
-# Longest wait for anything to happen, on a machine that is busy with something else (s).
-PATIENCE = 400.0
 # Pictures of each camera that go before a measurement.
 WARM_UP = 5
 # Of a measurement; before each, the bare getCameraImage is measured.
@@ -64,10 +62,6 @@ STILL_AFTER = 0.8
 # A picture has changed when it differs from the one before the command by so many times as much as
 # pictures of a robot that stands still do, and by as many grey levels.
 CHANGED, LEAST_CHANGE = 2.0, 0.3
-
-
-class MeasurementError(RuntimeError):
-    """Nothing can be measured; the message says why."""
 
 
 class Watched(NamedTuple):
@@ -337,16 +331,7 @@ class PictureClient:
         threading.Thread(target=self._read, daemon=True).start()
 
     def _read(self) -> None:
-        while True:
-            line = self._answer.readline()
-            if not line:
-                return
-            if not line.lower().startswith(b"content-length:"):
-                continue
-            length = int(line.split(b":")[1])
-            while self._answer.readline().strip():
-                pass
-            data = self._answer.read(length)
+        for _, data in pictures(self._answer):
             arrived = time.monotonic()
             picture = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_REDUCED_GRAYSCALE_2)
             with self._lock:
@@ -383,11 +368,7 @@ def command_to_picture(url: str, trials: int) -> List[float]:
     rospy.wait_for_message(
         "/telex/turret_position_controller/state", JointControllerState, PATIENCE
     )
-    deadline = time.monotonic() + PATIENCE
-    while not commands.get_num_connections():
-        if time.monotonic() > deadline:
-            raise MeasurementError("nobody listens to the arm's commands")
-        time.sleep(0.05)
+    wait_until("somebody who listens to the arm", commands.get_num_connections)
     delays: List[float] = []
     quietest = min(client.unrest()[0] for _ in range(5))
     for trial in range(trials):

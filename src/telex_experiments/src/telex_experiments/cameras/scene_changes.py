@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import threading
 import time
-import urllib.request
-from typing import List, Sequence, Tuple
+from typing import List, Sequence
 
 import rospy
 from telex_msgs.msg import SceneDescription
@@ -13,6 +11,7 @@ from telex_msgs.srv import LoadScene
 
 from telex_experiments.rigs.private_simulator import PrivateSimulator
 from telex_experiments.rigs.report import Figure
+from telex_experiments.rigs.stream_reader import StreamReader
 
 _CAMERA = "/telex/cameras/front/image_raw"
 _REST = 1.0
@@ -20,28 +19,6 @@ _REST = 1.0
 
 _START = 8.0
 """Time (s) from the first picture on in which other nodes still start, and take the processors."""
-
-
-class _Viewer:
-    """Reads an MJPEG stream; `arrivals` are the stamps of pictures and when they came (s)."""
-
-    def __init__(self, url: str) -> None:
-        self.arrivals: List[Tuple[float, float]] = []
-        self._answer = urllib.request.urlopen(f"{url}/stream?topic={_CAMERA}", timeout=30.0)
-        threading.Thread(target=self._read, daemon=True).start()
-
-    def _read(self) -> None:
-        stamp, length = 0.0, 0
-        for line in iter(self._answer.readline, b""):
-            name, _, value = line.lower().partition(b":")
-            if name == b"x-timestamp":
-                stamp = float(value)
-            elif name == b"content-length":
-                length = int(value)
-            elif length and not line.strip():
-                self._answer.read(length)
-                self.arrivals.append((stamp, time.monotonic()))
-                length = 0
 
 
 def change_figures(
@@ -66,7 +43,7 @@ def change_figures(
     )
     simulator.wait_for("scene", lambda: stamps)
     simulator.wait_for("camera", _camera_is_there)
-    viewer = _Viewer(url)
+    viewer = StreamReader(url)
     simulator.wait_for("camera picture", lambda: viewer.arrivals)
     load = rospy.ServiceProxy("/telex/sim/load_scene", LoadScene)
     time.sleep(_START if judged else 0.0)

@@ -6,8 +6,7 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from types import TracebackType
-from typing import Mapping, Optional, Type
+from typing import Mapping, Optional
 
 from telex_control.common.child_processes import DIES_WITH_US
 from telex_experiments.workspace import ROOT
@@ -48,7 +47,7 @@ class ClassServer:
         assert self._process.stdout is not None
         words = self._process.stdout.readline().split()
         if not words:
-            self.__exit__(None, None, None)
+            self.__exit__()
             raise RuntimeError("the server of the class has ended; its message is above")
         self.url = words[-1]
         return self
@@ -59,12 +58,7 @@ class ClassServer:
         assert self._process is not None
         return self._process.pid
 
-    def __exit__(
-        self,
-        kind: Optional[Type[BaseException]],
-        error: Optional[BaseException],
-        trace: Optional[TracebackType],
-    ) -> None:
+    def __exit__(self, *exception: object) -> None:
         assert self._process is not None
         self._process.terminate()
         try:

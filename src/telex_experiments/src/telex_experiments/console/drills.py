@@ -11,18 +11,10 @@ import statistics
 import time
 from typing import Callable, Dict, Iterator, List, NamedTuple, Optional
 
-from telex_experiments.console.rig import (
-    REPEAT_PERIOD,
-    SPEED,
-    TRACKS,
-    MeasurementError,
-    Rig,
-    settle,
-    wait_until,
-)
+from telex_experiments.console.rig import REPEAT_PERIOD, SPEED, TRACKS, Rig, settle
 from telex_experiments.rigs.chromium import Chromium
 from telex_experiments.rigs.network_namespace import NetworkNamespace
-from telex_experiments.rigs.report import Figure
+from telex_experiments.rigs.report import Figure, MeasurementError, wait_until
 
 STOP_WITHIN = 0.35
 """Time (s) within which the belts have to be commanded to zero."""

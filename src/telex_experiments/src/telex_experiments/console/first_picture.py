@@ -11,8 +11,8 @@ import rospy
 from sensor_msgs.msg import CameraInfo, JointState
 
 from telex_experiments.console.keys import Presses, listen_to_keys
-from telex_experiments.console.rig import JOG, Heard, MeasurementError, Rig
-from telex_experiments.rigs.report import Figure
+from telex_experiments.console.rig import JOG, Heard, Rig
+from telex_experiments.rigs.report import Figure, MeasurementError
 
 JOINT, CAMERA = "turret_joint", "front"
 MOVING = 0.05

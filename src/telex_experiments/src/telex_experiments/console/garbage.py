@@ -8,8 +8,8 @@ import subprocess
 import sys
 from typing import List
 
-from telex_experiments.console.rig import MeasurementError, Rig
-from telex_experiments.rigs.report import Figure
+from telex_experiments.console.rig import Rig
+from telex_experiments.rigs.report import Figure, MeasurementError
 
 from ..workspace import ROOT
 

@@ -7,18 +7,9 @@ import statistics
 import time
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
-from telex_experiments.console.rig import (
-    DRIVE,
-    JOG,
-    LIVE,
-    TRACKS,
-    TURRET,
-    Heard,
-    MeasurementError,
-    Rig,
-)
+from telex_experiments.console.rig import DRIVE, JOG, LIVE, TRACKS, TURRET, Heard, Rig
 from telex_experiments.rigs.chromium import Chromium
-from telex_experiments.rigs.report import Figure
+from telex_experiments.rigs.report import Figure, MeasurementError
 
 HELD = 0.12
 """Time (s) for which a key is held."""

@@ -21,6 +21,7 @@ from telex_msgs.msg import TrackTeleopStatus
 
 from telex_experiments.rigs.chromium import Chromium
 from telex_experiments.rigs.private_simulator import PrivateSimulator
+from telex_experiments.rigs.report import PATIENCE, MeasurementError, wait_until
 from telex_teleop.web.token_files import read_token
 
 WORLD = "training_hall"
@@ -28,9 +29,6 @@ SPEED = 1.0
 """Speed (m/s) at which the robot drives."""
 
 BELT, BELT_RADIUS = "front_left_track_joint", 0.110
-PATIENCE = 400.0
-"""Longest wait (s) for anything to begin, on a machine that is busy with something else."""
-
 REPEAT_PERIOD = 0.033
 """Period (s) at which a keyboard repeats a key that is held."""
 
@@ -43,10 +41,6 @@ document.getElementById("link").dataset.state === "up"
 
 DRIVE, TRACKS = "track_teleop/cmd_vel", "track_controller/cmd_vel"
 JOG, TURRET = "arm_teleop/delta_joint_cmds", "turret_position_controller/command"
-
-
-class MeasurementError(RuntimeError):
-    """Nothing can be measured; the message says why."""
 
 
 class Heard(NamedTuple):
@@ -289,12 +283,3 @@ def settle(browser: Chromium) -> None:
     browser.call("Page.bringToFront")
     browser.wait_for("six live views on the console", LIVE, PATIENCE)
     browser.evaluate("document.getElementById('tour-skip').click()")
-
-
-def wait_until(what: str, condition: Callable[[], object], timeout: float = PATIENCE) -> None:
-    """Wait until a condition holds."""
-    end = time.monotonic() + timeout
-    while not condition():
-        if time.monotonic() > end:
-            raise MeasurementError(f"not within {timeout:g} s: {what}")
-        time.sleep(0.01)

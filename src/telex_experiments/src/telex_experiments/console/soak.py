@@ -18,10 +18,10 @@ from std_msgs.msg import Float64
 
 from telex_control.common.child_processes import DIES_WITH_US
 from telex_experiments.console.keys import Presses, listen_to_keys
-from telex_experiments.console.rig import PATIENCE, MeasurementError, Rig
+from telex_experiments.console.rig import Rig
 from telex_experiments.rigs.chromium import Chromium
 from telex_experiments.rigs.private_master import end_tree
-from telex_experiments.rigs.report import Figure
+from telex_experiments.rigs.report import PATIENCE, Figure, MeasurementError
 
 WATCHERS = 8
 CLOCK_PERIOD = 0.02

@@ -7,8 +7,10 @@ connection closes, from then; and from the first step of a simulator that was wo
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import signal
+import socket
 import statistics
 import subprocess
 import sys
@@ -16,6 +18,7 @@ import threading
 import time
 from pathlib import Path
 from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
+from urllib.parse import urlsplit
 
 import rospy
 import yaml
@@ -26,7 +29,7 @@ from telex_msgs.msg import TrackTeleopStatus
 
 from telex_control.common.child_processes import KILLED_WITH_US
 from telex_experiments.rigs.private_master import end_tree
-from telex_experiments.rigs.report import Figure
+from telex_experiments.rigs.report import Figure, MeasurementError, wait_until
 from telex_sim.offline.simulation import package_file
 
 SPEED = 1.0
@@ -43,10 +46,6 @@ DRIVER = Path(__file__).resolve().with_name("driver.py")
 PATIENCE = 60.0
 WATCHED = 1.5
 """Sim time (s) in which the robot has to come to rest, and to stay there."""
-
-
-class StopError(RuntimeError):
-    """A drill cannot be done; the message says why."""
 
 
 class Way(NamedTuple):
@@ -177,14 +176,10 @@ class _Log:
         """Sim time and speed of the base (m/s), between one place and the next."""
         places = self.places()
         return [
-            (0.5 * (before + after), _distance(a, b) / (after - before))
+            (0.5 * (before + after), math.dist(a, b) / (after - before))
             for (before, a), (after, b) in zip(places, places[1:])
             if after > before
         ]
-
-
-def _distance(a: Tuple[float, float, float], b: Tuple[float, float, float]) -> float:
-    return sum((x - y) ** 2 for x, y in zip(a, b)) ** 0.5
 
 
 class Stops:
@@ -231,7 +226,7 @@ class Stops:
             self._wait_for_speed()
             pid = driver.pid if way.broken == way.driver else self._pid_of(way.broken)
             if pid is None:
-                raise StopError(f"there is no process of {way.broken}")
+                raise MeasurementError(f"there is no process of {way.broken}")
             begin = self._break(way, pid)
             _wait("the robot to stand", lambda: self._log.newest > begin + WATCHED)
             stop = self._judge(way, begin)
@@ -303,14 +298,14 @@ class Stops:
         speeds = [each for each in log.speeds() if each[0] >= begin - 0.02]
         moving = [index for index, (_, speed) in enumerate(speeds) if speed >= STANDS]
         if not moving:
-            raise StopError("the robot did not drive")
+            raise MeasurementError("the robot did not drive")
         last = moving[-1]
         if last + 1 == len(speeds):
             return Stop(zero, float("inf"), float("inf"))
         (before, fast), (after, slow) = speeds[last : last + 2]
         stood = before + (after - before) * (fast - STANDS) / (fast - slow)
         places = log.places()
-        return Stop(zero, stood - begin, _distance(_at(places, begin), places[-1][1]))
+        return Stop(zero, stood - begin, math.dist(_at(places, begin), places[-1][1]))
 
     def _is_whole(self, way: Way) -> bool:
         if way.broken in ("client", "rostopic"):
@@ -329,9 +324,6 @@ class Stops:
 
 def _listens(url: str) -> bool:
     """Whether a server accepts connections."""
-    import socket
-    from urllib.parse import urlsplit
-
     parts = urlsplit(url)
     try:
         socket.create_connection((parts.hostname, parts.port or 80), 1.0).close()
@@ -350,11 +342,7 @@ def _at(places: List[Tuple[float, Tuple[float, float, float]]], time_: float) ->
 
 
 def _wait(what: str, condition: Callable[[], object]) -> None:
-    end = time.monotonic() + PATIENCE
-    while not condition():
-        if time.monotonic() > end:
-            raise StopError(f"not within {PATIENCE:g} s: {what}")
-        time.sleep(0.01)
+    wait_until(what, condition, PATIENCE)
 
 
 def in_time(way: Way, stop: Stop) -> bool:

@@ -12,10 +12,10 @@ import statistics
 import time
 from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Sequence, Tuple
 
-from telex_experiments.console.rig import PATIENCE, REPEAT_PERIOD, Rig, settle
+from telex_experiments.console.rig import REPEAT_PERIOD, Rig, settle
 from telex_experiments.rigs.chromium import Chromium
 from telex_experiments.rigs.private_master import descendants
-from telex_experiments.rigs.report import Figure
+from telex_experiments.rigs.report import PATIENCE, Figure
 from telex_experiments.rigs.thread_times import (
     Share,
     Thread,

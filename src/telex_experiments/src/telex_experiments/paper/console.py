@@ -4,24 +4,22 @@ from __future__ import annotations
 
 import contextlib
 import time
-from typing import Callable, Iterator, List, Set, Tuple
+from typing import Iterator, List, Set, Tuple
 
 from telex_experiments.rigs.chromium import BrowserError, Chromium
+from telex_experiments.rigs.report import wait_until
 
 _TIMEOUT = 120.0  # s, for a machine that has other things to do
+_PERIOD = 0.1  # s, between two looks at the page
 _STEADY = 1.0
 """Time for the page to settle once all has been seen (s)."""
-
-
-class ConsoleError(RuntimeError):
-    """The console does not come up; the message says what is missing."""
 
 
 class Console:
     """The page as an operator has it before him."""
 
     def __init__(self, browser: Chromium) -> None:
-        self._browser = browser
+        self.browser = browser
 
     def wait_until_live(self) -> None:
         """Wait until robot and all cameras are there, and end the tour for new operators.
@@ -31,11 +29,12 @@ class Console:
 
         Raises
         ------
-        ConsoleError
+        MeasurementError
+            They do not come.
         """
-        self._await("the link to the robot", self.is_linked)
+        wait_until("the console's link to the robot", self.is_linked, _TIMEOUT, _PERIOD)
         with contextlib.suppress(BrowserError):
-            self._browser.click("#tour-skip")
+            self.browser.click("#tour-skip")
         seen: Set[str] = set()
 
         def all_seen() -> bool:
@@ -43,52 +42,31 @@ class Console:
             seen.update(camera for camera, live in cameras if live)
             return all(camera in seen for camera, _ in cameras)
 
-        self._await("pictures of all cameras", all_seen)
+        wait_until("pictures of all cameras on the console", all_seen, _TIMEOUT, _PERIOD)
         time.sleep(_STEADY)
 
     def is_linked(self) -> bool:
         """Tell whether the page says that it is connected."""
         return bool(
-            self._browser.evaluate("document.getElementById('link')?.dataset.state === 'up'")
+            self.browser.evaluate("document.getElementById('link')?.dataset.state === 'up'")
         )
 
     def thumbnails(self) -> List[Tuple[str, bool]]:
         """Return the cameras of the small views, and whether they are live."""
-        found = self._browser.evaluate(
+        found = self.browser.evaluate(
             "[...document.querySelectorAll('.thumbnail')]"
             ".map(({dataset}) => [dataset.camera, dataset.state === 'live'])"
         )
         return [(camera, live) for camera, live in found] or [("none", False)]
 
     @contextlib.contextmanager
-    def hold(self, key: str) -> Iterator[None]:
-        """Hold a key down: a letter, or a name such as ``escape``."""
-        self._browser.press(_code(key))
+    def hold(self, code: str) -> Iterator[None]:
+        """Hold the key of a position down."""
+        self.browser.press(code)
         try:
             yield
         finally:
-            self._browser.release(_code(key))
-
-    def press(self, key: str) -> None:
-        """Press a key and let go."""
-        with self.hold(key):
-            pass
-
-    def show(self, camera: str) -> None:
-        """Have a camera in the large view."""
-        self._browser.click(f".thumbnail[data-camera={camera}]")
-
-    def screenshot(self) -> bytes:
-        """Return the page as PNG."""
-        return self._browser.screenshot()
-
-    @staticmethod
-    def _await(what: str, condition: Callable[[], bool]) -> None:
-        end = time.monotonic() + _TIMEOUT
-        while not condition():
-            if time.monotonic() > end:
-                raise ConsoleError(f"the console shows no sign of {what} within {_TIMEOUT:g} s")
-            time.sleep(0.1)
+            self.browser.release(code)
 
 
 @contextlib.contextmanager
@@ -96,8 +74,3 @@ def opened(url: str, size: Tuple[int, int]) -> Iterator[Console]:
     """Open the console at an address, with width and height (px)."""
     with Chromium(url, size=size, exact=True) as browser:
         yield Console(browser)
-
-
-def _code(key: str) -> str:
-    """Return a key's position on the keyboard."""
-    return f"Key{key.upper()}" if len(key) == 1 else key.capitalize()

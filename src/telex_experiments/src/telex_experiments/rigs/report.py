@@ -9,8 +9,16 @@ import os
 import platform
 import signal
 import sys
+import time
 from dataclasses import dataclass
-from typing import List, Optional
+from typing import Callable, List, Optional
+
+PATIENCE = 400.0
+"""Longest wait (s) for anything to happen, on a machine that is busy with something else."""
+
+
+class MeasurementError(RuntimeError):
+    """Nothing can be measured; the message says why."""
 
 from telex_training.rehearsal.processor import processor
 
@@ -74,6 +82,23 @@ def read_arguments(parser: argparse.ArgumentParser) -> argparse.Namespace:
 def quantile(values: List[float], share: float) -> float:
     """Return the value that a share of all stay at or below; NaN if there are none."""
     return sorted(values)[min(int(len(values) * share), len(values) - 1)] if values else math.nan
+
+
+def wait_until(
+    what: str, condition: Callable[[], object], timeout: float = PATIENCE, period: float = 0.01
+) -> None:
+    """Wait until a condition holds, which is asked for at a period (s).
+
+    Raises
+    ------
+    MeasurementError
+        It does not within `timeout` (s).
+    """
+    end = time.monotonic() + timeout
+    while not condition():
+        if time.monotonic() > end:
+            raise MeasurementError(f"not within {timeout:g} s: {what}")
+        time.sleep(period)
 
 
 def machine() -> str:

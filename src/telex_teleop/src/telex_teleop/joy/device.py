@@ -7,8 +7,7 @@ import fcntl
 import glob
 import os
 import select
-from types import TracebackType
-from typing import List, Optional, Type
+from typing import List, Optional
 
 __all__ = ["Joystick", "JoystickError", "find_joystick"]
 
@@ -73,12 +72,7 @@ class Joystick:
     def __enter__(self) -> Joystick:
         return self
 
-    def __exit__(
-        self,
-        kind: Optional[Type[BaseException]],
-        error: Optional[BaseException],
-        trace: Optional[TracebackType],
-    ) -> None:
+    def __exit__(self, *exception: object) -> None:
         with contextlib.suppress(OSError):
             os.close(self._fd)
 

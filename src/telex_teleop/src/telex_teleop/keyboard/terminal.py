@@ -7,8 +7,7 @@ import os
 import select
 import termios
 import time
-from types import TracebackType
-from typing import Any, List, Optional, Sequence, Tuple, Type
+from typing import Any, List, Optional, Sequence, Tuple
 
 from telex_teleop.keyboard.screen import Line, Style
 
@@ -77,12 +76,7 @@ class Terminal:
         self.ask()
         return self
 
-    def __exit__(
-        self,
-        kind: Optional[Type[BaseException]],
-        error: Optional[BaseException],
-        trace: Optional[TracebackType],
-    ) -> None:
+    def __exit__(self, *exception: object) -> None:
         kitty_off = KITTY_OFF if self._kitty else ""
         self._write(kitty_off + REPORTS_OFF + PLAIN + SHOW_CURSOR + NORMAL_SCREEN)
         time.sleep(max(0.0, self._asked + ANSWER_TIME - time.monotonic()))

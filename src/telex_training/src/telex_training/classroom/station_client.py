@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
-from types import TracebackType
-from typing import Any, Mapping, Optional, Tuple, Type
+from typing import Any, Mapping, Optional, Tuple
 
 import aiohttp
 from yarl import URL
@@ -52,12 +51,7 @@ class StationClient:
         )
         return self
 
-    async def __aexit__(
-        self,
-        kind: Optional[Type[BaseException]],
-        error: Optional[BaseException],
-        trace: Optional[TracebackType],
-    ) -> None:
+    async def __aexit__(self, *exception: object) -> None:
         assert self._http is not None
         await self._http.close()
 

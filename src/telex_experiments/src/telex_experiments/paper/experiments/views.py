@@ -275,9 +275,9 @@ def sit_at_the_console(session: Session) -> Result:
             console.wait_until_live()
             session.say("the console is live; holding W")
             before = _place(session)
-            with console.hold("w"):
+            with console.hold("KeyW"):
                 time.sleep(DRIVE_TIME)
-                png = console.screenshot()
+                png = console.browser.screenshot()
                 live = sum(state for _, state in console.thumbnails())
                 linked = console.is_linked()
             rospy.sleep(0.5)
