@@ -14,7 +14,7 @@ from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
 
 import PyKDL
 
-from ..common.params import require_range
+from ..common.params import Declared, number, parameter, required
 from ..common.stateful import Stateful
 from ..hardware.hardware_interface import JointStateHandle
 from ..hardware.joint_limits import clamp
@@ -43,35 +43,29 @@ _LEAST_HEIGHT = 0.01
 
 
 @dataclass(frozen=True)
-class BrakingConfig:
-    """What a robot that brakes must not tip over.
+class BrakingConfig(Declared):
+    """What a robot that brakes must not tip over."""
 
-    Attributes
-    ----------
-    support : float
-        Where the belts leave level ground, before and behind the base's origin (m).
-    reserve : float
-        Angle by which the force on the robot may still turn before it tips (rad).
-    half_width : float
-        Where the belts end, to either side of the base's origin (m); None: tipping over the sides
-        is not reckoned with.
-    least_deceleration : float
-        With which it brakes in any case (m/s2), also where that takes from the reserve.
-    load_link : str
-        Where the arm holds a load; empty: none is reckoned with.
-    """
-
-    support: float
-    reserve: float = 0.26
-    half_width: Optional[float] = None
-    least_deceleration: float = 1.25
-    load_link: str = ""
-
-    def __post_init__(self) -> None:
-        require_range(self, "support", above=0.0)
-        require_range(self, "reserve", 0.0, 1.0)
-        require_range(self, "half_width", above=0.0)
-        require_range(self, "least_deceleration", above=0.0)
+    support: float = number(
+        required,
+        "Where the belts leave level ground, before and behind the base's origin (m).",
+        above=0.0,
+    )
+    reserve: float = number(
+        0.26, "Angle by which the force on the robot may still turn before it tips (rad).", 0.0, 1.0
+    )
+    half_width: Optional[float] = number(
+        None,
+        "Where the belts end, to either side of the base's origin (m); None: tipping "
+        "over the sides is not reckoned with.",
+        above=0.0,
+    )
+    least_deceleration: float = number(
+        1.25,
+        "With which it brakes in any case (m/s2), also where that takes from the reserve.",
+        above=0.0,
+    )
+    load_link: str = parameter("", "Where the arm holds a load; empty: none is reckoned with.")
 
 
 class _Carried(NamedTuple):

@@ -15,7 +15,7 @@ from ..common.geometry.quaternions import (
     rotation_rows,
     transform_by_rows,
 )
-from ..common.params import require_range
+from ..common.params import Declared, number, parameter
 from ..common.stateful import Stateful
 from ..hardware.hardware_interface import ImuSensorHandle
 from ..kinematics.urdf_tree import FIXED, KinematicsError, UrdfTree
@@ -35,42 +35,30 @@ _DOUBT_TIME = 240.0
 
 
 @dataclass(frozen=True)
-class BaseImuConfig:
-    """The sensor, and what is known of its gyroscope.
+class BaseImuConfig(Declared):
+    """The sensor, and what is known of its gyroscope."""
 
-    Attributes
-    ----------
-    name : str
-        Of the sensor; empty for none.
-    timeout : float
-        Time without a reading after which the sensor counts as gone (s).
-    noise_density : float
-        White noise of the gyroscope (rad/s/sqrt(Hz)).
-    turn_on_bias : float
-        Standard deviation of its bias before it was ever seen at rest (rad/s).
-    bias_random_walk : float
-        Of the bias (rad/s^2/sqrt(Hz)).
-    settling_time : float
-        How long drives and robot must stand before it counts as at rest (s).
-    still_rate : float
-        Largest turn rate of a robot at rest, noise and unknown bias included (rad/s); faster, it
-        is moved by something else. What is slower counts as a turn too as soon as it cannot be
-        noise or bias.
-    """
-
-    name: str = "imu"
-    timeout: float = 0.1
-    noise_density: float = 2.5e-4
-    turn_on_bias: float = 5.0e-3
-    bias_random_walk: float = 2.0e-5
-    settling_time: float = 0.3
-    still_rate: float = 0.05
-
-    def __post_init__(self) -> None:
-        require_range(self, "timeout", above=0.0)
-        require_range(self, "noise_density", above=0.0)
-        for name in ("turn_on_bias", "bias_random_walk", "settling_time", "still_rate"):
-            require_range(self, name, 0.0)
+    name: str = parameter("imu", "Of the sensor; empty for none.")
+    timeout: float = number(
+        0.1, "Time without a reading after which the sensor counts as gone (s).", above=0.0
+    )
+    noise_density: float = number(
+        2.5e-4, "White noise of the gyroscope (rad/s/sqrt(Hz)).", above=0.0
+    )
+    turn_on_bias: float = number(
+        5.0e-3, "Standard deviation of its bias before it was ever seen at rest (rad/s).", 0.0
+    )
+    bias_random_walk: float = number(2.0e-5, "Of the bias (rad/s^2/sqrt(Hz)).", 0.0)
+    settling_time: float = number(
+        0.3, "How long drives and robot must stand before it counts as at rest (s).", 0.0
+    )
+    still_rate: float = number(
+        0.05,
+        "Largest turn rate of a robot at rest, noise and unknown bias included (rad/s);"
+        " faster, it is moved by something else. What is slower counts as a turn too as"
+        " soon as it cannot be noise or bias.",
+        0.0,
+    )
 
 
 class BaseImu(Stateful):

@@ -14,7 +14,7 @@ from typing import List, Optional
 import numpy as np
 
 from ..common.geometry.quaternions import UPRIGHT, Quaternion, Vector3, product, rotate, yaw_of
-from ..common.params import require_range
+from ..common.params import Declared, number
 from .imu import BaseImu
 from .odometry import WheelOdometry
 
@@ -28,33 +28,27 @@ _X, _Y, _YAW, _SCALE, _BIAS = range(5)
 
 
 @dataclass(frozen=True)
-class OdometryErrors:
-    """How far the odometry may be trusted; all are standard deviations.
+class OdometryErrors(Declared):
+    """How far the odometry may be trusted; all are standard deviations."""
 
-    Attributes
-    ----------
-    way_scale : float
-        Share of the way by which the belts are wrong all along: radius, sinkage, steady slip.
-    way_noise : float
-        Of what chance adds over 1 m; it grows with the root of the way (m).
-    turn_offset : float
-        How far the robot shifts in a turn of 1 rad, because it does not turn about its middle; it
-        grows with the root of the angle (m).
-    turn_scale : float
-        Share of a turn by which the belts alone are wrong: without an inertial sensor.
-    tilt : float
-        Of the measured roll and pitch (rad).
-    """
-
-    way_scale: float = 0.03
-    way_noise: float = 0.01
-    turn_offset: float = 0.06
-    turn_scale: float = 0.5
-    tilt: float = 0.005
-
-    def __post_init__(self) -> None:
-        for name in ("way_scale", "way_noise", "turn_offset", "turn_scale", "tilt"):
-            require_range(self, name, 0.0)
+    way_scale: float = number(
+        0.03,
+        "Share of the way by which the belts are wrong all along: radius, sinkage, steady slip.",
+        0.0,
+    )
+    way_noise: float = number(
+        0.01, "Of what chance adds over 1 m; it grows with the root of the way (m).", 0.0
+    )
+    turn_offset: float = number(
+        0.06,
+        "How far the robot shifts in a turn of 1 rad, because it does not turn about "
+        "its middle; it grows with the root of the angle (m).",
+        0.0,
+    )
+    turn_scale: float = number(
+        0.5, "Share of a turn by which the belts alone are wrong: without an inertial sensor.", 0.0
+    )
+    tilt: float = number(0.005, "Of the measured roll and pitch (rad).", 0.0)
 
 
 class TrackedOdometry(WheelOdometry):

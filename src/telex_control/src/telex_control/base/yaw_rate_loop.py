@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass
 from typing import Optional, Tuple
 
-from ..common.params import require_range
+from ..common.params import Declared, number, parameter
 from ..common.stateful import Stateful
 from ..hardware.joint_limits import clamp
 
@@ -42,56 +42,42 @@ _FOLLOWS_AT_LEAST = 0.05
 
 
 @dataclass(frozen=True)
-class YawRateLoopConfig:
-    """Gains and limits of the loop.
+class YawRateLoopConfig(Declared):
+    """Gains and limits of the loop."""
 
-    Attributes
-    ----------
-    proportional_gain : float
-        Of the yaw rate's error: yaw rate that the belts are to make up for, per rad/s.
-    integral_gain : float
-        Of the error's integral (1/s).
-    filter_time : float
-        Time constant of the filter on the measured yaw rate (s); 0 for none.
-    response_time : float
-        Time constant with which the robot follows at best (s): the integral expects no more.
-    straight_tolerance : float
-        Yaw rate that is left alone while the robot drives straight (rad/s). Equal belts keep it
-        straight by themselves; a loop that takes what is left of the gyroscope's bias for a turn
-        lets the belts of both sides fight each other with all they have.
-    max_factor : float
-        How much more than wheels the belts may turn at most, so that a blocked robot does not
-        spin them ever faster.
-    hold_heading : bool
-        Whether the robot keeps the heading that it had when it began to drive straight.
-    heading_gain : float
-        Of the heading's error (1/s).
-    max_heading_rate : float
-        Yaw rate at which a lost heading is taken up again, at most (rad/s).
-    """
-
-    proportional_gain: float = 2.0
-    integral_gain: float = 20.0
-    filter_time: float = 0.02
-    response_time: float = 0.05
-    straight_tolerance: float = 0.01
-    max_factor: float = 10.0
-    hold_heading: bool = False
-    heading_gain: float = 2.0
-    max_heading_rate: float = 0.2
-
-    def __post_init__(self) -> None:
-        require_range(self, "max_factor", 1.0)
-        for name in (
-            "proportional_gain",
-            "integral_gain",
-            "filter_time",
-            "response_time",
-            "straight_tolerance",
-            "heading_gain",
-            "max_heading_rate",
-        ):
-            require_range(self, name, 0.0)
+    proportional_gain: float = number(
+        2.0, "Of the yaw rate's error: yaw rate that the belts are to make up for, per rad/s.", 0.0
+    )
+    integral_gain: float = number(20.0, "Of the error's integral (1/s).", 0.0)
+    filter_time: float = number(
+        0.02, "Time constant of the filter on the measured yaw rate (s); 0 for none.", 0.0
+    )
+    response_time: float = number(
+        0.05,
+        "Time constant with which the robot follows at best (s): the integral expects no more.",
+        0.0,
+    )
+    straight_tolerance: float = number(
+        0.01,
+        "Yaw rate that is left alone while the robot drives straight (rad/s). Equal "
+        "belts keep it straight by themselves; a loop that takes what is left of the "
+        "gyroscope's bias for a turn lets the belts of both sides fight each other with"
+        " all they have.",
+        0.0,
+    )
+    max_factor: float = number(
+        10.0,
+        "How much more than wheels the belts may turn at most, so that a blocked robot "
+        "does not spin them ever faster.",
+        1.0,
+    )
+    hold_heading: bool = parameter(
+        False, "Whether the robot keeps the heading that it had when it began to drive straight."
+    )
+    heading_gain: float = number(2.0, "Of the heading's error (1/s).", 0.0)
+    max_heading_rate: float = number(
+        0.2, "Yaw rate at which a lost heading is taken up again, at most (rad/s).", 0.0
+    )
 
 
 class YawRateLoop(Stateful):

@@ -2,15 +2,34 @@
 
 A dataclass field is a number, a string, a bool, a list, a dict, another such dataclass, or Optional
 of one of these; what the parameters leave out keeps the field's default, and a key that is no field
-is an error. What a type cannot say, a dataclass checks in its `__post_init__`, with `require` and
-its relatives; they name a parameter within its struct, `read_config` adds the struct's own name.
+is an error. What a type cannot say, `require` and its relatives check; they name a parameter within
+its struct, `read_config` adds the struct's own name.
+
+A dataclass that is `Declared` says beside each field what it means and what is possible::
+
+    rate: float = number(4.0, "How often it is computed (Hz).", 0.0, 50.0)
+    mounting: str = choice("stand", ("stand", "wall"))
+
+Its checks and their messages come from there. The functions return what `dataclasses.field` does;
+they are declared as Any, so that they pass as the default of a field of any type.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import math
-from typing import Any, Iterable, Mapping, Type, TypeVar, Union, get_type_hints
+from typing import (
+    Any,
+    Callable,
+    Dict,
+    Iterable,
+    Mapping,
+    Optional,
+    Type,
+    TypeVar,
+    Union,
+    get_type_hints,
+)
 
 Config = TypeVar("Config")
 
@@ -229,3 +248,150 @@ def require_names(config: object, name: str) -> None:
         bool(names) and all(names) and len(set(names)) == len(names),
         f"{name} is {list(names)}; a list of distinct names is needed",
     )
+
+
+Bound = Union[float, Callable[[Any], float]]
+"""A number, or a function that computes it from the dataclass's other fields."""
+
+_MEANING = "meaning"
+_CHECK = "check"
+_CHECK_WITH_OTHERS = "check with others"
+_Check = Callable[[Any, str], None]
+
+
+class Declared:
+    """Base of dataclasses whose fields are declared by the functions of this module."""
+
+    def __post_init__(self) -> None:
+        """Check every field alone, then those with limits by other fields, then `check`."""
+        for stage in (_CHECK, _CHECK_WITH_OTHERS):
+            for field in dataclasses.fields(self):  # type: ignore[arg-type]
+                if stage in field.metadata:
+                    field.metadata[stage](self, field.name)
+        self.check()
+
+    def check(self) -> None:
+        """Check what concerns several fields, or one in a way of its own.
+
+        Raises
+        ------
+        ConfigError
+            The message names the field, its value and what would be right.
+        """
+
+
+def meaning(field: Any) -> str:
+    """Meaning of a field that was declared here, with its unit; of any other, an empty string."""
+    text: str = field.metadata.get(_MEANING, "")
+    return text
+
+
+def parameter(default: Any, text: str) -> Any:
+    """Declare a field that needs no check beyond its type.
+
+    Parameters
+    ----------
+    default
+        Something to call, such as a class, makes it; `required`: the field must be given.
+    text : str
+        What it means, with its unit; empty where a file beside it says that.
+    """
+    return checked(default, text)
+
+
+def number(
+    default: Any,
+    text: str,
+    minimum: Bound = -math.inf,
+    maximum: Bound = math.inf,
+    *,
+    above: Bound = -math.inf,
+) -> Any:
+    """Declare a number within limits; None passes, where the field's type is Optional.
+
+    Parameters
+    ----------
+    default, text
+        As for `parameter`.
+    minimum, maximum : float or callable
+        Inclusive.
+    above : float or callable
+        Exclusive.
+
+    Notes
+    -----
+    Limits that depend on other fields are checked after those that do not, and may rely on them.
+    """
+
+    def check(config: Any, name: str) -> None:
+        low, high, beyond = (_bound(each, config) for each in (minimum, maximum, above))
+        require_range(config, name, low, high, above=beyond)
+
+    with_others = any(callable(each) for each in (minimum, maximum, above))
+    return checked(default, text, check, with_others)
+
+
+def numbers(default: Any, text: str, minimum: float, maximum: float) -> Any:
+    """Declare a list of numbers, each within limits, bounds included; None passes.
+
+    Parameters
+    ----------
+    default, text
+        As for `parameter`.
+    """
+
+    def check(config: Any, name: str) -> None:
+        for index, value in enumerate(getattr(config, name) or ()):
+            require(
+                math.isfinite(value) and minimum <= value <= maximum,
+                f"{name}[{index}] is {value!r}; it must be at least {minimum:g} and at most"
+                f" {maximum:g}",
+            )
+
+    return checked(default, text, check)
+
+
+def word(default: Any, text: str = "") -> Any:
+    """Declare a string that must not be empty."""
+    return checked(default, text, require_text)
+
+
+def choice(default: str, choices: Iterable[str], text: str = "") -> Any:
+    """Declare a string that is one of several.
+
+    Parameters
+    ----------
+    default, text
+        As for `parameter`; without a text, the choices are its meaning.
+    choices : iterable of str
+    """
+    known = tuple(choices)
+
+    def check(config: Any, name: str) -> None:
+        require_choice(config, name, known)
+
+    return checked(default, text or f"{', '.join(known[:-1])} or {known[-1]}.", check)
+
+
+def checked(
+    default: Any, text: str, check: Optional[_Check] = None, with_others: bool = False
+) -> Any:
+    """Declare a field with a check of one's own, of the dataclass and the field's name.
+
+    Parameters
+    ----------
+    default, text
+        As for `parameter`.
+    with_others : bool
+        Whether it relies on other fields, which are checked before.
+    """
+    metadata: Dict[str, Any] = {_MEANING: text}
+    if check is not None:
+        metadata[_CHECK_WITH_OTHERS if with_others else _CHECK] = check
+    if callable(default):
+        return dataclasses.field(default_factory=default, metadata=metadata)
+    return dataclasses.field(default=default, metadata=metadata)
+
+
+def _bound(bound: Bound, config: Any) -> float:
+    return bound(config) if callable(bound) else bound

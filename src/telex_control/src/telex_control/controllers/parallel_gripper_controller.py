@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import List, Optional, Tuple
 
-from ..common.params import read_config, require, require_range
+from ..common.params import Declared, number, read_config, require, required
 from ..common.stateful import Stateful
 from ..hardware.hardware_interface import EffortJointInterface, JointHandle, RobotHW
 from ..hardware.joint_limits import clamp
@@ -25,31 +25,26 @@ _THIN = 0.004
 
 
 @dataclass(frozen=True)
-class FingerGeometry:
-    """Links of a finger; the finger's angle is that of its base joint, positive opens.
+class FingerGeometry(Declared):
+    """Links of a finger; the finger's angle is that of its base joint, positive opens."""
 
-    Attributes
-    ----------
-    base, middle : float
-        Lengths of the links, from joint to joint (m).
-    lean : float
-        How far both lean inwards at angle 0, where the pads meet (rad).
-    pad : float
-        From the tip's joint to the middle of its pad, along the pad (m).
-    max_angle : float
-        Of the open gripper (rad).
-    """
+    base: float = number(
+        required, "Length of the link at the hand, from joint to joint (m).", above=0.0
+    )
+    middle: float = number(required, "The same of the middle link (m).", above=0.0)
+    lean: float = number(
+        required,
+        "How far both lean inwards at angle 0, where the pads meet (rad).",
+        -math.pi / 2,
+        math.pi / 2,
+    )
+    pad: float = number(
+        required, "From the tip's joint to the middle of its pad, along the pad (m).", above=0.0
+    )
+    max_angle: float = number(required, "Of the open gripper (rad).", above=0.0)
 
-    base: float
-    middle: float
-    lean: float
-    pad: float
-    max_angle: float
-
-    def __post_init__(self) -> None:
-        for name in ("base", "middle", "pad", "max_angle"):
-            require_range(self, name, above=0.0)
-        require_range(self, "lean", -math.pi / 2, math.pi / 2)
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
         # Beyond, an opening has two angles.
         require(
             2.0 * self.max_angle - self.lean < math.pi / 2,
@@ -94,41 +89,29 @@ class FingerGeometry:
 
 
 @dataclass(frozen=True)
-class JointGains:
+class JointGains(Declared):
     """Stiffness p and damping d of a joint (Nm/rad, Nms/rad)."""
 
-    p: float
-    d: float
-
-    def __post_init__(self) -> None:
-        require_range(self, "p", above=0.0)
-        require_range(self, "d", minimum=0.0)
+    p: float = number(required, "", above=0.0)
+    d: float = number(required, "", 0.0)
 
 
 @dataclass(frozen=True)
-class GripperConfig:
-    """How fingers are driven.
-
-    Attributes
-    ----------
-    velocity : float
-        At which the gripper opens and closes (m/s).
-    stiffness : float
-        Force of the pads by the angle that the fingers are short of their reference (N/rad).
-    align_velocity : float
-        At which joints that stand out of line return to it (rad/s).
-    """
+class GripperConfig(Declared):
+    """How fingers are driven."""
 
     base: JointGains
     middle: JointGains
     tip: JointGains
-    velocity: float = 0.08
-    stiffness: float = 8000.0
-    align_velocity: float = 0.05
-
-    def __post_init__(self) -> None:
-        for name in ("velocity", "stiffness", "align_velocity"):
-            require_range(self, name, above=0.0)
+    velocity: float = number(0.08, "At which the gripper opens and closes (m/s).", above=0.0)
+    stiffness: float = number(
+        8000.0,
+        "Force of the pads by the angle that the fingers are short of their reference (N/rad).",
+        above=0.0,
+    )
+    align_velocity: float = number(
+        0.05, "At which joints that stand out of line return to it (rad/s).", above=0.0
+    )
 
 
 class _Joint(Stateful):

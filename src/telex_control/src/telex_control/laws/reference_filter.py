@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Tuple
 
-from ..common.params import require_range
+from ..common.params import Declared, number, required
 from ..common.stateful import Stateful
 from ..hardware.joint_limits import clamp
 
@@ -74,21 +74,11 @@ class ReferenceFilter(Stateful):
 
 
 @dataclass(frozen=True)
-class ReferenceLimits:
-    """How fast a joint is led to a set point far away.
+class ReferenceLimits(Declared):
+    """How fast a joint is led to a set point far away."""
 
-    Attributes
-    ----------
-    velocity, acceleration : float
-        Limits, above 0 (rad/s, rad/s^2; m/s, m/s^2).
-    """
-
-    velocity: float
-    acceleration: float
-
-    def __post_init__(self) -> None:
-        require_range(self, "velocity", above=0.0)
-        require_range(self, "acceleration", above=0.0)
+    velocity: float = number(required, "Limit (rad/s; m/s).", above=0.0)
+    acceleration: float = number(required, "Limit (rad/s^2; m/s^2).", above=0.0)
 
 
 class ReferenceLimiter(Stateful):

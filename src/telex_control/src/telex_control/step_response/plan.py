@@ -2,67 +2,56 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Dict, List, Mapping, Sequence, Tuple
 
-from ..common.params import ConfigError, read_struct, require, require_range, require_text
+from ..common.params import (
+    ConfigError,
+    Declared,
+    number,
+    parameter,
+    read_struct,
+    require,
+    required,
+    word,
+)
 
 CURRENT = "current"
 """The posture in which the robot is."""
 
 
 @dataclass(frozen=True)
-class PostureConfig:
-    """Where a robot's joints are stepped.
+class PostureConfig(Declared):
+    """Where a robot's joints are stepped."""
 
-    Attributes
-    ----------
-    pose : str
-        A named pose.
-    positions : dict of str to float
-        By joint, in place of the pose's (rad, m).
-    steps : dict of str to float
-        By joint (rad, m), not 0.
-    """
+    pose: str = word(required, "A named pose.")
+    steps: Dict[str, float] = parameter(required, "By joint (rad, m), not 0.")
+    positions: Dict[str, float] = parameter(dict, "By joint, in place of the pose's (rad, m).")
 
-    pose: str
-    steps: Dict[str, float]
-    positions: Dict[str, float] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        require_text(self, "pose")
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
         for joint, step in self.steps.items():
             require(step != 0.0, f"steps/{joint} is 0; a step is needed")
 
 
 @dataclass(frozen=True)
-class PlanConfig:
-    """The file ``step_response.yaml``.
+class PlanConfig(Declared):
+    """The file ``step_response.yaml``."""
 
-    Attributes
-    ----------
-    record_time, rest_time : float
-        After a step, and before it (s).
-    speed : float
-        Of moves between postures, as a share of the URDF's velocity limits.
-    groups : dict of str to list of str
-        Joints that share a figure.
-    via : str
-        The named pose through which postures are entered and left.
-    """
-
-    groups: Dict[str, List[str]]
-    via: str
+    groups: Dict[str, List[str]] = parameter(required, "Joints that share a figure.")
+    via: str = word(required, "The named pose through which postures are entered and left.")
     postures: Dict[str, PostureConfig]
-    record_time: float = 2.5
-    rest_time: float = 1.0
-    speed: float = 0.5
+    record_time: float = number(2.5, "After a step (s).", 1.0, 60.0)
+    rest_time: float = number(1.0, "Before a step (s).", 0.1, 60.0)
+    speed: float = number(
+        0.5,
+        "Of moves between postures, as a share of the URDF's velocity limits.",
+        maximum=1.0,
+        above=0.0,
+    )
 
-    def __post_init__(self) -> None:
-        require_range(self, "record_time", 1.0, 60.0)
-        require_range(self, "rest_time", 0.1, 60.0)
-        require_range(self, "speed", maximum=1.0, above=0.0)
-        require_text(self, "via")
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
         require(bool(self.postures), "postures is empty; at least one is needed")
         require(CURRENT not in self.postures, f"postures/{CURRENT} is no free name")
 

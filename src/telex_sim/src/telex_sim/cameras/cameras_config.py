@@ -9,11 +9,15 @@ from typing import Dict, Optional, Tuple, TypeVar
 
 from telex_control.common.params import (
     ConfigError,
+    Declared,
+    choice,
+    number,
+    parameter,
     require,
     require_choice,
     require_range,
-    require_text,
     required,
+    word,
 )
 
 from ..scene.visual_scene import VisualLamp
@@ -42,113 +46,93 @@ Optics = TypeVar("Optics", bound="OpticsConfig")
 
 
 @dataclass(frozen=True)
-class PreviewConfig:
+class PreviewConfig(Declared):
     """The small pictures of a camera that stands beside the one the operator looks at.
-
-    Attributes
-    ----------
-    width
-        Pixels, if the camera's own pictures are not smaller; the height follows.
-    rate
-        Pictures per second of wall time while somebody looks.
-    jpeg_quality
-        1 to 100.
 
     Raises
     ------
     telex_control.common.params.ConfigError
     """
 
-    width: int = 320
-    rate: float = 10.0
-    jpeg_quality: int = 75
-
-    def __post_init__(self) -> None:
-        require_range(self, "width", _MIN_SIZE, _MAX_SIZE)
-        require_range(self, "rate", above=0.0, maximum=_MAX_RATE)
-        require_range(self, "jpeg_quality", 1, 100)
+    width: int = number(
+        320,
+        "Pixels, if the camera's own pictures are not smaller; the height follows.",
+        _MIN_SIZE,
+        _MAX_SIZE,
+    )
+    rate: float = number(
+        10.0, "Pictures per second of wall time while somebody looks.", maximum=_MAX_RATE, above=0.0
+    )
+    jpeg_quality: int = number(75, "1 to 100.", 1, 100)
 
 
 @dataclass(frozen=True)
-class OpticsConfig:
+class OpticsConfig(Declared):
     """Lens, sensor and pictures of a camera.
-
-    Attributes
-    ----------
-    width, height
-        Size of the picture (pixels).
-    horizontal_fov
-        Full angle of view across the width (rad), with the distortion.
-    near, far
-        What is drawn lies between these distances (m).
-    distortion
-        k1, k2, p1, p2, k3 of the lens, as in sensor_msgs/CameraInfo ("plumb_bob").
-    detail
-        Pixels that are drawn for one of the picture, along each axis; fewer take less time.
-    rate
-        Pictures per second of wall time while somebody looks.
-    priority
-        When there is not enough time for all, pictures of full size are shared out by rate times
-        (1 + priority).
-    jpeg_quality
-        1 to 100.
-    exposure
-        By hand or automatic.
-    noise
-        Of the sensor: standard deviation at the exposure of a bright day (grey levels of 255).
-    radiation
-        What it does to the pictures.
-    shutter
-        Time for which a picture is exposed, in which motion blurs it (s of sim time); 0: none.
-    shutter_samples
-        Moments of that time that are drawn; a blurred picture takes as much more time.
-    depth
-        Whether depths are offered as well.
-    preview
-        Small pictures of the same field.
-    zoom_max
-        Largest zoom, a factor on the focal length; 1: the camera cannot zoom.
 
     Raises
     ------
     telex_control.common.params.ConfigError
     """
 
-    width: int
-    height: int
-    horizontal_fov: float
-    near: float = 0.03
-    far: float = 60.0
-    distortion: Distortion = NO_DISTORTION
-    detail: float = 1.0
-    rate: float = 25.0
-    priority: int = 0
-    jpeg_quality: int = 80
-    exposure: ExposureConfig = field(default_factory=ExposureConfig)
-    noise: float = 0.0
-    radiation: RadiationConfig = field(default_factory=RadiationConfig)
-    shutter: float = 0.0
-    shutter_samples: int = 4
-    depth: bool = False
-    preview: PreviewConfig = field(default_factory=PreviewConfig)
-    zoom_max: float = 1.0
+    width: int = number(required, "Of the picture (pixels).", _MIN_SIZE, _MAX_SIZE)
+    height: int = number(required, "Of the picture (pixels).", _MIN_SIZE, _MAX_SIZE)
+    horizontal_fov: float = number(
+        required, "Full angle of view across the width (rad), with the distortion.", 0.05, _MAX_FOV
+    )
+    near: float = number(0.03, "Distance from which on things are drawn (m).", 0.001)
+    far: float = parameter(60.0, "Distance up to which things are drawn (m).")
+    distortion: Distortion = parameter(
+        NO_DISTORTION, 'k1, k2, p1, p2, k3 of the lens, as in sensor_msgs/CameraInfo ("plumb_bob").'
+    )
+    detail: float = number(
+        1.0,
+        "Pixels that are drawn for one of the picture, along each axis; fewer take less time.",
+        LEAST_DETAIL,
+        4.0,
+    )
+    rate: float = number(
+        25.0, "Pictures per second of wall time while somebody looks.", maximum=_MAX_RATE, above=0.0
+    )
+    priority: int = number(
+        0,
+        "When there is not enough time for all, pictures of full size are shared out by"
+        " rate times (1 + priority).",
+        0,
+        100,
+    )
+    jpeg_quality: int = number(80, "1 to 100.", 1, 100)
+    exposure: ExposureConfig = parameter(ExposureConfig, "By hand or automatic.")
+    noise: float = number(
+        0.0,
+        "Of the sensor: standard deviation at the exposure of a bright day (grey levels of 255).",
+        0.0,
+        64.0,
+    )
+    radiation: RadiationConfig = parameter(RadiationConfig, "What it does to the pictures.")
+    shutter: float = number(
+        0.0,
+        "Time for which a picture is exposed, in which motion blurs it (s of sim time); 0: none.",
+        0.0,
+        1.0,
+    )
+    shutter_samples: int = number(
+        4, "Moments of that time that are drawn; a blurred picture takes as much more time.", 2, 64
+    )
+    depth: bool = parameter(False, "Whether depths are offered as well.")
+    preview: PreviewConfig = parameter(PreviewConfig, "Small pictures of the same field.")
+    zoom_max: float = number(
+        1.0,
+        "Largest zoom, a factor on the focal length; 1: the camera cannot zoom.",
+        1.0,
+        _MAX_ZOOM,
+    )
 
-    def __post_init__(self) -> None:
-        require_range(self, "width", _MIN_SIZE, _MAX_SIZE)
-        require_range(self, "height", _MIN_SIZE, _MAX_SIZE)
-        require_range(self, "horizontal_fov", 0.05, _MAX_FOV)
-        require_range(self, "near", 0.001)
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
         require(
             self.far > self.near, f"far is {self.far}; it must be beyond near, which is {self.near}"
         )
-        require_range(self, "detail", LEAST_DETAIL, 4.0)
-        require_range(self, "rate", above=0.0, maximum=_MAX_RATE)
-        require_range(self, "priority", 0, 100)
-        require_range(self, "jpeg_quality", 1, 100)
-        require_range(self, "noise", 0.0, 64.0)
-        require_range(self, "shutter", 0.0, 1.0)
-        require_range(self, "shutter_samples", 2, 64)
-        require_range(self, "zoom_max", 1.0, _MAX_ZOOM)
         try:
             self.optics()
         except DistortionError as error:
@@ -197,9 +181,10 @@ class CameraConfig(OpticsConfig):
 
     frame: str = field(default_factory=required)
 
-    def __post_init__(self) -> None:
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
         _require_link(self.frame)
-        super().__post_init__()
+        super().check()
 
 
 @dataclass(frozen=True)
@@ -254,72 +239,63 @@ class ViewConfig:
 class OverviewConfig(OpticsConfig):
     """The instructor's camera, which flies about the robot.
 
-    Attributes
-    ----------
-    follow
-        Link of the model that it looks at.
-    start
-        Where it is at first.
-    smoothing
-        Time constant with which it follows, and goes where it is sent (s of wall time, because it
-        can be moved while the simulation is paused).
-
     Raises
     ------
     telex_control.common.params.ConfigError
     """
 
-    follow: str = "base_link"
-    start: ViewConfig = field(default_factory=ViewConfig)
-    smoothing: float = 0.25
+    follow: str = parameter("base_link", "Link of the model that it looks at.")
+    start: ViewConfig = parameter(ViewConfig, "Where it is at first.")
+    smoothing: float = number(
+        0.25,
+        "Time constant with which it follows, and goes where it is sent (s of wall "
+        "time, because it can be moved while the simulation is paused).",
+        0.0,
+        60.0,
+    )
 
-    def __post_init__(self) -> None:
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
         _require_link(self.follow)
-        require_range(self, "smoothing", 0.0, 60.0)
-        super().__post_init__()
+        super().check()
 
 
 @dataclass(frozen=True)
-class LampConfig:
+class LampConfig(Declared):
     """A lamp of the robot; it can be dimmed while the node runs.
-
-    Attributes
-    ----------
-    frame
-        Link of the model; the lamp is at its origin and shines along its x.
-    angle
-        Full angle of the cone (rad).
-    intensity
-        At full level; 1: a surface 1 m away that faces it is lit like by a bright day's sun.
-    reach
-        Distance at which its light has faded to nothing (m).
-    color
-        Red, green, blue, each 0 to 1, sRGB.
-    level
-        With which it starts: 0 is off, 1 full.
 
     Raises
     ------
     telex_control.common.params.ConfigError
     """
 
-    frame: str
-    angle: float = 1.2
-    intensity: float = 4.0
-    reach: float = 10.0
-    color: Tuple[float, float, float] = (1.0, 0.97, 0.92)
-    level: float = 0.0
+    frame: str = parameter(
+        required, "Link of the model; the lamp is at its origin and shines along its x."
+    )
+    angle: float = number(
+        1.2, "Full angle of the cone (rad).", maximum=2.0 * math.pi + 0.01, above=0.0
+    )
+    intensity: float = number(
+        4.0,
+        "At full level; 1: a surface 1 m away that faces it is lit like by a bright day's sun.",
+        0.0,
+        1.0e4,
+    )
+    reach: float = number(
+        10.0, "Distance at which its light has faded to nothing (m).", maximum=1.0e4, above=0.0
+    )
+    color: Tuple[float, float, float] = parameter(
+        (1.0, 0.97, 0.92), "Red, green, blue, each 0 to 1, sRGB."
+    )
+    level: float = number(0.0, "With which it starts: 0 is off, 1 full.", 0.0, 1.0)
 
-    def __post_init__(self) -> None:
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
         _require_link(self.frame)
-        require_range(self, "angle", maximum=2.0 * math.pi + 0.01, above=0.0)
-        require_range(self, "intensity", 0.0, 1.0e4)
-        require_range(self, "reach", maximum=1.0e4, above=0.0)
         require(
             all(0.0 <= component <= 1.0 for component in self.color),
             f"color is {list(self.color)}; numbers from 0 to 1 are needed",
         )
-        require_range(self, "level", 0.0, 1.0)
 
     def lamp(self, name: str, model: str) -> VisualLamp:
         """Return the lamp as a part of a scene in which the robot is called ``model``."""
@@ -343,75 +319,77 @@ def _require_link(frame: str) -> None:
 
 
 @dataclass(frozen=True)
-class CamerasConfig:
+class CamerasConfig(Declared):
     """All parameters of the node.
-
-    Attributes
-    ----------
-    cameras
-        By name; topics and messages use it.
-    lamps
-        Of the robot, by name.
-    overview
-        The instructor's camera; None: there is none.
-    model
-        Name of the robot in the scene; its frames are "<model>/<link>".
-    robots
-        Namespaces of further robots in the scene, after which they are called there; ``cameras`` in
-        each has parameters like these for its cameras, lamps and overview.
-    renderer
-        "opengl", or "auto", which is the same.
-    quality
-        Tier of quality, or "auto" to choose it by what renders.
-    shadow_radius
-        Distance from the robot up to which the sun casts shadows (m).
-    repeat_rate
-        Pictures per second while the simulation is paused.
-    max_pose_age
-        How old poses may be that a picture is drawn of while newer ones wait (s): cameras that
-        share poses share what these cost.
-    shadow_period
-        Time between the shadows of moving things (s), as far as newer ones are needed: when
-        pictures follow each other closely, several share them. Longer while pictures give way to
-        load.
-    smallest
-        While somebody watches previews and they fall behind for want of time, these lose detail,
-        and then pictures of full size become smaller, at most by this factor of width and height;
-        1: all stay as they are.
-    seed
-        Of all noise.
-    niceness
-        By how much the process steps back for others, above all for the physics, 0 to 19. Left out,
-        it is 0, or 10 where the simulator does not come before ordinary processes.
-    software_threads
-        Further threads for rendering without a graphics card. More give each picture sooner and
-        take the cores from the physics; with 0 the node never uses more than one.
-    egl_device
-        Which graphics card, as EGL numbers them.
 
     Raises
     ------
     telex_control.common.params.ConfigError
     """
 
-    cameras: Dict[str, CameraConfig]
-    lamps: Dict[str, LampConfig] = field(default_factory=dict)
-    overview: Optional[OverviewConfig] = None
-    model: str = "telex"
-    robots: Tuple[str, ...] = ()
-    renderer: str = AUTO
-    quality: str = AUTO
-    shadow_radius: float = 9.0
-    repeat_rate: float = 5.0
-    max_pose_age: float = 0.004
-    shadow_period: float = 0.05
-    smallest: float = 1.0
-    seed: int = 0
-    niceness: Optional[int] = None
-    software_threads: int = 0
-    egl_device: int = 0
+    cameras: Dict[str, CameraConfig] = parameter(required, "By name; topics and messages use it.")
+    lamps: Dict[str, LampConfig] = parameter(dict, "Of the robot, by name.")
+    overview: Optional[OverviewConfig] = parameter(
+        None, "The instructor's camera; None: there is none."
+    )
+    model: str = word("telex", 'Name of the robot in the scene; its frames are "<model>/<link>".')
+    robots: Tuple[str, ...] = parameter(
+        (),
+        "Namespaces of further robots in the scene, after which they are called there; `cameras` "
+        "in each has parameters like these for its cameras, lamps and overview.",
+    )
+    renderer: str = choice(AUTO, (AUTO, OPENGL), '"opengl", or "auto", which is the same.')
+    quality: str = choice(
+        AUTO, (AUTO, *TIERS), 'Tier of quality, or "auto" to choose it by what renders.'
+    )
+    shadow_radius: float = number(
+        9.0, "Distance from the robot up to which the sun casts shadows (m).", above=0.0
+    )
+    repeat_rate: float = number(
+        5.0, "Pictures per second while the simulation is paused.", above=0.0
+    )
+    max_pose_age: float = number(
+        0.004,
+        "How old poses may be that a picture is drawn of while newer ones wait (s): "
+        "cameras that share poses share what these cost.",
+        0.0,
+        1.0,
+    )
+    shadow_period: float = number(
+        0.05,
+        "Time between the shadows of moving things (s), as far as newer ones are "
+        "needed: when pictures follow each other closely, several share them. Longer "
+        "while pictures give way to load.",
+        0.0,
+        1.0,
+    )
+    smallest: float = number(
+        1.0,
+        "While somebody watches previews and they fall behind for want of time, these "
+        "lose detail, and then pictures of full size become smaller, at most by this "
+        "factor of width and height; 1: all stay as they are.",
+        maximum=1.0,
+        above=0.0,
+    )
+    seed: int = number(0, "Of all noise.", 0)
+    niceness: Optional[int] = parameter(
+        None,
+        "By how much the process steps back for others, above all for the physics, 0 to"
+        " 19. Left out, it is 0, or 10 where the simulator does not come before "
+        "ordinary processes.",
+    )
+    software_threads: int = number(
+        0,
+        "Further threads for rendering without a graphics card. More give each picture "
+        "sooner and take the cores from the physics; with 0 the node never uses more "
+        "than one.",
+        0,
+        16,
+    )
+    egl_device: int = number(0, "Which graphics card, as EGL numbers them.", 0)
 
-    def __post_init__(self) -> None:
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
         require(bool(self.cameras), "cameras is empty; at least one camera is needed")
         for group, names in (("cameras", self.cameras), ("lamps", self.lamps)):
             for name in names:
@@ -423,22 +401,11 @@ class CamerasConfig:
             OVERVIEW not in self.cameras,
             f"cameras has the key '{OVERVIEW}', which is the instructor's camera",
         )
-        require_text(self, "model")
         for robot in self.robots:
             require(
                 bool(_NAME.match(robot)) and self.robots.count(robot) == 1 and robot != self.model,
                 f"robots has '{robot}'; names of namespaces are needed, each once, and not the "
                 f"first robot's",
             )
-        require_choice(self, "renderer", (AUTO, OPENGL))
-        require_choice(self, "quality", (AUTO, *TIERS))
-        require_range(self, "shadow_radius", above=0.0)
-        require_range(self, "repeat_rate", above=0.0)
-        require_range(self, "max_pose_age", 0.0, 1.0)
-        require_range(self, "shadow_period", 0.0, 1.0)
-        require_range(self, "smallest", maximum=1.0, above=0.0)
-        require_range(self, "seed", 0)
         if self.niceness is not None:
             require_range(self, "niceness", 0, 19)
-        require_range(self, "software_threads", 0, 16)
-        require_range(self, "egl_device", 0)

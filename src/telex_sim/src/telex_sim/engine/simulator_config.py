@@ -5,7 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields
 from typing import Any, Dict, Mapping, Optional, Tuple
 
-from telex_control.common.params import read_config, require, require_range, require_text
+from telex_control.common.params import (
+    Declared,
+    number,
+    parameter,
+    read_config,
+    require,
+    require_range,
+    word,
+)
 
 from ..malfunctions.battery import BatteryConfig
 from ..proximity.proximity_config import ProximityConfig
@@ -22,29 +30,26 @@ TUNED_PERIOD = 0.002
 
 
 @dataclass(frozen=True)
-class TimingConfig:
-    """Step, control period and pace.
+class TimingConfig(Declared):
+    """Step, control period and pace."""
 
-    Attributes
-    ----------
-    step_size : float
-        Sim time of one physics step (s).
-    control_period : float
-        Sim time between control cycles (s); a whole multiple of the step.
-    real_time_factor : float
-        Sim time per wall time; 0 runs as fast as possible.
-    realtime_priority : int
-        Of the simulator among the machine's real-time processes, where its user may have one; 0
-        leaves it an ordinary process (`telex_control.common.scheduling`). With PyBullet's window,
-        or where `real_time_factor` is 0 or above 1, it always is one.
-    """
+    step_size: float = parameter(0.002, "Sim time of one physics step (s).")
+    control_period: float = parameter(
+        0.002, "Sim time between control cycles (s); a whole multiple of the step."
+    )
+    real_time_factor: float = parameter(1.0, "Sim time per wall time; 0 runs as fast as possible.")
+    realtime_priority: int = number(
+        1,
+        "Of the simulator among the machine's real-time processes, where its user may "
+        "have one; 0 leaves it an ordinary process (`telex_control.common.scheduling`)."
+        " With PyBullet's window, or where `real_time_factor` is 0 or above 1, it "
+        "always is one.",
+        0,
+        99,
+    )
 
-    step_size: float = 0.002
-    control_period: float = 0.002
-    real_time_factor: float = 1.0
-    realtime_priority: int = 1
-
-    def __post_init__(self) -> None:
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
         require(
             1e-5 <= self.step_size <= 0.05,
             f"step_size is {self.step_size} s; 1e-5 to 0.05 s is possible",
@@ -64,7 +69,6 @@ class TimingConfig:
             f"real_time_factor is {self.real_time_factor}; 0 (as fast as possible) or more is "
             "needed",
         )
-        require_range(self, "realtime_priority", 0, 99)
 
     @property
     def steps_per_cycle(self) -> int:
@@ -134,23 +138,14 @@ class ContactConfig:
 
 
 @dataclass(frozen=True)
-class WheelContactConfig:
+class WheelContactConfig(Declared):
     """How a wheel gives way where it touches something: a tyre that sinks in by some millimetres.
 
     A stiffer one would bear now all and now nothing on ground that four wheels do not touch alike.
-
-    Attributes
-    ----------
-    stiffness, damping : float
-        Of each contact along its normal (N/m, N s/m).
     """
 
-    stiffness: float = 3.0e4
-    damping: float = 1.0e3
-
-    def __post_init__(self) -> None:
-        require_range(self, "stiffness", 1.0, 1.0e9)
-        require_range(self, "damping", 1.0, 1.0e9)
+    stiffness: float = number(3.0e4, "Of each contact along its normal (N/m).", 1.0, 1.0e9)
+    damping: float = number(1.0e3, "Of each contact along its normal (N s/m).", 1.0, 1.0e9)
 
 
 @dataclass(frozen=True)
@@ -204,37 +199,34 @@ class HardwareConfig:
 
 
 @dataclass(frozen=True)
-class StartConfig:
-    """How a robot starts.
+class StartConfig(Declared):
+    """How a robot starts."""
 
-    Attributes
-    ----------
-    place : tuple of 4 floats, optional
-        Where its root link starts: x, y, z (m) and heading (rad), in the world. Without it, the
-        scene says where.
-    beside : bool
-        Whether a further robot starts beside the scene's start, where there is room, without
-        `place`.
-    height : float
-        Of the root link above the scene's ground (m), without `place`; the robot settles from
-        there.
-    pose : str
-        Name of one of `poses`; empty leaves the choice to the scene.
-    default_pose : str
-        Where the scene does not choose either.
-    poses : dict
-        Named poses: joint positions (rad, m) by joint name; joints left out start at 0.
-    """
+    place: Optional[Tuple[float, float, float, float]] = parameter(
+        None,
+        "Where its root link starts: x, y, z (m) and heading (rad), in the world. "
+        "Without it, the scene says where.",
+    )
+    beside: bool = parameter(
+        False,
+        "Whether a further robot starts beside the scene's start, where there is room, without "
+        "`place`.",
+    )
+    height: float = number(
+        0.115,
+        "Of the root link above the scene's ground (m), without `place`; the robot "
+        "settles from there.",
+        0.0,
+        10.0,
+    )
+    pose: str = parameter("", "Name of one of `poses`; empty leaves the choice to the scene.")
+    default_pose: str = parameter("", "Where the scene does not choose either.")
+    poses: Dict[str, Dict[str, float]] = parameter(
+        dict, "Named poses: joint positions (rad, m) by joint name; joints left out start at 0."
+    )
 
-    place: Optional[Tuple[float, float, float, float]] = None
-    beside: bool = False
-    height: float = 0.115
-    pose: str = ""
-    default_pose: str = ""
-    poses: Dict[str, Dict[str, float]] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        require_range(self, "height", 0.0, 10.0)
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
         for name in ("pose", "default_pose"):
             value = getattr(self, name)
             require(
@@ -278,7 +270,7 @@ class PublishConfig:
 
 
 @dataclass(frozen=True)
-class RobotConfig:
+class RobotConfig(Declared):
     """A simulated robot, beyond its URDF.
 
     Attributes
@@ -302,39 +294,29 @@ class RobotConfig:
     radio: RadioConfig = field(default_factory=RadioConfig)
     battery: BatteryConfig = field(default_factory=BatteryConfig)
 
-    def __post_init__(self) -> None:
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
         require("/" not in self.model, f"model is '{self.model}'; it must not contain '/'")
 
 
 @dataclass(frozen=True)
 class SimulatorConfig(RobotConfig):
-    """Everything that the simulator is told, and the robot that it begins with.
+    """Everything that the simulator is told, and the robot that it begins with."""
 
-    Attributes
-    ----------
-    world : str
-        Name of the scene, or path of its file.
-    gui : bool
-        Open PyBullet's window.
-    solver_iterations : int
-        Of PyBullet's constraint solver.
-    """
-
-    model: str = "telex"
-    world: str = "floor"
-    gui: bool = False
-    solver_iterations: int = 50
+    model: str = word("telex", "")
+    world: str = word("floor", "Name of the scene, or path of its file.")
+    gui: bool = parameter(False, "Open PyBullet's window.")
+    solver_iterations: int = parameter(50, "Of PyBullet's constraint solver.")
     timing: TimingConfig = field(default_factory=TimingConfig)
     publish: PublishConfig = field(default_factory=PublishConfig)
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
+        super().check()
         require(
             1 <= self.solver_iterations <= 1000,
             f"solver_iterations is {self.solver_iterations}; 1 to 1000 is possible",
         )
-        require_text(self, "model")
-        require_text(self, "world")
 
     @property
     def realtime_priority(self) -> int:

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Iterable, NamedTuple, Sequence, Tuple
 
-from telex_control.common.params import require_range
+from telex_control.common.params import Declared, number
 from telex_control.common.stateful import Stateful
 
 from ..robot.drives import Drive
@@ -19,60 +19,49 @@ DRIVES, LAMPS, CAMERAS = "drives", "lamps", "cameras"
 
 
 @dataclass(frozen=True)
-class BatteryConfig:
-    """The battery of a robot, and what takes power beside its drives.
+class BatteryConfig(Declared):
+    """The battery of a robot, and what takes power beside its drives."""
 
-    Attributes
-    ----------
-    energy : float
-        Of a full charge (Wh).
-    voltage, empty_voltage : float
-        Of a full and of an empty battery without load (V).
-    resistance : float
-        Ohm.
-    base_power : float
-        Of computers, radio and cameras (W).
-    lamp_power : float
-        Of each lamp at full level (W).
-    efficiency : float
-        Mechanical power over electrical power of a drive.
-    holding_power : float
-        Of a drive that gives its largest effort at rest (W); it grows with the effort's square.
-    camera_reserve : float
-        For how long the cameras' own cells feed them once the battery is empty (s).
-    averaging : float
-        Over which the power is averaged that the runtime is told by (s).
-    consumption : float
-        By which the range is told before the robot has driven (J/m).
-    averaging_way : float
-        Over which the consumption is averaged that the range is told by (m).
-    """
-
-    energy: float = 900.0
-    voltage: float = 29.4
-    empty_voltage: float = 21.0
-    resistance: float = 0.05
-    base_power: float = 90.0
-    lamp_power: float = 12.0
-    efficiency: float = 0.65
-    holding_power: float = 60.0
-    camera_reserve: float = 60.0
-    averaging: float = 20.0
-    consumption: float = 500.0
-    averaging_way: float = 20.0
-
-    def __post_init__(self) -> None:
-        require_range(self, "energy", maximum=1.0e5, above=0.0)
-        require_range(self, "empty_voltage", maximum=1.0e3, above=0.0)
-        require_range(self, "voltage", self.empty_voltage, 1.0e3)
-        for name in ("base_power", "lamp_power", "holding_power"):
-            require_range(self, name, 0.0, 1.0e5)
-        require_range(self, "resistance", 0.0, 10.0)
-        require_range(self, "efficiency", 0.05, 1.0)
-        require_range(self, "camera_reserve", 0.0, 3600.0)
-        require_range(self, "averaging", 0.1, 3600.0)
-        require_range(self, "consumption", maximum=1.0e6, above=0.0)
-        require_range(self, "averaging_way", 0.1, 1.0e4)
+    energy: float = number(900.0, "Of a full charge (Wh).", maximum=1.0e5, above=0.0)
+    voltage: float = number(
+        29.4,
+        "Of a full battery without load (V).",
+        lambda own: own.empty_voltage,
+        1.0e3,
+    )
+    empty_voltage: float = number(
+        21.0, "Of an empty battery without load (V).", maximum=1.0e3, above=0.0
+    )
+    resistance: float = number(0.05, "Ohm.", 0.0, 10.0)
+    base_power: float = number(90.0, "Of computers, radio and cameras (W).", 0.0, 1.0e5)
+    lamp_power: float = number(12.0, "Of each lamp at full level (W).", 0.0, 1.0e5)
+    efficiency: float = number(
+        0.65, "Mechanical power over electrical power of a drive.", 0.05, 1.0
+    )
+    holding_power: float = number(
+        60.0,
+        "Of a drive that gives its largest effort at rest (W); it grows with the effort's square.",
+        0.0,
+        1.0e5,
+    )
+    camera_reserve: float = number(
+        60.0,
+        "For how long the cameras' own cells feed them once the battery is empty (s).",
+        0.0,
+        3600.0,
+    )
+    averaging: float = number(
+        20.0, "Over which the power is averaged that the runtime is told by (s).", 0.1, 3600.0
+    )
+    consumption: float = number(
+        500.0,
+        "By which the range is told before the robot has driven (J/m).",
+        maximum=1.0e6,
+        above=0.0,
+    )
+    averaging_way: float = number(
+        20.0, "Over which the consumption is averaged that the range is told by (m).", 0.1, 1.0e4
+    )
 
     def drive_power(self, drives: Iterable[Drive]) -> float:
         """Power that drives take now (W); what turns them back gives none."""

@@ -8,7 +8,14 @@ from typing import Collection, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
-from telex_control.common.params import require, require_range
+from telex_control.common.params import (
+    Declared,
+    number,
+    parameter,
+    require,
+    require_range,
+    required,
+)
 from telex_control.common.stateful import Stateful
 
 ROBOT = "robot"
@@ -27,25 +34,16 @@ def require_history(history: Mapping[str, float]) -> None:
 
 
 @dataclass(frozen=True)
-class Collimator:
+class Collimator(Declared):
     """Shield around a detector, open along an axis.
 
     What comes at the angle a from the axis counts by leak + (1 - leak) 2^-(a / half_angle)^2.
-
-    Attributes
-    ----------
-    half_angle : float
-        From the axis, at which the opening passes half (rad).
-    leak : float
-        Share that passes the shield from all around.
     """
 
-    half_angle: float = 0.35
-    leak: float = 0.05
-
-    def __post_init__(self) -> None:
-        require_range(self, "half_angle", 0.01, 3.2)
-        require_range(self, "leak", 0.0, 1.0)
+    half_angle: float = number(
+        0.35, "From the axis, at which the opening passes half (rad).", 0.01, 3.2
+    )
+    leak: float = number(0.05, "Share that passes the shield from all around.", 0.0, 1.0)
 
     def response(self, ways: np.ndarray, axis: np.ndarray) -> np.ndarray:
         """Share that counts of what comes from sources.
@@ -70,26 +68,18 @@ class Collimator:
 
 
 @dataclass(frozen=True)
-class Electronics:
-    """Electronics that die of dose, and with them the drives of joints.
+class Electronics(Declared):
+    """Electronics that die of dose, and with them the drives of joints."""
 
-    Attributes
-    ----------
-    link : str
-        In whose origin they receive it.
-    joints : tuple of str
-        Whose brakes hold from then on.
-    life : float
-        Dose at which they die, in the mean (Gy).
-    """
+    link: str = parameter(required, "In whose origin they receive it.")
+    joints: Tuple[str, ...] = parameter(required, "Whose brakes hold from then on.")
+    life: float = number(
+        300.0, "Dose at which they die, in the mean (Gy).", maximum=MOST_GRAYS, above=0.0
+    )
 
-    link: str
-    joints: Tuple[str, ...]
-    life: float = 300.0
-
-    def __post_init__(self) -> None:
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
         require(bool(self.link), "link is ''; a link is needed")
-        require_range(self, "life", maximum=MOST_GRAYS, above=0.0)
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
 
-from telex_control.common.params import require_range
+from telex_control.common.params import Declared, number
 
 Vector = Tuple[float, float, float]
 
@@ -28,66 +28,53 @@ them would point anywhere, up and down too.
 
 
 @dataclass(frozen=True)
-class StabilityConfig:
-    """When a robot counts as unstable, as tipped over, and as stuck.
+class StabilityConfig(Declared):
+    """When a robot counts as unstable, as tipped over, and as stuck."""
 
-    Attributes
-    ----------
-    caution : float
-        Margin below which the state is CAUTION; 1 is that of the robot as it stands level in its
-        start pose.
-    smoothing_time : float
-        Of the margin (s); 0 leaves it as it is.
-    warning_ahead, warning_sideways : float
-        Rotations (rad) over nose or rear, and over a side, with less than which left the robot is
-        about to tip over, once that lasts for ...
-    warning_ahead_time, warning_sideways_time : float
-        ... so long (s): a robot that climbs rocks ahead and back.
-    warning_sideways_foresight : float
-        For how long (s) the robot is taken to go on turning over a side as it does: what is left
-        of that rotation then counts.
-    warning_hold : float
-        How long a warning stays after its cause is gone (s).
-    tipped_angle : float
-        Tilt beyond which the robot has tipped over (rad), once it lasts for `tipped_time` (s).
-    stuck_time : float
-        Time (s) over which a robot moves less than `stuck_ratio` of what its belts are told to run,
-        until it counts as stuck.
-    stuck_speed : float
-        Commanded belt speed (m/s) below which it only stands.
-    """
-
-    caution: float = 0.5
-    smoothing_time: float = 0.3
-    warning_ahead: float = 0.28
-    warning_ahead_time: float = 0.7
-    warning_sideways: float = 0.35
-    warning_sideways_time: float = 0.05
-    warning_sideways_foresight: float = 0.5
-    warning_hold: float = 0.5
-    tipped_angle: float = 1.2
-    tipped_time: float = 0.5
-    stuck_time: float = 2.0
-    stuck_ratio: float = 0.1
-    stuck_speed: float = 0.02
-
-    def __post_init__(self) -> None:
-        require_range(self, "caution", 0.0)
-        for name in ("warning_ahead", "warning_sideways"):
-            require_range(self, name, 0.0, math.pi)
-        for name in (
-            "smoothing_time",
-            "warning_ahead_time",
-            "warning_sideways_time",
-            "warning_sideways_foresight",
-            "warning_hold",
-        ):
-            require_range(self, name, 0.0)
-        require_range(self, "tipped_angle", maximum=math.pi, above=0.0)
-        require_range(self, "tipped_time", 0.0)
-        require_range(self, "stuck_time", above=0.0)
-        require_range(self, "stuck_ratio", maximum=1.0, above=0.0)
-        require_range(self, "stuck_speed", 0.0)
+    caution: float = number(
+        0.5,
+        "Margin below which the state is CAUTION; 1 is that of the robot as it stands "
+        "level in its start pose.",
+        0.0,
+    )
+    smoothing_time: float = number(0.3, "Of the margin (s); 0 leaves it as it is.", 0.0)
+    warning_ahead: float = number(
+        0.28,
+        "Rotation over nose or rear (rad) with less than which left the robot is about to tip"
+        " over, once that lasts for `warning_ahead_time`.",
+        0.0,
+        math.pi,
+    )
+    warning_ahead_time: float = number(0.7, "s: a robot that climbs rocks ahead and back.", 0.0)
+    warning_sideways: float = number(
+        0.35,
+        "The same over a side (rad), once that lasts for `warning_sideways_time`.",
+        0.0,
+        math.pi,
+    )
+    warning_sideways_time: float = number(0.05, "s.", 0.0)
+    warning_sideways_foresight: float = number(
+        0.5,
+        "For how long (s) the robot is taken to go on turning over a side as it does: "
+        "what is left of that rotation then counts.",
+        0.0,
+    )
+    warning_hold: float = number(0.5, "How long a warning stays after its cause is gone (s).", 0.0)
+    tipped_angle: float = number(
+        1.2,
+        "Tilt beyond which the robot has tipped over (rad), once it lasts for `tipped_time` (s).",
+        maximum=math.pi,
+        above=0.0,
+    )
+    tipped_time: float = number(0.5, "See `tipped_angle` (s).", 0.0)
+    stuck_time: float = number(
+        2.0,
+        "Time (s) over which a robot moves less than `stuck_ratio` of what its belts "
+        "are told to run, until it counts as stuck.",
+        above=0.0,
+    )
+    stuck_ratio: float = number(0.1, "See `stuck_time`.", maximum=1.0, above=0.0)
+    stuck_speed: float = number(0.02, "Commanded belt speed (m/s) below which it only stands.", 0.0)
 
 
 @dataclass(frozen=True)
@@ -137,10 +124,10 @@ def _distinct(points: Sequence[Vector]) -> List[Vector]:
     close = (x[:, None] - x) ** 2 + (y[:, None] - y) ** 2 < _COARSE**2
     kept: List[Vector] = []
     doubled = np.zeros(len(points), bool)
-    for number, point in enumerate(points):
-        if not doubled[number]:
+    for index, point in enumerate(points):
+        if not doubled[index]:
             kept.append(point)
-            doubled |= close[number]
+            doubled |= close[index]
     return kept
 
 

@@ -6,39 +6,32 @@ import math
 from dataclasses import dataclass
 from typing import Callable
 
-from telex_control.common.params import require_range
+from telex_control.common.params import Declared, number
 from telex_control.common.stateful import Stateful
 from telex_control.hardware.joint_limits import clamp
 
 
 @dataclass(frozen=True)
-class BeltDriveConfig:
-    """A motor and the belts that it drives, all seen at the belt.
+class BeltDriveConfig(Declared):
+    """A motor and the belts that it drives, all seen at the belt."""
 
-    Attributes
-    ----------
-    force : float
-        Largest of the motor (N).
-    power : float
-        Largest that the motor gives (W); it may take more, as a brake.
-    acceleration : float
-        With which the motor's controller changes the speed (m/s2).
-    inertia : float
-        Of rotor, gear, wheels and belts (kg).
-    brake_force : float
-        Of the parking brake, which also stops the belt in an emergency (N).
-    """
-
-    force: float = 540.0
-    power: float = 250.0
-    acceleration: float = 5.0
-    inertia: float = 15.0
-    brake_force: float = 900.0
-
-    def __post_init__(self) -> None:
-        for name in ("force", "power", "acceleration", "brake_force"):
-            require_range(self, name, maximum=1.0e6, above=0.0)
-        require_range(self, "inertia", 0.01, 1.0e6)
+    force: float = number(540.0, "Largest of the motor (N).", maximum=1.0e6, above=0.0)
+    power: float = number(
+        250.0,
+        "Largest that the motor gives (W); it may take more, as a brake.",
+        maximum=1.0e6,
+        above=0.0,
+    )
+    acceleration: float = number(
+        5.0, "With which the motor's controller changes the speed (m/s2).", maximum=1.0e6, above=0.0
+    )
+    inertia: float = number(15.0, "Of rotor, gear, wheels and belts (kg).", 0.01, 1.0e6)
+    brake_force: float = number(
+        900.0,
+        "Of the parking brake, which also stops the belt in an emergency (N).",
+        maximum=1.0e6,
+        above=0.0,
+    )
 
 
 class BeltDrive(Stateful):

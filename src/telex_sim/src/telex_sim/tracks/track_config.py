@@ -2,78 +2,59 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Dict, List, Tuple
 
-from telex_control.common.params import require, require_range
+from telex_control.common.params import Declared, number, parameter, require, required
 
 from .belt_drive import BeltDriveConfig
 
 
 @dataclass(frozen=True)
-class Grip:
-    """Friction coefficients of the belts on one material, of a surface with friction 1.
+class Grip(Declared):
+    """Friction coefficients of the belts on one material, of a surface with friction 1."""
 
-    Attributes
-    ----------
-    friction, lateral_friction : float
-        Along and across the belt.
-    """
-
-    friction: float
-    lateral_friction: float
-
-    def __post_init__(self) -> None:
-        for name in ("friction", "lateral_friction"):
-            require_range(self, name, maximum=10.0, above=0.0)
+    friction: float = number(required, "Along the belt.", maximum=10.0, above=0.0)
+    lateral_friction: float = number(required, "Across the belt.", maximum=10.0, above=0.0)
 
 
 @dataclass(frozen=True)
-class TrackConfig:
-    """Tracks; see `telex_sim.tracks`.
+class TrackConfig(Declared):
+    """Tracks; see `telex_sim.tracks`."""
 
-    Attributes
-    ----------
-    belts : dict of str to float
-        Belt joint and its drive radius (m). The track's shape is the collision shape of the
-        link that carries the joint.
-    drives : dict of str to tuple of str
-        Motors, and the belt joints on the shaft of each. A belt in none of them has one of its
-        own.
-    drive : BeltDriveConfig
-        Each motor.
-    friction : float
-        Friction coefficient along the belt, on a surface with friction 1; with any other, it is
-        the product.
-    lateral_friction : float
-        Across the belt.
-    materials : dict of str to Grip
-        In place of these two, by what the surface looks to be made of (see
-        `telex_sim.scene.model.Surface.material`).
-    side_friction : float
-        Of the belt's flanks, in every direction.
-    edge_grip : float
-        Factor on the friction along the belt where its cleats catch an edge.
-    stiffness, damping : float
-        Of a stuck track against the ground (N/m, N s/m), each track.
-    contact_stiffness, contact_damping : float
-        Of the contact normal to the surface (N/m, N s/m).
-    """
+    belts: Dict[str, float] = parameter(
+        dict,
+        "Belt joint and its drive radius (m). The track's shape is the collision shape "
+        "of the link that carries the joint.",
+    )
+    drives: Dict[str, Tuple[str, ...]] = parameter(
+        dict,
+        "Motors, and the belt joints on the shaft of each. A belt in none of them has "
+        "one of its own.",
+    )
+    drive: BeltDriveConfig = parameter(BeltDriveConfig, "Each motor.")
+    friction: float = parameter(
+        1.0,
+        "Friction coefficient along the belt, on a surface with friction 1; with any "
+        "other, it is the product.",
+    )
+    lateral_friction: float = parameter(0.7, "Across the belt.")
+    materials: Dict[str, Grip] = parameter(
+        dict,
+        "In place of these two, by what the surface looks to be made of (see "
+        "`telex_sim.scene.model.Surface.material`).",
+    )
+    side_friction: float = parameter(0.6, "Of the belt's flanks, in every direction.")
+    edge_grip: float = number(
+        1.2, "Factor on the friction along the belt where its cleats catch an edge.", 1.0, 10.0
+    )
+    stiffness: float = parameter(1.0e5, "Of a stuck track against the ground (N/m), each track.")
+    damping: float = parameter(1500.0, "Of a stuck track against the ground (N s/m), each track.")
+    contact_stiffness: float = parameter(1.0e5, "Of the contact normal to the surface (N/m).")
+    contact_damping: float = parameter(6.0e3, "Of the contact normal to the surface (N s/m).")
 
-    belts: Dict[str, float] = field(default_factory=dict)
-    drives: Dict[str, Tuple[str, ...]] = field(default_factory=dict)
-    drive: BeltDriveConfig = field(default_factory=BeltDriveConfig)
-    friction: float = 1.0
-    lateral_friction: float = 0.7
-    materials: Dict[str, Grip] = field(default_factory=dict)
-    side_friction: float = 0.6
-    edge_grip: float = 1.2
-    stiffness: float = 1.0e5
-    damping: float = 1500.0
-    contact_stiffness: float = 1.0e5
-    contact_damping: float = 6.0e3
-
-    def __post_init__(self) -> None:
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
         for name, radius in self.belts.items():
             require(radius > 0.0, f"belts/{name} is {radius} m; a radius above 0 is needed")
         for name in (
@@ -87,7 +68,6 @@ class TrackConfig:
         ):
             value = getattr(self, name)
             require(value > 0.0, f"{name} is {value}; it must be above 0")
-        require_range(self, "edge_grip", 1.0, 10.0)
         owners: Dict[str, str] = {}
         for drive, belts in self.drives.items():
             require(bool(belts), f"drives/{drive} is []; it needs a belt joint at least")

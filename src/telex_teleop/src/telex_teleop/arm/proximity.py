@@ -13,7 +13,7 @@ from typing import Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
-from telex_control.common.params import require_range
+from telex_control.common.params import Declared, number, parameter
 
 __all__ = [
     "Clearance",
@@ -75,40 +75,32 @@ class ProximityState:
 
 
 @dataclass(frozen=True)
-class ProximitySettings:
-    """How the arm keeps its distance.
+class ProximitySettings(Declared):
+    """How the arm keeps its distance."""
 
-    Attributes
-    ----------
-    enabled
-        Whether it does at first; an operator can switch it.
-    stop_distance
-        Distance (m) at which two bodies that must not touch stop approaching.
-    deceleration
-        With which the approach is slowed at most (m/s^2).
-    time_constant
-        Of the last, exponential part of the approach (s).
-    touch_speed
-        Speed (m/s) at which bodies may touch that are there to be touched.
-    touch_depth
-        How far (m) such a body may be led into another by its references. They cannot go there, so
-        it is how far they press ahead, and what they have to come back when the arm is to let go.
-    max_age
-        A report older than this (s of sim time) counts as none.
-    """
-
-    enabled: bool = True
-    stop_distance: float = 0.005
-    deceleration: float = 0.5
-    time_constant: float = 0.15
-    touch_speed: float = 0.05
-    touch_depth: float = 0.015
-    max_age: float = 0.25
-
-    def __post_init__(self) -> None:
-        require_range(self, "stop_distance", 0.0)
-        for name in ("deceleration", "time_constant", "touch_speed", "touch_depth", "max_age"):
-            require_range(self, name, above=0.0)
+    enabled: bool = parameter(True, "Whether it does at first; an operator can switch it.")
+    stop_distance: float = number(
+        0.005, "Distance (m) at which two bodies that must not touch stop approaching.", 0.0
+    )
+    deceleration: float = number(
+        0.5, "With which the approach is slowed at most (m/s^2).", above=0.0
+    )
+    time_constant: float = number(
+        0.15, "Of the last, exponential part of the approach (s).", above=0.0
+    )
+    touch_speed: float = number(
+        0.05, "Speed (m/s) at which bodies may touch that are there to be touched.", above=0.0
+    )
+    touch_depth: float = number(
+        0.015,
+        "How far (m) such a body may be led into another by its references. They cannot"
+        " go there, so it is how far they press ahead, and what they have to come back "
+        "when the arm is to let go.",
+        above=0.0,
+    )
+    max_age: float = number(
+        0.25, "A report older than this (s of sim time) counts as none.", above=0.0
+    )
 
 
 @dataclass(frozen=True)

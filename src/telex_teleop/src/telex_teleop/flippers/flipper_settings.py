@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Dict, Mapping, Tuple
 
-from telex_control.common.params import require, require_range, require_text
+from telex_control.common.params import Declared, number, parameter, require, required, word
 from telex_teleop.flippers.presets import GoalRules, Preset
 from telex_teleop.joints.joint_settings import JointTeleopSettings
 from telex_teleop.motion.axis import AxisSettings
@@ -14,25 +14,17 @@ __all__ = ["FlipperTeleopSettings", "PresetSettings"]
 
 
 @dataclass(frozen=True)
-class PresetSettings:
-    """One flipper preset.
+class PresetSettings(Declared):
+    """One flipper preset."""
 
-    Attributes
-    ----------
-    name
-        What operators and scripts call it.
-    positions
-        Joint to angle (rad); joints that are not named stay where they are.
-    description
-        What it is for; shown to the operator.
-    """
+    name: str = word(required, "What operators and scripts call it.")
+    positions: Dict[str, float] = parameter(
+        required, "Joint to angle (rad); joints that are not named stay where they are."
+    )
+    description: str = parameter("", "What it is for; shown to the operator.")
 
-    name: str
-    positions: Dict[str, float]
-    description: str = ""
-
-    def __post_init__(self) -> None:
-        require_text(self, "name")
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
         require(
             self.name.replace("_", "").isalnum(),
             f"name is {self.name!r}; letters, digits and underscores are needed",
@@ -44,24 +36,17 @@ class PresetSettings:
 
 @dataclass(frozen=True)
 class FlipperTeleopSettings(JointTeleopSettings):
-    """Parameters of the flippers' node.
+    """Parameters of the flippers' node."""
 
-    Attributes
-    ----------
-    presets
-        In the order of their keys.
-    goal_tolerance, stall_time
-        See `flipper_presets.GoalRules` (rad, s).
-    """
+    presets: Tuple[PresetSettings, ...] = parameter((), "In the order of their keys.")
+    goal_tolerance: float = number(
+        0.01, "See `flipper_presets.GoalRules` (rad).", maximum=0.1, above=0.0
+    )
+    stall_time: float = number(2.0, "See `flipper_presets.GoalRules` (s).", above=0.0)
 
-    presets: Tuple[PresetSettings, ...] = ()
-    goal_tolerance: float = 0.01
-    stall_time: float = 2.0
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        require_range(self, "goal_tolerance", above=0.0, maximum=0.1)
-        require_range(self, "stall_time", above=0.0)
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
+        super().check()
         names = [preset.name for preset in self.presets]
         for index, preset in enumerate(self.presets):
             require(

@@ -8,11 +8,14 @@ from typing import Collection, Dict, Mapping, Optional, Tuple, Union
 
 from telex_control.common.params import (
     ConfigError,
+    Declared,
+    number,
+    parameter,
     require,
     require_names,
     require_range,
-    require_text,
     required,
+    word,
 )
 from telex_control.urdf.joints import PRISMATIC, REVOLUTE
 from telex_teleop.joints.coupled_teleop import Coupling
@@ -130,8 +133,9 @@ class JointTeleopSettings(TeleopSettings):
     prismatic: PrismaticRules = field(default_factory=PrismaticRules)
     joint_settings: Dict[str, JointRules] = field(default_factory=dict)
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
+        super().check()
         require_names(self, "joints")
         for name in self.optional_joints:
             require(
@@ -187,30 +191,20 @@ class JointTeleopSettings(TeleopSettings):
 
 
 @dataclass(frozen=True)
-class CouplingSettings:
-    """How a group of joints moves as one.
+class CouplingSettings(Declared):
+    """How a group of joints moves as one."""
 
-    Attributes
-    ----------
-    ratios, measured_by, name, align_velocity
-        See `coupled_teleop.Coupling`.
-    align_time
-        Time (s) from rest to `align_velocity`.
-    """
+    ratios: Dict[str, float] = parameter(required, "See `coupled_teleop.Coupling`.")
+    measured_by: Tuple[str, ...] = parameter(required, "See `coupled_teleop.Coupling`.")
+    name: str = word("gripper", "See `coupled_teleop.Coupling`.")
+    align_velocity: float = number(0.1, "See `coupled_teleop.Coupling`.", above=0.0)
+    align_time: float = number(0.3, "Time (s) from rest to `align_velocity`.", above=0.0)
 
-    ratios: Dict[str, float]
-    measured_by: Tuple[str, ...]
-    name: str = "gripper"
-    align_velocity: float = 0.1
-    align_time: float = 0.3
-
-    def __post_init__(self) -> None:
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
         for joint, ratio in self.ratios.items():
             require(ratio != 0.0, f"ratios/{joint} is {ratio}; a number other than 0 is needed")
         require_names(self, "measured_by")
-        require_text(self, "name")
-        require_range(self, "align_velocity", above=0.0)
-        require_range(self, "align_time", above=0.0)
 
     def coupling(self) -> Coupling:
         """Return the coupling that these settings describe."""
@@ -261,8 +255,9 @@ class GripperTeleopSettings(JointTeleopSettings):
 
     coupling: CouplingSettings = field(default_factory=required)
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
+        super().check()
         ratios = self.coupling.ratios
         for joint in self.joints:
             require(joint in ratios, f"coupling/ratios/{joint} is missing")

@@ -12,7 +12,7 @@ import re
 from dataclasses import dataclass, field
 from typing import Dict, Iterable, Optional, Sequence, Tuple
 
-from telex_control.common.params import ConfigError, require, require_range
+from telex_control.common.params import ConfigError, Declared, number, require
 from telex_teleop.files import read_file
 
 __all__ = ["BUTTONS", "CONTROLS", "STICKS", "InvalidJoy", "Pad", "Pads", "Source"]
@@ -50,31 +50,24 @@ class InvalidJoy(ValueError):  # noqa: N818  it names a message, as InvalidComma
 
 
 @dataclass(frozen=True)
-class Source:
-    """Where a control is in the message.
+class Source(Declared):
+    """Where a control is in the message."""
 
-    Attributes
-    ----------
-    axis, button
-        Index into the message's axes or buttons; one of them is given.
-    rest, full
-        Values of the axis that stand for 0 and 1.
-    """
+    axis: Optional[int] = number(
+        None, "Index into the message's axes, for what is no button.", 0, HIGHEST_INDEX
+    )
+    button: Optional[int] = number(
+        None, "Index into the message's buttons, for one.", 0, HIGHEST_INDEX
+    )
+    rest: float = number(0.0, "Value of the axis that stands for 0.", -1.0, 1.0)
+    full: float = number(1.0, "Value of the axis that stands for 1.", -1.0, 1.0)
 
-    axis: Optional[int] = None
-    button: Optional[int] = None
-    rest: float = 0.0
-    full: float = 1.0
-
-    def __post_init__(self) -> None:
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
         require(
             (self.axis is None) != (self.button is None),
             f"axis is {self.axis}, button is {self.button}; one of them must be given",
         )
-        require_range(self, "axis", 0, HIGHEST_INDEX)
-        require_range(self, "button", 0, HIGHEST_INDEX)
-        require_range(self, "rest", -1.0, 1.0)
-        require_range(self, "full", -1.0, 1.0)
         require(
             abs(self.full - self.rest) >= 0.5,
             f"rest is {self.rest:g}, full is {self.full:g}; they must be at least 0.5 apart",

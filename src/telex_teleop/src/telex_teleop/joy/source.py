@@ -6,7 +6,7 @@ import time
 from dataclasses import dataclass
 from typing import Callable, List
 
-from telex_control.common.params import require_range
+from telex_control.common.params import Declared, number, parameter
 from telex_teleop.joy.device import Joystick, JoystickError
 from telex_teleop.joy.events import JoystickState
 from telex_teleop.joy.pacing import Pacer
@@ -17,23 +17,8 @@ LONGEST_WAIT = 0.1  # s between two looks at whether the node shall end
 
 
 @dataclass(frozen=True)
-class JoySettings:
+class JoySettings(Declared):
     """Parameters of the node joy, called as those of ROS's joy_node.
-
-    Attributes
-    ----------
-    dev
-        Path of the device; empty: the first one.
-    dev_name
-        Name of the device, in place of its path.
-    deadzone
-        Share of an axis' way on both sides of the centre that counts as the centre.
-    autorepeat_rate
-        Messages per second while nothing changes; 0: none.
-    coalesce_interval
-        Time (s) for which an axis that has moved waits for others.
-    retry_period
-        Time (s) between two attempts to open the device.
 
     Raises
     ------
@@ -41,18 +26,23 @@ class JoySettings:
         When one is out of range.
     """
 
-    dev: str = "/dev/input/js0"
-    dev_name: str = ""
-    deadzone: float = 0.05
-    autorepeat_rate: float = 20.0
-    coalesce_interval: float = 0.001
-    retry_period: float = 1.0
-
-    def __post_init__(self) -> None:
-        require_range(self, "deadzone", 0.0, 0.9)
-        require_range(self, "autorepeat_rate", 0.0, 1000.0)
-        require_range(self, "coalesce_interval", 0.0, 1.0)
-        require_range(self, "retry_period", 0.05, 60.0)
+    dev: str = parameter("/dev/input/js0", "Path of the device; empty: the first one.")
+    dev_name: str = parameter("", "Name of the device, in place of its path.")
+    deadzone: float = number(
+        0.05,
+        "Share of an axis' way on both sides of the centre that counts as the centre.",
+        0.0,
+        0.9,
+    )
+    autorepeat_rate: float = number(
+        20.0, "Messages per second while nothing changes; 0: none.", 0.0, 1000.0
+    )
+    coalesce_interval: float = number(
+        0.001, "Time (s) for which an axis that has moved waits for others.", 0.0, 1.0
+    )
+    retry_period: float = number(
+        1.0, "Time (s) between two attempts to open the device.", 0.05, 60.0
+    )
 
 
 class JoySource:

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 from telex_control.common.params import (
     ConfigError,
+    Declared,
+    number,
+    parameter,
     read_config,
     require,
     require_names,
     require_range,
+    required,
 )
 from telex_teleop.actions.grammar import GRAMMAR, PAGE_ONLY, Action, Command, Lamps, parse_action
 from telex_teleop.actions.vocabulary import Vocabulary
@@ -96,39 +100,8 @@ class KeyMap:
 
 
 @dataclass(frozen=True)
-class KeyboardSettings:
+class KeyboardSettings(Declared):
     """Parameters of keyboard_teleop.
-
-    Attributes
-    ----------
-    keys
-        Name of a key to the text of its action.
-    cartesian_keys
-        Those that do something else while the arm is in CARTESIAN mode.
-    tap_time, key_timeout
-        See `held.HeldKeys` (s).
-    send_rate
-        Commands per second while a key is held.
-    redraw_rate
-        Pictures of the screen per second.
-    longest_gap
-        When the program was held up for longer (s), all keys count as released.
-    jog_rate
-        Commanded rate (rad/s, m/s); the teleoperation nodes clamp it to what a joint can do.
-    linear, angular
-        Commanded velocity of the tracks (m/s, rad/s), clamped likewise.
-    tool_linear, tool_angular
-        The same of the tool.
-    speed_step
-        One step of the speed scale, as a share of the full speed.
-    zoom_rate
-        How fast the camera zooms (1/s, of the factor's logarithm).
-    max_zoom
-        Largest zoom factor.
-    lengths
-        Joints whose position is a length and shown in mm; the others are angles, shown in degrees.
-    labels
-        Text of a command to what the screen calls it, where that is another word.
 
     Raises
     ------
@@ -136,25 +109,48 @@ class KeyboardSettings:
         When one is out of range, or an action is unknown.
     """
 
-    keys: Dict[str, str]
-    cartesian_keys: Dict[str, str] = field(default_factory=dict)
-    tap_time: float = 0.15
-    key_timeout: float = 0.2
-    send_rate: float = 50.0
-    redraw_rate: float = 10.0
-    longest_gap: float = 0.2
-    jog_rate: float = 100.0
-    linear: float = 1.2
-    angular: float = 1.0
-    tool_linear: float = 10.0
-    tool_angular: float = 10.0
-    speed_step: float = STEP
-    zoom_rate: float = ZOOM_RATE
-    max_zoom: float = MAX_ZOOM
-    lengths: Tuple[str, ...] = ()
-    labels: Dict[str, str] = field(default_factory=dict)
+    keys: Dict[str, str] = parameter(required, "Name of a key to the text of its action.")
+    cartesian_keys: Dict[str, str] = parameter(
+        dict, "Those that do something else while the arm is in CARTESIAN mode."
+    )
+    tap_time: float = parameter(0.15, "See `held.HeldKeys` (s).")
+    key_timeout: float = parameter(0.2, "See `held.HeldKeys` (s).")
+    send_rate: float = parameter(50.0, "Commands per second while a key is held.")
+    redraw_rate: float = parameter(10.0, "Pictures of the screen per second.")
+    longest_gap: float = parameter(
+        0.2, "When the program was held up for longer (s), all keys count as released."
+    )
+    jog_rate: float = number(
+        100.0,
+        "Commanded rate (rad/s, m/s); the teleoperation nodes clamp it to what a joint can do.",
+        above=0.0,
+    )
+    linear: float = number(
+        1.2, "Commanded velocity of the tracks (m/s), clamped likewise.", above=0.0
+    )
+    angular: float = number(
+        1.0, "Commanded velocity of the tracks (rad/s), clamped likewise.", above=0.0
+    )
+    tool_linear: float = number(10.0, "The same of the tool.", above=0.0)
+    tool_angular: float = number(10.0, "The same of the tool.", above=0.0)
+    speed_step: float = parameter(
+        STEP, "One step of the speed scale, as a share of the full speed."
+    )
+    zoom_rate: float = number(
+        ZOOM_RATE, "How fast the camera zooms (1/s, of the factor's logarithm).", above=0.0
+    )
+    max_zoom: float = parameter(MAX_ZOOM, "Largest zoom factor.")
+    lengths: Tuple[str, ...] = parameter(
+        (),
+        "Joints whose position is a length and shown in mm; the others are angles, "
+        "shown in degrees.",
+    )
+    labels: Dict[str, str] = parameter(
+        dict, "Text of a command to what the screen calls it, where that is another word."
+    )
 
-    def __post_init__(self) -> None:
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
         for name, minimum, maximum in (
             ("tap_time", 0.02, 1.0),
             ("key_timeout", 0.02, 1.0),
@@ -165,8 +161,6 @@ class KeyboardSettings:
             ("max_zoom", 1.0, 100.0),
         ):
             require_range(self, name, minimum, maximum)
-        for name in ("jog_rate", "linear", "angular", "tool_linear", "tool_angular", "zoom_rate"):
-            require_range(self, name, above=0.0)
         if self.lengths:
             require_names(self, "lengths")
         _ = self.key_map, self.cartesian_map

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Collection, Mapping, Optional, Tuple
 
-from telex_control.common.params import require_range
+from telex_control.common.params import number, parameter
 from telex_control.common.plausible import LARGEST_SPEED
 from telex_teleop.motion.joint_jog import require_number
 from telex_teleop.motion.speed import SpeedScale
@@ -36,33 +36,19 @@ STANDSTILL = Velocity(0.0, 0.0)
 
 @dataclass(frozen=True)
 class TrackSettings(TeleopSettings):
-    """Parameters of the track teleoperation node, beside those of every node.
-
-    Attributes
-    ----------
-    max_linear, max_angular
-        Bounds at speed scale 1 (m/s, rad/s).
-    publish_rate
-        Commands to the track controller per second of sim time.
-    stop_time
-        Time (s) for which the final stop is repeated.
-    pulse_joint
-        One of the belts: joint states without it are not the base's and say nothing of its time.
-    """
+    """Parameters of the track teleoperation node, beside those of every node."""
 
     command_timeout: float = 0.25
-    max_linear: float = 1.2
-    max_angular: float = 1.0
-    publish_rate: float = 50.0
-    stop_time: float = 0.2
-    pulse_joint: str = "front_left_track_joint"
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        require_range(self, "max_linear", above=0.0)
-        require_range(self, "max_angular", above=0.0)
-        require_range(self, "publish_rate", 10.0, 100.0)
-        require_range(self, "stop_time", 0.0, 2.0)
+    max_linear: float = number(1.2, "Bound at speed scale 1 (m/s).", above=0.0)
+    max_angular: float = number(1.0, "Bound at speed scale 1 (rad/s).", above=0.0)
+    publish_rate: float = number(
+        50.0, "Commands to the track controller per second of sim time.", 10.0, 100.0
+    )
+    stop_time: float = number(0.2, "Time (s) for which the final stop is repeated.", 0.0, 2.0)
+    pulse_joint: str = parameter(
+        "front_left_track_joint",
+        "One of the belts: joint states without it are not the base's and say nothing of its time.",
+    )
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import Optional
 
 import numpy as np
 
-from telex_control.common.params import require, require_range
+from telex_control.common.params import Declared, number, parameter, require
 
 _MAX_EV = 16.0
 
@@ -27,41 +27,34 @@ _LIGHT = -np.log2(1.0 - np.square(np.minimum(np.arange(256), 254) / 255.0))
 
 
 @dataclass(frozen=True)
-class ExposureConfig:
+class ExposureConfig(Declared):
     """How a camera exposes. One EV more is twice the light.
-
-    Attributes
-    ----------
-    auto
-        Whether it follows the light.
-    ev
-        By hand: the exposure, 0 for a bright day. Automatic: how much brighter the picture shall
-        be than a medium one.
-    min_ev, max_ev
-        Between which an automatic exposure stays.
-    time_constant
-        In which it makes up for 63 % of a change (s of sim time).
 
     Raises
     ------
     telex_control.common.params.ConfigError
     """
 
-    auto: bool = False
-    ev: float = 0.0
-    min_ev: float = -2.0
-    max_ev: float = 2.0
-    time_constant: float = 0.4
+    auto: bool = parameter(False, "Whether it follows the light.")
+    ev: float = number(
+        0.0,
+        "By hand: the exposure, 0 for a bright day. Automatic: how much brighter the "
+        "picture shall be than a medium one.",
+        -_MAX_EV,
+        _MAX_EV,
+    )
+    min_ev: float = number(-2.0, "Least that an automatic exposure chooses.", -_MAX_EV, _MAX_EV)
+    max_ev: float = number(2.0, "Most that it chooses.", -_MAX_EV, _MAX_EV)
+    time_constant: float = number(
+        0.4, "In which it makes up for 63 % of a change (s of sim time).", 0.0, 60.0
+    )
 
-    def __post_init__(self) -> None:
-        require_range(self, "ev", -_MAX_EV, _MAX_EV)
-        require_range(self, "min_ev", -_MAX_EV, _MAX_EV)
-        require_range(self, "max_ev", -_MAX_EV, _MAX_EV)
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
         require(
             self.min_ev <= self.max_ev,
             f"min_ev is {self.min_ev}; it must not be above max_ev, which is {self.max_ev}",
         )
-        require_range(self, "time_constant", 0.0, 60.0)
 
 
 class ExposureControl:

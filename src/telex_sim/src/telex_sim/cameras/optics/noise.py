@@ -9,7 +9,7 @@ from typing import Dict, Optional, Tuple
 import cv2
 import numpy as np
 
-from telex_control.common.params import require_range
+from telex_control.common.params import Declared, number
 
 # Pixels by which noise is moved about from picture to picture, along each axis: enough places for
 # nobody to see it come again.
@@ -36,43 +36,31 @@ _THICKEST_VEIL = 160.0
 
 
 @dataclass(frozen=True)
-class RadiationConfig:
+class RadiationConfig(Declared):
     """What ionising radiation does to a sensor.
-
-    Attributes
-    ----------
-    dose_rate
-        That the camera is exposed to (Gy/h).
-    dose
-        That it has been exposed to until now (Gy).
-    dots
-        Bright dots and short traces in each picture, per million pixels and Gy/h.
-    hot_pixels
-        Pixels that stay bright, per million pixels and Gy.
-    veil
-        Dark current, which brightens the whole picture (grey levels of 255 per Gy).
-    loss
-        Share of the light that browned glass takes away, per Gy.
 
     Raises
     ------
     telex_control.common.params.ConfigError
     """
 
-    dose_rate: float = 0.0
-    dose: float = 0.0
-    dots: float = 30.0
-    hot_pixels: float = 20.0
-    veil: float = 0.25
-    loss: float = 0.002
-
-    def __post_init__(self) -> None:
-        require_range(self, "dose_rate", 0.0, _MOST)
-        require_range(self, "dose", 0.0, _MOST)
-        require_range(self, "dots", 0.0, 1e4)
-        require_range(self, "hot_pixels", 0.0, 1e4)
-        require_range(self, "veil", 0.0, 100.0)
-        require_range(self, "loss", 0.0, 1.0)
+    dose_rate: float = number(0.0, "That the camera is exposed to (Gy/h).", 0.0, _MOST)
+    dose: float = number(0.0, "That it has been exposed to until now (Gy).", 0.0, _MOST)
+    dots: float = number(
+        30.0, "Bright dots and short traces in each picture, per million pixels and Gy/h.", 0.0, 1e4
+    )
+    hot_pixels: float = number(
+        20.0, "Pixels that stay bright, per million pixels and Gy.", 0.0, 1e4
+    )
+    veil: float = number(
+        0.25,
+        "Dark current, which brightens the whole picture (grey levels of 255 per Gy).",
+        0.0,
+        100.0,
+    )
+    loss: float = number(
+        0.002, "Share of the light that browned glass takes away, per Gy.", 0.0, 1.0
+    )
 
     def exposed(self, dose_rate: float, dose: float) -> RadiationConfig:
         """Return it with a further dose rate (Gy/h) and dose (Gy), as far as that is possible."""
