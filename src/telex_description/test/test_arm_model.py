@@ -8,13 +8,15 @@ from typing import Dict, List
 
 import numpy as np
 import pytest
+from assembly import Assembly
 from shipped_robot import PACKAGE, expanded
 from telex_cad import tools
-from telex_cad.assembly import Assembly, rotation_rpy
 from telex_cad.figures import Figures
 from telex_cad.link_model import LinkModel
 from telex_cad.upper import arm, gripper, turret
 from urdf_parser_py.urdf import URDF, Box, Collision, Cylinder
+
+from telex_control.common.geometry.matrices import rotation_from_rpy
 
 pytestmark = pytest.mark.slow
 
@@ -119,7 +121,7 @@ def distance_to(collision: Collision, points: np.ndarray) -> np.ndarray:
     """Return how far points (N x 3, link frame) lie outside a box or cylinder (m)."""
     origin = collision.origin
     if origin is not None:
-        points = (points - (origin.xyz or [0, 0, 0])) @ rotation_rpy(*(origin.rpy or (0, 0, 0)))
+        points = (points - (origin.xyz or [0, 0, 0])) @ rotation_from_rpy(origin.rpy or (0, 0, 0))
     shape = collision.geometry
     if isinstance(shape, Box):
         beyond = np.abs(points) - np.array(shape.size) / 2

@@ -12,10 +12,10 @@ from typing import Dict, List, Tuple
 
 import numpy as np
 import pytest
+from assembly import Assembly
 from manifold3d import Manifold
 from shipped_robot import PACKAGE, expanded
 from telex_cad import hull, running_gear
-from telex_cad.assembly import Assembly
 from telex_cad.figures import Figures
 from telex_cad.files.mesh_files import visual_obj
 from telex_cad.link_model import LinkModel, volume_moments

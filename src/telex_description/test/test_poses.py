@@ -8,8 +8,8 @@ from typing import Dict, List
 import numpy as np
 import pytest
 import yaml
+from assembly import Assembly, Gap, models_by_link
 from shipped_robot import PACKAGE
-from telex_cad.assembly import Assembly, Gap, models_by_link
 from telex_cad.figures import Figures
 from urdf_parser_py.urdf import URDF
 

@@ -3,11 +3,7 @@ from __future__ import annotations
 import pytest
 
 from telex_control.hardware.hardware_interface import (
-    ActuatorHandle,
-    ActuatorStateHandle,
-    ActuatorStateInterface,
     ControllerInfo,
-    EffortActuatorInterface,
     EffortJointInterface,
     ForceTorqueSensorHandle,
     ForceTorqueSensorInterface,
@@ -19,15 +15,9 @@ from telex_control.hardware.hardware_interface import (
     JointHandle,
     JointStateHandle,
     JointStateInterface,
-    PositionActuatorInterface,
     PositionJointInterface,
-    PosVelAccJointHandle,
-    PosVelAccJointInterface,
-    PosVelJointHandle,
-    PosVelJointInterface,
     RobotHW,
     SwitchState,
-    VelocityActuatorInterface,
     VelocityJointInterface,
 )
 
@@ -50,18 +40,12 @@ def test_command_interfaces_claim_and_state_interfaces_do_not():
     assert effort.take_claims() == set()
 
 
-STATE, ACTUATOR = JointStateHandle("x"), ActuatorStateHandle("x")
+STATE = JointStateHandle("x")
 KINDS = [
     (JointStateInterface, STATE, False),
     (EffortJointInterface, JointHandle(STATE), True),
     (VelocityJointInterface, JointHandle(STATE), True),
     (PositionJointInterface, JointHandle(STATE), True),
-    (PosVelJointInterface, PosVelJointHandle(STATE), True),
-    (PosVelAccJointInterface, PosVelAccJointHandle(STATE), True),
-    (ActuatorStateInterface, ACTUATOR, False),
-    (EffortActuatorInterface, ActuatorHandle(ACTUATOR), True),
-    (VelocityActuatorInterface, ActuatorHandle(ACTUATOR), True),
-    (PositionActuatorInterface, ActuatorHandle(ACTUATOR), True),
     (ImuSensorInterface, ImuSensorHandle("x", "imu_link"), False),
     (ForceTorqueSensorInterface, ForceTorqueSensorHandle("x", "wrist_link"), False),
 ]
@@ -79,18 +63,6 @@ def test_every_interface_has_upstreams_name_and_claims(kind, handle, claims):
     assert robot.take_claims() == ()
 
 
-def test_combined_commands_stand_beside_the_state():
-    handle = PosVelAccJointHandle(STATE)
-    assert handle.state is STATE
-    assert (handle.command_position, handle.command_velocity, handle.command_acceleration) == (
-        0.0,
-        0.0,
-        0.0,
-    )
-    with pytest.raises(AttributeError):
-        handle.command = 1.0  # a slot, so that a wrong name does not go unnoticed
-
-
 def test_sensors_measure_nothing_until_they_do():
     imu = ImuSensorHandle("imu", "imu_link")
     assert (imu.frame_id, imu.orientation, imu.angular_velocity_covariance) == (
@@ -99,7 +71,6 @@ def test_sensors_measure_nothing_until_they_do():
         None,
     )
     assert ForceTorqueSensorHandle("ft", "wrist_link").force is None
-    assert (STATE.absolute_position, STATE.torque_sensor) == (None, None)
 
 
 def test_registering_again_replaces_and_warns(caplog):

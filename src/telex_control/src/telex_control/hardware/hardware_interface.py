@@ -19,12 +19,7 @@ from ..common.stateful import Stateful
 from ..ros.node_handle import NodeHandle
 
 __all__ = [
-    "ActuatorCommandInterface",
-    "ActuatorHandle",
-    "ActuatorStateHandle",
-    "ActuatorStateInterface",
     "ControllerInfo",
-    "EffortActuatorInterface",
     "EffortJointInterface",
     "ForceTorqueSensorHandle",
     "ForceTorqueSensorInterface",
@@ -38,16 +33,10 @@ __all__ = [
     "JointStateHandle",
     "JointStateInterface",
     "NamedHandle",
-    "PosVelAccJointHandle",
-    "PosVelAccJointInterface",
-    "PosVelJointHandle",
-    "PosVelJointInterface",
-    "PositionActuatorInterface",
     "PositionJointInterface",
     "ResourceManager",
     "RobotHW",
     "SwitchState",
-    "VelocityActuatorInterface",
     "VelocityJointInterface",
 ]
 
@@ -74,11 +63,9 @@ class JointStateHandle(NamedHandle):
     ----------
     position, velocity, effort : float
         Written by the robot in `RobotHW.read`.
-    absolute_position, torque_sensor : float or None
-        Second sensors, of joints that have them (rad or m; Nm or N).
     """
 
-    __slots__ = ("absolute_position", "effort", "position", "torque_sensor", "velocity")
+    __slots__ = ("effort", "position", "velocity")
     SAVED = __slots__
 
     def __init__(self, name: str) -> None:
@@ -86,8 +73,6 @@ class JointStateHandle(NamedHandle):
         self.position = 0.0
         self.velocity = 0.0
         self.effort = 0.0
-        self.absolute_position: Optional[float] = None
-        self.torque_sensor: Optional[float] = None
 
 
 class JointHandle(NamedHandle):
@@ -103,51 +88,6 @@ class JointHandle(NamedHandle):
     SAVED = ("command",)
 
     def __init__(self, state: JointStateHandle) -> None:
-        super().__init__(state.name)
-        self.state = state
-        self.command = 0.0
-
-
-class PosVelJointHandle(NamedHandle):
-    """Position and velocity command of one joint, beside its measured state."""
-
-    __slots__ = ("command_position", "command_velocity", "state")
-
-    def __init__(self, state: JointStateHandle) -> None:
-        super().__init__(state.name)
-        self.state = state
-        self.command_position = 0.0
-        self.command_velocity = 0.0
-
-
-class PosVelAccJointHandle(PosVelJointHandle):
-    """Position, velocity and acceleration command of one joint, beside its measured state."""
-
-    __slots__ = ("command_acceleration",)
-
-    def __init__(self, state: JointStateHandle) -> None:
-        super().__init__(state)
-        self.command_acceleration = 0.0
-
-
-class ActuatorStateHandle(NamedHandle):
-    """Measured state of one actuator, on the motor's side of its transmission."""
-
-    __slots__ = ("effort", "position", "velocity")
-
-    def __init__(self, name: str) -> None:
-        super().__init__(name)
-        self.position = 0.0
-        self.velocity = 0.0
-        self.effort = 0.0
-
-
-class ActuatorHandle(NamedHandle):
-    """Command of one actuator, beside its measured state."""
-
-    __slots__ = ("command", "state")
-
-    def __init__(self, state: ActuatorStateHandle) -> None:
         super().__init__(state.name)
         self.state = state
         self.command = 0.0
@@ -340,51 +280,6 @@ class PositionJointInterface(JointCommandInterface):
     """Joints commanded by position (rad, m)."""
 
     type_name = "hardware_interface::PositionJointInterface"
-
-
-class PosVelJointInterface(HardwareInterface[PosVelJointHandle]):
-    """Joints commanded by position and velocity together."""
-
-    type_name = "hardware_interface::PosVelJointInterface"
-    claims_resources = True
-
-
-class PosVelAccJointInterface(HardwareInterface[PosVelAccJointHandle]):
-    """Joints commanded by position, velocity and acceleration together."""
-
-    type_name = "hardware_interface::PosVelAccJointInterface"
-    claims_resources = True
-
-
-class ActuatorStateInterface(HardwareInterface[ActuatorStateHandle]):
-    """Measured actuator states; nothing is claimed."""
-
-    type_name = "hardware_interface::ActuatorStateInterface"
-
-
-class ActuatorCommandInterface(HardwareInterface[ActuatorHandle]):
-    """Actuators that can be commanded, each by one controller at a time."""
-
-    type_name = "hardware_interface::ActuatorCommandInterface"
-    claims_resources = True
-
-
-class EffortActuatorInterface(ActuatorCommandInterface):
-    """Actuators commanded by effort (Nm, N)."""
-
-    type_name = "hardware_interface::EffortActuatorInterface"
-
-
-class VelocityActuatorInterface(ActuatorCommandInterface):
-    """Actuators commanded by velocity (rad/s, m/s)."""
-
-    type_name = "hardware_interface::VelocityActuatorInterface"
-
-
-class PositionActuatorInterface(ActuatorCommandInterface):
-    """Actuators commanded by position (rad, m)."""
-
-    type_name = "hardware_interface::PositionActuatorInterface"
 
 
 class ImuSensorInterface(HardwareInterface[ImuSensorHandle]):

@@ -34,11 +34,6 @@ class Mesh:
     uvs: Optional[np.ndarray]
     triangles: np.ndarray
 
-    def bounding_sphere(self) -> Tuple[np.ndarray, float]:
-        """Centre, shape (3,), and radius of a sphere around the middle of the bounding box."""
-        center = 0.5 * (self.positions.min(axis=0) + self.positions.max(axis=0))
-        return center, float(np.linalg.norm(self.positions - center, axis=1).max())
-
     def scaled(self, scale: Vector3) -> Mesh:
         """Stretch the mesh along its axes; a mirrored one keeps its outside."""
         factors = np.array(scale, dtype=np.float32)

@@ -59,11 +59,6 @@ class Uplink:
         """Whether messages arrive at once, so that they need not be sent by this."""
         return self._line is None or self._queue.passes
 
-    @property
-    def may_lose(self) -> bool:
-        """Whether the line loses anything."""
-        return self._line is not None and not self._line.is_perfect
-
     def send(self, sent: Sent, size: int, *, may_be_lost: bool = False) -> bool:
         """Send a message of a size (bytes); False: it got lost, as far as it may be."""
         now = self._clock()

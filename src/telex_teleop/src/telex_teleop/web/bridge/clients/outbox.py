@@ -50,11 +50,6 @@ class Outbox:
     def __len__(self) -> int:
         return self._replies + sum(len(entries) for entries in self._topics.values())
 
-    @property
-    def bytes_waiting(self) -> int:
-        """Size of all that waits."""
-        return self._bytes
-
     def put_message(self, topic: str, text: Encoded, depth: int) -> None:
         """Queue a message of a topic, of which at most `depth` may wait."""
         entry = self._append(topic, text)

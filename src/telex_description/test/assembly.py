@@ -6,19 +6,19 @@ really clear each other.
 
 from __future__ import annotations
 
-import math
 from itertools import combinations
-from typing import Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Tuple
+from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 import numpy as np
 from manifold3d import Manifold
+from telex_cad import hull, running_gear, tools
+from telex_cad.figures import Figures
+from telex_cad.link_model import LinkModel
+from telex_cad.solids import union
+from telex_cad.upper import arm, gripper, turret
 from urdf_parser_py.urdf import URDF, Joint
 
-from . import hull, running_gear, tools
-from .figures import Figures
-from .link_model import LinkModel
-from .solids import union
-from .upper import arm, gripper, turret
+from telex_control.common.geometry.matrices import rotation_about, rotation_from_rpy
 
 
 class Gap(NamedTuple):
@@ -29,31 +29,15 @@ class Gap(NamedTuple):
     second: str
 
 
-def rotation_rpy(roll: float, pitch: float, yaw: float) -> np.ndarray:
-    """Return the 3x3 matrix of URDF's rotations about the fixed axes x, y, z (rad)."""
-    (cr, cp, cy), (sr, sp, sy) = np.cos([roll, pitch, yaw]), np.sin([roll, pitch, yaw])
-    about_x = np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])
-    about_y = np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
-    about_z = np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]])
-    return about_z @ about_y @ about_x
-
-
-def rotation_about(axis: Iterable[float], angle: float) -> np.ndarray:
-    """Return the 3x3 matrix of a rotation by `angle` (rad) about a unit axis (Rodrigues)."""
-    x, y, z = axis
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
-
-
 def motion(joint: Joint, position: float) -> np.ndarray:
     """Return the 4x4 pose of a joint's child in its parent at a position (rad, m)."""
     pose = np.eye(4)
     if joint.origin is not None:
         pose[:3, 3] = joint.origin.xyz or (0, 0, 0)
-        pose[:3, :3] = rotation_rpy(*(joint.origin.rpy or (0, 0, 0)))
+        pose[:3, :3] = rotation_from_rpy(joint.origin.rpy or (0, 0, 0))
     moved = np.eye(4)
     if joint.type in ("revolute", "continuous"):
-        moved[:3, :3] = rotation_about(joint.axis, position)
+        moved[:3, :3] = rotation_about(position * np.array(joint.axis))
     elif joint.type == "prismatic":
         moved[:3, 3] = position * np.array(joint.axis)
     return pose @ moved
