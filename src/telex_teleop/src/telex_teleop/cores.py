@@ -21,15 +21,6 @@ from telex_teleop.joints.joint_settings import GripperTeleopSettings, JointTeleo
 from telex_teleop.joints.joint_teleop import JointTeleop
 from telex_teleop.motion.limits import JointBounds, limits_from_urdf
 
-__all__ = [
-    "ArmCore",
-    "arm_core",
-    "flipper_core",
-    "gripper_core",
-    "limits_of_present",
-    "tool_motion",
-]
-
 Limits = Mapping[str, JointBounds]
 
 

@@ -11,8 +11,6 @@ from telex_control.common.file_catalog import package_path
 from telex_control.common.params import ConfigError, read_struct
 from telex_control.common.yaml_files import load_yaml
 
-__all__ = ["read_file", "shipped_file"]
-
 Config = TypeVar("Config")
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-__all__ = ["DIES_WITH_US", "KILLED_WITH_US"]
-
 DIES_WITH_US = ("setpriv", "--pdeathsig", "TERM")
 """Put before a command: it is asked to end, too, when its starter is killed."""
 

@@ -9,8 +9,6 @@ import matplotlib
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-__all__ = ["save"]
-
 
 def save(figure: Figure, path: Path) -> List[Path]:
     """Write a figure as PNG and as SVG.

@@ -5,8 +5,6 @@ from __future__ import annotations
 import gc
 import sys
 
-__all__ = ["prepare_for_loop"]
-
 SWITCH_INTERVAL = 5e-4
 """After this time (s) a thread that computes hands the interpreter back to the loop."""
 

@@ -9,18 +9,6 @@ from __future__ import annotations
 
 import math
 
-__all__ = [
-    "LARGEST_ACCELERATION",
-    "LARGEST_EFFORT",
-    "LARGEST_POSITION",
-    "LARGEST_SPEED",
-    "LONGEST",
-    "effort_problem",
-    "number_problem",
-    "position_problem",
-    "speed_problem",
-]
-
 LARGEST_POSITION = 1.0e4
 """rad, m; of what has no position limits."""
 LARGEST_SPEED = 1.0e3

@@ -9,8 +9,6 @@ import tempfile
 
 from .params import ConfigError
 
-__all__ = ["make_private_file", "read_private_file"]
-
 
 def make_private_file(path: str, content: bytes) -> None:
     """Make a file of mode 0600, whole from its first moment, unless there is one meanwhile.

@@ -12,8 +12,6 @@ import time
 from pathlib import Path
 from typing import Callable
 
-__all__ = ["LoopPriority", "may_come_first", "step_back"]
-
 LONGEST_RUN = 0.2
 """Time (s) without a rest after which the process of a loop becomes an ordinary one."""
 

@@ -10,8 +10,6 @@ from geometry_msgs.msg import Point, Pose, Quaternion
 from ..common.geometry import quaternions
 from ..common.geometry.matrices import quaternion_of
 
-__all__ = ["fill_pose", "pose_in", "pose_message", "quaternion_in", "vector_in"]
-
 
 def vector_in(message: Any) -> quaternions.Vector3:
     """Return x, y, z of a Vector3 or a Point."""

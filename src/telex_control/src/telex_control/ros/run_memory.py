@@ -10,8 +10,6 @@ from typing import Any, Dict, Optional
 import rospkg
 import rospy
 
-__all__ = ["RunMemory", "run_path"]
-
 _OWNER_ONLY = 0o600
 
 

@@ -16,8 +16,6 @@ from typing import Any, List
 from xml.parsers.expat import ExpatError
 from xmlrpc.client import Error, ServerProxy
 
-__all__ = ["START_AFTER", "wait_for_turn"]
-
 START_AFTER = "TELEX_START_AFTER"
 """Environment variable with the full names of what comes first, separated by blanks."""
 

@@ -10,8 +10,6 @@ import numpy as np
 from .elements import UrdfError, number, numbers, root_links, xml_name
 from .model import Inertia, Mesh, Pose, Robot, UnknownShape
 
-__all__ = ["check_bodies", "check_links"]
-
 _DEEPEST = 200
 """Links one on another; PyBullet takes no more than 128 in all."""
 _HEAVIEST = 1.0e6

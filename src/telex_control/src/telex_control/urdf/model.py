@@ -26,29 +26,6 @@ from xml.etree import ElementTree
 from urdf_parser_py import urdf
 from urdf_parser_py.xml_reflection import core
 
-__all__ = [
-    "Actuator",
-    "Box",
-    "Capsule",
-    "Collision",
-    "Cylinder",
-    "Joint",
-    "Link",
-    "Material",
-    "Mesh",
-    "Robot",
-    "Sphere",
-    "Transmission",
-    "TransmissionJoint",
-    "UnknownShape",
-    "UrdfError",
-    "Visual",
-    "as_numbers",
-    "read_robot",
-    "read_xml",
-    "robot_of",
-]
-
 _MOST_CHARACTERS = 1_000_000
 """A robot_description that is longer is refused: nothing else runs while it is parsed."""
 _MOST_ELEMENTS = 50_000

@@ -8,8 +8,6 @@ from telex_control.ros.run_memory import RunMemory
 
 from ..engine.simulation import Simulation
 
-__all__ = ["CrashRecovery"]
-
 
 class CrashRecovery:
     """Restores what must survive a crash, and keeps it for the next one.

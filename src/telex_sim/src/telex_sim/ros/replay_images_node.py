@@ -14,8 +14,6 @@ from sensor_msgs.msg import CompressedImage, Image
 
 from telex_control.ros.node_start import init_node
 
-__all__ = ["main", "unpacked"]
-
 CAMERAS = ("front", "rear", "arm", "gripper", "turret", "mast", "overview")
 
 

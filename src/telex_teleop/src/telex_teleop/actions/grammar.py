@@ -18,29 +18,6 @@ from dataclasses import asdict, dataclass
 from enum import Enum
 from typing import Any, Dict, Tuple, Union
 
-__all__ = [
-    "AXIS_GRAMMAR",
-    "GRAMMAR",
-    "NODES",
-    "PAGE_ONLY",
-    "TERMINAL_ONLY",
-    "TOOL_AXES",
-    "Action",
-    "Command",
-    "Drive",
-    "Jog",
-    "Lamps",
-    "Preset",
-    "Side",
-    "ToPose",
-    "Tool",
-    "Zoom",
-    "as_json",
-    "is_momentary",
-    "parse_action",
-    "parse_axis",
-]
-
 
 @dataclass(frozen=True)
 class Jog:

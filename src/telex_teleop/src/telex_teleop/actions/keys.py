@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Tuple
 
-__all__ = ["page_key"]
-
 _NAMED = {
     "tab": ("Tab", "Tab"),
     "enter": ("Enter", "Enter"),

@@ -24,8 +24,6 @@ from telex_teleop.actions.keys import page_key
 from telex_teleop.files import read_file, shipped_file
 from telex_teleop.motion.speed import MAX_ZOOM, STEP, ZOOM_RATE
 
-__all__ = ["MODES", "Entry", "Group", "NamedAction", "Vocabulary"]
-
 MODES = ("DRIVE", "JOINT", "CARTESIAN", "CAMERA")
 """Modes of the console's keys; a terminal has those of the arm, JOINT and CARTESIAN."""
 

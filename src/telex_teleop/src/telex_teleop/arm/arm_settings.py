@@ -15,8 +15,6 @@ from telex_teleop.arm.tool_settings import ToolSettings
 from telex_teleop.joints.joint_settings import JointTeleopSettings
 from telex_teleop.motion.axis import AxisSettings
 
-__all__ = ["ArmTeleopSettings", "FrameSettings", "carrier_of"]
-
 # Distance (rad or m) by which a pose may be outside a reference's limits: a pose on a joint's own
 # limit is inside it by the margin that references keep.
 POSE_MARGIN = 0.01

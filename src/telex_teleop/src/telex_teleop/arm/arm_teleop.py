@@ -23,8 +23,6 @@ from telex_teleop.motion.speed import SpeedScale
 from telex_teleop.motion.stream import Clocks, CommandStream
 from telex_teleop.motion.teleop_core import NEEDS_NEW_PRESS
 
-__all__ = ["CARTESIAN_MODE", "ArmTeleop", "Carrier", "ModeError"]
-
 CARTESIAN_MODE = "CARTESIAN"
 
 # How long (s) a refused command is spoken of: a display that hears ten statuses a second shows it.

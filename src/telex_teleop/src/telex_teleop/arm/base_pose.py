@@ -8,8 +8,6 @@ import numpy as np
 
 from telex_teleop.motion.rigid_motion import advanced, pose_error
 
-__all__ = ["BasePose"]
-
 
 class BasePose:
     """The base's pose, carried on at its last velocity.

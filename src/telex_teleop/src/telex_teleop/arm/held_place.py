@@ -10,8 +10,6 @@ from telex_control.common.geometry.matrices import inverse
 from telex_teleop.arm.tool_settings import ToolSettings
 from telex_teleop.motion.rigid_motion import advanced, pose_error, shortened
 
-__all__ = ["HeldPlace"]
-
 
 class HeldPlace:
     """The place, and the twist that keeps the tool there.

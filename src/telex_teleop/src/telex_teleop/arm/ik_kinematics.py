@@ -9,8 +9,6 @@ import numpy as np
 from telex_control.kinematics import Chain, IKOptions, IKSolver
 from telex_teleop.motion.reference import MotionLimits
 
-__all__ = ["IKKinematics"]
-
 
 class IKKinematics:
     """Forward kinematics and tracking of one chain.

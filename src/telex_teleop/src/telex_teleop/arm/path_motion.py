@@ -9,8 +9,6 @@ import numpy as np
 
 from telex_teleop.motion.reference import MotionLimits, stoppable_speed
 
-__all__ = ["PathMotion"]
-
 # The largest joint distance that counts as arrived (rad or m).
 ARRIVED = 1e-6
 

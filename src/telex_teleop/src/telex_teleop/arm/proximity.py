@@ -15,15 +15,6 @@ import numpy as np
 
 from telex_control.common.params import Declared, number, parameter
 
-__all__ = [
-    "Clearance",
-    "Nearness",
-    "ProximityGuard",
-    "ProximityPair",
-    "ProximitySettings",
-    "ProximityState",
-]
-
 # Below this share of its speed a motion is said to be stopped.
 STOPPED_SHARE = 0.02
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-__all__ = ["scaled_clear", "slid_clear", "tool_effects"]
-
 # Damping (m^2, rad^2) of the inverse Jacobian: near a singularity joints do not follow the tool.
 DAMPING = 1e-4
 # So often the bounds are gone through at most, each time making good what the others have undone;

@@ -12,8 +12,6 @@ from telex_control.common.plausible import LARGEST_POSITION, LARGEST_SPEED
 from telex_control.kinematics import KinematicsError, make_pose
 from telex_teleop.motion.joint_jog import InvalidCommand, require_number
 
-__all__ = ["Frame", "FrameNames", "PoseCommand", "ToolCommand", "TwistCommand"]
-
 
 class Frame(Enum):
     """Along whose axes a command is meant."""

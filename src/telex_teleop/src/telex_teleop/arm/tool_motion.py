@@ -22,8 +22,6 @@ from telex_teleop.motion.joint_follower import JointFollower
 from telex_teleop.motion.reference import MotionLimits
 from telex_teleop.motion.rigid_motion import advanced, pose_error, shortened
 
-__all__ = ["ToolKinematics", "ToolMotion"]
-
 # A share of the speed above this is not worth a word.
 FREE = 0.95
 # Below this a motion counts as ended: a joint's step (rad or m), the tool's speed as a share of its

@@ -10,8 +10,6 @@ import numpy as np
 from telex_control.common.params import require_range
 from telex_teleop.motion.reference import stoppable_speed
 
-__all__ = ["ToolSettings"]
-
 # A way that takes less time than this at full speed (s) is done.
 ARRIVED_TIME = 1e-5
 

@@ -10,8 +10,6 @@ import numpy as np
 
 from telex_teleop.motion.reference import MotionLimits
 
-__all__ = ["ON_BOUND", "Slowdown", "SlowdownReasons"]
-
 # A joint this near (rad or m) a bound stands on it.
 ON_BOUND = 1e-4
 

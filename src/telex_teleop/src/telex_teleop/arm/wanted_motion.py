@@ -11,8 +11,6 @@ from telex_teleop.arm.tool_command import Frame, PoseCommand, ToolCommand, Twist
 from telex_teleop.arm.tool_settings import ToolSettings
 from telex_teleop.motion.rigid_motion import pose_error
 
-__all__ = ["WantedMotion"]
-
 
 class WantedMotion:
     """Turns commands into twists; knows the pose that the tool is on its way to.

@@ -10,8 +10,6 @@ from telex_teleop.flippers.presets import GoalRules, Preset
 from telex_teleop.joints.joint_settings import JointTeleopSettings
 from telex_teleop.motion.axis import AxisSettings
 
-__all__ = ["FlipperTeleopSettings", "PresetSettings"]
-
 
 @dataclass(frozen=True)
 class PresetSettings(Declared):

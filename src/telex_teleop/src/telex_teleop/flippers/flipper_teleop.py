@@ -11,8 +11,6 @@ from telex_teleop.motion.joint_jog import InvalidCommand, JogCommand
 from telex_teleop.motion.speed import SpeedScale
 from telex_teleop.motion.stream import Clocks
 
-__all__ = ["FlipperTeleop"]
-
 
 class FlipperTeleop(JointTeleop):
     """Jogs flippers, or leads them to a preset; a jog ends a preset.

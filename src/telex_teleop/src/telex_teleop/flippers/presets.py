@@ -15,17 +15,6 @@ from typing import Collection, Dict, List, Mapping, Optional, Sequence, Set, Tup
 from telex_teleop.motion.joint_jog import InvalidCommand, require_known
 from telex_teleop.motion.stream import Clocks, CommandStream
 
-__all__ = [
-    "A_GOAL",
-    "EndedGoal",
-    "GoalEnd",
-    "GoalRules",
-    "Preset",
-    "PresetGoals",
-    "PresetRequests",
-    "choose",
-]
-
 A_GOAL = "goal"
 """Stands for whoever asked for a goal, among those whose commands are obeyed."""
 

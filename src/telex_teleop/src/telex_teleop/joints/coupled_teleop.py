@@ -18,8 +18,6 @@ from telex_teleop.motion.reference import MotionLimits, ReferenceGenerator
 from telex_teleop.motion.speed import SpeedScale
 from telex_teleop.motion.stream import Clocks
 
-__all__ = ["CoupledTeleop", "Coupling"]
-
 
 @dataclass(frozen=True)
 class Coupling:

@@ -24,14 +24,6 @@ from telex_teleop.motion.limits import JointBounds
 from telex_teleop.motion.reference import MotionLimits
 from telex_teleop.motion.teleop_settings import TeleopSettings
 
-__all__ = [
-    "CouplingSettings",
-    "GripperTeleopSettings",
-    "JointRules",
-    "JointTeleopSettings",
-    "MotionRules",
-]
-
 
 @dataclass(frozen=True)
 class MotionRules:

@@ -15,8 +15,6 @@ from telex_teleop.motion.speed import SpeedScale
 from telex_teleop.motion.stream import Clocks
 from telex_teleop.motion.teleop_core import NEEDS_NEW_PRESS, TeleopCore
 
-__all__ = ["JOINT_MODE", "AxisState", "JointTeleop", "TeleopState"]
-
 JOINT_MODE = "JOINT"
 
 # A motion begins with a step of at most so much (s), however long the node has rested before.

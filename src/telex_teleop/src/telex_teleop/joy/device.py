@@ -9,8 +9,6 @@ import os
 import select
 from typing import List, Optional
 
-__all__ = ["Joystick", "JoystickError", "find_joystick"]
-
 DEVICES = "/dev/input/js*"
 NAME_LENGTH = 128
 # linux/joystick.h: _IOR('j', number, size)

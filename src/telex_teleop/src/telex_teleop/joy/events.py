@@ -10,8 +10,6 @@ from __future__ import annotations
 import struct
 from typing import Dict, List, Tuple
 
-__all__ = ["EVENT", "JoystickState"]
-
 EVENT = struct.Struct("=IhBB")
 """Time (ms), value, type, number of the axis or button."""
 

@@ -32,8 +32,6 @@ from telex_teleop.actions.grammar import (
 from telex_teleop.files import read_file
 from telex_teleop.joy.pads import BUTTONS, STICKS, Pad
 
-__all__ = ["Binding", "ButtonBinding", "JoyMap", "Layer", "Mode", "Stick", "StickBinding"]
-
 ARM_MODES = ("", "JOINT", "CARTESIAN")
 # They belong to a screen with keys.
 NOT_ON_A_PAD = (Command.HELP, *TERMINAL_ONLY, *PAGE_ONLY)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import List, Optional
 
-__all__ = ["Pacer"]
-
 
 class Pacer:
     """Publishes a button at once, an axis together with others that move in the same moment.

@@ -15,8 +15,6 @@ from typing import Dict, Iterable, Optional, Sequence, Tuple
 from telex_control.common.params import ConfigError, Declared, number, require
 from telex_teleop.files import read_file
 
-__all__ = ["BUTTONS", "CONTROLS", "STICKS", "InvalidJoy", "Pad", "Pads", "Source"]
-
 STICKS = ("left_stick_x", "left_stick_y", "right_stick_x", "right_stick_y")
 """In the order of the W3C layout's axes."""
 

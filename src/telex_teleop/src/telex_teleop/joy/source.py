@@ -11,8 +11,6 @@ from telex_teleop.joy.device import Joystick, JoystickError
 from telex_teleop.joy.events import JoystickState
 from telex_teleop.joy.pacing import Pacer
 
-__all__ = ["JoySettings", "JoySource"]
-
 LONGEST_WAIT = 0.1  # s between two looks at whether the node shall end
 
 

@@ -15,8 +15,6 @@ from telex_teleop.joy.device import find_joystick
 from telex_teleop.joy.source import JoySettings, JoySource
 from telex_teleop.ros.common import private_settings
 
-__all__ = ["joy_main"]
-
 DEVICE_TOPIC = "joy_device"
 
 

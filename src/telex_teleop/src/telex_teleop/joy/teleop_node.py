@@ -25,8 +25,6 @@ from telex_teleop.operating.commander import Commander
 from telex_teleop.operating.operated_robot import OperatedRobot
 from telex_teleop.ros.common import WARNING_PERIOD, private_settings, warn_dropped
 
-__all__ = ["JoyTeleopNode", "JoyTeleopSettings", "joy_teleop_main"]
-
 AUTO = "auto"
 QUEUE = 10  # messages; each of them may hold a press
 

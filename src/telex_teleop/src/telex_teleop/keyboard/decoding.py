@@ -13,8 +13,6 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Collection, Dict, List, Optional, Tuple, Union
 
-__all__ = ["Event", "FocusEvent", "KeyDecoder", "KeyEvent", "KeyKind", "KittyReply"]
-
 ESCAPE = 0x1B
 # A sequence longer than this is noise.
 LONGEST_SEQUENCE = 4096

@@ -12,8 +12,6 @@ from typing import Dict, List, Set
 
 from telex_teleop.keyboard.decoding import KeyEvent, KeyKind
 
-__all__ = ["HeldKeys"]
-
 
 class HeldKeys:
     """Keys that are held now, by name.

@@ -23,8 +23,6 @@ from telex_teleop.keyboard.robot_status import ShownRobot
 from telex_teleop.keyboard.teleop import KeyboardTeleop
 from telex_teleop.keyboard.terminal import Terminal, TerminalError
 
-__all__ = ["keyboard_main"]
-
 USAGE = """\
 Drive a Telex robot from the keys of this terminal.
 

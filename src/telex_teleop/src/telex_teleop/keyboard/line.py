@@ -8,8 +8,6 @@ from __future__ import annotations
 
 from typing import Optional
 
-__all__ = ["LineCheck"]
-
 
 class LineCheck:
     """When to ask the terminal, and when to give it up.

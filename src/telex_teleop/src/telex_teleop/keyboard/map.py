@@ -21,8 +21,6 @@ from telex_teleop.actions.grammar import GRAMMAR, PAGE_ONLY, Action, Command, La
 from telex_teleop.actions.vocabulary import Vocabulary
 from telex_teleop.motion.speed import MAX_ZOOM, STEP, STEP_RANGE, ZOOM_RATE
 
-__all__ = ["KeyMap", "KeyboardSettings"]
-
 NOTHING = "nothing"
 
 

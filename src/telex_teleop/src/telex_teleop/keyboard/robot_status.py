@@ -13,8 +13,6 @@ from telex_teleop.keyboard.screen import JointView, NodeView, ToolView
 from telex_teleop.operating.operated_robot import OperatedRobot
 from telex_teleop.tracks.track_drive import STANDSTILL, Velocity
 
-__all__ = ["ShownRobot"]
-
 
 class ShownRobot(OperatedRobot):
     """A `OperatedRobot` that also says what a screen shows."""

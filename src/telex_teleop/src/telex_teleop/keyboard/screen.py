@@ -25,16 +25,6 @@ from telex_teleop.actions.grammar import (
 from telex_teleop.keyboard.map import KeyMap
 from telex_teleop.tracks.track_drive import STANDSTILL, Velocity
 
-__all__ = [
-    "JointView",
-    "Line",
-    "NodeView",
-    "ScreenState",
-    "Style",
-    "ToolView",
-    "render",
-]
-
 COLUMN = 39  # characters of one of the two columns
 KEYS = 10  # of them for the keys
 VALUE = 11  # and for the value

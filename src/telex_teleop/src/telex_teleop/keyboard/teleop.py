@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from telex_teleop.keyboard.robot_status import ShownRobot
     from telex_teleop.keyboard.terminal import Terminal
 
-__all__ = ["KeyboardTeleop"]
-
 IDLE_PERIOD = 0.05  # s between two looks at the terminal while no key is held
 # What an operator may have meant for good while the program did not listen.
 NEVER_TOO_LATE = (Command.STOP, Command.E_STOP, Command.QUIT)

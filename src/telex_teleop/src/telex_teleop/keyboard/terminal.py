@@ -11,8 +11,6 @@ from typing import Any, List, Optional, Sequence, Tuple
 
 from telex_teleop.keyboard.screen import Line, Style
 
-__all__ = ["Terminal", "TerminalError"]
-
 ALTERNATE_SCREEN, NORMAL_SCREEN = "\x1b[?1049h", "\x1b[?1049l"
 HIDE_CURSOR, SHOW_CURSOR = "\x1b[?25l", "\x1b[?25h"
 # reports when the window gets or loses the keyboard, marks around pasted text

@@ -9,8 +9,6 @@ from typing import Optional, Union
 from telex_teleop.motion.reference import MotionLimits, ReferenceGenerator
 from telex_teleop.motion.stream import Clocks, CommandStream
 
-__all__ = ["Axis", "AxisSettings"]
-
 
 @dataclass(frozen=True)
 class AxisSettings:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-__all__ = ["EStopState"]
-
 
 class EStopState:
     """The emergency stop as a listener sees it.

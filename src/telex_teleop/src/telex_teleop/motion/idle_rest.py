@@ -5,8 +5,6 @@ from __future__ import annotations
 import threading
 from typing import Optional
 
-__all__ = ["LONGEST_REST", "IdleRest"]
-
 LONGEST_REST = 0.05
 """Time (s) between two looks of an idle node."""
 

@@ -9,8 +9,6 @@ import numpy as np
 
 from telex_teleop.motion.reference import MotionLimits, stoppable_speed
 
-__all__ = ["JointFollower"]
-
 # Nearer than this a reference takes the place of its goal, at rest (rad or m).
 ARRIVED = 1e-9
 

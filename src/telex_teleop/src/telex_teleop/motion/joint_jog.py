@@ -8,8 +8,6 @@ from typing import Collection, Dict, Optional, Sequence
 
 from telex_control.common.plausible import LARGEST_POSITION, LARGEST_SPEED, LONGEST, number_problem
 
-__all__ = ["InvalidCommand", "JogCommand", "parse_joint_jog", "require_known"]
-
 
 class InvalidCommand(ValueError):  # noqa: N818  it names a message, as rospy's exceptions do
     """A message that must not move anything; the text names the field and what would be right."""

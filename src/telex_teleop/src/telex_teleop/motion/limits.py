@@ -15,8 +15,6 @@ from telex_control.urdf.joints import (
     parse_urdf,
 )
 
-__all__ = ["JointBounds", "limits_from_urdf"]
-
 
 @dataclass(frozen=True)
 class JointBounds:

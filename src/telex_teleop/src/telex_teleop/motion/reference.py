@@ -11,8 +11,6 @@ import math
 from dataclasses import dataclass
 from typing import Optional
 
-__all__ = ["MotionLimits", "ReferenceGenerator", "stoppable_speed"]
-
 # Closer than this the goal of a displacement counts as reached (rad or m); far below any encoder's
 # resolution.
 GOAL_TOLERANCE = 1e-9

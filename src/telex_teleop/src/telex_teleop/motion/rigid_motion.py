@@ -7,8 +7,6 @@ import numpy as np
 from telex_control.common.geometry.matrices import rotation_vector
 from telex_control.kinematics import move_pose
 
-__all__ = ["advanced", "pose_error", "shortened"]
-
 
 def advanced(pose: np.ndarray, step: np.ndarray) -> np.ndarray:
     """Return a pose after a step.

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-__all__ = ["MAX_ZOOM", "STEP", "STEP_RANGE", "ZOOM_RATE", "SpeedScale", "stepped"]
-
 STEP = 0.1
 """Of the full speed, by one press; the console's page gets it with ``/actions.json``."""
 STEP_RANGE = (0.01, 0.5)

@@ -8,8 +8,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Collection, Dict, Generic, Optional, Set, TypeVar
 
-__all__ = ["Clocks", "CommandStream", "SimTicks", "StartingTime", "Tick"]
-
 Command = TypeVar("Command")
 
 

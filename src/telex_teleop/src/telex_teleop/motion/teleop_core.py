@@ -12,8 +12,6 @@ from telex_teleop.motion.idle_rest import LONGEST_REST
 from telex_teleop.motion.speed import SpeedScale
 from telex_teleop.motion.stream import Clocks, SimTicks, StartingTime
 
-__all__ = ["NEEDS_NEW_PRESS", "TeleopCore"]
-
 NEEDS_NEW_PRESS = "a command from before the stop goes on: release the key and press it again"
 
 

@@ -8,8 +8,6 @@ from typing import Optional
 from telex_control.common.params import Declared, number
 from telex_teleop.motion.speed import SpeedScale
 
-__all__ = ["TeleopSettings"]
-
 
 @dataclass(frozen=True)
 class TeleopSettings(Declared):

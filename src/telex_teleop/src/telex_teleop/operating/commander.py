@@ -8,8 +8,6 @@ from typing import Dict, Iterable, List, Mapping, Optional, Protocol, Tuple, Uni
 from telex_teleop.actions.grammar import Action, Drive, Jog, Preset, Side, Tool, ToPose, Zoom
 from telex_teleop.tracks.track_drive import STANDSTILL, Velocity
 
-__all__ = ["NO_NAME", "Commander", "Commands", "Demands", "FixedRates", "PresetCommand", "Rates"]
-
 NO_NAME = ""
 """In place of the name of a preset or of a pose: stop."""
 

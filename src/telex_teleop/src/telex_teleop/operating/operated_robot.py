@@ -31,8 +31,6 @@ from telex_teleop.operating.zoom import ZoomFactor
 from telex_teleop.ros.common import caller_of
 from telex_teleop.tracks.track_drive import Velocity
 
-__all__ = ["OperatedRobot"]
-
 # Our own wish for the speed counts this long (s) before a status must have confirmed it.
 SPEED_PENDING = 0.5
 # The one camera that pans, tilts and zooms.

@@ -7,8 +7,6 @@ from typing import Any, Callable, Dict, Mapping, Tuple
 
 import rospy
 
-__all__ = ["Requests"]
-
 SERVICE_TIMEOUT = 2.0  # s
 
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from typing import Optional
 
-__all__ = ["ZoomFactor"]
-
 # A longer time between two commands is a pause, over which nothing was held.
 LONGEST_STEP = 0.1  # s
 

@@ -28,8 +28,6 @@ from telex_teleop.motion.joint_jog import InvalidCommand
 from telex_teleop.ros.common import caller_of, warn_dropped
 from telex_teleop.ros.joint_teleop import JointTeleopNode
 
-__all__ = ["ArmTeleopNode", "proximity_state"]
-
 WARMING_UP = "warming up: the kinematics are being compiled"
 
 

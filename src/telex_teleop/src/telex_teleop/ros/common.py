@@ -17,15 +17,6 @@ from telex_control.urdf.joints import UrdfError
 from telex_teleop.motion.e_stop_state import EStopState
 from telex_teleop.motion.teleop_core import TeleopCore
 
-__all__ = [
-    "OperatorInputs",
-    "StatusTimer",
-    "caller_of",
-    "private_settings",
-    "run_node",
-    "warn_dropped",
-]
-
 Settings = TypeVar("Settings")
 
 WARNING_PERIOD = 2.0  # s between two warnings of one kind

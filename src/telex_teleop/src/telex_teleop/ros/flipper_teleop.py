@@ -23,8 +23,6 @@ from telex_teleop.motion.joint_jog import InvalidCommand
 from telex_teleop.ros.common import caller_of, warn_dropped
 from telex_teleop.ros.joint_teleop import JointTeleopNode
 
-__all__ = ["FlipperTeleopNode"]
-
 FEEDBACK_PERIOD = 0.1  # s of wall time
 
 

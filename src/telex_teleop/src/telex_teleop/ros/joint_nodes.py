@@ -19,8 +19,6 @@ from telex_teleop.ros.flipper_teleop import FlipperTeleopNode
 from telex_teleop.ros.joint_teleop import JointTeleopNode
 from telex_teleop.ros.kinematics_services import KinematicsServices
 
-__all__ = ["arm_main", "flipper_main", "gripper_main"]
-
 
 def arm_main() -> int:
     """Run the node that moves the arm by its joints or its tool, and its camera's pan and tilt."""

@@ -18,8 +18,6 @@ from telex_teleop.motion.idle_rest import IdleRest
 from telex_teleop.motion.joint_jog import InvalidCommand, parse_joint_jog
 from telex_teleop.ros.common import OperatorInputs, StatusTimer, caller_of, warn_dropped
 
-__all__ = ["JointTeleopNode"]
-
 
 class JointTeleopNode:
     """Feeds a core and publishes what it says.

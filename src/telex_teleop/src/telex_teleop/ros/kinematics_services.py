@@ -20,8 +20,6 @@ from telex_teleop.arm.tool_command import Frame
 from telex_teleop.motion.joint_jog import InvalidCommand
 from telex_teleop.ros.arm_teleop import ArmTeleopNode
 
-__all__ = ["KinematicsServices"]
-
 NO_ARM = "this robot has no arm from {base} to {tool} that arm_teleop could move"
 
 

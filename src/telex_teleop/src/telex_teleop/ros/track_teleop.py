@@ -30,8 +30,6 @@ from telex_teleop.tracks.track_drive import (
     parse_twist,
 )
 
-__all__ = ["TrackTeleopNode", "track_main"]
-
 
 class TrackTeleopNode:
     """Feeds the core, publishes what it says on ``track_controller/cmd_vel``.

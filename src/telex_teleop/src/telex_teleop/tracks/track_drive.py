@@ -16,8 +16,6 @@ from telex_teleop.motion.stream import Clocks, CommandStream
 from telex_teleop.motion.teleop_core import NEEDS_NEW_PRESS, TeleopCore
 from telex_teleop.motion.teleop_settings import TeleopSettings
 
-__all__ = ["TrackDrive", "TrackSettings", "TrackState", "Velocity", "parse_twist"]
-
 # A joint state may come this much before its turn (s) and still be the one that a message is due
 # with.
 SCHEDULE_TOLERANCE = 1e-3

@@ -14,27 +14,6 @@ from typing import Callable, Mapping, Optional, Tuple, Union
 
 import numpy as np
 
-__all__ = [
-    "ARM_MODES",
-    "CameraView",
-    "Command",
-    "Drive",
-    "FlipperPreset",
-    "Grip",
-    "Jog",
-    "JointTargets",
-    "NamedPose",
-    "NotManagedError",
-    "Notice",
-    "Observation",
-    "Picture",
-    "Placement",
-    "Port",
-    "TeleopPort",
-    "ToolPose",
-    "ToolTwist",
-]
-
 ARM_MODES = ("JOINT", "CARTESIAN")
 """What `TeleopPort.set_mode` takes."""
 

@@ -14,19 +14,6 @@ import numpy as np
 
 from .quaternions import Quaternion, quaternion_from_rpy, rotation_rows
 
-__all__ = [
-    "homogeneous",
-    "inverse",
-    "pose_matrices",
-    "pose_matrix",
-    "quaternion_of",
-    "quaternion_tuple",
-    "rotation_about",
-    "rotation_from_rpy",
-    "rotation_matrix",
-    "rotation_vector",
-]
-
 Floats = Union[Sequence[float], np.ndarray]
 
 

@@ -9,30 +9,6 @@ from __future__ import annotations
 import math
 from typing import Sequence, Tuple
 
-__all__ = [
-    "IDENTITY",
-    "ORIGIN",
-    "UPRIGHT",
-    "Pose",
-    "Quaternion",
-    "Rows",
-    "Vector3",
-    "about",
-    "angle_between",
-    "compose",
-    "conjugate",
-    "invert",
-    "product",
-    "quaternion_from_rpy",
-    "rotate",
-    "rotation_rows",
-    "rpy_from_quaternion",
-    "rpy_from_rows",
-    "transform_by_rows",
-    "twist",
-    "yaw_of",
-]
-
 Vector3 = Tuple[float, float, float]
 Quaternion = Tuple[float, float, float, float]
 Pose = Tuple[Vector3, Quaternion]

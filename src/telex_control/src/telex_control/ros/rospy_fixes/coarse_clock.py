@@ -14,8 +14,6 @@ from typing import Any, Deque, Optional, Tuple
 import rospy.impl.simtime
 from rospy.rostime import _set_rostime
 
-__all__ = ["COARSE_PERIOD", "last_reading", "read_clock_seldom"]
-
 COARSE_PERIOD = 0.05
 """Wall time (s) between two readings."""
 

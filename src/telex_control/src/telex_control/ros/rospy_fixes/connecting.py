@@ -18,8 +18,6 @@ from typing import Any, Dict, List, Optional
 from rospy.impl.registration import RegManager, get_topic_manager
 from rospy.impl.tcpros_pubsub import TCPROSHandler
 
-__all__ = ["miss_nothing"]
-
 _answer = TCPROSHandler.topic_connection_handler
 
 

@@ -14,8 +14,6 @@ from typing import Any, List, Optional
 import rospy.topics
 from rospy.impl.tcpros_pubsub import QueuedConnection
 
-__all__ = ["send_directly"]
-
 
 def send_directly() -> None:
     """Let publishers send directly whose connections are made in this process from now on."""

@@ -19,19 +19,6 @@ from telex_control.common.geometry.quaternions import (
 )
 from telex_control.urdf.elements import Vector, read_numbers
 
-__all__ = [
-    "Element",
-    "by_name",
-    "carried_joints",
-    "end",
-    "mass_of",
-    "number",
-    "pose_of",
-    "root_links",
-    "set_pose",
-    "vector",
-]
-
 Element = ElementTree.Element
 
 
