@@ -11,7 +11,7 @@ import json
 import statistics
 import time
 from pathlib import Path
-from typing import Any, Dict, List, NamedTuple
+from typing import Any, Dict, List, NamedTuple, Union
 
 import numpy as np
 import simplejpeg
@@ -24,7 +24,6 @@ from telex_sim.cameras.drawing.gl_context import create_context
 from telex_sim.cameras.drawing.light.daylight import Lighting
 from telex_sim.cameras.drawing.quality import choose_quality
 from telex_sim.cameras.drawing.renderer import Renderer
-from telex_sim.cameras.drawing.scene_renderer import SceneRenderer
 from telex_sim.cameras.optics.camera_sensor import CameraSensor
 from telex_sim.cameras.optics.exposure import ExposureControl, exposure_factor
 from telex_sim.cameras.optics.pinhole import PinholeCamera
@@ -158,12 +157,12 @@ class Views:
         """How many views there are."""
         return len(self._views)
 
-    def load(self, renderer: SceneRenderer) -> None:
+    def load(self, renderer: Renderer) -> None:
         """Show the scene with a renderer."""
         renderer.load_scene(self._recording.scene)
         self.round(renderer, 0)
 
-    def round(self, renderer: SceneRenderer, number: int) -> Cost:
+    def round(self, renderer: Union[Renderer, OnCard], number: int) -> Cost:
         """Take a picture of each view at new poses; the mean of what they cost."""
         focus = np.mean([pose[:3, 3] for _, pose in self._views], axis=0)
         cpu, began, encoding = time.process_time(), time.perf_counter(), 0.0

@@ -7,7 +7,7 @@ increments move the desired pose, inverse kinematics gives the references. Free 
 from __future__ import annotations
 
 import math
-from typing import Optional, Protocol, Sequence, Tuple
+from typing import TYPE_CHECKING, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -21,6 +21,9 @@ from telex_teleop.arm.wanted_motion import WantedMotion
 from telex_teleop.motion.joint_follower import JointFollower
 from telex_teleop.motion.reference import MotionLimits
 from telex_teleop.motion.rigid_motion import advanced, pose_error, shortened
+
+if TYPE_CHECKING:
+    from telex_teleop.arm.ik_kinematics import IKKinematics
 
 # A share of the speed above this is not worth a word.
 FREE = 0.95
@@ -48,21 +51,6 @@ LOOK_PERIOD = 0.04
 CURVE_SLACK = 1e-3
 
 
-class ToolKinematics(Protocol):
-    """What is needed of the arm's kinematics."""
-
-    def forward(self, positions: np.ndarray) -> np.ndarray:
-        """Return the tool's pose (4x4) in the base's frame."""
-
-    def jacobian(self, positions: np.ndarray) -> np.ndarray:
-        """Return the tool's Jacobian, shape (6, n), along the base's axes."""
-
-    def track(
-        self, target: np.ndarray, q: np.ndarray, dt: float, lower: np.ndarray, upper: np.ndarray
-    ) -> np.ndarray:
-        """Return the joint positions nearest to a pose that are reached from `q` in time `dt`."""
-
-
 class ToolMotion:
     """References for the joints that carry the tool.
 
@@ -85,7 +73,7 @@ class ToolMotion:
         joints: Sequence[str],
         limits: Sequence[MotionLimits],
         prismatic: Sequence[bool],
-        kinematics: ToolKinematics,
+        kinematics: IKKinematics,
         settings: ToolSettings,
     ) -> None:
         self._kinematics = kinematics

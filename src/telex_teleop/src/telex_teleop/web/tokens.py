@@ -6,13 +6,16 @@ import dataclasses
 import hmac
 import ipaddress
 import socket
-from typing import Dict, Mapping, Optional, Protocol
+from typing import TYPE_CHECKING, Dict, Mapping, Optional, Union
 
 from aiohttp import web
 
 from telex_control.common.params import require
 
 from .token_files import read_or_make_token
+
+if TYPE_CHECKING:
+    from .server_config import RosbridgeConfig, VideoServerConfig
 
 _ROLES = OPERATOR, INSTRUCTOR = ("operator", "instructor")
 MAX_NAME = 40
@@ -45,23 +48,9 @@ class Tokens:
     instructor: str = ""
 
 
-class TokenConfig(Protocol):
-    """The parameters of a server that say who may connect."""
-
-    @property
-    def address(self) -> str:
-        """Address that the server listens on."""
-
-    @property
-    def token_file(self) -> str:
-        """Path of the file that holds the token of every client; may be empty."""
-
-    @property
-    def instructor_token_file(self) -> str:
-        """Path of the file that holds the token of instructors; may be empty."""
-
-
-def files_of(config: TokenConfig, makeshift: Mapping[str, str]) -> Dict[str, str]:
+def files_of(
+    config: Union[RosbridgeConfig, VideoServerConfig], makeshift: Mapping[str, str]
+) -> Dict[str, str]:
     """Return the paths of the tokens that a server asks for, by the parameters in `FILES`.
 
     Parameters

@@ -62,7 +62,7 @@ class Renderer:
     Attributes
     ----------
     repeats : bool
-        As `SceneRenderer` has it.
+        Whether the last picture was what the view before it had shown: nothing has moved.
     """
 
     def __init__(

@@ -26,7 +26,6 @@ from ..drawing.gl_context import NoContextError, create_context
 from ..drawing.light.daylight import Lighting
 from ..drawing.quality import choose_quality
 from ..drawing.renderer import Renderer
-from ..drawing.scene_renderer import SceneRenderer
 from ..optics.exposure import exposure_factor
 from .camera_topics import CameraStream, View, Wanted
 from .frame_pacer import next_due
@@ -48,7 +47,7 @@ _FOLLOW_ON = 5.0
 # More than the largest message, so that rospy reads on to the newest of those that wait.
 _BUFFER_SIZE = 2**24
 
-MakeRenderer = Callable[[CamerasConfig], SceneRenderer]
+MakeRenderer = Callable[[CamerasConfig], Renderer]
 
 
 class CamerasNode:
@@ -309,7 +308,7 @@ def main() -> None:
         node.release()
 
 
-def make_renderer(config: CamerasConfig) -> SceneRenderer:
+def make_renderer(config: CamerasConfig) -> Renderer:
     """Make what draws, by the configuration and by what the machine has.
 
     Raises

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Dict, Iterable, List, Optional, Sequence
+from typing import TYPE_CHECKING, Dict, Iterable, List, Optional, Sequence
 
 import numpy as np
 import rospy
 from telex_msgs.msg import SceneDescription, ScenePoses
 
 from ...scene.visual_scene import VisualLamp, VisualScene
-from ..drawing.scene_renderer import SceneRenderer
 from ..drawing.stillness import is_still
 from .messages import frames_from_message, scene_from_message
+
+if TYPE_CHECKING:
+    from ..drawing.renderer import Renderer
 
 _WARNING_PERIOD = 5.0
 
@@ -35,7 +37,7 @@ class SceneMirror:
 
     def __init__(
         self,
-        renderer: SceneRenderer,
+        renderer: Renderer,
         camera_frames: Iterable[str],
         lamps: Sequence[VisualLamp] = (),
         followed: Iterable[str] = (),
@@ -74,7 +76,7 @@ class SceneMirror:
             rospy.logerr("scene %d: %s", scene.revision, problem)
         rospy.loginfo("scene %d: %d visuals are shown", scene.revision, len(scene.visuals))
 
-    def change_renderer(self, renderer: SceneRenderer) -> None:
+    def change_renderer(self, renderer: Renderer) -> None:
         """Show the scene with another renderer from now on; poses must be placed anew."""
         self._renderer = renderer
         if self._message is not None:
