@@ -363,7 +363,6 @@ def choice(default: str, choices: Iterable[str], text: str = "") -> Any:
     ----------
     default, text
         As for `parameter`; without a text, the choices are its meaning.
-    choices : iterable of str
     """
     known = tuple(choices)
 

@@ -28,8 +28,6 @@ class BarePicture:
     ----------
     frames_in_world
         Poses of its frames, shape (frames, 4, 4).
-    camera
-        Optics and size.
     optical_in_world
         Pose of the camera's optical frame, shape (4, 4).
     package_path

@@ -68,8 +68,6 @@ class Operator:
 
     Parameters
     ----------
-    rig
-        The simulator.
     network
         Through which the console reaches it; None for this machine's own.
     """

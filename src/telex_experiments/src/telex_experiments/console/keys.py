@@ -58,8 +58,6 @@ class Presses:
 
     Parameters
     ----------
-    rig
-        The simulator.
     browser
         The console, listening to keys.
     """

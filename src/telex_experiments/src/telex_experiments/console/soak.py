@@ -45,13 +45,7 @@ class Sample(NamedTuple):
 
 
 class Watching:
-    """The watchers' process, and the newest delays that it tells.
-
-    Parameters
-    ----------
-    rig
-        The simulator.
-    """
+    """The watchers' process, and the newest delays that it tells."""
 
     def __init__(self, rig: Rig) -> None:
         program = str(Path(__file__).with_name("watchers.py"))

@@ -70,8 +70,6 @@ class ArmTeleop(JointTeleop):
         Joint name to the bounds of its motion.
     command_timeout, longest_step, speed
         See `JointTeleop`.
-    guard
-        Keeps the arm off what is near.
     base
         Where the base stands.
     """

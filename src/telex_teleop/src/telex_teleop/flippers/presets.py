@@ -121,13 +121,7 @@ class GoalRules:
 
 
 class PresetGoals:
-    """The goal that is being carried out, and those that have ended since somebody looked.
-
-    Parameters
-    ----------
-    rules
-        See there.
-    """
+    """The goal that is being carried out, and those that have ended since somebody looked."""
 
     def __init__(self, rules: GoalRules) -> None:
         self._rules = rules
@@ -231,8 +225,6 @@ class PresetRequests:
         ----------
         wanted
             Joint to angle (rad).
-        now
-            Time of arrival.
         caller
             Who sent it.
         manual

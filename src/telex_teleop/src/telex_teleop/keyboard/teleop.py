@@ -29,10 +29,6 @@ class KeyboardTeleop:
     ----------
     settings
         Keys and times.
-    robot
-        The robot.
-    terminal
-        The terminal, already entered.
     """
 
     def __init__(self, settings: KeyboardSettings, robot: ShownRobot, terminal: Terminal) -> None:

@@ -41,8 +41,6 @@ class Axis:
 
     Parameters
     ----------
-    settings
-        Bounds of the motion.
     command_timeout
         Age (s) at which a command that is not repeated ends.
     """
@@ -147,8 +145,6 @@ class Axis:
         ----------
         dt
             Time since the last joint state (s).
-        now
-            Present time.
         position
             Measured position (rad or m).
         speed_scale

@@ -59,8 +59,6 @@ class CommandStream(Generic[Command]):
 
         Parameters
         ----------
-        now
-            Time of arrival.
         caller
             Who sent it.
         validity

@@ -33,8 +33,6 @@ class Backlog:
 
     Parameters
     ----------
-    transport
-        Connection to the client.
     send_buffer
         Size asked for the kernel's send buffer (bytes).
     """

@@ -21,8 +21,6 @@ def origin_allowed(request: web.Request, allowed: Container[str] = ()) -> bool:
 
     Parameters
     ----------
-    request
-        Its request.
     allowed
         Origins allowed besides those of this machine and of the host that the client asked for;
         "*" allows all.

@@ -260,8 +260,6 @@ class Renderer:
 
         Parameters
         ----------
-        camera
-            Optics and size.
         optical_in_world
             Pose of the optical frame, shape (4, 4).
         exposure
@@ -321,11 +319,6 @@ class Renderer:
 
     def depth(self, camera: PinholeCamera) -> np.ndarray:
         """Measure how far what the last picture shows is; to be called directly after `render`.
-
-        Parameters
-        ----------
-        camera
-            With which the picture was taken.
 
         Returns
         -------

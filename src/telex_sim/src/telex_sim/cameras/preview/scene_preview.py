@@ -182,8 +182,6 @@ def photograph(
     ----------
     camera, optical_in_world
         As for `Renderer.render`.
-    quality
-        With which it is drawn.
     oversampling
         Pixels that are drawn for each of the picture's, along each side.
 

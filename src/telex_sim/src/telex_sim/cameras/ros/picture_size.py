@@ -19,8 +19,6 @@ class PictureSize:
     ----------
     make_sensor
         Makes what takes the pictures, of a setting and a scale.
-    pacer
-        Says when they are due.
     """
 
     def __init__(

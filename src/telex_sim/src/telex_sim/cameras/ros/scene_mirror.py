@@ -24,8 +24,6 @@ class SceneMirror:
 
     Parameters
     ----------
-    renderer
-        That shows the scene.
     camera_frames
         Names in the scene of the optical frames, e.g. "telex/front_camera_optical_frame"; shadows
         matter around them.

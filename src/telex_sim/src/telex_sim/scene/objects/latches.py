@@ -45,8 +45,6 @@ class Latch:
     ----------
     client : int
         PyBullet's.
-    joint : Joint
-        A latch.
     parent : tuple of int
         Body and link that it is fixed to.
     child : int

@@ -92,8 +92,6 @@ def write_text(
         Printable ASCII.
     box
         Left, top, right, bottom, as shares of the picture.
-    ink
-        Colour of the text.
     """
     height, width = picture.shape[:2]
     left, top, right, bottom = (

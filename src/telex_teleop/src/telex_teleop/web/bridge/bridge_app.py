@@ -43,8 +43,6 @@ class Rosbridge:
     ----------
     config
         The node's parameters.
-    ros
-        ROS.
     warn
         Called with what an administrator should know.
     memory

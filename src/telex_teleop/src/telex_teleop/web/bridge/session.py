@@ -36,8 +36,6 @@ class Shared:
     ----------
     config
         The node's parameters.
-    ros
-        ROS.
     exam_rights
         What clients may do while an exam runs.
     proven
@@ -112,8 +110,6 @@ class ClientSession:
 
     Parameters
     ----------
-    member
-        The client as others see it.
     shared
         What it shares with others.
     drop

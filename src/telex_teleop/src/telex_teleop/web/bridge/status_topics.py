@@ -37,8 +37,6 @@ class Roster:
     ----------
     publishers
         Where publishers come from.
-    ros
-        For the topic's name.
     """
 
     def __init__(self, control: Control, publishers: Publishers, ros: Ros) -> None:

@@ -57,8 +57,6 @@ class LineQueue(Generic[Item]):
 
         Parameters
         ----------
-        item
-            The message.
         size
             Its size (bytes).
         now

@@ -73,8 +73,6 @@ class PictureLine(Generic[Picture]):
         ----------
         camera
             Whose it is.
-        picture
-            The picture.
         size
             Its size (bytes).
         stamp

@@ -86,8 +86,6 @@ class Handlers:
 
         Parameters
         ----------
-        request
-            Of a client that has been admitted.
         handler
             Address of the handler's server, without a path.
         instructor

@@ -61,8 +61,6 @@ class PictureHub:
     ----------
     encode
         Makes a variant of a picture; called in the encoder's thread.
-    encoders
-        Threads for it.
     on_unusable
         Called, in any thread, for a picture that cannot be used.
     """

@@ -73,10 +73,6 @@ class Mounts:
 
     Parameters
     ----------
-    gate
-        Knows who may see what.
-    handlers
-        Passes requests on.
     ask
         Returns a parameter's value, or None if it is not set.
     warn

@@ -38,8 +38,6 @@ class BriefPages:
 
     Parameters
     ----------
-    library : Library
-        For one's own best.
     folder : Path
         Of the recordings; pictures that had to be drawn are kept in it.
     is_for : callable

@@ -26,8 +26,6 @@ class Client:
 
     Parameters
     ----------
-    member
-        The client as others see it.
     drop
         Cuts the connection, with the reason.
     """

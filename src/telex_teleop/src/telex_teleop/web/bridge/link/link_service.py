@@ -78,16 +78,10 @@ class LinkService:
 
     Parameters
     ----------
-    line
-        The line.
     control
         Whose commands are called back.
-    initial
-        The line at the start.
     ros
         Names, time and services.
-    worker
-        Thread for calls to ROS that block.
     publishers, subscribers
         Where those come from.
     warn

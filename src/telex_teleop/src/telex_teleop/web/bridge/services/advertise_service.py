@@ -30,8 +30,6 @@ class AdvertisedService:
         Global name.
     spelled
         The name as the client gave it, which is how it expects to be called.
-    worker
-        Thread for the calls that block.
     timeout
         Time (s) that the client gets to answer.
     client

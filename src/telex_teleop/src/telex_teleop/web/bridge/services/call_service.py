@@ -60,8 +60,6 @@ class Services:
             Object with the request's fields, list of them in their order, or None.
         client
             Who calls.
-        gate
-            Decides which of its commands are obeyed.
 
         Raises
         ------
@@ -138,8 +136,6 @@ class ServiceCalls:
     ----------
     client
         Who calls.
-    gate
-        Decides which of its commands are obeyed.
     services
         Answers the calls.
     advertised

@@ -55,16 +55,10 @@ class Publication:
         Messages that are kept for a slow subscriber.
     client
         Who publishes.
-    gate
-        Decides which messages are obeyed.
     publishers
         Where publishers come from.
     goals
         Those of all clients.
-    stuck_key
-        Hides stops, where a key is stuck.
-    ros
-        For the present time.
 
     Attributes
     ----------
@@ -257,18 +251,12 @@ class Publications:
     ----------
     client
         Who publishes.
-    gate
-        Decides which of its messages are obeyed.
     config
         Limits.
-    ros
-        Names and time.
     publishers
         Where publishers come from.
     goals
         Those of all clients.
-    stuck_key
-        Hides stops, where a key is stuck.
     """
 
     def __init__(

@@ -93,8 +93,6 @@ class _Shares(Generic[Key, Resource]):
     ----------
     ros
         Where to open them.
-    worker
-        Thread for the calls that block.
     linger
         Time (s) that a resource outlives its last user.
     """
@@ -195,8 +193,6 @@ class Publishers(_Shares[Tuple[str, bool], SharedPublisher]):
 
     Parameters
     ----------
-    worker
-        Thread for the calls that block.
     linger
         Time (s) that a publisher outlives its last client.
     """
@@ -318,13 +314,7 @@ class SharedSubscriber:
 
 
 class Subscribers(_Shares[str, SharedSubscriber]):
-    """All subscribers of the bridge, by topic; on the loop's thread.
-
-    Parameters
-    ----------
-    worker
-        Thread for the calls that block.
-    """
+    """All subscribers of the bridge, by topic; on the loop's thread."""
 
     def __init__(self, ros: Ros, worker: OrderedWorker) -> None:
         super().__init__(ros, worker, 0.0)

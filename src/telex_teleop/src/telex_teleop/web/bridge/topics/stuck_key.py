@@ -61,8 +61,6 @@ class StuckKey:
     ----------
     ros
         For the topics that tell of malfunctions and of the emergency stop.
-    worker
-        Thread for the calls that block.
     e_stop_topic
         Name of the emergency stop's topic.
     clock

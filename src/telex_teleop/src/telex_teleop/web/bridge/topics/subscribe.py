@@ -45,8 +45,6 @@ class Subscription:
         The topic as the client spells it, which is how it expects to hear of it.
     subscribers
         Where messages come from.
-    send
-        Queues a message for the client.
 
     Attributes
     ----------

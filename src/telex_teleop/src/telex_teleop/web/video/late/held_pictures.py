@@ -19,8 +19,6 @@ class LateViewer:
     ----------
     viewer
         Who watches.
-    held
-        The line of its client.
     rate
         Most pictures per second that it takes; None: every one. More need not be under way.
     takes

@@ -71,8 +71,6 @@ class VideoClient:
 
     Parameters
     ----------
-    websocket
-        The connection, prepared.
     client
         Whose share of the encoder's time its pictures take.
     cameras
