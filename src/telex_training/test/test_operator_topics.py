@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any, List
 
 import numpy as np
 import pytest
@@ -11,7 +10,7 @@ import rospy
 from control_msgs.msg import JointJog
 from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
 from sensor_msgs.msg import CameraInfo, CompressedImage, JointState
-from std_msgs.msg import Float64, String
+from std_msgs.msg import String
 from telex_msgs.msg import (
     FlipperPresetHold,
     GripperContact,
@@ -38,7 +37,6 @@ from telex_training.operators.port import (
 )
 from telex_training.ros.camera import CameraTopics
 from telex_training.ros.commands import message_of
-from telex_training.ros.controllers import ControllerTopics
 from telex_training.ros.object_poses import ObjectPoses
 from telex_training.ros.observer import Observer
 
@@ -60,10 +58,10 @@ def publish_robot(node: LocalNodeHandle, joints_at: float, base_at: float) -> No
 
 class TestObserver:
     def test_nothing_is_known_at_first(self, node: LocalNodeHandle) -> None:
-        assert Observer(node, teleop=True).observation() == Observation()
+        assert Observer(node).observation() == Observation()
 
     def test_joints_and_base_are_seen_at_the_older_time(self, node: LocalNodeHandle) -> None:
-        observer = Observer(node, teleop=False)
+        observer = Observer(node)
         publish_robot(node, 4.02, 4.0)
         seen = observer.observation()
         assert seen.time == observer.time == 4.0
@@ -72,7 +70,7 @@ class TestObserver:
         assert seen.base == Placement((3.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
 
     def test_nodes_and_gripper_are_heard(self, node: LocalNodeHandle) -> None:
-        observer = Observer(node, teleop=True)
+        observer = Observer(node)
         arm = node.advertise("arm_teleop/status", JointTeleopStatus)
         arm.publish(JointTeleopStatus(notice="in pose ready"))
         arm.publish(JointTeleopStatus(message="the e-stop is active", notice="in pose ready"))
@@ -111,22 +109,9 @@ class TestCommands:
         assert (topic, type(twist)) == ("arm_teleop/delta_twist_cmds", TwistStamped)
         assert (twist.header.frame_id, twist.twist.linear.z) == ("tool_link", -0.1)
 
-    def test_references_are_for_controllers_alone(self, node: LocalNodeHandle) -> None:
+    def test_references_are_for_controllers_alone(self) -> None:
         with pytest.raises(TypeError, match="JointTargets"):
             message_of(JointTargets({"a_joint": 0.1}))
-        with pytest.raises(TypeError, match="FlipperPreset"):
-            ControllerTopics(node, lambda seconds: None).send(FlipperPreset("climb"))
-
-    def test_controllers_get_references_and_a_velocity(self, node: LocalNodeHandle) -> None:
-        sent: List[Any] = []
-        node.subscribe("front_position_controller/command", Float64, sent.append)
-        node.subscribe("track_controller/cmd_vel", Twist, sent.append)
-        port = ControllerTopics(node, sent.append)
-        port.send(JointTargets({"front_joint": 0.4}))
-        port.send(Drive(0.3))
-        port.advance(0.04)
-        assert [type(each) for each in sent] == [Float64, Twist, float]
-        assert (sent[0].data, sent[1].linear.x, sent[2]) == (0.4, 0.3, 0.04)
 
 
 class TestSights:

@@ -51,7 +51,7 @@ class LiveRobot(TeleopPort):
         super().__init__()
         self.node = RosNodeHandle(namespace)
         self.urdf = self.node.param("robot_description", str)
-        self._observer = Observer(self.node, teleop=True)
+        self._observer = Observer(self.node)
         self._publishers = TopicPublishers(self.node)
         # Made now, so that they are connected by the first command.
         self._publishers.publisher("track_teleop/cmd_vel", Twist)

@@ -22,12 +22,7 @@ _NODES = {
 
 
 class Observer:
-    """Listens to a robot: ``joint_states``, ``sim/base_pose``, and more where that is wanted.
-
-    Parameters
-    ----------
-    teleop : bool
-        Whether to listen to the teleoperation nodes and to the gripper's contacts as well.
+    """Listens to a robot: its joints and base, its teleoperation nodes, the gripper's contacts.
 
     Attributes
     ----------
@@ -35,17 +30,16 @@ class Observer:
         Notified of each joint state and base pose.
     """
 
-    def __init__(self, node: NodeHandle, teleop: bool) -> None:
+    def __init__(self, node: NodeHandle) -> None:
         self.arrived = threading.Condition()
         self._stamps = {"joint_states": -1.0, "sim/base_pose": -1.0}
         self._news: Dict[str, Any] = {}
         self._notices: Dict[str, Notice] = {}
         node.subscribe("joint_states", JointState, self._on_joint_states)
         node.subscribe("sim/base_pose", PoseStamped, self._on_base_pose)
-        if teleop:
-            node.subscribe("sim/gripper_contact", GripperContact, self._on_contact)
-            for name, kind in _NODES.items():
-                node.subscribe(f"{name}/status", kind, self._hearer(name))
+        node.subscribe("sim/gripper_contact", GripperContact, self._on_contact)
+        for name, kind in _NODES.items():
+            node.subscribe(f"{name}/status", kind, self._hearer(name))
 
     @property
     def stamps(self) -> Dict[str, float]:
