@@ -286,7 +286,7 @@ def meaning(field: Any) -> str:
     return text
 
 
-def parameter(default: Any, text: str) -> Any:
+def parameter(default: Any, text: str = "") -> Any:
     """Declare a field that needs no check beyond its type.
 
     Parameters
@@ -301,7 +301,7 @@ def parameter(default: Any, text: str) -> Any:
 
 def number(
     default: Any,
-    text: str,
+    text: str = "",
     minimum: Bound = -math.inf,
     maximum: Bound = math.inf,
     *,

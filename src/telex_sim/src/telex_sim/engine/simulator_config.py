@@ -33,11 +33,13 @@ TUNED_PERIOD = 0.002
 class TimingConfig(Declared):
     """Step, control period and pace."""
 
-    step_size: float = parameter(0.002, "Sim time of one physics step (s).")
-    control_period: float = parameter(
-        0.002, "Sim time between control cycles (s); a whole multiple of the step."
+    step_size: float = number(0.002, "Sim time of one physics step (s).", 1e-5, 0.05)
+    control_period: float = number(
+        0.002, "Sim time between control cycles (s); a whole multiple of the step.", maximum=0.1
     )
-    real_time_factor: float = parameter(1.0, "Sim time per wall time; 0 runs as fast as possible.")
+    real_time_factor: float = number(
+        1.0, "Sim time per wall time; 0 runs as fast as possible.", 0.0
+    )
     realtime_priority: int = number(
         1,
         "Of the simulator among the machine's real-time processes, where its user may "
@@ -50,24 +52,11 @@ class TimingConfig(Declared):
 
     def check(self) -> None:
         """Check what concerns several of them; see `Declared.check`."""
-        require(
-            1e-5 <= self.step_size <= 0.05,
-            f"step_size is {self.step_size} s; 1e-5 to 0.05 s is possible",
-        )
         ratio = self.control_period / self.step_size
         require(
             ratio > 0.5 and abs(ratio - round(ratio)) < 1e-6,
             "control_period must be a whole multiple of step_size: "
             f"got {self.control_period} s and {self.step_size} s",
-        )
-        require(
-            self.control_period <= 0.1,
-            f"control_period is {self.control_period} s; at most 0.1 s is possible",
-        )
-        require(
-            self.real_time_factor >= 0.0,
-            f"real_time_factor is {self.real_time_factor}; 0 (as fast as possible) or more is "
-            "needed",
         )
 
     @property
@@ -77,25 +66,23 @@ class TimingConfig(Declared):
 
 
 @dataclass(frozen=True)
-class JointHardware:
+class JointHardware(Declared):
     """The drive of one joint, beyond what the URDF says.
 
-    Attributes
-    ----------
-    armature : float
-        Inertia of rotor and gear, seen at the joint (kg m2); a revolute joint's only.
-    overtravel : float
-        How far beyond the URDF's limits the end stops lie, and with them the soft limits (rad, m).
-        Towards a soft limit the effort falls, so that a drive whose soft limits lie within its
-        range cannot hold a load at the ends of it.
+    Towards a soft limit the effort falls, so that a drive whose soft limits lie within its range
+    cannot hold a load at the ends of it.
     """
 
-    armature: float = 0.0
-    overtravel: float = 0.0
-
-    def __post_init__(self) -> None:
-        require(self.armature >= 0.0, f"armature is {self.armature} kg m2; 0 or more is needed")
-        require_range(self, "overtravel", 0.0, 1.0)
+    armature: float = number(
+        0.0, "Inertia of rotor and gear, seen at the joint (kg m2); a revolute joint's only.", 0.0
+    )
+    overtravel: float = number(
+        0.0,
+        "How far beyond the URDF's limits the end stops lie, and with them the soft limits"
+        " (rad, m).",
+        0.0,
+        1.0,
+    )
 
 
 @dataclass(frozen=True)
@@ -253,20 +240,14 @@ class StartConfig(Declared):
 
 
 @dataclass(frozen=True)
-class PublishConfig:
+class PublishConfig(Declared):
     """How often the simulator tells the world about itself (Hz of sim time)."""
 
-    clock_rate: float = 100.0
-    poses_rate: float = 60.0
-    base_pose_rate: float = 50.0
-    stability_rate: float = 20.0
-    truth_rate: float = 50.0
-
-    def __post_init__(self) -> None:
-        names = ("clock_rate", "poses_rate", "base_pose_rate", "stability_rate", "truth_rate")
-        for name in names:
-            value = getattr(self, name)
-            require(value > 0.0, f"{name} is {value} Hz; it must be above 0")
+    clock_rate: float = number(100.0, above=0.0)
+    poses_rate: float = number(60.0, above=0.0)
+    base_pose_rate: float = number(50.0, above=0.0)
+    stability_rate: float = number(20.0, above=0.0)
+    truth_rate: float = number(50.0, above=0.0)
 
 
 @dataclass(frozen=True)
@@ -303,20 +284,12 @@ class RobotConfig(Declared):
 class SimulatorConfig(RobotConfig):
     """Everything that the simulator is told, and the robot that it begins with."""
 
-    model: str = word("telex", "")
+    model: str = word("telex")
     world: str = word("floor", "Name of the scene, or path of its file.")
     gui: bool = parameter(False, "Open PyBullet's window.")
-    solver_iterations: int = parameter(50, "Of PyBullet's constraint solver.")
+    solver_iterations: int = number(50, "Of PyBullet's constraint solver.", 1, 1000)
     timing: TimingConfig = field(default_factory=TimingConfig)
     publish: PublishConfig = field(default_factory=PublishConfig)
-
-    def check(self) -> None:
-        """Check what concerns several of them; see `Declared.check`."""
-        super().check()
-        require(
-            1 <= self.solver_iterations <= 1000,
-            f"solver_iterations is {self.solver_iterations}; 1 to 1000 is possible",
-        )
 
     @property
     def realtime_priority(self) -> int:

@@ -33,41 +33,39 @@ class TrackConfig(Declared):
         "one of its own.",
     )
     drive: BeltDriveConfig = parameter(BeltDriveConfig, "Each motor.")
-    friction: float = parameter(
+    friction: float = number(
         1.0,
         "Friction coefficient along the belt, on a surface with friction 1; with any "
         "other, it is the product.",
+        above=0.0,
     )
-    lateral_friction: float = parameter(0.7, "Across the belt.")
+    lateral_friction: float = number(0.7, "Across the belt.", above=0.0)
     materials: Dict[str, Grip] = parameter(
         dict,
         "In place of these two, by what the surface looks to be made of (see "
         "`telex_sim.scene.model.Surface.material`).",
     )
-    side_friction: float = parameter(0.6, "Of the belt's flanks, in every direction.")
+    side_friction: float = number(0.6, "Of the belt's flanks, in every direction.", above=0.0)
     edge_grip: float = number(
         1.2, "Factor on the friction along the belt where its cleats catch an edge.", 1.0, 10.0
     )
-    stiffness: float = parameter(1.0e5, "Of a stuck track against the ground (N/m), each track.")
-    damping: float = parameter(1500.0, "Of a stuck track against the ground (N s/m), each track.")
-    contact_stiffness: float = parameter(1.0e5, "Of the contact normal to the surface (N/m).")
-    contact_damping: float = parameter(6.0e3, "Of the contact normal to the surface (N s/m).")
+    stiffness: float = number(
+        1.0e5, "Of a stuck track against the ground (N/m), each track.", above=0.0
+    )
+    damping: float = number(
+        1500.0, "Of a stuck track against the ground (N s/m), each track.", above=0.0
+    )
+    contact_stiffness: float = number(
+        1.0e5, "Of the contact normal to the surface (N/m).", above=0.0
+    )
+    contact_damping: float = number(
+        6.0e3, "Of the contact normal to the surface (N s/m).", above=0.0
+    )
 
     def check(self) -> None:
         """Check what concerns several of them; see `Declared.check`."""
         for name, radius in self.belts.items():
             require(radius > 0.0, f"belts/{name} is {radius} m; a radius above 0 is needed")
-        for name in (
-            "friction",
-            "lateral_friction",
-            "side_friction",
-            "stiffness",
-            "damping",
-            "contact_stiffness",
-            "contact_damping",
-        ):
-            value = getattr(self, name)
-            require(value > 0.0, f"{name} is {value}; it must be above 0")
         owners: Dict[str, str] = {}
         for drive, belts in self.drives.items():
             require(bool(belts), f"drives/{drive} is []; it needs a belt joint at least")
