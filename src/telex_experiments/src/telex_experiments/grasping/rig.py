@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import functools
 import math
-import tempfile
 import threading
-from pathlib import Path
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
-from xml.etree import ElementTree
 
 import genpy
 import numpy as np
@@ -22,12 +19,10 @@ from telex_control.common.params import read_config
 from telex_control.controllers.parallel_gripper_controller import FingerGeometry
 from telex_control.follow_trajectory import TrajectoryError
 from telex_control.kinematics import Chain, IKSolver, Tolerance
+from telex_experiments.rigs.offline_rig import OfflineRig, for_period
 from telex_sim.engine.simulator_config import TUNED_PERIOD
-from telex_sim.offline.robot import OfflineRobot
-from telex_sim.offline.simulation import OfflineSimulation, package_yaml, robot_description
+from telex_sim.offline.simulation import package_yaml, robot_description
 from telex_sim.robot.gripper.contact import GripperContact
-from telex_training.operators.scripted_operator import DirectOperator
-from telex_training.rehearsal.controllers import OfflineControllers
 
 PLACE = (1.0, 0.0, 0.6)
 """Where the tool starts, in base_link (m): from here it can be shaken however the hand points."""
@@ -62,7 +57,7 @@ class Change(NamedTuple):
     angle: float
 
 
-class Rig:
+class Rig(OfflineRig):
     """A robot with its trajectory and gripper controllers, in a scene; close it when done.
 
     Parameters
@@ -87,15 +82,7 @@ class Rig:
     start : dict
         Of the scene file.
     **changes
-        Of the simulator's configuration, see `telex_sim.offline.simulation.shipped_config`.
-
-    Attributes
-    ----------
-    simulation : Simulation
-    operator : DirectOperator
-        For tracks and flippers.
-    each_step : list of callable
-        Called after every step: for measurements.
+        See `OfflineRig`.
     """
 
     def __init__(
@@ -113,40 +100,24 @@ class Rig:
     ) -> None:
         pads = {"friction": friction, "spinning_friction": 0.01, "friction_anchor": anchor}
         contacts = dict.fromkeys(("left_finger_tip_link", "right_finger_tip_link"), pads)
-        controllers, urdf = _for_period(step_size)
+        controllers, urdf = for_period(step_size)
         pose = _start_pose(place, pitch, roll, opening)
-        scene = {"start": dict(start or {}), "objects": list(objects)}
-        with tempfile.TemporaryDirectory(prefix="telex-grasping-") as folder:
-            path = Path(folder) / "bench.yaml"
-            path.write_text(yaml.safe_dump(scene))
-            self._offline = OfflineSimulation(
-                urdf,
-                controllers,
-                world=str(path),
-                start__poses={"work": pose},
-                start__default_pose="",
-                start__pose="work",
-                timing__step_size=step_size,
-                timing__control_period=step_size,
-                hardware__contacts=contacts,
-                **changes,
-            )
-        self.simulation = self._offline.simulation
-        self.step_size = step_size
-        self.each_step: List[Callable[[], None]] = []
+        super().__init__(
+            {"start": dict(start or {}), "objects": list(objects)},
+            urdf,
+            controllers,
+            step_size,
+            start__poses={"work": pose},
+            start__default_pose="",
+            start__pose="work",
+            timing__control_period=step_size,
+            hardware__contacts=contacts,
+            **changes,
+        )
         self._reference = np.array([pose[name] for name in _chain().joint_names])
         self._switch(controllers["controller_groups"])
-        self._robot = OfflineRobot(self._offline)
-        self.operator = DirectOperator(OfflineControllers(self._robot, self.wait))
         self.wait(_SETTLING)
         self.operator.look()
-
-    def __enter__(self) -> Rig:
-        return self
-
-    def __exit__(self, *exception: object) -> None:
-        """Release PyBullet."""
-        self.simulation.close()
 
     def _switch(self, groups: Dict[str, List[str]]) -> None:
         """Do what ``controller_group switch actions`` does."""
@@ -163,15 +134,6 @@ class Rig:
             self.simulation.idle()
             worker.join(0.001)
         assert answer == [True]
-
-    # --- time ------------------------------------------------------------------------------------
-
-    def wait(self, seconds: float) -> None:
-        """Let sim time pass (s)."""
-        for _ in range(round(seconds / self.step_size)):
-            self.simulation.step()
-            for measure in self.each_step:
-                measure()
 
     # --- the arm ---------------------------------------------------------------------------------
 
@@ -298,7 +260,7 @@ class Rig:
             for index, (position, rate) in enumerate(zip(references.tolist(), rates.tolist()))
             if index
         ]
-        sent = self._offline.node.send_goal(f"{_ARM}/follow_joint_trajectory", goal)
+        sent = self.offline.node.send_goal(f"{_ARM}/follow_joint_trajectory", goal)
         self._reference = references[-1]
         self.wait((len(references) - 1) * _REFERENCE_PERIOD + 0.1)
         if sent.status in ("aborted", "rejected"):
@@ -309,7 +271,7 @@ class Rig:
     def command_pads(self, opening: float, force: float) -> Any:
         """Send the pads to an opening (m) with so much force (N); returns the goal."""
         goal = GripperCommandGoal(command=GripperCommand(opening, force))
-        return self._offline.node.send_goal(f"{_GRIPPER}/gripper_cmd", goal)
+        return self.offline.node.send_goal(f"{_GRIPPER}/gripper_cmd", goal)
 
     def grip(self, force: float, timeout: float = 4.0) -> None:
         """Close the pads (N) until they stand.
@@ -337,9 +299,9 @@ class Rig:
     def drive(self, linear: float, angular: float, seconds: float) -> None:
         """Drive (m/s, rad/s), then stop."""
         for _ in range(round(seconds / _COMMAND_PERIOD)):
-            self._robot.drive(linear, angular)
+            self.robot.drive(linear, angular)
             self.wait(_COMMAND_PERIOD)
-        self._robot.drive(0.0, 0.0)
+        self.robot.drive(0.0, 0.0)
 
     # --- objects ---------------------------------------------------------------------------------
 
@@ -422,35 +384,6 @@ def _chain() -> Chain:
 @functools.lru_cache(maxsize=None)
 def _solver() -> IKSolver:
     return IKSolver(_chain())
-
-
-def _for_period(period: float) -> Tuple[Dict[str, Any], str]:
-    """Shipped controllers and robot, with gains that are stable at a longer control period (s).
-
-    An explicit damper chatters where its gain is above 2 * inertia / period.
-    """
-    controllers, urdf = (
-        package_yaml("telex_control", "config", "telex_controllers.yaml"),
-        robot_description(),
-    )
-    share = min(1.0, TUNED_PERIOD / period)
-    if share == 1.0:
-        return controllers, urdf
-    root = ElementTree.fromstring(urdf)
-    for safety in root.iter("safety_controller"):
-        safety.set("k_velocity", repr(share * float(safety.attrib["k_velocity"])))
-    return _weakened(controllers, share), ElementTree.tostring(root, encoding="unicode")
-
-
-def _weakened(params: Any, share: float) -> Any:
-    """Return parameters in which all gains are less."""
-    if not isinstance(params, dict):
-        return params
-    if {"p", "d"} <= params.keys():
-        return {
-            key: share * value if key in ("p", "i", "d") else value for key, value in params.items()
-        }
-    return {key: _weakened(value, share) for key, value in params.items()}
 
 
 def _start_pose(place: Vector, pitch: float, roll: float, opening: float) -> Dict[str, float]:

@@ -2,48 +2,19 @@
 
 from __future__ import annotations
 
-import tempfile
-from pathlib import Path
-from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
-from xml.etree import ElementTree
+from typing import Any, Dict, Optional, Sequence, Tuple
 
 import numpy as np
 import pybullet
-import yaml
 
+from telex_experiments.rigs.offline_rig import OfflineRig, fix_payload, for_period
 from telex_sim.engine.simulator_config import TUNED_PERIOD
-from telex_sim.offline.robot import OfflineRobot
-from telex_sim.offline.simulation import OfflineSimulation, package_yaml, robot_description
-from telex_training.operators.scripted_operator import TICK, DirectOperator
-from telex_training.rehearsal.controllers import OfflineControllers
+from telex_training.operators.scripted_operator import TICK
 
-LOAD_EDGE = 0.2
-"""Edge of a load in the gripper (m), for its inertia."""
-LOAD_FORCE = 1.0e5
-"""With which it is held (N)."""
+_LOAD_EDGE = 0.2  # m, of a load in the gripper
 
 
-def _for_period(period: float, urdf: str) -> Tuple[Dict[str, Any], str]:
-    """Shipped controllers and robot, so changed that they are stable at a longer control period.
-
-    An explicit damper chatters where its gain is above 2 * inertia / period. The shipped gains and
-    the brakes of the soft limits go near that at 2 ms; they shrink as the period grows.
-    """
-    share = min(1.0, TUNED_PERIOD / period)
-    controllers = package_yaml("telex_control", "config", "telex_controllers.yaml")
-    for value in controllers.values():
-        pid = value.get("pid", {}) if isinstance(value, dict) else {}
-        smaller = {gain: share * pid[gain] for gain in ("p", "i", "d") if gain in pid}
-        if smaller:
-            # Controllers of one kind share these in the file.
-            value["pid"] = {**pid, **smaller}
-    root = ElementTree.fromstring(urdf)
-    for safety in root.iter("safety_controller"):
-        safety.set("k_velocity", repr(share * float(safety.attrib["k_velocity"])))
-    return controllers, ElementTree.tostring(root, encoding="unicode")
-
-
-class Trial:
+class Trial(OfflineRig):
     """A robot on a course, and an operator for it; close it when done.
 
     Parameters
@@ -62,15 +33,11 @@ class Trial:
     load : float
         Mass held in the gripper (kg).
     **changes
-        Of the simulator's configuration, see `telex_sim.offline.simulation.shipped_config`.
+        See `OfflineRig`.
 
     Attributes
     ----------
-    simulation : Simulation
     urdf : str
-    operator : DirectOperator
-    each_step : list of callable
-        Called after every step: for measurements.
     load : int or None
         PyBullet's number of the load.
     """
@@ -86,76 +53,35 @@ class Trial:
         **changes: Any,
     ) -> None:
         period = max(TUNED_PERIOD, step_size)
-        controllers, self.urdf = _for_period(period, robot_description())
+        controllers, self.urdf = for_period(period)
         scene = {
             "floor": {"friction": friction},
             "start": dict(start or {}),
             "objects": list(objects),
         }
-        with tempfile.TemporaryDirectory(prefix="telex-mobility-") as folder:
-            path = Path(folder) / "course.yaml"
-            path.write_text(yaml.safe_dump(scene))
-            self._offline = OfflineSimulation(
-                self.urdf,
-                controllers,
-                world=str(path),
-                start__pose=pose,
-                timing__step_size=step_size,
-                timing__control_period=period,
-                **changes,
-            )
-        self.simulation = self._offline.simulation
-        self.step_size = step_size
-        self.each_step: List[Callable[[], None]] = []
+        super().__init__(
+            scene,
+            self.urdf,
+            controllers,
+            step_size,
+            start__pose=pose,
+            timing__control_period=period,
+            **changes,
+        )
         self.load: Optional[int] = None
         if load:
             self.hold(load)
-        port = OfflineControllers(OfflineRobot(self._offline), self._advance)
-        self.operator = DirectOperator(port)
-        self._advance(TICK)
+        self.wait(TICK)
         self.operator.look()
-
-    def __enter__(self) -> Trial:
-        return self
-
-    def __exit__(self, *exception: object) -> None:
-        """Release PyBullet."""
-        self.simulation.close()
 
     @property
     def node(self) -> Any:
         """Node handle of the robot's namespace."""
-        return self._offline.node
-
-    def _advance(self, seconds: float) -> None:
-        for _ in range(round(seconds / self.step_size)):
-            self.simulation.step()
-            for measure in self.each_step:
-                measure()
+        return self.offline.node
 
     def hold(self, mass: float) -> None:
         """Fix a load between the pads, as a grip does that does not slip."""
-        body = self.simulation.body
-        client = body.client
-        link, position, orientation = body.place("tool_link")
-        pose = body.pose("tool_link")
-        self.load = load = pybullet.createMultiBody(mass, -1, -1, *pose, physicsClientId=client)
-        inertia = mass * LOAD_EDGE**2 / 6.0
-        pybullet.changeDynamics(
-            load,
-            -1,
-            localInertiaDiagonal=[inertia] * 3,
-            linearDamping=0.0,
-            angularDamping=0.0,
-            physicsClientId=client,
-        )
-        origin = (0.0, 0.0, 0.0)
-        joint = pybullet.createConstraint(
-            *(body.uid, link, load, -1, pybullet.JOINT_FIXED),
-            *(origin, position, origin, orientation),
-            physicsClientId=client,
-        )
-        pybullet.changeConstraint(joint, maxForce=LOAD_FORCE, physicsClientId=client)
+        self.load = fix_payload(self.simulation.body, mass, _LOAD_EDGE)
 
     # --- what no operator can do -------------------------------------------------------------
 

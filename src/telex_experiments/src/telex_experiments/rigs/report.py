@@ -20,6 +20,7 @@ PATIENCE = 400.0
 class MeasurementError(RuntimeError):
     """Nothing can be measured; the message says why."""
 
+
 from telex_training.rehearsal.processor import processor
 
 

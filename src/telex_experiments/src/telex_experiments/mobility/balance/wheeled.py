@@ -6,17 +6,14 @@ Four driven wheels that skid (of Husky's size), and two driven ones between two 
 from __future__ import annotations
 
 import math
-import tempfile
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Dict, Sequence, Tuple
 
 import numpy as np
-import yaml
 from geometry_msgs.msg import Twist
 
 from telex_control.common.geometry.quaternions import yaw_of
-from telex_sim.offline.simulation import OfflineSimulation
+from telex_experiments.rigs.offline_rig import OfflineRig
 
 from . import quasi_static
 from .bearing import Bearing, ground_objects, springs, touched
@@ -151,7 +148,7 @@ class Turn:
     farthest: float
 
 
-class Wheeled:
+class Wheeled(OfflineRig):
     """A robot on wheels that has come to rest; close it when done.
 
     Parameters
@@ -183,29 +180,18 @@ class Wheeled:
             name: {}
             for name in ("tracks", "hardware", "self_collision", "proximity", "gripper_contact")
         }
-        with tempfile.TemporaryDirectory(prefix="telex-mobility-") as folder:
-            path = Path(folder) / "ground.yaml"
-            path.write_text(yaml.safe_dump({"objects": ground_objects(ground)}))
-            height = radius + (0.02 if ground == "edge" else 0.0)
-            self._offline = OfflineSimulation(
-                robot.urdf,
-                {"controller_groups": {"actions": []}, "base": base},
-                world=str(path),
-                start={"place": (0.0, 0.0, height, 0.0)},
-                timing__step_size=step_size,
-                timing__control_period=max(0.002, step_size),
-                **own,
-            )
-        self.simulation = self._offline.simulation
-        self._command = self._offline.node.advertise("base/cmd_vel", Twist)
-        self._offline.run(1.5)
-
-    def __enter__(self) -> Wheeled:
-        return self
-
-    def __exit__(self, *exception: object) -> None:
-        """Release PyBullet."""
-        self.simulation.close()
+        height = radius + (0.02 if ground == "edge" else 0.0)
+        super().__init__(
+            {"objects": ground_objects(ground)},
+            robot.urdf,
+            {"controller_groups": {"actions": []}, "base": base},
+            step_size,
+            start={"place": (0.0, 0.0, height, 0.0)},
+            timing__control_period=max(0.002, step_size),
+            **own,
+        )
+        self._command = self.offline.node.advertise("base/cmd_vel", Twist)
+        self.wait(1.5)
 
     def at_rest(self) -> Bearing:
         """Loads of the wheels at rest, over the weight, beside equal springs in their contacts."""
@@ -240,13 +226,13 @@ class Wheeled:
         begin, turned, farthest, last = np.array(body.base_pose()[0]), 0.0, 0.0, self._heading()
         for _ in range(round(seconds / _TICK)):
             self._command.publish(message)
-            self._offline.run(_TICK)
+            self.wait(_TICK)
             heading = self._heading()
             turned, last = turned + math.remainder(heading - last, math.tau), heading
             way = float(np.linalg.norm((np.array(body.base_pose()[0]) - begin)[:2]))
             farthest = max(farthest, way)
         self._command.publish(Twist())
-        self._offline.run(0.6)
+        self.wait(0.6)
         return turned, farthest
 
     def _heading(self) -> float:
