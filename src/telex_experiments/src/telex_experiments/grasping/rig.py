@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import math
-import threading
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 import genpy
@@ -115,25 +114,10 @@ class Rig(OfflineRig):
             **changes,
         )
         self._reference = np.array([pose[name] for name in _chain().joint_names])
-        self._switch(controllers["controller_groups"])
+        groups = controllers["controller_groups"]
+        self.offline.switch(groups["actions"], groups["manual"])
         self.wait(_SETTLING)
         self.operator.look()
-
-    def _switch(self, groups: Dict[str, List[str]]) -> None:
-        """Do what ``controller_group switch actions`` does."""
-        answer: List[bool] = []
-        manager = self.simulation.controllers
-        worker = threading.Thread(
-            target=lambda: answer.append(
-                manager.switch_controller(groups["actions"], groups["manual"])
-            )
-        )
-        worker.start()
-        while worker.is_alive():
-            # Not by steps: how many there are would depend on the threads.
-            self.simulation.idle()
-            worker.join(0.001)
-        assert answer == [True]
 
     # --- the arm ---------------------------------------------------------------------------------
 

@@ -7,7 +7,7 @@ import subprocess
 import threading
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Dict, List, Optional
+from typing import Any, Dict, List, Optional, Sequence
 
 import yaml
 
@@ -100,7 +100,7 @@ class OfflineSimulation:
             if not self.simulation.controllers.load_controller(name):
                 raise RuntimeError(f"controller '{name}' cannot be loaded; the log says why")
         stopped = params["controller_groups"]["actions"]
-        self._start([name for name in names if name not in stopped])
+        self.switch([name for name in names if name not in stopped], [])
 
     def _fit(self, params: Dict[str, Any]) -> List[str]:
         """Return the controllers with a joint, or without need of any; those gone are taken out."""
@@ -114,18 +114,26 @@ class OfflineSimulation:
             names.append(name)
         return names
 
-    def _start(self, names: List[str]) -> None:
+    def switch(self, start: Sequence[str], stop: Sequence[str]) -> None:
+        """Start and stop controllers; no sim time passes.
+
+        Raises
+        ------
+        RuntimeError
+            They cannot be switched.
+        """
         answer: List[bool] = []
         manager = self.simulation.controllers
         thread = threading.Thread(
-            target=lambda: answer.append(manager.switch_controller(names, []))
+            target=lambda: answer.append(manager.switch_controller(start, stop))
         )
         thread.start()
         while thread.is_alive():
+            # Not by steps: how many there are would depend on the threads.
             self.simulation.idle()
             thread.join(0.001)
         if answer != [True]:
-            raise RuntimeError("the controllers cannot be started; the log says why")
+            raise RuntimeError("the controllers cannot be switched; the log says why")
 
     def run(self, seconds: float) -> None:
         """Advance by `seconds` of sim time."""
