@@ -21,7 +21,7 @@ from telex_teleop.actions.grammar import (
     parse_action,
 )
 from telex_teleop.actions.keys import page_key
-from telex_teleop.files import read_file, shipped_file
+from telex_teleop.files import FromFile
 from telex_teleop.motion.speed import MAX_ZOOM, STEP, ZOOM_RATE
 
 MODES = ("DRIVE", "JOINT", "CARTESIAN", "CAMERA")
@@ -132,7 +132,7 @@ class NamedAction(Entry):
 
 
 @dataclass(frozen=True)
-class Vocabulary:
+class Vocabulary(FromFile):
     """Everything that an operator can do.
 
     Attributes
@@ -149,6 +149,8 @@ class Vocabulary:
     telex_control.common.params.ConfigError
         When an action is unknown, a key has two meanings in a mode, or none stops the robot.
     """
+
+    SHIPPED = "actions.yaml"
 
     modes: Dict[str, str]
     groups: Tuple[Group, ...]
@@ -171,17 +173,6 @@ class Vocabulary:
             there = [each for each in self.actions if mode in each.modes]
             _require_one_meaning([(key, each.name) for each in there for key in each.codes], mode)
             _require_one_meaning([(key, each.name) for each in there for key in each.typed], mode)
-
-    @classmethod
-    def read(cls, path: str = "") -> Vocabulary:
-        """Read a file; empty: the shipped one.
-
-        Raises
-        ------
-        telex_control.common.params.ConfigError
-            When it cannot be read or is wrong; the message begins with the path.
-        """
-        return read_file(cls, path or shipped_file("actions.yaml"))
 
     @cached_property
     def actions(self) -> Tuple[NamedAction, ...]:

@@ -29,7 +29,7 @@ from telex_teleop.actions.grammar import (
     parse_action,
     parse_axis,
 )
-from telex_teleop.files import read_file
+from telex_teleop.files import FromFile
 from telex_teleop.joy.pads import BUTTONS, STICKS, Pad
 
 ARM_MODES = ("", "JOINT", "CARTESIAN")
@@ -208,7 +208,7 @@ class Mode:
 
 
 @dataclass(frozen=True)
-class JoyMap:
+class JoyMap(FromFile):
     """What the controls of a gamepad do.
 
     Attributes
@@ -228,6 +228,8 @@ class JoyMap:
     expo
         Share (0 to 1) of the cubic part of a stick's response.
     """
+
+    SHIPPED = "joy/twin_stick.yaml"
 
     description: str
     enable: str
@@ -271,17 +273,6 @@ class JoyMap:
                         needed in bound,
                         f"modes: {mode.name} takes the last button from {needed.value!r}",
                     )
-
-    @classmethod
-    def read(cls, path: str) -> JoyMap:
-        """Read a file.
-
-        Raises
-        ------
-        telex_control.common.params.ConfigError
-            When it cannot be read or is wrong.
-        """
-        return read_file(cls, path)
 
     def bindings(self, mode: Mode, shifted: bool) -> Mapping[str, Binding]:
         """Return what each control does in a mode, with the shift button held or not."""

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from typing import Dict, Iterable, Optional, Sequence, Tuple
 
 from telex_control.common.params import ConfigError, Declared, number, require
-from telex_teleop.files import read_file
+from telex_teleop.files import FromFile
 
 STICKS = ("left_stick_x", "left_stick_y", "right_stick_x", "right_stick_y")
 """In the order of the W3C layout's axes."""
@@ -151,24 +151,15 @@ class Pad:
 
 
 @dataclass(frozen=True)
-class Pads:
+class Pads(FromFile):
     """All known kinds of gamepads, by name; the first one that recognizes a device counts."""
+
+    SHIPPED = "joy/pads.yaml"
 
     pads: Dict[str, Pad]
 
     def __post_init__(self) -> None:
         require(bool(self.pads), "pads is empty; describe at least one pad")
-
-    @classmethod
-    def read(cls, path: str) -> Pads:
-        """Read a file.
-
-        Raises
-        ------
-        telex_control.common.params.ConfigError
-            When it cannot be read or is wrong.
-        """
-        return read_file(cls, path)
 
     def called(self, name: str) -> Pad:
         """Return the pad of that name.

@@ -15,7 +15,6 @@ from std_msgs.msg import String
 from telex_control.common.params import ConfigError, require_range, require_text
 from telex_control.ros.node_start import init_node, until_shutdown
 from telex_teleop.actions.grammar import Action, Command, Lamps
-from telex_teleop.files import shipped_file
 from telex_teleop.joy.core import JoyTeleop
 from telex_teleop.joy.maps import JoyMap
 from telex_teleop.joy.pads import InvalidJoy, Pad, Pads
@@ -288,8 +287,8 @@ def joy_teleop_main() -> int:
         settings = private_settings(JoyTeleopSettings)
         node = JoyTeleopNode(
             settings,
-            JoyMap.read(settings.map or shipped_file("joy/twin_stick.yaml")),
-            Pads.read(settings.pads or shipped_file("joy/pads.yaml")),
+            JoyMap.read(settings.map),
+            Pads.read(settings.pads),
             _robot_namespace(settings.robot or rospy.get_namespace()),
         )
     except ConfigError as error:

@@ -8,7 +8,6 @@ from aiohttp import web
 
 from ..actions.grammar import as_json
 from ..actions.vocabulary import Vocabulary
-from ..files import shipped_file
 from ..joy.maps import Binding, JoyMap, StickBinding
 
 ACTIONS = "/actions.json"
@@ -31,7 +30,7 @@ def add_maps(app: web.Application, actions: str, joy_map: str) -> None:
     telex_control.common.params.ConfigError
         When one cannot be read or is wrong.
     """
-    pad = JoyMap.read(joy_map or shipped_file("joy/twin_stick.yaml"))
+    pad = JoyMap.read(joy_map)
     _serve(app, ACTIONS, Vocabulary.read(actions).as_json())
     _serve(app, JOY_MAP, describe(pad))
 

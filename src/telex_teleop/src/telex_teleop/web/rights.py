@@ -8,7 +8,7 @@ from typing import Iterable, List, Pattern, Tuple, TypeVar
 
 from telex_control.common.params import require
 
-from ..files import read_file, shipped_file
+from ..files import FromFile
 
 _PATTERN = re.compile(r"!?[A-Za-z0-9_/*]+")
 _NAME = re.compile(r"[A-Za-z0-9_/]+")
@@ -57,7 +57,7 @@ class UseLists:
 
 
 @dataclass(frozen=True)
-class Rights:
+class Rights(FromFile):
     """What operators and instructors may use, and what of it commands the robot.
 
     Attributes
@@ -70,21 +70,12 @@ class Rights:
         Commands that an instructor may give without holding control.
     """
 
+    SHIPPED = "bridge_rights.yaml"
+
     operator: UseLists = field(default_factory=UseLists)
     instructor: UseLists = field(default_factory=UseLists)
     commands: UseLists = field(default_factory=UseLists)
     without_control: UseLists = field(default_factory=UseLists)
-
-    @classmethod
-    def read(cls, path: str = "") -> Rights:
-        """Read a file; an empty path stands for the shipped one.
-
-        Raises
-        ------
-        telex_control.common.params.ConfigError
-            It cannot be read or is wrong.
-        """
-        return read_file(cls, path or shipped_file("bridge_rights.yaml"))
 
     def hiding(self, cameras: object) -> Rights:
         """Return these rights without some cameras for operators, of whatever robot.
@@ -98,7 +89,7 @@ class Rights:
 
 
 @dataclass(frozen=True)
-class ExamRights(UseLists):
+class ExamRights(UseLists, FromFile):
     """What is left to those without the instructor's token while an exam runs.
 
     Attributes
@@ -107,18 +98,9 @@ class ExamRights(UseLists):
         Addresses of the video server that other processes answer.
     """
 
+    SHIPPED = "exam_rights.yaml"
+
     pages: Tuple[str, ...] = ()
-
-    @classmethod
-    def read(cls, path: str = "") -> ExamRights:
-        """Read a file; an empty path stands for the shipped one.
-
-        Raises
-        ------
-        telex_control.common.params.ConfigError
-            It cannot be read or is wrong.
-        """
-        return read_file(cls, path or shipped_file("exam_rights.yaml"))
 
 
 class NamePatterns:

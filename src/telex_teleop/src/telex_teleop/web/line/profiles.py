@@ -12,7 +12,7 @@ import yaml
 from telex_control.common.params import ConfigError, read_struct, require
 from telex_control.common.yaml_files import load_yaml
 
-from ...files import read_file, shipped_file
+from ...files import FromFile
 from .fields import PERFECT, LineFields
 from .signal_curve import SignalCurve, SignalPoint
 
@@ -102,7 +102,7 @@ class LineSetting:
 
 
 @dataclass(frozen=True)
-class Profiles:
+class Profiles(FromFile):
     """The file `config/link_profiles.yaml`.
 
     Attributes
@@ -116,6 +116,8 @@ class Profiles:
         The profile `perfect` is missing or impairs something, or one has the reserved name.
     """
 
+    SHIPPED = "link_profiles.yaml"
+
     profiles: Dict[str, Profile]
 
     def __post_init__(self) -> None:
@@ -128,17 +130,6 @@ class Profiles:
             FIELDS_NAME not in self.profiles,
             f"profiles/{FIELDS_NAME} is reserved for lines of which only fields are given",
         )
-
-    @classmethod
-    def read(cls, path: str = "") -> Profiles:
-        """Read a file; an empty path stands for the shipped one.
-
-        Raises
-        ------
-        telex_control.common.params.ConfigError
-            It cannot be read or is wrong.
-        """
-        return read_file(cls, path or shipped_file("link_profiles.yaml"))
 
     def choose(self, profile: str, fields: str = "") -> LineSetting:
         """Return what a request asks for.
