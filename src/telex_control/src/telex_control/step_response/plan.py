@@ -40,7 +40,7 @@ class PlanConfig(Declared):
 
     groups: Dict[str, List[str]] = parameter(required, "Joints that share a figure.")
     via: str = word(required, "The named pose through which postures are entered and left.")
-    postures: Dict[str, PostureConfig]
+    postures: Dict[str, PostureConfig] = parameter(required)
     record_time: float = number(2.5, "After a step (s).", 1.0, 60.0)
     rest_time: float = number(1.0, "Before a step (s).", 0.1, 60.0)
     speed: float = number(
