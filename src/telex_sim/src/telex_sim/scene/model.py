@@ -51,11 +51,11 @@ def require_name(value: str, what: str) -> None:
     )
 
 
-def _require_vector(config: object, name: str, largest: float = LARGEST) -> None:
+def _require_vector(config: object, name: str) -> None:
     value: Sequence[float] = getattr(config, name)
     require(
-        all(math.isfinite(number) and abs(number) <= largest for number in value),
-        f"{name} is {list(value)}; finite numbers, of at most {largest:g}, are needed",
+        all(math.isfinite(number) and abs(number) <= LARGEST for number in value),
+        f"{name} is {list(value)}; finite numbers, of at most {LARGEST:g}, are needed",
     )
 
 
@@ -69,11 +69,11 @@ def _require_unit(config: object, name: str) -> None:
     )
 
 
-def _require_shares(config: object, name: str, largest: float = 1.0) -> None:
+def _require_shares(config: object, name: str) -> None:
     value: Sequence[float] = getattr(config, name)
     require(
-        all(0.0 <= number <= largest for number in value),
-        f"{name} is {list(value)}; numbers from 0 to {largest:g} are needed",
+        all(0.0 <= number <= 1.0 for number in value),
+        f"{name} is {list(value)}; numbers from 0 to 1 are needed",
     )
 
 

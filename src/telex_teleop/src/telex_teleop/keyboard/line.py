@@ -8,21 +8,16 @@ from __future__ import annotations
 
 from typing import Optional
 
+_PERIOD = 0.1
+"""Time (s) between two questions."""
+_TIMEOUT = 0.4
+"""After so long (s) without a byte the line counts as dead."""
+
 
 class LineCheck:
-    """When to ask the terminal, and when to give it up.
+    """When to ask the terminal, and when to give it up."""
 
-    Parameters
-    ----------
-    period
-        Time (s) between two questions.
-    timeout
-        After so long (s) without a byte the line counts as dead.
-    """
-
-    def __init__(self, period: float = 0.1, timeout: float = 0.4) -> None:
-        self._period = period
-        self._timeout = timeout
+    def __init__(self) -> None:
         self._asked = 0.0
         self._heard: Optional[float] = None  # None while nothing is at stake
 
@@ -36,12 +31,12 @@ class LineCheck:
         if not needed:
             self._heard = None
         elif self._heard is None:
-            self._heard, self._asked = now, now - self._period
-        return self._heard is not None and now - self._heard >= self._timeout
+            self._heard, self._asked = now, now - _PERIOD
+        return self._heard is not None and now - self._heard >= _TIMEOUT
 
     def asks(self, now: float) -> bool:
         """Tell whether it is time for a question at `now`."""
-        if self._heard is None or now - self._asked < self._period:
+        if self._heard is None or now - self._asked < _PERIOD:
             return False
         self._asked = now
         return True

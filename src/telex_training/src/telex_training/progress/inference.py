@@ -129,12 +129,7 @@ class Difference:
     high: float
 
 
-def difference_of_medians(
-    first: Sequence[float],
-    second: Sequence[float],
-    confidence: float = GROUP_CONFIDENCE,
-    resamples: int = RESAMPLES,
-) -> Optional[Difference]:
+def difference_of_medians(first: Sequence[float], second: Sequence[float]) -> Optional[Difference]:
     """Compare two groups by their medians.
 
     The interval is the percentile bootstrap's: both groups are drawn anew with replacement. With
@@ -156,9 +151,9 @@ def difference_of_medians(
     medians = []
     for values in (first, second):
         given = np.asarray(values, dtype=float)
-        drawn = given[numbers.integers(0, len(given), (resamples, len(given)))]
+        drawn = given[numbers.integers(0, len(given), (RESAMPLES, len(given)))]
         medians.append(np.median(drawn, axis=1))
-    edge = 50.0 * (1.0 - confidence)
+    edge = 50.0 * (1.0 - GROUP_CONFIDENCE)
     low, high = np.percentile(medians[1] - medians[0], [edge, 100.0 - edge])
     return Difference(median(second) - median(first), float(low), float(high))
 

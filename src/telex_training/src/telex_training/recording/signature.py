@@ -9,7 +9,6 @@ from __future__ import annotations
 import hashlib
 import json
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Dict, Mapping, Optional
 
 from .digest import EntriesDigest
@@ -69,20 +68,15 @@ def sealing(key: StationKey) -> Seal:
     return seal
 
 
-def sealing_again(recording: Recording, folder: Optional[Path] = None) -> Optional[Seal]:
-    """Return what signs a recording again after an addition; None: it has no valid signature.
+def sealing_again(recording: Recording) -> Optional[Seal]:
+    """Return what signs a recording again after an addition to what it was.
 
-    Parameters
-    ----------
-    recording : Recording
-        As it was before.
-    folder : Path, optional
-        Of the keys; else ROS_HOME.
+    None where it has no valid signature.
     """
-    if verified(recording, known_keys(folder)).state != VALID:
+    if verified(recording, known_keys()).state != VALID:
         return None
     try:
-        return sealing(station_key(folder))
+        return sealing(station_key())
     except StationKeyError:
         return None  # it is no exam any more, which is better than one that nobody vouches for
 

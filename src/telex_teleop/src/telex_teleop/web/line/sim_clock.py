@@ -10,16 +10,9 @@ new."""
 
 
 class SimClock:
-    """Goes on with the machine's clock from the last reading, never back but by a jump of that.
+    """Goes on with the machine's clock from the last reading, never back but by a jump of that."""
 
-    Parameters
-    ----------
-    most_ahead
-        Time (s) after which it waits for the next reading.
-    """
-
-    def __init__(self, most_ahead: float = MOST_AHEAD) -> None:
-        self._most_ahead = most_ahead
+    def __init__(self) -> None:
         self._reading = -math.inf
         self._read = 0.0
         self._told = -math.inf
@@ -37,9 +30,9 @@ class SimClock:
             The machine's clock (s).
         """
         if reading != self._reading:
-            if reading < self._reading - self._most_ahead:
+            if reading < self._reading - MOST_AHEAD:
                 self._told = -math.inf
             self._reading, self._read = reading, read
-        ahead = min(max(now - self._read, 0.0), self._most_ahead)
+        ahead = min(max(now - self._read, 0.0), MOST_AHEAD)
         self._told = max(self._told, reading + ahead)
         return self._told
