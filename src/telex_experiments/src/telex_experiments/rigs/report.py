@@ -13,15 +13,14 @@ import time
 from dataclasses import dataclass
 from typing import Callable, List, Optional
 
+from telex_training.rehearsal.processor import processor
+
 PATIENCE = 400.0
 """Longest wait (s) for anything to happen, on a machine that is busy with something else."""
 
 
 class MeasurementError(RuntimeError):
     """Nothing can be measured; the message says why."""
-
-
-from telex_training.rehearsal.processor import processor
 
 
 @dataclass(frozen=True)
