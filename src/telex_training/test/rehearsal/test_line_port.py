@@ -126,7 +126,7 @@ def test_by_distance_the_line_is_as_the_robot_stands_from_the_antenna(
 ) -> None:
     delays = []
     for distance in (1.0, 50.0):
-        scene = tmp_path / f"{distance:g}.yaml"
+        scene = tmp_path / f"at_{distance:g}.yaml"
         scene.write_text(f"antenna: [{distance}, 0, 1.5]\nobjects: []\n")
         there = far("by_distance", "{loss: 0, jitter: 0}", world=str(scene))
         there.port.advance(0.5)

@@ -116,7 +116,7 @@ class MalfunctionService:
 
     def publish_battery(self) -> None:
         """Tell charge and range, when anybody listens; what does not run down tells the same."""
-        if self._robot.body.free:
+        if not self._robot.config.fixed_base:
             self._range.publish(self._malfunctions.reach(self._now().to_sec()))
         if not self._battery.get_num_connections():
             return
