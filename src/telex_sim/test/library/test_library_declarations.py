@@ -78,6 +78,17 @@ def test_values_that_no_file_can_hold_are_refused_too():
             Shelf(boards=1, **wrong)
 
 
+def test_another_default_leaves_the_limits_as_they_are():
+    @dataclass(frozen=True)
+    class Low(Shelf):
+        height: float = 0.5
+
+    assert Low(boards=2).height == 0.5
+    for wrong in ({"height": 5.0}, {"gap": 0.6}):
+        with pytest.raises(ConfigError, match=next(iter(wrong))):
+            Low(boards=1, **wrong)
+
+
 def test_what_is_left_out_has_its_default():
     shelf = read_struct(Shelf, {"boards": 2})
     assert (shelf.gap, shelf.mass, shelf.color, shelf.mounting) == (0.1, None, None, "stand")

@@ -17,6 +17,7 @@ they are declared as Any, so that they pass as the default of a field of any typ
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 from typing import (
     Any,
@@ -260,14 +261,18 @@ _Check = Callable[[Any, str], None]
 
 
 class Declared:
-    """Base of dataclasses whose fields are declared by the functions of this module."""
+    """Base of dataclasses whose fields are declared by the functions of this module.
+
+    A derived class may give a field another default; what was declared of it holds on.
+    """
 
     def __post_init__(self) -> None:
         """Check every field alone, then those with limits by other fields, then `check`."""
+        declared = _declarations(type(self))
         for stage in (_CHECK, _CHECK_WITH_OTHERS):
-            for field in dataclasses.fields(self):  # type: ignore[arg-type]
-                if stage in field.metadata:
-                    field.metadata[stage](self, field.name)
+            for name, metadata in declared.items():
+                if stage in metadata:
+                    metadata[stage](self, name)
         self.check()
 
     def check(self) -> None:
@@ -278,6 +283,17 @@ class Declared:
         ConfigError
             The message names the field, its value and what would be right.
         """
+
+
+@functools.lru_cache(maxsize=None)
+def _declarations(kind: type) -> Dict[str, Mapping[str, Any]]:
+    """What was declared of each field of a dataclass, by itself or else by a base."""
+    found: Dict[str, Mapping[str, Any]] = {}
+    for base in reversed(kind.__mro__):
+        for field in vars(base).get("__dataclass_fields__", {}).values():
+            if field.metadata or field.name not in found:
+                found[field.name] = field.metadata
+    return found
 
 
 def meaning(field: Any) -> str:
