@@ -58,15 +58,15 @@ def test_a_further_robot_that_was_stopped_is_so_until_it_has_come_again(robot, u
     simulation.add_robot(simulation.plan_robot(config, urdf, node))
     simulation.robots[1].request_e_stop(True)
     CrashRecovery(memory()).note(simulation, resets=0)
-    alone = robot().simulation
+    simulation.remove_robot("/second")
     for _ in range(2):  # also through a second crash
         recovery = CrashRecovery(memory())
-        recovery.restore(alone)
-        recovery.note(alone, resets=1)
+        recovery.restore(simulation)
+        recovery.note(simulation, resets=1)
     assert [recovery.was_stopped(name) for name in ("/third", "/second", "/second")] == [
         *(False, True, False)
     ]
-    assert not alone.robots[0].e_stop_wanted
+    assert not simulation.robots[0].e_stop_wanted
 
 
 def test_an_end_in_order_leaves_nothing(robot, memory):
