@@ -24,11 +24,11 @@ test("the simulator's own services are where the simulator is, all else is the r
 
 test("a page says which robot it shows where there are several", () => {
   const brand = /** @type {HTMLElement} */ (/** @type {unknown} */ ({ textContent: "TELEX" }));
-  const title = document.title;
+  globalThis.document = /** @type {Document} */ (/** @type {unknown} */ ({ title: "Telex console" }));
   showRobot(ALONE, brand);
   assert.equal(brand.textContent, "TELEX");
   showRobot(SECOND, brand);
   assert.equal(brand.textContent, "telex_b");
   assert.equal(robotOf(SECOND), "telex_b");
-  document.title = title;
+  assert.equal(document.title, "telex_b · Telex console");
 });
