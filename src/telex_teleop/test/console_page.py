@@ -113,11 +113,29 @@ class Page:
         with self.hold(key):
             pass
 
+    def mode(self, mode):
+        """Let keys be about something, by the buttons; the arm has to follow by itself."""
+        layout = {"DRIVE": "DRIVE", "CAMERA": "LOOK"}.get(mode, "ARM")
+        self.element(f'[data-layout="{layout}"]').click()
+        wait_until(lambda: self.is_in(mode))
+
+    def is_in(self, mode):
+        """Tell whether keys are about something."""
+        return self.script("return document.body.dataset.keysMode") == mode
+
+    def views(self):
+        """Return the cameras of the two large views; of one where the other is not shown."""
+        return self.script(
+            "return [document.getElementById('camera-name').textContent,"
+            " ...[...document.querySelectorAll('#second .thumbnail')]"
+            ".filter((each) => each.offsetParent).map(({dataset}) => dataset.camera)]"
+        )
+
     def thumbnail(self, camera):
         return self.element(f'.thumbnail[data-camera="{camera}"]')
 
     def thumbnails(self):
-        """Return the cameras of the small views, from top to bottom, and their states."""
+        """Return the cameras of all views but the first, and their states."""
         return self.script(
             "return [...document.querySelectorAll('.thumbnail')]"
             ".map(({dataset}) => [dataset.camera, dataset.state])"

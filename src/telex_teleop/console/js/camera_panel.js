@@ -2,10 +2,8 @@
 /** Zoom and lamps: commands to them, and what the panel shows of them. */
 
 import { byId, element, holdButton, row, rowsOf, setText } from "./panels.js";
-import { getParameter } from "./parameters.js";
 
-const ZOOM_TOPIC = "cameras/turret/zoom";
-const MOST_ZOOM_PARAMETER = "cameras/cameras/turret/zoom_max";
+const ROBOT = "/robot.json";
 const LONGEST_STEP = 100; // ms; a longer time between two commands is a pause, over which nothing was held
 
 const ECHO_WITHIN = 1000; // ms in which what this page has commanded comes back to it
@@ -24,6 +22,8 @@ export class CameraCommander {
     this._topic = topic;
     this._congested = congested;
     this._zoom = 1;
+    /** Where the camera that zooms is told to; empty: not known yet, or there is none. */
+    this._zoomTopic = "";
     this._zoomRate = vocabulary.zoomRate;
     this._mostZoom = vocabulary.maxZoom;
     this._last = -Infinity;
@@ -32,11 +32,10 @@ export class CameraCommander {
     this._switches = vocabulary.find("lamps");
     this._zoomValue = element("span", "num");
     this._zoomValue.id = "zoom-value";
-    const lamps = element("div", "lamps");
+    const lamps = byId("lamps");
     for (const { name, label } of this._switches) {
       const button = /** @type {HTMLButtonElement} */ (element("button", "small lamp", label));
       button.type = "button";
-      button.tabIndex = -1;
       button.dataset.command = name;
       button.setAttribute("role", "checkbox");
       lamps.append(button);
@@ -44,18 +43,10 @@ export class CameraCommander {
     for (const actions of rowsOf(vocabulary.find("zoom").filter(({ modes }) => modes.join() === "CAMERA"))) {
       byId("camera-rows").append(row("", actions[0].row, this._zoomValue, ...actions.map(holdButton)));
     }
-    byId("camera-rows").append(row("lamp-row", "lamps", lamps));
     this._show();
   }
 
   advertise() {
-    this._bridge.advertise(this._topic(ZOOM_TOPIC), NUMBER);
-    this._bridge.subscribe({
-      topic: this._topic(ZOOM_TOPIC), type: NUMBER, throttle: 100, heard: ({ data }) => {
-        // Others may zoom as well, but what comes while this page does is its own.
-        if (performance.now() - this._last > ECHO_WITHIN) this._take(data);
-      },
-    });
     for (const lamp of this._switches.flatMap(({ does }) => does.names)) {
       const topic = this._topic(`lamps/${lamp}/command`);
       this._bridge.advertise(topic, NUMBER);
@@ -69,14 +60,33 @@ export class CameraCommander {
     }
   }
 
-  /** Ask, after every new connection, how far the camera zooms. */
+  /** Ask, after every new connection, which camera zooms, and how far. */
   async connected() {
     try {
-      const most = await getParameter(this._bridge, this._topic(MOST_ZOOM_PARAMETER));
-      if (Number.isFinite(most)) this._mostZoom = Math.max(1, most);
+      /** @type {{cameras: Record<string, {zoom_max: number | null}>}} */
+      const { cameras } = await (await fetch(ROBOT, { cache: "no-store" })).json();
+      for (const [name, { zoom_max: most }] of Object.entries(cameras)) {
+        if (most === null || !Number.isFinite(most)) continue;
+        this._mostZoom = Math.max(1, most);
+        this._listenToZoom(this._topic(`cameras/${name}/zoom`));
+        return;
+      }
     } catch {
       // What was known before still holds.
     }
+  }
+
+  /** @param {string} topic */
+  _listenToZoom(topic) {
+    if (topic === this._zoomTopic) return;
+    this._zoomTopic = topic;
+    this._bridge.advertise(topic, NUMBER);
+    this._bridge.subscribe({
+      topic, type: NUMBER, throttle: 100, heard: ({ data }) => {
+        // Others may zoom as well, but what comes while this page does is its own.
+        if (performance.now() - this._last > ECHO_WITHIN) this._take(data);
+      },
+    });
   }
 
   /** @param {import("./vocabulary.js").Demand[]} held */
@@ -84,12 +94,12 @@ export class CameraCommander {
     let direction = 0;
     for (const action of held) if (action.kind === "zoom") direction += action.sign * (action.amount ?? 1);
     direction = Math.max(-1, Math.min(1, direction));
-    if (direction === 0 || this._congested()) return;
+    if (direction === 0 || this._zoomTopic === "" || this._congested()) return;
     const now = performance.now();
     const step = now - this._last > LONGEST_STEP ? 20 : now - this._last;
     this._last = now;
     this._take(this._zoom * Math.exp((direction * this._zoomRate * step) / 1000));
-    this._bridge.publish(this._topic(ZOOM_TOPIC), { data: this._zoom });
+    this._bridge.publish(this._zoomTopic, { data: this._zoom });
   }
 
   /** @param {string[]} lamps  Lights these lamps, or puts them out if one of them burns. */

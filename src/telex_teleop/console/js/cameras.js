@@ -1,5 +1,5 @@
 // @ts-check
-/** One large view and a small one for each of the other cameras; their pictures are drawn by the video worker. */
+/** One or two large views, and a small one for each of the other cameras; their pictures are drawn by the video worker. */
 
 import { setText } from "./panels.js";
 
@@ -71,7 +71,7 @@ export class ViewState {
   }
 }
 
-/** A small view of a camera that becomes the large one by a click. */
+/** A view of a camera that changes places with the first one by a click. */
 class Thumbnail {
   /** @param {(camera: string) => void} choose */
   constructor(choose) {
@@ -79,15 +79,16 @@ class Thumbnail {
     this.element = document.createElement("button");
     this.element.type = "button";
     this.element.className = "thumbnail";
-    this.element.tabIndex = -1;
     this.canvas = document.createElement("canvas");
     this.canvas.width = 208;
     this.canvas.height = 156;
-    this._name = document.createElement("span");
-    this._name.className = "hud thumbnail-name";
+    this._name = document.createElement("b");
     this._note = document.createElement("span");
-    this._note.className = "thumbnail-note num";
-    this.element.append(this.canvas, this._name, this._note);
+    this._note.className = "num";
+    const over = document.createElement("span");
+    over.className = "over";
+    over.append(this._name, this._note);
+    this.element.append(this.canvas, over);
     // Like every button here it leaves the focus where it is: Space must never click it.
     this.element.addEventListener("pointerdown", (event) => event.preventDefault());
     this.element.addEventListener("mousedown", (event) => event.preventDefault());
@@ -102,7 +103,12 @@ class Thumbnail {
     this.state.turn(camera, report);
     setText(this._name, camera);
     this.element.dataset.camera = camera;
-    this.element.title = `show ${camera} large`;
+    this.element.title = `show ${camera} in the first view`;
+  }
+
+  /** Whether anybody can see it: the page's layout may have no place for it. */
+  get isShown() {
+    return this.element.offsetParent !== null;
   }
 
   /** Show whether the picture is live. */
@@ -121,30 +127,35 @@ const LONGEST_AGE = 3_600_000;
 export class Cameras {
   /**
    * @param {VideoConfig} config
-   * @param {HTMLCanvasElement} canvas  Of the large view.
-   * @param {HTMLElement} column  Where the small ones go.
-   * @param {(name: string) => void} named  Called with the camera that is shown large.
+   * @param {HTMLCanvasElement} canvas  Of the first view.
+   * @param {HTMLElement[]} places  Where the others go, one after the other; the last place has all that are left, small.
+   * @param {(cameras: string[]) => void} arranged  Called with the cameras of all views, the first one's first.
    * @param {URLSearchParams} [given]  Has the token and the role that the video server may ask for.
    */
-  constructor(config, canvas, column, named, given = new URLSearchParams(location.search)) {
+  constructor(config, canvas, places, arranged, given = new URLSearchParams(location.search)) {
     this._config = config;
     this._access = Object.fromEntries([...given].filter(([name]) => ["token", "role", "robot"].includes(name)));
-    this._column = column;
-    this._named = named;
+    this._places = places;
+    this._arranged = arranged;
     this._worker = new Worker(new URL("video_worker.js", import.meta.url), { type: "module" });
     this._worker.onmessage = ({ data }) => this._receive(data);
     this.main = new ViewState();
     /** @type {Thumbnail[]} */
     this._thumbnails = [];
-    /** The camera that was large before the one that is for a while. @type {string | null} */
-    this._lent = null;
+    /** Called when somebody has chosen what he sees. */
+    this.chosen = () => {};
+    /** Called when there are further cameras. */
+    this.grown = () => {};
     /** When another scene was loaded whose first picture is awaited (Date.now()). */
     this._sceneLoaded = -Infinity;
+    // A view that the layout has no place for, or has one for again.
+    this._sizes = new ResizeObserver(() => this._tell());
     this._giveCanvas(canvas);
     const camera = config.cameras.find(({ name }) => name === config.main_camera) ?? config.cameras[0];
-    this.main.camera = camera?.name ?? config.main_camera;
-    this._named(this.main.camera);
+    /** What is in the first view unless something else is asked for. */
+    this.preferred = this.main.camera = camera?.name ?? config.main_camera;
     this._addViews(config.cameras);
+    this._arranged(this.order);
   }
 
   start() {
@@ -174,56 +185,56 @@ export class Cameras {
     this._sceneLoaded = Date.now();
   }
 
-  /** Whether the large view still has to show the scene that was loaded. */
+  /** Whether the first view still has to show the scene that was loaded. */
   get awaitsScene() {
     return Date.now() - this._sceneLoaded < SCENE_WITHIN && !((this.main.report?.captured ?? -Infinity) > this._sceneLoaded);
   }
 
-  /** What is seen in the large view: its camera, and how old (s) its picture is by the wall's clock; null: there is none. */
+  /** What is seen in the first view: its camera, and how old (s) its picture is by the wall's clock; null: there is none. */
   get seen() {
     const { age, camera } = this.main;
     return { view: camera, picture_age: age < LONGEST_AGE ? age / 1000 : null };
   }
 
-  /** Show the next camera large. */
-  next() {
-    if (this._thumbnails.length > 0) this.choose(this._thumbnails[0].state.camera, true);
+  /** Cameras of all views, the first one's first. */
+  get order() {
+    return this._states().map(({ camera }) => camera);
   }
 
   /**
-   * Show another camera large; the one that was takes its place, or the end of the column.
-   * @param {string} camera
-   * @param {boolean} [last]
+   * Show the next one of the cameras that are small.
+   * @param {number} [place]  Of the large view in which.
    */
-  choose(camera, last = false) {
-    const thumbnail = this._thumbnails.find(({ state }) => state.camera === camera);
-    if (thumbnail === undefined) return;
-    this._lent = null;
-    const names = this._thumbnails.map(({ state }) => state.camera);
-    const before = this.main.camera;
+  next(place = 0) {
+    const { order } = this;
+    const [camera] = order.splice(this._places.length, 1);
+    if (camera === undefined) return this.choose(order[1]);
+    order.push(...order.splice(place, 1, camera));
+    this.arrange(order);
+    this.chosen();
+  }
+
+  /** Let a camera change places with that of the first view. @param {string} camera */
+  choose(camera) {
+    const { order } = this;
+    if (!order.includes(camera)) return;
+    order[order.indexOf(camera)] = order[0];
+    order[0] = camera;
+    this.arrange(order);
+    this.chosen();
+  }
+
+  /** Show cameras in this order; those that are not named follow as they stand. @param {string[]} cameras */
+  arrange(cameras) {
+    const { order: before } = this;
+    const order = [...new Set([...cameras.filter((camera) => before.includes(camera)), ...before])];
+    if (order.join() === before.join()) return;
     const reports = new Map(this._states().map((state) => [state.camera, state.report]));
-    if (last) names.push(...names.splice(names.indexOf(camera), 1, before).slice(1), names.shift() ?? "");
-    else names[names.indexOf(camera)] = before;
-    this.main.turn(camera, reports.get(camera) ?? null);
-    this._thumbnails.forEach((each, index) => each.show(names[index], reports.get(names[index]) ?? null));
+    this.main.turn(order[0], reports.get(order[0]) ?? null);
+    this._thumbnails.forEach((each, index) => each.show(order[index + 1], reports.get(order[index + 1]) ?? null));
     this.refresh();
-    this._named(camera);
+    this._arranged(order);
     this._tell();
-  }
-
-  /**
-   * Show a camera large for a while.
-   * @param {string | null} camera  Null: the one that was large before, unless another one has been chosen meanwhile.
-   */
-  borrow(camera) {
-    if (camera !== null) {
-      if (camera === this.main.camera) return;
-      const before = this.main.camera;
-      this.choose(camera);
-      if (this.main.camera === camera) this._lent = before;
-    } else if (this._lent !== null) {
-      this.choose(this._lent);
-    }
   }
 
   /** @param {any} message  From the worker. */
@@ -236,18 +247,19 @@ export class Cameras {
 
   /** @param {{name: string}[]} cameras  All that are published. */
   _addViews(cameras) {
-    const shown = new Set(this._states().map(({ camera }) => camera));
+    const shown = new Set(this.order);
     for (const { name } of cameras) {
       if (shown.has(name)) continue;
       const thumbnail = new Thumbnail((camera) => this.choose(camera));
       thumbnail.show(name, null);
       this._thumbnails.push(thumbnail);
-      this._column.append(thumbnail.element);
       this._giveCanvas(thumbnail.canvas);
+      this._places[Math.min(this._thumbnails.length, this._places.length) - 1].append(thumbnail.element);
+      this._sizes.observe(thumbnail.element);
     }
-    this._column.style.setProperty("--thumbnails", String(Math.max(5, this._thumbnails.length)));
     this.refresh();
     this._tell();
+    this.grown();
   }
 
   _states() {
@@ -257,11 +269,13 @@ export class Cameras {
   /** @param {HTMLCanvasElement} canvas */
   _giveCanvas(canvas) {
     const offscreen = canvas.transferControlToOffscreen();
-    const maxWidth = this._thumbnails.length === 0 ? Infinity : THUMBNAIL_WIDTH * window.devicePixelRatio;
-    this._worker.postMessage({ view: this._thumbnails.length, canvas: offscreen, maxWidth }, [offscreen]);
+    const view = this._thumbnails.length;
+    const maxWidth = view < this._places.length ? Infinity : THUMBNAIL_WIDTH * window.devicePixelRatio;
+    this._worker.postMessage({ view, canvas: offscreen, maxWidth }, [offscreen]);
   }
 
   _tell() {
-    this._worker.postMessage({ show: this._states().map(({ camera }) => camera), hidden: document.hidden });
+    const shown = [this.main.camera, ...this._thumbnails.filter(({ isShown }) => isShown).map(({ state }) => state.camera)];
+    this._worker.postMessage({ show: this.order, shown: document.hidden ? [] : shown });
   }
 }

@@ -170,7 +170,8 @@ export class Commander {
       if (direction === 0) continue; // both keys of a pair: no motion
       const limit = this._limitOf(node, joint);
       if (limit === undefined) {
-        this._warn(`${node} has not said yet how fast ${joint} may move: is it running?`);
+        const isKnown = (this._maxVelocity.get(node)?.size ?? 0) > 0;
+        this._warn(isKnown ? `the robot has no ${joint}` : `${node} has not said yet how fast ${joint} may move: is it running?`);
       } else {
         wanted.set(joint, clamp(direction, -1, 1) * limit);
       }

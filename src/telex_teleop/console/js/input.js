@@ -4,11 +4,27 @@
 import { isStale } from "./deadman.js";
 import { setText } from "./panels.js";
 
-const E_STOP = "estop"; // the action that a key has also while something is typed
+/** Actions that keys have also while something is typed, and while somebody walks the buttons. */
+const ALWAYS = ["estop", "walk"], WALKING = [...ALWAYS, "stop"];
 
 /** Whether a key belongs to a text that is typed, or to a list that is chosen from. @param {KeyboardEvent} event */
 export function isTyped(event) {
   return event.target instanceof Element && event.target.matches("input, select, textarea");
+}
+
+/** Give keys to the browser, which walks from button to button by them; or take them back. */
+export function walkButtons() {
+  const at = document.activeElement;
+  if (at instanceof HTMLElement && at !== document.body) return at.blur();
+  const dialog = [...document.querySelectorAll("[role=dialog]")].find((each) => each instanceof HTMLElement && !each.hidden);
+  const first = (dialog ?? document).querySelector("button:not(:disabled)");
+  if (first instanceof HTMLElement) first.focus(/** @type {any} */ ({ focusVisible: true }));
+}
+
+/** Whether a key may do something, or belongs to whatever has the focus. @param {KeyboardEvent} event  @param {string} name */
+function isFree(event, name) {
+  if (isTyped(event)) return ALWAYS.includes(name);
+  return !document.activeElement?.matches("button:focus-visible, a:focus-visible") || WALKING.includes(name);
 }
 
 /**
@@ -27,7 +43,7 @@ export function listenToKeys(held, mayPress, find, commandOf, takes) {
       return;
     }
     const name = find(event.code);
-    if (name === undefined || (isTyped(event) && name !== E_STOP)) return;
+    if (name === undefined || !isFree(event, name)) return;
     event.preventDefault();
     // A key that repeats was pressed before, perhaps before everything was released: that is no new press.
     if (event.repeat) return;
@@ -38,7 +54,7 @@ export function listenToKeys(held, mayPress, find, commandOf, takes) {
   window.addEventListener("keyup", (event) => {
     // Space on a focused button would click it.
     const name = find(event.code);
-    if (name !== undefined && commandOf(name) !== undefined && !isTyped(event)) event.preventDefault();
+    if (name !== undefined && commandOf(name) !== undefined && isFree(event, name)) event.preventDefault();
     held.release(`key:${event.code}`);
   }, { capture: true });
 }

@@ -43,8 +43,7 @@ function startCameras(config) {
   // The overview is large from the first picture on, even if nothing has offered it yet.
   const all = { ...config, cameras: [{ name: OVERVIEW, topic }, ...others], hidden_cameras: [], main_camera: OVERVIEW };
   const canvas = /** @type {HTMLCanvasElement} */ (byId("picture"));
-  const named = (/** @type {string} */ name) => setText(byId("camera-name"), name);
-  const cameras = new Cameras(all, canvas, byId("thumbnails"), named, given);
+  const cameras = new Cameras(all, canvas, [byId("thumbnails")], ([name]) => setText(byId("camera-name"), name), given);
   cameras.start();
   return cameras;
 }

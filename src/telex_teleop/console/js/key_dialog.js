@@ -68,7 +68,6 @@ export class KeyDialog {
   _line({ name, title }) {
     const line = /** @type {HTMLButtonElement} */ (element("button", "key-line"));
     line.type = "button";
-    line.tabIndex = -1;
     line.dataset.key = name;
     const cap = element("kbd");
     cap.dataset.binding = name;

@@ -20,10 +20,11 @@ import { Health, MISSING_NODES } from "./health.js";
 import { Held } from "./held.js";
 import { Line, LINK_STATE } from "./line.js";
 import { Hud, ODOMETRY } from "./hud.js";
-import { labelKeys, listenToKeys, listenToPointers } from "./input.js";
+import { labelKeys, listenToKeys, listenToPointers, walkButtons } from "./input.js";
 import { JointPositions } from "./joints.js";
 import { KeyDialog } from "./key_dialog.js";
 import { KeyMap } from "./keymap.js";
+import { Layouts } from "./layouts.js";
 import { ModeSwitch } from "./modes.js";
 import { Motion } from "./motion.js";
 import { fetchPadMap } from "./pad_map.js";
@@ -32,7 +33,7 @@ import { Panels, byId, setText, showTwist } from "./panels.js";
 import { PictureSize } from "./picture_size.js";
 import { DOSIMETER, DosimeterView } from "./radiation/dosimeter.js";
 import { RadiationMap } from "./radiation/map.js";
-import { FLIPPER_NODE, JOINT_NODES, MOVED_CAMERA, TRACK_NODE, TYPES } from "./robot.js";
+import { FLIPPER_NODE, JOINT_NODES, TRACK_NODE, TYPES } from "./robot.js";
 import { showRobot } from "./several_robots.js";
 import { SILENT_AFTER, StatusView } from "./status.js";
 import { TOOL_TYPES, ToolCommander, ToolPanel } from "./tool.js";
@@ -75,7 +76,7 @@ async function fetchModel(bridge, parameter) {
 /** @param {import("./config.js").Config} config */
 function startCameras(config) {
   const canvas = /** @type {HTMLCanvasElement} */ (byId("picture"));
-  const cameras = new Cameras(config, canvas, byId("thumbnails"), (name) => setText(byId("camera-name"), name));
+  const cameras = new Cameras(config, canvas, [byId("second"), byId("thumbnails")], ([name]) => setText(byId("camera-name"), name));
   cameras.start();
   return cameras;
 }
@@ -119,9 +120,9 @@ class Console {
     this._toolCommander = new ToolCommander(this._bridge, topic, congested, warn);
     this._cameraCommander = new CameraCommander(vocabulary, this._bridge, topic, congested);
     this._tool = new ToolPanel(vocabulary, this._toolCommander, call, letGo, warn);
-    this._modes = new ModeSwitch(vocabulary.modes, this._tool, letGo);
-    this._tool.changed = () => this._modes.show();
-    this._modes.chosen = (mode) => this._cameras.borrow(mode === "CAMERA" ? MOVED_CAMERA : null);
+    this._layouts = new Layouts(localStorage, config.namespace, vocabulary.layouts, GIVEN.get("layout") ?? "", this._cameras);
+    this._modes = new ModeSwitch(vocabulary.modes, this._tool, letGo, this._layouts);
+    this._tool.changed = this._cameras.grown = () => this._modes.show();
     this._modes.show();
     this._control = new ControlView(this._bridge, topic, letGo, warn);
     this._motion = new Motion(this._control, (device) => this._status.log(`${device} moves the robot`, "warning"));
@@ -136,7 +137,7 @@ class Console {
     const relabel = () => labelKeys(document, this._keymap);
     this._keyDialog = new KeyDialog(vocabulary, this._keymap, relabel);
     this._keymap.changed = relabel;
-    this._tour = new Tour(localStorage, relabel);
+    this._tour = new Tour(localStorage, vocabulary, relabel);
     this._brief = new ExerciseBrief(vocabulary, GIVEN, () => this._strip.start(), letGo, relabel);
     relabel();
     this._held = new Held(() => this._heldChanged());
@@ -211,6 +212,11 @@ class Console {
       "hold tool": () => this._tool.toggleHold(),
       "proximity guard": () => this._tool.toggleGuard(),
       "next camera": () => this._cameras.next(),
+      "next second camera": () => this._layouts.next(),
+      "swap views": () => this._layouts.swap(),
+      "second view": () => this._layouts.toggle("second"),
+      "small views": () => this._layouts.toggle("small"),
+      "walk the buttons": () => walkButtons(),
       bookmark: () => this._strip.bookmarks.set(),
       "go back": () => this._strip.bookmarks.back(),
       help: () => {
@@ -379,6 +385,7 @@ class Console {
       this._listen(`${node}/status`, TYPES.jointStatus, (report) => {
         this._commander.setJointStatus(node, report);
         this._motion.hear(node, report);
+        this._panels.showMoved(node, report.joint_names);
         this._panels.showLimited(node, report.limited);
         if (node === "arm_teleop") this._tool.setArmStatus(report);
         this._status.logComplaint(node, report.message);
@@ -422,7 +429,7 @@ class Console {
       onClick(button, () => this._commandOf(/** @type {string} */ (button.dataset.command))?.());
     }
     this._tool.listen(onClick);
-    this._modes.listen(onClick);
+    this._modes.listen(onClick, (name) => this._vocabulary.nameOf({ kind: "command", name }, []));
     for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-side]"))) {
       button.addEventListener("click", () => {
         this._commander.side = /** @type {"left" | "both" | "right"} */ (button.dataset.side);
@@ -477,10 +484,7 @@ class Console {
 
   /** Show what goes to the tracks now. @param {any} twist  geometry_msgs/Twist */
   _showDrive(twist) {
-    const [forward, turn] = showTwist(twist);
-    this._drive.show("drive-linear", forward);
-    this._drive.show("drive-angular", turn);
-    this._drive.show("drive-hud", `${forward}  ${turn}`);
+    this._drive.show("drive-hud", showTwist(twist).join("  "));
   }
 
   /**

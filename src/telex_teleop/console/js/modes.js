@@ -10,15 +10,15 @@ export class ModeSwitch {
    * @param {{name: Mode, note: string}[]} modes  What the keys are about in each.
    * @param {import("./tool.js").ToolPanel} tool
    * @param {(reason: string) => void} letGo
+   * @param {import("./layouts.js").Layouts} layouts  Of which each mode has one.
    */
-  constructor(modes, tool, letGo) {
+  constructor(modes, tool, letGo, layouts) {
     this._modes = modes;
     this._tool = tool;
     this._letGo = letGo;
-    /** Called with the mode that an operator has chosen. @type {(mode: Mode) => void} */
-    this.chosen = () => {};
+    this._layouts = layouts;
     /** Instead of the arm's mode. @type {"DRIVE" | "CAMERA" | null} */
-    this._own = null;
+    this._own = ownMode(layouts.firstMode);
   }
 
   /** @returns {Mode} */
@@ -28,15 +28,10 @@ export class ModeSwitch {
 
   /** @param {Mode} mode */
   set(mode) {
-    if (mode === "DRIVE" || mode === "CAMERA") {
-      this._letGo(`${mode} mode`);
-      this._own = mode;
-    } else {
-      this._own = null;
-      // Even where the page shows this mode already the arm is asked: only it knows.
-      this._tool.setMode(mode);
-    }
-    this.chosen(mode);
+    this._own = ownMode(mode);
+    // Even where the page shows its mode already the arm is asked: only it knows.
+    if (this._own === null) this._tool.setMode(mode);
+    else this._letGo(`${mode} mode`);
     this.show();
   }
 
@@ -55,19 +50,20 @@ export class ModeSwitch {
   show() {
     const { mode } = this;
     document.body.dataset.keysMode = mode;
+    this._layouts.show(mode);
     for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-mode]"))) {
       button.setAttribute("aria-checked", String(button.dataset.mode === mode));
     }
-    byId("arm-rows").hidden = mode === "CARTESIAN" || mode === "CAMERA";
-    byId("tool-rows").hidden = byId("tool-options").hidden = mode !== "CARTESIAN";
-    byId("camera-rows").hidden = mode !== "CAMERA";
-    byId("pose-buttons").hidden = mode === "CAMERA";
-    setText(byId("arm-title"), mode === "CAMERA" ? "Camera" : "Arm");
     setText(byId("mode-note"), this._modes.find(({ name }) => name === mode)?.note ?? "");
   }
 
-  /** @param {(button: HTMLElement, act: () => void) => void} onClick */
-  listen(onClick) {
+  /**
+   * @param {(button: HTMLElement, act: () => void) => void} onClick
+   * @param {(command: string) => string} keyOf  Name of the action of a command.
+   */
+  listen(onClick, keyOf) {
+    // The arm stays in the mode that it has.
+    this._layouts.addTabs((modes) => this.set(modes.includes(this._tool.mode) ? this._tool.mode : modes[0]), keyOf);
     for (const { name: mode } of this._modes) {
       for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll(`button[data-mode="${mode}"]`))) {
         onClick(button, () => this.set(mode));
@@ -75,3 +71,6 @@ export class ModeSwitch {
     }
   }
 }
+
+/** A mode that is the page's own, not the arm's. @param {Mode} mode */
+const ownMode = (mode) => (mode === "DRIVE" || mode === "CAMERA" ? mode : null);

@@ -42,7 +42,6 @@ export function setText(where, text) {
 export function holdButton({ name, label }) {
   const button = /** @type {HTMLButtonElement} */ (element("button", "hold"));
   button.type = "button";
-  button.tabIndex = -1;
   button.dataset.action = name;
   const cap = element("kbd");
   cap.dataset.binding = name;
@@ -111,7 +110,10 @@ export class Panels {
    */
   constructor(joints, vocabulary) {
     this._joints = joints;
-    const jogs = vocabulary.find("jog").filter(({ code }) => code !== null);
+    this._jogs = vocabulary.find("jog");
+    /** What each node was last said to move. @type {Map<string, string>} */
+    this._moved = new Map();
+    const jogs = this._jogs.filter(({ code }) => code !== null);
     const inModes = (/** @type {string} */ node, /** @type {string} */ modes) =>
       rowsOf(jogs.filter((action) => action.does.node === node && (modes === "" || action.modes.join() === modes)));
     /** @param {string} id  @param {import("./vocabulary.js").Action[]} actions  @param {(string | Node)[]} values */
@@ -184,6 +186,26 @@ export class Panels {
   }
 
   /**
+   * Leave out what the robot does not have, here and in the list of keys.
+   * @param {string} node
+   * @param {string[]} joints  All that it moves.
+   */
+  showMoved(node, joints) {
+    if (this._moved.get(node) === joints.join()) return;
+    this._moved.set(node, joints.join());
+    for (const { name, does } of this._jogs) {
+      if (`${does.node}_teleop` !== node) continue;
+      // One joint may stand for all that a gripper has.
+      const isThere = does.joints.some((joint) => joints.includes(joint)) || (does.node === "gripper" && joints.length > 0);
+      for (const each of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll(`[data-action="${name}"], [data-key="${name}"]`))) {
+        (/** @type {HTMLElement | null} */ (each.closest(".row")) ?? each).hidden = !isThere;
+      }
+    }
+    const card = { gripper_teleop: "gripper-card", flipper_teleop: "flipper-card" }[node];
+    if (card !== undefined) byId(card).hidden = joints.length === 0;
+  }
+
+  /**
    * @param {string} node
    * @param {string[]} joints  Those whose motion a limit holds back now.
    */
@@ -205,8 +227,7 @@ export class Panels {
   /** @param {"left" | "both" | "right"} side */
   showSide(side) {
     for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-side]"))) {
-      button.setAttribute("role", "radio");
-      button.setAttribute("aria-checked", String(button.dataset.side === side));
+        button.setAttribute("aria-checked", String(button.dataset.side === side));
     }
   }
 

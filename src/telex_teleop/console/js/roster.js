@@ -26,7 +26,6 @@ class Line {
     this._cells = Array.from({ length: 5 }, () => this.row.appendChild(document.createElement("td")));
     this._button = /** @type {HTMLButtonElement} */ (element("button", "small", "hand over"));
     this._button.type = "button";
-    this._button.tabIndex = -1;
     onClick(this._button, give);
     this._holds = element("span", "holds", "in control");
     this._cells[4].append(this._button, this._holds);

@@ -62,7 +62,6 @@ export class SceneChooser {
       line.dataset.loaded = String(scene.path === current);
       const button = /** @type {HTMLButtonElement} */ (element("button", "small", scene.path === current ? "load anew" : "load"));
       button.type = "button";
-      button.tabIndex = -1;
       button.disabled = scene.problem !== "";
       onClick(button, () => this._load(scene.name));
       line.append(element("b", "", scene.name), button, element("p", scene.problem ? "problem" : "", scene.problem || scene.description));

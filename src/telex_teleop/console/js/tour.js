@@ -1,30 +1,46 @@
 // @ts-check
 /** A guided tour at first use: each step ends when the operator has done it. It can be skipped, and stops nothing. */
 
+import { onClick } from "./buttons.js";
 import { byId } from "./panels.js";
 
 const STORED_AS = "telex.tour";
 
-/** @type {{text: string, done: RegExp, keys: string[], shows: string}[]} */
+/**
+ * Of each step what is to be done; `shows` is where it is seen.
+ * @typedef {import("./vocabulary.js").Action} Action
+ * @type {{text: string, of: (action: Action) => boolean, shows: string}[]}
+ */
 const STEPS = [
-  { text: "Drive: hold the key, let go to stop.", done: /^drive:/, keys: ["drive:forward", "drive:left", "drive:back", "drive:right"], shows: "drive-pad" },
-  { text: "Raise the front flippers, as before a step or stairs.", done: /^front:/, keys: ["front:up", "front:down"], shows: "flipper-rows" },
-  { text: "Move a joint of the arm. Every joint has a pair of keys.", done: /^(shoulder|turret|elbow|telescope|forearm_roll|wrist_pitch|tool_)/, keys: ["shoulder:up", "shoulder:down"], shows: "arm-rows" },
-  { text: "Close the gripper, and open it.", done: /^gripper:/, keys: ["gripper:close", "gripper:open"], shows: "gripper-rows" },
+  { text: "Drive: hold the key, let go to stop.", of: ({ does }) => does.kind === "drive", shows: "drive-pad" },
+  { text: "Raise the front flippers, as before a step or stairs.", of: jogs("flipper"), shows: "flipper-rows" },
+  { text: "Go on to the ARM, and move a joint of it. Every joint has a pair of keys.", of: jogs("arm"), shows: "arm-rows" },
+  { text: "Close the gripper, and open it.", of: jogs("gripper"), shows: "gripper-rows" },
 ];
+const SHOWN = 4; // keys of a step
+const FIRST = "DRIVE"; // mode in which a newcomer begins
+
+/** @param {string} node @returns {(action: Action) => boolean} */
+function jogs(node) {
+  // what moves in each mode moves the camera
+  return ({ does, modes }) => does.kind === "jog" && does.node === node && (node !== "arm" || modes.join() === "JOINT");
+}
 
 export class Tour {
-  /** @param {Storage} storage  @param {() => void} relabel */
-  constructor(storage, relabel) {
+  /**
+   * @param {Storage} storage
+   * @param {import("./vocabulary.js").Vocabulary} vocabulary
+   * @param {() => void} relabel
+   */
+  constructor(storage, vocabulary, relabel) {
     this._storage = storage;
     this._relabel = relabel;
+    this._vocabulary = vocabulary;
+    this._steps = STEPS.map((step) => ({ ...step, keys: vocabulary.all.filter((each) => each.code !== null && step.of(each)) }))
+      .filter(({ keys }) => keys.length > 0);
     this._step = -1;
-    for (const id of ["tour-skip", "tour-next"]) {
-      byId(id).addEventListener("pointerdown", (event) => event.preventDefault());
-      byId(id).addEventListener("mousedown", (event) => event.preventDefault());
-    }
-    byId("tour-skip").addEventListener("click", () => this._end());
-    byId("tour-next").addEventListener("click", () => this._go(this._step + 1));
+    onClick(byId("tour-skip"), () => this._end());
+    onClick(byId("tour-next"), () => this._go(this._step + 1));
     if (this._isNew()) this.start();
   }
 
@@ -34,30 +50,36 @@ export class Tour {
 
   /** @param {Iterable<string>} actions  Names of those that are held. */
   see(actions) {
-    const step = STEPS[this._step];
-    if (step !== undefined && [...actions].some((name) => step.done.test(name))) this._go(this._step + 1);
+    const keys = this._steps[this._step]?.keys ?? [];
+    if (keys.some(({ name }) => [...actions].includes(name))) this._go(this._step + 1);
   }
 
-  /** @param {number} step */
-  _go(step) {
-    for (const { shows } of STEPS) byId(shows).classList.remove("toured");
-    this._step = step;
-    const { text = "", keys = [], shows = "" } = STEPS[step] ?? {};
-    if (text === "") return this._end();
+  /** @param {number} number  Of a step. */
+  _go(number) {
+    this._unmark();
+    const step = this._steps[number];
+    if (step === undefined) return this._end();
+    this._step = number;
     byId("tour").hidden = false;
-    byId("tour-count").textContent = `${step + 1} of ${STEPS.length}`;
-    byId("tour-text").textContent = text;
-    byId("tour-keys").replaceChildren(...keys.map((name) => {
+    byId("tour-count").textContent = `${number + 1} of ${this._steps.length}`;
+    byId("tour-text").textContent = step.text;
+    // The arm's keys count in its own modes.
+    const lead = step.keys[0].modes.includes(FIRST) ? [] : [this._vocabulary.nameOf({ kind: "command", name: "mode" }, [])];
+    byId("tour-keys").replaceChildren(...[...lead, ...step.keys.slice(0, SHOWN).map(({ name }) => name)].map((name) => {
       const cap = document.createElement("kbd");
       cap.dataset.binding = name;
       return cap;
     }));
-    byId(shows).classList.add("toured");
+    byId(step.shows).classList.add("toured");
     this._relabel();
   }
 
+  _unmark() {
+    for (const { shows } of this._steps) byId(shows).classList.remove("toured");
+  }
+
   _end() {
-    for (const { shows } of STEPS) byId(shows).classList.remove("toured");
+    this._unmark();
     this._step = -1;
     byId("tour").hidden = true;
     try {

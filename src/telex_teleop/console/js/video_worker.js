@@ -3,8 +3,8 @@
  * Gets, decodes and draws the pictures of all cameras on a thread of its own: whatever they cost, the page's thread is
  * free for keys and commands.
  *
- * From the page: `{start: {url, access, config}}` once; `{view: number, canvas, maxWidth}` for each view, once; `{show: camera[], hidden}`, the camera of
- * each view, the large one first, and whether nobody sees them; `{left}`, whether the page was left. To the page: `{cameras}` whenever there are others, `{views}` every REPORT_PERIOD; times as
+ * From the page: `{start: {url, access, config}}` once; `{view: number, canvas, maxWidth}` for each view, once; `{show: camera[], shown: camera[]}`, the camera of
+ * each view, the large one first, and those that somebody can see; `{left}`, whether the page was left. To the page: `{cameras}` whenever there are others, `{views}` every REPORT_PERIOD; times as
  * Date.now() counts, since the two threads' performance.now() do not start at the same time.
  */
 
@@ -100,7 +100,7 @@ self.onmessage = ({ data }) => {
     else source?.start();
   } else if (data.show !== undefined) {
     turn(data.show);
-    source?.show(data.hidden ? [] : data.show);
+    source?.show(data.shown);
   }
 };
 

@@ -40,7 +40,14 @@ const RETRY_AFTER = 2000; // ms
  * @property {number} max_zoom       Until the robot has said how far its camera zooms.
  * @property {string[]} lengths      Joints that are shown in mm.
  * @property {{name: Mode, note: string}[]} modes
+ * @property {Layout[]} layouts
  * @property {Action[]} actions
+ *
+ * @typedef {object} Layout  Of the page.
+ * @property {string} name
+ * @property {Mode[]} modes      In which it is there.
+ * @property {string[]} first    Cameras of the first view: the first one that the robot has.
+ * @property {string[]} second   Of the second one.
  */
 
 /** @type {Mode[]} */
@@ -49,6 +56,7 @@ const MODES = ["DRIVE", "JOINT", "CARTESIAN", "CAMERA"];
 /** What a page has that was told nothing: the emergency stop must have its key whatever is missing. @type {Told} */
 const NOTHING = {
   speed_step: 0, zoom_rate: 0, max_zoom: 1, lengths: [], modes: MODES.map((name) => ({ name, note: "" })),
+  layouts: [{ name: "LOOK", modes: MODES, first: [], second: [] }],
   actions: [{
     name: "estop", does: { kind: "command", name: "e-stop" }, title: "e-stop", label: "e-stop", row: "", group: "Always", modes: MODES,
     code: "Escape", cap: "Esc", more_codes: [],
@@ -69,6 +77,7 @@ export class Vocabulary {
     this.maxZoom = told.max_zoom;
     this.lengths = new Set(told.lengths);
     this.modes = told.modes;
+    this.layouts = told.layouts;
     this.all = told.actions;
     this._byName = new Map(this.all.map((action) => [action.name, action]));
     // Of two that do the same in different modes, the first one.

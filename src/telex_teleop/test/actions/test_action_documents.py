@@ -33,8 +33,8 @@ SENTENCES = {
         "**{forearm_roll:left}**/**{forearm_roll:right}** forearm, "
         "**{wrist_pitch:up}**/**{wrist_pitch:down}** wrist, "
         "**{gripper_roll:left}**/**{gripper_roll:right}** gripper roll.",
-        "**{mode}** changes to moving the *tool*: **{tool_x:back}**/**{tool_x:ahead}** back and "
-        "ahead, **{tool_y:left}**/**{tool_y:right}** left and right, "
+        "**{mode}** again changes to moving the *tool*: **{tool_x:back}**/**{tool_x:ahead}** back "
+        "and ahead, **{tool_y:left}**/**{tool_y:right}** left and right, "
         "**{tool_z:up}**/**{tool_z:down}** up and down, "
         "**{tool_pitch:up}**/**{tool_pitch:down}** pitch, "
         "**{tool_yaw:left}**/**{tool_yaw:right}** yaw, "
@@ -52,10 +52,14 @@ SENTENCES = {
         "<kbd>{view}</kbd> for the next",
         "<kbd>{slower}</kbd> and <kbd>{faster}</kbd> change the speed",
         "| DRIVE | <kbd>{drive_mode}</kbd> |",
-        "| JOINT | <kbd>{mode}</kbd> |",
-        "| CARTESIAN | <kbd>{mode}</kbd> |",
+        "| ARM | <kbd>{mode}</kbd> |",
+        "| LOOK | <kbd>{camera_mode}</kbd> |",
+        "<kbd>{second_camera}</kbd> |",
+        "<kbd>{swap}</kbd> |",
+        "<kbd>{second}</kbd> |",
+        "<kbd>{small}</kbd> |",
+        "<kbd>{walk}</kbd> begins to walk the buttons",
         "<kbd>{frame}</kbd> the next frame, <kbd>{hold}</kbd> the tool keeps its place",
-        "| CAMERA | <kbd>{camera_mode}</kbd> |",
         "<kbd>{keys}</kbd> lists all keys.",
         "<kbd>{estop}</kbd> is the e-stop, always.",
     ),

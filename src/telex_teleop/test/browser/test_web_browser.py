@@ -48,9 +48,9 @@ def told(robot, page):
 
 @pytest.fixture(autouse=True)
 def clean(told, robot, page):
-    elsewhere = page.driver.current_url.rstrip("/") != page.url.rstrip("/")
-    if elsewhere or not in_mode(page, "JOINT"):
+    if page.driver.current_url.rstrip("/") != page.url.rstrip("/"):
         page.load()
+    page.mode("JOINT")
     page.wait_until_all_is_shown()
     robot.forget()
 
@@ -110,7 +110,7 @@ def test_the_page_shows_picture_joints_and_status(robot, page, tmp_path):
     assert page.text("sim-state") == "running"
     assert page.text("camera-name") == "front"
     assert page.text("link-text").startswith("connected")
-    assert page.text("drive-linear") == "+0.25 m/s"
+    assert page.text("drive-hud") == "+0.25 m/s 0 °/s"
     assert "limited" in page.element('[data-joint="elbow_joint"]').get_attribute("class")
     assert not page.element("#no-picture").is_displayed()
     assert np.abs(np.subtract(page.pixel("#picture", 0.25, 0.42), (90, 140, 130))).max() < 12
@@ -226,8 +226,7 @@ def test_measured_speed_stands_beside_the_commanded_one(robot, page):
 def test_what_was_commanded_is_not_shown_for_long(robot, page):
     topic = "/telex/track_teleop/status"
     robot.probe.publish(topic, "telex_msgs/TrackTeleopStatus")  # once, and then no more
-    figures = ("drive-hud", "drive-linear", "drive-angular")
-    wait_until(lambda: [page.text(each) for each in figures] == [NOTHING] * 3)
+    wait_until(lambda: page.text("drive-hud") == NOTHING)
     robot.publish_node_status()
     wait_until(lambda: page.text("drive-hud") == "+0.25 m/s 0 °/s")
 
@@ -394,19 +393,15 @@ def test_bars_and_drawing_follow_joints_and_urdf(robot, page):
     robot.publish_joint("shoulder_joint", -1.0)
 
 
-def in_mode(page, mode):
-    return page.element(f'[data-mode="{mode}"]').get_attribute("aria-checked") == "true"
-
-
 def test_drive_mode_leaves_the_arm_alone(robot, page):
     page.press("`")
-    assert in_mode(page, "DRIVE")
+    assert page.is_in("DRIVE")
     with page.hold("j", "w", "c"):
         robot.wait_for(DRIVE, 3)
     assert robot.is_quiet(ARM, 0.2)
     assert robot.heard(ARM) == []
     page.press(Keys.TAB)
-    assert in_mode(page, "JOINT")
+    assert page.is_in("JOINT")
 
 
 def test_camera_mode_pans_zooms_and_switches_lamps(robot, page):
@@ -414,7 +409,7 @@ def test_camera_mode_pans_zooms_and_switches_lamps(robot, page):
     for topic in (zoom, lamp):
         robot.probe.subscribe(topic, "std_msgs/Float64")
     page.press(Keys.ENTER)
-    assert in_mode(page, "CAMERA")
+    assert page.is_in("CAMERA")
     assert page.text("camera-name") == "turret"  # what is moved is seen
     with page.hold("j"):
         # Only the turret's camera turns, and arm_teleop has not said how fast it may.
@@ -428,8 +423,8 @@ def test_camera_mode_pans_zooms_and_switches_lamps(robot, page):
     assert robot.wait_for(lamp)[-1] == {"data": 1.0}
     page.press(Keys.HOME)
     assert robot.wait_for(lamp, 2)[-1] == {"data": 0.0}
-    page.element('[data-mode="JOINT"]').click()
-    assert in_mode(page, "JOINT")
+    page.mode("JOINT")
+    assert page.is_in("JOINT")
     assert not page.element("#camera-rows").is_displayed()
     assert page.text("camera-name") == "front"
 
@@ -437,7 +432,7 @@ def test_camera_mode_pans_zooms_and_switches_lamps(robot, page):
 def test_a_camera_that_was_chosen_in_camera_mode_stays(page):
     page.press(Keys.ENTER)
     page.thumbnail("rear").click()
-    page.element('[data-mode="JOINT"]').click()
+    page.mode("JOINT")
     assert page.text("camera-name") == "rear"
     page.thumbnail("front").click()
 

@@ -11,7 +11,7 @@ import rospy
 from sensor_msgs.msg import CameraInfo, JointState
 
 from telex_experiments.console.keys import Presses, listen_to_keys
-from telex_experiments.console.rig import JOG, Heard, Rig
+from telex_experiments.console.rig import JOG, Heard, Rig, have_large
 from telex_experiments.rigs.report import Figure, MeasurementError
 
 JOINT, CAMERA = "turret_joint", "front"
@@ -107,6 +107,7 @@ def key_to_picture(rig: Rig, presses: int) -> List[Figure]:
     times: List[float] = []
     missed = 0
     with rig.browser() as browser:
+        have_large(browser, "front", "ARM")
         stamps = Stamps()
         listen_to_keys(browser)
         operator = Presses(rig, browser)

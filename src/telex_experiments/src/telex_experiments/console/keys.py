@@ -7,7 +7,7 @@ import statistics
 import time
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
-from telex_experiments.console.rig import DRIVE, JOG, LIVE, TRACKS, TURRET, Heard, Rig
+from telex_experiments.console.rig import DRIVE, JOG, LIVE, TRACKS, TURRET, Heard, Rig, have_large
 from telex_experiments.rigs.chromium import Chromium
 from telex_experiments.rigs.report import Figure, MeasurementError
 
@@ -121,6 +121,7 @@ class Presses:
 def latency(rig: Rig, presses: int) -> List[Figure]:
     """Press keys while six views are live."""
     with rig.browser() as browser:
+        have_large(browser, "front", "ARM")
         listen_to_keys(browser)
         time.sleep(2.0)
         rig.wire.forget()

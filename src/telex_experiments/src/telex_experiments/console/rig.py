@@ -283,3 +283,9 @@ def settle(browser: Chromium) -> None:
     browser.call("Page.bringToFront")
     browser.wait_for("six live views on the console", LIVE, PATIENCE)
     browser.evaluate("document.getElementById('tour-skip').click()")
+
+
+def have_large(browser: Chromium, camera: str, layout: str) -> None:
+    """Go to a layout, in which keys are about its task, and have a camera in its first view."""
+    browser.click(f'[data-layout="{layout}"]')
+    browser.evaluate(f"document.querySelector('.thumbnail[data-camera={camera}]')?.click()")

@@ -12,7 +12,7 @@ import statistics
 import time
 from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Sequence, Tuple
 
-from telex_experiments.console.rig import REPEAT_PERIOD, Rig, settle
+from telex_experiments.console.rig import REPEAT_PERIOD, Rig, have_large, settle
 from telex_experiments.rigs.chromium import Chromium
 from telex_experiments.rigs.private_master import descendants
 from telex_experiments.rigs.report import PATIENCE, Figure
@@ -53,13 +53,16 @@ class Phase(NamedTuple):
     world
         Scene in which it is done.
     large
-        Camera that the operator has large.
+        Camera that the operator has in the first view.
+    layout
+        Of his page.
     """
 
     name: str
     keys: Tuple[Keys, ...] = ()
     world: str = "training_hall"
     large: str = FRONT
+    layout: str = "DRIVE"
 
 
 PHASES = (
@@ -78,6 +81,7 @@ PHASES = (
             (("KeyL", "KeyI"), 2.0),
             (("KeyU", "KeyK", "Period"), 2.0),
         ),
+        layout="ARM",
     ),
     # Up the first steps with the front flippers raised, and down again.
     Phase(
@@ -135,8 +139,7 @@ def _measure(
 ) -> List[Figure]:
     operator = browsers["operator"]
     rig.ask("/telex/sim/load_scene", world=phase.world)
-    button = f"document.querySelector('.thumbnail[data-camera={phase.large}]')"
-    operator.evaluate(f"{button}?.click()")
+    have_large(operator, phase.large, phase.layout)
     settle(operator)
     time.sleep(2.0)
     processes = _processes(rig, browsers)

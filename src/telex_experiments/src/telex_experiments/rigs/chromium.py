@@ -161,14 +161,7 @@ class Chromium:
         for domain in ("Log", "Runtime") if listens else ():
             self.call(f"{domain}.enable")
         if size is not None:
-            width, height = size
-            self.call(
-                "Emulation.setDeviceMetricsOverride",
-                width=width,
-                height=height,
-                deviceScaleFactor=1,
-                mobile=False,
-            )
+            self.resize(size)
         if script:
             self.call("Page.enable")
             self.call("Page.setBypassCSP", enabled=True)
@@ -254,6 +247,17 @@ class Chromium:
         return page, attached["sessionId"]
 
     # The page
+
+    def resize(self, size: Tuple[int, int]) -> None:
+        """Give the page another width and height (px)."""
+        width, height = size
+        self.call(
+            "Emulation.setDeviceMetricsOverride",
+            width=width,
+            height=height,
+            deviceScaleFactor=1,
+            mobile=False,
+        )
 
     def evaluate(self, script: str) -> Any:
         """Return the value of an expression on the page."""

@@ -56,7 +56,7 @@ export class LinePanel {
     this._offered = names;
     byId("line-profiles").replaceChildren(...offered.map(([name, text, title]) => {
       const button = /** @type {HTMLButtonElement} */ (element("button", "small", text));
-      Object.assign(button, { type: "button", tabIndex: -1, title });
+      Object.assign(button, { type: "button", title });
       button.dataset.profile = name;
       button.setAttribute("role", "radio");
       onClick(button, () => this._choose(name));

@@ -180,7 +180,7 @@ export class MalfunctionPanel {
   _row(text, deed, act) {
     const row = element("li");
     const button = /** @type {HTMLButtonElement} */ (element("button", "small", deed));
-    Object.assign(button, { type: "button", tabIndex: -1 });
+    Object.assign(button, { type: "button" });
     onClick(button, act);
     row.append(element("span", "", text), button);
     return row;

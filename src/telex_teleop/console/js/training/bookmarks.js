@@ -73,7 +73,7 @@ export function offered({ phase, mode, bookmarks }) {
 /** @param {string} tag @param {string} id @param {string} text @param {string} title */
 function made(tag, id, text, title) {
   const part = element(tag, tag === "button" ? "small" : "", text);
-  Object.assign(part, { id, title, tabIndex: -1, hidden: true });
+  Object.assign(part, { id, title, hidden: true });
   if (part instanceof HTMLButtonElement) part.type = "button";
   return part;
 }

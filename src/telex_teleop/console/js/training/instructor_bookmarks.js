@@ -131,7 +131,7 @@ function build() {
   choice.setAttribute("aria-label", "Bookmark to go back to");
   const button = (/** @type {string} */ id, /** @type {string} */ text) => {
     const made = element("button", "hold", text);
-    Object.assign(made, { id, type: "button", tabIndex: -1 });
+    Object.assign(made, { id, type: "button" });
     return made;
   };
   byId("bookmarks").replaceChildren(name, button("bookmarks-set", "bookmark"), choice, button("bookmarks-back", "back to it"));

@@ -128,7 +128,6 @@ export class TrainingStrip {
         const button = document.createElement("button");
         button.type = "button";
         button.className = "small";
-        button.tabIndex = -1;
         button.textContent = choice;
         onClick(button, () => answer(choice));
         line.append(button);
@@ -158,7 +157,7 @@ function build(strip) {
   };
   const button = (/** @type {string} */ name, /** @type {string} */ text) => {
     const made = /** @type {HTMLButtonElement} */ (part("button", name, "small"));
-    Object.assign(made, { type: "button", tabIndex: -1, hidden: true, textContent: text });
+    Object.assign(made, { type: "button", hidden: true, textContent: text });
     return made;
   };
   const invalid = part("span", "invalid", "badge");

@@ -6,7 +6,9 @@ follow meanwhile), ``preset NAME`` (of the flippers), ``tool x +``, ``pose NAME`
 ``zoom +``. What is done once by a press: ``lamps NAME NAME`` (on, or off when one is lit) and the
 commands ``stop``, ``e-stop``, ``release e-stop``, ``faster``, ``slower``, ``mode``, ``frame``,
 ``hold tool``, ``proximity guard``, ``bookmark``, ``go back`` (to one, in practice), ``help``; of a
-terminal ``quit``; of the console's page ``drive mode``, ``camera mode``, ``next camera``.
+terminal ``quit``; of the console's page ``drive mode``, ``camera mode``, ``next camera``, ``next
+second camera``, ``swap views``, ``second view`` and ``small views`` (shown, or not), ``walk the
+buttons``.
 
 What a stick moves both ways is an axis: ``tracks linear``, ``tracks angular``, ``zoom``, or the
 text of an action without its sign. Its positive end is that of the action with ``+``.
@@ -101,12 +103,26 @@ class Command(Enum):
     DRIVE_MODE = "drive mode"
     CAMERA_MODE = "camera mode"
     NEXT_CAMERA = "next camera"
+    NEXT_SECOND_CAMERA = "next second camera"
+    SWAP_VIEWS = "swap views"
+    SECOND_VIEW = "second view"
+    SMALL_VIEWS = "small views"
+    WALK = "walk the buttons"
 
 
 Action = Union[Jog, Drive, Side, Preset, Tool, ToPose, Zoom, Lamps, Command]
 
 TERMINAL_ONLY = (Command.QUIT,)
-PAGE_ONLY = (Command.DRIVE_MODE, Command.CAMERA_MODE, Command.NEXT_CAMERA)
+PAGE_ONLY = (
+    Command.DRIVE_MODE,
+    Command.CAMERA_MODE,
+    Command.NEXT_CAMERA,
+    Command.NEXT_SECOND_CAMERA,
+    Command.SWAP_VIEWS,
+    Command.SECOND_VIEW,
+    Command.SMALL_VIEWS,
+    Command.WALK,
+)
 NODES = ("arm", "gripper", "flipper")
 DIRECTIONS = {
     "forward": Drive(1, 0),

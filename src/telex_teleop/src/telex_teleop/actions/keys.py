@@ -20,6 +20,8 @@ _NAMED = {
     "delete": ("Delete", "Del"),
     "pageup": ("PageUp", "PgUp"),
     "pagedown": ("PageDown", "PgDn"),
+    # those of the function keys that browsers leave to pages
+    **{f"f{number}": (f"F{number}", f"F{number}") for number in (2, 4, 6, 8, 9)},
 }
 _SIGNS = {
     "`": "Backquote",

@@ -5,7 +5,7 @@ The console's page gets it as JSON, the terminal takes its keys from it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from typing import Any, Dict, Iterable, Tuple
 
@@ -132,6 +132,31 @@ class NamedAction(Entry):
 
 
 @dataclass(frozen=True)
+class Layout:
+    """How the console's page is arranged for a task.
+
+    Attributes
+    ----------
+    modes
+        Those of the keys in which the page has this layout.
+    first, second
+        Cameras of its two large views: of each list, the first that the robot has.
+    """
+
+    modes: Tuple[str, ...]
+    first: Tuple[str, ...] = ()
+    second: Tuple[str, ...] = ()
+
+
+LAYOUTS = {
+    "DRIVE": Layout(("DRIVE",)),
+    "ARM": Layout(("JOINT", "CARTESIAN")),
+    "LOOK": Layout(("CAMERA",)),
+}
+"""Layouts of a page whose file names none."""
+
+
+@dataclass(frozen=True)
 class Vocabulary(FromFile):
     """Everything that an operator can do.
 
@@ -141,6 +166,8 @@ class Vocabulary(FromFile):
         Each of `MODES` to what its keys are about.
     groups
         In the order of the list of keys.
+    layouts
+        Of the page, by name; the first one is there at first. Each mode belongs to one of them.
     lengths
         Joints whose position is shown in mm; the others' are shown in degrees.
 
@@ -154,12 +181,19 @@ class Vocabulary(FromFile):
 
     modes: Dict[str, str]
     groups: Tuple[Group, ...]
+    layouts: Dict[str, Layout] = field(default_factory=lambda: dict(LAYOUTS))
     lengths: Tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         require(
             set(self.modes) == set(MODES),
             f"modes are {', '.join(self.modes)}; they must be {', '.join(MODES)}",
+        )
+        placed = sorted(mode for layout in self.layouts.values() for mode in layout.modes)
+        require(
+            placed == sorted(MODES),
+            f"layouts have the modes {', '.join(placed) or 'none'}; "
+            f"each of {', '.join(MODES)} must belong to one of them",
         )
         names = [name for group in self.groups for name in group.actions]
         for name in names:
@@ -210,6 +244,7 @@ class Vocabulary(FromFile):
             "max_zoom": MAX_ZOOM,
             "lengths": list(self.lengths),
             "modes": [{"name": name, "note": self.modes[name]} for name in MODES],
+            "layouts": [{"name": name, **asdict(each)} for name, each in self.layouts.items()],
             "actions": [_as_json(each) for each in shown],
         }
 

@@ -232,6 +232,7 @@ class VideoServer:
         app.router.add_get("/stream_viewer", self.stream_viewer)
         app.router.add_get("/streams", self.streams)
         app.router.add_get("/config.json", self.console_config)
+        app.router.add_get("/robot.json", self.robot)
         add_maps(app, self._config.actions, self._config.joy_map)
         app.router.add_get("/{path:.*}", self.console_file)
         app.router.add_post("/{path:.*}", self._mounts.answer)
@@ -401,6 +402,16 @@ class VideoServer:
     async def _bridge_of(self, request: web.Request, robot: ShownRobot) -> Optional[str]:
         url = await self._parameter(f"{robot.bridge}/url")
         return _seen_from(request, url) if isinstance(url, str) else None
+
+    async def robot(self, _request: web.Request) -> web.Response:
+        """Tell pages which cameras the robot has, and how far each zooms; null: not at all."""
+        cameras = await self._parameter("cameras/cameras")
+        told = {
+            str(name): {"zoom_max": each.get("zoom_max") if isinstance(each, dict) else None}
+            for name, each in (cameras.items() if isinstance(cameras, dict) else ())
+            if name not in self._config.hidden_cameras
+        }
+        return web.json_response({"cameras": told}, headers={"Access-Control-Allow-Origin": "*"})
 
     async def console_file(self, request: web.Request) -> web.StreamResponse:
         """Send a file of the console, or what another process has mounted."""

@@ -1,0 +1,194 @@
+"""The console's layouts on every screen: what is shown where, how large, and to whom."""
+
+from __future__ import annotations
+
+import axe
+import pytest
+from console_page import page, robot, ros
+from selenium.webdriver.common.keys import Keys
+from waiting import wait_until
+from web_robot import ESTOP
+
+# the fixtures of the console's other tests, started anew for this file
+__all__ = ["page", "robot", "ros"]
+
+pytestmark = [pytest.mark.ros, pytest.mark.browser]
+
+SIZES = [(1920, 1080), (1366, 768), (1280, 720), (1024, 768), (820, 1180)]
+MODES = ["DRIVE", "JOINT", "CARTESIAN", "CAMERA"]
+FIRST = {"DRIVE": ["front", "mast"], "JOINT": ["turret", "gripper"], "CAMERA": ["turret", "front"]}
+
+# Whatever breaks the rules of the page's look, as it is now.
+FAULTS = """
+    const shown = (element) => element.checkVisibility() && element.getClientRects().length > 0;
+    const name = (element) => element.id || element.outerHTML.slice(0, 90);
+    const faults = [];
+    for (const element of document.querySelectorAll("body *")) {
+      if (!shown(element)) continue;
+      const said = [...element.childNodes].some((n) => n.nodeType === 3 && n.data.trim() !== "");
+      const size = parseFloat(getComputedStyle(element).fontSize);
+      if (said && size < 13) faults.push(`${size} px: ${name(element)}`);
+    }
+    const panel = document.querySelector(".panel");
+    for (const button of document.querySelectorAll("button, select, input, main a")) {
+      if (!shown(button)) continue;
+      const {left, top, right, bottom, width, height} = button.getBoundingClientRect();
+      if (width < 44 || height < 44) faults.push(`${width} x ${height}: ${name(button)}`);
+      const scrolls = panel.contains(button) && panel.scrollHeight > panel.clientHeight;
+      const isOut = left < 0 || right > innerWidth || !scrolls && (top < 0 || bottom > innerHeight);
+      if (isOut) faults.push(`outside: ${name(button)}`);
+      if (button.scrollWidth > button.clientWidth + 2) faults.push(`cut: ${name(button)}`);
+    }
+    for (const canvas of document.querySelectorAll("#picture, .thumbnail canvas")) {
+      if (!shown(canvas)) continue;
+      const {left, top, width, height} = canvas.getBoundingClientRect();
+      for (let v = 0.36; v < 1; v += 0.09) {
+        for (let u = 0.02; u < 1; u += 0.12) {
+          const over = [...document.querySelectorAll("#view *, .second *, .thumbnail *")]
+            .filter((each) => each !== canvas && !each.contains(canvas) && shown(each)
+              && !each.matches(".over"));
+          const [x, y] = [left + u * width, top + v * height];
+          const hit = over.find((each) => {
+            const box = each.getBoundingClientRect();
+            const clip = each.closest(".over")?.getBoundingClientRect() ?? box;
+            return x > box.left && x < box.right && y > box.top
+              && y < Math.min(box.bottom, clip.bottom);
+          });
+          if (hit) faults.push(`over the picture: ${name(hit)}`);
+        }
+      }
+    }
+    const view = document.getElementById("picture").getBoundingClientRect();
+    if (view.width * view.height < 0.09 * innerWidth * innerHeight) faults.push("small first view");
+    return [...new Set(faults)];
+"""
+
+
+@pytest.fixture(scope="module")
+def told(robot, page):
+    robot.publish_node_status()
+    page.element("#tour-skip").click()
+
+
+@pytest.fixture(autouse=True)
+def clean(told, robot, page):
+    page.resize(1280, 720)
+    page.script("localStorage.removeItem('telex.layouts/telex')")
+    page.load()
+    page.wait_until_all_is_shown()
+    robot.forget()
+
+
+def show(page, mode, robot):
+    robot.publish_node_status(mode=mode)
+    if mode != "CARTESIAN":
+        page.mode(mode)
+    else:
+        page.element('[data-layout="ARM"]').click()
+    wait_until(lambda: page.is_in(mode))
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_every_layout_is_whole_on_every_screen(robot, page, size):
+    faults = {}
+    for mode in MODES:
+        show(page, mode, robot)
+        page.resize(*size)
+        faults[mode] = page.script(FAULTS)
+    robot.publish_sim(e_stop=True)
+    wait_until(lambda: page.element("#estop-band").is_displayed())
+    faults["e-stop"] = page.script(FAULTS)
+    assert page.element("#estop").is_displayed()
+    robot.publish_sim()
+    page.element('[data-command="second"]').click()
+    faults["one view"] = page.script(FAULTS)
+    assert {state: found for state, found in faults.items() if found} == {}
+
+
+def test_each_layout_has_its_own_views_and_keeps_what_was_chosen(page):
+    for mode, views in FIRST.items():
+        page.mode(mode) if mode != "DRIVE" else None
+        assert page.views() == views
+    page.press(Keys.F2)
+    assert page.views() == ["front", "turret"]
+    page.press("`")
+    assert page.is_in("DRIVE")
+    assert page.views() == FIRST["DRIVE"]
+    page.press(Keys.F4)
+    assert page.views() == ["front"]
+    page.press(Keys.F8)  # which shows it again
+    page.press(Keys.F8)
+    page.press(Keys.F9)
+    first, second = page.views()
+    assert (first, second) != ("front", "mast")
+    assert not page.element("#thumbnails").is_displayed()
+    page.load()
+    assert page.is_in("DRIVE")
+    assert page.views() == [first, second]
+    assert not page.element("#thumbnails").is_displayed()
+    page.press(Keys.ENTER)
+    assert page.views() == ["front", "turret"]
+    assert page.element("#thumbnails").is_displayed()
+
+
+def test_views_that_are_not_shown_are_not_asked_for(ros, page):
+    def watched():
+        return [
+            camera
+            for camera in ("front", "mast", "rear", "gripper")
+            if ros.subscribers(f"/telex/cameras/{camera}/image_raw/compressed")
+        ]
+
+    wait_until(lambda: watched() == ["front", "mast", "rear", "gripper"], timeout=20.0)
+    page.press(Keys.F9)
+    wait_until(lambda: watched() == ["front", "mast"], timeout=20.0)
+    page.press(Keys.F4)
+    wait_until(lambda: watched() == ["front"], timeout=20.0)
+    page.press(Keys.F4)
+    wait_until(lambda: watched() == ["front", "mast"], timeout=20.0)
+    page.resize(1024, 768)  # where there is no room for the small ones
+    page.press(Keys.F9)
+    assert watched() == ["front", "mast"]
+
+
+def test_buttons_are_walked_by_keys(robot, page):
+    def focused():
+        return page.script("return document.activeElement.id || document.activeElement.tagName")
+
+    page.press(Keys.TAB)  # the mode
+    assert focused() == "BODY"
+    page.press(Keys.F6)
+    assert focused() == "slower"
+    page.press(Keys.TAB)
+    assert focused() == "faster"
+    outline = page.script("return getComputedStyle(document.activeElement).outlineStyle")
+    assert outline == "solid"
+    page.press(Keys.ENTER)
+    wait_until(lambda: robot.heard("/telex/arm_teleop/speed_scale"))
+    page.press(Keys.ESCAPE)
+    assert robot.wait_for(ESTOP) == [{"data": True}]
+    page.press(Keys.F6)
+    assert focused() == "BODY"
+
+
+@pytest.mark.skipif(axe.lacking() != "", reason=axe.lacking())
+def test_axe_finds_nothing_in_any_state(robot, page):
+    found = {}
+    for mode in MODES:
+        show(page, mode, robot)
+        found[mode] = axe.findings(page.script)
+    for state, button in (("keys", "help"), ("exercises", "exercises-open")):
+        page.element(f"#{button}").click()
+        found[state] = axe.findings(page.script)
+        page.element(f"#{state}-close").click()
+    robot.publish_sim(e_stop=True)
+    robot.publish_camera("front")
+    wait_until(lambda: page.element("#no-picture").is_displayed())
+    found["e-stop, no picture"] = axe.findings(page.script)
+    robot.publish_sim()
+    robot.publish_camera("front", rate=15)
+    page.element("#help").click()
+    page.element("#tour-start").click()
+    found["tour"] = axe.findings(page.script)
+    page.element("#tour-skip").click()
+    assert {state: each for state, each in found.items() if each} == {}
