@@ -135,7 +135,7 @@ class Robot:
         status = {"real_time_factor": 0.998, "e_stop": False, "paused": False, **changes}
         self.probe.publish("/telex/sim/status", "telex_msgs/SimStatus", status, rate=5)
 
-    def publish_node_status(self, scale=0.4, **more):
+    def publish_node_status(self, scale=0.4, arm_mode="JOINT", **more):
         speed = {"speed_scale": scale, "min_speed_scale": 0.05, "max_speed_scale": 1.0, **more}
         for node, joints, limit, limited in (
             ("arm_teleop", ARM_JOINTS, 0.6, ["elbow_joint"]),
@@ -144,6 +144,8 @@ class Robot:
         ):
             status = {"joint_names": joints, "max_velocity": [limit] * len(joints)}
             status.update(limited=limited, **speed)
+            if node == "arm_teleop":
+                status["mode"] = arm_mode
             topic = f"/telex/{node}/status"
             self.probe.publish(topic, "telex_msgs/JointTeleopStatus", status, rate=10)
         presets = {"names": PRESET_NAMES, "descriptions": ["for " + name for name in PRESET_NAMES]}

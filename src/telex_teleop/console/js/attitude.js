@@ -47,7 +47,7 @@ const PANEL = `
     <b id="attitude-word" role="status"></b>
     <span><span id="attitude-way"></span> <span class="num" id="attitude-margin"></span></span>
   </div>
-  <div class="attitude-meter" id="attitude-meter" role="meter" aria-label="Margin before it tips over" aria-valuemin="0" aria-valuemax="100">
+  <div class="attitude-meter" id="attitude-meter" role="meter" aria-label="Margin before it tips over" aria-valuemin="0" aria-valuemax="100" aria-valuenow="0">
     <i id="attitude-fill"></i>
   </div>
 `;

@@ -25,7 +25,7 @@ export class Layouts {
     this._layouts = layouts;
     this._cameras = cameras;
     const { last = "", kept = {} } = this._load();
-    /** By the layout's name. @type {Record<string, Kept>} */
+    /** By the layout's name. @type {Record<string, Kept | undefined>} */
     this._kept = kept;
     this._layout = layouts.find(({ name }) => name === (asked || last)) ?? layouts[0];
     cameras.chosen = () => this._change({ views: cameras.order.slice(0, 2) });
@@ -44,6 +44,7 @@ export class Layouts {
   addTabs(choose, keyOf) {
     byId("layouts").append(...this._layouts.map(({ name, modes }) => {
       const tab = element("button", "tab");
+      tab.setAttribute("type", "button");
       tab.setAttribute("role", "radio");
       tab.dataset.layout = name;
       const cap = element("kbd");
@@ -52,6 +53,7 @@ export class Layouts {
       onClick(tab, () => choose(modes));
       return tab;
     }));
+    this._show();
   }
 
   /** Show the layout of a mode. @param {Mode} mode */

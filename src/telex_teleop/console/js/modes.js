@@ -29,9 +29,9 @@ export class ModeSwitch {
   /** @param {Mode} mode */
   set(mode) {
     this._own = ownMode(mode);
+    if (mode === "DRIVE" || mode === "CAMERA") this._letGo(`${mode} mode`);
     // Even where the page shows its mode already the arm is asked: only it knows.
-    if (this._own === null) this._tool.setMode(mode);
-    else this._letGo(`${mode} mode`);
+    else this._tool.setMode(mode);
     this.show();
   }
 

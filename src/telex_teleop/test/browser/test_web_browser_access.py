@@ -80,7 +80,7 @@ def clean(told, robot, page):
 
 
 def show(page, mode, robot):
-    robot.publish_node_status(mode=mode)
+    robot.publish_node_status(arm_mode=mode if mode in ("JOINT", "CARTESIAN") else "JOINT")
     if mode != "CARTESIAN":
         page.mode(mode)
     else:
