@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Callable, List
 
+import axe
 from waiting import wait_until
 
 from telex_experiments.rigs.chromium import Chromium
@@ -41,6 +42,10 @@ class Page:
     def click(self, selector: str) -> None:
         """Click the first element of a CSS selector."""
         self._browser.click(selector)
+
+    def findings(self) -> List[str]:
+        """What axe-core finds about the page; nothing where there is no axe-core."""
+        return [] if axe.lacking() else axe.findings(self.ask)
 
     def text(self, element: str) -> str:
         """Text of an element, by its id; empty while it is hidden."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 
+import axe
 import pytest
 from console_page import NOTHING, OTHER
 from instructor_page import (
@@ -277,6 +278,16 @@ def test_nothing_is_cut_off(page, size):
     page.resize(*size)
     assert outside(page) == []
     page.resize(1280, 720)
+
+
+@pytest.mark.skipif(axe.lacking() != "", reason=axe.lacking())
+def test_axe_finds_nothing(page):
+    found = axe.findings(page.script)
+    page.element("#reset").click()
+    wait_until(lambda: page.element("#ask").is_displayed())
+    found += axe.findings(page.script)
+    answer(page, "no")
+    assert found == []
 
 
 def test_a_lost_bridge_is_said(ros, simulator, page):

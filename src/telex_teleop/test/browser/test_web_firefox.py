@@ -67,7 +67,7 @@ def state(page, element, of="state"):
 
 
 def test_six_views_are_live_and_the_page_fits_the_window(robot, page):
-    wait_until(lambda: page.evaluate(LIVE) == THUMBNAILS, timeout=30.0)
+    wait_until(lambda: sorted(page.evaluate(LIVE)) == THUMBNAILS, timeout=30.0)
     size = "[document.documentElement.scrollWidth, document.documentElement.scrollHeight]"
     assert page.evaluate(size) == [1280, 720]
     wait_until(

@@ -1,0 +1,1 @@
+../../src/telex_teleop/test/axe.py
