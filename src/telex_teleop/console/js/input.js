@@ -74,6 +74,10 @@ export function listenToPointers(root, held, mayPress) {
     button.setPointerCapture(event.pointerId);
     held.press(`pointer:${event.pointerId}`, /** @type {string} */ (button.dataset.action));
   });
+  // Who clicks means to go on with keys: only they lead the focus to a button.
+  root.addEventListener("mousedown", (event) => {
+    if (/** @type {Element} */ (event.target).closest("button") !== null) event.preventDefault();
+  });
   for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) {
     root.addEventListener(end, (event) => held.release(`pointer:${/** @type {PointerEvent} */ (event).pointerId}`));
   }

@@ -119,8 +119,9 @@ export class Card {
     const link = element("a", name, { href: address(`station/${encodeURIComponent(name)}`), target: "_blank", rel: "noopener noreferrer", title: "Opens the station's page for instructors" });
     const given = element("button", "done", { type: "button", title: "Help was given" });
     given.addEventListener("click", () => endHelp(name));
-    this._image = /** @type {HTMLImageElement} */ (element("img", "", { alt: "", hidden: "" }));
-    const open = element("a", "", { class: "view", href: link.getAttribute("href") ?? "", target: "_blank", rel: "noopener noreferrer", "aria-label": `Picture of ${name}` }, [element("span", "no picture"), this._image, part("small", "picture-age")]);
+    this._image = /** @type {HTMLImageElement} */ (element("img", "", { alt: `camera of ${name}`, hidden: "" }));
+    const nothing = element("span", "no picture");
+    const open = element("a", "", { class: "view", href: link.getAttribute("href") ?? "", target: "_blank", rel: "noopener noreferrer", title: `Picture of ${name}` }, [nothing, this._image, part("small", "picture-age")]);
     this._view = open;
     this.root = element("article", "", { class: "station", "data-station": name }, [
       element("h2", "", {}, [link, part("span", "standing")]),
@@ -132,7 +133,10 @@ export class Card {
     ]);
     this._help = /** @type {HTMLElement} */ (this.root.querySelector(".help-text"));
     // The line must not grow as the picture does.
-    this._image.addEventListener("load", () => { this._image.hidden = false; });
+    this._image.addEventListener("load", () => {
+      this._image.hidden = false;
+      nothing.hidden = true;
+    });
   }
 
   /** @param {Station} station @param {boolean} pictures */

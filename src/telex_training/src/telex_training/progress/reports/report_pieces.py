@@ -62,6 +62,7 @@ def table(
     def cell(kind: str, place: int, content: str) -> str:
         name = "text" if place in text else "mark" if place in mark else ""
         given = f' class="{name}"' if name else ""
+        kind = kind if content else "td"  # what has no text is no head of anything
         return f"<{kind}{given}>{content}</{kind}>"
 
     def row(kind: str, cells: Sequence[str]) -> str:
