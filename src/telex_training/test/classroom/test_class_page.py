@@ -33,7 +33,7 @@ RUNNING = {
     "steps_done": [True, False],
 }
 COURSE = {"name": "c", "title": "Basic", "modules": ["slalom"], "people": {"ann": ["working"]}}
-PICTURE = Path(__file__).parents[4] / "docs" / "images" / "console_night.jpg"
+PICTURE = Path(__file__).parents[4] / "docs" / "images" / "console_driving.jpg"
 
 
 @pytest.fixture
