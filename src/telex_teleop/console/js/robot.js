@@ -22,9 +22,6 @@ export const TYPES = {
   twist: "geometry_msgs/Twist",
 };
 
-/** The camera that pans, tilts and zooms. */
-export const MOVED_CAMERA = "turret";
-
 /** Joint by which gripper_teleop opens and closes all fingers together. */
 export const GRIPPER_JOINT = "gripper";
 
