@@ -110,7 +110,7 @@ install_system_packages() {
 
 make_venv() {
   local requirements=("$root/requirements.txt") stamp="$root/.venv/.telex-requirements" wanted pip_arguments=()
-  local tests=("$root/requirements-test.txt" "$root/requirements-many-machines.txt")
+  local tests=("$root/requirements-test.txt" "$root/requirements-many-machines.txt" "$root/requirements-research.txt")
   [ -n "$with_tests" ] && requirements+=("${tests[@]}")
   wanted="$("$python" --version) $root $(cat "${requirements[@]}" | sha256sum)"
   # An environment that has the tests' packages too serves run.sh as well.

@@ -23,6 +23,7 @@ setup(
             "telex_training.recording",
             "telex_training.rehearsal",
             "telex_training.replay",
+            "telex_training.research",
             "telex_training.ros",
             "telex_training.ros.exam",
             "telex_training.ros.pages",

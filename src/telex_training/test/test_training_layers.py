@@ -40,6 +40,12 @@ FURTHER = {
         "telex_sim.robot.urdf",
         "telex_sim.ros.scene_messages",
     ),
+    "research": (
+        "telex_sim.cameras",
+        "telex_sim.offline",
+        "telex_sim.ros.scene_messages",
+        "telex_teleop",
+    ),
     "ros": (
         "telex_control.ros",
         "telex_sim.cameras.cameras_config",
@@ -47,7 +53,7 @@ FURTHER = {
     ),
 }
 """What single rooms may import as well."""
-DECODING = ("judging", "recording", "rehearsal", "replay", "command_lines")
+DECODING = ("judging", "recording", "rehearsal", "replay", "research", "command_lines")
 """Rooms that know messages, for they read and write them serialised, but no node."""
 ROS = ("rospy", "roslib", "rosgraph", "actionlib", "tf2_ros")
 WITH_ROS = ("telex_teleop.ros", "telex_teleop.operating", "telex_teleop.web", "telex_teleop.joy")

@@ -1,4 +1,4 @@
-"""The command ``export``: recordings as rosbag files, or as tables."""
+"""The command ``export``: recordings as rosbag files, as tables, or as a data set."""
 
 from __future__ import annotations
 
@@ -24,25 +24,55 @@ _LATEST = 2.0**32
 def main(arguments: Optional[Sequence[str]] = None) -> int:
     """Run the command; returns its exit status: 0, or 1 where a recording cannot be exported."""
     parser = argparse.ArgumentParser(prog="export", description=__doc__)
-    parser.add_argument("file", type=Path, metavar="FILE", help="a recording (.mcap)")
+    parser.add_argument("files", type=Path, metavar="FILE", nargs="+", help="a recording (.mcap)")
     forms = parser.add_mutually_exclusive_group(required=True)
     forms.add_argument(
         "--bag", action="store_true", help="FILE.bag, for rosbag, rqt_bag and others"
     )
     forms.add_argument("--csv", action="store_true", help="FILE.csv, a row a sample of the truth")
-    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="in place of that name")
+    forms.add_argument(
+        "--lerobot", type=Path, metavar="FOLDER", help="a data set of LeRobot, of all files"
+    )
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", help="in place of that name, of a single file"
+    )
+    sets = parser.add_argument_group("data sets")
+    sets.add_argument(
+        "--cameras", default="front", metavar="NAMES", help="with commas between (front); '': none"
+    )
+    sets.add_argument("--width", type=int, default=320, help="of the pictures, pixels (320)")
+    sets.add_argument("--rate", type=int, default=10, help="frames per second (10)")
+    sets.add_argument("--completed", action="store_true", help="completed repetitions alone")
     given = parser.parse_args(arguments)
-    output = given.output or given.file.with_suffix(".bag" if given.bag else ".csv")
+    if given.output and (given.lerobot or len(given.files) > 1):
+        parser.error("-o is for a single file, and for --bag or --csv")
     try:
-        recording = read_recording(given.file)
-        if output.exists():
-            raise RecordingError(f"{output}: it exists already; another name is needed (-o)")
-        count = _write(write_bag if given.bag else write_csv, recording, output)
+        if given.lerobot:
+            # Libraries that nothing else needs are imported then.
+            from ..research.data_set import write_data_set
+
+            names = [name for name in given.cameras.split(",") if name]
+            print(
+                write_data_set(
+                    given.lerobot, given.files, names, given.width, given.rate, given.completed
+                )
+            )
+            return 0
+        for file in given.files:
+            output = given.output or file.with_suffix(".bag" if given.bag else ".csv")
+            _export(file, output, given.bag)
     except (RecordingError, OSError) as error:
         print(f"export: {error}", file=sys.stderr)
         return 1
-    print(f"{output}: {count} {'messages' if given.bag else 'samples'}")
     return 0
+
+
+def _export(file: Path, output: Path, bag: bool) -> None:
+    recording = read_recording(file)
+    if output.exists():
+        raise RecordingError(f"{output}: it exists already; another name is needed (-o)")
+    count = _write(write_bag if bag else write_csv, recording, output)
+    print(f"{output}: {count} {'messages' if bag else 'samples'}")
 
 
 def _write(write: Callable[[Recording, Path], int], recording: Recording, output: Path) -> int:

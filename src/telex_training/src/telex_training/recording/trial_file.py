@@ -130,8 +130,8 @@ def trial_of(recording: Recording) -> Tuple[Trial, Exercise]:
         raise RecordingError(f"{path}: {error}") from error
 
 
-def judged(recording: Recording) -> Judge:
-    """Fold a recording's entries anew.
+def judge_of(recording: Recording) -> Judge:
+    """Make the judge of a recording, who has heard nothing of it yet.
 
     Raises
     ------
@@ -140,9 +140,20 @@ def judged(recording: Recording) -> Judge:
     """
     _, exercise = trial_of(recording)
     try:
-        judge = Judge(exercise, attached_text(recording, SCENE), attached_text(recording, ROBOT))
+        return Judge(exercise, attached_text(recording, SCENE), attached_text(recording, ROBOT))
     except ValueError as error:  # of the exercise, the scene or the URDF
         raise RecordingError(f"{recording.path}: {error}") from error
+
+
+def judged(recording: Recording) -> Judge:
+    """Fold a recording's entries anew.
+
+    Raises
+    ------
+    RecordingError
+        The recording does not say of what it is.
+    """
+    judge = judge_of(recording)
     for entry in recording.entries:
         judge.feed(entry)
     return judge

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, Dict, Mapping, Optional, Set, Type, TypeVar
+from typing import Callable, Dict, Optional, Set
 
 import numpy as np
 
-from telex_control.common.params import read_config
 from telex_control.kinematics import make_pose
 from telex_sim.offline.robot import OfflineRobot
-from telex_sim.offline.simulation import package_yaml
 from telex_teleop.arm.arm_settings import ArmTeleopSettings
 from telex_teleop.arm.arm_teleop import ArmTeleop, ModeError
 from telex_teleop.arm.proximity import ProximityPair, ProximityState
@@ -22,12 +20,10 @@ from telex_teleop.cores import (
     limits_of_present,
     tool_motion,
 )
-from telex_teleop.flippers.flipper_settings import FlipperTeleopSettings
-from telex_teleop.joints.joint_settings import GripperTeleopSettings
 from telex_teleop.joints.joint_teleop import JointTeleop
 from telex_teleop.motion.idle_rest import LONGEST_REST
 from telex_teleop.motion.joint_jog import InvalidCommand, parse_joint_jog
-from telex_teleop.tracks.track_drive import TrackDrive, TrackSettings, Velocity
+from telex_teleop.tracks.track_drive import TrackDrive, Velocity
 
 from ..operators.port import (
     CameraView,
@@ -45,11 +41,8 @@ from ..operators.port import (
     ToolTwist,
 )
 from .controllers import placement
+from .node_settings import ARM, FLIPPERS, GRIPPER, TRACKS, shipped_settings
 
-Settings = TypeVar("Settings")
-
-_ARM, _FLIPPERS, _GRIPPER = "arm_teleop", "flipper_teleop", "gripper_teleop"
-_TRACKS = "track_teleop"
 _LISTENING = 3.0
 """Time in command timeouts after which a core that has just started obeys."""
 
@@ -84,14 +77,12 @@ class OfflineTeleop(TeleopPort):
         self._now = robot.simulation.time
         self._notices: Dict[str, Notice] = {}
         self._links = frozenset(robot.simulation.body.link_names())
-        self._arm = self._made_arm()
-        self._joints: Dict[str, JointTeleop] = {_ARM: self._arm}
-        flippers = _shipped(FlipperTeleopSettings, _FLIPPERS, "flipper_presets")
+        tracks, arm, flippers, gripper = shipped_settings()
+        self._arm = self._made_arm(arm)
+        self._joints: Dict[str, JointTeleop] = {ARM: self._arm}
         self._flippers = flipper_core(flippers, limits_of_present(flippers, robot.urdf)[0])
-        self._joints[_FLIPPERS] = self._flippers
-        gripper = _shipped(GripperTeleopSettings, _GRIPPER)
-        self._joints[_GRIPPER] = gripper_core(gripper, limits_of_present(gripper, robot.urdf)[0])
-        tracks = _shipped(TrackSettings, _TRACKS)
+        self._joints[FLIPPERS] = self._flippers
+        self._joints[GRIPPER] = gripper_core(gripper, limits_of_present(gripper, robot.urdf)[0])
         self._tracks = TrackDrive(tracks, tracks.speed_scale())
         self._status = _Due(tracks.status_rate)
         self._nearness = _Due(robot.simulation.config.proximity.rate)
@@ -102,9 +93,7 @@ class OfflineTeleop(TeleopPort):
         robot.each_joint_state.append(self._on_joint_state)
         self._advance(_LISTENING * tracks.command_timeout)
 
-    def _made_arm(self) -> ArmTeleop:
-        poses = package_yaml("telex_description", "config", "poses.yaml")
-        settings = _shipped(ArmTeleopSettings, _ARM, more=poses)
+    def _made_arm(self, settings: ArmTeleopSettings) -> ArmTeleop:
         limits, _ = limits_of_present(settings, self.urdf)
         made = arm_core(settings, limits, self.urdf)
         if made.chain is not None:
@@ -119,7 +108,7 @@ class OfflineTeleop(TeleopPort):
         robot, self._now = self._robot, stamp
         if self._base_pose.due(stamp):
             self._arm.base.take(stamp, make_pose(*robot.base_pose()))
-        nearness = self._nearness if self._active(_ARM) else self._idle_nearness
+        nearness = self._nearness if self._active(ARM) else self._idle_nearness
         if nearness.due(stamp):
             self._arm.guard.take(self._near(stamp))
         for name, core in self._joints.items():
@@ -134,7 +123,7 @@ class OfflineTeleop(TeleopPort):
             for name, core in self._joints.items():
                 state = core.state(stamp)
                 self._say(name, state.message or state.notice)
-            self._say(_TRACKS, self._tracks.state(stamp).message)
+            self._say(TRACKS, self._tracks.state(stamp).message)
 
     def _active(self, name: str) -> bool:
         """Whether a node has something to move; an idle one looks seldom, as the nodes do."""
@@ -194,7 +183,7 @@ class OfflineTeleop(TeleopPort):
             self._obey(command)
         except InvalidCommand as error:
             self._say(node, str(error))
-            if node == _ARM:
+            if node == ARM:
                 self._arm.refuse(self._now, str(error))
 
     def _obey(self, command: Command) -> None:
@@ -221,7 +210,7 @@ class OfflineTeleop(TeleopPort):
         try:
             self._arm.set_mode(name)
         except ModeError as error:
-            raise NotManagedError(f"{_ARM}: {error}") from error
+            raise NotManagedError(f"{ARM}: {error}") from error
 
     def e_stop(self, active: bool) -> None:
         """See `TeleopPort.e_stop`."""
@@ -267,25 +256,15 @@ class _Due:
 
 def _node_of(command: Command) -> str:
     if isinstance(command, Drive):
-        return _TRACKS
+        return TRACKS
     if isinstance(command, Jog):
-        if command.node in (_ARM, _FLIPPERS, _GRIPPER):
+        if command.node in (ARM, FLIPPERS, GRIPPER):
             return command.node
         raise TypeError(
-            f"node of a Jog is {command.node!r}; {_ARM}, {_FLIPPERS} or {_GRIPPER} is needed"
+            f"node of a Jog is {command.node!r}; {ARM}, {FLIPPERS} or {GRIPPER} is needed"
         )
     if isinstance(command, FlipperPreset):
-        return _FLIPPERS
+        return FLIPPERS
     if isinstance(command, (NamedPose, ToolPose, ToolTwist)):
-        return _ARM
+        return ARM
     raise TypeError(f"the teleoperation nodes do not take {command!r}")
-
-
-def _shipped(
-    kind: Type[Settings], *files: str, more: Optional[Mapping[str, Any]] = None
-) -> Settings:
-    """Read the parameters of a node as its launch file loads them."""
-    values: Dict[str, Any] = {}
-    for name in files:
-        values.update(package_yaml("telex_teleop", "config", f"{name}.yaml"))
-    return read_config(kind, {**values, **(more or {})}, files[0])

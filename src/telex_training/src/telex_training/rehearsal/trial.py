@@ -16,7 +16,7 @@ import yaml
 from std_msgs.msg import String
 from telex_msgs.msg import SimStatus
 
-from telex_sim.engine.exposure import Exposure
+from telex_sim.engine.exposure import Exposure, Readings
 from telex_sim.malfunctions.described import shipped_equipment
 from telex_sim.malfunctions.messages import malfunctions_message
 from telex_sim.offline.robot import OfflineRobot
@@ -123,12 +123,16 @@ def rehearse_to_end(
     return trial, problem
 
 
+def single(exercise: Exercise) -> Exercise:
+    """Return an exercise of one repetition."""
+    return replace(exercise, repetitions=replace(exercise.repetitions, most=1, least=1))
+
+
 @contextmanager
 def rehearsed_trial(exercise: Exercise, seed: int, line: str = "") -> Iterator[RehearsedTrial]:
     """Make a trial of one repetition, whose simulation ends with the context."""
-    single = replace(exercise, repetitions=replace(exercise.repetitions, most=1, least=1))
     with tempfile.TemporaryDirectory() as folder:
-        trial = RehearsedTrial(single, seed, Path(folder), line)
+        trial = RehearsedTrial(single(exercise), seed, Path(folder), line)
         try:
             yield trial
         finally:
@@ -157,6 +161,9 @@ class RehearsedTrial:
         Texts of the scene as it was loaded, and of the robot.
     step_size : float
         Of the simulation (s).
+    simulation : Simulation
+    readings : Readings, optional
+        What the robot has received; None where nothing is told.
     port : TeleopPort
         To the robot; what is sent through it, the judge hears.
     """
@@ -173,15 +180,16 @@ class RehearsedTrial:
         self.judge = Judge(exercise, text, urdf)
         self.entries: List[Entry] = []
         offline = OfflineSimulation(urdf, world=str(path))
-        self._simulation = offline.simulation
-        robot = self._simulation.robots[0]
+        self.simulation = offline.simulation
+        robot = self.simulation.robots[0]
         robot.malfunctions.equip(*shipped_equipment())
-        self._sampler = TruthSampler(self._simulation, robot)
+        self._sampler = TruthSampler(self.simulation, robot)
         self._exposure = Exposure(robot, _cameras)
+        self.readings: Optional[Readings] = None
         self._monitor = StabilityMonitor(robot)
         self._stuck = False
         self._number = self._sequence = 0
-        publish, step = self._simulation.config.publish, self._simulation.config.timing.step_size
+        publish, step = self.simulation.config.publish, self.simulation.config.timing.step_size
         self._truth_every = round(1.0 / (publish.truth_rate * step))
         self._stability_every = round(1.0 / (publish.stability_rate * step))
         self._doses_every = round(1.0 / (robot.config.dosimetry.rate * step))
@@ -199,7 +207,7 @@ class RehearsedTrial:
     @property
     def steps(self) -> int:
         """How many steps the simulation has made."""
-        return int(self._simulation.steps)
+        return int(self.simulation.steps)
 
     def begin(self) -> None:
         """Open and start the trial, until the judge waits for the first repetition's begin."""
@@ -246,8 +254,8 @@ class RehearsedTrial:
         if self.judge.phase == ENDED:
             raise _EndedError
         for _ in range(round(seconds / self.step_size)):
-            self._simulation.step()
-            steps = self._simulation.steps
+            self.simulation.step()
+            steps = self.simulation.steps
             if steps % self._stability_every == 0:
                 self._watch()
             if steps % self._truth_every == 0:
@@ -265,7 +273,7 @@ class RehearsedTrial:
         self._feed(topic, message)
 
     def _watch(self) -> None:
-        time = self._simulation.time
+        time = self.simulation.time
         self._monitor.observe(time)
         self._monitor.margin(time)
         if self._monitor.stuck != self._stuck:
@@ -273,19 +281,19 @@ class RehearsedTrial:
             self._feed(STATUS, SimStatus(stuck=self._stuck))
 
     def _sample(self) -> None:
-        time = self._simulation.time
+        time = self.simulation.time
         message = sample_message(self._sampler.sample())
         self._sequence += 1
-        message.sequence, message.steps = self._sequence, self._simulation.steps
+        message.sequence, message.steps = self._sequence, self.simulation.steps
         message.revision, message.wall_time = 1, time
         message.margin = self._monitor.warning.margin
         message.header.stamp = genpy.Time.from_sec(time)
         self._feed(TRUTH, message)
 
     def _expose(self) -> None:
-        readings = self._exposure.observe(self._simulation)
-        if readings is not None:
-            self._feed(DOSES, doses_message(readings.components))
+        self.readings = self._exposure.observe(self.simulation)
+        if self.readings is not None:
+            self._feed(DOSES, doses_message(self.readings.components))
 
     def _input(self, kind: str, **fields: Any) -> None:
         self._feed(INPUTS, String(data=json.dumps({"input": kind, **fields})))
@@ -294,7 +302,7 @@ class RehearsedTrial:
         self._number += 1
         buffer = io.BytesIO()
         message.serialize(buffer)
-        time, data = self._simulation.time, buffer.getvalue()
+        time, data = self.simulation.time, buffer.getvalue()
         entry = Entry(self._number, time, channel, message._type, data)
         self.entries.append(entry)
         self.judge.feed(entry)
@@ -303,16 +311,16 @@ class RehearsedTrial:
 
     def _fail(self, failure: Failure) -> None:
         """Let something of the robot fail, and tell the judge as the simulator would."""
-        malfunctions = self._simulation.robots[0].malfunctions
+        malfunctions = self.simulation.robots[0].malfunctions
         malfunctions.begin(
-            failure.what, failure.kind, failure.value, failure.announced, self._simulation.time
+            failure.what, failure.kind, failure.value, failure.announced, self.simulation.time
         )
         self._feed(MALFUNCTIONS, malfunctions_message(malfunctions))
 
     def close(self) -> None:
         """End the simulation."""
         self._sampler.close()
-        self._simulation.close()
+        self.simulation.close()
 
 
 def _cameras() -> Mapping[str, Any]:

@@ -66,12 +66,45 @@ class ReceivedDose:
         self._received = {name: Received(*values) for name, *values in zip(*columns)}
 
 
-class _Broken(NamedTuple):
-    """What does not work: flaws by camera, lamps, and what has no power."""
+class Broken(NamedTuple):
+    """What of cameras and lamps does not work.
+
+    Attributes
+    ----------
+    flaws : dict of str to Flaws
+        By camera.
+    lamps : frozenset of str
+    unpowered : frozenset of str
+        What has no power, as telex_msgs/Malfunctions names it.
+    """
 
     flaws: Dict[str, Flaws] = {}
     lamps: FrozenSet[str] = frozenset()
     unpowered: FrozenSet[str] = frozenset()
+
+    @property
+    def cameras_work(self) -> bool:
+        """Whether the cameras have power."""
+        return battery.CAMERAS not in self.unpowered
+
+    def burns(self, lamp: str) -> bool:
+        """Whether a lamp burns when it is switched on."""
+        return lamp not in self.lamps and battery.LAMPS not in self.unpowered
+
+
+def broken_of(message: Malfunctions) -> Broken:
+    """Read what does not work; what makes no sense is said in the log."""
+    flaws: Dict[str, Flaws] = {}
+    lamps = set()
+    for each in message.active:
+        if each.group == kinds.LAMP:
+            lamps.add(each.what)
+        elif each.group == kinds.CAMERA:
+            try:
+                flaws[each.what] = _with(flaws.get(each.what, SOUND), each)
+            except ConfigError as error:
+                rospy.logwarn_throttle(10.0, "sim/malfunctions: %s: %s", each.what, error)
+    return Broken(flaws, frozenset(lamps), frozenset(message.unpowered))
 
 
 class HeardMalfunctions:
@@ -85,7 +118,7 @@ class HeardMalfunctions:
 
     def __init__(self, prefix: str = "") -> None:
         # Replaced as a whole by a thread of ROS, which needs no lock.
-        self._broken = _Broken()
+        self._broken = Broken()
         self._subscriber = rospy.Subscriber(
             f"{prefix}sim/malfunctions", Malfunctions, self._take, queue_size=1, tcp_nodelay=True
         )
@@ -96,26 +129,15 @@ class HeardMalfunctions:
 
     @property
     def cameras_work(self) -> bool:
-        """Whether the cameras have power."""
-        return battery.CAMERAS not in self._broken.unpowered
+        """See `Broken.cameras_work`."""
+        return self._broken.cameras_work
 
     def burns(self, lamp: str) -> bool:
-        """Whether a lamp burns when it is switched on."""
-        broken = self._broken
-        return lamp not in broken.lamps and battery.LAMPS not in broken.unpowered
+        """See `Broken.burns`."""
+        return self._broken.burns(lamp)
 
     def _take(self, message: Malfunctions) -> None:
-        flaws: Dict[str, Flaws] = {}
-        lamps = set()
-        for each in message.active:
-            if each.group == kinds.LAMP:
-                lamps.add(each.what)
-            elif each.group == kinds.CAMERA:
-                try:
-                    flaws[each.what] = _with(flaws.get(each.what, SOUND), each)
-                except ConfigError as error:
-                    rospy.logwarn_throttle(10.0, "sim/malfunctions: %s: %s", each.what, error)
-        self._broken = _Broken(flaws, frozenset(lamps), frozenset(message.unpowered))
+        self._broken = broken_of(message)
 
 
 def _with(flaws: Flaws, each: Any) -> Flaws:

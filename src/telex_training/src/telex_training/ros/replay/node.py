@@ -11,10 +11,9 @@ import os
 import threading
 import time
 from pathlib import Path
-from typing import Any, Dict, Optional
+from typing import Any, Optional
 
 import rospy
-import yaml
 from telex_msgs.msg import ReplayState, TrainingState
 from telex_msgs.srv import OpenReplay, OpenReplayResponse, SeekReplay, SeekReplayResponse
 
@@ -24,6 +23,7 @@ from telex_control.ros.node_start import init_node
 
 from ...judging.judge import BETWEEN, PREPARING, RUNNING, WAITING
 from ...recording.writer import RecordingError
+from ...replay.cameras import shipped_cameras
 from ...replay.replay import Replay
 from ..channels import hear_decoded
 from ..library import Library
@@ -185,15 +185,6 @@ class ReplayNode:
         """End what draws, and the pages."""
         self.pages.close()
         self._drawing.close()
-
-
-def shipped_cameras() -> Dict[str, Any]:
-    """Read the shipped parameters of cameras and lamps."""
-    folder = Path(package_path("telex_description"), "config")
-    made: Dict[str, Any] = {}
-    for name in ("cameras.yaml", "lamps.yaml"):
-        made.update(yaml.safe_load((folder / name).read_text(encoding="utf-8")))
-    return made
 
 
 def replay_main() -> int:

@@ -1,0 +1,97 @@
+"""What the cameras of a rehearsed robot show, as late as everything else is seen."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Deque, Dict, Mapping, Sequence, Tuple
+
+import numpy as np
+from genpy import Time
+from telex_msgs.msg import ScenePoses
+
+from telex_sim.cameras.cameras_config import CamerasConfig
+from telex_sim.cameras.optics.flaws import SOUND
+from telex_sim.cameras.preview.robot_cameras import RobotCameras
+from telex_sim.cameras.ros.failures import Broken, broken_of
+from telex_sim.malfunctions.messages import malfunctions_message
+from telex_sim.ros.scene_messages import SceneMessages
+
+from ..rehearsal.trial import RehearsedTrial
+
+_ROUNDING = 1e-6
+
+
+class Views:
+    """Draws trials, one after the other, with cameras that fail as the robot's do.
+
+    Parameters
+    ----------
+    config : CamerasConfig
+    names : sequence of str
+        Cameras.
+    width : int
+        Of the pictures (pixels).
+    levels : mapping of str to float
+        Of the lamps, 0 to 1.
+
+    Raises
+    ------
+    NoContextError
+        There is no way to render on this machine.
+    """
+
+    def __init__(
+        self, config: CamerasConfig, names: Sequence[str], width: int, levels: Mapping[str, float]
+    ) -> None:
+        self._names, self._levels = tuple(names), levels
+        self._cameras = RobotCameras(config, names, width)
+        self._moments: Deque[Tuple[float, ScenePoses]] = deque()
+
+    def begin(self, trial: RehearsedTrial) -> Sequence[str]:
+        """Show another trial from now on; returns what of its scene cannot be shown, and why."""
+        simulation = trial.simulation
+        links = simulation.body.link_names()
+        self._trial = trial
+        self._messages = SceneMessages(simulation.config.model, links, trial.urdf, simulation.scene)
+        self._messages.show(simulation.objects.objects())
+        self._moments.clear()
+        return self._cameras.show(self._messages.description(Time()))
+
+    def look(self, seen: float) -> Dict[str, np.ndarray]:
+        """Take the cameras' pictures, in which everything is where it was at a time (s).
+
+        Returns
+        -------
+        dict of str to ndarray, shape (height, width, 3), uint8
+            RGB.
+        """
+        simulation = self._trial.simulation
+        stamp = Time.from_sec(simulation.time)
+        now = self._messages.poses(stamp, simulation.link_poses())
+        self._moments.append((simulation.time, now))
+        while len(self._moments) > 1 and self._moments[1][0] <= seen + _ROUNDING:
+            self._moments.popleft()
+        broken = self._broken()
+        levels = {name: level * broken.burns(name) for name, level in self._levels.items()}
+        self._cameras.place(self._moments[0][1], levels)
+        return {name: self._picture(name, broken) for name in self._names}
+
+    def _broken(self) -> Broken:
+        malfunctions = self._trial.simulation.robots[0].malfunctions
+        if not malfunctions.active and not malfunctions.unpowered:
+            return Broken()
+        return broken_of(malfunctions_message(malfunctions))
+
+    def _picture(self, name: str, broken: Broken) -> np.ndarray:
+        flaws, exposed, works = broken.flaws.get(name, SOUND), (0.0, 0.0), broken.cameras_work
+        readings = self._trial.readings
+        for each in () if readings is None else readings.cameras:
+            if each.name == name:
+                exposed, works = (each.dose_rate, each.dose), works and not each.failed
+        # What sends no pictures any more leaves its last one standing.
+        flaws = flaws if works else flaws._replace(frozen=True)
+        return self._cameras.picture(name, exposed=exposed, flaws=flaws)
+
+    def close(self) -> None:
+        """Free what draws."""
+        self._cameras.release()

@@ -1,0 +1,156 @@
+"""Recordings as episodes: what was seen, commanded and credited."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import List, Tuple
+
+import numpy as np
+import pytest
+from std_msgs.msg import String
+from telex_msgs.msg import TrackTeleopStatus
+from training_truth import serialized
+
+from telex_training.command_lines import export
+from telex_training.exercises.exercise_file import load_exercise
+from telex_training.judging.entries import Entry
+from telex_training.operators.experts.brief import Brief
+from telex_training.operators.handling import Hand
+from telex_training.operators.port import Command, Drive, Jog, NamedPose
+from telex_training.recording.reader import read_recording
+from telex_training.recording.trial_file import Trial
+from telex_training.rehearsal.recorded import record
+from telex_training.rehearsal.trial import rehearsed
+from telex_training.replay.cameras import shipped_cameras
+from telex_training.replay.replay import Replay
+from telex_training.research import data_set
+from telex_training.research.command_vector import CommandVector
+from telex_training.research.episodes import Episode, Given, episodes
+from telex_training.research.redrawing import redrawn
+from telex_training.ros.commands import message_of
+
+pytestmark = pytest.mark.slow
+
+AHEAD = """
+name: ahead
+title: Ahead
+description: Drive half a metre ahead.
+scene: {lights: {sun: {azimuth: -2.4, elevation: 0.9}}}
+zones:
+  start: {center: [0.0, 0.0, 0.5], size: [0.3, 1.0, 1.2]}
+  there: {center: [1.2, 0.0, 0.5], size: [0.4, 1.0, 1.2]}
+begin: {not: {inside: {what: robot, zone: start}}}
+steps: [{name: whole, until: {inside: {what: robot, zone: there}}}]
+repetitions: {most: 1, time: 20}
+"""
+SPEED = 0.4
+
+
+def drives(hand: Hand, brief: Brief) -> None:
+    """Drive ahead, with a jog of the turret all the time, and towards a pose at the end."""
+    station = hand.station
+    while station.base()[0, 3] < 0.5:
+        station.port.send(Drive(SPEED, 0.0))
+        station.port.send(Jog("arm_teleop", {"turret_joint": 0.1}))
+        station.tick()
+    while True:
+        station.port.send(Drive(SPEED, 0.0))
+        station.port.send(NamedPose("ready"))
+        station.tick()
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder: Path = tmp_path_factory.mktemp("trials")
+    path = folder / "ahead.yaml"
+    path.write_text(AHEAD)
+    file = load_exercise(path)
+    trial = rehearsed(file.first, drives, 7)
+    about = Trial("t", str(path), file.first.setting, "practice", "ann", "test", 7)
+    return record(folder / "t.mcap", about, file.text, trial)
+
+
+@pytest.fixture(scope="module")
+def found(recorded: Path) -> Tuple[Replay, CommandVector, List[Episode]]:
+    recording = read_recording(recorded)
+    replay = Replay(recording, shipped_cameras())
+    vector = CommandVector(replay.urdf)
+    return replay, vector, list(episodes(recording, replay, vector, 10.0))
+
+
+def test_a_repetition_is_an_episode(found: Tuple[Replay, CommandVector, List[Episode]]) -> None:
+    _, vector, (episode,) = found
+    count = len(episode.moments)
+    assert episode.task == "Ahead: Drive half a metre ahead."
+    assert episode.success
+    assert len(episode.states) == len(episode.actions) == len(episode.rewards) == count
+    assert np.diff([moment.time for moment in episode.moments]) == pytest.approx(0.1, abs=0.03)
+    # From 0.15 m on, where it begins, to 1.0 m; SPEED is reached.
+    assert episode.states[0, 0] == pytest.approx(0.15, abs=0.06)
+    assert episode.states[-1, 0] == pytest.approx(1.0, abs=0.06)
+    assert count == pytest.approx(0.85 / SPEED / 0.1, abs=3)
+    assert episode.rewards.sum() == pytest.approx(2.0 - 0.1 * count / 20.0, abs=0.01)
+
+
+def test_actions_are_what_was_commanded(
+    found: Tuple[Replay, CommandVector, List[Episode]],
+) -> None:
+    _, vector, (episode,) = found
+    drive, turret = (vector.names.index(name) for name in ("drive.linear", "turret.rate"))
+    assert episode.actions[:, drive] == pytest.approx(SPEED)
+    jogged = episode.states[:, 0] < 0.45
+    assert episode.actions[jogged, turret] == pytest.approx(0.1)
+    # The way to a pose is no rate: how the joints moved tells.
+    led = episode.states[:, 0] > 0.65
+    moved = np.diff(episode.states[:, 7 + vector.joints.index("shoulder_joint")]) / 0.1
+    shoulder = episode.actions[:, vector.names.index("shoulder.rate")]
+    assert np.abs(shoulder[led]).max() > 0.05
+    assert shoulder[:-1][led[:-1]] == pytest.approx(moved[led[:-1]], abs=1e-4)
+
+
+def test_moments_are_drawn_again(found: Tuple[Replay, CommandVector, List[Episode]]) -> None:
+    replay, _, (episode,) = found
+    moments = [episode.moments[0], episode.moments[-1]]
+    first, last = (each["mast"] for each in redrawn(replay, moments, ["mast"], 64))
+    assert first.shape == (48, 64, 3)
+    assert first.std() > 5.0
+    assert np.abs(first.astype(int) - last).mean() > 1.0
+
+
+class TestGiven:
+    @pytest.fixture(scope="class")
+    def vector(self, found: Tuple[Replay, CommandVector, List[Episode]]) -> CommandVector:
+        return found[1]
+
+    def give(self, given: Given, command: Command, time: float) -> None:
+        channel, message = message_of(command)
+        given.take(Entry(1, time, channel, message._type, serialized(message)), time)
+
+    def test_a_command_counts_until_the_watchdog_ends_it(self, vector: CommandVector) -> None:
+        given = Given()
+        self.give(given, Drive(0.5, -0.2), 1.0)
+        assert given.at(1.2, vector)[:2] == pytest.approx([0.5, -0.2])
+        assert not given.at(1.4, vector).any()
+
+    def test_the_operators_speed_and_the_limits_count(self, vector: CommandVector) -> None:
+        given = Given()
+        status = TrackTeleopStatus(speed_scale=0.5)
+        entry = Entry(1, 0.9, "track_teleop/status", status._type, serialized(status))
+        given.take(entry, 0.9)
+        self.give(given, Drive(9.0, 0.2), 1.0)
+        assert given.at(1.0, vector)[:2] == pytest.approx([0.6, 0.1])
+
+    def test_what_is_damaged_is_left_out(self, vector: CommandVector) -> None:
+        given = Given()
+        given.take(Entry(1, 1.0, "track_teleop/cmd_vel", "geometry_msgs/Twist", b"x"), 1.0)
+        text = serialized(String(""))
+        given.take(Entry(2, 1.0, "arm_teleop/named_pose_cmds", "std_msgs/String", text), 1.0)
+        assert not given.at(1.0, vector).any()
+
+
+def test_libraries_that_are_missing_are_named(
+    recorded: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(data_set, "MISSING", "No module named 'av'")
+    assert export.main(["--lerobot", str(recorded.parent / "set"), str(recorded)]) == 1
+    assert "requirements-lerobot.txt" in capsys.readouterr().err
