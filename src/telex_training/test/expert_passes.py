@@ -35,6 +35,7 @@ LAST_STEPS = {
     "incline": "on top",
     "inspect": "pipe 2",
     "pallet": "lift by 12 cm and hold",
+    "radio_range": "chart 1",
     "rails": "at the far end",
     "slalom": "turn",
     "stepfield": "behind it",
@@ -44,7 +45,7 @@ LAST_STEPS = {
 """Up to which it is done: mostly, what is left is the same once more. The whole is done where
 figures are measured (``rosrun telex_training expert``), which takes three times as long."""
 
-QUESTIONS = {"acuity": 2, "inspect": 2, "maze": 2}
+QUESTIONS = {"acuity": 2, "inspect": 2, "maze": 2, "radio_range": 1}
 """How many are asked; the maze is done with their answers."""
 
 

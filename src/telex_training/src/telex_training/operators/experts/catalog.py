@@ -23,6 +23,7 @@ EXPERTS: Dict[str, Expert] = {
     "inspect": mounted_exercises.inspect,
     "maze": reading.maze,
     "pallet": handling_exercises.pallet,
+    "radio_range": reading.radio_range,
     "rails": driving_exercises.over_rails,
     "slalom": driving_exercises.slalom,
     "source_to_pot": handling_exercises.source_to_pot,

@@ -18,6 +18,15 @@ _LOOK = 0.6
 _IN_MAZE = 0.5  # m/s
 _WALL = 0.05  # m
 
+_BY_RADIO = 0.4
+"""Speed on a line that fades (m/s)."""
+_GAP = 1.3
+"""Middle of a gap, from the corridor's (m)."""
+_BEFORE_GAP, _BEHIND_GAP = 1.4, 2.6
+"""From where a gap is driven through straight on, and where its chart is read (m)."""
+_LAST_LOOK = (3.3, 0.95)
+"""How far before the last chart it is read, and how far aside: in line with the last gap (m)."""
+
 
 def acuity(hand: Hand, brief: Brief) -> None:
     """Drive to the line, and read the rows from above."""
@@ -65,6 +74,25 @@ def maze(hand: Hand, brief: Brief) -> None:
     out = middle((columns, rows - 1))
     way = [middle(cell) for cell in _way(passages, here, (columns - 1, rows - 1))]
     driving.follow(station, _corners([*way, out]), _IN_MAZE)
+
+
+def radio_range(hand: Hand, brief: Brief) -> None:
+    """From chart to chart through the gaps, the last from the line of its gap, and back."""
+    station = hand.station
+    station.hold_preset("folded")
+    legs: List[List[Point]] = []
+    for number in (1, 2, 3):
+        x, y = brief.entries[f"wall_{number}"]["position"][:2]
+        aside = -math.copysign(_GAP, y)
+        legs.append([(x - _BEFORE_GAP, aside), (x + _BEHIND_GAP, aside)])
+    (x, aside), before = legs[-1][-1], brief.entries["chart_4"]["position"][0] - _LAST_LOOK[0]
+    legs.append([(x + 1.8, 0.0), (before, math.copysign(_LAST_LOOK[1], aside))])
+    for leg, (question, answer) in zip(legs, brief.answers.items()):
+        driving.follow(station, leg, _BY_RADIO)
+        station.wait(_LOOK)
+        station.port.answer(question, answer)
+    way = [point for leg in legs for point in leg]
+    driving.follow(station, [*reversed(way[:-1]), (0.0, 0.0)], _BY_RADIO)
 
 
 def _way(passages: AbstractSet[Passage], start: Cell, goal: Cell) -> List[Cell]:
