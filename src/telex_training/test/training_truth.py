@@ -9,6 +9,7 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 import genpy
 from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
 from std_msgs.msg import String
 from telex_msgs.msg import (
     ComponentDoses,
@@ -192,6 +193,15 @@ class Trial:
         """Tell what components have received (Gy)."""
         message = ComponentDoses(names=list(received), dose=list(received.values()))
         return self.feed("sim/doses", "telex_msgs/ComponentDoses", serialized(message))
+
+    def odometry(self, x: float, y: float, turn: Sequence[float] = LEVEL) -> List[JudgeEvent]:
+        """Tell where the robot is by its own odometry."""
+        message = Odometry()
+        place = message.pose.pose
+        place.position.x, place.position.y = x, y
+        q = place.orientation
+        q.x, q.y, q.z, q.w = turn
+        return self.feed("track_controller/odom", "nav_msgs/Odometry", serialized(message))
 
     def input(self, kind: str, **fields: Any) -> List[JudgeEvent]:
         text = json.dumps({"input": kind, **fields})

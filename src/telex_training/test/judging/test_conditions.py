@@ -306,3 +306,44 @@ metrics: {missed_points: {pass: 0}, speed_error: {}}
     assert figures["missed_points"] == 1.0
     # 0.7 m at the wanted speed, 1 m at half of it: the repetition ends there.
     assert figures["speed_error"] == pytest.approx(0.25 * 4.0 / 5.4, rel=0.02)
+
+
+def test_a_surveys_map_is_off_by_what_the_odometry_has_drifted_since_the_begin():
+    text = """
+begin: {not: {inside: {what: robot, zone: start}}}
+steps: [{name: go, until: {moved: {what: robot, distance: 2.5}}}]
+metrics: {missed_points: {pass: 0}, map_error: {}}
+zones:
+  start: {center: [0, 0, 0], radius: 0.5}
+  a: {center: [1, 0, 0], radius: 0.2}
+  b: {center: [3, 0, 0], radius: 0.2}
+survey: {points: [a, b], speed: 0.5, what: robot}
+"""
+    made = Trial(exercise(text), scene=SCENE).begin()
+    quarter = (0.0, 0.0, math.sqrt(0.5), math.sqrt(0.5))
+
+    def error():
+        return made.judge.sheet()["repetitions"][0]["metrics"]["map_error"]
+
+    # The odometry began elsewhere, and looks along y where the robot looks along x.
+    made.odometry(100.0, 0.0, quarter)
+    made.at(0.6)
+    made.odometry(7.0, 5.0, quarter)
+    made.at(1.0)
+    made.odometry(7.0, 5.4, quarter)
+    made.at(2.0)
+    made.odometry(7.1, 6.4, quarter)
+    made.at(1.5)
+    made.odometry(7.0, 5.9, quarter)
+    made.at(3.0)
+    # What comes after the last point is no part of the survey.
+    made.odometry(50.0, 5.9, quarter)
+    made.input("abort")
+    assert error() == pytest.approx(0.1, abs=1e-9)
+    assert made.judge.sheet()["valid"]
+
+
+def test_an_odometry_that_is_no_number_is_refused():
+    made = trial("{inside: {what: robot, zone: goal}}")
+    made.odometry(math.nan, 0.0)
+    assert not made.judge.sheet()["valid"]

@@ -12,7 +12,7 @@ MEDIAN, MEAN, WORST = "median", "mean", "worst"
 OVERS: Tuple[str, ...] = (MEDIAN, MEAN, WORST)
 """How the figures of several repetitions make one."""
 
-SURVEYED = ("missed_points", "speed_error")
+SURVEYED = ("missed_points", "speed_error", "map_error")
 """Kinds that look at the exercise's survey."""
 
 
@@ -60,6 +60,7 @@ KINDS: Dict[str, MetricKind] = {
     "dose": MetricKind("Gy", "dose received", over=WORST, of_object=True),
     "missed_points": MetricKind("", "points of the survey that were missed", over=WORST),
     "speed_error": MetricKind("m/s", "mean difference from the survey's speed"),
+    "map_error": MetricKind("m", "largest error of a map by the odometry, along the survey"),
     "base_path": MetricKind("m", "path of the base"),
     "tool_path": MetricKind("m", "path of the tool"),
     "base_path_ratio": MetricKind("", "path of the base to the expert's", needs_length=True),

@@ -9,11 +9,15 @@ from typing import Any, Dict, NamedTuple, Type
 
 import genpy
 
+from telex_control.common.geometry.quaternions import Pose
+
 INPUTS = "training/inputs"
 """Channel of the training's own inputs: JSON in std_msgs/String."""
 TRUTH, NAMES, STATUS = "sim/truth", "sim/truth_names", "sim/status"
 CLIENTS, TELEMETRY, LINK = "bridge/clients", "console/telemetry", "link/state"
 MALFUNCTIONS, E_STOP, DOSES = "sim/malfunctions", "e_stop", "sim/doses"
+ODOMETRY, ODOMETRY_PERIOD = "track_controller/odom", 0.2
+"""Recorded where the exercise has a survey; and sim time from one to the next that is (s)."""
 _LONGEST_JSON = 100_000
 
 
@@ -90,6 +94,22 @@ def doses_of(entry: Entry) -> Dict[str, float]:
         if not 0.0 <= dose < math.inf:
             raise BadEntryError(f"a dose is {dose} Gy; 0 or more is needed")
     return dict(zip(message.names, message.dose))
+
+
+def odometry_of(entry: Entry) -> Pose:
+    """Return the pose of a nav_msgs/Odometry.
+
+    Raises
+    ------
+    BadEntryError
+        It has a number that is not finite.
+    """
+    pose = decode(entry, "nav_msgs/Odometry").pose.pose
+    place, turn = pose.position, pose.orientation
+    made = (place.x, place.y, place.z), (turn.x, turn.y, turn.z, turn.w)
+    if not all(map(math.isfinite, (*made[0], *made[1]))):
+        raise BadEntryError(f"its pose is {made}; finite numbers are needed")
+    return made
 
 
 def text_of(entry: Entry) -> str:

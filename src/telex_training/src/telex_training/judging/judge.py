@@ -22,6 +22,7 @@ from .entries import (
     LINK,
     MALFUNCTIONS,
     NAMES,
+    ODOMETRY,
     STATUS,
     TELEMETRY,
     TRUTH,
@@ -31,6 +32,7 @@ from .entries import (
     doses_of,
     json_of,
     number_field,
+    odometry_of,
     text_field,
 )
 from .handling import goal_zones
@@ -144,6 +146,7 @@ class Judge:
             NAMES: self._take_names,
             STATUS: self._take_status,
             DOSES: self._take_doses,
+            ODOMETRY: self._take_odometry,
             CLIENTS: self._activity.clients,
             LINK: self._take_link,
             TELEMETRY: self._take_telemetry,
@@ -304,6 +307,11 @@ class Judge:
 
     def _take_doses(self, entry: Entry) -> None:
         self._context.doses.take(doses_of(entry))
+
+    def _take_odometry(self, entry: Entry) -> None:
+        pose = odometry_of(entry)
+        if self._repetition is not None and self.phase == RUNNING:
+            self._repetition.hear_odometry(pose)
 
     def _take_status(self, entry: Entry) -> None:
         message = decode(entry, "telex_msgs/SimStatus")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Dict, FrozenSet, List, NamedTuple, Optional, Tuple
 
-from telex_control.common.geometry.quaternions import Vector3
+from telex_control.common.geometry.quaternions import Pose, Vector3
 
 from ..exercises.conditions import ROBOT
 from ..exercises.metric_kinds import KINDS, SURVEYED
@@ -232,6 +232,10 @@ class Repetition:
         if fault:
             return [*happened, *self.spoil(fault)]
         return happened + self._advance()
+
+    def hear_odometry(self, pose: Pose) -> None:
+        """Take where the robot is by its own odometry."""
+        self._survey.hear_odometry(self._context.world, pose)
 
     def count(self, event: str) -> None:
         """Count an event for the condition ``event``."""

@@ -13,6 +13,7 @@ from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple
 
 import genpy
 import yaml
+from nav_msgs.msg import Odometry
 from std_msgs.msg import String
 from telex_msgs.msg import SimStatus
 
@@ -30,7 +31,17 @@ from telex_sim.truth.sampler import TruthSampler
 from ..exercises.model import PRACTICE, Exercise, Failure
 from ..exercises.questions import right_answers
 from ..exercises.seeds import scene_text
-from ..judging.entries import DOSES, INPUTS, MALFUNCTIONS, NAMES, STATUS, TRUTH, Entry
+from ..judging.entries import (
+    DOSES,
+    INPUTS,
+    MALFUNCTIONS,
+    NAMES,
+    ODOMETRY,
+    ODOMETRY_PERIOD,
+    STATUS,
+    TRUTH,
+    Entry,
+)
 from ..judging.judge import ENDED, Judge
 from ..operators.experts.brief import Brief, Expert
 from ..operators.handling import Hand
@@ -176,7 +187,8 @@ class RehearsedTrial:
         self.urdf = urdf = robot_description(exercise.variant)
         self._answers = right_answers(exercise, text)
         entries = {entry["name"]: entry for entry in yaml.safe_load(text)["objects"]}
-        self._brief = Brief(exercise.setting, entries, self._answers)
+        known = {each.name: each.answer for each in exercise.questions if each.answer}
+        self._brief = Brief(exercise.setting, entries, {**known, **self._answers})
         self.judge = Judge(exercise, text, urdf)
         self.entries: List[Entry] = []
         offline = OfflineSimulation(urdf, world=str(path))
@@ -195,6 +207,9 @@ class RehearsedTrial:
         self._doses_every = round(1.0 / (robot.config.dosimetry.rate * step))
         self.step_size = step
         self._feed(NAMES, names_message(self._sampler.names, 1))
+        self._odometry_due = 0.0
+        if exercise.survey is not None:
+            offline.node.subscribe(ODOMETRY, Odometry, self._hear_odometry)
         self.port = LineTeleop(
             OfflineRobot(offline),
             self.advance,
@@ -289,6 +304,12 @@ class RehearsedTrial:
         message.margin = self._monitor.warning.margin
         message.header.stamp = genpy.Time.from_sec(time)
         self._feed(TRUTH, message)
+
+    def _hear_odometry(self, message: Odometry) -> None:
+        time = self._simulation.time
+        if time >= self._odometry_due:
+            self._odometry_due = time + ODOMETRY_PERIOD
+            self._feed(ODOMETRY, message)
 
     def _expose(self) -> None:
         self.readings = self._exposure.observe(self.simulation)

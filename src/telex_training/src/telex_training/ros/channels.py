@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Dict, List, Sequence, Tuple, Type
+from typing import Any, Callable, Dict, List, Sequence, Tuple, Type, Union
 
 import genpy
 import rospy
@@ -15,6 +15,8 @@ from ..judging.entries import (
     LINK,
     MALFUNCTIONS,
     NAMES,
+    ODOMETRY,
+    ODOMETRY_PERIOD,
     STATUS,
     TELEMETRY,
     TRUTH,
@@ -81,6 +83,27 @@ class StateChanges:
         return True
 
 
+class Seldom:
+    """Picks one message a while.
+
+    Parameters
+    ----------
+    period : float
+        Sim time from one to the next (s).
+    """
+
+    def __init__(self, period: float) -> None:
+        self._period = period
+        self._again_at = 0.0
+
+    def tells(self, data: bytes, now: float) -> bool:
+        """Whether a message is due; see `StateChanges.tells`."""
+        if self._again_at - self._period <= now < self._again_at:
+            return False
+        self._again_at = now + self._period
+        return True
+
+
 def hear_decoded(topic: str, kind: Type[Any], take: Callable[[Any], None]) -> rospy.Subscriber:
     """Listen to a topic that may be recorded as well.
 
@@ -118,10 +141,14 @@ class Channels:
         ]
 
     def _listen(self, channel: str, take: Take) -> rospy.Subscriber:
-        changes = StateChanges(STATUSES[channel]) if channel in STATUSES else None
+        picked: Union[StateChanges, Seldom, None] = None
+        if channel in STATUSES:
+            picked = StateChanges(STATUSES[channel])
+        elif channel == ODOMETRY:
+            picked = Seldom(ODOMETRY_PERIOD)
 
         def hear(message: rospy.AnyMsg) -> None:
-            if changes is None or changes.tells(message._buff, rospy.get_time()):
+            if picked is None or picked.tells(message._buff, rospy.get_time()):
                 take(channel, message._connection_header["type"], message._buff)
 
         return rospy.Subscriber(

@@ -21,7 +21,7 @@ from telex_msgs.msg import SimStatus
 from ..exercises.exercise_file import ExerciseFile
 from ..exercises.model import EXAM, PRACTICE, Exercise, Failure
 from ..exercises.readings import draw
-from ..judging.entries import INPUTS, Entry
+from ..judging.entries import INPUTS, ODOMETRY, Entry
 from ..judging.judge import ENDED, PREPARING, READY, RUNNING, WAITING, Judge, JudgeEvent
 from ..recording.inbox import Inbox
 from ..recording.signature import sealing
@@ -196,7 +196,8 @@ class Session:
             }
         )
         self._put({"input": "start"})
-        self._channels = Channels(self._hear, self._recorded)
+        odometry = [ODOMETRY] if self.exercise.survey is not None else []
+        self._channels = Channels(self._hear, [*self._recorded, *odometry])
         self._watch = ConfigurationWatch(self._reconfigured)
         self._prepare()
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import Any, List, Optional
+from typing import Any, List, Optional, Tuple
 
-from telex_control.common.geometry.quaternions import Vector3, rotate
+from telex_control.common.geometry.quaternions import Pose, Vector3, rotate
 
 from ...exercises.model import Survey
 from ..conditions import Context, lean
@@ -149,6 +149,25 @@ class SurveyRecord:
         self._survey = survey
         self._missed = set() if survey is None else set(survey.points)
         self._lasted = self._error = 0.0
+        self._laid: Optional[Tuple[complex, complex, complex]] = None
+        self._map_error: Optional[float] = None
+
+    def hear_odometry(self, world: World, pose: Pose) -> None:
+        """Take where the robot is by its own odometry, and compare that with where it is.
+
+        A map by that odometry is laid over the truth where the repetition begins.
+        """
+        survey, sample = self._survey, world.sample
+        if survey is None or sample is None or not self._missed:
+            return
+        told, heading = _flat(pose)
+        place, true_heading = _flat(sample.base)
+        if self._laid is None:
+            self._laid = place, told, true_heading / heading
+        if len(self._missed) < len(survey.points):
+            begin, told_begin, turn = self._laid
+            error = abs(begin + (told - told_begin) * turn - place)
+            self._map_error = max(error, self._map_error or 0.0)
 
     def sample(self, context: Context, span: float) -> None:
         """Take a sample; `span` is the time since the one before (s)."""
@@ -167,4 +186,13 @@ class SurveyRecord:
             return None
         if kind == "missed_points":
             return float(len(self._missed))
+        if kind == "map_error":
+            return self._map_error
         return self._error / self._lasted if self._lasted else None
+
+
+def _flat(pose: Pose) -> Tuple[complex, complex]:
+    """Place and heading over the floor of a pose: x + iy (m), and what turns x to its heading."""
+    (x, y, _), orientation = pose
+    ahead = complex(*rotate(orientation, (1.0, 0.0, 0.0))[:2])
+    return complex(x, y), ahead / abs(ahead) if ahead else 1.0 + 0.0j
