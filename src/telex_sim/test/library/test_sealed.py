@@ -2,6 +2,7 @@
 
 import os
 import stat
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from telex_sim.scene import sealed
 from telex_sim.scene.answers import answers
 from telex_sim.scene.assets import Assets
 from telex_sim.scene.files.scene_file import SceneError
+from telex_sim.scene.library.accelerator.vacuum import FlangeLine
 from telex_sim.scene.planning import plan_world
 from telex_sim.scene.textures.procedural import (
     TextureNameError,
@@ -113,8 +115,26 @@ class TestPictures:
         assert TOKEN in repr(item)
         assert seed not in repr(item)
 
+    def test_a_leak_is_where_the_answers_say_and_any_flange_can_have_it(self):
+        found = set()
+        for _ in range(60):
+            token = sealed.new_token()
+            ((number,),) = answers({"type": "flange_line", "sealed": token, "leak": 3})
+            text = f"objects:\n  - {{type: flange_line, sealed: {token}, leak: 3}}\n"
+            (item,) = plan_world(text, Assets()).scene.objects
+            leak = item.model.links[0].leak
+            assert leak.position[0] == pytest.approx(0.7 * (int(number) - 4.5))
+            found.add(number)
+        assert found == {str(number) for number in range(1, 9)}
+
+    def test_what_is_sent_of_a_line_of_flanges_is_the_same_wherever_it_leaks(self):
+        links = [FlangeLine(leak=number).build(Path())[0].model.links[0] for number in range(9)]
+        assert len({link.parts for link in links}) == 1
+
     def test_what_cannot_be_read_is_refused(self):
-        with pytest.raises(ConfigError, match="type is 'cube'; chart or inspection_pipes"):
+        with pytest.raises(
+            ConfigError, match="type is 'cube'; chart, inspection_pipes or flange_line"
+        ):
             answers({"type": "cube"})
 
 

@@ -15,6 +15,7 @@ import { ControlView } from "./control.js";
 import { browserHangs, keepPace, watchOperator } from "./deadman.js";
 import { FadingTexts } from "./fading.js";
 import { GamepadInput } from "./gamepad.js";
+import { GAS, GasView } from "./gas.js";
 import { CONTACT, Gripper } from "./gripper.js";
 import { Health, MISSING_NODES } from "./health.js";
 import { Held } from "./held.js";
@@ -108,6 +109,7 @@ class Console {
     this._attitude = new AttitudeView((sentence) => this._status.log(sentence, "warning"));
     this._dosimeter = new DosimeterView((sentence) => this._status.warn(sentence, "alarm"));
     this._map = new RadiationMap();
+    this._gas = new GasView();
     /** @type {RobotModel | null} */
     this._model = null;
     this._pitch = 0; // rad, positive with the nose down
@@ -308,6 +310,7 @@ class Console {
     this._control.disconnected();
     this._health.forget();
     this._dosimeter.forget();
+    this._gas.forget();
     this._status.forgetSim();
     this._status.setLinkBand("Connection lost. Everything is released. Reconnecting …");
     this._status.log(`connection lost, everything is released: ${reason}`, "alarm");
@@ -361,12 +364,14 @@ class Console {
       this._dosimeter.set(reading);
       this._map.measure(reading, this._directionOf(reading.detector));
     });
+    this._listen(GAS.topic, GAS.type, (reading) => this._gas.set(reading));
     this._listen("sim/status", TYPES.simStatus, (sim) => {
       const status = this._status;
       const wasPaused = status.paused;
       if (status.isOtherWorld(sim)) {
         this._cameras.newScene();
         this._dosimeter.forget();
+        this._gas.forget();
         this._map.forget();
       }
       this._map.hearStatus(sim);
@@ -469,6 +474,7 @@ class Console {
     status.fade();
     this._attitude.fade();
     this._dosimeter.fade(status.paused);
+    this._gas.fade(status.paused);
     this._map.draw();
   }
 

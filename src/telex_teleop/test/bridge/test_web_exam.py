@@ -29,7 +29,7 @@ NEEDED = {
         *("lamps/gripper/command", "console/telemetry"),
     ],
     "subscribe": [
-        *("joint_states", "track_controller/odom", "imu", "dosimeter", "arm_teleop/status"),
+        *("joint_states", "track_controller/odom", "imu", "dosimeter", "gas", "arm_teleop/status"),
         *("arm_teleop/cartesian_status", "flipper_teleop/presets", "track_teleop/status"),
         *("cameras/front/image_raw/compressed", "cameras/turret/zoom", "lamps/gripper/command"),
         *("training/state", "bridge/clients", "bridge/missing_nodes", "sim/status"),

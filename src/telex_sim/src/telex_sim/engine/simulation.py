@@ -28,6 +28,7 @@ from ..scene.model import WORLD_FRAME, Scene, Start
 from ..scene.objects.assembly import Assembly
 from ..scene.objects.bodies import MeshLists, SceneBodies
 from ..scene.objects.irradiation import SceneField
+from ..scene.objects.leaks import SceneGas
 from ..scene.planning import PlannedScene, Progress, plan_entry, plan_world
 from .phase_timer import PhaseTimer
 from .simulator_config import TUNED_PERIOD, RobotConfig, SimulatorConfig
@@ -106,6 +107,7 @@ class Simulation:
         # What a reset puts back: structure, steps, bodies, objects.
         self._start: Optional[Tuple[int, int, Any, Any]] = None
         self._field: Tuple[int, Optional[SceneField]] = (-1, None)
+        self._gas: Tuple[int, Optional[SceneGas]] = (-1, None)
         self._assets = Assets()
         self.robots: Tuple[Robot, ...] = ()
         self._names: Dict[int, str] = {}
@@ -490,6 +492,16 @@ class Simulation:
             made = SceneField(self.objects)
             there = None if made.empty else made
             self._field = (self.changes, there)
+        return there
+
+    @property
+    def gas(self) -> Optional[SceneGas]:
+        """The gas of the scene's leaks; None where there is none."""
+        changes, there = self._gas
+        if changes != self.changes:
+            made = SceneGas(self.objects)
+            there = None if made.empty else made
+            self._gas = (self.changes, there)
         return there
 
     def plan(self, text: str, name: str = "", folder: str = "") -> List[Assembly]:

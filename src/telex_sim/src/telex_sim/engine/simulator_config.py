@@ -15,6 +15,7 @@ from telex_control.common.params import (
     word,
 )
 
+from ..gas.sensor_config import GasSensorConfig
 from ..malfunctions.battery import BatteryConfig
 from ..proximity.proximity_config import ProximityConfig
 from ..radiation.dosimetry import DosimetryConfig
@@ -273,6 +274,7 @@ class RobotConfig(Declared):
     gripper_contact: GripperContactConfig = field(default_factory=GripperContactConfig)
     dosimetry: DosimetryConfig = field(default_factory=DosimetryConfig)
     radio: RadioConfig = field(default_factory=RadioConfig)
+    gas: GasSensorConfig = field(default_factory=GasSensorConfig)
     battery: BatteryConfig = field(default_factory=BatteryConfig)
 
     def check(self) -> None:

@@ -29,6 +29,7 @@ from ..robot.gripper.contact import GripperContact as Contact
 from ..robot.robot import Robot
 from ..scene.model import WORLD_FRAME
 from ..stability.monitor import Margin, StabilityMonitor
+from .gas_publisher import GasPublisher
 from .malfunction_service import Change, MalfunctionService
 from .radiation_publisher import RadiationPublisher
 from .radio_publisher import RadioPublisher
@@ -81,6 +82,7 @@ class RobotPresence:
         self._truth = TruthPublisher(robot)
         self._radiation = RadiationPublisher(robot)
         self._radio = RadioPublisher(robot)
+        self._gas = GasPublisher(robot)
         self.malfunctions = MalfunctionService(robot, change, now)
         self._manager = ControllerManagerServices(robot.controllers, namespace)
         self._e_stop = rospy.Subscriber(
@@ -179,6 +181,10 @@ class RobotPresence:
         """Publish the signal between robot and operator, when anybody listens."""
         self._radio.publish(simulation, stamp)
 
+    def publish_gas(self, simulation: Simulation, stamp: rospy.Time) -> None:
+        """Publish what the robot's sensor smells, where something leaks."""
+        self._gas.publish(simulation, stamp)
+
     def publish_base_pose(self, stamp: rospy.Time) -> None:
         """Publish where the root link is, when anybody listens."""
         if not self._base_pose.get_num_connections():
@@ -249,6 +255,7 @@ class RobotPresence:
         self._truth.close()
         self._radiation.close()
         self._radio.close()
+        self._gas.close()
         self.malfunctions.close()
         self.robot.close()
 

@@ -525,6 +525,7 @@ class SimulatorNode:
                 presence.publish_truth(simulation, self._now(), self._resets)
         self._publish_radiation()
         self._publish_radio()
+        self._publish_gas()
         simulation.timer.end("publish")
         self._publish_proximity()
         simulation.timer.end("proximity")
@@ -539,6 +540,7 @@ class SimulatorNode:
         for presence in self._presences:
             presence.publish_radiation(self._simulation, self._now())
             presence.publish_radio(self._simulation, self._now())
+            presence.publish_gas(self._simulation, self._now())
             presence.malfunctions.publish()
             presence.malfunctions.publish_battery()
 
@@ -570,6 +572,12 @@ class SimulatorNode:
             rate = presence.robot.config.radio.rate
             if rate and steps % self._steps_between(rate) == 0:
                 presence.publish_radio(self._simulation, self._now())
+
+    def _publish_gas(self) -> None:
+        steps = self._simulation.steps
+        for presence in self._presences:
+            if steps % self._steps_between(presence.robot.config.gas.rate) == 0:
+                presence.publish_gas(self._simulation, self._now())
 
     def _publish_proximity(self) -> None:
         steps = self._simulation.steps

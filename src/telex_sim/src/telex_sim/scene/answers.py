@@ -1,4 +1,4 @@
-"""Right answers of charts and pipes, for whoever judges an operator."""
+"""Right answers of charts, pipes and leaks, for whoever judges an operator."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from typing import Any, Dict, Mapping, Tuple
 
 from telex_control.common.params import ConfigError, read_struct
 
+from .library.accelerator.vacuum import FlangeLine
 from .library.building.signs import Chart
 from .library.tasks.panels import InspectionPipes
 from .textures.optotypes import chart_rows
@@ -24,18 +25,19 @@ DIRECTIONS: Dict[int, str] = {
 
 
 def answers(entry: Mapping[str, Any]) -> Tuple[Tuple[str, ...], ...]:
-    """Where the characters of an object open, as one sees them.
+    """What is to be read on an object: where its characters open, as one sees them.
 
     Parameters
     ----------
     entry : mapping
-        Of a scene file's ``objects``: a ``chart`` or ``inspection_pipes``.
+        Of a scene file's ``objects``: a ``chart``, ``inspection_pipes`` or a ``flange_line``.
 
     Returns
     -------
     tuple of tuple of str
         Of a chart: its rows from above, each from left to right. Of pipes: one row, in the order in
-        which they are built: of a star the middle one first.
+        which they are built: of a star the middle one first. Of a line of flanges: the number of
+        that which leaks, 0 where none does.
 
     Raises
     ------
@@ -51,4 +53,6 @@ def answers(entry: Mapping[str, Any]) -> Tuple[Tuple[str, ...], ...]:
         return tuple(tuple(DIRECTIONS[angle] for angle in row.angles) for row in rows)
     if kind == "inspection_pipes":
         return (tuple(DIRECTIONS[angle] for angle in read_struct(InspectionPipes, values).gaps()),)
-    raise ConfigError(f"type is '{kind}'; chart or inspection_pipes can be read")
+    if kind == "flange_line":
+        return ((str(read_struct(FlangeLine, values).leaking()),),)
+    raise ConfigError(f"type is '{kind}'; chart, inspection_pipes or flange_line can be read")

@@ -217,6 +217,30 @@ class Source:
 
 
 @dataclass(frozen=True)
+class Leak:
+    """A point at which gas comes out.
+
+    Attributes
+    ----------
+    flow : float
+        m3/s.
+    position : tuple of 3 floats
+        In its link (m).
+    drift : tuple of 3 floats
+        Velocity of the air around it, along the axes of its link (m/s).
+    """
+
+    flow: float
+    position: Vector3 = ORIGIN
+    drift: Vector3 = ORIGIN
+
+    def __post_init__(self) -> None:
+        require_range(self, "flow", maximum=LARGEST, above=0.0)
+        _require_vector(self, "position")
+        _require_vector(self, "drift")
+
+
+@dataclass(frozen=True)
 class Link:
     """A rigid body of an object.
 
@@ -231,6 +255,8 @@ class Link:
         m; keeps round things from rolling, and from spinning, for ever.
     source : Source, optional
         That it carries.
+    leak : Leak, optional
+        That it has.
     """
 
     name: str
@@ -239,6 +265,7 @@ class Link:
     friction: float = 1.0
     rolling_friction: float = 0.0
     source: Optional[Source] = None
+    leak: Optional[Leak] = None
 
     def __post_init__(self) -> None:
         require_name(self.name, "name of a link")

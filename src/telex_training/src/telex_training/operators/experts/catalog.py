@@ -21,6 +21,7 @@ EXPERTS: Dict[str, Expert] = {
     "hurdle": driving_exercises.over_hurdle,
     "incline": driving_exercises.incline,
     "inspect": mounted_exercises.inspect,
+    "leak_search": reading.leak_search,
     "maze": reading.maze,
     "pallet": handling_exercises.pallet,
     "radio_range": reading.radio_range,

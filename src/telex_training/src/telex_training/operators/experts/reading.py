@@ -1,4 +1,4 @@
-"""Exercises of reading: the expert is told what stands on the charts."""
+"""Exercises of reading and searching: the expert is told what stands there, and where it is."""
 
 from __future__ import annotations
 
@@ -26,6 +26,10 @@ _BEFORE_GAP, _BEHIND_GAP = 1.4, 2.6
 """From where a gap is driven through straight on, and where its chart is read (m)."""
 _LAST_LOOK = (3.3, 0.95)
 """How far before the last chart it is read, and how far aside: in line with the last gap (m)."""
+
+_BESIDE_LINE, _AHEAD = 0.6, 0.8  # m, of the robot from the flanges, and of its tool before it
+_SMELLING = 0.2
+"""Speed at which the sensor follows the gas (m/s)."""
 
 
 def acuity(hand: Hand, brief: Brief) -> None:
@@ -93,6 +97,21 @@ def radio_range(hand: Hand, brief: Brief) -> None:
         station.port.answer(question, answer)
     way = [point for leg in legs for point in leg]
     driving.follow(station, [*reversed(way[:-1]), (0.0, 0.0)], _BY_RADIO)
+
+
+def leak_search(hand: Hand, brief: Brief) -> None:
+    """Drive along the line of flanges with the sensor beside it, and tell the one that leaks."""
+    station = hand.station
+    station.hold_preset("folded")
+    entry = brief.entries["line"]
+    x, y = entry["position"][:2]
+    half = 0.5 * int(entry["flanges"]) * float(entry["spacing"])
+    aside = y - _BESIDE_LINE
+    driving.run_to(station, (x - half - 1.0, aside), _SMELLING, heading=0.0)
+    driving.run_to(station, (x + half - _AHEAD, aside), _SMELLING, heading=0.0)
+    station.stop()
+    station.wait(_LOOK)
+    station.port.answer("leak", brief.answers["leak"])
 
 
 def _way(passages: AbstractSet[Passage], start: Cell, goal: Cell) -> List[Cell]:

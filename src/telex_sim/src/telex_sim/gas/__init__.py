@@ -1,0 +1,1 @@
+"""Gas that leaks, and the sensor that smells it."""
