@@ -147,3 +147,5 @@ def test_where_nothing_passes_an_operator_gives_up(far: Any, tmp_path: Path) -> 
     with pytest.raises(NotManagedError, match="nothing has passed"):
         there.port.answer("label", "left")
     assert there.arrived == []
+    with pytest.raises(NotManagedError, match="nothing has come"):
+        there.port.observe()

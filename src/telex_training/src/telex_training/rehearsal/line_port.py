@@ -90,7 +90,8 @@ class LineTeleop(OfflineTeleop):
     ) -> None:
         self._hear = hear
         self._line, self._setting = Line(random), setting
-        self._since, self._looked = robot.simulation.time, -math.inf
+        self._since = self._seen_at = robot.simulation.time
+        self._looked = -math.inf
         self._line.configure(setting.fields, self._since)
         self._queue: LineQueue[Command] = LineQueue(self._line)
         self._seen: Deque[Observation] = collections.deque()
@@ -103,7 +104,11 @@ class LineTeleop(OfflineTeleop):
             return newest
         self._seen.append(newest)
         now = newest.time
-        if not self._line.in_outage(now):
+        if self._line.in_outage(now):
+            if now - self._seen_at > _DOWN:
+                raise NotManagedError(f"nothing has come by the line for {_DOWN:g} s")
+        else:
+            self._seen_at = now
             shown = now - self._line.fields.delay
             while len(self._seen) > 1 and self._seen[1].time <= shown:
                 self._seen.popleft()
