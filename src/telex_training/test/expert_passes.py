@@ -37,6 +37,7 @@ LAST_STEPS = {
     "pallet": "lift by 12 cm and hold",
     "radio_range": "chart 1",
     "rails": "at the far end",
+    "rotate": "cap 1",
     "slalom": "turn",
     "stepfield": "behind it",
     "touch": "dot 2",

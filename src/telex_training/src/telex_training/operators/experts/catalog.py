@@ -26,6 +26,7 @@ EXPERTS: Dict[str, Expert] = {
     "pallet": handling_exercises.pallet,
     "radio_range": reading.radio_range,
     "rails": driving_exercises.over_rails,
+    "rotate": panel_exercises.rotate,
     "slalom": driving_exercises.slalom,
     "source_to_pot": handling_exercises.source_to_pot,
     "stairs": driving_exercises.over_stairs,

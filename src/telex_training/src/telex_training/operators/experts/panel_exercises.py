@@ -1,4 +1,4 @@
-"""Exercises of the arm at task panels: dots to touch, caps and plugs to pull out."""
+"""Exercises of the arm at task panels: dots to touch, caps to turn, caps and plugs to pull out."""
 
 from __future__ import annotations
 
@@ -31,6 +31,16 @@ and the gripper's camera sees it."""
 _CORNER = (0.040, 0.0, 0.022)  # m, in the frame of a tool that is not rolled
 _PRESS = 0.006
 """How far a block is pushed in (m)."""
+
+_BAR = 0.155
+"""Of the tool before the panel's origin (m): the fingertips reach over the bar of a cap, and stay
+off its disc."""
+_BAR_FORCE = 30.0  # N
+_BAR_OPENING = 0.12  # rad
+_PART, _PARTS = 0.34 * math.pi, 3
+"""A cap's half turn is made in parts (rad), and the bar gripped anew for each: contacts that last
+keep the direction of their forces, so that a hand which turns far with what it holds presses on it
+from aside."""
 
 _RIM = 0.06  # m, of the caps' holes before the panel's origin
 _HOLD = 0.078
@@ -72,6 +82,32 @@ def touch(hand: Hand, brief: Brief) -> None:
         hand.to(at(dot, _BEFORE), tolerance=0.005)
         hand.to(at(dot, -_PRESS), tolerance=0.003)
         hand.to(at(dot, _BEFORE), tolerance=0.02)
+
+
+def rotate(hand: Hand, brief: Brief) -> None:
+    """Take one cap after the other across its bar, and turn it by rolling the hand."""
+    station = hand.station
+    station.mode("CARTESIAN")
+    entry = brief.entries["panel"]
+    stand_before(hand, entry, _BAR + _REACH, _CAP_OPENING)
+    for cap in columns(int(entry.get("count", 5))):
+        # What turns against friction pushes the robot a little, and the arm is stiff.
+        here = seen_from_base(hand, entry) @ homogeneous(np.eye(3), (0.0, cap, entry["height"]))
+
+        def at(before: float, turned: float, here: np.ndarray = here) -> np.ndarray:
+            """Tool so far (m) before its grip at the cap, rolled as it has turned (rad)."""
+            roll = rotation_from_rpy((-turned, 0.0, 0.0))
+            return here @ homogeneous(roll, (-_BAR - before, 0.0, 0.0))
+
+        hand.to(at(_BEFORE, 0.0), tolerance=0.01)
+        hand.to(at(0.0, 0.0), tolerance=0.002)
+        for part in range(1, _PARTS + 1):
+            hand.grip(_BAR_FORCE)
+            hand.to(at(0.0, part * _PART), tolerance=0.008)
+            hand.open(_BAR_OPENING)
+        hand.to(at(_BEFORE, _PARTS * _PART), tolerance=0.02)
+        # Back as it came: from half a turn, the shortest way may be the other one.
+        hand.to(at(_BEFORE, 0.5 * _PARTS * _PART), tolerance=0.02)
 
 
 def extract_place(hand: Hand, brief: Brief) -> None:

@@ -213,7 +213,7 @@ class RotatePanel(ObjectType):
         for index, at in enumerate(columns(self.count)):
             middle = (-PLATE - 0.5 * base, at, self.height)
             panel.append(cylinder(0.045, base, middle, look.LIGHT_PAINT, LYING_X))
-            for mark, surface in ((0.055, look.GREEN_PAINT), (-0.055, look.RED_PAINT)):
+            for mark, surface in ((0.055, look.RED_PAINT), (-0.055, look.GREEN_PAINT)):
                 panel.append(
                     box(
                         (0.002, 0.008, 0.016),
