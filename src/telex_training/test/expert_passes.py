@@ -39,6 +39,7 @@ LAST_STEPS = {
     "rails": "at the far end",
     "rotate": "cap 1",
     "slalom": "turn",
+    "source_to_pot": "close the lid",
     "stepfield": "behind it",
     "touch": "dot 2",
     "valve": "a half",
