@@ -268,7 +268,8 @@ class Declared:
 
     def __post_init__(self) -> None:
         """Check every field alone, then those with limits by other fields, then `check`."""
-        declared = _declarations(type(self))
+        kind: type = type(self)
+        declared = _declarations(kind)
         for stage in (_CHECK, _CHECK_WITH_OTHERS):
             for name, metadata in declared.items():
                 if stage in metadata:
