@@ -72,6 +72,15 @@ def _shortened(exercise: Exercise) -> Exercise:
     if name == "maze":
         until = {"event": {"name": "answer", "count": QUESTIONS[name]}}
         return replace(exercise, steps=(Step("read", read_condition(until, "until")),))
+    if name == "radiation_survey":
+        assert exercise.survey is not None
+        survey = replace(exercise.survey, points=exercise.survey.points[:3])
+        until = read_condition(
+            {"inside": {"what": survey.what, "zone": survey.points[-1]}}, "until"
+        )
+        metrics = tuple(each for each in exercise.metrics if each.name != "answers")
+        steps = (Step("past three points", until),)
+        return replace(exercise, survey=survey, questions=(), metrics=metrics, steps=steps)
     if name not in LAST_STEPS:
         return exercise
     names = [step.name for step in exercise.steps]

@@ -24,6 +24,7 @@ EXPERTS: Dict[str, Expert] = {
     "leak_search": reading.leak_search,
     "maze": reading.maze,
     "pallet": handling_exercises.pallet,
+    "radiation_survey": driving_exercises.radiation_survey,
     "radio_range": reading.radio_range,
     "rails": driving_exercises.over_rails,
     "rotate": panel_exercises.rotate,

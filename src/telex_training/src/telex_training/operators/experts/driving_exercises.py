@@ -1,4 +1,4 @@
-"""Exercises of driving: slalom, confinement, gap, hurdle, stairs, ramps, rails, posts."""
+"""Exercises of driving: slalom, confinement, gap, hurdle, stairs, ramps, rails, posts, survey."""
 
 from __future__ import annotations
 
@@ -35,6 +35,9 @@ _BEHIND_POSTS = 1.5
 """How far behind the posts the robot turns (m)."""
 _BEHIND_RAMPS = 1.5
 """How far behind the last ramp the robot turns (m)."""
+_SURVEY, _FROM_LINE = 0.30, 1.0  # m/s, m
+_BEHIND_SIGN = 1.5
+"""How far behind the last sign the survey ends (m)."""
 
 
 def slalom(hand: Hand, brief: Brief) -> None:
@@ -214,6 +217,18 @@ def over_rails(hand: Hand, brief: Brief) -> None:
         driving.run_to(station, (goal, 0.0), _ON_RAILS, heading=heading)
         station.stop()
         station.wait(0.7)
+
+
+def radiation_survey(hand: Hand, brief: Brief) -> None:
+    """Along the beam line with the detector ahead, at the survey's speed, and tell the hot spot."""
+    station = hand.station
+    station.hold_preset("folded")
+    line = float(brief.entries["line"]["position"][1])
+    end = float(brief.entries["sign_10"]["position"][0]) + _BEHIND_SIGN
+    driving.run_to(station, (end, line - _FROM_LINE), _SURVEY, heading=0.0)
+    station.stop()
+    station.wait(0.5)
+    station.port.answer("hottest", brief.answers["hottest"])
 
 
 def over_posts(hand: Hand, brief: Brief) -> None:
