@@ -37,10 +37,10 @@ _BAR = 0.155
 off its disc."""
 _BAR_FORCE = 30.0  # N
 _BAR_OPENING = 0.12  # rad
-_PART, _PARTS = 0.34 * math.pi, 3
-"""A cap's half turn is made in parts (rad), and the bar gripped anew for each: contacts that last
-keep the direction of their forces, so that a hand which turns far with what it holds presses on it
-from aside."""
+_PART, _PARTS = 0.33 * math.pi, 3
+"""A cap's half turn, short of its stop, is made in parts (rad), and the bar gripped anew for each:
+contacts that last keep the direction of their forces, so that a hand which turns far with what it
+holds presses on it from aside."""
 
 _RIM = 0.06  # m, of the caps' holes before the panel's origin
 _HOLD = 0.078
