@@ -49,12 +49,11 @@ SPEED = 0.4
 def drives(hand: Hand, brief: Brief) -> None:
     """Drive ahead, with a jog of the turret all the time, and towards a pose at the end."""
     station = hand.station
+    station.drive(SPEED)
     while station.base()[0, 3] < 0.5:
-        station.port.send(Drive(SPEED, 0.0))
         station.port.send(Jog("arm_teleop", {"turret_joint": 0.1}))
         station.tick()
     while True:
-        station.port.send(Drive(SPEED, 0.0))
         station.port.send(NamedPose("ready"))
         station.tick()
 
