@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import Any, Callable, List
 
 import axe
@@ -11,6 +12,8 @@ from telex_experiments.rigs.chromium import Chromium
 
 RELEASED = "released: "
 """Begin of the line that the page logs when it lets go of what is held."""
+PATIENCE = 6.0
+"""Time (s) without any effect after which an operator presses a key anew."""
 
 
 class Page:
@@ -97,23 +100,24 @@ class ConsolePage(Page):
         )
 
     def hold(self, key: str, until: Callable[[], object], what: str) -> None:
-        """Hold a key until something is seen, as an operator: pressed anew if the page let go.
+        """Hold a key until something is seen, as an operator: pressed anew where it has no effect.
 
-        It lets go, and says so, when it stood still or its commands came too late, as may be on a
-        loaded machine.
+        On a loaded machine the page may let go, and say so, since it stood still or its commands
+        came too late; or it does not take the press of a key whose node has not told it yet how
+        fast it moves.
         """
 
         def seen() -> bool:
             if until():
                 return True
-            count = self._count_released()
-            if count > released[0]:
-                released[0] = count
+            count, now = self._count_released(), time.monotonic()
+            if count > released[0] or now > pressed[0] + PATIENCE:
+                released[0], pressed[0] = count, now
                 self.release(key)
                 self.press(key)
             return False
 
-        released = [self._count_released()]
+        released, pressed = [self._count_released()], [time.monotonic()]
         self.press(key)
         try:
             wait_until(seen, what, 15.0)
