@@ -21,6 +21,7 @@ SETTINGS = {
     "extract_place": "one_cap",
     "incline": "deg_25",
     "slalom": "cones_3",
+    "swab": "two_points",
 }
 """In place of the first."""
 

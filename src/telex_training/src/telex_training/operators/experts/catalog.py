@@ -32,6 +32,7 @@ EXPERTS: Dict[str, Expert] = {
     "source_to_pot": handling_exercises.source_to_pot,
     "stairs": driving_exercises.over_stairs,
     "stepfield": driving_exercises.over_posts,
+    "swab": panel_exercises.swab,
     "touch": panel_exercises.touch,
     "valve": mounted_exercises.valve,
 }

@@ -1,4 +1,4 @@
-"""Exercises of the arm at task panels: dots to touch, caps to turn, caps and plugs to pull out."""
+"""Exercises of the arm at panels: dots to touch, points to wipe, caps to turn, plugs to pull."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from telex_control.common.geometry.matrices import (
 from telex_sim.scene.library.shapes import TOWARDS_US
 from telex_sim.scene.library.tasks.panels import columns
 
+from .. import driving
 from ..handling import Hand, aimed
 from ..tasks.task import heading_of
 from .brief import Brief
@@ -61,6 +62,17 @@ _AWAY = 0.16
 """How far the plug is taken from its socket (m)."""
 _LINED_UP = 0.055
 """Before its place (m), the plug is still wholly out of the socket."""
+
+_SHEET_REACH = 0.85  # m, from base_link to the sheet
+_SWAB_GRIP, _SWAB_OVER = 0.18, 0.20  # m, of the tool over the swab's foot, and over that
+_SWAB_OPENING = 0.24  # rad
+_SWAB_FORCE = 40.0  # N
+_WIPE, _WIPING = 0.012, 1.3
+"""How far the stick is pressed in (m), and for how long (s)."""
+_ABOVE_SHEET, _SHEET = 0.03, 0.01
+"""Of the foot on its way to the next point, and thickness of the sheet (m)."""
+_ABOVE_RACK, _IN_TUBE = 0.16, 0.02
+"""Of the foot over the bottom of its hole, on the way there and as it is let go (m)."""
 
 
 def touch(hand: Hand, brief: Brief) -> None:
@@ -170,6 +182,49 @@ def connector(hand: Hand, brief: Brief) -> None:
     hand.to(home, tolerance=0.002)
     station.wait(1.2)
     hand.open(_PLUG_OPENING)
+
+
+def swab(hand: Hand, brief: Brief) -> None:
+    """Press the swab on one point after the other, then put it into its tube."""
+    station = hand.station
+    station.mode("CARTESIAN")
+    station.hold_preset("flat")
+    hand.to(aimed(_SHEET_REACH - 0.15, 0.0, 0.62, 0.0, 1.3), tolerance=0.03)
+    hand.open(_SWAB_OPENING)
+    driving.run_to(station, (brief.entries["sheet"]["position"][0] - _SHEET_REACH, 0.0), 0.4)
+    station.stop()
+    station.wait(0.4)
+    station.hold_preset("")
+    base = inverse(station.base())
+    x, y, z = (base @ station.object_pose("swab"))[:3, 3]
+    hand.to(aimed(x, y, z + _SWAB_GRIP + _SWAB_OVER, 0.0, _DOWN), tolerance=0.01)
+    hand.to(aimed(x, y, z + _SWAB_GRIP, 0.0, _DOWN))
+    hand.grip(_SWAB_FORCE)
+    hand.to(aimed(x, y, z + _SWAB_GRIP + _SWAB_OVER, 0.0, _DOWN), tolerance=0.01)
+    down = aimed(0.0, 0.0, 0.0, 0.0, _DOWN)[:3, :3]
+
+    def over(place: np.ndarray, height: float) -> np.ndarray:
+        """Tool with the swab's foot, as it lies in the hand now, so high (m) over a place."""
+        foot = down @ _in_hand(hand, "swab")[:3, 3]
+        return homogeneous(down, place - foot + np.array((0.0, 0.0, height)))
+
+    sheet = seen_from_base(hand, brief.entries["sheet"])
+    marks = [part["position"] for part in brief.entries["sheet"]["links"][0]["parts"][1:]]
+    for across, along, _ in marks:
+        place = (sheet @ (across, along, _SHEET, 1.0))[:3]
+        hand.to(over(place, _ABOVE_SHEET), tolerance=0.006)
+        hand.to(over(place, -_WIPE), tolerance=0.003)
+        station.wait(_WIPING)
+        hand.to(over(place, _ABOVE_SHEET), tolerance=0.01)
+    entry = brief.entries["rack"]
+    bottom = float(entry["height"]) - float(entry["depth"])
+    tube = (seen_from_base(hand, entry) @ (0.0, columns(2)[1], bottom, 1.0))[:3]
+    hand.to(over(tube, _ABOVE_RACK), tolerance=0.01)
+    station.wait(0.3)
+    hand.to(over(tube, _ABOVE_RACK), tolerance=0.0015)
+    hand.to(over(tube, _IN_TUBE), tolerance=0.003)
+    hand.open(_SWAB_OPENING)
+    hand.to(over(tube, _ABOVE_RACK), tolerance=0.03)
 
 
 def _in_hand(hand: Hand, name: str) -> np.ndarray:

@@ -9,9 +9,9 @@ from typing import Optional, Tuple
 
 from telex_control.common.params import require
 
-from ...model import SceneObject, Surface, Vector3
+from ...model import Closer, Joint, Link, Motion, ObjectModel, SceneObject, Surface, Vector3
 from .. import materials as look
-from ..object_type import ObjectType
+from ..object_type import ObjectType, single
 from ..parameters import kilograms, number, numbers, parameter, rgb
 from ..shapes import (
     LYING_X,
@@ -255,6 +255,47 @@ class Plate(ObjectType):
         return rigid("plate", mass, (part,), self.friction)
 
 
+_SWAB = (0.015, 0.17)
+"""Radius of a swab's handle, and its whole length (m)."""
+_TIP = (0.011, 0.005, 0.035)
+"""Radius of a swab's tip and of its stick, and how far it looks out of the handle (m)."""
+_TIP_MASS = 0.02  # kg
+
+
+@dataclass(frozen=True)
+class Swab(ObjectType):
+    """Swab to sample a surface with, standing on its tip, whose stick gives way into its handle."""
+
+    travel: float = number(0.025, "How far its stick gives way (m).", 0.005, 0.03)
+    preload: float = number(1.0, "Force at which it begins to give way (N).", 0.5, 20.0)
+    spring: float = number(400.0, "What each metre of that way adds (N/m).", 0.0, 1000.0)
+    mass: float = kilograms(0.1, "Of its handle (kg).")
+
+    def build(self, folder: Path) -> Tuple[SceneObject, ...]:
+        """Make it; see `ObjectType.build`."""
+        (radius, whole), (tip, stick, out) = _SWAB, _TIP
+        grip = whole - out
+        handle = (
+            cylinder(radius, grip, (0.0, 0.0, out + 0.5 * grip), look.BLUE_PAINT),
+            cylinder(1.01 * radius, 0.01, (0.0, 0.0, out + 0.01), look.WHITE, solid=False),
+        )
+        end = (
+            sphere(tip, (0.0, 0.0, tip), look.WHITE),
+            cylinder(stick, out, (0.0, 0.0, 0.5 * out), look.WOOD, solid=False),
+        )
+        slide = Joint(
+            "stick",
+            Motion.SLIDE,
+            "handle",
+            "tip",
+            upper=self.travel,
+            damping=4.0,
+            closer=Closer(self.preload, self.spring),
+        )
+        links = (Link("handle", self.mass, handle), Link("tip", _TIP_MASS, end))
+        return single(ObjectModel(links, (slide,)))
+
+
 def _laid(standing: Parts, length: float, radius: float) -> Parts:
     """Lay what stands upright along x, about the middle of its footprint."""
     return placed(standing, (-0.5 * length, 0.0, radius), LYING_X)
@@ -269,4 +310,5 @@ TYPES = {
     "sphere": Sphere,
     "wedge": Wedge,
     "plate": Plate,
+    "swab": Swab,
 }
