@@ -147,6 +147,9 @@ def extract_place(hand: Hand, brief: Brief) -> None:
 
     for number, cap in enumerate(columns(int(panel.get("count", 5)))):
         hole = columns(5)[number]
+        if number:
+            # Else the forearm, led to and fro in straight lines, winds up to its limit.
+            hand.to_named_pose("ready")
         hand.to(before(cap, _PULLED), tolerance=0.01)
         hand.to(before(cap, 0.0))
         hand.grip(_CAP_FORCE)
