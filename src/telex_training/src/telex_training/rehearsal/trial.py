@@ -306,7 +306,7 @@ class RehearsedTrial:
         self._feed(TRUTH, message)
 
     def _hear_odometry(self, message: Odometry) -> None:
-        time = self._simulation.time
+        time = self.simulation.time
         if time >= self._odometry_due:
             self._odometry_due = time + ODOMETRY_PERIOD
             self._feed(ODOMETRY, message)
