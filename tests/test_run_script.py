@@ -131,7 +131,7 @@ def test_a_token_file_that_is_gone_does_not_fail_the_start(wait_ready, monkeypat
     monkeypatch.setattr(wait_ready.rospy, "get_param", lambda *_: gone)
     monkeypatch.setattr(wait_ready.sys, "stdout", StringIO())
     wait_ready.sys.stdout.isatty = lambda: True
-    said = wait_ready.pages("/telex", "http://h:1").splitlines()
+    said = wait_ready.pages("/telex", "http://h:1", False).splitlines()
     assert [line.split()[1] for line in said] == [
         "http://h:1/?token=…",
         "http://h:1/instructor?token=…",

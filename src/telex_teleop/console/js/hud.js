@@ -89,7 +89,10 @@ export class Hud {
     if (view.dataset.signal !== String(signal !== null)) view.dataset.signal = String(signal !== null);
     if (view.dataset.link !== link) view.dataset.link = link;
     const quality = `link ${link === "unknown" ? "–" : link}`;
-    setText(byId("link-quality"), line.text === "" ? quality : `${quality}, ${line.text}`);
+    const words = byId("link-quality");
+    setText(words, line.text === "" ? quality : `${quality}, ${line.text}`);
+    // Where there is little room, all but good news is said.
+    words.dataset.plain = String(line.text === "" && (link === "good" || link === "unknown"));
     const is = (/** @type {typeof PICTURE.good} */ { age, rate }) => (video.latency ?? 0) <= age && video.rate >= rate;
     const picture = !video.live ? "lost" : is(PICTURE.good) ? "good" : is(PICTURE.fair) ? "fair" : "poor";
     if (view.dataset.picture !== picture) view.dataset.picture = picture;

@@ -163,7 +163,7 @@ def test_pictures_that_are_smaller_than_the_cameras_own_are_explained(ros, robot
 
 def test_heading_gripper_and_link_stand_over_the_picture(robot, page):
     wait_until(lambda: page.text("heading") == "090°")  # clockwise
-    wait_until(lambda: page.text("link-quality") == "link good", timeout=20.0)
+    wait_until(lambda: page.attribute("link-quality", "textContent") == "link good", timeout=20.0)
     # 0.3 rad open; 2 Nm on either finger at a lever of 0.143 m
     assert page.text("grip") == "114 mm open, force 14 N"
     robot.publish_effort("right_finger_base_joint", 2.0)
@@ -251,10 +251,10 @@ def test_the_heading_follows_as_often_as_pictures_come(robot, page):
 
 
 def test_slow_pictures_are_not_blamed_on_the_link(robot, page):
-    wait_until(lambda: page.text("link-quality") == "link good", timeout=20.0)
+    wait_until(lambda: page.attribute("link-quality", "textContent") == "link good", timeout=20.0)
     robot.publish_camera("front", rate=2)
     wait_until(lambda: page.text("picture-quality") == "picture poor")
-    assert page.text("link-quality") == "link good"
+    assert page.attribute("link-quality", "textContent") == "link good"
     assert page.attribute("view", "data-link") == "good"
     robot.publish_camera("front", rate=15)
     wait_until(lambda: page.text("picture-quality") == "picture good")
@@ -262,7 +262,7 @@ def test_slow_pictures_are_not_blamed_on_the_link(robot, page):
 
 def test_an_answer_that_is_still_to_come_makes_the_link_poor(page):
     # A page that has just been loaded may have been late itself.
-    wait_until(lambda: page.text("link-quality") == "link good", timeout=20.0)
+    wait_until(lambda: page.attribute("link-quality", "textContent") == "link good", timeout=20.0)
     page.script("""
         const send = WebSocket.prototype.send;
         WebSocket.prototype.send = function (text) {
@@ -273,10 +273,10 @@ def test_an_answer_that_is_still_to_come_makes_the_link_poor(page):
           };
         };
     """)
-    wait_until(lambda: page.text("link-quality") == "link poor")
+    wait_until(lambda: page.attribute("link-quality", "textContent") == "link poor")
     assert float(page.text("link-text").split()[1]) >= 500.0  # it is rounded
     page.script("answer()")
-    wait_until(lambda: page.text("link-quality") == "link good", timeout=20.0)
+    wait_until(lambda: page.attribute("link-quality", "textContent") == "link good", timeout=20.0)
 
 
 def test_what_moves_and_what_moves_it(robot, page):

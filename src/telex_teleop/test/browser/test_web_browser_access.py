@@ -181,6 +181,7 @@ def test_axe_finds_nothing_in_any_state(robot, page):
         page.element(f"#{button}").click()
         found[state] = axe.findings(page.script)
         page.element(f"#{state}-close").click()
+    show(page, "DRIVE", robot)
     robot.publish_sim(e_stop=True)
     robot.publish_camera("front")
     wait_until(lambda: page.element("#no-picture").is_displayed())

@@ -75,7 +75,7 @@ def test_nothing_is_found_where_all_is_well_but_what_is_beyond_the_robots_reach(
         (BEGIN + STEPS + "metrics: {answers: {}}", "metrics/answers: the exercise asks no quest"),
         (BEGIN + STEPS + "hints: [{on: gone, text: x}]", "hints[0]/on: it is 'gone'; possible"),
         (BEGIN + STEPS + "questions: [{name: a, ask: b, of: rock}]", "questions (a)/of: object"),
-        (BEGIN + STEPS + "questions: [{name: a, ask: b, of: cube}]", "type is 'cube'; chart or"),
+        (BEGIN + STEPS + "questions: [{name: a, ask: b, of: cube}]", "type is 'cube'; chart, "),
         (STEPS + "begin: {inside: {what: robot, zone: start}}", "begin: it holds already where"),
     ],
 )
