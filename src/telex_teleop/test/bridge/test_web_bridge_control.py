@@ -764,6 +764,7 @@ INSTRUCTORS_ONLY = {
 }
 NOBODYS = {
     "publish": (
+        *("tf", "tf_static"),
         *("/clock", "/tf", "/tf_static", "joint_states", "sim/status", "bridge/clients"),
         *(f"/tf2_web_republisher/{topic}" for topic in ("status", "feedback", "result")),
     ),
