@@ -39,7 +39,7 @@ function progressOf(person) {
  * @param {Node[][]} rows
  */
 function table(heads, rows) {
-  const head = element("thead", "", {}, [element("tr", "", {}, heads.map((name) => element("th", name)))]);
+  const head = element("thead", "", {}, [element("tr", "", {}, heads.map((name) => element(name === "" ? "td" : "th", name)))]);
   const body = element("tbody", "", {}, rows.map((cells) => element("tr", "", {}, cells)));
   return element("table", "", {}, [head, body]);
 }

@@ -73,9 +73,14 @@ def test_six_views_are_live_and_the_page_fits_the_window(robot, page):
     wait_until(
         lambda: state(page, "view", "picture") == "good", timeout=30.0
     )  # by its rate over 2 s
+
     # The box that the fake camera shows, in the large view, with nothing over it.
-    red, green, blue, _ = page.evaluate(f"({LARGE_VIEW_AT})(0.72, 0.5)")
-    assert red > 150 > green > blue
+    def is_orange():
+        red, green, blue, _ = page.evaluate(f"({LARGE_VIEW_AT})(0.72, 0.5)")
+        return red > 150 > green > blue
+
+    wait_until(is_orange, timeout=30.0)
+    wait_until(lambda: state(page, "link") == "up", timeout=30.0)
 
 
 def test_a_key_drives_until_it_is_let_go(robot, page):
