@@ -1,4 +1,4 @@
-"""Whether there is room for a robot where it starts, and where there is for a further one."""
+"""Room for a robot where it starts, and a place for a further one beside it."""
 
 from __future__ import annotations
 

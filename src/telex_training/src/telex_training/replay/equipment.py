@@ -1,4 +1,4 @@
-"""What radiation and malfunctions had done to a robot's cameras and lamps, by time."""
+"""Radiation and malfunctions of a robot's cameras and lamps in a recording, by time."""
 
 from __future__ import annotations
 

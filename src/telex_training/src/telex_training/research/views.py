@@ -1,4 +1,4 @@
-"""What the cameras of a rehearsed robot show, as late as everything else is seen."""
+"""Pictures of a rehearsed robot's cameras, as late as everything else is seen."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What belongs to other robots on the master: a bridge touches none of it, whoever asks."""
+"""Names of other robots on the master: a bridge touches none of them, whoever asks."""
 
 from __future__ import annotations
 
