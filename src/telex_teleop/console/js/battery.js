@@ -33,7 +33,10 @@ export class BatteryView {
     const taken = Math.max(0, -current);
     if (Number.isFinite(taken)) this._current = this._current === null ? taken : this._current + RENEWAL * (taken - this._current);
     chip.dataset.low = String(percentage < LOW);
-    setText(byId("battery-text"), chargeText(percentage, runtime(charge, this._current), this._range));
+    const minutes = runtime(charge, this._current);
+    // There is room for one of both: how far matters to who drives.
+    setText(byId("battery-text"), chargeText(percentage, this._range === null ? minutes : null, this._range));
+    chip.title = `Charge, how long it lasts at what the robot takes, and how far: ${chargeText(percentage, minutes, this._range)}`;
   }
 }
 
