@@ -29,5 +29,6 @@ export function showRobot(config, brand) {
   if (config.robots === undefined) return;
   const name = robotOf(config);
   brand.textContent = name;
+  brand.dataset.several = "true";
   document.title = `${name} · ${document.title}`;
 }

@@ -23,7 +23,7 @@ test("the simulator's own services are where the simulator is, all else is the r
 });
 
 test("a page says which robot it shows where there are several", () => {
-  const brand = /** @type {HTMLElement} */ (/** @type {unknown} */ ({ textContent: "TELEX" }));
+  const brand = /** @type {HTMLElement} */ (/** @type {unknown} */ ({ textContent: "TELEX", dataset: {} }));
   globalThis.document = /** @type {Document} */ (/** @type {unknown} */ ({ title: "Telex console" }));
   showRobot(ALONE, brand);
   assert.equal(brand.textContent, "TELEX");
