@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import zlib
 from dataclasses import dataclass, field, replace
 from typing import Dict, Optional, Tuple, TypeVar
 
@@ -387,6 +388,10 @@ class CamerasConfig(Declared):
         16,
     )
     egl_device: int = number(0, "Which graphics card, as EGL numbers them.", 0)
+
+    def seed_of(self, camera: str) -> int:
+        """Seed of a camera's noise and dirt: by its name, so that it is the same beside others."""
+        return self.seed + zlib.crc32(camera.encode())
 
     def check(self) -> None:
         """Check what concerns several of them; see `Declared.check`."""

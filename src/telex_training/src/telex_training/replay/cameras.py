@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, Sequence
 
-import rospkg
 import yaml
+
+from telex_control.common.file_catalog import package_path
 
 from .scenery import OUTSIDE_FRAME
 
@@ -29,7 +30,7 @@ _OUTSIDE: Dict[str, Any] = {
 
 def shipped_cameras() -> Dict[str, Any]:
     """Read the shipped parameters of cameras and lamps."""
-    folder = Path(rospkg.RosPack().get_path("telex_description"), "config")
+    folder = Path(package_path("telex_description"), "config")
     made: Dict[str, Any] = {}
     for name in ("cameras.yaml", "lamps.yaml"):
         made.update(yaml.safe_load((folder / name).read_text(encoding="utf-8")))

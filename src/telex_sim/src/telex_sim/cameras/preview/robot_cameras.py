@@ -7,9 +7,9 @@ from dataclasses import replace
 from typing import Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
-import rospkg
 from telex_msgs.msg import SceneDescription, ScenePoses
 
+from telex_control.common.file_catalog import package_path
 from telex_control.common.params import ConfigError
 
 from ...scene.content_store import shared_store
@@ -63,7 +63,7 @@ class RobotCameras:
                 self._context,
                 choose_quality(config.quality, self._context.info["GL_RENDERER"]),
                 replace(Lighting(), shadow_radius=config.shadow_radius),
-                rospkg.RosPack().get_path,
+                package_path,
                 shared_store(),
             )
         self._numbers: Dict[str, int] = {}
@@ -150,7 +150,7 @@ class RobotCameras:
 
     def _sensor(self, name: str, zoom: float) -> CameraSensor:
         if name not in self._sensors or self._sensors[name][0] != zoom:
-            seed = self._config.seed + sorted(self._config.cameras).index(name)
+            seed = self._config.seed_of(name)
             made = CameraSensor(self.cameras[name], zoom, seed, self._exposures[name])
             self._sensors[name] = (zoom, made)
         return self._sensors[name][1]

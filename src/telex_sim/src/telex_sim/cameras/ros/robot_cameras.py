@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import zlib
 from typing import Callable, Dict, List, Mapping
 
 import numpy as np
@@ -51,14 +50,14 @@ class RobotCameras:
                 scene_frame=f"{config.model}/{camera.frame}",
                 locate=_itself,
                 repeat_rate=config.repeat_rate,
-                seed=_seed(config, name),
+                seed=config.seed_of(name),
                 prefix=prefix,
             )
             for name, camera in sorted(config.cameras.items())
         ]
         self.frames = [stream.scene_frame for stream in self.streams]
         if config.overview is not None:
-            seed = _seed(config, OVERVIEW)
+            seed = config.seed_of(OVERVIEW)
             self._overview = Overview(config.overview, config.model, seed, prefix)
             self.streams.append(self._overview.stream)
         # Lamps of several robots have the same names.
@@ -88,11 +87,6 @@ class RobotCameras:
         """Level of each lamp, 0 (off) to 1, by its name in the scene."""
         levels = self._switches.levels(self._malfunctions.burns)
         return {f"{self._lamp}{name}": level for name, level in levels.items()}
-
-
-def _seed(config: CamerasConfig, name: str) -> int:
-    """Seed of a camera's noise and dirt: by its name, so that a replay, with others, has it too."""
-    return config.seed + zlib.crc32(name.encode())
 
 
 def _itself(frame_in_world: np.ndarray, now: float) -> np.ndarray:
