@@ -10,6 +10,9 @@ const ECHO_WITHIN = 1000; // ms in which what this page has commanded comes back
 
 const NUMBER = "std_msgs/Float64";
 
+/** Which robot this page's address asks for, and nothing else of it: its token is not for everybody. */
+const whichRobot = () => new URLSearchParams([...new URLSearchParams(location.search)].filter(([name]) => name === "robot"));
+
 export class CameraCommander {
   /**
    * @param {import("./vocabulary.js").Vocabulary} vocabulary
@@ -64,7 +67,7 @@ export class CameraCommander {
   async connected() {
     try {
       /** @type {{cameras: Record<string, {zoom_max: number | null}>}} */
-      const { cameras } = await (await fetch(ROBOT, { cache: "no-store" })).json();
+      const { cameras } = await (await fetch(`${ROBOT}?${whichRobot()}`, { cache: "no-store" })).json();
       for (const [name, { zoom_max: most }] of Object.entries(cameras)) {
         if (most === null || !Number.isFinite(most)) continue;
         this._mostZoom = Math.max(1, most);

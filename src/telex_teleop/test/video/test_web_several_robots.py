@@ -73,7 +73,12 @@ def test_the_page_is_told_of_the_robot_that_it_asks_for(bench):
         params = bench.pictures.params
         params["rosbridge/url"] = "ws://127.0.0.1:9090"
         params["/telex_b/rosbridge/url"] = "ws://127.0.0.1:9091"
+        params["cameras/cameras"] = {"head": {"zoom_max": 10.0}}
+        params["/telex_b/cameras/cameras"] = {"mast": {"zoom_max": 4.0}}
         async with bench.served() as http:
+            for robot, camera, most in (("telex", "head", 10.0), ("telex_b", "mast", 4.0)):
+                told = await (await http.get(f"/robot.json?robot={robot}")).json()
+                assert told == {"cameras": {camera: {"zoom_max": most}}}
             own = await (await http.get("/config.json")).json()
             other = await (await http.get("/config.json?robot=telex_b")).json()
             same = await (await http.get("/config.json?robot=telex")).json()
@@ -93,7 +98,7 @@ def test_the_page_is_told_of_the_robot_that_it_asks_for(bench):
 def test_a_robot_that_is_not_there_is_named(bench):
     async def check():
         async with bench.served() as http:
-            for path in ("/", "/instructor", "/config.json", "/streams", "/video"):
+            for path in ("/", "/instructor", "/config.json", "/robot.json", "/streams", "/video"):
                 async with http.get(f"{path}?robot=husky") as reply:
                     assert reply.status == 404
                     assert "husky&#x27; here; there are: telex, telex_b." in await reply.text()

@@ -93,6 +93,8 @@ class ShownRobot(NamedTuple):
     ----------
     namespace
         With slashes around it.
+    prefix
+        Of names of its nodes and their parameters; empty: they are in the server's own namespace.
     bridge
         Name of its bridge.
     line
@@ -105,6 +107,7 @@ class ShownRobot(NamedTuple):
     """
 
     namespace: str
+    prefix: str
     bridge: str
     line: Line
     gate: Gate
@@ -151,10 +154,10 @@ class VideoServer:
             on_unusable=self._report_unusable,
             on_failure=lambda topic, error: warn(f"cannot subscribe to {topic}: {error}"),
         )
-        self._first = self._show(namespace, config.rosbridge)
+        self._first = self._show(namespace, "")
         self.robots = {namespace.strip("/"): self._first}
         for name in config.robots:
-            self.robots[name] = self._show(f"/{name}/", f"/{name}/{config.rosbridge}")
+            self.robots[name] = self._show(f"/{name}/", f"/{name}/")
         self._streams: Dict[StreamViewer, str] = {}  # of operators, and their topics
         self._handlers = Handlers(config.max_upload, config.handler_timeout, warn)
         self._mounts = Mounts(self._first.gate, self._handlers, self._parameter, warn)
@@ -169,8 +172,9 @@ class VideoServer:
         """The clients of the first robot's cameras."""
         return self._first.sockets
 
-    def _show(self, namespace: str, bridge: str) -> ShownRobot:
+    def _show(self, namespace: str, prefix: str) -> ShownRobot:
         line, config = Line(Random()), self._config
+        bridge = f"{prefix}{config.rosbridge}"
         exam = Exam(_exam_rights(config, self._graph, bridge), namespace)
         exam.changed = self._review
         sockets = VideoSockets(
@@ -183,7 +187,7 @@ class VideoServer:
             exam=exam,
         )
         gate = Gate(config, namespace, self._parameter, exam, bridge)
-        return ShownRobot(namespace, bridge, line, gate, sockets)
+        return ShownRobot(namespace, prefix, bridge, line, gate, sockets)
 
     def _robot_of(self, topic: str) -> ShownRobot:
         """Return the robot to which a topic belongs; what is of none counts as the first's."""
@@ -403,9 +407,9 @@ class VideoServer:
         url = await self._parameter(f"{robot.bridge}/url")
         return _seen_from(request, url) if isinstance(url, str) else None
 
-    async def robot(self, _request: web.Request) -> web.Response:
-        """Tell pages which cameras the robot has, and how far each zooms; null: not at all."""
-        cameras = await self._parameter("cameras/cameras")
+    async def robot(self, request: web.Request) -> web.Response:
+        """Tell pages which cameras a robot has, and how far each zooms; null: not at all."""
+        cameras = await self._parameter(f"{self._asked_robot(request).prefix}cameras/cameras")
         told = {
             str(name): {"zoom_max": each.get("zoom_max") if isinstance(each, dict) else None}
             for name, each in (cameras.items() if isinstance(cameras, dict) else ())
