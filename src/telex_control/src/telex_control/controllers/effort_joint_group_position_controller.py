@@ -16,8 +16,7 @@ from ..laws.pid_reconfigure import PidSet
 from ..manager.controller import Controller
 from ..ros.node_handle import NodeHandle
 from ..urdf.joints import CONTINUOUS
-from .joint_description import joint_description
-from .joint_gravity import joint_gravity
+from .joint_description import joint_description, joint_gravity
 
 
 class _Joint(NamedTuple):

@@ -18,8 +18,7 @@ from ..manager.controller import Controller
 from ..ros.node_handle import NodeHandle
 from ..urdf.joints import CONTINUOUS
 from .joint_controller_state import JointControllerStatePublisher
-from .joint_description import joint_description
-from .joint_gravity import joint_gravity
+from .joint_description import joint_description, joint_gravity
 
 
 class JointPositionController(Controller):

@@ -15,9 +15,9 @@ from ..hardware.hardware_interface import EffortJointInterface, PositionJointInt
 from ..hardware.joint_limits import clamp
 from ..laws.pid_reconfigure import PidSet
 from ..manager.controller import Controller
+from ..manager.pending import drain
 from ..ros.node_handle import ActionGoal, NodeHandle
 from .joint_description import joint_description
-from .pending import drain
 
 
 class GripperState(NamedTuple):

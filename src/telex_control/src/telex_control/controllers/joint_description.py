@@ -1,10 +1,12 @@
-"""Lookup of joints in the robot description, for controllers."""
+"""Lookup of joints, and of what holds them, in the robot description; for controllers."""
 
 from __future__ import annotations
 
 import functools
 from typing import Dict
 
+from ..hardware.hardware_interface import RobotHW
+from ..laws.gravity import GravityError, JointGravity, gravity_of
 from ..manager.controller import ControllerInitError
 from ..ros.node_handle import NodeHandle
 from ..urdf.joints import UrdfError, UrdfJoint, joints, parse_urdf
@@ -28,6 +30,19 @@ def joint_description(root: NodeHandle, name: str) -> UrdfJoint:
             f"it has: {', '.join(described) or 'none'}"
         )
     return described[name]
+
+
+def joint_gravity(hw: RobotHW, root: NodeHandle, name: str) -> JointGravity:
+    """Return what holds the joint `name` of a robot against gravity; see `gravity_of`.
+
+    Raises
+    ------
+    ControllerInitError, ConfigError
+    """
+    try:
+        return gravity_of(hw, root).joint(name)
+    except GravityError as error:
+        raise ControllerInitError(str(error)) from error
 
 
 @functools.lru_cache(maxsize=4)

@@ -31,6 +31,7 @@ from ..laws.gravity import JointGravity
 from ..laws.pid import Pid
 from ..laws.pid_reconfigure import PidSet
 from ..manager.controller import Controller
+from ..manager.pending import drain
 from ..ros.node_handle import ActionGoal, NodeHandle, ServiceError
 from ..ros.sim_time import stamp
 from ..trajectory.path import JointPath, Track
@@ -38,9 +39,7 @@ from ..trajectory.spline import Sample
 from ..trajectory.tolerances import Tolerances, read_tolerances, with_goal
 from ..trajectory.waypoints import Bounds, TrajectoryError, check_joints, read_tracks
 from ..urdf.joints import CONTINUOUS
-from .joint_description import joint_description
-from .joint_gravity import joint_gravity
-from .pending import drain
+from .joint_description import joint_description, joint_gravity
 
 
 class _Joint(Stateful):

@@ -14,8 +14,7 @@ from ..laws.gravity import JointGravity
 from ..manager.controller import ControllerInitError
 from ..ros.node_handle import NodeHandle
 from .gripper_action_controller import GripperCommandController, GripperState
-from .joint_description import joint_description
-from .joint_gravity import joint_gravity
+from .joint_description import joint_description, joint_gravity
 
 RATIOS = (1.0, 1.0, -2.0)
 """Angles of base, middle and tip joint by the finger's angle; they keep the pads parallel."""
