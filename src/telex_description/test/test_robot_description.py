@@ -20,6 +20,7 @@ MODEL = PACKAGE / "urdf" / "telex.urdf.xacro"
 MESH_ADDRESS = "package://telex_description"
 
 CAMERAS = ("gripper", "arm", "turret", "front", "rear", "mast")
+EQUIPMENT = ("range_finder", "left_laser", "right_laser", "microphone", "left_pad", "right_pad")
 LAMPS = ("front_left", "front_right", "rear_left", "rear_right", "turret_camera", "gripper")
 SIDES = ("left", "right")
 CORNERS = [f"{end}_{side}" for end in ("front", "rear") for side in SIDES]
@@ -62,6 +63,7 @@ LINKS = (
     + [f"{camera}_camera_link" for camera in CAMERAS]
     + [f"{camera}_camera_optical_frame" for camera in CAMERAS]
     + [f"{lamp}_lamp_link" for lamp in LAMPS]
+    + [f"{each}_link" for each in EQUIPMENT]
 )
 # Drives: lower, upper (rad, m), velocity (rad/s, m/s), effort (N m, N).
 DRIVES = {

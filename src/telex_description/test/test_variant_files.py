@@ -121,6 +121,34 @@ def test_only_the_named_cameras_are_there() -> None:
     assert not [name for name in robot_of("cameras:=none").link_map if "optical_frame" in name]
 
 
+def test_only_the_declared_equipment_is_there() -> None:
+    def frames(*words: str) -> Set[str]:
+        links = set(robot_of(*words).link_map)
+        ends = ("range_finder", "laser", "proximity", "microphone", "pad")
+        return {
+            link[: -len("_link")]
+            for link in links
+            if link.endswith(tuple(f"{e}_link" for e in ends))
+        }
+
+    lasers, pads = {"left_laser", "right_laser"}, {"left_pad", "right_pad"}
+    assert frames() == {"range_finder", "microphone"} | lasers | pads
+    assert frames("six_axis") == {"microphone"} | pads
+    assert frames("inspection") == {"range_finder", "microphone"} | lasers
+    assert frames("six_axis", "equipment:=proximity range_finder") == {"range_finder", "proximity"}
+    assert not frames("equipment:=none")
+
+
+def test_the_range_finder_looks_along_the_tools_axis(standard: URDF) -> None:
+    for tool in (standard, robot_of("inspection")):
+        sensor, flange = (
+            tool.joint_map[f"{name}_link_fixed_joint"].origin for name in ("range_finder", "tool")
+        )
+        assert (sensor.rpy, flange.rpy) == ([0, 0, 0], [0, 0, 0])
+        assert sensor.xyz[1:] == flange.xyz[1:] == [0, 0]
+        assert sensor.xyz[0] <= flange.xyz[0]
+
+
 def test_payload_weighs_and_stands_where_it_is_told(standard: URDF) -> None:
     robot = robot_of("payload_mass:=6", "payload_size:=0.1 0.2 0.3", "payload_xyz:=-0.1 0 0.31")
     payload = robot.link_map["payload_link"]
