@@ -16,6 +16,7 @@ setup(
             "telex_sim.cameras.preview",
             "telex_sim.cameras.ros",
             "telex_sim.engine",
+            "telex_sim.equipment",
             "telex_sim.gas",
             "telex_sim.malfunctions",
             "telex_sim.offline",

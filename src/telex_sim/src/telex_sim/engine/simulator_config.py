@@ -15,6 +15,7 @@ from telex_control.common.params import (
     word,
 )
 
+from ..equipment.equipment_config import EquipmentConfig
 from ..gas.sensor_config import GasSensorConfig
 from ..malfunctions.battery import BatteryConfig
 from ..proximity.proximity_config import ProximityConfig
@@ -275,6 +276,7 @@ class RobotConfig(Declared):
     dosimetry: DosimetryConfig = field(default_factory=DosimetryConfig)
     radio: RadioConfig = field(default_factory=RadioConfig)
     gas: GasSensorConfig = field(default_factory=GasSensorConfig)
+    equipment: EquipmentConfig = field(default_factory=EquipmentConfig)
     battery: BatteryConfig = field(default_factory=BatteryConfig)
 
     def check(self) -> None:

@@ -105,7 +105,7 @@ class ImuErrors(Stateful):
         """Switch the sensor on anew, with the same errors as the last time."""
         noise = self._noise
         seed = zlib.crc32(f"{noise.seed} {self._name}".encode())
-        self._normal = normal = _NormalNumbers(seed)
+        self._normal = normal = NormalNumbers(seed)
         self._gyroscope = _Axes(
             normal,
             noise.gyroscope_noise_density,
@@ -219,7 +219,7 @@ class _Axes(Stateful):
         return white + self.bias_variance
 
 
-class _NormalNumbers(Stateful):
+class NormalNumbers(Stateful):
     """Normally distributed numbers, of mean 0 and variance 1, without end."""
 
     def __init__(self, seed: int) -> None:

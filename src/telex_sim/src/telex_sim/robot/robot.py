@@ -58,6 +58,12 @@ class Robot:
     figure : RobotBody
         What of it becomes a body.
     hw : RobotHWSim
+    links : tuple of str
+        Names of those of its description.
+    equipment : tuple of str
+        Names of what of `EquipmentConfig` it has.
+    has_pads : bool
+        Whether it has a gripper whose contacts are told.
     controllers : ControllerManager
     body : Body
         Once it is placed.
@@ -140,7 +146,9 @@ class Robot:
         config.proximity.check_joints(list(joints(robot)), config.hardware.optional_joints)
         links = list(robot.link_map)
         config.self_collision.check_links(links)
-        self._has_pads = config.gripper_contact.present(links, config.hardware.optional_links)
+        self.equipment = config.equipment.present(links)
+        self.links = tuple(links)
+        self.has_pads = config.gripper_contact.present(links, config.hardware.optional_links)
         # What was asked for last, and how often a stop was: each one is obeyed for a cycle at
         # least, even if its release follows at once.
         self._e_stop_wanted = False
@@ -219,7 +227,7 @@ class Robot:
         config = self.config
         self.starts += 1
         self.gripper_contacts = (
-            GripperContacts(self.body, config.gripper_contact) if self._has_pads else None
+            GripperContacts(self.body, config.gripper_contact) if self.has_pads else None
         )
         drives = {joint: self.hw.drive(joint) for joint in config.tracks.belts}
         self.tracks = Tracks(self.body, config.tracks, drives, self._step_size, self._material_of)

@@ -29,6 +29,7 @@ from ..robot.gripper.contact import GripperContact as Contact
 from ..robot.robot import Robot
 from ..scene.model import WORLD_FRAME
 from ..stability.monitor import Margin, StabilityMonitor
+from .equipment_publisher import EquipmentPublisher
 from .gas_publisher import GasPublisher
 from .malfunction_service import Change, MalfunctionService
 from .radiation_publisher import RadiationPublisher
@@ -83,6 +84,7 @@ class RobotPresence:
         self._radiation = RadiationPublisher(robot)
         self._radio = RadioPublisher(robot)
         self._gas = GasPublisher(robot)
+        self.equipment = EquipmentPublisher(robot)
         self.malfunctions = MalfunctionService(robot, change, now)
         self._manager = ControllerManagerServices(robot.controllers, namespace)
         self._e_stop = rospy.Subscriber(
@@ -201,7 +203,7 @@ class RobotPresence:
         robot = self.robot
         if not self._proximity.get_num_connections():
             return
-        near = measure(robot)
+        near = self.equipment.sensed(measure(robot))
         self._proximity.publish(
             Proximity(
                 header=Header(stamp=stamp, frame_id=robot.body.base_link),
@@ -221,6 +223,7 @@ class RobotPresence:
         contact = measure(self.robot)
         if contact is None:
             return
+        contact = self.equipment.felt(contact)
         self._gripper_contact.publish(
             GripperContact(
                 header=Header(stamp=stamp, frame_id=self.robot.body.base_link),
@@ -256,6 +259,7 @@ class RobotPresence:
         self._radiation.close()
         self._radio.close()
         self._gas.close()
+        self.equipment.close()
         self.malfunctions.close()
         self.robot.close()
 

@@ -526,6 +526,7 @@ class SimulatorNode:
         self._publish_radiation()
         self._publish_radio()
         self._publish_gas()
+        self._publish_range()
         simulation.timer.end("publish")
         self._publish_proximity()
         simulation.timer.end("proximity")
@@ -541,6 +542,7 @@ class SimulatorNode:
             presence.publish_radiation(self._simulation, self._now())
             presence.publish_radio(self._simulation, self._now())
             presence.publish_gas(self._simulation, self._now())
+            presence.equipment.publish_range(self._now())
             presence.malfunctions.publish()
             presence.malfunctions.publish_battery()
 
@@ -578,6 +580,13 @@ class SimulatorNode:
         for presence in self._presences:
             if steps % self._steps_between(presence.robot.config.gas.rate) == 0:
                 presence.publish_gas(self._simulation, self._now())
+
+    def _publish_range(self) -> None:
+        steps = self._simulation.steps
+        for presence in self._presences:
+            rate = presence.equipment.rate
+            if rate and steps % self._steps_between(rate) == 0:
+                presence.equipment.publish_range(self._now())
 
     def _publish_proximity(self) -> None:
         steps = self._simulation.steps

@@ -1,0 +1,1 @@
+"""Equipment that a variant of the robot declares: what it measures with, and where."""
