@@ -68,6 +68,10 @@ def tokens(bench, tmp_path):
             bench.pictures.params[f"{place}/{kind}"] = str(file)
 
 
+def _of(robot, name):
+    return name if robot == "telex" else f"/{robot}/{name}"
+
+
 def test_the_page_is_told_of_the_robot_that_it_asks_for(bench):
     async def check():
         params = bench.pictures.params
@@ -75,10 +79,16 @@ def test_the_page_is_told_of_the_robot_that_it_asks_for(bench):
         params["/telex_b/rosbridge/url"] = "ws://127.0.0.1:9091"
         params["cameras/cameras"] = {"head": {"zoom_max": 10.0}}
         params["/telex_b/cameras/cameras"] = {"mast": {"zoom_max": 4.0}}
+        finder = {"topic": "/telex/range_finder", "frame": "tip", "min": 0.1, "max": 4.0}
+        params["equipment"] = {"range_finder": finder}
+        params["/telex_b/equipment"] = {"microphone": {"frame": "mic"}}
+        params["/telex_b/training_aids"] = {"pads": {"topic": "/telex_b/sim/gripper_contact"}}
         async with bench.served() as http:
             for robot, camera, most in (("telex", "head", 10.0), ("telex_b", "mast", 4.0)):
                 told = await (await http.get(f"/robot.json?robot={robot}")).json()
-                assert told == {"cameras": {camera: {"zoom_max": most}}}
+                assert told["cameras"] == {camera: {"zoom_max": most}}
+                assert told["equipment"] == params[_of(robot, "equipment")]
+                assert told["training_aids"] == params.get(_of(robot, "training_aids"), {})
             own = await (await http.get("/config.json")).json()
             other = await (await http.get("/config.json?robot=telex_b")).json()
             same = await (await http.get("/config.json?robot=telex")).json()

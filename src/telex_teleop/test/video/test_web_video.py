@@ -445,11 +445,13 @@ def test_the_console_is_told_where_everything_is(bench):
 def test_pages_are_told_which_cameras_zoom(bench):
     async def check():
         async with bench.served() as url, aiohttp.ClientSession() as http:
-            assert await (await http.get(f"{url}/robot.json")).json() == {"cameras": {}}
+            nothing = {"cameras": {}, "equipment": {}, "training_aids": {}}
+            assert await (await http.get(f"{url}/robot.json")).json() == nothing
             cameras = {"front": {"rate": 25.0}, "head": {"zoom_max": 10.0}, "overview": {}}
             bench.pictures.params["cameras/cameras"] = cameras
             told = await (await http.get(f"{url}/robot.json")).json()
-            assert told == {"cameras": {"front": {"zoom_max": None}, "head": {"zoom_max": 10.0}}}
+            shown = {"front": {"zoom_max": None}, "head": {"zoom_max": 10.0}}
+            assert told == {**nothing, "cameras": shown}
 
     run(check())
 

@@ -408,14 +408,22 @@ class VideoServer:
         return _seen_from(request, url) if isinstance(url, str) else None
 
     async def robot(self, request: web.Request) -> web.Response:
-        """Tell pages which cameras a robot has, and how far each zooms; null: not at all."""
-        cameras = await self._parameter(f"{self._asked_robot(request).prefix}cameras/cameras")
+        """Tell pages what a robot has: its cameras and how far each zooms, its equipment.
+
+        A zoom of null: not at all. What the robot lacks may have a training aid in its place.
+        """
+        prefix = self._asked_robot(request).prefix
+        cameras = await self._parameter(f"{prefix}cameras/cameras")
         told = {
             str(name): {"zoom_max": each.get("zoom_max") if isinstance(each, dict) else None}
             for name, each in (cameras.items() if isinstance(cameras, dict) else ())
             if name not in self._config.hidden_cameras
         }
-        return web.json_response({"cameras": told}, headers={"Access-Control-Allow-Origin": "*"})
+        robot: Dict[str, Any] = {"cameras": told}
+        for part in ("equipment", "training_aids"):
+            found = await self._parameter(f"{prefix}{part}")
+            robot[part] = found if isinstance(found, dict) else {}
+        return web.json_response(robot, headers={"Access-Control-Allow-Origin": "*"})
 
     async def console_file(self, request: web.Request) -> web.StreamResponse:
         """Send a file of the console, or what another process has mounted."""
