@@ -112,6 +112,23 @@ function lineText({ time, profile, ...figures }) {
   return `Line: ${profile}${named.length > 0 ? ` (${named.join(", ")})` : ""}, from ${number(time, 1)} s`;
 }
 
+/**
+ * Which aids were on, in words: those of the robot's equipment first, then training aids, which stand in for what it lacks.
+ * @param {{text: string, training: boolean, seconds: number}[]} aids
+ */
+function aidsParts(aids) {
+  const named = (/** @type {boolean} */ training) => {
+    const those = aids.filter((aid) => aid.training === training);
+    return those.map(({ text, seconds }) => `${text} (${number(seconds, 0)} s)`).join(", ");
+  };
+  const parts = [element("p", `Aids that were on: ${named(false) || "none"}`, { class: "about aids" })];
+  const training = named(true);
+  if (training !== "") {
+    parts.push(element("p", `Training aids that were on, which this robot has no equipment for: ${training}`, { class: "about aids training" }));
+  }
+  return parts;
+}
+
 /** @param {any} repetition @param {number | undefined} ended sim time of its end (s) */
 function practisedRow(repetition, ended) {
   const cells = repetitionRow(repetition, 0, ended);
@@ -132,6 +149,7 @@ function show(sheet) {
   ];
   if (!sheet.valid) parts.push(element("p", `Not valid: ${sheet.invalid_because.join("; ")}`, { class: "invalid" }));
   for (const setting of sheet.link ?? []) parts.push(element("p", lineText(setting), { class: "about line" }));
+  if (sheet.aids) parts.push(...aidsParts(sheet.aids)); // a page of old tells of none
   for (const mark of sheet.marks) parts.push(element("p", `Instructor's mark: ${mark.verdict} (${mark.reason})`, { class: "about" }));
   parts.push(buttons(sheet.operator));
   if (sheet.metrics.length > 0) parts.push(table(["metric", "you", "pass", "expert"], sheet.metrics.map(metricRow)));

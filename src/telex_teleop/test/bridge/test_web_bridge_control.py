@@ -735,7 +735,7 @@ OPERATORS_OWN = {
 INSTRUCTORS_ONLY = {
     "publish": (*("cameras/overview/view", "imu", "track_controller/odom", "arm_teleop/status"),),
     "subscribe": (
-        *("sim/base_pose", "sim/scene", "sim/poses", "sim/proximity", "/rosout", "/rosout_agg"),
+        *("sim/base_pose", "sim/scene", "sim/poses", "/rosout", "/rosout_agg"),
         *("cameras/overview/image_raw/compressed", "cameras/overview/view", "/crane/sim/poses"),
         *("/crane/cameras/overview/image_raw/compressed", "/cameras/overview/image_raw"),
         *("sim/malfunctions", "/crane/sim/malfunctions"),

@@ -33,7 +33,7 @@ NEEDED = {
         *("arm_teleop/cartesian_status", "flipper_teleop/presets", "track_teleop/status"),
         *("cameras/front/image_raw/compressed", "cameras/turret/zoom", "lamps/gripper/command"),
         *("training/state", "bridge/clients", "bridge/missing_nodes", "sim/status"),
-        *("sim/stability", "sim/gripper_contact", "battery", "link/state"),
+        *("sim/stability", "battery", "link/state"),
         "battery/range",
     ],
     "call": ["training/answer", "training/again", "training/abort", "arm_teleop/set_mode"],
@@ -49,6 +49,7 @@ CLOSED = {
     "subscribe": [
         *("/tf", "/tf_static", "/rosout", "/rosout_agg", "/clock", "sim/base_pose", "sim/poses"),
         *("sim/scene", "sim/truth", "sim/truth_names", "sim/proximity", "sim/malfunctions"),
+        *("sim/range_finder", "sim/gripper_contact", "range_finder"),
         *("cameras/overview/image_raw/compressed", "cameras/overview/view", "cameras/radiation"),
         *("replay/state", "replay/joint_states", "replay/cameras/front/image_raw/compressed"),
         *("replay/sim/poses", "training/events", "training/sheet", "training/exam"),
@@ -102,6 +103,29 @@ def test_everything_else_is_closed_at_a_plain_bridge_too(exam, use, plain):
         assert not access.allows(use, full(name)), name
     exam.set("")
     assert access.allows("subscribe", "/tf")
+
+
+FINDER, PADS = "/telex/range_finder", "/telex/sim/gripper_contact"
+EQUIPMENT = {"range_finder": {"topic": FINDER}, "laser_dots": {"max": 8.0}}
+
+
+@pytest.mark.parametrize("plain", [False, True])
+def test_only_the_topics_of_equipment_are_left_of_aids(exam, plain):
+    access = access_in(exam, plain=plain)
+    exam.equip(EQUIPMENT)
+    assert access.allows("subscribe", FINDER)
+    assert not access.allows("publish", FINDER)
+    for topic in (PADS, "/telex/sim/range_finder", "/telex/sim/proximity"):
+        assert not access.allows("subscribe", topic), topic
+    exam.equip({"pads": {"topic": PADS}})
+    assert access.allows("subscribe", PADS)
+    assert not access.allows("subscribe", FINDER)
+    exam.set("")
+    assert access.allows("subscribe", "/telex/sim/proximity")
+    exam.set(TRIAL)
+    for nothing in (None, "x", [PADS], {"pads": PADS}, {"pads": {"topic": [PADS]}}):
+        exam.equip(nothing)
+        assert not access.allows("subscribe", PADS)
 
 
 def test_nobody_publishes_what_tells_of_exams_whatever_a_file_says():
@@ -302,6 +326,32 @@ async def test_the_list_holds_from_the_training_nodes_word_until_its_next():
         await wait_until_async(lambda: ros.exams[-1] == TRIAL)
         assert await asks(http, f"{url}?role=instructor&token=teacher", "bridge/end_exam")
         await wait_until_async(lambda: ros.exams[-1] == "")
+    assert warnings == []
+
+
+@on_loop
+async def test_what_the_robot_has_stays_subscribed_when_the_list_begins():
+    ros, warnings = FakeRos(), []
+    app = bridge(ros, warnings)
+
+    def heard():
+        return [event[1] for event in ros.events if event[0] == "subscribe"]
+
+    async with served(app.make_app(), "ws") as url, aiohttp.ClientSession() as http:
+        await wait_until_async(lambda: "/telex/training/exam" in ros.receivers)
+        async with http.ws_connect(url) as socket:
+            for topic in (FINDER, PADS):
+                ask = {"op": "subscribe", "topic": topic, "type": "std_msgs/String", "id": topic}
+                await socket.send_json(ask)
+            await wait_until_async(lambda: {FINDER, PADS} <= set(heard()))
+            ros.params["/telex/equipment"] = EQUIPMENT  # the simulator has come meanwhile
+            ros.receivers["/telex/training/exam"](String(TRIAL), "/telex/training")
+            said = await socket.receive_json(timeout=5)
+            assert said["msg"].startswith(f"unsubscribed: {PADS} is closed")
+            ros.receivers[FINDER](String("1.5"), None)
+            assert (await socket.receive_json(timeout=5))["topic"] == FINDER
+        ros.receivers["/telex/training/exam"](String(""), "/telex/training")
+        await wait_until_async(lambda: ros.exams[-1:] == [""] and not app.shared.exam.trial)
     assert warnings == []
 
 

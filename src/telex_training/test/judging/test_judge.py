@@ -9,10 +9,12 @@ import struct
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from std_msgs.msg import String
 from telex_msgs.msg import BridgeClient, BridgeClients, JointTeleopStatus, TruthSample
 from training_truth import LEVEL, SCENE, Trial, exercise, serialized
 
 from telex_sim.offline.simulation import robot_description
+from telex_training.command_lines.score import sheet_report
 from telex_training.judging.entries import BadEntryError, Entry
 from telex_training.judging.judge import Judge
 from telex_training.judging.moments import MomentNote, moment_note, moment_notes
@@ -574,6 +576,63 @@ def test_what_the_operator_did_is_counted():
     assert made["dead_man"] == {"e-stop": 1, "focus lost": 1}
     # Two seconds without a command, of which the last one before held for 0.3 s; and in the end.
     assert made["metrics"]["idle"] == pytest.approx(1.7, abs=0.1)
+
+
+def tell(trial, **shown):
+    text = json.dumps({"view": "arm", **shown})
+    return trial.feed("console/telemetry", "std_msgs/String", serialized(String(text)))
+
+
+def test_the_sheet_says_which_aids_were_on_and_for_how_long():
+    trial = ready(mode="exam")
+    tell(trial, aids={"tool_range": False, "proximity": True, "of_my_own": False})
+    trial.drive(1.0)
+    trial.seconds(2.0)
+    tell(trial)  # a page that says nothing of aids has changed none
+    tell(trial, aids={"tool_range": False})
+    trial.seconds(1.0)
+    sheet = trial.judge.sheet()
+    assert sheet["valid"]
+    found = {each["name"]: each for each in sheet["aids"]}
+    assert sorted(found) == ["of_my_own", "proximity", "tool_range"]
+    assert found["proximity"]["training"] is True
+    assert found["proximity"]["text"] == "distances to what is near the arm"
+    assert found["of_my_own"]["text"] == "of my own"
+    longer = found["tool_range"]["seconds"] - found["proximity"]["seconds"]
+    assert longer == pytest.approx(1.0, abs=0.05)
+    text = sheet_report(sheet, "t1", [])
+    assert "training aid on: distances to what is near the arm," in text
+    assert "\n  aid on: range to what the tool points at," in text
+
+
+def test_a_page_without_aids_leaves_no_word_of_them_and_one_with_none_says_so():
+    trial = ready()
+    tell(trial)
+    trial.drive(1.0)
+    assert "aids" not in trial.judge.sheet()
+    tell(trial, aids={})
+    trial.seconds(1.0)
+    assert trial.judge.sheet()["aids"] == []
+
+
+@pytest.mark.parametrize(
+    "aids",
+    [
+        ["horizon"],
+        None,
+        {"horizon": 1},
+        {"horizon": None},
+        {"": True},
+        {"Two words": True},
+        {"a" * 41: True},
+        {f"a{i}": True for i in range(41)},
+    ],
+)
+def test_aids_that_cannot_be_are_refused(aids):
+    trial = ready()
+    (event,) = tell(trial, aids=aids)
+    assert event.event == "invalid"
+    assert event.name.startswith("console/telemetry: aids")
 
 
 def test_contacts_forces_and_impulses():

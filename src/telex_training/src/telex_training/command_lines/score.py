@@ -133,6 +133,12 @@ def _line(setting: Dict[str, Any]) -> str:
     return f"{setting['profile']} at {setting['time']:.1f} s" + (f": {shown}" if shown else "")
 
 
+def _aid(aid: Dict[str, Any]) -> str:
+    """Say which aid was on, for how long, and what it was."""
+    kind = "training aid" if aid["training"] else "aid"
+    return f"{kind} on: {aid['text']}, {aid['seconds']:.1f} s"
+
+
 def sheet_report(sheet: Dict[str, Any], name: str, remarks: Sequence[str]) -> str:
     """Write a sheet for people."""
     summary = sheet["summary"]
@@ -148,6 +154,7 @@ def sheet_report(sheet: Dict[str, Any], name: str, remarks: Sequence[str]) -> st
     ]
     lines += [f"  not valid: {reason}" for reason in sheet["invalid_because"]]
     lines += [f"  line {_line(setting)}" for setting in sheet.get("link", [])]
+    lines += [f"  {_aid(aid)}" for aid in sheet.get("aids", [])]
     lines += [f"  {_metric(item)}" for item in sheet["metrics"]]
     for number, rep in enumerate(sheet["repetitions"], 1):
         fault = rep["fault"] or "completed"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import Any, Dict, List, Optional
 
+from .aids import AidRecord
 from .entries import BadEntryError, Entry, decode, json_of, number_field, text_field, text_of
 from .stats import median, percentile
 
@@ -62,9 +63,16 @@ def asks_for_motion(entry: Entry) -> bool:
 
 
 class ActivityRecord:
-    """Counts of the present repetition, of states that last beyond it."""
+    """Counts of the present repetition, of states that last beyond it.
+
+    Attributes
+    ----------
+    aids : AidRecord
+        Of the whole trial.
+    """
 
     def __init__(self) -> None:
+        self.aids = AidRecord()
         self._command: Optional[float] = None
         self._active: Dict[str, bool] = {}
         self._mode = self._view = ""
@@ -125,9 +133,11 @@ class ActivityRecord:
         """Hear what the console shows; returns the event "camera" when the main view changed.
 
         JSON: ``view`` (name of the camera of the main view), ``picture_age`` (s), ``released`` (why
-        the console let go of the keys since its last message); further keys are for others.
+        the console let go of the keys since its last message), ``aids`` (see `AidRecord`); further
+        keys are for others.
         """
         content = json_of(entry)
+        self.aids.hear(content)
         view = text_field(content, "view", self._view)
         if "picture_age" in content:
             age = number_field(content, "picture_age")

@@ -268,6 +268,7 @@ class Judge:
             # It was on its way when the apparatus was put back.
             return
         self._trial_time += span
+        self._activity.aids.pass_time(span)
         if self.phase == WAITING:
             if repetition.wait():
                 self.phase = RUNNING
@@ -686,6 +687,7 @@ class Judge:
         return sheets.rounded(
             {
                 **link,
+                **self._activity.aids.sheet(),
                 "format": sheets.FORMAT,
                 "exercise": {
                     "name": exercise.name,

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from typing import Callable
+from typing import Callable, Optional
 
 from std_msgs.msg import String
 
-from ..exam.exam_list import BRIDGE_TOPIC, PARAMETER, TRAINING_TOPIC
+from ..exam.exam_list import BRIDGE_TOPIC, EQUIPMENT, PARAMETER, TRAINING_TOPIC
 from .protocol.compression import TopicMessage
 from .protocol.operations import OperationError
 from .session import Shared
+
+_PATIENCE = 1.0
+"""Time (s) that the list waits to be told what the robot has."""
 
 
 class ExamWatch:
@@ -34,6 +37,9 @@ class ExamWatch:
         self._exam = shared.exam
         self._parameter = shared.ros.resolve(f"~{PARAMETER}")
         self._changed = asyncio.Event()
+        self._heard = ""
+        self._asking: Optional[asyncio.Future[None]] = None
+        self._exam.equip(self._equipment())
         with contextlib.suppress(KeyError):
             self._exam.set(shared.ros.get_param(self._parameter))
         self._review, self._exam.changed = self._exam.changed, self._note
@@ -42,9 +48,28 @@ class ExamWatch:
         self._review()
         self._changed.set()
 
+    def _equipment(self) -> object:
+        """What the robot has; None where nobody says. Blocks."""
+        ros = self._shared.ros
+        with contextlib.suppress(KeyError, OSError):
+            return ros.get_param(ros.resolve(EQUIPMENT))
+        return None
+
     def deliver(self, message: TopicMessage) -> None:
-        """Hear the training node."""
-        self._exam.set(message.message.data)
+        """Hear the training node; the list begins once it is known what the robot has."""
+        self._heard = message.message.data
+        if self._heard:
+            self._asking = asyncio.ensure_future(self._begin(self._heard))
+        else:
+            self._exam.set("")
+
+    async def _begin(self, trial: str) -> None:
+        # Whatever the master does meanwhile: what was known before holds else.
+        with contextlib.suppress(Exception):
+            asked = self._shared.worker.submit(self._equipment)
+            self._exam.equip(await asyncio.wait_for(asked, _PATIENCE))
+        if self._heard == trial:  # and not ended meanwhile
+            self._exam.set(trial)
 
     async def run(self) -> None:
         """Publish until cancelled."""

@@ -7,7 +7,7 @@ until the training node or an instructor ends it, whoever crashes meanwhile.
 
 from __future__ import annotations
 
-from typing import Callable
+from typing import Callable, FrozenSet
 
 from ..rights import ExamRights, NamePatterns
 
@@ -20,11 +20,17 @@ BRIDGE_TOPIC = "bridge/exam"
 PARAMETER = "exam"
 """Private parameter of the bridge that says the same, for those who start during an exam."""
 
+EQUIPMENT = "equipment"
+"""Parameter in the robot's namespace: what its variant declares, of which each may have a topic."""
+
 _LONGEST = 250
 
 
 class Exam:
     """What may be used while an exam runs, and whether one does.
+
+    Beside the list, the topics of the robot's equipment may be heard, and no others for what it
+    lacks.
 
     Parameters
     ----------
@@ -46,7 +52,14 @@ class Exam:
             use: NamePatterns(patterns, namespace) for use, patterns in vars(rights).items()
         }
         self.trial = ""
+        self._equipment: FrozenSet[str] = frozenset()
         self.changed: Callable[[], None] = lambda: None
+
+    def equip(self, equipment: object) -> None:
+        """Take what the robot has, as the parameter `EQUIPMENT` tells it; else it has nothing."""
+        pieces = equipment.values() if isinstance(equipment, dict) else ()
+        topics = (piece.get("topic") for piece in pieces if isinstance(piece, dict))
+        self._equipment = frozenset(topic for topic in topics if isinstance(topic, str))
 
     def set(self, trial: object) -> None:
         """Let the exam of a trial begin, or none; what is no text means none."""
@@ -57,7 +70,9 @@ class Exam:
 
     def allows(self, use: str, name: str) -> bool:
         """Tell whether a name may be used in this way now; see `ExamRights` for the uses."""
-        return not self.trial or self._lists[use].match(name)
+        if not self.trial or (use == "subscribe" and name in self._equipment):
+            return True
+        return self._lists[use].match(name)
 
     @staticmethod
     def refusal(use: str, name: str) -> str:

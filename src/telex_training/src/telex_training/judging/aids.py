@@ -1,0 +1,85 @@
+"""Aids that the operator's page drew, as it told by its telemetry: which, and for how long."""
+
+from __future__ import annotations
+
+import re
+from typing import Any, Dict, List
+
+from .entries import BadEntryError
+
+FIELD = "aids"
+"""Of the telemetry: a struct of names, true for a training aid."""
+WORDS = {
+    "compass": "compass",
+    "contact_marks": "marks of contact and slip",
+    "finger_gap": "gap of the fingers at the object",
+    "guard": "guard that stops the arm before what is near",
+    "horizon": "horizon",
+    "laser_dots": "laser dots",
+    "plan": "plan of where the robot was",
+    "proximity": "distances to what is near the arm",
+    "sound": "sound",
+    "tool_line": "aim line of the tool",
+    "tool_range": "range to what the tool points at",
+    "track_guides": "guide lines of the tracks",
+    "zoom": "zoom factor",
+}
+"""What aids are called on the sheet; another one by its own name."""
+_NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
+_MOST = 40
+
+
+class AidRecord:
+    """Sums for how long each aid was on while something was judged."""
+
+    def __init__(self) -> None:
+        self._on: Dict[str, bool] = {}
+        self._told = False
+        self._seconds: Dict[str, Dict[bool, float]] = {}
+
+    def hear(self, content: Dict[str, Any]) -> None:
+        """Hear the telemetry of a page; one that says nothing of aids changes nothing.
+
+        Raises
+        ------
+        BadEntryError
+        """
+        if FIELD not in content:
+            return
+        aids = content[FIELD]
+        if not isinstance(aids, dict) or len(aids) > _MOST:
+            raise BadEntryError(
+                f"{FIELD} is {str(aids)[:40]!r}; a struct of at most {_MOST} names is needed"
+            )
+        for name, training in aids.items():
+            if not _NAME.fullmatch(name) or not isinstance(training, bool):
+                raise BadEntryError(
+                    f"{FIELD}/{name[:40]} is {str(training)[:40]!r}; a name of letters, digits and "
+                    "_, and true for a training aid or false, is needed"
+                )
+        self._told = True
+        self._on = dict(aids)
+
+    def pass_time(self, span: float) -> None:
+        """Let time pass (s) that counts."""
+        for name, training in self._on.items():
+            known = self._seconds.setdefault(name, {})
+            known[training] = known.get(training, 0.0) + span
+
+    def sheet(self) -> Dict[str, List[Dict[str, Any]]]:
+        """Return what the sheet says of it; nothing where no page told of aids."""
+        if not self._told:
+            return {}
+        return {
+            FIELD: [
+                {
+                    "name": name,
+                    "text": WORDS.get(name, name.replace("_", " ")),
+                    "training": training,
+                    "seconds": seconds,
+                }
+                for name, kinds in sorted(self._seconds.items())
+                for training, seconds in sorted(kinds.items())
+                if seconds > 0.0
+            ]
+        }
