@@ -89,6 +89,7 @@ class ToolOperator:
         self.names = topics.publisher("arm_teleop/named_pose_cmds", String)
         self.speed = topics.publisher("arm_teleop/speed_scale", Float64)
         self.e_stop = topics.publisher("e_stop", Bool)
+        self.exam = topics.publisher("bridge/exam", String)
         self.status = topics.heard("arm_teleop/status", JointTeleopStatus)
         self.cartesian = topics.heard("arm_teleop/cartesian_status", CartesianTeleopStatus)
         self.set_mode = topics.calls("arm_teleop/set_mode", SetMode)
@@ -337,6 +338,30 @@ class TestModesAndOptions:
         low = float(arm.tool[2, 3])
         with holding(arm.twists, down):
             wait_until(lambda: low - arm.tool[2, 3] > 0.03, "the tool to go through the floor")
+
+    def test_in_an_exam_it_feels_what_stands_around_it_only_with_sensors_for_that(self, arm):
+        import rospy
+        from std_msgs.msg import String
+
+        wait_until_connected(arm.exam)
+        arm.world.floor = float(arm.tool[2, 3]) - 0.005
+        down = twist("base_link", 2, -SPEED)
+        try:
+            rospy.set_param(f"{NAMESPACE}/equipment", {"proximity": {"topic": "sim/proximity"}})
+            arm.exam.publish(String("of a robot with sensors"))
+            time.sleep(0.2)
+            with holding(arm.twists, down):
+                assert arm.moved_within(0.6) < 0.01
+            time.sleep(0.4)
+            rospy.set_param(f"{NAMESPACE}/equipment", {"pads": {}})
+            arm.exam.publish(String("of one without"))
+            time.sleep(0.2)
+            low = float(arm.tool[2, 3])
+            with holding(arm.twists, down):
+                wait_until(lambda: low - arm.tool[2, 3] > 0.03, "the tool to go through the floor")
+        finally:
+            arm.exam.publish(String(""))
+            rospy.delete_param(f"{NAMESPACE}/equipment")
 
     def test_status_of_the_tool(self, arm):
         wait_until(lambda: arm.cartesian[-1].ready, "the kinematics")

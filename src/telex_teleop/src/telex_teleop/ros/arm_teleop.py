@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import threading
 import time
+from dataclasses import replace
 from typing import Any, Callable, Collection, Optional, Tuple
 
 import numpy as np
@@ -27,6 +28,7 @@ from telex_teleop.cores import tool_motion
 from telex_teleop.motion.joint_jog import InvalidCommand
 from telex_teleop.ros.common import caller_of, warn_dropped
 from telex_teleop.ros.joint_teleop import JointTeleopNode
+from telex_teleop.web.exam.exam_list import BRIDGE_TOPIC, EQUIPMENT
 
 WARMING_UP = "warming up: the kinematics are being compiled"
 
@@ -61,6 +63,7 @@ class ArmTeleopNode(JointTeleopNode):
         self._chain = chain
         self._frames = settings.frames.names()
         self._proximity: Optional[rospy.Subscriber] = None
+        self._feels_itself_alone = False
         self._cartesian_status = rospy.Publisher(
             "~cartesian_status", CartesianTeleopStatus, queue_size=1
         )
@@ -143,7 +146,25 @@ class ArmTeleopNode(JointTeleopNode):
             rospy.Subscriber(
                 "track_controller/odom", Odometry, self._on_odometry, queue_size=1, tcp_nodelay=True
             )
+        rospy.Subscriber(BRIDGE_TOPIC, String, self._on_exam, queue_size=1)
         self._listen_to_proximity(self._arm.guard.enabled)
+
+    def _on_exam(self, message: Any) -> None:
+        """In an exam, leave the guard what the robot itself knows.
+
+        Where its own links are, its joints tell; what stands around it, only sensors could.
+        """
+        blind = bool(message.data) and not _feels_surroundings()
+        if blind != self._feels_itself_alone:
+            rospy.loginfo(
+                "proximity guard: "
+                + (
+                    "an exam runs, and of what is near only the robot's own links count"
+                    if blind
+                    else "all that is near counts"
+                )
+            )
+        self._feels_itself_alone = blind
 
     def _listen_to_proximity(self, wanted: bool) -> None:
         # The simulator looks for what is near while somebody listens, and only then.
@@ -227,6 +248,8 @@ class ArmTeleopNode(JointTeleopNode):
         except InvalidCommand as error:
             warn_dropped("sim/proximity", str(error))
             return
+        if self._feels_itself_alone:
+            state = own_links(state, self._links)
         with self._lock:
             self._arm.guard.take(state)
 
@@ -257,6 +280,21 @@ class ArmTeleopNode(JointTeleopNode):
         except ModeError as error:
             return str(error)
         return ""
+
+
+def _feels_surroundings() -> bool:
+    """Whether the robot's equipment has what feels what is near."""
+    try:
+        equipment = rospy.get_param(EQUIPMENT, {})
+    except (rospy.ROSException, OSError):
+        return False
+    return isinstance(equipment, dict) and "proximity" in equipment
+
+
+def own_links(state: ProximityState, links: Collection[str]) -> ProximityState:
+    """Return of what is near that between the robot's own links."""
+    pairs = (pair for pair in state.pairs if pair.link in links and pair.other in links)
+    return replace(state, pairs=tuple(pairs))
 
 
 def proximity_state(message: Any, links: Collection[str]) -> ProximityState:
