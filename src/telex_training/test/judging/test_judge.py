@@ -9,7 +9,7 @@ import struct
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from std_msgs.msg import String
+from std_msgs.msg import Float64, String
 from telex_msgs.msg import BridgeClient, BridgeClients, JointTeleopStatus, TruthSample
 from training_truth import LEVEL, SCENE, Trial, exercise, serialized
 
@@ -585,20 +585,27 @@ def tell(trial, **shown):
 
 def test_the_sheet_says_which_aids_were_on_and_for_how_long():
     trial = ready(mode="exam")
-    tell(trial, aids={"tool_range": False, "proximity": True, "of_my_own": False})
+    tell(trial, aids={"range": False, "proximity": True, "one of my own": False})
     trial.drive(1.0)
     trial.seconds(2.0)
     tell(trial)  # a page that says nothing of aids has changed none
-    tell(trial, aids={"tool_range": False})
-    trial.seconds(1.0)
+    tell(trial, aids={"range": False})
+    for level in (1.0, 0.0):
+        trial.feed("lamps/laser_left/command", "std_msgs/Float64", serialized(Float64(level)))
+        tell(trial, aids={"range": False})
+        trial.seconds(0.5)
     sheet = trial.judge.sheet()
     assert sheet["valid"]
     found = {each["name"]: each for each in sheet["aids"]}
-    assert sorted(found) == ["of_my_own", "proximity", "tool_range"]
+    assert sorted(found) == ["laser dots", "one of my own", "proximity", "range"]
+    assert (found["laser dots"]["training"], found["laser dots"]["seconds"]) == (
+        False,
+        pytest.approx(0.5, abs=0.05),
+    )
     assert found["proximity"]["training"] is True
     assert found["proximity"]["text"] == "distances to what is near the arm"
-    assert found["of_my_own"]["text"] == "of my own"
-    longer = found["tool_range"]["seconds"] - found["proximity"]["seconds"]
+    assert found["one of my own"]["text"] == "one of my own"
+    longer = found["range"]["seconds"] - found["proximity"]["seconds"]
     assert longer == pytest.approx(1.0, abs=0.05)
     text = sheet_report(sheet, "t1", [])
     assert "training aid on: distances to what is near the arm," in text
@@ -623,7 +630,7 @@ def test_a_page_without_aids_leaves_no_word_of_them_and_one_with_none_says_so():
         {"horizon": 1},
         {"horizon": None},
         {"": True},
-        {"Two words": True},
+        {"HORIZON": True},
         {"a" * 41: True},
         {f"a{i}": True for i in range(41)},
     ],

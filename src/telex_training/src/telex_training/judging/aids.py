@@ -9,23 +9,25 @@ from .entries import BadEntryError
 
 FIELD = "aids"
 """Of the telemetry: a struct of names, true for a training aid."""
+LASER_DOTS, LASER = "laser dots", "lamps/laser_left/command"
+"""An aid that is light: its name, and the channel of the lamp that is switched with the other."""
 WORDS = {
+    "aim line": "aim line of the tool",
     "compass": "compass",
-    "contact_marks": "marks of contact and slip",
-    "finger_gap": "gap of the fingers at the object",
-    "guard": "guard that stops the arm before what is near",
+    "contact marks": "marks of contact and slip",
+    "finger gap": "gap of the fingers at the object",
+    "guide lines": "guide lines of the tracks",
     "horizon": "horizon",
-    "laser_dots": "laser dots",
+    LASER_DOTS: "laser dots on the gripper",
     "plan": "plan of where the robot was",
     "proximity": "distances to what is near the arm",
+    "proximity guard": "guard that stops the arm before what is near",
+    "range": "range to what the tool points at",
     "sound": "sound",
-    "tool_line": "aim line of the tool",
-    "tool_range": "range to what the tool points at",
-    "track_guides": "guide lines of the tracks",
-    "zoom": "zoom factor",
+    "zoom factor": "zoom factor",
 }
 """What aids are called on the sheet; another one by its own name."""
-_NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
+_NAME = re.compile(r"[a-z][a-z0-9_ ]{0,39}")
 _MOST = 40
 
 
@@ -54,11 +56,19 @@ class AidRecord:
         for name, training in aids.items():
             if not _NAME.fullmatch(name) or not isinstance(training, bool):
                 raise BadEntryError(
-                    f"{FIELD}/{name[:40]} is {str(training)[:40]!r}; a name of letters, digits and "
-                    "_, and true for a training aid or false, is needed"
+                    f"{FIELD}/{name[:40]} is {str(training)[:40]!r}; a name of small letters, digits "
+                    "and spaces, and true for a training aid or false, is needed"
                 )
         self._told = True
-        self._on = dict(aids)
+        lit = {name: kind for name, kind in self._on.items() if name == LASER_DOTS}
+        self._on = {**lit, **aids}
+
+    def switch_lasers(self, level: float) -> None:
+        """Hear that the lasers of the gripper were switched; a robot without has none to switch."""
+        self._on.pop(LASER_DOTS, None)
+        if level > 0.0:
+            self._told = True
+            self._on[LASER_DOTS] = False
 
     def pass_time(self, span: float) -> None:
         """Let time pass (s) that counts."""
@@ -74,7 +84,7 @@ class AidRecord:
             FIELD: [
                 {
                     "name": name,
-                    "text": WORDS.get(name, name.replace("_", " ")),
+                    "text": WORDS.get(name, name),
                     "training": training,
                     "seconds": seconds,
                 }

@@ -13,6 +13,7 @@ from ..exercises.model import EXAM, MODES, PRACTICE, Exercise, Failure
 from ..exercises.seeds import scene_of
 from . import sheet as sheets
 from .activity import COMMANDS, STATUSES, ActivityRecord
+from .aids import LASER
 from .conditions import Context
 from .entries import (
     CLIENTS,
@@ -150,6 +151,7 @@ class Judge:
             CLIENTS: self._activity.clients,
             LINK: self._take_link,
             TELEMETRY: self._take_telemetry,
+            LASER: self._take_lasers,
             INPUTS: self._take_input,
             MALFUNCTIONS: lambda entry: self._say_turns(self._malfunctions.hear(entry)),
             E_STOP: lambda entry: self._say_turns(self._malfunctions.e_stop(entry)),
@@ -353,6 +355,9 @@ class Judge:
         event = self._activity.telemetry(entry)
         if event:
             self._say(event)
+
+    def _take_lasers(self, entry: Entry) -> None:
+        self._activity.aids.switch_lasers(decode(entry, "std_msgs/Float64").data)
 
     def _say_turns(self, turns: List[Turn]) -> None:
         for event, episode, detail in turns:
