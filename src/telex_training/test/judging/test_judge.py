@@ -583,8 +583,8 @@ def tell(trial, **shown):
     return trial.feed("console/telemetry", "std_msgs/String", serialized(String(text)))
 
 
-def test_the_sheet_says_which_aids_were_on_and_for_how_long():
-    trial = ready(mode="exam")
+def test_the_sheet_says_which_aids_were_on_and_for_how_long(urdf):
+    trial = ready(mode="exam", urdf=urdf)
     tell(trial, aids={"range": False, "proximity": True, "one of my own": False})
     trial.drive(1.0)
     trial.seconds(2.0)
@@ -620,6 +620,13 @@ def test_a_page_without_aids_leaves_no_word_of_them_and_one_with_none_says_so():
     tell(trial, aids={})
     trial.seconds(1.0)
     assert trial.judge.sheet()["aids"] == []
+
+
+def test_a_switch_without_lasers_is_no_aid():
+    trial = ready()
+    trial.feed("lamps/laser_left/command", "std_msgs/Float64", serialized(Float64(1.0)))
+    trial.drive(1.0)
+    assert "aids" not in trial.judge.sheet()
 
 
 @pytest.mark.parametrize(

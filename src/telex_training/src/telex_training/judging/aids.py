@@ -11,6 +11,8 @@ FIELD = "aids"
 """Of the telemetry: a struct of names, true for a training aid."""
 LASER_DOTS, LASER = "laser dots", "lamps/laser_left/command"
 """An aid that is light: its name, and the channel of the lamp that is switched with the other."""
+LASER_LINK = "left_laser_link"
+"""From where that one shines; on a robot without it, nothing does."""
 WORDS = {
     "aim line": "aim line of the tool",
     "compass": "compass",
@@ -56,15 +58,15 @@ class AidRecord:
         for name, training in aids.items():
             if not _NAME.fullmatch(name) or not isinstance(training, bool):
                 raise BadEntryError(
-                    f"{FIELD}/{name[:40]} is {str(training)[:40]!r}; a name of small letters, digits "
-                    "and spaces, and true for a training aid or false, is needed"
+                    f"{FIELD}/{name[:40]} is {str(training)[:40]!r}; a name of small letters, "
+                    "digits and spaces, and true for a training aid or false, is needed"
                 )
         self._told = True
         lit = {name: kind for name, kind in self._on.items() if name == LASER_DOTS}
         self._on = {**lit, **aids}
 
     def switch_lasers(self, level: float) -> None:
-        """Hear that the lasers of the gripper were switched; a robot without has none to switch."""
+        """Hear that the lasers of the gripper were switched."""
         self._on.pop(LASER_DOTS, None)
         if level > 0.0:
             self._told = True

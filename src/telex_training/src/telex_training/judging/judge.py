@@ -13,7 +13,7 @@ from ..exercises.model import EXAM, MODES, PRACTICE, Exercise, Failure
 from ..exercises.seeds import scene_of
 from . import sheet as sheets
 from .activity import COMMANDS, STATUSES, ActivityRecord
-from .aids import LASER
+from .aids import LASER, LASER_LINK
 from .conditions import Context
 from .entries import (
     CLIENTS,
@@ -151,7 +151,7 @@ class Judge:
             CLIENTS: self._activity.clients,
             LINK: self._take_link,
             TELEMETRY: self._take_telemetry,
-            LASER: self._take_lasers,
+            **({LASER: self._take_lasers} if f'"{LASER_LINK}"' in urdf else {}),
             INPUTS: self._take_input,
             MALFUNCTIONS: lambda entry: self._say_turns(self._malfunctions.hear(entry)),
             E_STOP: lambda entry: self._say_turns(self._malfunctions.e_stop(entry)),
