@@ -14,7 +14,6 @@ from telex_control.common.geometry.quaternions import Pose
 INPUTS = "training/inputs"
 """Channel of the training's own inputs: JSON in std_msgs/String."""
 TRUTH, NAMES, STATUS = "sim/truth", "sim/truth_names", "sim/status"
-RANGE_FINDER = "range_finder"
 CLIENTS, TELEMETRY, LINK = "bridge/clients", "console/telemetry", "link/state"
 MALFUNCTIONS, E_STOP, DOSES = "sim/malfunctions", "e_stop", "sim/doses"
 ODOMETRY, ODOMETRY_PERIOD = "track_controller/odom", 0.2
