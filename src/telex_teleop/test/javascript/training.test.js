@@ -1,13 +1,14 @@
 // @ts-check
 /** What the strip of an exercise says. */
 
-import "./browser.js";
+import { paced } from "./browser.js";
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { bookmarksOf } from "../../console/js/training/instructor_bookmarks.js";
 import { addressOf, clockText } from "../../console/js/training/client.js";
 import { offered } from "../../console/js/training/bookmarks.js";
 import { noteOf, repetitionText, stepText } from "../../console/js/training/strip.js";
+import { tellTelemetry } from "../../console/js/training/telemetry.js";
 
 const STATE = /** @type {any} */ ({
   phase: "running", message: "", hint: "slower", mode: "practice", verdict: "", repetition: 2, repetitions: 10, results: ["passed"],
@@ -67,4 +68,26 @@ test("an address takes token and role along, and nothing else", () => {
   const given = new URLSearchParams("token=a%26b&role=instructor&name=eve&debug=1");
   assert.equal(addressOf("/training/x", given, { trial: "t 1" }), "/training/x?trial=t+1&token=a%26b&role=instructor");
   assert.equal(addressOf("/training/x", new URLSearchParams()), "/training/x");
+});
+
+test("what the operator sees is told, with the aids that are on where the page has any", () => {
+  Object.assign(globalThis, { document: { hidden: false } });
+  const told = /** @type {any[]} */ ([]);
+  const bridge = /** @type {any} */ ({
+    connected: true, usualTrip: 50, advertise: () => {}, publish: (/** @type {string} */ name, /** @type {any} */ { data }) => told.push([name, JSON.parse(data)]),
+  });
+  /** @type {any} */
+  let seen = { view: "front", picture_age: 0.1 };
+  tellTelemetry(bridge, (name) => `/telex/${name}`, () => seen);
+  const tick = paced[paced.length - 1];
+  tick();
+  seen = { view: "gripper", picture_age: null, aids: { horizon: false, proximity: true } };
+  tick();
+  seen = null;
+  tick();
+  const name = "/telex/console/telemetry";
+  assert.deepEqual(told, [
+    [name, { view: "front", picture_age: 0.1, round_trip: 0.05 }],
+    [name, { view: "gripper", round_trip: 0.05, aids: { horizon: false, proximity: true } }],
+  ]);
 });
