@@ -112,5 +112,7 @@ class EquipmentConfig(Declared):
             "pads": self.pads.links,
         }
         return tuple(
-            name for name, own in needed.items() if own and all(link in links for link in own)
+            name
+            for name, own in needed.items()
+            if own and all(link and link in links for link in own)
         )

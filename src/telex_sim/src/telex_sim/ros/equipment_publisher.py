@@ -12,7 +12,7 @@ from sensor_msgs.msg import Range
 from ..equipment.errors import Errors
 from ..equipment.range_finder import RangeFinder
 from ..proximity.monitor import Proximity
-from ..robot.gripper.contact import GripperContact
+from ..robot.gripper.contact import GripperContact, PadContact
 from ..robot.robot import Robot
 
 EQUIPMENT, TRAINING_AIDS = "equipment", "training_aids"
@@ -133,13 +133,12 @@ class EquipmentPublisher:
             error = self._pad_errors.draw(config.noise) if force > 0.0 else 0.0
             return min(max(force + error, 0.0), config.max)
 
-        pads = [
-            pad._replace(
-                normal_force=told(pad.normal_force), friction_force=told(pad.friction_force)
-            )
-            for pad in contact.pads
-        ]
-        return contact._replace(force=told(contact.force), pads=tuple(pads))
+        def felt(pad: PadContact) -> PadContact:
+            across, along = told(pad.normal_force), told(pad.friction_force)
+            return pad._replace(normal_force=across, friction_force=along)
+
+        first, second = contact.pads
+        return contact._replace(force=told(contact.force), pads=(felt(first), felt(second)))
 
     def close(self) -> None:
         """Take topic and parameters back."""
