@@ -1,6 +1,7 @@
 // @ts-check
 /** How the robot stands and how far it is from tipping over, over the picture. */
 
+import { term, text } from "./language.js";
 import { byId, setText } from "./panels.js";
 
 export const STABILITY = { topic: "sim/stability", type: "telex_msgs/Stability" };
@@ -10,17 +11,20 @@ const SILENT_AFTER = 1000;
 
 /** By telex_msgs/Stability.state. */
 const STATES = [
-  { name: "stable", word: "stable" },
-  { name: "caution", word: "CAUTION" },
-  { name: "critical", word: "TIPPING" },
-  { name: "tipped", word: "TIPPED OVER" },
+  { name: "stable", word: term("stable") },
+  { name: "caution", word: term("CAUTION") },
+  { name: "critical", word: term("TIPPING") },
+  { name: "tipped", word: term("TIPPED OVER") },
 ];
 
 /** Counter-clockwise from the nose, an eighth of a turn each. */
-const WAYS = ["front", "front left", "left", "rear left", "rear", "rear right", "right", "front right"];
+const WAYS = [
+  term("over the front"), term("over the front left"), term("over the left"), term("over the rear left"),
+  term("over the rear"), term("over the rear right"), term("over the right"), term("over the front right"),
+];
 
 const PANEL = `
-  <div class="attitude-views" id="attitude-views" role="img" aria-label="Attitude">
+  <div class="attitude-views" id="attitude-views" role="img">
     <div>
       <svg viewBox="-50 -30 100 60" aria-hidden="true">
         <path class="ground" d="M-50 14H50"/>
@@ -47,7 +51,7 @@ const PANEL = `
     <b id="attitude-word" role="status"></b>
     <span><span id="attitude-way"></span> <span class="num" id="attitude-margin"></span></span>
   </div>
-  <div class="attitude-meter" id="attitude-meter" role="meter" aria-label="Margin before it tips over" aria-valuemin="0" aria-valuemax="100" aria-valuenow="0">
+  <div class="attitude-meter" id="attitude-meter" role="meter" aria-valuemin="0" aria-valuemax="100" aria-valuenow="0">
     <i id="attitude-fill"></i>
   </div>
 `;
@@ -56,6 +60,7 @@ export class AttitudeView {
   /** @param {(sentence: string) => void} warn  Told when the robot begins to tip over. */
   constructor(warn) {
     byId("attitude").innerHTML = PANEL;
+    byId("attitude-meter").setAttribute("aria-label", text("Margin before it tips over"));
     this._warn = warn;
     this._heard = -Infinity;
     this._show("silent");
@@ -68,14 +73,14 @@ export class AttitudeView {
     const percent = Math.max(0, Math.round(100 * (stability.margin ?? 0)));
     // What nothing carries tips over no edge.
     const isCarried = (stability.support ?? []).length >= 2 && Number.isFinite(stability.direction);
-    const way = isCarried ? WAYS[Math.round((4 * stability.direction) / Math.PI + 8) % 8] : "";
+    const way = isCarried ? text(WAYS[Math.round((4 * stability.direction) / Math.PI + 8) % 8]) : "";
     // How little is left to tip does not follow from the margin then, which may be ample still.
     const isTipping = name === "critical";
     const share = isTipping || !Number.isFinite(stability.margin) ? "" : `${percent} %`;
-    const tipping = way === "" ? "about to tip over" : `about to tip over the ${way}`;
+    const tipping = way === "" ? text("about to tip over") : text("about to tip {way}", { way });
     if (isTipping && byId("attitude").dataset.state !== name) this._warn(tipping);
-    const pitch = describe(stability.pitch, "nose down", "nose up");
-    const roll = describe(stability.roll, "right down", "left down");
+    const pitch = describe(stability.pitch, text("nose down"), text("nose up"));
+    const roll = describe(stability.roll, text("right down"), text("left down"));
     turn("attitude-side", stability.pitch);
     turn("attitude-rear", stability.roll);
     setText(byId("attitude-pitch"), pitch);
@@ -83,13 +88,13 @@ export class AttitudeView {
     const full = isTipping ? 0 : Math.min(100, percent);
     byId("attitude-fill").style.width = `${full}%`;
     setText(byId("attitude-margin"), share);
-    setText(byId("attitude-way"), way !== "" && (name === "caution" || isTipping) ? `over the ${way}` : "");
+    setText(byId("attitude-way"), way !== "" && (name === "caution" || isTipping) ? way : "");
     const meter = byId("attitude-meter");
     meter.setAttribute("aria-valuenow", String(full));
-    const weakest = way === "" ? "" : `, weakest over the ${way}`;
-    meter.setAttribute("aria-valuetext", isTipping ? tipping : share === "" ? "not known" : `${percent} percent${weakest}`);
-    this._show(name, word);
-    byId("attitude-views").setAttribute("aria-label", `Attitude: ${pitch}, ${roll}`);
+    const weakest = way === "" ? "" : text(", weakest {way}", { way });
+    meter.setAttribute("aria-valuetext", isTipping ? tipping : share === "" ? text("not known") : text("{percent} percent", { percent }) + weakest);
+    this._show(name, text(word));
+    byId("attitude-views").setAttribute("aria-label", text("Attitude: {pitch}, {roll}", { pitch, roll }));
   }
 
   /** Show nothing rather than what was true a while ago. */
@@ -118,7 +123,7 @@ export class AttitudeView {
 function describe(angle, positive, negative) {
   if (angle === null) return "–";
   const degrees = Math.round((angle * 180) / Math.PI);
-  if (degrees === 0) return "level";
+  if (degrees === 0) return text("level");
   return `${Math.abs(degrees)}° ${degrees > 0 ? positive : negative}`;
 }
 

@@ -1,6 +1,7 @@
 // @ts-check
 /** Charge of the robot's battery, how long it will last, and how far. */
 
+import { decimal, text } from "./language.js";
 import { byId, setText } from "./panels.js";
 
 export const BATTERY = { topic: "battery", type: "sensor_msgs/BatteryState" };
@@ -36,7 +37,7 @@ export class BatteryView {
     const minutes = runtime(charge, this._current);
     // There is room for one of both: how far matters to who drives.
     setText(byId("battery-text"), chargeText(percentage, this._range === null ? minutes : null, this._range));
-    chip.title = `Charge, how long it lasts at what the robot takes, and how far: ${chargeText(percentage, minutes, this._range)}`;
+    chip.title = text("Charge, how long it lasts at what the robot takes, and how far: {charge}", { charge: chargeText(percentage, minutes, this._range) });
   }
 }
 
@@ -49,7 +50,7 @@ export function runtime(charge, current) {
 export function chargeText(share, minutes, metres = null) {
   // What is left is not rounded up to what it has not got.
   const percent = `${Math.floor(100 * share + 1e-6)} %`;
-  if (share <= 0) return "EMPTY";
+  if (share <= 0) return text("EMPTY");
   return [percent, ...(minutes === null ? [] : [duration(Math.floor(minutes))]), ...(metres === null ? [] : [distance(metres)])].join(" · ");
 }
 
@@ -62,5 +63,5 @@ function duration(minutes) {
 function distance(metres) {
   const step = 10 ** Math.max(0, Math.floor(Math.log10(Math.max(metres, 1))) - 1);
   const whole = Math.floor(metres / step) * step;
-  return whole < 1000 ? `${whole} m` : `${whole / 1000} km`;
+  return whole < 1000 ? `${whole} m` : `${decimal(whole / 1000, 1, 0)} km`;
 }

@@ -1,6 +1,8 @@
 // @ts-check
 /** A small client of the rosbridge v2 protocol that reconnects by itself. */
 
+import { term } from "./language/term.js";
+
 const RETRY_AFTER = 1000; // ms between two attempts to connect
 const PING_PERIOD = 500; // ms between two questions that only measure the link
 const ANSWER_WITHIN = 5000; // ms after which a service call is given up, unless it says for itself
@@ -71,7 +73,7 @@ export class Bridge {
   _leave() {
     this._isLeft = true;
     clearTimeout(this._retry);
-    if (this._socket !== null) this._giveUp("the page was left");
+    if (this._socket !== null) this._giveUp(term("the page was left"));
   }
 
   _comeBack() {
@@ -172,9 +174,9 @@ export class Bridge {
       const timer = setTimeout(() => end(() => reject(new DOMException(`no answer within ${within / 1000} s`, "TimeoutError"))), within);
       this._calls.set(id, ({ result, values }) => end(() => {
         if (result) resolve(values);
-        else reject(new Error(typeof values === "string" ? values : "the call failed"));
+        else reject(new Error(typeof values === "string" ? values : term("the call failed")));
       }));
-      if (!this._send({ op: "call_service", id, service, args })) end(() => reject(new Error("not connected")));
+      if (!this._send({ op: "call_service", id, service, args })) end(() => reject(new Error(term("not connected"))));
     });
   }
 
@@ -236,7 +238,7 @@ export class Bridge {
       if (socket === this._socket) this._receive(JSON.parse(data));
     };
     socket.onclose = () => {
-      if (socket === this._socket) this._giveUp("the connection was closed");
+      if (socket === this._socket) this._giveUp(term("the connection was closed"));
     };
   }
 
@@ -260,9 +262,9 @@ export class Bridge {
     if (!this.connected) return;
     const skew = Date.now() - performance.now();
     if (Math.abs(skew - this._skew) > MAX_SKEW) {
-      this._giveUp("the computer slept");
+      this._giveUp(term("the computer slept"));
     } else if (this.silence > (this._hasSpoken ? DEAD_AFTER : FIRST_WORD_WITHIN)) {
-      this._giveUp("the bridge is silent");
+      this._giveUp(term("the bridge is silent"));
     } else if (this._pingSent === 0) {
       this._pingSent = performance.now();
       this._pingNumber += 1;
@@ -279,7 +281,7 @@ export class Bridge {
     this._socket = null;
     this._trips = [];
     socket?.close();
-    for (const answer of [...this._calls.values()]) answer({ result: false, values: "the connection was lost" });
+    for (const answer of [...this._calls.values()]) answer({ result: false, values: term("the connection was lost") });
     this._events.lost(reason);
     this._connectLater();
   }

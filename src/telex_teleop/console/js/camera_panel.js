@@ -1,6 +1,7 @@
 // @ts-check
 /** Zoom and lamps: commands to them, and what the panel shows of them. */
 
+import { decimal, text } from "./language.js";
 import { byId, element, holdButton, row, rowsOf, setText } from "./panels.js";
 
 const ROBOT = "/robot.json";
@@ -37,14 +38,14 @@ export class CameraCommander {
     this._zoomValue.id = "zoom-value";
     const lamps = byId("lamps");
     for (const { name, label } of this._switches) {
-      const button = /** @type {HTMLButtonElement} */ (element("button", "small lamp", label));
+      const button = /** @type {HTMLButtonElement} */ (element("button", "small lamp", text(label)));
       button.type = "button";
       button.dataset.command = name;
       button.setAttribute("role", "checkbox");
       lamps.append(button);
     }
     for (const actions of rowsOf(vocabulary.find("zoom").filter(({ modes }) => modes.join() === "CAMERA"))) {
-      byId("camera-rows").append(row("", actions[0].row, this._zoomValue, ...actions.map(holdButton)));
+      byId("camera-rows").append(row("", text(actions[0].row), this._zoomValue, ...actions.map(holdButton)));
     }
     this._show();
   }
@@ -118,7 +119,7 @@ export class CameraCommander {
   /** @param {number | null} factor */
   _take(factor) {
     if (factor !== null && Number.isFinite(factor)) this._zoom = Math.min(this._mostZoom, Math.max(1, factor));
-    setText(this._zoomValue, `${this._zoom.toFixed(1)}×`);
+    setText(this._zoomValue, `${decimal(this._zoom, 1)}×`);
   }
 
   _show() {
@@ -126,6 +127,6 @@ export class CameraCommander {
       const isLit = does.names.some((lamp) => this._lit.has(lamp));
       document.querySelector(`[data-command="${name}"]`)?.setAttribute("aria-checked", String(isLit));
     }
-    setText(this._zoomValue, `${this._zoom.toFixed(1)}×`);
+    setText(this._zoomValue, `${decimal(this._zoom, 1)}×`);
   }
 }

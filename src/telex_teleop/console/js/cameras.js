@@ -1,6 +1,7 @@
 // @ts-check
 /** One or two large views, and a small one for each of the other cameras; their pictures are drawn by the video worker. */
 
+import { decimal, term, text, translated } from "./language.js";
 import { setText } from "./panels.js";
 
 export const STALLED_AFTER = 1000; // ms without a new picture after which a view counts as stalled
@@ -67,7 +68,7 @@ export class ViewState {
 
   /** Why there is no picture. */
   get trouble() {
-    return this._report?.trouble ?? "waiting for the camera";
+    return translated(this._report?.trouble ?? term("waiting for the camera"));
   }
 }
 
@@ -101,9 +102,9 @@ class Thumbnail {
    */
   show(camera, report) {
     this.state.turn(camera, report);
-    setText(this._name, camera);
+    setText(this._name, translated(camera));
     this.element.dataset.camera = camera;
-    this.element.title = `show ${camera} in the first view`;
+    this.element.title = text("show {camera} in the first view", { camera: translated(camera) });
   }
 
   /** Whether anybody can see it: the page's layout may have no place for it. */
@@ -116,8 +117,8 @@ class Thumbnail {
     const { live, age } = this.state;
     const state = live ? "live" : "stalled";
     if (this.element.dataset.state !== state) this.element.dataset.state = state;
-    const since = age < 100_000 ? ` ${(age / 1000).toFixed(1)} s` : "";
-    setText(this._note, live ? "" : `NO PICTURE${since}`);
+    const since = age < 100_000 ? ` ${decimal(age / 1000, 1)} s` : "";
+    setText(this._note, live ? "" : text("NO PICTURE") + since);
   }
 }
 

@@ -1,6 +1,7 @@
 // @ts-check
 /** Turns held actions into commands: at once on every change, 50 times a second while held, a zero at the end. */
 
+import { text } from "./language.js";
 import { FINGER_BASES, FLIPPER_NODE, GRIPPER_JOINT, JOINT_NODES, TRACK_NODE, TYPES } from "./robot.js";
 
 /** Period (ms) of the commands while something is held. */
@@ -96,7 +97,7 @@ export class Commander {
   changeSpeed(direction) {
     const speeds = this.speeds;
     if (speeds.length === 0) {
-      this._warn("speed: no teleop node has said what it is yet");
+      this._warn(text("speed: no teleop node has said what it is yet"));
       return;
     }
     const base = direction > 0 ? speeds[speeds.length - 1] : speeds[0];
@@ -171,7 +172,7 @@ export class Commander {
       const limit = this._limitOf(node, joint);
       if (limit === undefined) {
         const isKnown = (this._maxVelocity.get(node)?.size ?? 0) > 0;
-        this._warn(isKnown ? `the robot has no ${joint}` : `${node} has not said yet how fast ${joint} may move: is it running?`);
+        this._warn(isKnown ? text("the robot has no {joint}", { joint }) : text("{node} has not said yet how fast {joint} may move: is it running?", { node, joint }));
       } else {
         wanted.set(joint, clamp(direction, -1, 1) * limit);
       }
@@ -235,7 +236,7 @@ export class Commander {
     const asked = held.flatMap((action) => (action.kind === "preset" ? [action] : []));
     // Two of them contradict each other, as the two keys of a joint do: no motion.
     const name = asked.length === 1 ? this.presets[asked[0].index] ?? "" : "";
-    if (asked.length === 1 && name === "") this._warn(`the robot has no flipper preset ${asked[0].index + 1}`);
+    if (asked.length === 1 && name === "") this._warn(text("the robot has no flipper preset {number}", { number: asked[0].index + 1 }));
     if ((name === "" && !this._leading) || (name !== "" && this.congested)) return;
     const side = this.sideOf(held);
     const joints = side === "both" ? [] : this._flippers.filter((joint) => joint.includes(`_${side}_`));
@@ -262,7 +263,7 @@ export class Commander {
     }
     const wanted = command.linear !== 0 || command.angular !== 0;
     if (wanted && this._maxDrive === null) {
-      this._warn(`${TRACK_NODE} has not said yet how fast it may drive: is it running?`);
+      this._warn(text("{node} has not said yet how fast it may drive: is it running?", { node: TRACK_NODE }));
       return;
     }
     if ((!wanted && !this._driving) || (wanted && this.congested)) return;

@@ -1,6 +1,8 @@
 // @ts-check
 /** What the pages are told of where everything is, and how they reach the bridge. */
 
+import { term } from "./language/term.js";
+
 const RETRY_AFTER = 1000; // ms
 
 /** @typedef {{name: string, rosbridge: string | null}} Robot */
@@ -45,7 +47,7 @@ export async function waitForConfig(asked) {
  */
 export async function locateBridge(asked) {
   const { rosbridge } = await fetchConfig(asked);
-  if (rosbridge === null) throw new Error("the bridge is not running");
+  if (rosbridge === null) throw new Error(term("the bridge is not running"));
   const url = new URL(rosbridge);
   for (const name of GIVEN) if (asked.has(name)) url.searchParams.set(name, asked.get(name) ?? "");
   // The bridge is to say which commands it does not obey, and why.

@@ -1,6 +1,7 @@
 // @ts-check
 /** Who of those who are connected holds control of the robot. */
 
+import { text, translated } from "./language.js";
 import { byId, setText } from "./panels.js";
 
 const TYPE = "telex_msgs/BridgeClients";
@@ -44,9 +45,9 @@ export class ControlView {
 
   /** What the holder is called. */
   get holderName() {
-    if (this._holder === FREE) return "somebody";
+    if (this._holder === FREE) return text("somebody");
     const holder = this._clients.find(({ id }) => id === this._holder);
-    return holder?.name || `client ${this._holder}`;
+    return holder?.name || text("client {id}", { id: this._holder });
   }
 
   subscribe() {
@@ -76,16 +77,16 @@ export class ControlView {
   async toggle() {
     if (this.givesUp) return;
     const isMine = this._holder === this._id;
-    if (isMine) this._letGo("you gave up control");
+    if (isMine) this._letGo(text("you gave up control"));
     this.givesUp = isMine;
     try {
       const answer = isMine
         // A command that comes after it would take control again.
         ? await this._bridge.callAlone(this._topic("bridge/release_control"), {})
         : await this._bridge.call(this._topic("bridge/take_control"), {});
-      if (!answer.success) this._warn(answer.message);
+      if (!answer.success) this._warn(translated(answer.message));
     } catch (error) {
-      this._warn(/** @type {Error} */ (error).message);
+      this._warn(translated(/** @type {Error} */ (error).message));
     } finally {
       this.givesUp = false;
     }
@@ -97,7 +98,7 @@ export class ControlView {
     this._holder = holder;
     this._clients = clients;
     if (wasHeld && holder !== this._id && this._id !== null) {
-      const news = holder === FREE ? "control was taken away" : `${this.holderName} has control now`;
+      const news = holder === FREE ? text("control was taken away") : text("{name} has control now", { name: this.holderName });
       if (!this._letGo(news) && holder !== FREE) this._warn(news);
     }
     this._show();
@@ -107,9 +108,9 @@ export class ControlView {
     byId("control").hidden = this._id === null;
     const state = this._holder === FREE ? "free" : this.isWatching ? "watching" : "mine";
     byId("control").dataset.state = state;
-    setText(byId("control-text"), { free: "control free", watching: `WATCHING · ${this.holderName}`, mine: "you control" }[state]);
+    setText(byId("control-text"), { free: text("control free"), watching: text("WATCHING · {name}", { name: this.holderName }), mine: text("you control") }[state]);
     byId("control-text").title = byId("control-text").textContent ?? "";
-    setText(byId("control-button"), state === "mine" ? "release" : "take");
+    setText(byId("control-button"), state === "mine" ? text("release") : text("take"));
     document.body.classList.toggle("watching", this.isWatching);
   }
 }

@@ -1,6 +1,8 @@
 // @ts-check
 /** Notices that the operator may no longer be in control of the page. */
 
+import { decimal, text } from "./language.js";
+
 /** A tick (ms) that comes later than this says that the page hung or slept; a press that old was meant for another moment. */
 const MAX_GAP = 200;
 
@@ -49,11 +51,11 @@ export function browserHangs() {
  * @param {(reason: string) => void} letGo
  */
 export function watchOperator(letGo) {
-  window.addEventListener("blur", () => letGo("the window lost the focus"));
-  window.addEventListener("pagehide", () => letGo("the page was left"));
-  document.addEventListener("freeze", () => letGo("the page was frozen"));
+  window.addEventListener("blur", () => letGo(text("the window lost the focus")));
+  window.addEventListener("pagehide", () => letGo(text("the page was left")));
+  document.addEventListener("freeze", () => letGo(text("the page was frozen")));
   document.addEventListener("visibilitychange", () => {
-    if (document.hidden) letGo("the page was hidden");
+    if (document.hidden) letGo(text("the page was hidden"));
   });
 }
 
@@ -66,7 +68,7 @@ export function watchOperator(letGo) {
 export function keepPace(period, tick, letGo) {
   ticked = performance.now();
   setInterval(() => {
-    if (stoodStill()) letGo(`the page stood still for ${((performance.now() - ticked) / 1000).toFixed(1)} s`);
+    if (stoodStill()) letGo(text("the page stood still for {seconds} s", { seconds: decimal((performance.now() - ticked) / 1000, 1) }));
     ticked = performance.now();
     tick();
   }, period);

@@ -1,6 +1,7 @@
 // @ts-check
 /** A gamepad of the browser's standard layout, or a joystick that is like one: sticks and buttons that hold actions. */
 
+import { text } from "./language.js";
 import { demand } from "./pad_map.js";
 import { byId, setText } from "./panels.js";
 
@@ -52,7 +53,7 @@ export class GamepadInput {
       this._show(event.gamepad?.id ?? "");
     });
     window.addEventListener("gamepaddisconnected", () => {
-      page.letGo("the gamepad was disconnected");
+      page.letGo(text("the gamepad was disconnected"));
       this._isConnected = navigator.getGamepads().some((pad) => pad !== null);
       this._active.clear();
       this._show("");
@@ -126,6 +127,6 @@ export class GamepadInput {
 
   /** @param {string} id */
   _show(id) {
-    setText(byId("gamepad"), id === "" ? "" : `gamepad: ${id.replace(/\s*\(.*/, "").slice(0, 28)}`);
+    setText(byId("gamepad"), id === "" ? "" : text("gamepad: {name}", { name: id.replace(/\s*\(.*/, "").slice(0, 28) }));
   }
 }

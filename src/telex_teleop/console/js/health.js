@@ -1,25 +1,26 @@
 // @ts-check
 /** Says which of the robot's nodes do not answer, and what that means for who drives it. */
 
+import { term, text } from "./language.js";
 import { byId, setText } from "./panels.js";
 
 export const MISSING_NODES = { topic: "bridge/missing_nodes", type: "telex_msgs/MissingNodes" };
 
 /** What cannot be done without a node, by the last part of its name. */
 const WITHOUT = /** @type {Record<string, string>} */ ({
-  simulator: "nothing moves; once it is back, the exercise begins anew",
-  controller_spawner: "a simulator that crashes would get no controllers",
-  add_robot: "a simulator that crashes would come back without this robot",
-  robot_state_publisher: "other programs get no frames (/tf)",
-  cameras: "there are no pictures",
-  video_server: "there are no pictures",
-  transforms: "other web clients get no transforms",
-  arm_teleop: "the arm does not move",
-  gripper_teleop: "the gripper does not move",
-  flipper_teleop: "the flippers do not move",
-  track_teleop: "the tracks do not move",
-  joy: "the robot's own gamepad is not read",
-  joy_teleop: "the robot's own gamepad moves nothing",
+  simulator: term("nothing moves; once it is back, the exercise begins anew"),
+  controller_spawner: term("a simulator that crashes would get no controllers"),
+  add_robot: term("a simulator that crashes would come back without this robot"),
+  robot_state_publisher: term("other programs get no frames (/tf)"),
+  cameras: term("there are no pictures"),
+  video_server: term("there are no pictures"),
+  transforms: term("other web clients get no transforms"),
+  arm_teleop: term("the arm does not move"),
+  gripper_teleop: term("the gripper does not move"),
+  flipper_teleop: term("the flippers do not move"),
+  track_teleop: term("the tracks do not move"),
+  joy: term("the robot's own gamepad is not read"),
+  joy_teleop: term("the robot's own gamepad moves nothing"),
 });
 
 export class Health {
@@ -39,14 +40,14 @@ export class Health {
     const missing = names.map((name) => name.slice(name.lastIndexOf("/") + 1));
     for (const name of missing.filter((each) => !this._missing.includes(each))) {
       if (!(name in WITHOUT)) {
-        this._status.log(`${name}, which is no part of the robot, has crashed`);
+        this._status.log(text("{node}, which is no part of the robot, has crashed", { node: name }));
         continue;
       }
       // Who drives has to look up first; and what is held on would not be obeyed when the node is back.
-      const news = `${name} is missing: ${WITHOUT[name]}`;
+      const news = text("{node} is missing: {harm}", { node: name, harm: text(WITHOUT[name]) });
       if (!this._letGo(news)) this._status.warn(news);
     }
-    for (const name of this._missing.filter((each) => !missing.includes(each))) this._status.log(`${name} is back`);
+    for (const name of this._missing.filter((each) => !missing.includes(each))) this._status.log(text("{node} is back", { node: name }));
     this._show(missing);
   }
 
@@ -61,7 +62,7 @@ export class Health {
     const needed = missing.filter((name) => name in WITHOUT);
     const chip = byId("health");
     chip.hidden = needed.length === 0;
-    chip.title = needed.map((name) => `${name}: ${WITHOUT[name]}`).join("\n");
-    setText(chip, `MISSING ${needed.join(", ")}`);
+    chip.title = needed.map((name) => `${name}: ${text(WITHOUT[name])}`).join("\n");
+    setText(chip, text("MISSING {nodes}", { nodes: needed.join(", ") }));
   }
 }

@@ -1,6 +1,7 @@
 // @ts-check
 /** What stands over the picture besides the camera's own state: speed, heading, gripper, and how good link and picture are. */
 
+import { text, translated } from "./language.js";
 import { byId, fixed, setText, showTwist } from "./panels.js";
 import { GRIPPER_JOINT } from "./robot.js";
 
@@ -49,9 +50,9 @@ export class Hud {
     const isKnown = performance.now() - this._heard < ODOMETRY_SILENT_AFTER;
     if (!isKnown) setText(byId("heading"), "–");
     const speed = byId("speed-hud");
-    const text = isKnown ? showTwist(this._twist).join("  ") : "–";
+    const driven = isKnown ? showTwist(this._twist).join("  ") : "–";
     // Belts that slip run all the same.
-    setText(speed, stuck ? `STUCK, belts ${text}` : text);
+    setText(speed, stuck ? text("STUCK, belts {speed}", { speed: driven }) : driven);
     if (speed.dataset.stuck !== String(stuck)) speed.dataset.stuck = String(stuck);
   }
 
@@ -63,11 +64,11 @@ export class Hud {
     const opening = gripper.opening(joints), force = gripper.force(joints);
     const angle = joints.position(GRIPPER_JOINT);
     // A gripper of another make tells no more than its angle.
-    const open = opening !== null ? `${Math.round(1000 * opening)} mm open` : angle === undefined ? "–" : `${fixed((angle * 180) / Math.PI, 0)}°`;
+    const open = opening !== null ? text("{gap} mm open", { gap: Math.round(1000 * opening) }) : angle === undefined ? "–" : `${fixed((angle * 180) / Math.PI, 0)}°`;
     const { trouble } = gripper;
     const grip = byId("grip");
     if (grip.dataset.trouble !== trouble) grip.dataset.trouble = trouble;
-    setText(grip, [open, force === null ? "" : `force ${fixed(force, 0)} N`, trouble.toUpperCase()].filter(Boolean).join(", "));
+    setText(grip, [open, force === null ? "" : text("force {force} N", { force: fixed(force, 0) }), translated(trouble).toUpperCase()].filter(Boolean).join(", "));
   }
 
   /**
@@ -88,7 +89,7 @@ export class Hud {
     if (view.style.getPropertyValue("--signal") !== hue) view.style.setProperty("--signal", hue);
     if (view.dataset.signal !== String(signal !== null)) view.dataset.signal = String(signal !== null);
     if (view.dataset.link !== link) view.dataset.link = link;
-    const quality = `link ${link === "unknown" ? "–" : link}`;
+    const quality = text("link {quality}", { quality: link === "unknown" ? "–" : translated(link) });
     const words = byId("link-quality");
     setText(words, line.text === "" ? quality : `${quality}, ${line.text}`);
     // Where there is little room, all but good news is said.
@@ -96,6 +97,6 @@ export class Hud {
     const is = (/** @type {typeof PICTURE.good} */ { age, rate }) => (video.latency ?? 0) <= age && video.rate >= rate;
     const picture = !video.live ? "lost" : is(PICTURE.good) ? "good" : is(PICTURE.fair) ? "fair" : "poor";
     if (view.dataset.picture !== picture) view.dataset.picture = picture;
-    setText(byId("picture-quality"), `picture ${picture}`);
+    setText(byId("picture-quality"), text("picture {quality}", { quality: translated(picture) }));
   }
 }

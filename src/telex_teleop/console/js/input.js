@@ -2,6 +2,7 @@
 /** From keys and pointers to held actions. */
 
 import { isStale } from "./deadman.js";
+import { printedKeys } from "./language/keyboard.js";
 import { setText } from "./panels.js";
 
 /** Actions that keys have also while something is typed, and while somebody walks the buttons. */
@@ -84,29 +85,17 @@ export function listenToPointers(root, held, mayPress) {
   root.addEventListener("contextmenu", (event) => event.preventDefault());
 }
 
-/** What the user's own keyboard has at each position, where the browser knows it. */
-async function layout() {
-  const keyboard = /** @type {any} */ (navigator).keyboard;
-  try {
-    return /** @type {Map<string, string>} */ (await keyboard.getLayoutMap());
-  } catch {
-    return new Map(); // without a layout the caps of a US keyboard stay
-  }
-}
-
 /**
  * Show on every key cap which key it is now.
  * @param {ParentNode} root
  * @param {import("./keymap.js").KeyMap} keymap
  */
 export async function labelKeys(root, keymap) {
-  const labels = await layout();
+  const printed = await printedKeys();
   for (const cap of /** @type {NodeListOf<HTMLElement>} */ (root.querySelectorAll("kbd[data-binding]"))) {
     const code = keymap.codeOf(/** @type {string} */ (cap.dataset.binding));
     cap.hidden = code === undefined; // the robot's list of actions has none
     if (code === undefined) continue;
-    const label = labels.get(code);
-    // One that names no sign, such as Escape, is not in a layout.
-    setText(cap, label && code !== "Slash" ? label.toUpperCase() : keymap.capOf(code));
+    setText(cap, printed(code) ?? keymap.capOf(code));
   }
 }

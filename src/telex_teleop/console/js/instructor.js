@@ -12,6 +12,8 @@ import { ExamList } from "./instructor/exam_list.js";
 import { LinePanel } from "./instructor/line_panel.js";
 import { MalfunctionPanel } from "./instructor/malfunction_panel.js";
 import { RobotsPanel } from "./instructor/robots_panel.js";
+import { text, translated } from "./language.js";
+import { startLanguage } from "./language/page.js";
 import { Line, LINK_STATE } from "./line.js";
 import { ODOMETRY, headingOf } from "./hud.js";
 import { OVERVIEW, OverviewControl } from "./overview.js";
@@ -43,7 +45,7 @@ function startCameras(config) {
   // The overview is large from the first picture on, even if nothing has offered it yet.
   const all = { ...config, cameras: [{ name: OVERVIEW, topic }, ...others], hidden_cameras: [], main_camera: OVERVIEW };
   const canvas = /** @type {HTMLCanvasElement} */ (byId("picture"));
-  const cameras = new Cameras(all, canvas, [byId("thumbnails")], ([name]) => setText(byId("camera-name"), name), given);
+  const cameras = new Cameras(all, canvas, [byId("thumbnails")], ([name]) => setText(byId("camera-name"), translated(name)), given);
   cameras.start();
   return cameras;
 }
@@ -57,6 +59,7 @@ const figure = (values, format) => (values.every(Number.isFinite) ? format(...va
 const degrees = (/** @type {number} */ angle) => `${fixed((angle * 180) / Math.PI, 0)}°`;
 
 async function start() {
+  startLanguage();
   const status = new StatusView();
   const attitude = new AttitudeView((sentence) => status.log(sentence, "warning"));
   const config = await waitForConfig(given);
@@ -68,7 +71,7 @@ async function start() {
 
   const bridge = new Bridge(() => locateBridge(given), {
     opened: () => {
-      status.log("connected");
+      status.log(text("connected"));
       roster.connected();
       scenes.list();
       exercises.list();
@@ -78,10 +81,10 @@ async function start() {
     lost: (reason) => {
       status.forgetSim();
       roster.disconnected();
-      status.setLinkBand("Connection lost. Reconnecting …");
-      status.log(`connection lost: ${reason}`, "alarm");
+      status.setLinkBand(text("Connection lost. Reconnecting …"));
+      status.log(text("connection lost: {reason}", { reason: translated(reason) }), "alarm");
     },
-    refused: (sentence) => status.warn(`bridge: ${sentence}`),
+    refused: (sentence) => status.warn(text("bridge: {sentence}", { sentence: translated(sentence) })),
   });
   const roster = new Roster(bridge, topic, log, warn);
   const scenes = new SceneChooser(bridge, topic, log, warn, () => cameras.newScene());
@@ -109,19 +112,19 @@ async function start() {
   const call = async (service, args = {}) => {
     try {
       const answer = await bridge.call(topic(service), args);
-      if (answer.success === false) status.warn(answer.message);
+      if (answer.success === false) status.warn(translated(answer.message));
     } catch (error) {
-      status.warn(`${service}: ${/** @type {Error} */ (error).message}`);
+      status.warn(`${service}: ${translated(/** @type {Error} */ (error).message)}`);
     }
   };
   const setEstop = (/** @type {boolean} */ data) => {
-    if (!bridge.publish(topic("e_stop"), { data })) status.warn("not connected: e-stop was NOT sent", "alarm");
+    if (!bridge.publish(topic("e_stop"), { data })) status.warn(text("not connected: e-stop was NOT sent"), "alarm");
   };
 
   onClick(byId("pause"), () => call(sim?.paused ? "sim/unpause" : "sim/pause"));
   onClick(byId("step"), () => call("sim/step", { steps: Math.round(STEP / (sim?.step_size || 0.002)) }));
   onClick(byId("reset"), async () => {
-    if (await ask("Reset the scene? The robot and everything else go back to where they began.", "reset")) call("sim/reset");
+    if (await ask(text("Reset the scene? The robot and everything else go back to where they began."), text("reset"))) call("sim/reset");
   });
   const stopAll = () => {
     setEstop(true);
@@ -129,7 +132,7 @@ async function start() {
   };
   onClick(byId("estop"), stopAll);
   onClick(byId("release"), async () => {
-    if (await ask("Release the e-stop? The robot obeys again, with the next new press.", "release")) setEstop(false);
+    if (await ask(text("Release the e-stop? The robot obeys again, with the next new press."), text("release e-stop"))) setEstop(false);
   });
   window.addEventListener("keydown", (event) => {
     if (event.key === "Escape" && !event.repeat) stopAll();
@@ -154,10 +157,10 @@ async function start() {
     if (status.isOtherWorld(message)) cameras.newScene();
     status.setSim(message);
     scenes.setStatus(message);
-    setText(byId("pause"), message.paused ? "▶ continue" : "❚❚ pause");
+    setText(byId("pause"), message.paused ? `▶ ${text("continue")}` : `❚❚ ${text("pause")}`);
     /** @type {HTMLButtonElement} */ (byId("step")).disabled = !message.paused;
-    const late = message.late_cycles > 0 ? ` · ${message.late_cycles} late cycles` : "";
-    setText(byId("sim-note"), `${message.resets} resets${late}`);
+    const late = message.late_cycles > 0 ? text(" · {count} late cycles", { count: message.late_cycles }) : "";
+    setText(byId("sim-note"), text("{count} resets", { count: message.resets }) + late);
   });
   listen(STABILITY.topic, STABILITY.type, (stability) => {
     attitude.set(stability);

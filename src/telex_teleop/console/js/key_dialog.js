@@ -1,6 +1,7 @@
 // @ts-check
 /** The list of all keys, in which each can be changed. */
 
+import { text } from "./language.js";
 import { byId, element } from "./panels.js";
 
 export class KeyDialog {
@@ -21,14 +22,14 @@ export class KeyDialog {
     for (const action of vocabulary.all) {
       if (action.code === null) continue;
       const group = groups.get(action.group) ?? element("section");
-      if (!groups.has(action.group)) group.append(element("h3", "", action.group));
+      if (!groups.has(action.group)) group.append(element("h3", "", text(action.group)));
       groups.set(action.group, group);
       group.append(this._line(action));
     }
     byId("key-groups").append(...groups.values());
     byId("keys-reset").addEventListener("click", () => {
       this._keymap.reset();
-      this._tell("All keys are as they were at first.");
+      this._tell(text("All keys are as they were at first."));
     });
     byId("keys-close").addEventListener("click", () => this.toggle());
   }
@@ -56,11 +57,11 @@ export class KeyDialog {
     if (code.startsWith("Shift")) return true; // on its way to another key
     this._wait(null);
     if (code === this._keymap.codeOf(this._vocabulary.emergencyStop)) {
-      this._tell(`${this._keymap.capOf(code)} is the e-stop, always.`);
+      this._tell(text("{key} is the e-stop, always.", { key: this._keymap.capOf(code) }));
       return false;
     }
     const others = this._keymap.set(name, code);
-    this._tell(others.length > 0 ? `${others.map((each) => this._vocabulary.get(each)?.title).join(", ")} has the old key now.` : "");
+    this._tell(others.length > 0 ? text("{action} has the old key now.", { action: others.map((each) => text(this._vocabulary.get(each)?.title ?? each)).join(", ") }) : "");
     return true;
   }
 
@@ -71,13 +72,13 @@ export class KeyDialog {
     line.dataset.key = name;
     const cap = element("kbd");
     cap.dataset.binding = name;
-    line.append(cap, element("span", "", title));
+    line.append(cap, element("span", "", text(title)));
     line.disabled = name === this._vocabulary.emergencyStop;
     line.addEventListener("pointerdown", (event) => event.preventDefault());
     line.addEventListener("mousedown", (event) => event.preventDefault());
     line.addEventListener("click", () => {
       this._wait(name);
-      this._tell(`Press the new key for "${title}".`);
+      this._tell(text("Press the new key for “{action}”.", { action: text(title) }));
     });
     return line;
   }
@@ -92,6 +93,6 @@ export class KeyDialog {
 
   /** @param {string} sentence */
   _tell(sentence) {
-    byId("keys-note").textContent = sentence || "Click a line, then press its new key. Keys count by their place on the keyboard.";
+    byId("keys-note").textContent = sentence || text("Click a line, then press its new key. Keys count by their place on the keyboard.");
   }
 }

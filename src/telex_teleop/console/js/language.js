@@ -1,12 +1,143 @@
 // @ts-check
-/** The texts of the pages in the language that is shown. */
+/** The texts and figures of the pages in the language that is shown. */
+
+import { DE } from "./language/de.js";
+import { FR } from "./language/fr.js";
+
+export { term } from "./language/term.js";
+
+/** @typedef {"en" | "de" | "fr"} Language */
+
+/** What each language calls itself, and its sentences by the English ones. @type {Record<Language, {name: string, table: Record<string, string>}>} */
+const LANGUAGES = { en: { name: "English", table: {} }, de: { name: "Deutsch", table: DE }, fr: { name: "Français", table: FR } };
+const ORDER = /** @type {Language[]} */ (Object.keys(LANGUAGES));
+
+const STORED_AS = "telex.language";
+const REMEMBERED = 4000; // sentences
+const UNSEEN = "\u2060";
+
+/** What was said: English words and values by the sentence, for it to be said anew in another language. @type {Map<string, {english: string, values: Values}>} */
+const said = new Map();
+
+/** @typedef {Record<string, string | number>} Values */
+
+/** The language that is shown. @type {Language} */
+let shown = firstOf(globalThis.document === undefined ? [] : wishes());
+
+/** Called after every change. @type {(() => void)[]} */
+const changed = [];
+
+/** Who is asked for a language, one after the other: the page's address, what was chosen before, the browser. */
+function wishes() {
+  return [new URLSearchParams(location.search).get("lang"), kept(), ...(navigator.languages ?? [])];
+}
+
+/** @param {(string | null)[]} asked @returns {Language} */
+function firstOf(asked) {
+  const codes = asked.map((each) => (each ?? "").toLowerCase().split("-")[0]);
+  return /** @type {Language | undefined} */ (codes.find((code) => Object.hasOwn(LANGUAGES, code))) ?? "en";
+}
+
+function kept() {
+  try {
+    return localStorage.getItem(STORED_AS);
+  } catch {
+    return null; // a browser that stores nothing
+  }
+}
 
 /**
  * Translate what the page says.
- * @param {string} english  What is said in English, which is also its name in the tables of other languages; `{name}` stands for a value.
- * @param {Record<string, string | number>} [values]
+ * @param {string} english  What is said in English, which is also its name in the tables of other languages; `{name}` stands for a value. What
+ *   follows a bar is not said: it tells apart what only English says in the same words.
+ * @param {Values} [values]
  * @returns {string}
  */
 export function text(english, values = {}) {
-  return english.replace(/\{(\w+)\}/g, (whole, name) => (name in values ? String(values[name]) : whole));
+  const { table } = LANGUAGES[shown];
+  const words = Object.hasOwn(table, english) ? table[english] : english.split("|")[0];
+  let sentence = words.replace(/\{(\w+)\}/g, (whole, name) => (name in values ? String(values[name]) : whole));
+  // What two English sentences have in common in this language is told apart by what nobody sees.
+  while ((said.get(sentence)?.english ?? english) !== english) sentence += UNSEEN;
+  said.delete(sentence);
+  said.set(sentence, { english, values });
+  if (said.size > REMEMBERED) said.delete(/** @type {string} */ (said.keys().next().value));
+  return sentence;
+}
+
+/**
+ * Say in the language that is shown what a server has said in English, or this page in another language before.
+ * @param {string} sentence  What nobody has said here, and is in no table, stays as it is.
+ * @returns {string}
+ */
+export function translated(sentence) {
+  const known = said.get(sentence) ?? (Object.hasOwn(DE, sentence) ? { english: sentence, values: {} } : formOf(sentence));
+  if (known === undefined) return sentence;
+  const { english, values } = known;
+  return text(english, Object.fromEntries(Object.entries(values).map(([name, value]) => [name, typeof value === "string" ? translated(value) : value])));
+}
+
+const LEAST_LETTERS = 3; // that tell a sentence with values from any other one
+
+/** Sentences with values, and what they look like. @type {{english: string, names: string[], look: RegExp}[] | null} */
+let forms = null;
+
+/** A sentence with values that this one is; undefined: none. @param {string} sentence */
+function formOf(sentence) {
+  forms ??= Object.keys(DE)
+    .filter((english) => english.includes("{") && (english.replace(/\{\w+\}/g, "").match(/\p{L}/gu)?.length ?? 0) >= LEAST_LETTERS)
+    .map((english) => ({
+      english,
+      names: [...english.matchAll(/\{(\w+)\}/g)].map(([, name]) => name),
+      // A count is one word.
+      look: new RegExp(`^${english.replace(/[.*+?^$()|[\]\\]/g, "\\$&").replace(/\{(\w+)\}/g, (_, name) => (name === "count" ? "(\\S+)" : "(.+?)"))}$`),
+    }));
+  for (const { english, names, look } of forms) {
+    const found = look.exec(sentence);
+    if (found !== null) return { english, values: Object.fromEntries(names.map((name, index) => [name, found[index + 1]])) };
+  }
+  return undefined;
+}
+
+/** @type {Map<string, Intl.NumberFormat>} */
+const formats = new Map();
+
+/**
+ * A figure as the language writes it, without "-0".
+ * @param {number} value
+ * @param {number} digits  After the point.
+ * @param {number} [least]  So many of them also where they are zeros.
+ */
+export function decimal(value, digits, least = digits) {
+  const key = `${shown} ${digits} ${least}`;
+  let format = formats.get(key);
+  if (format === undefined) {
+    format = new Intl.NumberFormat(shown, { minimumFractionDigits: least, maximumFractionDigits: digits, useGrouping: false });
+    formats.set(key, format);
+  }
+  return format.format(Number(value.toFixed(digits)) || 0);
+}
+
+/** The language that is shown, and what it calls itself. */
+export const language = () => ({ code: shown, name: LANGUAGES[shown].name });
+
+/** @param {() => void} act  Called when another language is shown. */
+export function onLanguage(act) {
+  changed.push(act);
+}
+
+/** Show the next language, and keep that choice. */
+export function nextLanguage() {
+  shown = ORDER[(ORDER.indexOf(shown) + 1) % ORDER.length];
+  keep();
+  for (const act of changed) act();
+}
+
+/** Keep the language for this browser's other pages, and for the next time. */
+export function keep() {
+  try {
+    localStorage.setItem(STORED_AS, shown);
+  } catch {
+    // A browser that stores nothing has it until the page is closed.
+  }
 }

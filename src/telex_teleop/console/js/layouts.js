@@ -2,6 +2,7 @@
 /** The page's layouts, one for each task: two large views of one's own choice in each, kept in this browser for this robot. */
 
 import { onClick } from "./buttons.js";
+import { text } from "./language.js";
 import { byId, element } from "./panels.js";
 
 /** @typedef {import("./vocabulary.js").Mode} Mode */
@@ -49,7 +50,7 @@ export class Layouts {
       tab.dataset.layout = name;
       const cap = element("kbd");
       cap.dataset.binding = keyOf(LEAD_TO[modes[0]] ?? "mode");
-      tab.append(cap, name);
+      tab.append(cap, text(name));
       onClick(tab, () => choose(modes));
       return tab;
     }));

@@ -1,6 +1,8 @@
 // @ts-check
 /** The line between console and robot as the bridge tells of it: its delay, its signal, and outages. */
 
+import { decimal, text, translated } from "./language.js";
+
 export const LINK_STATE = { topic: "link/state", type: "telex_msgs/LinkState" };
 
 /** Least signal (0 to 1) with which it is good, and fair. */
@@ -39,10 +41,10 @@ export class Line {
     const before = this._state;
     this._state = state;
     // Who sits behind the line hears of an outage when it is over; an instructor at once.
-    if (state.outage && !before?.outage) this._log("the line is down", "warning");
-    if (!state.outage && before?.outage) this._log("the line is up again", "info");
+    if (state.outage && !before?.outage) this._log(text("the line is down"), "warning");
+    if (!state.outage && before?.outage) this._log(text("the line is up again"), "info");
     const name = (/** @type {LinkState | null} */ each) => (each === null ? "perfect" : each.profile);
-    if (name(before) !== name(state)) this._log(`line: ${state.profile}`, "info");
+    if (name(before) !== name(state)) this._log(text("line: {profile}", { profile: translated(state.profile) }), "info");
   }
 
   /** Quality of the radio signal; null where none is known. @returns {Quality | null} */
@@ -62,8 +64,8 @@ export class Line {
   get text() {
     if (this._state === null || this._state.perfect) return "";
     const { outage, delay, jitter, signal_known: isKnown, signal } = this._state;
-    const late = `${Math.round(1000 * delay)}${jitter > 0 ? `–${Math.round(1000 * (delay + jitter))}` : ""} ms each way`;
-    return [outage ? "DOWN" : late, isKnown ? `signal ${Math.round(100 * signal)} %` : ""].filter(Boolean).join(", ");
+    const late = text("{delay} ms each way", { delay: `${Math.round(1000 * delay)}${jitter > 0 ? `–${Math.round(1000 * (delay + jitter))}` : ""}` });
+    return [outage ? text("DOWN") : late, isKnown ? text("signal {percent} %", { percent: Math.round(100 * signal) }) : ""].filter(Boolean).join(", ");
   }
 
   /**
@@ -71,9 +73,9 @@ export class Line {
    * @param {number} silence  ms.
    */
   silent(silence) {
-    const since = `${(silence / 1000).toFixed(1)} s`;
+    const since = `${decimal(silence / 1000, 1)} s`;
     return this.impaired
-      ? `The line is down: nothing has come from the robot for ${since}. Everything is released.`
-      : "The robot does not answer. Everything is released.";
+      ? text("The line is down: nothing has come from the robot for {since}. Everything is released.", { since })
+      : text("The robot does not answer. Everything is released.");
   }
 }

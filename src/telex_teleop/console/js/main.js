@@ -25,6 +25,9 @@ import { labelKeys, listenToKeys, listenToPointers, walkButtons } from "./input.
 import { JointPositions } from "./joints.js";
 import { KeyDialog } from "./key_dialog.js";
 import { KeyMap } from "./keymap.js";
+import { nextLanguage, text, translated } from "./language.js";
+import { offerLayouts } from "./language/keyboard.js";
+import { startLanguage } from "./language/page.js";
 import { Layouts } from "./layouts.js";
 import { ModeSwitch } from "./modes.js";
 import { Motion } from "./motion.js";
@@ -64,8 +67,8 @@ async function fetchModel(bridge, parameter) {
   for (;;) {
     if (bridge.connected) {
       try {
-        const text = await getParameter(bridge, parameter);
-        if (typeof text === "string") return new RobotModel(text);
+        const urdf = await getParameter(bridge, parameter);
+        if (typeof urdf === "string") return new RobotModel(urdf);
       } catch (error) {
         console.info(`${parameter}: ${/** @type {Error} */ (error).message}`);
       }
@@ -77,7 +80,7 @@ async function fetchModel(bridge, parameter) {
 /** @param {import("./config.js").Config} config */
 function startCameras(config) {
   const canvas = /** @type {HTMLCanvasElement} */ (byId("picture"));
-  const cameras = new Cameras(config, canvas, [byId("second"), byId("thumbnails")], ([name]) => setText(byId("camera-name"), name));
+  const cameras = new Cameras(config, canvas, [byId("second"), byId("thumbnails")], ([name]) => setText(byId("camera-name"), translated(name)));
   cameras.start();
   return cameras;
 }
@@ -127,7 +130,7 @@ class Console {
     this._tool.changed = this._cameras.grown = () => this._modes.show();
     this._modes.show();
     this._control = new ControlView(this._bridge, topic, letGo, warn);
-    this._motion = new Motion(this._control, (device) => this._status.log(`${device} moves the robot`, "warning"));
+    this._motion = new Motion(this._control, (device) => this._status.log(text("{device} moves the robot", { device }), "warning"));
     this._size = new PictureSize(this._bridge, topic);
     this._training = new TrainingClient(this._bridge, topic, warn);
     this._strip = new TrainingStrip(this._training, GIVEN, letGo);
@@ -139,6 +142,7 @@ class Console {
     const relabel = () => labelKeys(document, this._keymap);
     this._keyDialog = new KeyDialog(vocabulary, this._keymap, relabel);
     this._keymap.changed = relabel;
+    offerLayouts(/** @type {HTMLSelectElement} */ (byId("keyboard")), relabel);
     this._tour = new Tour(localStorage, vocabulary, relabel);
     this._brief = new ExerciseBrief(vocabulary, GIVEN, () => this._strip.start(), letGo, relabel);
     relabel();
@@ -163,8 +167,8 @@ class Console {
       lost: (reason) => this._disconnected(reason),
       refused: (sentence) => {
         // A stream of commands that was refused once stays so: the operator has to know, and to press anew.
-        if (sentence.startsWith("publish to ")) this._letGo("the bridge refused a command");
-        this._status.warn(`bridge: ${sentence}`);
+        if (sentence.startsWith("publish to ")) this._letGo(text("the bridge refused a command"));
+        this._status.warn(text("bridge: {sentence}", { sentence: translated(sentence) }));
       },
     });
   }
@@ -181,7 +185,7 @@ class Console {
     });
     fetchPadMap().then(
       (map) => { gamepad.map = map; },
-      (error) => this._status.warn(`no gamepad can be used: ${error.message}`),
+      (error) => this._status.warn(text("no gamepad can be used: {why}", { why: translated(error.message) })),
     );
     return gamepad;
   }
@@ -202,7 +206,7 @@ class Console {
       slower: () => this._commander.changeSpeed(-1),
       faster: () => this._commander.changeSpeed(1),
       stop: () => {
-        this._letGo("stop");
+        this._letGo(text("stop|let go"));
         this._commander.stopPresets();
       },
       "e-stop": () => this._setEstop(true),
@@ -221,8 +225,9 @@ class Console {
       "walk the buttons": () => walkButtons(),
       bookmark: () => this._strip.bookmarks.set(),
       "go back": () => this._strip.bookmarks.back(),
+      "next language": () => nextLanguage(),
       help: () => {
-        this._letGo("the list of keys");
+        this._letGo(text("the list of keys"));
         this._keyDialog.toggle();
       },
     };
@@ -262,7 +267,7 @@ class Console {
    */
   _letGo(reason) {
     const wasHeld = !this._held.empty;
-    if (wasHeld) this._status.warn(`released: ${reason}`);
+    if (wasHeld) this._status.warn(text("released: {reason}", { reason }));
     this._release();
     return wasHeld;
   }
@@ -275,13 +280,13 @@ class Console {
   /** Whether a press counts now; if not, the operator is told why. */
   _mayPress() {
     const { _status: status, _control: control } = this;
-    if (!this._bridge.connected) status.warn("not connected: nothing can be moved");
-    else if (status.estopped) status.warn("e-stop is active: release it first");
-    else if (control.givesUp) status.warn("control is being given up: nothing is sent until the robot's side knows");
-    else if (control.isWatching) status.warn(`${control.holderName} has control: you are watching`);
-    else if (this._keyDialog.isOpen) status.warn("close the list of keys first");
-    else if (this._chooser.isOpen) status.warn("close the list of exercises first");
-    else if (this._brief.isOpen) status.warn("close the brief first");
+    if (!this._bridge.connected) status.warn(text("not connected: nothing can be moved"));
+    else if (status.estopped) status.warn(text("e-stop is active: release it first"));
+    else if (control.givesUp) status.warn(text("control is being given up: nothing is sent until the robot's side knows"));
+    else if (control.isWatching) status.warn(text("{name} has control: you are watching", { name: control.holderName }));
+    else if (this._keyDialog.isOpen) status.warn(text("close the list of keys first"));
+    else if (this._chooser.isOpen) status.warn(text("close the list of exercises first"));
+    else if (this._brief.isOpen) status.warn(text("close the brief first"));
     else return true;
     return false;
   }
@@ -290,13 +295,13 @@ class Console {
   _setEstop(data) {
     this._release();
     const sent = this._bridge.publish(this._topic("e_stop"), { data });
-    if (!sent) this._status.warn("not connected: e-stop was NOT sent", "alarm");
+    if (!sent) this._status.warn(text("not connected: e-stop was NOT sent"), "alarm");
   }
 
   // ---- the connection
 
   _connected() {
-    this._status.log("connected");
+    this._status.log(text("connected"));
     this._control.connected();
     this._cameraCommander.connected();
     this._gripper.ask(this._bridge, this._topic);
@@ -312,8 +317,8 @@ class Console {
     this._dosimeter.forget();
     this._gas.forget();
     this._status.forgetSim();
-    this._status.setLinkBand("Connection lost. Everything is released. Reconnecting …");
-    this._status.log(`connection lost, everything is released: ${reason}`, "alarm");
+    this._status.setLinkBand(text("Connection lost. Everything is released. Reconnecting …"));
+    this._status.log(text("connection lost, everything is released: {reason}", { reason: translated(reason) }), "alarm");
   }
 
   _advertise() {
@@ -377,7 +382,7 @@ class Console {
       this._map.hearStatus(sim);
       status.setSim(sim);
       // What was held before must not go on after it.
-      if (status.paused && !wasPaused) this._letGo("the simulation is paused");
+      if (status.paused && !wasPaused) this._letGo(text("the simulation is paused"));
       // Releasing the e-stop must not bring back a motion that is still held.
       if (status.estopped) this._release();
     });
@@ -450,8 +455,8 @@ class Console {
     const letGo = (/** @type {string} */ reason) => this._letGo(reason);
     keepPace(COMMAND_PERIOD, () => {
       this._gamepad.poll();
-      if (!this._held.empty && this._bridge.silence > SILENT_AFTER) letGo("the robot does not answer");
-      if (!this._held.empty && browserHangs()) letGo("the browser does not answer");
+      if (!this._held.empty && this._bridge.silence > SILENT_AFTER) letGo(text("the robot does not answer"));
+      if (!this._held.empty && browserHangs()) letGo(text("the browser does not answer"));
       if (!this._held.empty || this._commander.busy || this._toolCommander.busy) this._update();
     }, letGo);
     setInterval(() => this._display(), DISPLAY_PERIOD);
@@ -512,6 +517,7 @@ class Console {
 
 /** Start the console, also where it is not told what can be done. */
 async function main() {
+  startLanguage();
   const config = await waitForConfig(GIVEN);
   showRobot(config, byId("brand"));
   const { vocabulary, problem } = await fetchVocabulary();

@@ -1,6 +1,8 @@
 // @ts-check
 /** Reads an MJPEG stream picture by picture, and single pictures: what serves where no WebSocket can be had. */
 
+import { term } from "./language/term.js";
+
 const RETRY_AFTER = 1000; // ms between two attempts to get the stream
 const RECONNECT_AFTER = 5000; // ms without data after which the stream is asked for anew
 
@@ -25,7 +27,7 @@ export class MultipartReader {
       if (head < 0) break;
       const text = new TextDecoder("latin1").decode(bytes.subarray(start, head));
       const length = /content-length:\s*(\d+)/i.exec(text);
-      if (length === null) throw new Error("a part of the stream has no length");
+      if (length === null) throw new Error(term("a part of the stream has no length"));
       const end = head + Number(length[1]);
       if (end > bytes.length) break;
       parts.push(bytes.slice(head, end));
@@ -93,7 +95,7 @@ export async function readStream(topic, access, stop, use, complain) {
     }, 500);
     try {
       const reply = await ask("stream", topic, access, attempt.signal);
-      complain("the camera sends nothing");
+      complain(term("the camera sends nothing"));
       const reader = /** @type {ReadableStream<Uint8Array>} */ (reply.body).getReader();
       const multipart = new MultipartReader();
       for (;;) {
@@ -103,7 +105,7 @@ export async function readStream(topic, access, stop, use, complain) {
         const picture = multipart.push(value).at(-1);
         if (picture !== undefined) newest.offer(picture);
       }
-      complain("the stream has ended");
+      complain(term("the stream has ended"));
     } catch (error) {
       if (!attempt.signal.aborted) complain(String(/** @type {any} */ (error).message ?? error));
     }
@@ -148,9 +150,9 @@ export async function readSnapshots(topics, access, stop, use, complain) {
  */
 async function ask(what, topic, access, signal) {
   const reply = await fetch(`/${what}?${new URLSearchParams({ topic, ...access })}`, { signal, cache: "no-store" });
-  if (reply.status === 401) throw new Error("the video server asks for a token: open the page with ?token=…");
-  if (reply.status === 404) throw new Error("the camera is not there yet");
-  if (reply.status === 504) throw new Error("the camera sends nothing");
+  if (reply.status === 401) throw new Error(term("the video server asks for a token: open the page with ?token=…"));
+  if (reply.status === 404) throw new Error(term("the camera is not there yet"));
+  if (reply.status === 504) throw new Error(term("the camera sends nothing"));
   if (!reply.ok) throw new Error(`the video server says ${reply.status}`);
   return reply;
 }

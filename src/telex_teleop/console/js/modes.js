@@ -1,6 +1,7 @@
 // @ts-check
 /** What the operator's keys are about: the mode of the arm, or the tracks or the camera alone. */
 
+import { text } from "./language.js";
 import { byId, setText } from "./panels.js";
 
 /** @typedef {import("./vocabulary.js").Mode} Mode */
@@ -29,7 +30,7 @@ export class ModeSwitch {
   /** @param {Mode} mode */
   set(mode) {
     this._own = ownMode(mode);
-    if (mode === "DRIVE" || mode === "CAMERA") this._letGo(`${mode} mode`);
+    if (mode === "DRIVE" || mode === "CAMERA") this._letGo(text("{mode} mode", { mode: text(mode) }));
     // Even where the page shows its mode already the arm is asked: only it knows.
     else this._tool.setMode(mode);
     this.show();
@@ -54,7 +55,7 @@ export class ModeSwitch {
     for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-mode]"))) {
       button.setAttribute("aria-checked", String(button.dataset.mode === mode));
     }
-    setText(byId("mode-note"), this._modes.find(({ name }) => name === mode)?.note ?? "");
+    setText(byId("mode-note"), text(this._modes.find(({ name }) => name === mode)?.note ?? ""));
   }
 
   /**

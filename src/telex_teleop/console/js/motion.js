@@ -1,14 +1,15 @@
 // @ts-check
 /** What moves the robot now and who moves it, as the robot's own nodes tell. */
 
+import { term, text, translated } from "./language.js";
 import { FLIPPER_NODE, TRACK_NODE } from "./robot.js";
 import { byId, setText } from "./panels.js";
 
 /** What the nodes move. @type {Record<string, string>} */
-const PARTS = { [TRACK_NODE]: "tracks", [FLIPPER_NODE]: "flippers", arm_teleop: "arm", gripper_teleop: "gripper" };
+const PARTS = { [TRACK_NODE]: term("tracks"), [FLIPPER_NODE]: term("flippers"), arm_teleop: term("arm"), gripper_teleop: term("gripper") };
 
 /** What the page calls the sources of what is held. @type {Record<string, string>} */
-const INPUTS = { key: "keys", pointer: "buttons", pad: "gamepad" };
+const INPUTS = { key: term("keys"), pointer: term("buttons"), pad: term("gamepad") };
 
 const SILENT_AFTER = 1000; // ms after which what a node said counts no more
 
@@ -35,10 +36,10 @@ function nodeOf({ does }) {
  */
 function describe({ action: { does, title } }, presets, format, side) {
   // The robot may have other presets than the list of actions.
-  if (does.kind === "preset") return `flippers to ${presets[does.index] ?? does.name}`;
-  if (does.kind !== "jog") return title;
-  if (does.node === "flipper") return side === "both" ? title : title.replace("flippers", `${side} flipper`);
-  return does.node === "arm" ? `${title} ${format(does.joints[0])}` : title;
+  if (does.kind === "preset") return text("flippers to {preset}", { preset: translated(presets[does.index] ?? does.name) });
+  if (does.kind !== "jog") return text(title);
+  if (does.node === "flipper") return text(side === "both" ? title : title.replace("flippers", `${side} flipper`));
+  return does.node === "arm" ? `${text(title)} ${format(does.joints[0])}` : text(title);
 }
 
 export class Motion {
@@ -90,33 +91,33 @@ export class Motion {
     });
     const parts = moving.flatMap((node) => {
       const own = held.filter(({ action }) => nodeOf(action) === node).map((each) => describe(each, presets, format, side));
-      return own.length > 0 ? own : [PARTS[node]];
+      return own.length > 0 ? own : [text(PARTS[node])];
     });
-    const zoomed = held.filter(({ action }) => action.does.kind === "zoom").map(({ action }) => action.title);
+    const zoomed = held.filter(({ action }) => action.does.kind === "zoom").map(({ action }) => text(action.title));
     setText(byId("moves"), [...new Set([...parts, ...zoomed])].join(", ") || "–");
     const others = [...this._devices].filter(([, at]) => now - at < SHOWN_FOR).map(([device]) => device);
     const isObeyed = moving.length > 0 && now - this._bridgeObeyed < SHOWN_FOR;
     setText(byId("moved-by"), [...(isObeyed || zoomed.length > 0 ? [this._client(held)] : []), ...others].join(", ") || "–");
     const chip = byId("others");
     chip.hidden = others.length === 0;
-    setText(chip, `MOVED BY ${others.join(", ")}`);
+    setText(chip, text("MOVED BY {devices}", { devices: others.join(", ") }));
     chip.title = chip.textContent ?? "";
   }
 
   /** Who commands through the bridge. @param {Hold[]} held */
   _client(held) {
     if (!this._control.isMine) return this._control.holderName;
-    const inputs = new Set(held.map(({ source }) => INPUTS[source.split(":")[0]]));
-    if (inputs.size > 0) return `you (${[...inputs].join(", ")})`;
-    return this._control.isKnown ? "you" : "a client of the bridge";
+    const inputs = new Set(held.map(({ source }) => text(INPUTS[source.split(":")[0]])));
+    if (inputs.size > 0) return text("you ({inputs})", { inputs: [...inputs].join(", ") });
+    return this._control.isKnown ? text("you") : text("a client of the bridge");
   }
 }
 
 /** @param {string} name  Of a node. */
 function deviceOf(name) {
-  if (name === "joy_teleop") return "the robot's gamepad";
-  if (name.startsWith("keyboard_teleop")) return "a terminal";
-  if (name === "goal") return "a script";
+  if (name === "joy_teleop") return text("the robot's gamepad");
+  if (name.startsWith("keyboard_teleop")) return text("a terminal");
+  if (name === "goal") return text("a script");
   // rospy's anonymous nodes have numbers after their names
-  return `the program ${name.replace(/(_\d+)+$/, "")}`;
+  return text("the program {name}", { name: name.replace(/(_\d+)+$/, "") });
 }

@@ -2,6 +2,7 @@
 /** Sends the instructor's camera about by dragging and by the wheel. */
 
 import { onClick } from "./buttons.js";
+import { decimal, text } from "./language.js";
 import { byId, setText } from "./panels.js";
 import { getParameter } from "./parameters.js";
 
@@ -123,7 +124,7 @@ export class OverviewControl {
     byId("view").dataset.camera = this._shown();
     byId("view-modes").hidden = !isShown;
     const { mode, distance } = this.view;
-    setText(byId("view-hint"), isShown ? `${mode} · ${distance.toFixed(1)} m` : "");
+    setText(byId("view-hint"), isShown ? `${text(mode)} · ${decimal(distance, 1)} m` : "");
   }
 
   /** @param {HTMLElement} picture */

@@ -1,6 +1,7 @@
 // @ts-check
 /** The side panel: joints with their values and the buttons that move them. */
 
+import { decimal, text, translated } from "./language.js";
 import { FINGER_BASES, GRIPPER_JOINT, fingerJoints } from "./robot.js";
 
 const ARROWS = /** @type {Record<string, string>} */ ({
@@ -20,22 +21,22 @@ export function byId(id) {
 /**
  * @param {string} tag
  * @param {string} [className]
- * @param {string} [text]
+ * @param {string} [words]
  */
-export function element(tag, className = "", text = "") {
+export function element(tag, className = "", words = "") {
   const made = document.createElement(tag);
   made.className = className;
-  made.textContent = text;
+  made.textContent = words;
   return made;
 }
 
 /**
  * Write a text, unless it is there already: what does not change must not be laid out anew.
  * @param {Element} where
- * @param {string} text
+ * @param {string} words
  */
-export function setText(where, text) {
-  if (where.textContent !== text) where.textContent = text;
+export function setText(where, words) {
+  if (where.textContent !== words) where.textContent = words;
 }
 
 /** @param {import("./vocabulary.js").Action} action */
@@ -46,7 +47,8 @@ export function holdButton({ name, label }) {
   const cap = element("kbd");
   cap.dataset.binding = name;
   const arrow = ARROWS[label];
-  button.append(cap, arrow === undefined ? label : `${arrow} ${label}`);
+  const words = text(label);
+  button.append(cap, arrow === undefined ? words : `${arrow} ${words}`);
   return button;
 }
 
@@ -117,17 +119,17 @@ export class Panels {
     const inModes = (/** @type {string} */ node, /** @type {string} */ modes) =>
       rowsOf(jogs.filter((action) => action.does.node === node && (modes === "" || action.modes.join() === modes)));
     /** @param {string} id  @param {import("./vocabulary.js").Action[]} actions  @param {(string | Node)[]} values */
-    const add = (id, actions, ...values) => byId(id).append(row("", actions[0].row, ...values, ...actions.map(holdButton)));
+    const add = (id, actions, ...values) => byId(id).append(row("", text(actions[0].row), ...values, ...actions.map(holdButton)));
     byId("drive-pad").append(...vocabulary.find("drive").map(holdButton));
     for (const actions of inModes("arm", "JOINT")) add("arm-rows", actions, valueOf(actions[0].does.joints[0]));
     for (const actions of inModes("arm", "CAMERA")) add("camera-rows", actions, valueOf(actions[0].does.joints[0]));
     for (const actions of inModes("gripper", "")) add("gripper-rows", actions, valueOf(GRIPPER_JOINT));
     byId("gripper-rows").append(
-      row("wide", "fingers", ...["left", "right"].map((side) => cell(...fingerJoints(side).map(valueOf)))),
+      row("wide", text("fingers"), ...["left", "right"].map((side) => cell(...fingerJoints(side).map(valueOf)))),
     );
     for (const actions of inModes("flipper", "")) {
       const [left, right] = actions[0].does.joints.map(valueOf);
-      byId("flipper-rows").append(row("pair", actions[0].row, cell("L", left, "R", right), ...actions.map(holdButton)));
+      byId("flipper-rows").append(row("pair", text(actions[0].row), cell(text("L"), left, text("R"), right), ...actions.map(holdButton)));
     }
     this._presets = vocabulary.presets.map(holdButton);
     byId("flipper-presets").append(...this._presets);
@@ -239,7 +241,7 @@ export class Panels {
     this._presets.forEach((button, index) => {
       button.hidden = index >= names.length;
       button.title = descriptions[index] ?? "";
-      /** @type {Text} */ (button.lastChild).data = names[index] ?? "";
+      /** @type {Text} */ (button.lastChild).data = translated(names[index] ?? "");
     });
   }
 
@@ -267,8 +269,7 @@ export function showTwist({ linear, angular }) {
  * @param {number} digits
  */
 export function fixed(value, digits) {
-  const text = value.toFixed(digits);
-  return Number(text) === 0 ? text.replace("-", "") : text;
+  return decimal(value, digits);
 }
 
 /**
@@ -277,6 +278,5 @@ export function fixed(value, digits) {
  * @param {number} digits
  */
 function signed(value, digits) {
-  const text = fixed(value, digits);
-  return Number(text) > 0 ? `+${text}` : text;
+  return `${Number(value.toFixed(digits)) > 0 ? "+" : ""}${fixed(value, digits)}`;
 }

@@ -3,6 +3,7 @@
 
 import { ask } from "./ask.js";
 import { onClick } from "./buttons.js";
+import { text, translated } from "./language.js";
 import { byId, element, setText } from "./panels.js";
 
 const TYPE = "telex_msgs/BridgeClients";
@@ -24,10 +25,10 @@ class Line {
   constructor(give) {
     this.row = document.createElement("tr");
     this._cells = Array.from({ length: 5 }, () => this.row.appendChild(document.createElement("td")));
-    this._button = /** @type {HTMLButtonElement} */ (element("button", "small", "hand over"));
+    this._button = /** @type {HTMLButtonElement} */ (element("button", "small", text("hand over")));
     this._button.type = "button";
     onClick(this._button, give);
-    this._holds = element("span", "holds", "in control");
+    this._holds = element("span", "holds", text("in control"));
     this._cells[4].append(this._button, this._holds);
   }
 
@@ -38,10 +39,10 @@ class Line {
    */
   show(client, isThis, now) {
     const [name, role, from, since] = this._cells;
-    const dropped = client.dropped_commands > 0 ? ` · ${client.dropped_commands} dropped` : "";
-    setText(name, `${client.name || `client ${client.id}`}${isThis ? " (you)" : ""}${dropped}`);
-    name.title = `client ${client.id}${dropped}`;
-    setText(role, client.role);
+    const dropped = client.dropped_commands > 0 ? text(" · {count} dropped", { count: client.dropped_commands }) : "";
+    setText(name, `${client.name || text("client {id}", { id: client.id })}${isThis ? text(" (you)") : ""}${dropped}`);
+    name.title = text("client {id}", { id: client.id }) + dropped;
+    setText(role, translated(client.role));
     setText(from, client.address);
     setText(since, age(now - seconds(client.connected_since)));
     this.row.dataset.client = client.id;
@@ -71,7 +72,7 @@ export class Roster {
     /** @type {Map<string, Line>} */
     this._lines = new Map();
     onClick(byId("take"), () => this._take());
-    onClick(byId("give-up"), () => this._do("release_control", {}, "control is released"));
+    onClick(byId("give-up"), () => this._do("release_control", {}, text("control is released")));
     this._show();
   }
 
@@ -86,7 +87,7 @@ export class Roster {
     try {
       this._id = (await this._bridge.call(this._topic("bridge/who_am_i"), {})).message;
     } catch (error) {
-      this._warn(/** @type {Error} */ (error).message);
+      this._warn(translated(/** @type {Error} */ (error).message));
     }
     this._show();
   }
@@ -105,7 +106,7 @@ export class Roster {
 
   /** @param {string} id */
   _nameOf(id) {
-    return this._clients.find((client) => client.id === id)?.name || `client ${id}`;
+    return this._clients.find((client) => client.id === id)?.name || text("client {id}", { id });
   }
 
   /** @param {any} message  telex_msgs/BridgeClients */
@@ -113,21 +114,21 @@ export class Roster {
     const before = this._holder;
     this._holder = holder;
     this._clients = clients;
-    if (holder !== before) this._log(holder === NOBODY ? "nobody has control" : `${this._nameOf(holder)} has control`);
+    if (holder !== before) this._log(holder === NOBODY ? text("nobody has control") : text("{name} has control", { name: this._nameOf(holder) }));
     this._show(seconds(header.stamp));
   }
 
   async _take() {
     const other = this._holder !== NOBODY && this._holder !== this._id;
-    if (other && !(await ask(`Take control from ${this._nameOf(this._holder)}? What moves stops.`, "take over"))) return;
-    await this._do("take_control", {}, "you have control");
+    if (other && !(await ask(text("Take control from {name}? What moves stops.", { name: this._nameOf(this._holder) }), text("take over")))) return;
+    await this._do("take_control", {}, text("you have control"));
   }
 
   /** @param {string} id */
   async _give(id) {
-    const from = this._holder !== NOBODY && this._holder !== this._id ? ` It is taken from ${this._nameOf(this._holder)}.` : "";
-    if (!(await ask(`Give control to ${this._nameOf(id)}?${from} What moves stops.`, "hand over"))) return;
-    await this._do("hand_over", { client: id }, `control is given to ${this._nameOf(id)}`);
+    const from = this._holder !== NOBODY && this._holder !== this._id ? text(" It is taken from {name}.", { name: this._nameOf(this._holder) }) : "";
+    if (!(await ask(text("Give control to {name}?{from} What moves stops.", { name: this._nameOf(id), from }), text("hand over")))) return;
+    await this._do("hand_over", { client: id }, text("control is given to {name}", { name: this._nameOf(id) }));
   }
 
   /**
@@ -139,9 +140,9 @@ export class Roster {
     try {
       const answer = await this._bridge.call(this._topic(`bridge/${service}`), args);
       if (answer.success) this._log(done);
-      else this._warn(answer.message);
+      else this._warn(translated(answer.message));
     } catch (error) {
-      this._warn(/** @type {Error} */ (error).message);
+      this._warn(translated(/** @type {Error} */ (error).message));
     }
   }
 
@@ -164,7 +165,7 @@ export class Roster {
     }
     const isMine = this._holder !== NOBODY && this._holder === this._id;
     byId("control").dataset.state = this._holder === NOBODY ? "free" : isMine ? "mine" : "other";
-    setText(byId("control-holder"), this._holder === NOBODY ? "free" : isMine ? "you" : this._nameOf(this._holder));
+    setText(byId("control-holder"), this._holder === NOBODY ? text("free") : isMine ? text("you") : this._nameOf(this._holder));
     /** @type {HTMLButtonElement} */ (byId("take")).disabled = this._id === null || isMine;
     /** @type {HTMLButtonElement} */ (byId("give-up")).disabled = !isMine;
   }

@@ -3,6 +3,7 @@
 
 import { ask } from "./ask.js";
 import { onClick } from "./buttons.js";
+import { decimal, text, translated } from "./language.js";
 import { byId, element, setText } from "./panels.js";
 
 const WITHIN = 60_000; // ms in which a scene must be loaded; as the bridge's own service_timeout
@@ -34,7 +35,7 @@ export class SceneChooser {
       const answer = await this._bridge.call(this._topic("sim/list_scenes"), {});
       this._fill(answer.scenes, answer.current);
     } catch (error) {
-      this._warn(`the scenes cannot be listed: ${/** @type {Error} */ (error).message}`);
+      this._warn(text("the scenes cannot be listed: {why}", { why: translated(/** @type {Error} */ (error).message) }));
     }
   }
 
@@ -60,7 +61,7 @@ export class SceneChooser {
       const line = element("li");
       line.dataset.scene = scene.name;
       line.dataset.loaded = String(scene.path === current);
-      const button = /** @type {HTMLButtonElement} */ (element("button", "small", scene.path === current ? "load anew" : "load"));
+      const button = /** @type {HTMLButtonElement} */ (element("button", "small", scene.path === current ? text("load anew") : text("load")));
       button.type = "button";
       button.disabled = scene.problem !== "";
       onClick(button, () => this._load(scene.name));
@@ -73,10 +74,10 @@ export class SceneChooser {
   /** @param {string} name */
   async _load(name) {
     if (this._isLoading) return;
-    if (!(await ask(`Load ${name}? The robot starts anew there, and what was done in ${this._world || "this scene"} is lost.`, "load"))) return;
+    if (!(await ask(text("Load {scene}? The robot starts anew there, and what was done in {before} is lost.", { scene: name, before: this._world || text("this scene") }), text("load")))) return;
     this._isLoading = true;
     const begun = performance.now();
-    const showProgress = () => this._note(`loading ${name} … ${((performance.now() - begun) / 1000).toFixed(1)} s`, true);
+    const showProgress = () => this._note(text("loading {scene} … {seconds} s", { scene: name, seconds: decimal((performance.now() - begun) / 1000, 1) }), true);
     showProgress();
     const timer = setInterval(showProgress, PROGRESS_PERIOD);
     try {
@@ -87,11 +88,11 @@ export class SceneChooser {
       } else {
         this._warn(answer.message);
       }
-      this._note(answer.success ? answer.message : "refused");
+      this._note(answer.success ? answer.message : text("refused"));
     } catch (error) {
       const { name: kind, message } = /** @type {Error} */ (error);
-      const reason = kind === "TimeoutError" ? "no answer yet; it may still be loading" : message;
-      this._warn(`loading ${name}: ${reason}`);
+      const reason = kind === "TimeoutError" ? text("no answer yet; it may still be loading") : translated(message);
+      this._warn(text("loading {scene}: {why}", { scene: name, why: reason }));
       this._note(reason);
     } finally {
       clearInterval(timer);
@@ -101,11 +102,11 @@ export class SceneChooser {
   }
 
   /**
-   * @param {string} text
+   * @param {string} words
    * @param {boolean} [isBusy]
    */
-  _note(text, isBusy = false) {
-    setText(byId("scene-note"), text);
+  _note(words, isBusy = false) {
+    setText(byId("scene-note"), words);
     byId("scene-note").classList.toggle("busy", isBusy);
     byId("scene-progress").hidden = !isBusy;
   }

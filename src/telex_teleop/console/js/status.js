@@ -1,6 +1,7 @@
 // @ts-check
 /** Header, bands over the picture, warnings and the log of messages. */
 
+import { decimal, text } from "./language.js";
 import { Messages } from "./messages.js";
 import { byId, setText } from "./panels.js";
 
@@ -53,13 +54,13 @@ export class StatusView {
     this._sim = status;
     this._simHeard = performance.now();
     if (before !== null && before.e_stop !== status.e_stop) {
-      this.log(status.e_stop ? "e-stop is active" : "e-stop is released", status.e_stop ? "alarm" : "info");
+      this.log(status.e_stop ? text("e-stop is active") : text("e-stop is released"), status.e_stop ? "alarm" : "info");
     }
     if (before !== null && before.tipped_over !== status.tipped_over) {
-      this.log(status.tipped_over ? "the robot has tipped over" : "the robot is upright again", status.tipped_over ? "alarm" : "info");
+      this.log(status.tipped_over ? text("the robot has tipped over") : text("the robot is upright again"), status.tipped_over ? "alarm" : "info");
     }
     if (before !== null && before.paused !== status.paused) {
-      this.log(status.paused ? "the simulation is paused" : "the simulation goes on");
+      this.log(status.paused ? text("the simulation is paused") : text("the simulation goes on"));
     }
     this.logComplaint("simulator", (status.warnings ?? []).join("; "));
     this.showSim();
@@ -76,8 +77,8 @@ export class StatusView {
     const { paused = false, real_time_factor: factor = 0 } = this._sim ?? {};
     const state = silent ? "silent" : paused ? "paused" : "running";
     byId("sim-state").dataset.state = state;
-    setText(byId("sim-state"), { silent: "NO STATUS", paused: "PAUSED", running: "running" }[state]);
-    setText(byId("sim-speed"), silent || factor === null ? "–" : `${factor.toFixed(2)}×`);
+    setText(byId("sim-state"), { silent: text("NO STATUS"), paused: text("PAUSED"), running: text("running") }[state]);
+    setText(byId("sim-speed"), silent || factor === null ? "–" : `${decimal(factor, 2)}×`);
     document.body.classList.toggle("estopped", this.estopped);
     byId("estop-band").hidden = !this.estopped;
     byId("release").hidden = !this.estopped;
@@ -93,13 +94,13 @@ export class StatusView {
     byId("link").dataset.state = silent ? "silent" : bridge.connected ? "up" : "lost";
     byId("link-band").hidden = bridge.connected && !silent;
     if (!bridge.connected) {
-      setText(byId("link-text"), "not connected");
+      setText(byId("link-text"), text("not connected"));
     } else if (silent) {
-      setText(byId("link-text"), `silent ${(bridge.silence / 1000).toFixed(1)} s`);
+      setText(byId("link-text"), text("silent {seconds} s", { seconds: decimal(bridge.silence / 1000, 1) }));
       setText(byId("link-band"), line.silent(bridge.silence));
     } else {
       const trip = bridge.roundTrip === null ? "–" : `${Math.max(1, Math.round(bridge.roundTrip))} ms`;
-      setText(byId("link-text"), `connected ${trip}`);
+      setText(byId("link-text"), text("connected {trip}", { trip }));
     }
   }
 
@@ -122,12 +123,12 @@ export class StatusView {
     const { main: video } = cameras;
     byId("view").dataset.state = video.live ? "live" : "stalled";
     const age = video.latency === null ? "" : ` · ${Math.max(0, Math.round(video.latency))} ms`;
-    const news = cameras.awaitsScene ? "drawing the new scene" : "";
-    setText(byId("camera-rate"), video.live ? news || `${video.rate.toFixed(0)} fps${age}` : "");
-    setText(byId("picture-size"), video.live && isReduced ? "smaller pictures: the machine is busy" : "");
+    const news = cameras.awaitsScene ? text("drawing the new scene") : "";
+    setText(byId("camera-rate"), video.live ? news || text("{rate} fps", { rate: video.rate.toFixed(0) }) + age : "");
+    setText(byId("picture-size"), video.live && isReduced ? text("smaller pictures: the machine is busy") : "");
     if (video.live) return;
-    const since = Number.isFinite(video.age) ? ` for ${(video.age / 1000).toFixed(1)} s` : "";
-    const why = news || (this.paused ? "the simulation is paused" : video.trouble);
+    const since = Number.isFinite(video.age) ? text(" for {seconds} s", { seconds: decimal(video.age / 1000, 1) }) : "";
+    const why = news || (this.paused ? text("the simulation is paused") : video.trouble);
     setText(byId("no-picture-why"), `${why}${since}`);
   }
 

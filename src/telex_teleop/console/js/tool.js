@@ -1,6 +1,7 @@
 // @ts-check
 /** The arm by its tool: mode, frame, commands, and what the panel shows of it. */
 
+import { text, translated } from "./language.js";
 import { byId, element, fixed, holdButton, row, rowsOf, setText } from "./panels.js";
 
 /** Part and axis of a twist for each axis of the tool. @type {Record<string, ["linear" | "angular", "x" | "y" | "z"]>} */
@@ -79,7 +80,7 @@ export class ToolCommander {
     const wanted = parts.some((part) => Object.values(twist[part]).some((rate) => rate !== 0));
     if ((!wanted && !this._moving) || (wanted && this._congested())) return;
     if (wanted && this._status === null) {
-      this._warn(`${NODE} has not said yet how fast the tool may move: is it running?`);
+      this._warn(text("{node} has not said yet how fast the tool may move: is it running?", { node: NODE }));
       return;
     }
     const limits = { linear: this._status?.max_linear ?? 0, angular: this._status?.max_angular ?? 0 };
@@ -130,7 +131,7 @@ export class ToolPanel {
     this._values = Object.fromEntries(Object.keys(TWIST).map((axis) => [axis, element("span", "num", "–")]));
     for (const [axis, value] of Object.entries(this._values)) value.id = `tool_${axis}-value`;
     for (const actions of rowsOf(vocabulary.find("tool"))) {
-      byId("tool-rows").append(row("", actions[0].row, this._values[actions[0].does.axis], ...actions.map(holdButton)));
+      byId("tool-rows").append(row("", text(actions[0].row), this._values[actions[0].does.axis], ...actions.map(holdButton)));
     }
     this._poses = vocabulary.find("pose").map((action) => ({ pose: action.does.name, button: holdButton(action) }));
     byId("pose-buttons").append(...this._poses.map(({ button }) => button));
@@ -141,7 +142,7 @@ export class ToolPanel {
   setArmStatus(status) {
     const mode = status.mode === "CARTESIAN" ? "CARTESIAN" : "JOINT";
     if (mode !== this.mode) {
-      this._letGo(`the arm is in ${mode} mode now`);
+      this._letGo(text("the arm is in {mode} mode now", { mode: text(mode) }));
       this.mode = mode;
       this.changed();
     }
@@ -174,7 +175,7 @@ export class ToolPanel {
 
   /** @param {Mode} mode */
   setMode(mode) {
-    this._letGo(`${mode} mode`);
+    this._letGo(text("{mode} mode", { mode: text(mode) }));
     this._ask("set_mode", { mode });
   }
 
@@ -182,7 +183,7 @@ export class ToolPanel {
   setFrame(frame) {
     if (this._frames.length === 0) return;
     const next = this._frames[(this._frames.indexOf(this._commander.frame) + 1) % this._frames.length];
-    this._letGo("frame changed");
+    this._letGo(text("frame changed"));
     this._commander.frame = frame ?? next;
     this._show();
   }
@@ -204,7 +205,7 @@ export class ToolPanel {
       const answer = await this._call(`${NODE}/${service}`, request);
       if (!answer.success) this._warn(answer.message);
     } catch (error) {
-      this._warn(`${NODE}/${service}: ${/** @type {Error} */ (error).message}`);
+      this._warn(`${NODE}/${service}: ${translated(/** @type {Error} */ (error).message)}`);
     }
   }
 
@@ -212,7 +213,7 @@ export class ToolPanel {
     for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-frame]"))) {
       const frame = this._frames[Number(button.dataset.frame)];
       button.hidden = frame === undefined;
-      button.textContent = (frame ?? "").replace(/_link$/, "");
+      setText(button, translated((frame ?? "").replace(/_link$/, "")));
       button.setAttribute("aria-checked", String(frame === this._commander.frame));
     }
     byId("hold-tool").setAttribute("aria-checked", String(this._holdsTool));

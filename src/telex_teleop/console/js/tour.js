@@ -2,6 +2,7 @@
 /** A guided tour at first use: each step ends when the operator has done it. It can be skipped, and stops nothing. */
 
 import { onClick } from "./buttons.js";
+import { term, text } from "./language.js";
 import { byId } from "./panels.js";
 
 const STORED_AS = "telex.tour";
@@ -12,10 +13,10 @@ const STORED_AS = "telex.tour";
  * @type {{text: string, of: (action: Action) => boolean, shows: string}[]}
  */
 const STEPS = [
-  { text: "Drive: hold the key, let go to stop.", of: ({ does }) => does.kind === "drive", shows: "drive-pad" },
-  { text: "Raise the front flippers, as before a step or stairs.", of: jogs("flipper"), shows: "flipper-rows" },
-  { text: "Go on to the ARM, and move a joint of it. Every joint has a pair of keys.", of: jogs("arm"), shows: "arm-rows" },
-  { text: "Close the gripper, and open it.", of: jogs("gripper"), shows: "gripper-rows" },
+  { text: term("Drive: hold the key, let go to stop."), of: ({ does }) => does.kind === "drive", shows: "drive-pad" },
+  { text: term("Raise the front flippers, as before a step or stairs."), of: jogs("flipper"), shows: "flipper-rows" },
+  { text: term("Go on to the ARM, and move a joint of it. Every joint has a pair of keys."), of: jogs("arm"), shows: "arm-rows" },
+  { text: term("Close the gripper, and open it."), of: jogs("gripper"), shows: "gripper-rows" },
 ];
 const SHOWN = 4; // keys of a step
 const FIRST = "DRIVE"; // mode in which a newcomer begins
@@ -61,8 +62,8 @@ export class Tour {
     if (step === undefined) return this._end();
     this._step = number;
     byId("tour").hidden = false;
-    byId("tour-count").textContent = `${number + 1} of ${this._steps.length}`;
-    byId("tour-text").textContent = step.text;
+    byId("tour-count").textContent = text("{number} of {all}", { number: number + 1, all: this._steps.length });
+    byId("tour-text").textContent = text(step.text);
     // The arm's keys count in its own modes.
     const lead = step.keys[0].modes.includes(FIRST) ? [] : [this._vocabulary.nameOf({ kind: "command", name: "mode" }, [])];
     byId("tour-keys").replaceChildren(...[...lead, ...step.keys.slice(0, SHOWN).map(({ name }) => name)].map((name) => {

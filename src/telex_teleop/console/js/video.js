@@ -1,6 +1,8 @@
 // @ts-check
 /** Decodes pictures; draws those of one camera, and counts them. Runs in the video worker. */
 
+import { term } from "./language/term.js";
+
 const RATE_WINDOW = 2000; // ms over which the frame rate is counted
 const LIVE_FOR = 1000; // ms
 
@@ -64,7 +66,7 @@ export class VideoView {
     this._latency = null;
     /** @type {number | null} */
     this._width = null;
-    this.trouble = "waiting for the camera";
+    this.trouble = term("waiting for the camera");
   }
 
   /**
@@ -88,7 +90,7 @@ export class VideoView {
     this._captured = shown?.captured ?? null;
     this._latency = shown?.latency ?? null;
     this._width = null;
-    this.trouble = shown?.trouble ?? "waiting for the camera";
+    this.trouble = shown?.trouble ?? term("waiting for the camera");
     if (shown === undefined) this._context.fillRect(0, 0, this._canvas.width, this._canvas.height);
     else this._paint(shown.picture, shown.picture.width, shown.picture.height);
   }
@@ -104,7 +106,7 @@ export class VideoView {
     const now = performance.now();
     this._captured = captured;
     this._latency = captured === null ? null : now - captured;
-    this.trouble = "the camera sends nothing";
+    this.trouble = term("the camera sends nothing");
     this._drawn.push(now);
     while (this._drawn.length > 1 && this._drawn[0] < now - RATE_WINDOW) this._drawn.shift();
   }

@@ -1,6 +1,8 @@
 // @ts-check
 /** All cameras over one WebSocket; docs/engineer/video.md describes the protocol. */
 
+import { term } from "./language/term.js";
+
 const HEADER = 16; // bytes before the picture
 const VERSION = 1;
 const PING_PERIOD = 1000; // ms
@@ -72,7 +74,7 @@ export class VideoLink {
     this._socket.binaryType = "arraybuffer";
     this._socket.onopen = () => this._ping();
     this._socket.onmessage = ({ data }) => this._receive(data);
-    this._socket.onclose = () => this._end("the connection is lost");
+    this._socket.onclose = () => this._end(term("the connection is lost"));
     this._timer = setInterval(() => this._watch(), PING_PERIOD);
   }
 
@@ -101,7 +103,7 @@ export class VideoLink {
 
   _watch() {
     // A network that is cut says nothing.
-    if (this._unanswered >= SILENT_AFTER) this._end("the video server does not answer");
+    if (this._unanswered >= SILENT_AFTER) this._end(term("the video server does not answer"));
     else this._ping();
   }
 

@@ -8,6 +8,7 @@
  * Date.now() counts, since the two threads' performance.now() do not start at the same time.
  */
 
+import { term } from "./language/term.js";
 import { Tally } from "./tally.js";
 import { VideoSource } from "./video_source.js";
 import { VideoView, decode } from "./video.js";
@@ -56,7 +57,7 @@ async function showPicture(camera, bytes, captured) {
     picture = await decode(bytes);
   } catch {
     const view = viewOf(camera);
-    if (view !== undefined) view.trouble = "the camera's picture cannot be decoded";
+    if (view !== undefined) view.trouble = term("the camera's picture cannot be decoded");
     return;
   }
   const decoded = performance.now();

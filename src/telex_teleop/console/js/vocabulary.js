@@ -1,6 +1,8 @@
 // @ts-check
 /** What an operator can do, by which key and under which title, as the video server tells it (config/actions.yaml). */
 
+import { text } from "./language.js";
+
 const ADDRESS = "/actions.json";
 const RETRY_AFTER = 2000; // ms
 
@@ -139,6 +141,6 @@ export async function fetchVocabulary() {
     const retry = () => ask().then(() => location.reload(), () => setTimeout(retry, RETRY_AFTER));
     setTimeout(retry, RETRY_AFTER);
     const why = /** @type {Error} */ (error).message;
-    return { vocabulary: new Vocabulary(NOTHING), problem: `NO KEYS: ${ADDRESS} cannot be read (${why}). Nothing can be moved; the e-stop works. Retrying …` };
+    return { vocabulary: new Vocabulary(NOTHING), problem: text("NO KEYS: {address} cannot be read ({why}). Nothing can be moved; the e-stop works. Retrying …", { address: ADDRESS, why }) };
   }
 }

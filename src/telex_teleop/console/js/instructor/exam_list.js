@@ -3,6 +3,7 @@
 
 import { ask } from "../ask.js";
 import { onClick } from "../buttons.js";
+import { text, translated } from "../language.js";
 import { byId, setText } from "../panels.js";
 
 const BEGUN = ["preparing", "waiting", "running", "between"];
@@ -42,18 +43,18 @@ export class ExamList {
 
   _show() {
     byId("exam-list").hidden = this._holdsFor === "";
-    setText(byId("exam-note"), this._runs ? "Exam: trainees have its list only" : "An exam's list holds, and the exam does not run");
+    setText(byId("exam-note"), this._runs ? text("Exam: trainees have its list only") : text("An exam's list holds, and the exam does not run"));
   }
 
   async _end() {
-    const sentence = this._runs ? "End the exam's list? The trial that runs becomes invalid." : "End the exam's list? Trainees may use everything again.";
-    if (!(await ask(sentence, "end the list"))) return;
+    const sentence = this._runs ? text("End the exam's list? The trial that runs becomes invalid.") : text("End the exam's list? Trainees may use everything again.");
+    if (!(await ask(sentence, text("end the list")))) return;
     try {
       const { success, message } = await this._bridge.call(this._topic("bridge/end_exam"), {});
-      if (success) this._log("the exam's list is ended");
-      else this._warn(message);
+      if (success) this._log(text("the exam's list is ended"));
+      else this._warn(translated(message));
     } catch (error) {
-      this._warn(`exam: ${/** @type {Error} */ (error).message}`);
+      this._warn(text("exam: {why}", { why: translated(/** @type {Error} */ (error).message) }));
     }
   }
 }

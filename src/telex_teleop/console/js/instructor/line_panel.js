@@ -2,18 +2,19 @@
 /** The instructor's panel of the line between console and robot: one click for each profile. */
 
 import { onClick } from "../buttons.js";
+import { decimal, term, text, translated } from "../language.js";
 import { byId, element, setText } from "../panels.js";
 
 /** Profiles of the shipped file, and how a button calls them. @type {[string, string, string][]} */
 const PROFILES = [
-  ["perfect", "perfect", "nothing is impaired"],
-  ["wifi", "wifi", "a good wireless network with others on it"],
-  ["150", "150", "150 ms later each way"],
-  ["300", "300", "300 ms later each way"],
-  ["500", "500", "500 ms later each way"],
-  ["1000", "1 s", "a second later each way"],
-  ["lossy", "lossy", "a radio at the edge of its range"],
-  ["by_distance", "distance", "as the radio signal is where the robot stands"],
+  ["perfect", term("perfect"), term("nothing is impaired")],
+  ["wifi", term("wifi"), term("a good wireless network with others on it")],
+  ["150", "150", term("150 ms later each way")],
+  ["300", "300", term("300 ms later each way")],
+  ["500", "500", term("500 ms later each way")],
+  ["1000", "1 s", term("a second later each way")],
+  ["lossy", term("lossy"), term("a radio at the edge of its range")],
+  ["by_distance", term("distance"), term("as the radio signal is where the robot stands")],
 ];
 
 /** @typedef {import("../line.js").LinkState} LinkState */
@@ -50,13 +51,13 @@ export class LinePanel {
   _offer() {
     const known = PROFILES.some(([name]) => name === this._profile);
     /** @type {[string, string, string][]} */
-    const offered = known ? PROFILES : [...PROFILES, [this._profile, this._profile, "as configured"]];
+    const offered = known ? PROFILES : [...PROFILES, [this._profile, this._profile, term("as configured")]];
     const names = offered.map(([name]) => name).join();
     if (names === this._offered) return;
     this._offered = names;
-    byId("line-profiles").replaceChildren(...offered.map(([name, text, title]) => {
-      const button = /** @type {HTMLButtonElement} */ (element("button", "small", text));
-      Object.assign(button, { type: "button", title });
+    byId("line-profiles").replaceChildren(...offered.map(([name, label, title]) => {
+      const button = /** @type {HTMLButtonElement} */ (element("button", "small", text(label)));
+      Object.assign(button, { type: "button", title: text(title) });
       button.dataset.profile = name;
       button.setAttribute("role", "radio");
       onClick(button, () => this._choose(name));
@@ -69,10 +70,10 @@ export class LinePanel {
     if (profile === this._profile) return;
     try {
       const { success, message } = await this._bridge.call(this._topic("link/configure"), { profile, fields: "" });
-      if (success) this._log(`line: ${profile}`);
-      else this._warn(message);
+      if (success) this._log(text("line: {profile}", { profile: translated(profile) }));
+      else this._warn(translated(message));
     } catch (error) {
-      this._warn(`line: ${/** @type {Error} */ (error).message}`);
+      this._warn(text("line: {why}", { why: translated(/** @type {Error} */ (error).message) }));
     }
   }
 }
@@ -82,10 +83,10 @@ export class LinePanel {
  * @param {Pick<LinkState, "delay" | "jitter" | "loss" | "bandwidth" | "outage">} state
  */
 export function lineText({ delay, jitter, loss, bandwidth, outage }) {
-  if (outage) return "nothing passes now";
+  if (outage) return text("nothing passes now");
   const parts = [];
   if (delay > 0 || jitter > 0) parts.push(`${Math.round(1000 * delay)}${jitter > 0 ? `–${Math.round(1000 * (delay + jitter))}` : ""} ms`);
-  if (loss > 0) parts.push(`${Number((100 * loss).toFixed(1))} % lost`);
-  if (bandwidth > 0) parts.push(`${Number((bandwidth / 1e6).toFixed(1))} Mbit/s`);
-  return parts.join(", ") || "nothing is impaired";
+  if (loss > 0) parts.push(text("{percent} % lost", { percent: decimal(100 * loss, 1, 0) }));
+  if (bandwidth > 0) parts.push(`${decimal(bandwidth / 1e6, 1, 0)} Mbit/s`);
+  return parts.join(", ") || text("nothing is impaired");
 }

@@ -2,6 +2,7 @@
 /** The instructor's panel of malfunctions: chosen from what can fail, injected now or at the next step. */
 
 import { onClick } from "../buttons.js";
+import { decimal, text, translated } from "../language.js";
 import { byId, element, setText } from "../panels.js";
 
 const TYPE = "telex_msgs/Malfunctions";
@@ -77,8 +78,8 @@ export class MalfunctionPanel {
     const groups = [...new Set(possible.map(({ group }) => group))];
     this._what.replaceChildren(...groups.map((group) => {
       const part = /** @type {HTMLOptGroupElement} */ (element("optgroup"));
-      part.label = group;
-      part.append(...possible.filter((each) => each.group === group).map((each) => new Option(`${each.what}: ${each.kind}`, keyOf(each))));
+      part.label = translated(group);
+      part.append(...possible.filter((each) => each.group === group).map((each) => new Option(`${translated(each.what)}: ${translated(each.kind)}`, keyOf(each))));
       return part;
     }));
     if (possible.some((each) => keyOf(each) === chosen)) this._what.value = chosen;
@@ -93,12 +94,12 @@ export class MalfunctionPanel {
   _showRange() {
     const chosen = this._chosen;
     if (chosen === undefined) return;
-    this._what.title = chosen.text;
+    this._what.title = translated(chosen.text);
     this._value.hidden = chosen.unit === "";
     this._value.value = "";
     Object.assign(this._value, { min: String(chosen.least), max: String(chosen.most) });
-    this._value.placeholder = `${chosen.default_value} ${chosen.unit}`;
-    this._value.title = `${chosen.least} to ${chosen.most} ${chosen.unit}; empty: ${chosen.default_value}`;
+    this._value.placeholder = `${decimal(chosen.default_value, 4, 0)} ${chosen.unit}`;
+    this._value.title = text("{least} to {most} {unit}; empty: {usual}", { ...rangeOf(chosen), usual: decimal(chosen.default_value, 4, 0) });
   }
 
   /** What is asked for; null where the value is out of its range, which the note then says. @returns {Wish | null} */
@@ -109,7 +110,7 @@ export class MalfunctionPanel {
     const value = unit === "" || this._value.value === "" ? 0 : Number(this._value.value);
     const isDefault = this._value.value === "" || unit === "";
     if (!this._value.validity.valid || !Number.isFinite(value) || (!isDefault && (value < least || value > most))) {
-      setText(byId("malfunction-note"), `the value must be ${least} to ${most} ${unit}`);
+      setText(byId("malfunction-note"), text("the value must be {least} to {most} {unit}", rangeOf(chosen)));
       return null;
     }
     const { checked } = /** @type {HTMLInputElement} */ (byId("malfunction-announced"));
@@ -130,22 +131,22 @@ export class MalfunctionPanel {
 
   /** @param {Wish} wish */
   async _inject(wish) {
-    if (await this._call({ ...wish, on: true })) this._log(`${nameOf(wish)} fails${wish.announced ? "" : ", silently"}`);
+    if (await this._call({ ...wish, on: true })) this._log(wish.announced ? text("{what} fails", { what: nameOf(wish) }) : text("{what} fails, silently", { what: nameOf(wish) }));
   }
 
   /** @param {{what: string, kind: string}} which */
   async _end({ what, kind }) {
-    if (await this._call({ what, kind, value: 0, on: false, announced: false })) this._log(`${nameOf({ what, kind })} works again`);
+    if (await this._call({ what, kind, value: 0, on: false, announced: false })) this._log(text("{what} works again", { what: nameOf({ what, kind }) }));
   }
 
   /** @param {object} request  Of telex_msgs/Malfunction. @returns {Promise<boolean>} */
   async _call(request) {
     try {
       const { success, message } = await this._bridge.call(this._topic("sim/malfunction"), request);
-      if (!success) this._warn(message);
+      if (!success) this._warn(translated(message));
       return success;
     } catch (error) {
-      this._warn(`malfunction: ${/** @type {Error} */ (error).message}`);
+      this._warn(text("malfunction: {why}", { why: translated(/** @type {Error} */ (error).message) }));
       return false;
     }
   }
@@ -162,27 +163,27 @@ export class MalfunctionPanel {
   _showActive() {
     const { wishes } = this._waiting;
     const count = this._active.length;
-    setText(byId("malfunction-note"), count === 0 ? "all works" : `${count} active`);
+    setText(byId("malfunction-note"), count === 0 ? text("all works") : text("{count} active", { count }));
     byId("malfunction-active").replaceChildren(
-      ...wishes.map((wish) => this._row(`${nameOf(wish)}, at the next step`, "cancel", () => {
+      ...wishes.map((wish) => this._row(text("{what}, at the next step", { what: nameOf(wish) }), text("cancel"), () => {
         this._waiting.remove(wish);
         this._showActive();
       })),
-      ...this._active.map((each) => this._row(`${nameOf(each)}${each.announced ? "" : ", silent"}`, "end", () => this._end(each))),
+      ...this._active.map((each) => this._row(each.announced ? nameOf(each) : text("{what}, silent", { what: nameOf(each) }), text("end|deed"), () => this._end(each))),
     );
   }
 
   /**
-   * @param {string} text
+   * @param {string} words
    * @param {string} deed
    * @param {() => void} act
    */
-  _row(text, deed, act) {
+  _row(words, deed, act) {
     const row = element("li");
     const button = /** @type {HTMLButtonElement} */ (element("button", "small", deed));
     Object.assign(button, { type: "button" });
     onClick(button, act);
-    row.append(element("span", "", text), button);
+    row.append(element("span", "", words), button);
     return row;
   }
 }
@@ -231,4 +232,7 @@ export class AtNextStep {
 const keyOf = ({ what, kind }) => `${what}/${kind}`;
 
 /** @param {{what: string, kind: string}} which */
-const nameOf = ({ what, kind }) => `${what} ${kind}`;
+const nameOf = ({ what, kind }) => `${translated(what)} ${translated(kind)}`;
+
+/** @param {Possible} range */
+const rangeOf = ({ least, most, unit }) => ({ least: decimal(least, 4, 0), most: decimal(most, 4, 0), unit });

@@ -4,6 +4,7 @@
 import { Bridge } from "../bridge.js";
 import { onClick } from "../buttons.js";
 import { locateBridge } from "../config.js";
+import { text, translated } from "../language.js";
 import { byId, element, setText } from "../panels.js";
 import { TYPES } from "../robot.js";
 import { robotOf } from "../several_robots.js";
@@ -28,7 +29,7 @@ class OtherRobot {
     link.href = `/instructor?${asked}`;
     link.textContent = name;
     this._state = element("span", "num", "");
-    this._release = /** @type {HTMLButtonElement} */ (element("button", "small", "release e-stop"));
+    this._release = /** @type {HTMLButtonElement} */ (element("button", "small", text("release e-stop")));
     this._release.type = "button";
     this._release.tabIndex = -1;
     onClick(this._release, () => this.setEstop(false));
@@ -36,11 +37,11 @@ class OtherRobot {
     this._bridge = new Bridge(() => locateBridge(asked), {
       opened: () => this._show(),
       lost: (reason) => {
-        log(`${name}: connection lost: ${reason}`, "alarm");
+        log(`${name}: ${text("connection lost: {reason}", { reason: translated(reason) })}`, "alarm");
         this._driver = "";
         this._show();
       },
-      refused: (sentence) => log(`${name}: ${sentence}`, "warning"),
+      refused: (sentence) => log(`${name}: ${translated(sentence)}`, "warning"),
     });
     this._bridge.advertise(`/${name}/e_stop`, TYPES.bool, { latch: true });
     this._bridge.subscribe({
@@ -52,7 +53,7 @@ class OtherRobot {
     this._bridge.subscribe({
       topic: `/${name}/bridge/clients`, type: "telex_msgs/BridgeClients", throttle: 0, heard: ({ clients }) => {
         const driver = clients.find((/** @type {any} */ client) => client.in_control);
-        this._driver = driver === undefined ? "" : driver.name || `client ${driver.id}`;
+        this._driver = driver === undefined ? "" : driver.name || text("client {id}", { id: driver.id });
         this._show();
       },
     });
@@ -63,14 +64,14 @@ class OtherRobot {
   /** @param {boolean} data */
   setEstop(data) {
     if (!this._bridge.publish(`/${this._name}/e_stop`, { data })) {
-      this._log(`${this._name}: not connected: e-stop was NOT sent`, "alarm");
+      this._log(`${this._name}: ${text("not connected: e-stop was NOT sent")}`, "alarm");
     }
   }
 
   _show() {
     const { connected } = this._bridge;
-    const driven = this._driver === "" ? "nobody has control" : `${this._driver} has control`;
-    setText(this._state, connected ? `${this._estopped ? "E-STOP · " : ""}${driven}` : "not connected");
+    const driven = this._driver === "" ? text("nobody has control") : text("{name} has control", { name: this._driver });
+    setText(this._state, connected ? `${this._estopped ? `${text("E-STOP")} · ` : ""}${driven}` : text("not connected"));
     this._release.hidden = !(connected && this._estopped);
   }
 }

@@ -1,6 +1,7 @@
 // @ts-check
 /** The dosimeter's read-out over the picture: rates of hull and tool, total, alarm. */
 
+import { text } from "../language.js";
 import { byId, setText } from "../panels.js";
 import { doseText, rateText } from "./units.js";
 
@@ -23,10 +24,10 @@ export class DosimeterView {
   set(reading) {
     this._heard = performance.now();
     const { hull_rate: hull, tool_rate: tool, total, alarm } = reading;
-    const rates = [`hull ${rateText(hull)}`, ...(tool === null ? [] : [`tool ${rateText(tool)}`])].join("  ");
+    const rates = [text("hull {rate}", { rate: rateText(hull) }), ...(tool === null ? [] : [text("tool {rate}", { rate: rateText(tool) })])].join("  ");
     setText(byId("dose-rate"), rates);
-    setText(byId("dose-total"), `${doseText(total)}${alarm ? "  DOSE ALARM" : ""}`);
-    if (alarm && !this._alarm) this._warn(`dose alarm: ${rates}, total ${doseText(total)}`);
+    setText(byId("dose-total"), `${doseText(total)}${alarm ? `  ${text("DOSE ALARM")}` : ""}`);
+    if (alarm && !this._alarm) this._warn(text("dose alarm: {rates}, total {dose}", { rates, dose: doseText(total) }));
     this._alarm = alarm;
     byId("values").dataset.dose = alarm ? "alarm" : "measured";
   }

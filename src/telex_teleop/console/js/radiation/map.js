@@ -3,6 +3,7 @@
 
 import { onClick } from "../buttons.js";
 import { headingOfYaw } from "../hud.js";
+import { text } from "../language.js";
 import { byId, setText } from "../panels.js";
 import { RadiationTrack, bearingOf } from "./track.js";
 import { rateText } from "./units.js";
@@ -84,10 +85,10 @@ export class RadiationMap {
     if (place !== null) drawRobot(context, fit, place);
     const bearing = bearingOf(rose);
     if (place !== null && rose.length > 0) drawRose(context, fit.project(place), rose, bearing);
-    const most = hottest === null || range === null ? "nothing measured" : `${rateText(range.least)} to ${rateText(range.most)}`;
+    const most = hottest === null || range === null ? text("nothing measured") : text("{least} to {most}", { least: rateText(range.least), most: rateText(range.most) });
     setText(byId("radiation-map-range"), most);
-    setText(byId("radiation-map-bearing"), bearing === null ? "" : `most seen at ${headingOfYaw(bearing)}`);
-    setText(byId("radiation-map-scale"), `squares of ${fit.square} m`);
+    setText(byId("radiation-map-bearing"), bearing === null ? "" : text("most seen at {heading}", { heading: headingOfYaw(bearing) }));
+    setText(byId("radiation-map-scale"), text("squares of {length} m", { length: fit.square }));
   }
 }
 

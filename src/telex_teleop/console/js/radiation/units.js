@@ -1,6 +1,8 @@
 // @ts-check
 /** Doses and dose rates as texts. */
 
+import { decimal } from "../language.js";
+
 /** From the greatest; what is less than the last is told in it. */
 const PREFIXES = /** @type {const} */ ([["k", 1e3], ["", 1], ["m", 1e-3], ["µ", 1e-6]]);
 
@@ -18,8 +20,8 @@ export function withPrefix(value, unit) {
   const [prefix, scale] = PREFIXES.find(([, each]) => size >= 0.9995 * each) ?? PREFIXES[PREFIXES.length - 1];
   const scaled = value / scale;
   const whole = Math.max(1, Math.floor(Math.log10(Math.max(Math.abs(scaled), 1)) + 1e-4) + 1);
-  const text = scaled.toFixed(Math.max(0, DIGITS - whole));
-  return `${Number(text) === 0 ? "0" : text} ${prefix}${unit}`;
+  const digits = Math.max(0, DIGITS - whole);
+  return `${Number(scaled.toFixed(digits)) === 0 ? "0" : decimal(scaled, digits)} ${prefix}${unit}`;
 }
 
 /** @param {number | null} rate  Gy/h */

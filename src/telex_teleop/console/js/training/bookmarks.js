@@ -2,6 +2,7 @@
 /** Bookmarks on the strip, in practice: one is set wherever the trainee is, and he goes on from one. */
 
 import { onClick } from "../buttons.js";
+import { text } from "../language.js";
 import { byId, element } from "../panels.js";
 
 /** @typedef {import("./client.js").State} State */
@@ -19,11 +20,11 @@ export class StripBookmarks {
     /** Those that are offered, oldest first. @type {string[]} */
     this._names = [];
     where.replaceChildren(
-      made("button", "training-bookmark", "bookmark", "Set a bookmark here, to go on from again"),
-      made("button", "training-back", "again from here", "Go back to the bookmark that is chosen; it counts for nothing"),
-      made("select", "training-bookmarks-names", "", "Which bookmark"),
+      made("button", "training-bookmark", text("bookmark"), text("Set a bookmark here, to go on from again")),
+      made("button", "training-back", text("again from here"), text("Go back to the bookmark that is chosen; it counts for nothing")),
+      made("select", "training-bookmarks-names", "", text("Which bookmark")),
     );
-    this._choice.setAttribute("aria-label", "Bookmark");
+    this._choice.setAttribute("aria-label", text("Bookmark"));
     onClick(byId("training-bookmark"), () => this.set());
     onClick(byId("training-back"), () => this.back());
     // Keys must move the robot again.
@@ -41,7 +42,7 @@ export class StripBookmarks {
   /** Go back to the one that is chosen; the training node says why where there is none. */
   back() {
     // The robot is put back: what is held must not go on after it.
-    this._letGo("back to a bookmark");
+    this._letGo(text("back to a bookmark"));
     this._client.act("back", { name: this._choice.value });
   }
 
@@ -70,9 +71,9 @@ export function offered({ phase, mode, bookmarks }) {
   return { canSet, names: mode === "practice" && (canSet || phase === "between") ? bookmarks : [] };
 }
 
-/** @param {string} tag @param {string} id @param {string} text @param {string} title */
-function made(tag, id, text, title) {
-  const part = element(tag, tag === "button" ? "small" : "", text);
+/** @param {string} tag @param {string} id @param {string} words @param {string} title */
+function made(tag, id, words, title) {
+  const part = element(tag, tag === "button" ? "small" : "", words);
   Object.assign(part, { id, title, hidden: true });
   if (part instanceof HTMLButtonElement) part.type = "button";
   return part;

@@ -2,6 +2,7 @@
 /** The brief that is read before the start: the goal's picture, the task, what counts, times, and the keys that it takes. */
 
 import { onClick } from "../buttons.js";
+import { decimal, term, text, translated } from "../language.js";
 import { byId, element, rowsOf, setText } from "../panels.js";
 import { addressOf, clockText } from "./client.js";
 
@@ -63,11 +64,11 @@ export class ExerciseBrief {
     onClick(byId("brief-start"), start);
     onClick(byId("brief-close"), () => this._close());
     const button = byId("training-brief"); // of the strip, which other pages show without a brief
-    button.title = "Task, what counts, keys";
+    button.title = text("Task, what counts, keys");
     button.hidden = false;
     onClick(button, () => (this.isOpen ? this._close() : this._open()));
     this._picture.addEventListener("load", () => setText(byId("brief-caption"), this._caption));
-    this._picture.addEventListener("error", () => setText(byId("brief-caption"), "There is no picture of the goal."));
+    this._picture.addEventListener("error", () => setText(byId("brief-caption"), text("There is no picture of the goal.")));
     this._caption = "";
   }
 
@@ -92,10 +93,10 @@ export class ExerciseBrief {
   }
 
   async _open() {
-    this._letGo("the brief of the exercise");
+    this._letGo(text("the brief of the exercise"));
     this._dialog.hidden = false;
     const trial = this._trial;
-    setText(byId("brief-note"), "asking for the brief …");
+    setText(byId("brief-note"), text("asking for the brief …"));
     try {
       const address = addressOf(`/training/api/brief/${encodeURIComponent(trial)}`, this._given, { name: this._operator });
       const reply = await fetch(address, { cache: "no-store" });
@@ -103,24 +104,24 @@ export class ExerciseBrief {
       const brief = await reply.json();
       if (trial === this._trial) this._fill(brief);
     } catch (error) {
-      setText(byId("brief-note"), `no brief: ${/** @type {Error} */ (error).message}`);
+      setText(byId("brief-note"), text("no brief: {why}", { why: translated(/** @type {Error} */ (error).message) }));
     }
   }
 
   /** @param {Brief} brief */
   _fill(brief) {
     setText(byId("brief-note"), "");
-    setText(byId("brief-title"), [brief.title, brief.setting === "standard" ? "" : brief.setting, brief.mode === "exam" ? "EXAM" : ""].filter(Boolean).join(" · "));
+    setText(byId("brief-title"), [brief.title, brief.setting === "standard" ? "" : translated(brief.setting), brief.mode === "exam" ? text("EXAM") : ""].filter(Boolean).join(" · "));
     setText(byId("brief-description"), brief.description);
-    this._caption = brief.mode === "exam" ? "As in practice: in an exam things stand elsewhere." : "Names and outlines are not to be seen on the robot's cameras.";
-    setText(byId("brief-caption"), "the picture is being drawn …");
+    this._caption = brief.mode === "exam" ? text("As in practice: in an exam things stand elsewhere.") : text("Names and outlines are not to be seen on the robot's cameras.");
+    setText(byId("brief-caption"), text("the picture is being drawn …"));
     this._picture.src = addressOf(brief.picture, this._given);
-    setText(byId("brief-task"), brief.any_order ? "Task, in any order" : "Task, in this order");
+    setText(byId("brief-task"), brief.any_order ? text("Task, in any order") : text("Task, in this order"));
     byId("brief-steps").replaceChildren(...brief.steps.map(({ name, until }) => item(name, until)));
     fill("brief-faults", brief.faults.map(({ name, when }) => item(name, when)));
-    fill("brief-penalties", brief.penalties.map(({ name, when, seconds }) => item(`${name}, + ${seconds} s`, when)));
+    fill("brief-penalties", brief.penalties.map(({ name, when, seconds }) => item(`${name}, + ${decimal(seconds, 1, 0)} s`, when)));
     fill("brief-metrics", metricRows(brief.metrics));
-    byId("brief-times").replaceChildren(...timesOf(brief).flatMap(([name, text]) => [element("dt", "", name), element("dd", "", text)]));
+    byId("brief-times").replaceChildren(...timesOf(brief).flatMap(([name, words]) => [element("dt", "", name), element("dd", "", words)]));
     byId("brief-keys").replaceChildren(...this._keys(brief.controls));
     this._relabel();
   }
@@ -129,8 +130,8 @@ export class ExerciseBrief {
   _keys(controls) {
     const has = (/** @type {(action: Action) => boolean} */ needed) => this._vocabulary.all.filter((action) => action.code !== null && needed(action));
     const always = has(({ does }) => does.kind === "command" && ALWAYS.includes(does.name));
-    const rows = controls.filter((control) => control in NEEDED).map((control) => keyRow(control, has(NEEDED[control])));
-    return [...rows, keyRow("always", always)];
+    const rows = controls.filter((control) => control in NEEDED).map((control) => keyRow(translated(control), has(NEEDED[control])));
+    return [...rows, keyRow(text("always"), always)];
   }
 }
 
@@ -167,14 +168,14 @@ function keysOf(actions) {
     cap.dataset.binding = name;
     made.append(cap, " ");
   }
-  made.append(actions.length === 1 ? actions[0].title : deedsOf(actions));
+  made.append(actions.length === 1 ? text(actions[0].title) : deedsOf(actions));
   return made;
 }
 
 /** What several actions with the same first part of the name do: "x ahead, back". @param {Action[]} actions */
 export function deedsOf(actions) {
-  const labels = actions.map(({ label }) => label);
-  const row = actions[0].row.split(" ")[0];
+  const labels = actions.map(({ label }) => text(label));
+  const row = text(actions[0].row).split(" ")[0];
   return ["drive", "gripper", "preset", "pose"].includes(actions[0].name.split(":")[0]) ? labels.join(", ") : `${row} ${labels.join(", ")}`;
 }
 
@@ -188,35 +189,36 @@ function metricRows(metrics) {
     return made;
   };
   return [
-    line("th", ["", "pass", ...(withExpert ? ["expert"] : [])]),
+    line("th", ["", text("pass"), ...(withExpert ? [text("expert")] : [])]),
     ...metrics.map((metric) => line("td", [metric.text, passOf(metric), ...(withExpert ? [expertOf(metric.expert, metric.unit)] : [])])),
   ];
 }
 
 /** @param {Metric} metric */
 export function passOf({ pass, unit, more_is_better: more }) {
-  if (pass === 0 && !more) return "none";
-  return `${more ? "at least" : "at most"} ${pass} ${unit}`.trim();
+  if (pass === 0 && !more) return text("none|count");
+  const bound = `${decimal(pass, 4, 0)} ${unit}`.trim();
+  return more ? text("at least {bound}", { bound }) : text("at most {bound}", { bound });
 }
 
 /** @param {[number, number] | null} expert @param {string} unit */
 function expertOf(expert, unit) {
   if (expert === null) return "";
   const [mean, spread] = expert;
-  return `${mean}${spread > 0 ? ` ± ${spread}` : ""} ${unit}`.trim();
+  return `${decimal(mean, 4, 0)}${spread > 0 ? ` ± ${decimal(spread, 4, 0)}` : ""} ${unit}`.trim();
 }
 
 /** Limits and comparisons, with their names. @param {Brief} brief @returns {[string, string][]} */
 export function timesOf({ repetitions: { most, least, time, trial_time: trial }, begins, best, expert }) {
   /** @type {[string, string][]} */
-  const rows = [["clock starts", `when ${begins}`]];
-  rows.push(["repetitions", `${most > 0 ? `${most} at most` : "as many as you like"}, ${least} completed for a verdict`]);
-  if (time > 0) rows.push(["each", `${clockText(time)} at most`]);
-  if (trial > 0) rows.push(["trial", `${clockText(trial)} at most`]);
-  rows.push(["your best", best === null ? "none in this setting yet" : `${best.toFixed(1)} s`]);
+  const rows = [[text("clock starts"), text("when {begins}", { begins })]];
+  rows.push([text("repetitions"), text("{most}, {least} completed for a verdict", { most: most > 0 ? text("{limit} at most", { limit: most }) : text("as many as you like"), least })]);
+  if (time > 0) rows.push([text("each"), text("{limit} at most", { limit: clockText(time) })]);
+  if (trial > 0) rows.push([text("trial"), text("{limit} at most", { limit: clockText(trial) })]);
+  rows.push([text("your best"), best === null ? text("none in this setting yet") : `${decimal(best, 1)} s`]);
   if (expert !== null) {
-    const sees = expert.sees === "" ? "" : `, which knows ${expert.sees}`;
-    rows.push(["expert", `${expert.seconds} s${expert.provisional ? `; provisional, by a script${sees}` : ""}`]);
+    const sees = expert.sees === "" ? "" : text(", which knows {what}", { what: expert.sees });
+    rows.push([text("expert"), `${decimal(expert.seconds, 4, 0)} s${expert.provisional ? text("; provisional, by a script{sees}", { sees }) : ""}`]);
   }
   return rows;
 }

@@ -2,6 +2,7 @@
 /** The chooser of exercises: pictures, settings, one's own best, and whose trial it will be. */
 
 import { onClick } from "../buttons.js";
+import { text, translated } from "../language.js";
 import { byId, setText } from "../panels.js";
 import { addressOf, clockText, rememberOperator, rememberedOperator } from "./client.js";
 
@@ -44,7 +45,7 @@ export class ExerciseChooser {
   }
 
   toggle() {
-    this._letGo("the list of exercises");
+    this._letGo(text("the list of exercises"));
     this._dialog.hidden = this.isOpen;
     if (this.isOpen) this._fill();
   }
@@ -52,13 +53,13 @@ export class ExerciseChooser {
   async _fill() {
     this._showProgressLink();
     const note = byId("exercises-note");
-    setText(note, "asking for the exercises …");
+    setText(note, text("asking for the exercises …"));
     try {
       const exercises = await this._client.list(this._nameField.value.trim());
-      setText(note, exercises.length === 0 ? "there are no exercises" : "");
+      setText(note, exercises.length === 0 ? text("there are no exercises") : "");
       byId("exercises-list").replaceChildren(...exercises.map((exercise) => this._card(exercise)));
     } catch (error) {
-      setText(note, `no exercises: ${/** @type {Error} */ (error).message}; is the training node running?`);
+      setText(note, text("no exercises: {why}; is the training node running?", { why: translated(/** @type {Error} */ (error).message) }));
     }
   }
 
@@ -74,24 +75,24 @@ export class ExerciseChooser {
     }
     const title = document.createElement("h3");
     title.textContent = exercise.title || exercise.name;
-    const text = document.createElement("p");
-    text.textContent = exercise.problem || exercise.description;
-    card.append(title, text);
+    const about = document.createElement("p");
+    about.textContent = exercise.problem || exercise.description;
+    card.append(title, about);
     if (exercise.problem !== "") {
       card.dataset.state = "broken";
       return card;
     }
     const row = document.createElement("div");
-    const setting = chooser(exercise.settings, "setting");
-    const mode = chooser(exercise.modes, "mode");
+    const setting = chooser(exercise.settings, text("setting"));
+    const mode = chooser(exercise.modes, text("mode"));
     const open = document.createElement("button");
     open.type = "button";
     open.className = "small";
-    open.textContent = "open";
+    open.textContent = text("open");
     onClick(open, () => this._open(exercise.name, setting.value, mode.value));
     const best = document.createElement("span");
     best.className = "note";
-    best.textContent = exercise.best > 0 ? `your best ${clockText(exercise.best)}` : "";
+    best.textContent = exercise.best > 0 ? text("your best {time}", { time: clockText(exercise.best) }) : "";
     row.append(setting, mode, open, best);
     card.append(row);
     return card;
@@ -105,14 +106,14 @@ export class ExerciseChooser {
   async _open(exercise, setting, mode) {
     const operator = this._nameField.value.trim();
     if (operator === "") {
-      setText(byId("exercises-note"), "type your name first: the trial will be yours");
+      setText(byId("exercises-note"), text("type your name first: the trial will be yours"));
       this._nameField.focus();
       return;
     }
     rememberOperator(operator);
-    setText(byId("exercises-note"), "opening …");
+    setText(byId("exercises-note"), text("opening …"));
     const opened = await this._client.act("open", { exercise, setting, mode, operator });
-    setText(byId("exercises-note"), opened ? "" : "not opened; the messages say why");
+    setText(byId("exercises-note"), opened ? "" : text("not opened; the messages say why"));
     if (opened) this._dialog.hidden = true;
   }
 }
@@ -124,7 +125,7 @@ export class ExerciseChooser {
 function chooser(names, label) {
   const made = document.createElement("select");
   made.setAttribute("aria-label", label);
-  for (const name of names) made.append(new Option(name, name));
+  for (const name of names) made.append(new Option(translated(name), name));
   made.hidden = names.length < 2;
   return made;
 }

@@ -1,6 +1,8 @@
 // @ts-check
 /** The training node, as the pages speak to it. */
 
+import { translated } from "../language.js";
+
 export const TYPES = {
   state: "telex_msgs/TrainingState",
   telemetry: "std_msgs/String",
@@ -77,10 +79,10 @@ export class TrainingClient {
   async act(name, args = {}) {
     try {
       const answer = await this._bridge.call(this._topic(`training/${name}`), args, SLOW);
-      if (!answer.success) this._warn(answer.message);
+      if (!answer.success) this._warn(translated(answer.message));
       return answer.success;
     } catch (error) {
-      this._warn(/** @type {Error} */ (error).message);
+      this._warn(translated(/** @type {Error} */ (error).message));
       return false;
     }
   }

@@ -2,6 +2,7 @@
 /** The instructor's bookmarks: of a trainee's practice where one goes on, else of the simulator. */
 
 import { onClick } from "../buttons.js";
+import { text, translated } from "../language.js";
 import { byId, element } from "../panels.js";
 
 /** @typedef {import("./client.js").State} State */
@@ -64,7 +65,7 @@ export class InstructorBookmarks {
       this._choice.replaceChildren(...names.slice().reverse().map((name) => new Option(name, name)));
       this._choice.value = chosen;
     }
-    const why = of === "exam" ? "An exam has no bookmarks" : "";
+    const why = of === "exam" ? text("An exam has no bookmarks") : "";
     for (const [id, off] of /** @type {[string, boolean][]} */ ([
       ["bookmarks-set", of === "exam" || (of === "practice" && this._state?.phase === "between")],
       ["bookmarks-back", names.length === 0],
@@ -103,9 +104,9 @@ export class InstructorBookmarks {
     try {
       const answer = await this._bridge.call(this._topic(service), fields);
       if (answer.success !== false) return answer;
-      told(answer.message);
+      told(translated(answer.message));
     } catch (error) {
-      told(`${service}: ${/** @type {Error} */ (error).message}`);
+      told(`${service}: ${translated(/** @type {Error} */ (error).message)}`);
     }
     return null;
   }
@@ -124,16 +125,16 @@ export function bookmarksOf(state) {
 /** Fill the page's place for them. @returns {HTMLInputElement} The field of the name. */
 function build() {
   const name = /** @type {HTMLInputElement} */ (element("input"));
-  Object.assign(name, { id: "bookmarks-name", maxLength: LONGEST, autocomplete: "off", placeholder: "name, or none" });
-  name.setAttribute("aria-label", "Name of the bookmark");
+  Object.assign(name, { id: "bookmarks-name", maxLength: LONGEST, autocomplete: "off", placeholder: text("name, or none") });
+  name.setAttribute("aria-label", text("Name of the bookmark"));
   const choice = element("select");
   choice.id = "bookmarks-names";
-  choice.setAttribute("aria-label", "Bookmark to go back to");
-  const button = (/** @type {string} */ id, /** @type {string} */ text) => {
-    const made = element("button", "hold", text);
+  choice.setAttribute("aria-label", text("Bookmark to go back to"));
+  const button = (/** @type {string} */ id, /** @type {string} */ words) => {
+    const made = element("button", "hold", words);
     Object.assign(made, { id, type: "button" });
     return made;
   };
-  byId("bookmarks").replaceChildren(name, button("bookmarks-set", "bookmark"), choice, button("bookmarks-back", "back to it"));
+  byId("bookmarks").replaceChildren(name, button("bookmarks-set", text("bookmark")), choice, button("bookmarks-back", text("back to it")));
   return name;
 }

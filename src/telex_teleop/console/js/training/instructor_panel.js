@@ -3,6 +3,7 @@
 
 import { ask } from "../ask.js";
 import { onClick } from "../buttons.js";
+import { text, translated } from "../language.js";
 import { byId, element, setText } from "../panels.js";
 import { addressOf } from "./client.js";
 
@@ -60,7 +61,7 @@ export class ExercisePanel {
     try {
       this._exercises = (await this._client.list("")).filter(({ problem }) => problem === "");
     } catch (error) {
-      setText(byId("exercise-note"), `no exercises: ${/** @type {Error} */ (error).message}`);
+      setText(byId("exercise-note"), text("no exercises: {why}", { why: translated(/** @type {Error} */ (error).message) }));
       return;
     }
     const chosen = this._names.value;
@@ -93,7 +94,7 @@ export class ExercisePanel {
       ["exercise-setting", exercise?.settings ?? []],
       ["exercise-mode", exercise?.modes ?? []],
     ])) {
-      fill(select(id), values.map((value) => [value, value]), select(id).value);
+      fill(select(id), values.map((value) => [value, translated(value)]), select(id).value);
       select(id).disabled = values.length < 2;
     }
   }
@@ -123,20 +124,20 @@ export class ExercisePanel {
   async _open() {
     const operator = this._operator.value.trim();
     if (operator === "") {
-      setText(byId("exercise-note"), "whose trial will it be? type a name");
+      setText(byId("exercise-note"), text("whose trial will it be? type a name"));
       this._operator.focus();
       return;
     }
     const [exercise, setting, mode] = ["exercise-name", "exercise-setting", "exercise-mode"].map((id) => select(id).value);
-    setText(byId("exercise-note"), "opening …");
-    if (await this._client.act("open", { exercise, setting, mode, operator })) this._log(`${exercise} is open for ${operator}`);
+    setText(byId("exercise-note"), text("opening …"));
+    if (await this._client.act("open", { exercise, setting, mode, operator })) this._log(text("{exercise} is open for {operator}", { exercise, operator }));
     this._showState();
   }
 
   async _abort() {
     const state = this._state;
     if (state === null) return;
-    if (await ask(`Abort the trial of ${state.operator || "nobody"}? It ends, and its sheet is written.`, "abort")) this._client.act("abort");
+    if (await ask(text("Abort the trial of {name}? It ends, and its sheet is written.", { name: state.operator || text("nobody") }), text("abort"))) this._client.act("abort");
   }
 
   /**
@@ -144,16 +145,16 @@ export class ExercisePanel {
    * @param {string} [verdict]
    */
   async _remark(kind, verdict = "") {
-    const text = field("exercise-remark").value.trim();
-    if (text === "" || this._state === null) {
-      setText(byId("exercise-note"), kind === "mark" ? "a mark needs a reason" : "a note needs a text");
+    const words = field("exercise-remark").value.trim();
+    if (words === "" || this._state === null) {
+      setText(byId("exercise-note"), kind === "mark" ? text("a mark needs a reason") : text("a note needs a text"));
       field("exercise-remark").focus();
       return;
     }
     const { trial } = this._state;
-    const said = kind === "mark" ? { value: verdict, reason: text } : { value: text, reason: this._given.get("name") ?? "" };
+    const said = kind === "mark" ? { value: verdict, reason: words } : { value: words, reason: this._given.get("name") ?? "" };
     if (!(await this._client.act("note", { trial, kind, ...said }))) return;
-    this._log(kind === "mark" ? `marked as ${verdict}: ${text}` : `noted: ${text}`);
+    this._log(kind === "mark" ? text("marked as {verdict}: {why}", { verdict: translated(verdict), why: words }) : text("noted: {note}", { note: words }));
     field("exercise-remark").value = "";
     this._showState();
   }
@@ -161,10 +162,10 @@ export class ExercisePanel {
 
 /** Whose trial of what it is, and how far. @param {State | null} state */
 export function stateText(state) {
-  if (state === null || state.phase === "idle") return "none is open";
+  if (state === null || state.phase === "idle") return text("none is open");
   const { operator, title, setting, mode, phase, verdict, valid } = state;
-  const end = phase === "ended" ? verdict || (valid ? "no verdict" : "not valid") : phase;
-  return [operator || "no name", setting === "standard" ? title : `${title}, ${setting}`, mode, end].join(" · ");
+  const end = phase === "ended" ? translated(verdict) || (valid ? text("no verdict") : text("not valid")) : translated(phase);
+  return [operator || text("no name"), setting === "standard" ? title : `${title}, ${translated(setting)}`, translated(mode), end].join(" · ");
 }
 
 /**
@@ -174,8 +175,8 @@ export function stateText(state) {
  * @param {string} chosen
  */
 function fill(where, choices, chosen) {
-  where.replaceChildren(...choices.map(([value, text]) => {
-    const option = /** @type {HTMLOptionElement} */ (element("option", "", text));
+  where.replaceChildren(...choices.map(([value, words]) => {
+    const option = /** @type {HTMLOptionElement} */ (element("option", "", words));
     option.value = value;
     return option;
   }));

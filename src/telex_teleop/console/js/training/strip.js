@@ -2,17 +2,18 @@
 /** The strip above the picture: the exercise as it stands, questions, and what can be pressed. */
 
 import { onClick } from "../buttons.js";
+import { term, text, translated } from "../language.js";
 import { byId, element, setText } from "../panels.js";
 import { StripBookmarks } from "./bookmarks.js";
 import { addressOf, clockText } from "./client.js";
 
 const PHASES = /** @type {Record<string, string>} */ ({
-  ready: "read the task, then start",
-  preparing: "putting everything back …",
-  waiting: "ready: the clock starts when you begin",
+  ready: term("read the task, then start"),
+  preparing: term("putting everything back …"),
+  waiting: term("ready: the clock starts when you begin"),
   running: "",
-  between: "repetition ended",
-  ended: "trial ended",
+  between: term("repetition ended"),
+  ended: term("trial ended"),
 });
 const MARKS = /** @type {Record<string, string>} */ ({ passed: "✔" });
 
@@ -59,7 +60,7 @@ export class TrainingStrip {
   /** @param {string} name */
   _act(name) {
     // Robot and scene are put back: what is held must not go on after it.
-    this._letGo("the exercise");
+    this._letGo(text("the exercise"));
     this._client.act(name);
   }
 
@@ -77,12 +78,12 @@ export class TrainingStrip {
     if (strip.hidden) return;
     strip.dataset.phase = state.phase;
     strip.dataset.valid = String(state.valid);
-    setText(byId("training-title"), [state.title, state.setting === "standard" ? "" : state.setting, state.mode === "exam" ? "EXAM" : ""].filter(Boolean).join(" · "));
+    setText(byId("training-title"), [state.title, state.setting === "standard" ? "" : translated(state.setting), state.mode === "exam" ? text("EXAM") : ""].filter(Boolean).join(" · "));
     setText(byId("training-repetition"), repetitionText(state));
     setText(byId("training-results"), state.results.map((result) => MARKS[result] ?? "✘").join(" "));
-    byId("training-results").title = state.results.join(", ");
+    byId("training-results").title = state.results.map(translated).join(", ");
     setText(byId("training-clock"), clockText(state.elapsed + state.penalty));
-    setText(byId("training-limit"), state.trial_limit > 0 && state.phase !== "ready" ? `trial ${clockText(state.trial_limit - state.trial_elapsed)} left` : "");
+    setText(byId("training-limit"), state.trial_limit > 0 && state.phase !== "ready" ? text("trial {time} left", { time: clockText(state.trial_limit - state.trial_elapsed) }) : "");
     setText(byId("training-step"), stepText(state));
     setText(byId("training-faults"), state.faults.length === 0 ? "" : `! ${state.faults.join(", ")}`);
     setText(byId("training-malfunctions"), state.malfunctions.join(" · "));
@@ -100,8 +101,8 @@ export class TrainingStrip {
     const helpButton = byId("training-help");
     helpButton.hidden = phase === "ended" && !help;
     helpButton.setAttribute("aria-pressed", String(help));
-    setText(helpButton, help ? "help is asked for ✕" : "ask for help");
-    helpButton.title = help ? "Press when it is no longer needed" : "The instructor sees it on the page of the class";
+    setText(helpButton, help ? `${text("help is asked for")} ✕` : text("ask for help"));
+    helpButton.title = help ? text("Press when it is no longer needed") : text("The instructor sees it on the page of the class");
     byId("training-again").dataset.wanted = String(phase === "between");
     byId("training-invalid").hidden = valid;
     byId("training-invalid").title = invalid_because.join("; ");
@@ -122,7 +123,7 @@ export class TrainingStrip {
     const label = document.createElement("label");
     label.textContent = ask;
     line.append(label);
-    const answer = (/** @type {string} */ text) => this._client.act("answer", { question: name, answer: text });
+    const answer = (/** @type {string} */ words) => this._client.act("answer", { question: name, answer: words });
     if (choices.length > 0) {
       for (const choice of choices) {
         const button = document.createElement("button");
@@ -138,7 +139,7 @@ export class TrainingStrip {
     field.maxLength = 200;
     field.setAttribute("aria-label", ask);
     label.append(" ", field);
-    field.addEventListener("focus", () => this._letGo("an answer is typed"));
+    field.addEventListener("focus", () => this._letGo(text("an answer is typed")));
     line.addEventListener("submit", (event) => {
       event.preventDefault();
       if (field.value.trim() !== "") answer(field.value.trim());
@@ -155,19 +156,19 @@ function build(strip) {
     if (role !== "") made.setAttribute("role", role);
     return made;
   };
-  const button = (/** @type {string} */ name, /** @type {string} */ text) => {
+  const button = (/** @type {string} */ name, /** @type {string} */ words) => {
     const made = /** @type {HTMLButtonElement} */ (part("button", name, "small"));
-    Object.assign(made, { type: "button", hidden: true, textContent: text });
+    Object.assign(made, { type: "button", hidden: true, textContent: words });
     return made;
   };
   const invalid = part("span", "invalid", "badge");
-  Object.assign(invalid, { hidden: true, textContent: "NOT VALID" });
+  Object.assign(invalid, { hidden: true, textContent: text("NOT VALID") });
   invalid.dataset.state = "silent";
   const line = element("div", "training-line");
   line.append(
     part("b", "title"), invalid, part("span", "repetition", "num"), part("span", "results"), part("b", "clock", "num"),
     part("span", "step"), part("span", "faults", "", "status"), element("span", "fill"), part("span", "limit", "num note"),
-    part("span", "bookmarks"), button("help", "ask for help"), button("brief", "brief"), button("start", "start"), button("again", "again"), button("give-up", "give up"), button("sheet", "score sheet"),
+    part("span", "bookmarks"), button("help", text("ask for help")), button("brief", text("brief")), button("start", text("start")), button("again", text("again")), button("give-up", text("give up")), button("sheet", text("score sheet")),
   );
   const failing = part("div", "malfunctions", "training-malfunctions", "status");
   strip.replaceChildren(line, failing, part("div", "hint", "training-hint", "status"), part("div", "questions", "training-questions"));
@@ -176,23 +177,23 @@ function build(strip) {
 /** @param {State} state */
 export function repetitionText({ repetition, repetitions, phase, from_bookmark: bookmark }) {
   if (repetition === 0 || phase === "ended") return "";
-  if (bookmark !== "") return `practice only, from: ${bookmark}`;
-  return repetitions > 0 ? `rep ${repetition}/${repetitions}` : `rep ${repetition}`;
+  if (bookmark !== "") return text("practice only, from: {bookmark}", { bookmark });
+  return text("rep {count}", { count: repetitions > 0 ? `${repetition}/${repetitions}` : repetition });
 }
 
 /** @param {State} state */
 export function stepText({ steps, steps_done: done, phase }) {
   const next = steps.findIndex((_, index) => !done[index]);
-  if (!["waiting", "running"].includes(phase) || next < 0) return PHASES[phase] ?? "";
+  if (!["waiting", "running"].includes(phase) || next < 0) return text(PHASES[phase] ?? "");
   const made = done.filter(Boolean).length;
-  return phase === "waiting" ? `${PHASES.waiting} · first: ${steps[next]}` : `${made + 1}/${steps.length} ${steps[next]}`;
+  return phase === "waiting" ? text("{ready} · first: {step}", { ready: text(PHASES.waiting), step: steps[next] }) : `${made + 1}/${steps.length} ${steps[next]}`;
 }
 
 /** What is said under the strip: what went wrong before what helps. @param {State} state */
 export function noteOf({ message, hint, phase, verdict, results, mode, from_bookmark: bookmark, steps_done: done, faults }) {
   if (message !== "") return message;
-  if (phase === "ended") return verdict === "" ? "no verdict: see the sheet" : `${verdict.toUpperCase()}: see the sheet`;
-  if (phase === "between" && bookmark !== "") return done.every(Boolean) ? "done, as practice only" : `fault: ${faults.at(-1)}; practice only`;
-  if (phase === "between") return results.at(-1) === "passed" ? "passed" : `fault: ${results.at(-1)}`;
+  if (phase === "ended") return verdict === "" ? text("no verdict: see the sheet") : text("{verdict}: see the sheet", { verdict: translated(verdict).toUpperCase() });
+  if (phase === "between" && bookmark !== "") return done.every(Boolean) ? text("done, as practice only") : text("fault: {fault}; practice only", { fault: faults.at(-1) ?? "" });
+  if (phase === "between") return results.at(-1) === "passed" ? text("passed") : text("fault: {fault}", { fault: results.at(-1) ?? "" });
   return mode === "practice" ? hint : "";
 }

@@ -8,7 +8,7 @@ commands ``stop``, ``e-stop``, ``release e-stop``, ``faster``, ``slower``, ``mod
 ``hold tool``, ``proximity guard``, ``bookmark``, ``go back`` (to one, in practice), ``help``; of a
 terminal ``quit``; of the console's page ``drive mode``, ``camera mode``, ``next camera``, ``next
 second camera``, ``swap views``, ``second view`` and ``small views`` (shown, or not), ``walk the
-buttons``.
+buttons``, ``next language``.
 
 What a stick moves both ways is an axis: ``tracks linear``, ``tracks angular``, ``zoom``, or the
 text of an action without its sign. Its positive end is that of the action with ``+``.
@@ -108,6 +108,7 @@ class Command(Enum):
     SECOND_VIEW = "second view"
     SMALL_VIEWS = "small views"
     WALK = "walk the buttons"
+    LANGUAGE = "next language"
 
 
 Action = Union[Jog, Drive, Side, Preset, Tool, ToPose, Zoom, Lamps, Command]
@@ -122,6 +123,7 @@ PAGE_ONLY = (
     Command.SECOND_VIEW,
     Command.SMALL_VIEWS,
     Command.WALK,
+    Command.LANGUAGE,
 )
 NODES = ("arm", "gripper", "flipper")
 DIRECTIONS = {

@@ -1,0 +1,54 @@
+// @ts-check
+/** A page's own markup in the language that is shown, and the button that changes the language. */
+
+import { keep, language, nextLanguage, onLanguage, text, translated } from "../language.js";
+
+const ATTRIBUTES = ["title", "aria-label", "placeholder", "alt"];
+
+/** What is not translated: keys, and sentences that somebody else has said. */
+const AS_IT_IS = "script, style, kbd, textarea, #log";
+
+/** Say all anew that stands on the page, in text and attributes. */
+function translate() {
+  document.documentElement.lang = language().code;
+  const walker = document.createTreeWalker(document, NodeFilter.SHOW_TEXT);
+  for (let node = walker.nextNode(); node !== null; node = walker.nextNode()) {
+    const { data } = /** @type {Text} */ (node);
+    const [, before, sentence, after] = /** @type {RegExpExecArray} */ (/^(\s*)([^]*?)(\s*)$/.exec(data));
+    if (sentence === "" || node.parentElement?.closest(AS_IT_IS)) continue;
+    const words = sentence.replace(/\s+/g, " ");
+    const now = translated(words);
+    if (now !== words) /** @type {Text} */ (node).data = before + now + after;
+  }
+  for (const name of ATTRIBUTES) {
+    for (const element of document.querySelectorAll(`[${name}]`)) {
+      const sentence = element.getAttribute(name) ?? "";
+      const now = translated(sentence);
+      if (now !== sentence) element.setAttribute(name, now);
+    }
+  }
+}
+
+/** Begin with the language that is asked for; a button of the page with the id `language`, where there is one, leads to the next. */
+export function startLanguage() {
+  const button = document.getElementById("language");
+  const show = () => {
+    translate();
+    if (button === null) return;
+    button.textContent = language().code.toUpperCase();
+    button.title = text("Language: {name}. Press for the next one.", { name: language().name });
+  };
+  // Asked for by the address, it holds for the pages that this one leads to.
+  if (new URLSearchParams(location.search).has("lang")) keep();
+  onLanguage(() => {
+    // What the address asks for must not come back with the next load.
+    const address = new URL(location.href);
+    address.searchParams.delete("lang");
+    history.replaceState(history.state, "", address);
+    show();
+  });
+  button?.addEventListener("pointerdown", (event) => event.preventDefault());
+  button?.addEventListener("mousedown", (event) => event.preventDefault());
+  if (button !== null && button.dataset.command === undefined) button.addEventListener("click", nextLanguage);
+  show();
+}
