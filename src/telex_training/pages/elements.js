@@ -3,13 +3,13 @@
 
 /**
  * @param {string} kind
- * @param {string} [text]
+ * @param {string} [words]
  * @param {Record<string, string>} [attributes]
  * @param {Node[]} [children]
  */
-export function element(kind, text = "", attributes = {}, children = []) {
+export function element(kind, words = "", attributes = {}, children = []) {
   const made = document.createElement(kind);
-  if (text !== "") made.textContent = text;
+  if (words !== "") made.textContent = words;
   for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
   made.append(...children);
   return made;

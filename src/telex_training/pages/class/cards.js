@@ -2,6 +2,7 @@
 /** A card for each station: who does what, and how far. */
 
 import { element } from "../elements.js";
+import { text, translated } from "../replay/language.js";
 
 /**
  * @typedef {object} Station  As /class/api/state has it; times are so many seconds ago.
@@ -54,49 +55,49 @@ function at(seconds) {
 
 /** Whether it is there, and if not, since when. @param {Station} station */
 export function standingText({ phase, since, age, state }) {
-  if (phase === "connecting") return "connecting …";
-  if (phase === "gone") return `${state === null ? "NOT REACHED" : "GONE"} since ${at(since)} (${ago(since)})`;
-  return age > LATE ? `no answer for ${ago(age)}` : "";
+  if (phase === "connecting") return text("connecting …");
+  if (phase === "gone") return state === null ? text("NOT REACHED since {time} ({age})", { time: at(since), age: ago(since) }) : text("GONE since {time} ({age})", { time: at(since), age: ago(since) });
+  return age > LATE ? text("no answer for {age}", { age: ago(age) }) : "";
 }
 
 /** Who sits there: whose trial it is, and who has control if that is another one. @param {State} state */
 export function whoText({ operator, holder }) {
-  const others = holder !== "" && holder !== operator ? `control: ${holder}` : "";
-  return [operator, others].filter(Boolean).join(" · ") || "nobody";
+  const others = holder !== "" && holder !== operator ? text("control: {name}", { name: holder }) : "";
+  return [operator, others].filter(Boolean).join(" · ") || text("nobody");
 }
 
 /** @param {{title: string, setting: string, mode?: string}} state */
 export function whatText({ title, setting, mode }) {
-  return [title, setting === "standard" ? "" : setting, mode === "exam" ? "EXAM" : mode ?? ""].filter(Boolean).join(" · ");
+  return [title, setting === "standard" ? "" : translated(setting), mode === "exam" ? text("EXAM") : translated(mode ?? "")].filter(Boolean).join(" · ");
 }
 
 /** Phase, repetition and clock. @param {State} state */
 export function clockText({ phase, repetition, repetitions, results, elapsed, penalty }) {
-  if (phase === "idle") return "no exercise is open";
+  if (phase === "idle") return text("no exercise is open");
   const seconds = Math.max(0, Math.floor(elapsed + penalty));
   const clock = phase === "running" ? `${String(Math.floor(seconds / 60)).padStart(2, "0")}:${String(seconds % 60).padStart(2, "0")}` : "";
-  const count = repetition === 0 || phase === "ended" ? "" : `repetition ${repetition}${repetitions > 0 ? ` of ${repetitions}` : ""}`;
-  return [phase, count, clock, results.slice(-12).map((result) => (result === "passed" ? "✔" : "✘")).join("")].filter(Boolean).join(" · ");
+  const count = repetition === 0 || phase === "ended" ? "" : repetitions > 0 ? text("repetition {count} of {all}", { count: repetition, all: repetitions }) : text("repetition {count}", { count: repetition });
+  return [translated(phase), count, clock, results.slice(-12).map((result) => (result === "passed" ? "✔" : "✘")).join("")].filter(Boolean).join(" · ");
 }
 
 /** The step that is due. @param {State} state */
 export function stepText({ phase, steps, steps_done: done }) {
   const next = steps.findIndex((_, index) => !done[index]);
-  return !["waiting", "running"].includes(phase) || next < 0 ? "" : `step ${done.filter(Boolean).length + 1}/${steps.length}: ${steps[next]}`;
+  return !["waiting", "running"].includes(phase) || next < 0 ? "" : text("step {count}: {step}", { count: `${done.filter(Boolean).length + 1}/${steps.length}`, step: steps[next] });
 }
 
 /** Verdict of the trial that ended last. @param {Station["last"]} last */
 export function lastText(last) {
   if (last === null) return "";
-  const verdict = last.verdict === "" ? (last.valid ? "no verdict" : "not valid") : last.verdict;
-  return `last: ${verdict} · ${whatText(last)} · ${last.operator || "no name"}`;
+  const verdict = last.verdict === "" ? (last.valid ? text("no verdict") : text("not valid")) : translated(last.verdict);
+  return text("last: {verdict} · {what} · {who}", { verdict, what: whatText(last), who: last.operator || text("no name") });
 }
 
 /** @param {Station["order"]} order */
 export function orderText(order) {
   if (order === null) return "";
-  if (!order.done) return `${order.what} …`;
-  return order.ok ? `${order.what}: done` : `${order.what}: ${order.text}`;
+  if (!order.done) return `${translated(order.what)} …`;
+  return order.ok ? text("{what}: done", { what: translated(order.what) }) : `${translated(order.what)}: ${translated(order.text)}`;
 }
 
 export class Card {
@@ -116,12 +117,12 @@ export class Card {
       this._parts[className] = element(kind, "", { class: className }, children);
       return this._parts[className];
     };
-    const link = element("a", name, { href: address(`station/${encodeURIComponent(name)}`), target: "_blank", rel: "noopener noreferrer", title: "Opens the station's page for instructors" });
-    const given = element("button", "done", { type: "button", title: "Help was given" });
+    const link = element("a", name, { href: address(`station/${encodeURIComponent(name)}`), target: "_blank", rel: "noopener noreferrer", title: text("Opens the station's page for instructors") });
+    const given = element("button", text("done"), { type: "button", title: text("Help was given") });
     given.addEventListener("click", () => endHelp(name));
-    this._image = /** @type {HTMLImageElement} */ (element("img", "", { alt: `camera of ${name}`, hidden: "" }));
-    const nothing = element("span", "no picture");
-    const open = element("a", "", { class: "view", href: link.getAttribute("href") ?? "", target: "_blank", rel: "noopener noreferrer", title: `Picture of ${name}` }, [nothing, this._image, part("small", "picture-age")]);
+    this._image = /** @type {HTMLImageElement} */ (element("img", "", { alt: text("camera of {name}", { name }), hidden: "" }));
+    const nothing = element("span", text("no picture"));
+    const open = element("a", "", { class: "view", href: link.getAttribute("href") ?? "", target: "_blank", rel: "noopener noreferrer", title: text("Picture of {name}", { name }) }, [nothing, this._image, part("small", "picture-age")]);
     this._view = open;
     this.root = element("article", "", { class: "station", "data-station": name }, [
       element("h2", "", {}, [link, part("span", "standing")]),
@@ -148,13 +149,13 @@ export class Card {
     this._set("standing", standingText(station));
     this._set("reason", phase === "gone" ? station.reason : "");
     this._parts.help.hidden = !asks;
-    const asked = asks ? `${state.operator || "no name"} asks for help, for ${ago((state.help ?? 0) + station.age)}` : "";
+    const asked = asks ? text("{name} asks for help, for {age}", { name: state.operator || text("no name"), age: ago((state.help ?? 0) + station.age) }) : "";
     if (this._help.textContent !== asked) this._help.textContent = asked;
     this._set("who", state === null ? "" : whoText(state));
     this._set("about", state === null ? "" : whatText(state));
     this._set("clock", state === null ? "" : clockText(state));
     this._set("step", state === null ? "" : stepText(state));
-    this._set("faults", state === null ? "" : [state.valid ? "" : "NOT VALID", ...state.faults, state.message].filter(Boolean).join(" · "));
+    this._set("faults", state === null ? "" : [state.valid ? "" : text("NOT VALID"), ...state.faults, state.message].filter(Boolean).join(" · "));
     this._set("last", lastText(station.last));
     this._set("order", orderText(station.order));
     this._parts.order.dataset.ok = String(station.order === null || !station.order.done || station.order.ok);
@@ -168,11 +169,11 @@ export class Card {
       this._picture = picture;
       this._image.src = this._address(`api/picture/${encodeURIComponent(this._name)}`, { n: String(picture) });
     }
-    this._set("picture-age", age !== null && age > LATE_PICTURE ? `${ago(age)} old` : "");
+    this._set("picture-age", age !== null && age > LATE_PICTURE ? text("{age} old", { age: ago(age) }) : "");
   }
 
-  /** @param {string} part @param {string} text */
-  _set(part, text) {
-    if (this._parts[part].textContent !== text) this._parts[part].textContent = text;
+  /** @param {string} part @param {string} words */
+  _set(part, words) {
+    if (this._parts[part].textContent !== words) this._parts[part].textContent = words;
   }
 }

@@ -2,6 +2,7 @@
 /** The page of a class: all stations, an exercise for several of them, and everybody's progress. */
 
 import { element } from "../elements.js";
+import { startLanguage, text, translated } from "../replay/language.js";
 import { Card, orderText } from "./cards.js";
 
 /** @typedef {import("./cards.js").Station} Station */
@@ -43,10 +44,10 @@ async function send(path, content) {
   return reply.json();
 }
 
-/** @param {string} text */
-function trouble(text) {
-  byId("trouble").hidden = text === "";
-  if (byId("trouble").textContent !== text) byId("trouble").textContent = text;
+/** @param {string} words */
+function trouble(words) {
+  byId("trouble").hidden = words === "";
+  if (byId("trouble").textContent !== words) byId("trouble").textContent = words;
 }
 
 /** @type {Map<string, Card>} */
@@ -62,7 +63,7 @@ async function endHelp(name) {
     await send(`api/help/${encodeURIComponent(name)}`, {});
     failed = "";
   } catch (error) {
-    failed = `${name}: ${/** @type {Error} */ (error).message}`;
+    failed = `${name}: ${translated(/** @type {Error} */ (error).message)}`;
   }
 }
 
@@ -73,7 +74,7 @@ async function look() {
     stations = (await ask("api/state", pictures && !document.hidden ? { pictures: "1" } : {})).stations;
     trouble(failed);
   } catch (error) {
-    trouble(`The class's server does not answer: ${/** @type {Error} */ (error).message}`);
+    trouble(text("The class's server does not answer: {why}", { why: translated(/** @type {Error} */ (error).message) }));
     return;
   }
   for (const station of stations) {
@@ -93,12 +94,12 @@ function showCounts() {
   const count = (/** @type {(station: Station) => boolean} */ is) => stations.filter(is).length;
   const gone = count(({ phase }) => phase === "gone");
   const asking = count(({ phase, state }) => phase === "here" && state !== null && state.help !== null);
-  const parts = [`${count(({ phase }) => phase === "here")} of ${stations.length} stations`];
-  if (gone > 0) parts.push(`${gone} gone`);
-  if (asking > 0) parts.push(`${asking} ask${asking === 1 ? "s" : ""} for help`);
-  const text = parts.join(" · ");
-  if (byId("counts").textContent !== text) byId("counts").textContent = text;
-  document.title = asking > 0 ? `(${asking}) Class` : "Class";
+  const parts = [text("{count} of {all} stations", { count: count(({ phase }) => phase === "here"), all: stations.length })];
+  if (gone > 0) parts.push(text("{count} gone", { count: gone }));
+  if (asking > 0) parts.push(asking === 1 ? text("1 asks for help") : text("{count} ask for help", { count: asking }));
+  const words = parts.join(" · ");
+  if (byId("counts").textContent !== words) byId("counts").textContent = words;
+  document.title = asking > 0 ? `(${asking}) ${text("Class")}` : text("Class");
 }
 
 /** The dialog that opens an exercise on several stations. */
@@ -135,7 +136,7 @@ class OrderDialog {
     try {
       this._exercises = await ask("api/exercises", {}, 30_000);
     } catch (error) {
-      this._note(`no exercises: ${/** @type {Error} */ (error).message}`);
+      this._note(text("no exercises: {why}", { why: translated(/** @type {Error} */ (error).message) }));
       return;
     }
     fill(choice("order-exercise"), this._exercises.map(({ name, title }) => [name, title || name]));
@@ -144,8 +145,8 @@ class OrderDialog {
 
   _showChoices() {
     const exercise = this._exercises.find(({ name }) => name === choice("order-exercise").value);
-    fill(choice("order-setting"), (exercise?.settings ?? []).map((each) => [each, each]));
-    fill(choice("order-mode"), (exercise?.modes ?? []).map((each) => [each, each]));
+    fill(choice("order-setting"), (exercise?.settings ?? []).map((each) => [each, translated(each)]));
+    fill(choice("order-mode"), (exercise?.modes ?? []).map((each) => [each, translated(each)]));
   }
 
   _fillRows() {
@@ -153,8 +154,8 @@ class OrderDialog {
     for (const { name, state } of stations) {
       let row = this._rows.get(name);
       if (row === undefined) {
-        const chosen = /** @type {HTMLInputElement} */ (element("input", "", { type: "checkbox", "aria-label": `Open it on ${name}` }));
-        const trainee = /** @type {HTMLInputElement} */ (element("input", "", { maxlength: "40", autocomplete: "off", "aria-label": `Trainee at ${name}` }));
+        const chosen = /** @type {HTMLInputElement} */ (element("input", "", { type: "checkbox", "aria-label": text("Open it on {name}", { name }) }));
+        const trainee = /** @type {HTMLInputElement} */ (element("input", "", { maxlength: "40", autocomplete: "off", "aria-label": text("Trainee at {name}", { name }) }));
         trainee.addEventListener("input", () => { chosen.checked = trainee.value.trim() !== ""; });
         row = { chosen, trainee, outcome: element("td") };
         this._rows.set(name, row);
@@ -173,8 +174,8 @@ class OrderDialog {
       if (row === undefined) continue;
       row.chosen.disabled = phase !== "here";
       const own = this._busy[name] ?? (this._sent && row.chosen.checked ? orderText(given) : "");
-      const text = phase === "here" ? own : phase;
-      if (row.outcome.textContent !== text) row.outcome.textContent = text;
+      const words = phase === "here" ? own : translated(phase);
+      if (row.outcome.textContent !== words) row.outcome.textContent = words;
     }
   }
 
@@ -182,7 +183,7 @@ class OrderDialog {
     const chosen = [...this._rows].filter(([, row]) => row.chosen.checked && !row.chosen.disabled);
     const nameless = chosen.find(([, row]) => row.trainee.value.trim() === "");
     if (chosen.length === 0 || nameless !== undefined) {
-      this._note(nameless === undefined ? "choose a station at least" : `${nameless[0]}: whose trial will it be? type a name`);
+      this._note(nameless === undefined ? text("choose a station at least") : `${nameless[0]}: ${text("whose trial will it be? type a name")}`);
       nameless?.[1].trainee.focus();
       return;
     }
@@ -191,21 +192,21 @@ class OrderDialog {
     try {
       this._busy = (await send("api/open", { stations: named, exercise, setting, mode, start: field("order-start").checked })).busy;
       this._sent = true;
-      this._note("sent; outcomes stand with the stations");
+      this._note(text("sent; outcomes stand with the stations"));
     } catch (error) {
-      this._note(/** @type {Error} */ (error).message);
+      this._note(translated(/** @type {Error} */ (error).message));
     }
   }
 
-  /** @param {string} text */
-  _note(text) {
-    byId("order-note").textContent = text;
+  /** @param {string} words */
+  _note(words) {
+    byId("order-note").textContent = words;
   }
 }
 
 /** @param {HTMLSelectElement} where @param {string[][]} choices  Values and their texts. */
 function fill(where, choices) {
-  where.replaceChildren(...choices.map(([value, text]) => new Option(text, value)));
+  where.replaceChildren(...choices.map(([value, words]) => new Option(words, value)));
   where.disabled = choices.length < 2;
 }
 
@@ -213,8 +214,8 @@ function fill(where, choices) {
 function courseTable({ title, modules, people }) {
   const head = element("tr", "", {}, [element("th"), ...modules.map((name) => element("th", name))]);
   const rows = Object.entries(people).map(([name, states]) => element("tr", "", {}, [
-    element("th", name || "no name"),
-    ...states.map((state) => element("td", MARKS[state] ?? state, { "data-state": state, title: state })),
+    element("th", name || text("no name")),
+    ...states.map((state) => element("td", MARKS[state] ?? state, { "data-state": state, title: text(`${state}|state`) })),
   ]));
   return element("section", "", {}, [element("h2", title), element("table", "", {}, [element("thead", "", {}, [head]), element("tbody", "", {}, rows)])]);
 }
@@ -222,15 +223,15 @@ function courseTable({ title, modules, people }) {
 async function showProgress() {
   if (!(/** @type {HTMLDetailsElement} */ (byId("progress"))).open || document.hidden) return;
   const note = byId("progress-note");
-  if (byId("courses").childElementCount === 0) note.textContent = "asking the stations …";
+  if (byId("courses").childElementCount === 0) note.textContent = text("asking the stations …");
   try {
     const { courses, missing } = await ask("api/progress", {}, 30_000);
     byId("courses").replaceChildren(...courses.map(courseTable));
-    const without = Object.entries(missing).map(([name, why]) => `without ${name}: ${why}`);
-    const legend = courses.length === 0 ? "Nobody has begun a curriculum." : "● mastered · ◐ begun · ○ open · - after others · ! too many repetitions";
+    const without = Object.entries(missing).map(([name, why]) => text("without {name}: {why}", { name, why: translated(String(why)) }));
+    const legend = courses.length === 0 ? text("Nobody has begun a curriculum.") : text("● mastered · ◐ begun · ○ open · - after others · ! too many repetitions");
     note.textContent = [legend, ...without].join(" · ");
   } catch (error) {
-    note.textContent = `no progress: ${/** @type {Error} */ (error).message}`;
+    note.textContent = text("no progress: {why}", { why: translated(/** @type {Error} */ (error).message) });
   }
 }
 
@@ -239,6 +240,7 @@ byId("progress").addEventListener("toggle", showProgress);
 setInterval(showProgress, PROGRESS_PERIOD);
 
 async function main() {
+  startLanguage();
   for (;;) {
     await look();
     await new Promise((resolve) => setTimeout(resolve, PERIOD));

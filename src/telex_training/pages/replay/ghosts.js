@@ -1,6 +1,8 @@
 // @ts-check
 /** The runs that can be drawn beside a trial, as a choice. */
 
+import { decimal, text } from "./language.js";
+
 /** @typedef {{ghost: string, operator: string, seconds: number, same_places: boolean}} Run */
 
 const EXPERT = "expert";
@@ -9,8 +11,8 @@ const STAMP = /^(\d{4}-\d\d-\d\d)_(\d\d)(\d\d)/;
 /** @param {Run} run */
 export function runText({ ghost, operator, seconds, same_places }) {
   const [, day, hour, minute] = STAMP.exec(ghost) ?? [];
-  const who = ghost === EXPERT ? "the expert" : `${operator || "no name"}, ${day ? `${day} ${hour}:${minute}` : ghost}`;
-  return `${who}: ${seconds.toFixed(1)} s${same_places ? "" : ", things stood elsewhere"}`;
+  const who = ghost === EXPERT ? text("the expert") : `${operator || text("no name")}, ${day ? `${day} ${hour}:${minute}` : ghost}`;
+  return `${who}: ${decimal(seconds, 1)} s${same_places ? "" : text(", things stood elsewhere")}`;
 }
 
 /**
@@ -20,7 +22,7 @@ export function runText({ ghost, operator, seconds, same_places }) {
 export function aheadText(ahead) {
   if (ahead === null) return "";
   const by = Number(ahead);
-  return Math.abs(by) < 0.05 ? "ghost level" : `ghost ${Math.abs(by).toFixed(1)} s ${by > 0 ? "ahead" : "behind"}`;
+  return Math.abs(by) < 0.05 ? text("ghost level") : by > 0 ? text("ghost {seconds} s ahead", { seconds: decimal(by, 1) }) : text("ghost {seconds} s behind", { seconds: decimal(-by, 1) });
 }
 
 /**

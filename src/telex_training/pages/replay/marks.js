@@ -1,43 +1,45 @@
 // @ts-check
 /** What the timeline shows of a trial: texts, colours and shapes, without a page. */
 
+import { decimal, term, text, translated } from "./language.js";
+
 /** @typedef {{time: number, kind: string, event: string, name: string, detail: any}} Mark */
 /** @typedef {{low: (number | null)[], high: (number | null)[]}} Envelope */
 
 /** Kinds of marks, their colours, and their heights on the timeline. */
 export const KINDS = /** @type {Record<string, {color: string, text: string, top: number}>} */ ({
-  begin: { color: "#6ea3d4", text: "begin", top: 0 },
-  step: { color: "#5fbf77", text: "step", top: 0.1 },
-  fault: { color: "#ef5b52", text: "fault or penalty", top: 0 },
-  contact: { color: "#f0a040", text: "contact", top: 0.45 },
-  repetition: { color: "#6ea3d4", text: "repetition", top: 0 },
-  stop: { color: "#e070d0", text: "stop", top: 0.3 },
-  malfunction: { color: "#d8c840", text: "malfunction", top: 0.2 },
-  invalid: { color: "#ef5b52", text: "not valid", top: 0 },
-  note: { color: "#ffffff", text: "note", top: 0.2 },
-  other: { color: "#7b8894", text: "other", top: 0.7 },
-  end: { color: "#6ea3d4", text: "end", top: 0 },
+  begin: { color: "#6ea3d4", text: term("begin"), top: 0 },
+  step: { color: "#5fbf77", text: term("step"), top: 0.1 },
+  fault: { color: "#ef5b52", text: term("fault or penalty"), top: 0 },
+  contact: { color: "#f0a040", text: term("contact"), top: 0.45 },
+  repetition: { color: "#6ea3d4", text: term("repetition"), top: 0 },
+  stop: { color: "#e070d0", text: term("stop"), top: 0.3 },
+  malfunction: { color: "#d8c840", text: term("malfunction"), top: 0.2 },
+  invalid: { color: "#ef5b52", text: term("not valid"), top: 0 },
+  note: { color: "#ffffff", text: term("note"), top: 0.2 },
+  other: { color: "#7b8894", text: term("other"), top: 0.7 },
+  end: { color: "#6ea3d4", text: term("end"), top: 0 },
 });
 
 /** Kinds of stretches and their colours. */
 export const STRETCHES = /** @type {Record<string, string>} */ ({ slow: "#8a7420", stopped: "#7d2f74", paused: "#3a444d" });
 
 const EVENTS = /** @type {Record<string, string>} */ ({
-  begin: "the clock starts", step: "step done", fault: "fault", penalty: "penalty", contact: "touched", drop: "dropped", tipped: "tipped over",
-  repetition: "repetition", practised: "practice only", bookmark: "bookmark", back: "back to", e_stop: "emergency stop", stuck: "stuck", invalid: "not valid", note: "note", mark: "instructor's mark", answer: "answered",
-  camera: "camera switched", mode: "mode switched", end: "end", released: "keys let go",
-  malfunction: "malfunction", mended: "works again", reaction: "reaction",
+  begin: term("the clock starts"), step: term("step done"), fault: term("fault"), penalty: term("penalty"), contact: term("touched"), drop: term("dropped"), tipped: term("tipped over"),
+  repetition: term("repetition"), practised: term("practice only"), bookmark: term("bookmark"), back: term("back to"), e_stop: term("emergency stop"), stuck: term("stuck"), invalid: term("not valid"), note: term("note"), mark: term("instructor's mark"), answer: term("answered"),
+  camera: term("camera switched"), mode: term("mode switched"), end: term("end"), released: term("keys let go"),
+  malfunction: term("malfunction"), mended: term("works again"), reaction: term("reaction"),
 });
 
 /** @param {Mark} mark */
 export function sentence(mark) {
   const { event, name, detail } = mark;
-  if (event === "moment") return `${name}${detail?.instructor && name !== "instructor" ? " (instructor)" : ""}: ${detail?.text ?? ""}`;
-  const text = event === "note" ? detail?.text ?? "" : name;
+  if (event === "moment") return `${name}${detail?.instructor && name !== "instructor" ? text(" (instructor)") : ""}: ${detail?.text ?? ""}`;
+  const about = event === "note" ? detail?.text ?? "" : name;
   const force = event === "contact" && typeof detail?.force === "number" ? `, ${Math.round(detail.force)} N` : "";
-  const how = detail?.by === "e_stop" ? "emergency stop" : "other command";
-  const reaction = event === "reaction" && typeof detail?.seconds === "number" ? `, ${how} after ${detail.seconds.toFixed(2)} s` : "";
-  return `${EVENTS[event] ?? event}${text ? `: ${text}` : ""}${force}${reaction}`;
+  const how = detail?.by === "e_stop" ? text("emergency stop") : text("other command");
+  const reaction = event === "reaction" && typeof detail?.seconds === "number" ? text(", {how} after {seconds} s", { how, seconds: decimal(detail.seconds, 2) }) : "";
+  return `${text(EVENTS[event] ?? event)}${about ? `: ${translated(about)}` : ""}${force}${reaction}`;
 }
 
 /** @param {number} seconds */

@@ -3,6 +3,7 @@
 
 import { KINDS, STRETCHES, ceiling, clock, current, outline, sentence } from "./marks.js";
 import { aheadText, offerRuns } from "./ghosts.js";
+import { decimal, startLanguage, text, translated } from "./language.js";
 import { listenToNotes } from "./notes.js";
 import { whoLooks } from "./visitor.js";
 
@@ -33,9 +34,9 @@ function address(path, more = {}) {
   return `api/${path}/${TRIAL}?${whoLooks(more)}`;
 }
 
-/** @param {string} text */
-function say(text) {
-  get("note").textContent = text;
+/** @param {string} words */
+function say(words) {
+  get("note").textContent = words;
 }
 
 // --- pictures: one at a time, of what is wanted when the last one has come -------------------------
@@ -59,7 +60,7 @@ async function pump() {
     try {
       await picture();
     } catch (error) {
-      say(String(error instanceof Error ? error.message : error));
+      say(translated(String(error instanceof Error ? error.message : error)));
       await new Promise((resolve) => setTimeout(resolve, RETRY_AFTER));
       playedAt = performance.now();
     }
@@ -81,7 +82,7 @@ async function picture() {
   // The operator's cameras do not show it, but what draws keeps it in its scene.
   const beside = /** @type {Record<string, string>} */ (ghost.value ? { ghost: ghost.value } : {});
   const reply = await fetch(address("picture", { time: time.toFixed(4), camera, ...asked, ...beside }), { cache: "no-store" });
-  if (!reply.ok) throw new Error((await reply.text()).trim() || `the picture is refused: ${reply.status}`);
+  if (!reply.ok) throw new Error((await reply.text()).trim() || text("the picture is refused: {status}", { status: reply.status }));
   const silent = reply.headers.get("X-Replay-Silent");
   if (silent !== null) {
     context.fillRect(0, 0, canvas.width, canvas.height);
@@ -111,7 +112,7 @@ async function picture() {
  * @param {string} said  What is wrong; empty: nothing.
  */
 function drawn(reply, camera, said) {
-  say(said);
+  say(translated(said));
   canvas.dataset.camera = camera;
   canvas.dataset.time = reply.headers.get("X-Replay-Time") ?? "";
   canvas.dataset.number = String(Number(canvas.dataset.number ?? 0) + 1);
@@ -147,7 +148,7 @@ function play(on) {
   if (on && state.time >= state.duration) show(0);
   state.playing = on;
   playedAt = performance.now();
-  get("play").textContent = on ? "pause" : "play";
+  get("play").textContent = on ? text("pause") : text("play");
   if (on) void pump();
 }
 
@@ -183,7 +184,7 @@ function drawTimeline(about) {
   line.setAttribute("viewBox", `0 0 ${state.duration} 1`);
   const width = state.duration / 500;
   for (const { kind, begin, end } of about.stretches) {
-    line.append(shape("rect", { x: begin, y: 0, width: Math.max(end - begin, width), height: 1, fill: STRETCHES[kind] ?? "#444" }, kind));
+    line.append(shape("rect", { x: begin, y: 0, width: Math.max(end - begin, width), height: 1, fill: STRETCHES[kind] ?? "#444" }, translated(kind)));
   }
   line.append(shape("g", { id: "ticks" }));
   seekable(line);
@@ -216,12 +217,12 @@ function drawStrips(about) {
     const line = shape("svg", { viewBox: `0 0 ${strip.high.length} 1`, preserveAspectRatio: "none" });
     line.append(shape("path", { d: outline(strip, top), fill: "#6ea3d4", stroke: "#6ea3d4", "stroke-width": 1, "vector-effect": "non-scaling-stroke" }));
     const empty = strip.high.every((/** @type {number | null} */ value) => value === null);
-    addStrip(empty ? `${strip.name}: not told` : `${strip.name}, to ${top} ${strip.unit}`.trim(), /** @type {SVGElement} */ (line), "figure");
+    addStrip(empty ? text("{figure}: not told", { figure: translated(strip.name) }) : text("{figure}, to {top}", { figure: translated(strip.name), top: `${decimal(top, 4, 0)} ${strip.unit}`.trim() }), /** @type {SVGElement} */ (line), "figure");
   }
   for (const [node, spans] of Object.entries(about.keys)) {
     const line = shape("svg", { viewBox: `0 0 ${state.duration} 1`, preserveAspectRatio: "none" });
     for (const [begin, end] of /** @type {[number, number][]} */ (spans)) line.append(shape("rect", { x: begin, y: 0, width: end - begin, height: 1, fill: "#5fbf77" }));
-    addStrip(`${node.replace("_teleop", "")} keys`, /** @type {SVGElement} */ (line), "keys");
+    addStrip(text("{node} keys", { node: translated(node.replace("_teleop", "")) }), /** @type {SVGElement} */ (line), "keys");
   }
 }
 
@@ -233,9 +234,9 @@ function listMarks() {
     dot.style.background = (KINDS[mark.kind] ?? KINDS.other).color;
     const time = document.createElement("span");
     time.textContent = clock(mark.time);
-    const text = document.createElement("span");
-    text.textContent = sentence(mark);
-    button.append(dot, time, text);
+    const said = document.createElement("span");
+    said.textContent = sentence(mark);
+    button.append(dot, time, said);
     button.addEventListener("click", () => seek(mark.time));
     item.append(button);
     return item;
@@ -246,13 +247,13 @@ function listMarks() {
 /** @param {any} about */
 function explain(about) {
   const kinds = new Set(marks.map((mark) => mark.kind));
-  const entries = Object.entries(KINDS).filter(([kind]) => kinds.has(kind)).map(([, { color, text }]) => [text, color]);
+  const entries = Object.entries(KINDS).filter(([kind]) => kinds.has(kind)).map(([, { color, text: words }]) => [words, color]);
   const stretches = new Set(about.stretches.map((/** @type {any} */ each) => each.kind));
-  for (const [text, color] of [...entries, ...Object.entries(STRETCHES).filter(([kind]) => stretches.has(kind))]) {
+  for (const [words, color] of [...entries, ...Object.entries(STRETCHES).filter(([kind]) => stretches.has(kind))]) {
     const part = document.createElement("span");
     const dot = document.createElement("i");
     dot.style.background = color;
-    part.append(dot, text);
+    part.append(dot, translated(words));
     get("legend").append(part);
   }
 }
@@ -284,7 +285,8 @@ function offerCameras(names) {
   const buttons = [OUTSIDE, ...names].map((name) => {
     const button = document.createElement("button");
     button.type = "button";
-    button.textContent = name;
+    button.textContent = translated(name);
+    button.dataset.name = name;
     button.addEventListener("click", () => choose(name));
     return button;
   });
@@ -295,7 +297,7 @@ function offerCameras(names) {
 /** @param {string} name */
 function choose(name) {
   state.camera = name;
-  get("cameras").querySelectorAll("button").forEach((button) => button.setAttribute("aria-pressed", String(button.textContent === name)));
+  get("cameras").querySelectorAll("button").forEach((button) => button.setAttribute("aria-pressed", String(button.dataset.name === name)));
   get("hint").style.visibility = name === OUTSIDE ? "visible" : "hidden";
   get("seenbox").style.visibility = name === OUTSIDE ? "hidden" : "visible";
   want();
@@ -362,26 +364,27 @@ async function findGhosts() {
 }
 
 async function main() {
+  startLanguage();
   const reply = await fetch(address("trial"), { cache: "no-store" });
   if (!reply.ok) {
-    say(`The trial cannot be shown: ${(await reply.text()).trim() || reply.status}`);
+    say(text("The trial cannot be shown: {why}", { why: translated((await reply.text()).trim()) || reply.status }));
     return;
   }
   const about = await reply.json();
   Object.assign(state, { duration: Math.max(about.duration, 1e-3), period: about.period });
   slider.max = String(about.duration);
   slider.step = "any";
-  document.title = `Replay: ${about.title}`;
+  document.title = `${text("Replay")}: ${about.title}`;
   get("title").textContent = about.title;
-  const verdict = about.valid ? about.verdict || "no verdict" : "not valid";
-  get("about").textContent = `${about.setting} · ${about.operator || "no name"} · ${about.mode} · ${verdict} · ${clock(about.duration)}`;
+  const verdict = about.valid ? translated(about.verdict) || text("no verdict") : text("not valid");
+  get("about").textContent = `${translated(about.setting)} · ${about.operator || text("no name")} · ${translated(about.mode)} · ${verdict} · ${clock(about.duration)}`;
   for (const problem of about.problems) get("problems").append(Object.assign(document.createElement("li"), { textContent: problem }));
   drawTimeline(about);
   drawStrips(about);
   tell(about);
   explain(about);
   listen();
-  say("drawing the first picture …");
+  say(text("drawing the first picture …"));
   // "at" is sim time, as sheets have it.
   const begin = GIVEN.has("at") ? Number(GIVEN.get("at")) - about.began : Number(GIVEN.get("time"));
   show(Math.min(Math.max(begin || 0, 0), state.duration));
@@ -390,4 +393,4 @@ async function main() {
   await findGhosts();
 }
 
-main().catch((error) => say(`The trial cannot be shown: ${error.message}`));
+main().catch((error) => say(text("The trial cannot be shown: {why}", { why: translated(error.message) })));

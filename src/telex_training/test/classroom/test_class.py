@@ -29,6 +29,7 @@ from telex_training.classroom.stations_file import Station
 from telex_training.classroom.watch import CONNECTING, GONE, HERE, StationWatch
 
 PAGES = Path(__file__).parents[2] / "pages"
+CONSOLE = Path(__file__).parents[3] / "telex_teleop/console/js"
 RUNNING = {
     "phase": "running",
     "trial": "t1",
@@ -61,7 +62,7 @@ async def served(stations, token=""):
     """Serve the class of some stations; gives somebody who looks at it."""
     listener = bind("127.0.0.1", 0, "test")
     stop, ready = asyncio.Event(), asyncio.Event()
-    app = ClassApp(stations, token, PAGES).make_app()
+    app = ClassApp(stations, token, PAGES, CONSOLE).make_app()
     serving = asyncio.ensure_future(serve(app, listener, stop, ready.set))
     await ready.wait()
     try:
@@ -435,6 +436,10 @@ class TestWhoMayLook:
                 async with browser.http.get(f"{browser.url}/class?token=sesame") as reply:
                     assert str(reply.url) == f"{browser.url}/class/?token=sesame"
                     assert "class.js" in await reply.text()
+                for name in ("replay/language.js", "js/language.js", "js/language/de.js"):
+                    async with browser.http.get(f"{browser.url}/{name}") as reply:
+                        assert reply.status == 200
+                        assert "javascript" in reply.headers["Content-Type"]
                     assert "default-src 'self'" in reply.headers["Content-Security-Policy"]
 
         run(check())

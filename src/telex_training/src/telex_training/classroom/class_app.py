@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 import time
 from pathlib import Path
-from typing import Any, AsyncIterator, Dict, List, Mapping, Sequence
+from typing import Any, AsyncIterator, Dict, List, Mapping, Optional, Sequence
 
 from aiohttp import web
 from yarl import URL
@@ -30,6 +30,13 @@ PREFIX = "/class"
 _LOOKS = 10.0
 """For which pictures are fetched after a page has asked for them last (s)."""
 _LARGEST_UPLOAD = 2**16
+_FILES = (
+    "class/class.css",
+    "class/class.js",
+    "class/cards.js",
+    "elements.js",
+    "replay/language.js",
+)
 _HEADERS = {
     "Cache-Control": "no-store",
     "Content-Security-Policy": (
@@ -50,12 +57,14 @@ class ClassApp:
         Empty: nobody is asked for one.
     pages : Path
         Folder of the package's pages.
+    console : Path
+        Folder of the console's modules, whose language the pages speak.
     """
 
-    def __init__(self, stations: Sequence[Station], token: str, pages: Path) -> None:
+    def __init__(self, stations: Sequence[Station], token: str, pages: Path, console: Path) -> None:
         # One of the two alone would leave the other role without a question.
         self._tokens = Tokens(token, token)
-        self._pages = pages
+        self._pages, self._console = pages, console
         self._looked = -_LOOKS
         self._pollers = {
             station.name: StationPoller(station, self._pictures_wanted) for station in stations
@@ -68,8 +77,10 @@ class ClassApp:
         router.add_get("/", _to_page)
         router.add_get(PREFIX, _to_page)
         router.add_get(f"{PREFIX}/", self._file("class/class.html"))
-        for name in ("class/class.css", "class/class.js", "class/cards.js", "elements.js"):
+        for name in _FILES:
             router.add_get(f"/{name}", self._file(name))
+        router.add_get("/js/language.js", self._file("language.js", self._console))
+        router.add_static("/js/language/", self._console / "language")
         router.add_get(f"{PREFIX}/api/state", self._state)
         router.add_get(f"{PREFIX}/api/picture/{{station}}", self._picture)
         router.add_get(f"{PREFIX}/api/exercises", self._exercises)
@@ -105,9 +116,9 @@ class ClassApp:
             return web.Response(text=f"{error}\n", status=error.status)
         return await handler(request)
 
-    def _file(self, name: str) -> Any:
+    def _file(self, name: str, folder: Optional[Path] = None) -> Any:
         async def answer(_request: web.Request) -> web.FileResponse:
-            return web.FileResponse(self._pages / name)
+            return web.FileResponse((folder or self._pages) / name)
 
         return answer
 

@@ -99,5 +99,6 @@ async def _serve(
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, stop.set)
     pages = Path(package_path("telex_training"), "pages")
-    app = ClassApp(stations, token, pages).make_app()
+    console = Path(package_path("telex_teleop"), "console", "js")
+    app = ClassApp(stations, token, pages, console).make_app()
     await serve(app, listener, stop, lambda: print(f"The class is at {url}", flush=True))
