@@ -33,6 +33,7 @@ def class_report(
     courses: Sequence[Curriculum],
     now: float,
     title: str = "Class",
+    script: str = "",
 ) -> str:
     """Make the report of several people.
 
@@ -44,6 +45,8 @@ def class_report(
         Those that somebody has begun are shown.
     now : float
         Wall time (s since the epoch).
+    script : str
+        Address of a module that the page is to have; empty: it needs nothing beside itself.
     """
     every = sorted((each for own in people.values() for each in own), key=lambda each: each.began)
     parts = [f"<h1>{escape(title)}</h1>", lead(every, now, len(people))]
@@ -57,7 +60,7 @@ def class_report(
             found.setdefault((skill.exercise, skill.setting), []).append(skill)
     for key in sorted(found):
         parts.append(_exercise(found[key]))
-    return page(title, parts)
+    return page(title, parts, script)
 
 
 def comparison_report(made: Comparison) -> str:

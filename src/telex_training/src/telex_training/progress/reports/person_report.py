@@ -31,7 +31,11 @@ _MOST_TRIALS = 100
 
 
 def person_report(
-    name: str, trials: Sequence[TrialFacts], courses: Sequence[Curriculum], now: float
+    name: str,
+    trials: Sequence[TrialFacts],
+    courses: Sequence[Curriculum],
+    now: float,
+    script: str = "",
 ) -> str:
     """Make the report of a person, which is the trainee's own page as well.
 
@@ -43,6 +47,8 @@ def person_report(
         Those that were begun are shown; the first one, if none was.
     now : float
         Wall time (s since the epoch).
+    script : str
+        Address of a module that the page is to have; empty: it needs nothing beside itself.
     """
     shown = name or NOBODY
     parts = [f"<h1>{escape(shown)}</h1>", lead(trials, now)]
@@ -53,7 +59,7 @@ def person_report(
         parts.append(_skill(skill))
     if trials:
         parts += ["<h2>Trials</h2>", _trials(trials)]
-    return page(f"Progress of {shown}", parts)
+    return page(f"Progress of {shown}", parts, script)
 
 
 def _due(each: Standing) -> str:

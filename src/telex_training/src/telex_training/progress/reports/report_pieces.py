@@ -20,13 +20,15 @@ MARKS = {PROFICIENT: "●", WORKING: "◐", OPEN: "○", LOCKED: NONE, SPENT: "!
 _STYLE = ("pages", "report.css")
 
 
-def page(title: str, parts: Sequence[str]) -> str:
-    """Put parts into an HTML page with its style in it."""
+def page(title: str, parts: Sequence[str], script: str = "") -> str:
+    """Put parts into an HTML page with its style, and where it has one the address of a script."""
     style = Path(package_path("telex_training"), *_STYLE).read_text(encoding="utf-8")
     return (
         '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>{escape(title)}</title>\n<style>\n{style}</style>\n</head>\n<body>\n<main>\n"
+        f"<title>{escape(title)}</title>\n<style>\n{style}</style>\n"
+        + (f'<script type="module" src="{escape(script)}"></script>\n' if script else "")
+        + "</head>\n<body>\n<main>\n"
         + "\n".join(parts)
         + "\n</main>\n</body>\n</html>\n"
     )

@@ -18,14 +18,17 @@ from ...progress.trial_facts import TrialFacts
 
 _HEADERS = {
     "Cache-Control": "no-store",
-    # The report is one file with its style and its figures in it.
+    # The report is one file with its style and its figures in it, but for its language.
     "Content-Security-Policy": (
-        "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'; "
-        "frame-ancestors 'self'"
+        "default-src 'none'; style-src 'unsafe-inline'; script-src 'self'; base-uri 'none'; "
+        "form-action 'none'; frame-ancestors 'self'"
     ),
     "Referrer-Policy": "no-referrer",
     "X-Content-Type-Options": "nosniff",
 }
+
+_LANGUAGE = "/js/language/report.js"
+"""Of the video server's console, which shows the pages."""
 
 
 class ProgressPages:
@@ -94,8 +97,8 @@ class ProgressPages:
         """Make the page of a person's progress; of everybody's where the name is empty."""
         courses, now = self._courses(), time.time()
         if person:
-            return person_report(person, self._index.trials(person), courses, now)
-        return class_report(self._people(), courses, now)
+            return person_report(person, self._index.trials(person), courses, now, _LANGUAGE)
+        return class_report(self._people(), courses, now, script=_LANGUAGE)
 
     def _people(self) -> Dict[str, List[TrialFacts]]:
         """Trials of everybody, the oldest first."""
