@@ -59,6 +59,7 @@ SENTENCES = {
         "<kbd>{second}</kbd> |",
         "<kbd>{small}</kbd> |",
         "<kbd>{walk}</kbd> begins to walk the buttons",
+        "<kbd>{language}</kbd>, or the button with",
         "<kbd>{frame}</kbd> the next frame, <kbd>{hold}</kbd> the tool keeps its place",
         "<kbd>{keys}</kbd> lists all keys.",
         "<kbd>{estop}</kbd> is the e-stop, always.",

@@ -39,6 +39,10 @@ FAULTS = """
       if (isOut) faults.push(`outside: ${name(button)}`);
       if (button.scrollWidth > button.clientWidth + 2) faults.push(`cut: ${name(button)}`);
     }
+    for (const word of document.querySelectorAll(".row > span:first-child, .log h2 > span")) {
+      if (!shown(word) || word.scrollWidth <= word.clientWidth) continue;
+      faults.push(`cut: ${word.textContent}`);
+    }
     for (const canvas of document.querySelectorAll("#picture, .thumbnail canvas")) {
       if (!shown(canvas)) continue;
       const {left, top, width, height} = canvas.getBoundingClientRect();
@@ -63,6 +67,24 @@ FAULTS = """
     return [...new Set(faults)];
 """
 
+# English sentences that are on the page, of which its language says something else.
+LEFT = """
+    const [language, done] = arguments;
+    import(`/js/language/${language}.js`).then((module) => {
+      const table = module[language.toUpperCase()];
+      const said = new Set(Object.values(table));
+      const nodes = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+      const left = new Set();
+      while (nodes.nextNode()) {
+        if (nodes.currentNode.parentElement.closest("#log, kbd, script")) continue;
+        const words = nodes.currentNode.data.trim().replace(/\\s+/g, " ");
+        if (!Object.hasOwn(table, words) || said.has(words)) continue;
+        if (table[words] !== words) left.add(words);
+      }
+      done([...left]);
+    });
+"""
+
 
 @pytest.fixture(scope="module")
 def told(robot, page):
@@ -73,7 +95,8 @@ def told(robot, page):
 @pytest.fixture(autouse=True)
 def clean(told, robot, page):
     page.resize(1280, 720)
-    page.script("localStorage.removeItem('telex.layouts/telex')")
+    for kept in ("layouts/telex", "language"):
+        page.script(f"localStorage.removeItem('telex.{kept}')")
     page.load()
     page.wait_until_all_is_shown()
     robot.forget()
@@ -193,3 +216,66 @@ def test_axe_finds_nothing_in_any_state(robot, page):
     found["tour"] = axe.findings(page.script)
     page.element("#tour-skip").click()
     assert {state: each for state, each in found.items() if each} == {}
+
+
+def speak(page, language):
+    """Change the language by its key until it is there."""
+    for _ in range(3):
+        if page.script("return document.documentElement.lang") == language:
+            return
+        page.press(Keys.F10)
+    raise AssertionError(f"the page does not speak {language}")
+
+
+@pytest.mark.parametrize("language", ["de", "fr"])
+def test_all_is_said_in_a_language_and_fits(robot, page, language):
+    speak(page, language)
+    faults = {}
+    for mode in MODES:
+        show(page, mode, robot)
+        for size in SIZES[1:]:
+            page.resize(*size)
+            faults[mode, size] = page.script(FAULTS)
+    page.element("#help").click()
+    faults["keys"] = page.driver.execute_async_script(LEFT, language)
+    page.element("#keys-close").click()
+    assert {state: found for state, found in faults.items() if found} == {}
+    assert page.text("link-text").startswith({"de": "verbunden", "fr": "connecté"}[language])
+
+
+@pytest.mark.skipif(axe.lacking() != "", reason=axe.lacking())
+def test_another_language_changes_words_and_nothing_else(robot, page):
+    tracks = "/telex/track_teleop/cmd_vel"
+    page.down("w")
+    wait_until(lambda: robot.heard(tracks))
+    speak(page, "fr")
+    robot.forget()
+    wait_until(lambda: robot.heard(tracks))  # it goes on driving
+    page.up("w")
+    assert page.element("#estop").text.startswith("ARRÊT D\N{RIGHT SINGLE QUOTATION MARK}URGENCE")
+    wait_until(lambda: "," in page.text("sim-speed"))
+    assert axe.findings(page.script) == []
+    page.load()  # which keeps it
+    assert page.script("return document.documentElement.lang") == "fr"
+    page.driver.get(f"{page.url}?lang=de")
+    assert page.text("estop").startswith("NOT-HALT")
+    speak(page, "en")
+    assert "lang" not in page.driver.current_url
+    assert page.text("estop").startswith("E-STOP")
+
+
+def test_keys_are_called_as_they_are_printed_on_the_users_keyboard(page):
+    def caps():
+        return [
+            page.element(f'.key-line [data-binding="{name}"]').get_attribute("textContent")
+            for name in ("drive:forward", "drive:left", "pose:stow", "lamps:gripper", "preset:0")
+        ]
+
+    page.element("#help").click()
+    chosen = "Object.defineProperty(navigator, 'keyboard', {value: undefined});"
+    assert caps() == ["W", "A", "Z", "Del", "1"]
+    page.script(chosen + "localStorage.setItem('telex.keyboard', 'fr')")
+    page.element("#keys-close").click()
+    page.element("#help").click()
+    wait_until(lambda: caps() == ["Z", "Q", "W", "Suppr", "1"])
+    page.script("localStorage.removeItem('telex.keyboard')")
