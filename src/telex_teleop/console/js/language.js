@@ -13,13 +13,17 @@ const LANGUAGES = { en: { name: "English", table: {} }, de: { name: "Deutsch", t
 const ORDER = /** @type {Language[]} */ (Object.keys(LANGUAGES));
 
 const STORED_AS = "telex.language";
-const REMEMBERED = 4000; // sentences
+const REMEMBERED = 2000; // sentences with figures
 const UNSEEN = "\u2060";
 
-/** What was said: English words and values by the sentence, for it to be said anew in another language. @type {Map<string, {english: string, values: Values}>} */
+/** @typedef {Record<string, string | number>} Values */
+/** @typedef {{english: string, values: Values}} Said */
+
+/** What was said, by the sentence, for it to be said anew in another language. @type {Map<string, Said>} */
 const said = new Map();
 
-/** @typedef {Record<string, string | number>} Values */
+/** The newest of those with figures, which there is no end of. @type {Map<string, Said>} */
+const figures = new Map();
 
 /** The language that is shown. @type {Language} */
 let shown = firstOf(globalThis.document === undefined ? [] : wishes());
@@ -58,23 +62,42 @@ export function text(english, values = {}) {
   const words = Object.hasOwn(table, english) ? table[english] : english.split("|")[0];
   let sentence = words.replace(/\{(\w+)\}/g, (whole, name) => (name in values ? String(values[name]) : whole));
   // What two English sentences have in common in this language is told apart by what nobody sees.
-  while ((said.get(sentence)?.english ?? english) !== english) sentence += UNSEEN;
-  said.delete(sentence);
-  said.set(sentence, { english, values });
-  if (said.size > REMEMBERED) said.delete(/** @type {string} */ (said.keys().next().value));
+  while ((remembered(sentence)?.english ?? english) !== english) sentence += UNSEEN;
+  const memory = /\d/.test(sentence) ? figures : said;
+  memory.delete(sentence);
+  memory.set(sentence, { english, values });
+  if (figures.size > REMEMBERED) figures.delete(/** @type {string} */ (figures.keys().next().value));
   return sentence;
 }
 
+/** What a sentence was made of; undefined: nobody has said it. @param {string} sentence @returns {Said | undefined} */
+function remembered(sentence) {
+  return said.get(sentence) ?? figures.get(sentence);
+}
+
 /**
- * Say in the language that is shown what a server has said in English, or this page in another language before.
+ * Say in the language that is shown what this page has said in another one, or has in its markup.
  * @param {string} sentence  What nobody has said here, and is in no table, stays as it is.
  * @returns {string}
  */
+export function again(sentence) {
+  const known = remembered(sentence) ?? (Object.hasOwn(DE, sentence) ? { english: sentence, values: {} } : undefined);
+  return known === undefined ? sentence : anew(known, again);
+}
+
+/**
+ * The same of what a server has said in English, whose figures and names are where the tables have values.
+ * @param {string} sentence
+ * @returns {string}
+ */
 export function translated(sentence) {
-  const known = said.get(sentence) ?? (Object.hasOwn(DE, sentence) ? { english: sentence, values: {} } : formOf(sentence));
-  if (known === undefined) return sentence;
-  const { english, values } = known;
-  return text(english, Object.fromEntries(Object.entries(values).map(([name, value]) => [name, typeof value === "string" ? translated(value) : value])));
+  const known = remembered(sentence) || Object.hasOwn(DE, sentence) ? undefined : formOf(sentence);
+  return known === undefined ? again(sentence) : anew(known, translated);
+}
+
+/** @param {Said} known  @param {(value: string) => string} say  Of its values. */
+function anew({ english, values }, say) {
+  return text(english, Object.fromEntries(Object.entries(values).map(([name, value]) => [name, typeof value === "string" ? say(value) : value])));
 }
 
 const LEAST_LETTERS = 3; // that tell a sentence with values from any other one

@@ -41,17 +41,17 @@ test("sentences have their values, and what no table has stays English", async (
 });
 
 test("what was said is said anew in the next language, which is kept", async () => {
-  const { text, translated, nextLanguage, onLanguage, language, storage } = await page({ languages: ["de"] });
+  const { text, again, nextLanguage, onLanguage, language, storage } = await page({ languages: ["de"] });
   let changes = 0;
   onLanguage(() => { changes += 1; });
   // In French both are one word.
   const said = [text("front"), text("ahead"), text("{name} has control", { name: text("somebody") })];
   nextLanguage();
   assert.equal(language().code, "fr");
-  const french = said.map(translated);
+  const french = said.map(again);
   assert.deepEqual(french.map((each) => each.replace(/\u2060/g, "")), ["avant", "avant", "quelqu’un a la commande"]);
   nextLanguage();
-  assert.deepEqual(french.map(translated), ["front", "ahead", "somebody has control"]);
+  assert.deepEqual(french.map(again), ["front", "ahead", "somebody has control"]);
   assert.equal(changes, 2);
   assert.equal(storage.getItem(KEPT), "en");
 });

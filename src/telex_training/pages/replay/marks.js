@@ -35,11 +35,11 @@ const EVENTS = /** @type {Record<string, string>} */ ({
 export function sentence(mark) {
   const { event, name, detail } = mark;
   if (event === "moment") return `${name}${detail?.instructor && name !== "instructor" ? text(" (instructor)") : ""}: ${detail?.text ?? ""}`;
-  const about = event === "note" ? detail?.text ?? "" : name;
+  const about = event === "note" ? detail?.text ?? "" : event === "end" ? translated(name) : name;
   const force = event === "contact" && typeof detail?.force === "number" ? `, ${Math.round(detail.force)} N` : "";
   const how = detail?.by === "e_stop" ? text("emergency stop") : text("other command");
   const reaction = event === "reaction" && typeof detail?.seconds === "number" ? text(", {how} after {seconds} s", { how, seconds: decimal(detail.seconds, 2) }) : "";
-  return `${text(EVENTS[event] ?? event)}${about ? `: ${translated(about)}` : ""}${force}${reaction}`;
+  return `${text(EVENTS[event] ?? event)}${about ? `: ${about}` : ""}${force}${reaction}`;
 }
 
 /** @param {number} seconds */

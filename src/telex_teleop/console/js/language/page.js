@@ -1,15 +1,15 @@
 // @ts-check
 /** A page's own markup in the language that is shown, and the button that changes the language. */
 
-import { keep, language, nextLanguage, onLanguage, text, translated } from "../language.js";
+import { again, keep, language, nextLanguage, onLanguage, text } from "../language.js";
 
 const ATTRIBUTES = ["title", "aria-label", "placeholder", "alt"];
 
 /** What is not translated: keys, and sentences that somebody else has said. */
 const AS_IT_IS = "script, style, kbd, textarea, #log";
 
-/** Say all anew that stands on the page, in text and attributes. */
-function translate() {
+/** Say all anew that stands on the page, in text and attributes. @param {(sentence: string) => string} say */
+function translate(say) {
   document.documentElement.lang = language().code;
   const walker = document.createTreeWalker(document, NodeFilter.SHOW_TEXT);
   for (let node = walker.nextNode(); node !== null; node = walker.nextNode()) {
@@ -17,23 +17,26 @@ function translate() {
     const [, before, sentence, after] = /** @type {RegExpExecArray} */ (/^(\s*)([^]*?)(\s*)$/.exec(data));
     if (sentence === "" || node.parentElement?.closest(AS_IT_IS)) continue;
     const words = sentence.replace(/\s+/g, " ");
-    const now = translated(words);
+    const now = say(words);
     if (now !== words) /** @type {Text} */ (node).data = before + now + after;
   }
   for (const name of ATTRIBUTES) {
     for (const element of document.querySelectorAll(`[${name}]`)) {
       const sentence = element.getAttribute(name) ?? "";
-      const now = translated(sentence);
+      const now = say(sentence);
       if (now !== sentence) element.setAttribute(name, now);
     }
   }
 }
 
-/** Begin with the language that is asked for; a button of the page with the id `language`, where there is one, leads to the next. */
-export function startLanguage() {
+/**
+ * Begin with the language that is asked for; a button of the page with the id `language`, where there is one, leads to the next.
+ * @param {(sentence: string) => string} [say]  Translates what stands on the page.
+ */
+export function startLanguage(say = again) {
   const button = document.getElementById("language");
   const show = () => {
-    translate();
+    translate(say);
     if (button === null) return;
     button.textContent = language().code.toUpperCase();
     button.title = text("Language: {name}. Press for the next one.", { name: language().name });
@@ -49,6 +52,6 @@ export function startLanguage() {
   });
   button?.addEventListener("pointerdown", (event) => event.preventDefault());
   button?.addEventListener("mousedown", (event) => event.preventDefault());
-  if (button !== null && button.dataset.command === undefined) button.addEventListener("click", nextLanguage);
+  button?.addEventListener("click", nextLanguage);
   show();
 }
