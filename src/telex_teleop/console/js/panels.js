@@ -47,8 +47,8 @@ export function holdButton({ name, label }) {
   const cap = element("kbd");
   cap.dataset.binding = name;
   const arrow = ARROWS[label];
-  const words = text(label);
-  button.append(cap, arrow === undefined ? words : `${arrow} ${words}`);
+  // The words by themselves, for another language to take their place.
+  button.append(cap, arrow === undefined ? "" : `${arrow} `, text(label));
   return button;
 }
 

@@ -2,7 +2,7 @@
 /** The instructor's panel of malfunctions: chosen from what can fail, injected now or at the next step. */
 
 import { onClick } from "../buttons.js";
-import { decimal, text, translated } from "../language.js";
+import { decimal, onLanguage, text, translated } from "../language.js";
 import { byId, element, setText } from "../panels.js";
 
 const TYPE = "telex_msgs/Malfunctions";
@@ -49,6 +49,10 @@ export class MalfunctionPanel {
     onClick(byId("malfunction-now"), () => this._injectNow());
     onClick(byId("malfunction-next"), () => this._injectLater());
     this._what.addEventListener("change", () => this._showRange());
+    onLanguage(() => {
+      this._offer(this._possible);
+      this._showActive();
+    });
   }
 
   subscribe() {

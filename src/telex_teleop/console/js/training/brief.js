@@ -2,7 +2,7 @@
 /** The brief that is read before the start: the goal's picture, the task, what counts, times, and the keys that it takes. */
 
 import { onClick } from "../buttons.js";
-import { decimal, term, text, translated } from "../language.js";
+import { decimal, onLanguage, text, translated } from "../language.js";
 import { byId, element, rowsOf, setText } from "../panels.js";
 import { addressOf, clockText } from "./client.js";
 
@@ -70,6 +70,9 @@ export class ExerciseBrief {
     this._picture.addEventListener("load", () => setText(byId("brief-caption"), this._caption));
     this._picture.addEventListener("error", () => setText(byId("brief-caption"), text("There is no picture of the goal.")));
     this._caption = "";
+    /** What is shown. @type {Brief | null} */
+    this._brief = null;
+    onLanguage(() => this.isOpen && this._brief !== null && this._fill(this._brief));
   }
 
   get isOpen() {
@@ -110,6 +113,7 @@ export class ExerciseBrief {
 
   /** @param {Brief} brief */
   _fill(brief) {
+    this._brief = brief;
     setText(byId("brief-note"), "");
     setText(byId("brief-title"), [brief.title, brief.setting === "standard" ? "" : translated(brief.setting), brief.mode === "exam" ? text("EXAM") : ""].filter(Boolean).join(" · "));
     setText(byId("brief-description"), brief.description);

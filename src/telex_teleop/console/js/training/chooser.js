@@ -2,7 +2,7 @@
 /** The chooser of exercises: pictures, settings, one's own best, and whose trial it will be. */
 
 import { onClick } from "../buttons.js";
-import { text, translated } from "../language.js";
+import { onLanguage, text, translated } from "../language.js";
 import { byId, setText } from "../panels.js";
 import { addressOf, clockText, rememberOperator, rememberedOperator } from "./client.js";
 
@@ -26,6 +26,7 @@ export class ExerciseChooser {
     name.addEventListener("input", () => this._showProgressLink());
     onClick(byId("exercises-open"), () => this.toggle());
     onClick(byId("exercises-close"), () => this.toggle());
+    onLanguage(() => this.isOpen && this._fill());
   }
 
   get _nameField() {

@@ -1,7 +1,7 @@
 // @ts-check
 /** The training node, as the pages speak to it. */
 
-import { translated } from "../language.js";
+import { onLanguage, translated } from "../language.js";
 
 export const TYPES = {
   state: "telex_msgs/TrainingState",
@@ -67,7 +67,11 @@ export class TrainingClient {
 
   /** @param {(state: State) => void} heard */
   subscribe(heard) {
-    this._bridge.subscribe({ topic: this._topic("training/state"), type: TYPES.state, throttle: 100, heard });
+    /** @type {State | null} */
+    let last = null;
+    const hear = (/** @type {State} */ state) => heard(last = state);
+    this._bridge.subscribe({ topic: this._topic("training/state"), type: TYPES.state, throttle: 100, heard: hear });
+    onLanguage(() => last !== null && heard(last));
   }
 
   /**
