@@ -2,7 +2,7 @@
 /** Shows a score sheet: the verdict first, then each metric, then each repetition. */
 
 import { element } from "./elements.js";
-import { decimal, startLanguage, term, text, translated } from "./replay/language.js";
+import { decimal, onLanguage, startLanguage, term, text, translated } from "./replay/language.js";
 import { whoLooks } from "./replay/visitor.js";
 import { workloadPart } from "./workload.js";
 
@@ -214,7 +214,9 @@ async function main() {
     reply = await fetch(address("sheet"), { cache: "no-store" });
   }
   if (reply.ok) {
-    show(await reply.json());
+    const sheet = await reply.json();
+    show(sheet);
+    onLanguage(() => show(sheet));
     return;
   }
   const note = /** @type {HTMLElement} */ (document.getElementById("note"));

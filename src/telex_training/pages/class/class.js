@@ -2,7 +2,7 @@
 /** The page of a class: all stations, an exercise for several of them, and everybody's progress. */
 
 import { element } from "../elements.js";
-import { startLanguage, text, translated } from "../replay/language.js";
+import { onLanguage, startLanguage, text, translated } from "../replay/language.js";
 import { Card, orderText } from "./cards.js";
 
 /** @typedef {import("./cards.js").Station} Station */
@@ -238,6 +238,7 @@ async function showProgress() {
 const order = new OrderDialog();
 byId("progress").addEventListener("toggle", showProgress);
 setInterval(showProgress, PROGRESS_PERIOD);
+onLanguage(showProgress);
 
 async function main() {
   startLanguage();

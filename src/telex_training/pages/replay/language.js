@@ -7,7 +7,7 @@ const ADDRESS = globalThis.document === undefined
   : new URL("/js/", location.origin);
 
 /** @type {typeof import("../../../telex_teleop/console/js/language.js")} */
-export const { decimal, language, term, text, translated } = await import(new URL("language.js", ADDRESS).href);
+export const { decimal, onLanguage, term, text, translated } = await import(new URL("language.js", ADDRESS).href);
 
 /** @type {typeof import("../../../telex_teleop/console/js/language/page.js")} */
 export const { startLanguage } = await import(new URL("language/page.js", ADDRESS).href);

@@ -3,7 +3,7 @@
 
 import { KINDS, STRETCHES, ceiling, clock, current, outline, sentence } from "./marks.js";
 import { aheadText, offerRuns } from "./ghosts.js";
-import { decimal, startLanguage, text, translated } from "./language.js";
+import { decimal, onLanguage, startLanguage, text, translated } from "./language.js";
 import { listenToNotes } from "./notes.js";
 import { whoLooks } from "./visitor.js";
 
@@ -363,6 +363,15 @@ async function findGhosts() {
   offerRuns(ghost, reply.ok ? await reply.json() : []);
 }
 
+/** @param {any} about */
+function introduce(about) {
+  document.title = `${text("Replay")}: ${about.title}`;
+  get("title").textContent = about.title;
+  const verdict = about.valid ? translated(about.verdict) || text("no verdict") : text("not valid");
+  const parts = [translated(about.setting), about.operator || text("no name"), translated(about.mode), verdict, clock(about.duration)];
+  get("about").textContent = parts.join(" · ");
+}
+
 async function main() {
   startLanguage();
   const reply = await fetch(address("trial"), { cache: "no-store" });
@@ -374,10 +383,11 @@ async function main() {
   Object.assign(state, { duration: Math.max(about.duration, 1e-3), period: about.period });
   slider.max = String(about.duration);
   slider.step = "any";
-  document.title = `${text("Replay")}: ${about.title}`;
-  get("title").textContent = about.title;
-  const verdict = about.valid ? translated(about.verdict) || text("no verdict") : text("not valid");
-  get("about").textContent = `${translated(about.setting)} · ${about.operator || text("no name")} · ${translated(about.mode)} · ${verdict} · ${clock(about.duration)}`;
+  introduce(about);
+  onLanguage(() => {
+    introduce(about);
+    tell({ marks });
+  });
   for (const problem of about.problems) get("problems").append(Object.assign(document.createElement("li"), { textContent: problem }));
   drawTimeline(about);
   drawStrips(about);
