@@ -112,8 +112,8 @@ function formOf(sentence) {
     .map((english) => ({
       english,
       names: [...english.matchAll(/\{(\w+)\}/g)].map(([, name]) => name),
-      // A count is one word.
-      look: new RegExp(`^${english.replace(/[.*+?^$()|[\]\\]/g, "\\$&").replace(/\{(\w+)\}/g, (_, name) => (name === "count" ? "(\\S+)" : "(.+?)"))}$`),
+      // A count is a number.
+      look: new RegExp(`^${english.replace(/[.*+?^$()|[\]\\]/g, "\\$&").replace(/\{(\w+)\}/g, (_, name) => (name === "count" ? "(\\d+)" : "(.+?)"))}$`),
     }));
   for (const { english, names, look } of forms) {
     const found = look.exec(sentence);

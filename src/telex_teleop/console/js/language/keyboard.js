@@ -46,6 +46,9 @@ export function usualLayout([first = ""]) {
   return speech === "de" || speech === "fr" ? speech : "us";
 }
 
+/** A capital where there is one: ß has none. @param {string | undefined} sign */
+const printed = (sign) => (sign?.toUpperCase().length === 1 ? sign.toUpperCase() : sign);
+
 /**
  * What is printed on a key; undefined: as on a US keyboard.
  * @param {ReadonlyMap<string, string>} told  What the browser says that keys type; empty: it says nothing.
@@ -53,7 +56,7 @@ export function usualLayout([first = ""]) {
  * @returns {(code: string) => string | undefined}
  */
 export function capsOf(told, chosen) {
-  const says = (/** @type {[string, string]} */ [code, cap]) => told.get(code)?.toUpperCase() === cap.toUpperCase();
+  const says = (/** @type {[string, string]} */ [code, cap]) => printed(told.get(code)) === cap;
   const layout = told.size === 0 ? LAYOUTS[chosen] ?? LAYOUTS.us : Object.values(LAYOUTS).find(({ caps }) => Object.keys(caps).length > 0 && Object.entries(caps).every(says));
   return (code) => {
     // Its figure is printed on every such key, whatever it types without Shift.
@@ -61,7 +64,7 @@ export function capsOf(told, chosen) {
     const cap = told.size === 0 ? layout?.caps[code] : told.get(code);
     // What asks for the keys is called by its question mark where the key has one.
     if (code === "Slash" && cap === "/") return undefined;
-    return cap?.toUpperCase() ?? layout?.names[code];
+    return printed(cap) ?? layout?.names[code];
   };
 }
 
