@@ -32,7 +32,7 @@ from ..scene.objects.leaks import SceneGas
 from ..scene.planning import PlannedScene, Progress, plan_entry, plan_world
 from .phase_timer import PhaseTimer
 from .simulator_config import TUNED_PERIOD, RobotConfig, SimulatorConfig
-from .start_check import check_place, check_start, place_beside
+from .start_check import check_place, check_start, place_beside, start_in_scene
 from .world import Body, World, WorldError
 from .world_state import WorldState
 
@@ -200,8 +200,13 @@ class Simulation:
             robot.place(self.world, start, self.objects.material)
             return robot.body
 
-        if not (others and robot.config.start.looks_for_room):
+        if not others:
             load(self.scene.start)
+            return
+        own = start_in_scene(self.scene, robot.config.start, len(others))
+        robot.start_from(robot.figure.start_positions(own.pose if own is not None else ""))
+        if own is not None or not robot.config.start.looks_for_room:
+            load(own or self.scene.start)
             return
         there = {each.body.uid: each.model for each in others}
         place_beside(self.world, self.scene.start, there, load, f"robot '{robot.model}'")

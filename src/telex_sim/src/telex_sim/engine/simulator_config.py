@@ -24,6 +24,7 @@ from ..radio.radio_config import RadioConfig
 from ..robot.gripper.contact_config import GripperContactConfig
 from ..robot.imu_noise import ImuNoise
 from ..robot.self_collision import SelfCollisionConfig
+from ..scene.model import MOST_FURTHER
 from ..stability.force_angle import StabilityConfig
 from ..tracks.track_config import TrackConfig
 
@@ -200,6 +201,13 @@ class StartConfig(Declared):
         False,
         "Whether a further robot starts beside the scene's start, where there is room, without "
         "`place`.",
+    )
+    further: int = number(
+        0,
+        "Which of the scene's further robots it is, from 1: `beside` has no say where the scene "
+        "has a start for that one. 0: by the order in which they come.",
+        0,
+        MOST_FURTHER,
     )
     height: float = number(
         0.115,

@@ -5,13 +5,14 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import replace
-from typing import Callable, Iterator, Mapping, Tuple
+from typing import Callable, Iterator, Mapping, Optional, Tuple
 
 import pybullet
 
 from telex_control.common.params import ConfigError
 
-from ..scene.model import Start
+from ..scene.model import Scene, Start
+from .simulator_config import StartConfig
 from .world import Body, World, WorldError
 
 _DEEPEST = 0.005
@@ -29,6 +30,29 @@ _LENGTH, _WIDTH, _SPACING = 1.5, 0.9, 0.15
 
 _ABOVE, _EYE, _LEVEL = 1.2, 0.4, 0.03
 """How far above the ground it must be free, and may be seen from the start; unevenness (m)."""
+
+
+def start_in_scene(scene: Scene, config: StartConfig, number: int) -> Optional[Start]:
+    """Return the start that a scene has for a further robot.
+
+    Parameters
+    ----------
+    scene : Scene
+    config : StartConfig
+        The robot's.
+    number : int
+        Of the robot, from 1, where its configuration gives none.
+
+    Returns
+    -------
+    Start, optional
+        None: there is none for it, or the robot has a place of its own.
+    """
+    number = config.further or number
+    if not config.looks_for_room or number > len(scene.robots):
+        return None
+    start = scene.robots[number - 1]
+    return start if start.pose in config.poses else replace(start, pose="")
 
 
 def place_beside(

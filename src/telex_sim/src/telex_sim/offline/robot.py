@@ -8,6 +8,7 @@ from geometry_msgs.msg import Twist
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
+from telex_control.ros.local_node_handle import LocalNodeHandle
 from telex_control.ros.node_handle import Publisher
 
 from ..proximity.monitor import Proximity
@@ -19,14 +20,22 @@ Pose = Tuple[Tuple[float, ...], Tuple[float, ...]]
 
 
 class OfflineRobot:
-    """The first robot of an `OfflineSimulation`.
+    """A robot of an `OfflineSimulation`.
 
     Commands go to the topics of its controllers, and what its joints do comes from
     ``joint_states``: as often, and as late, as on a live robot.
 
+    Parameters
+    ----------
+    offline : OfflineSimulation
+    node : LocalNodeHandle, optional
+        Of a further robot; by default it is the first.
+
     Attributes
     ----------
     simulation : Simulation
+    robot : Robot
+        What it is in the simulation.
     urdf : str
     positions, velocities : dict of str to float
         Of the joints, as they were published last (rad, m; rad/s, m/s).
@@ -36,13 +45,15 @@ class OfflineRobot:
         Called with the sim time (s) of each joint state, as it is published.
     """
 
-    def __init__(self, offline: OfflineSimulation) -> None:
+    def __init__(self, offline: OfflineSimulation, node: Optional[LocalNodeHandle] = None) -> None:
         self.simulation = offline.simulation
-        self.urdf: str = offline.node.param("robot_description", str)
+        self._node = node or offline.node
+        robots = self.simulation.robots
+        self.robot = next(each for each in robots if each.namespace == self._node.namespace)
+        self.urdf: str = self._node.param("robot_description", str)
         self.positions: Dict[str, float] = {}
         self.velocities: Dict[str, float] = {}
         self.each_joint_state: List[Callable[[float], None]] = []
-        self._node = offline.node
         self.run: Callable[[float], None] = offline.run
         self._tracks = self._node.advertise("track_controller/cmd_vel", Twist)
         self._targets: Dict[str, Publisher] = {}
@@ -71,19 +82,19 @@ class OfflineRobot:
 
     def base_pose(self) -> Pose:
         """Pose of base_link."""
-        return self.simulation.body.base_pose()
+        return self.robot.body.base_pose()
 
     def contact(self) -> Optional[GripperContact]:
         """What the gripper holds; None for a robot without one."""
-        return self.simulation.gripper_contact(self.simulation.robots[0])
+        return self.simulation.gripper_contact(self.robot)
 
     def near(self) -> Proximity:
         """What the arm is near to; its numbers are in the order of `arm_joints`."""
-        return self.simulation.proximity(self.simulation.robots[0])
+        return self.simulation.proximity(self.robot)
 
     def arm_joints(self) -> Tuple[str, ...]:
         """The arm's joints."""
-        return self.simulation.robots[0].proximity.joints
+        return self.robot.proximity.joints
 
     def object_pose(self, name: str) -> Optional[Pose]:
         """Pose of an object's first link that can move, or of a link by its name ("object/link").

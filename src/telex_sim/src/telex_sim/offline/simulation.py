@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import subprocess
 import threading
+from dataclasses import fields
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Sequence
@@ -17,7 +18,8 @@ from telex_control.manager.controller_joints import controller_joints, without_j
 from telex_control.ros.local_node_handle import LocalNodeHandle
 
 from ..engine.simulation import Simulation
-from ..engine.simulator_config import SimulatorConfig
+from ..engine.simulator_config import RobotConfig, SimulatorConfig
+from ..robot.robot import Robot
 from ..scene.addresses import resolve_address
 
 
@@ -95,35 +97,60 @@ class OfflineSimulation:
             self.node,
             lambda address: resolve_address(address, package_path),
         )
-        names = self._fit(params)
+        self._control(self.simulation.robots[0], params)
+
+    def add_robot(self, name: str, urdf: str) -> LocalNodeHandle:
+        """Put a further robot into the scene, where that has a start for it or beside the first.
+
+        Parameters
+        ----------
+        name : str
+            In the scene.
+        urdf : str
+
+        Returns
+        -------
+        LocalNodeHandle
+            Its own, as `node` is the first one's.
+
+        Raises
+        ------
+        ConfigError, UrdfError
+            There is no room for it, for one.
+        """
+        params = package_yaml("telex_control", "config", "telex_controllers.yaml")
+        params["robot_description"] = urdf
+        # A graph of its own, for its topics have the names of the first one's.
+        node = LocalNodeHandle({name: params}).child(name)
+        config = shipped_config(model=name, start__beside=True)
+        known = {each.name: getattr(config, each.name) for each in fields(RobotConfig)}
+        robot = self.simulation.plan_robot(RobotConfig(**known), urdf, node)
+        self.simulation.add_robot(robot)
+        self._control(robot, params)
+        return node
+
+    def _control(self, robot: Robot, params: Dict[str, Any]) -> None:
+        """Load and start the controllers of a robot."""
+        names = _fit(robot, params)
         for name in names:
-            if not self.simulation.controllers.load_controller(name):
+            if not robot.controllers.load_controller(name):
                 raise RuntimeError(f"controller '{name}' cannot be loaded; the log says why")
         stopped = params["controller_groups"]["actions"]
-        self.switch([name for name in names if name not in stopped], [])
-
-    def _fit(self, params: Dict[str, Any]) -> List[str]:
-        """Return the controllers with a joint, or without need of any; those gone are taken out."""
-        names = []
-        for name in [name for name, value in params.items() if _is_controller(value)]:
-            joints = controller_joints(params[name])
-            lacking = [joint for joint in joints if not self.simulation.hw.has_joint(joint)]
-            if lacking and len(lacking) == len(joints):
-                continue
-            params[name] = without_joints(params[name], lacking)
-            names.append(name)
-        return names
+        self._switch(robot, [name for name in names if name not in stopped], [])
 
     def switch(self, start: Sequence[str], stop: Sequence[str]) -> None:
-        """Start and stop controllers; no sim time passes.
+        """Start and stop controllers of the first robot; no sim time passes.
 
         Raises
         ------
         RuntimeError
             They cannot be switched.
         """
+        self._switch(self.simulation.robots[0], start, stop)
+
+    def _switch(self, robot: Robot, start: Sequence[str], stop: Sequence[str]) -> None:
         answer: List[bool] = []
-        manager = self.simulation.controllers
+        manager = robot.controllers
         thread = threading.Thread(
             target=lambda: answer.append(manager.switch_controller(start, stop))
         )
@@ -143,6 +170,19 @@ class OfflineSimulation:
     def positions(self) -> Dict[str, float]:
         """Measured position of every driven joint (rad, m)."""
         return self.simulation.hw.joint_positions()
+
+
+def _fit(robot: Robot, params: Dict[str, Any]) -> List[str]:
+    """Return the controllers with a joint, or without need of any; those gone are taken out."""
+    names = []
+    for name in [name for name, value in params.items() if _is_controller(value)]:
+        joints = controller_joints(params[name])
+        lacking = [joint for joint in joints if not robot.hw.has_joint(joint)]
+        if lacking and len(lacking) == len(joints):
+            continue
+        params[name] = without_joints(params[name], lacking)
+        names.append(name)
+    return names
 
 
 @lru_cache(maxsize=16)

@@ -18,12 +18,12 @@ from telex_control.urdf.checks import check_bodies
 from telex_control.urdf.joints import parse_urdf
 
 from ..engine.simulator_config import SimulatorConfig
-from ..engine.start_check import check_place, check_start, place_beside
+from ..engine.start_check import check_place, check_start, place_beside, start_in_scene
 from ..engine.world import World, WorldError
 from ..robot.body import RobotBody
 from ..robot.meshes import check_meshes
 from ..scene.files.scene_file import SceneError
-from ..scene.model import LARGEST, WORLD_FRAME, Floor, Start
+from ..scene.model import LARGEST, WORLD_FRAME, Floor, Scene, Start
 from ..scene.objects.assembly import Assembly
 from ..scene.objects.bodies import MeshLists, SceneBodies
 from ..scene.planning import PlannedScene, Progress
@@ -45,18 +45,20 @@ def check_names(assemblies: Sequence[Assembly], models: Sequence[str]) -> None:
 
 
 def check_scene(config: SimulatorConfig, planned: PlannedScene, models: Sequence[str]) -> None:
-    """Refuse a scene that asks for a pose which the first robot lacks, or takes a robot's name.
+    """Refuse a scene that asks for a pose which there is not, or takes a robot's name.
 
     Raises
     ------
     SceneError
     """
-    start, asked = config.start, planned.scene.start.pose
-    if start.pose_name(asked) not in ("", *start.poses):
-        raise SceneError(
-            f"{planned.path}: start/pose is '{asked}'; "
-            f"there are: {', '.join(sorted(start.poses)) or 'none'}"
-        )
+    start, scene = config.start, planned.scene
+    asked = {"start": scene.start, **{f"robots[{i}]": each for i, each in enumerate(scene.robots)}}
+    for where, each in asked.items():
+        if start.pose_name(each.pose) not in ("", *start.poses):
+            raise SceneError(
+                f"{planned.path}: {where}/pose is '{each.pose}'; "
+                f"there are: {', '.join(sorted(start.poses)) or 'none'}"
+            )
     try:
         check_names(planned.assemblies, models)
     except ConfigError as error:
@@ -109,10 +111,11 @@ class Rehearsal:
         self._objects.load(scene.floor, planned.assemblies, Progress(scene.name, "rehearsed"))
         self._objects.check_room()
         if robots:
-            self._place(scene.start, *robots)
+            self._place(scene, *robots)
         self._step()
 
-    def _place(self, start: Start, first: RobotBody, *others: RobotBody) -> None:
+    def _place(self, scene: Scene, first: RobotBody, *others: RobotBody) -> None:
+        start = scene.start
         positions = first.start_positions(start.pose)
         body = first.load(self._world, start, positions, self._resolve)
         owners = {body.uid: f"robot '{first.model}'", **self._objects.owners()}
@@ -120,18 +123,19 @@ class Rehearsal:
             pose = self._config.start.pose_name(start.pose)
             check_start(body, pose, lambda uid: owners.get(uid, "the floor"))
         robots = {body.uid: first.model}
-        for robot in others:
+        for number, robot in enumerate(others, 1):
             name = f"robot '{robot.model}'"
+            own = start_in_scene(scene, robot.config.start, number)
             load = functools.partial(
                 robot.load,
                 self._world,
-                positions=robot.start_positions(""),
+                positions=robot.start_positions(own.pose if own is not None else ""),
                 resolve=self._resolve,
             )
-            if robot.config.start.looks_for_room:
-                body = place_beside(self._world, start, robots, load, name)
+            if own is not None or not robot.config.start.looks_for_room:
+                body = load(own or start)
             else:
-                body = load(start)
+                body = place_beside(self._world, start, robots, load, name)
             check_place(self._world, body, owners, name)
             owners[body.uid], robots[body.uid] = name, robot.model
 

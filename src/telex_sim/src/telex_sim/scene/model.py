@@ -591,6 +591,10 @@ class Lights:
         require_range(self, "ambient", 0.0, 10.0)
 
 
+MOST_FURTHER = 3
+"""Robots beside the first one that a scene has starts for."""
+
+
 @dataclass(frozen=True)
 class Start:
     """Where the robot begins: x and y of base_link (m), height of the ground there (m), heading.
@@ -635,6 +639,8 @@ class Scene:
         and of the ``robot``.
     antenna : tuple of float, optional
         Place of the operator's radio antenna in the world (m); None: above the robot's start.
+    robots : tuple of Start
+        Where further robots begin, in their order; who has none here finds a place by itself.
     """
 
     name: str
@@ -646,8 +652,14 @@ class Scene:
     views: Tuple[View, ...] = ()
     history: Dict[str, float] = field(default_factory=dict)
     antenna: Optional[Vector3] = None
+    robots: Tuple[Start, ...] = ()
 
     def __post_init__(self) -> None:
         require_history(self.history)
+        require(
+            len(self.robots) <= MOST_FURTHER,
+            f"robots has {len(self.robots)} starts; at most {MOST_FURTHER}, of further robots, are "
+            "possible",
+        )
         if self.antenna is not None:
             _require_vector(self, "antenna")

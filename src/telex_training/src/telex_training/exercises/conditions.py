@@ -1,9 +1,11 @@
 """Conditions of exercises as plain data; `telex_training.judging.conditions` evaluates them.
 
-In a file a condition is a struct with one kind, and optionally the time for which it has to hold::
+In a file a condition is a struct with one kind, and optionally the time for which it has to hold,
+and which robot it looks at where there are several::
 
     {inside: {what: robot, zone: start}, for: 0.5}
     {all: [{held: {object: cube}}, {not: {touches: {object: table}}}]}
+    {held: {object: beam}, robot: second}
 """
 
 from __future__ import annotations
@@ -205,6 +207,8 @@ ATOMS: Dict[str, Type[Any]] = {
 """Kinds of conditions that look at one thing, and what each is given."""
 COMPOSED = ("all", "any", "not")
 KINDS = (*ATOMS, *COMPOSED)
+_OF_ALL = ("latch", "answered", "dose", "elapsed", "event")
+"""Kinds that do not look at one of several robots."""
 
 
 @dataclass(frozen=True)
@@ -221,12 +225,15 @@ class Condition:
         Of a kind of `COMPOSED`.
     seconds : float
         For which it has to hold without a break before it counts (s of sim time); key ``for``.
+    robot : str
+        Further robot that it looks at; empty: the first one.
     """
 
     kind: str
     of: Any = None
     parts: Tuple[Condition, ...] = ()
     seconds: float = 0.0
+    robot: str = ""
 
     def walk(self) -> Iterator[Condition]:
         """Yield this condition and all that it is composed of."""
@@ -255,7 +262,8 @@ def read_condition(content: Any, name: str) -> Condition:
     return made
 
 
-def _read(content: Any, name: str) -> Condition:
+def _read(content: Any, name: str, of: str = "") -> Condition:
+    """Read a condition that stands within one of a robot (`of`), if it has none of its own."""
     if not isinstance(content, Mapping):
         raise ConfigError(f"{name} is {str(content)[:60]!r}; a struct with a condition is needed")
     seconds = 0.0
@@ -265,9 +273,11 @@ def _read(content: Any, name: str) -> Condition:
             0.0 <= seconds <= _LONGEST,
             f"{name}/for is {seconds}; 0 to {_LONGEST:g} s is possible",
         )
-    kinds = [str(key) for key in content if key != "for"]
+    kinds = [str(key) for key in content if key not in ("for", "robot")]
     for kind in kinds:
-        require(kind in KINDS, f"{name}/{kind} is unknown; known are {', '.join(KINDS)}, for")
+        require(
+            kind in KINDS, f"{name}/{kind} is unknown; known are {', '.join(KINDS)}, for, robot"
+        )
     require(
         len(kinds) == 1,
         f"{name} has {' and '.join(kinds) or 'no condition'}; one condition is needed"
@@ -275,15 +285,20 @@ def _read(content: Any, name: str) -> Condition:
     )
     (kind,) = kinds
     given, inside = content[kind], f"{name}/{kind}"
+    robot = read_value(str, content.get("robot", of), f"{name}/robot")
+    require(
+        kind not in _OF_ALL or "robot" not in content, f"{name}/robot does not belong to {kind}"
+    )
     if kind == "not":
-        return Condition(kind, parts=(_read(given, inside),), seconds=seconds)
+        return Condition(kind, parts=(_read(given, inside, robot),), seconds=seconds)
     if kind in COMPOSED:
         require(
             isinstance(given, list) and bool(given),
             f"{inside} is {str(given)[:60]!r}; a list of conditions is needed",
         )
-        parts = tuple(_read(part, f"{inside}[{i}]") for i, part in enumerate(given))
+        parts = tuple(_read(part, f"{inside}[{i}]", robot) for i, part in enumerate(given))
         return Condition(kind, parts=parts, seconds=seconds)
     if kind == "elapsed":
         given = {"seconds": read_value(float, given, inside)}
-    return Condition(kind, read_struct(ATOMS[kind], given, inside), seconds=seconds)
+    own = "" if kind in _OF_ALL else robot
+    return Condition(kind, read_struct(ATOMS[kind], given, inside), seconds=seconds, robot=own)

@@ -12,7 +12,7 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple, TypeVar
 from telex_control.common.params import ConfigError, read_struct, read_value, require
 from telex_control.common.text_file import read_text_file
 from telex_sim.scene.files.yaml_text import read_yaml
-from telex_sim.scene.model import require_name
+from telex_sim.scene.model import MOST_FURTHER, require_name
 
 from .conditions import Condition, read_condition
 from .metric_kinds import KINDS
@@ -26,6 +26,7 @@ from .model import (
     Expert,
     Failure,
     Fault,
+    FurtherRobot,
     Hint,
     Link,
     Malfunction,
@@ -86,6 +87,7 @@ KEYS = (
     "limits",
     "history",
     "survey",
+    "robots",
 )
 """What an exercise file may have on its top level."""
 
@@ -254,7 +256,7 @@ def _exercise(
         require_name(zone, "name of a zone")
     folder = Path(os.path.abspath(path)).parent
     radiation = _radiation(content)
-    return Exercise(
+    made = Exercise(
         path=path,
         sha256=digest,
         name=name,
@@ -285,7 +287,10 @@ def _exercise(
         radiation=radiation,
         survey=_survey(content),
         link=_link(content),
+        robots=_robots(content),
     )
+    _require_robots(made)
+    return made
 
 
 def _named(
@@ -427,7 +432,7 @@ def _metrics(content: Mapping[str, Any]) -> Tuple[Metric, ...]:
     return tuple(made)
 
 
-_METRIC_KEYS = "expert, height, kind, length, object, over, pass"
+_METRIC_KEYS = "expert, height, kind, length, object, over, pass, robot"
 
 
 def _link(content: Mapping[str, Any]) -> Optional[Link]:
@@ -463,6 +468,31 @@ def _radiation(content: Mapping[str, Any]) -> Radiation:
         limits,
         read_value(Dict[str, float], struct_of(content, "history"), "history"),
     )
+
+
+def _robots(content: Mapping[str, Any]) -> Tuple[FurtherRobot, ...]:
+    robots = _distinct(structs_of(content, "robots", FurtherRobot), "robots")
+    require(
+        len(robots) <= MOST_FURTHER,
+        f"robots has {len(robots)} entries; at most {MOST_FURTHER} beside the first are possible",
+    )
+    return robots
+
+
+def _require_robots(exercise: Exercise) -> None:
+    """Refuse a condition or a metric of a robot that there is not."""
+    known = [robot.name for robot in exercise.robots]
+    asked = [
+        (f"{where}/{part.kind}/robot", part.robot)
+        for where, condition in exercise.conditions()
+        for part in condition.walk()
+    ]
+    asked += [(f"metrics/{metric.name}/robot", metric.robot) for metric in exercise.metrics]
+    for where, name in asked:
+        require(
+            name in ("", *known),
+            f"{where} is '{name}'; beside the first robot there are: {', '.join(known) or 'none'}",
+        )
 
 
 def _survey(content: Mapping[str, Any]) -> Optional[Survey]:

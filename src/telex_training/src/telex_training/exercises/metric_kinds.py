@@ -16,6 +16,10 @@ SURVEYED = ("missed_points", "speed_error", "map_error")
 """Kinds that look at the exercise's survey."""
 
 
+OF_ALL = ("time", "penalties", "answers", "dose", *SURVEYED)
+"""Kinds measured in a repetition, and not for each of several robots."""
+
+
 @dataclass(frozen=True)
 class MetricKind:
     """A kind of metric.

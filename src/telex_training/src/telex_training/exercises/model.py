@@ -9,11 +9,11 @@ from typing import Any, Dict, Iterator, Mapping, Optional, Tuple
 
 from telex_control.common.params import require, require_choice, require_range
 from telex_sim.malfunctions.kinds import names_of_kinds
-from telex_sim.scene.model import LARGEST, ORIGIN, Vector3, require_name
+from telex_sim.scene.model import LARGEST, ORIGIN, Start, Vector3, require_name
 from telex_sim.scene.model import Source as Emitter
 
-from .conditions import ROBOT, TOOL, Condition, Dose
-from .metric_kinds import KINDS, OVERS
+from .conditions import FLOOR, ROBOT, TOOL, Condition, Dose
+from .metric_kinds import KINDS, OF_ALL, OVERS
 
 PRACTICE, EXAM = "practice", "exam"
 MODES = (PRACTICE, EXAM)
@@ -214,6 +214,48 @@ class Repetitions:
 
 
 @dataclass(frozen=True)
+class FurtherRobot:
+    """A robot beside the first one.
+
+    Attributes
+    ----------
+    name : str
+        By which conditions and metrics know it; live it may be called otherwise.
+    x, y : float
+        Where its base_link starts (m).
+    ground : float
+        Height of the ground there (m).
+    yaw : float
+        Its heading (rad).
+    pose : str
+        Named pose that it starts in; empty: its own.
+    variant : str
+        Of the robot; empty: that of the first one.
+    """
+
+    name: str
+    x: float
+    y: float
+    ground: float = 0.0
+    yaw: float = 0.0
+    pose: str = ""
+    variant: str = ""
+
+    def __post_init__(self) -> None:
+        require_name(self.name, "name")
+        require(
+            self.name not in (ROBOT, TOOL, FLOOR),
+            f"name is '{self.name}', which stands for something else; another one is needed",
+        )
+        Start(**self.start())  # refuses what it cannot be
+
+    def start(self) -> Dict[str, Any]:
+        """Return where it starts, as an entry of a scene's ``robots``."""
+        start = {"x": self.x, "y": self.y, "ground": self.ground, "yaw": self.yaw}
+        return {**start, **({"pose": self.pose} if self.pose else {})}
+
+
+@dataclass(frozen=True)
 class PutBack:
     """What is put back between repetitions: the robot, and objects by name (``[all]``: all)."""
 
@@ -262,6 +304,8 @@ class Metric:
         Of a path ratio: median length of the expert's path (m).
     over : str
         How several repetitions make one figure: median, mean or worst; empty: as the kind has it.
+    robot : str
+        Further robot that it is of; empty: the first one.
     """
 
     name: str
@@ -272,10 +316,15 @@ class Metric:
     height: float = 0.05
     length: Optional[float] = None
     over: str = ""
+    robot: str = ""
 
     def __post_init__(self) -> None:
         require_choice(self, "kind", KINDS)
         known = KINDS[self.kind]
+        require(
+            not self.robot or not (known.of_trial or self.kind in OF_ALL),
+            f"robot does not belong to {self.kind}",
+        )
         require(not self.object or known.of_object, f"object does not belong to {self.kind}")
         require(
             (self.length is not None) == known.needs_length,
@@ -299,7 +348,9 @@ class Metric:
     @property
     def text(self) -> str:
         """What it measures, for people."""
-        return KINDS[self.kind].text + (f", {self.object}" if self.object else "")
+        return KINDS[self.kind].text + "".join(
+            f", {name}" for name in (self.object, self.robot) if name
+        )
 
 
 @dataclass(frozen=True)
@@ -532,6 +583,8 @@ class Exercise:
         Those of `CONTROLS` that it needs; empty: what its steps show.
     link : Link, optional
         The line to the operator; None: as the instructor has set it.
+    robots : tuple of FurtherRobot
+        Those that it needs beside the first one.
     """
 
     path: Path
@@ -564,6 +617,7 @@ class Exercise:
     radiation: Radiation
     survey: Optional[Survey]
     link: Optional[Link]
+    robots: Tuple[FurtherRobot, ...] = ()
 
     def conditions(self) -> Iterator[Tuple[str, Condition]]:
         """Yield every condition with the key that it stands under."""

@@ -86,9 +86,11 @@ def scene_text(
     try:
         content = _base(exercise, find)
         _lay_over(content, exercise.scene.changes)
+        if exercise.robots:
+            content["robots"] = [robot.start() for robot in exercise.robots]
         _irradiate(content, exercise.radiation)
         for i, (entry, change) in enumerate(zip(exercise.vary, drawn_changes(exercise.vary, seed))):
-            _move(content, entry.object, change, f"vary[{i}]/object")
+            _move(content, exercise, entry.object, change, f"vary[{i}]/object")
         for name, token in (sealed or {}).items():
             index = _entry(content, name, f"questions/of: '{name}'")
             rest = {k: v for k, v in content["objects"][index].items() if k != "seed"}
@@ -177,15 +179,18 @@ def _entry(content: Mapping[str, Any], name: str, where: str) -> int:
     raise ConfigError(f"{where}: the scene has no entry of the name '{name}'; there are: {known}")
 
 
-def _move(content: Dict[str, Any], name: str, change: Change, where: str) -> None:
+def _move(
+    content: Dict[str, Any], exercise: Exercise, name: str, change: Change, where: str
+) -> None:
     dx, dy, dz, turn = change
     if name == ROBOT:
-        given = content.get("start") or {}
-        require(isinstance(given, Mapping), f"start is {str(given)[:60]!r}; a struct is needed")
-        start = dict(given)
-        for key, by in (("x", dx), ("y", dy), ("ground", dz), ("yaw", turn)):
-            start[key] = round(_number(start.get(key, 0.0), f"start/{key}") + by, 6)
-        content["start"] = start
+        content["start"] = _moved_start(content.get("start") or {}, change, "start")
+        return
+    further = [robot.name for robot in exercise.robots]
+    if name in further:
+        number = further.index(name)
+        starts = content["robots"]
+        starts[number] = _moved_start(starts[number], change, f"robots[{number}]")
         return
     index = _entry(content, name, where)
     entry = dict(content["objects"][index])
@@ -204,6 +209,14 @@ def _move(content: Dict[str, Any], name: str, change: Change, where: str) -> Non
     elif turn:
         entry["yaw"] = round(_number(entry.get("yaw") or 0.0, f"{where}: its yaw") + turn, 6)
     content["objects"][index] = entry
+
+
+def _moved_start(given: Any, change: Change, where: str) -> Dict[str, Any]:
+    require(isinstance(given, Mapping), f"{where} is {str(given)[:60]!r}; a struct is needed")
+    start = dict(given)
+    for key, by in zip(("x", "y", "ground", "yaw"), change):
+        start[key] = round(_number(start.get(key, 0.0), f"{where}/{key}") + by, 6)
+    return start
 
 
 def _number(value: Any, where: str) -> float:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
 
 from telex_control.common.geometry.quaternions import Vector3, invert, rotate
 
 from ..exercises import conditions as data
-from ..exercises.conditions import ROBOT, Condition
+from ..exercises.conditions import ROBOT, TOOL, Condition
 from ..exercises.model import Zone
 from .truth import Contact, DoseRecord, World
 
@@ -28,11 +28,14 @@ class Context:
     began : float, optional
         When the repetition began (s); None: it has not.
     places : dict of str to tuple of 3 floats
-        Where things were when the repetition was made ready (m).
+        Where things were when the repetition was made ready (m); of a further robot "NAME robot"
+        and "NAME tool".
     answers : dict of str to bool or None
         Answered questions, and whether rightly; None: nobody knows.
     counts : dict of str to int
-        Events of this repetition.
+        Events of this repetition, whichever robot they are of.
+    others : mapping of str to World
+        The same world as further robots' truth tells it.
     """
 
     world: World
@@ -43,6 +46,25 @@ class Context:
     answers: Dict[str, Optional[bool]] = field(default_factory=dict)
     counts: Dict[str, int] = field(default_factory=dict)
     doses: DoseRecord = field(default_factory=DoseRecord)
+    others: Mapping[str, World] = field(default_factory=dict)
+
+    def of(self, robot: str) -> Context:
+        """Return what conditions of a further robot look at; empty: those of the first."""
+        if not robot:
+            return self
+        own = {what: self.places.get(f"{robot} {what}") for what in (ROBOT, TOOL)}
+        known = {what: place for what, place in self.places.items() if what not in own}
+        known.update((what, place) for what, place in own.items() if place is not None)
+        return replace(self, world=self.others[robot], places=known)
+
+    def note_places(self) -> None:
+        """Note where everything is now."""
+        self.places = self.world.places()
+        for name, world in self.others.items():
+            for what in (ROBOT, TOOL):
+                place = world.position(what)
+                if place is not None:
+                    self.places[f"{name} {what}"] = place
 
     def within(self, what: str, zone: str) -> bool:
         """Whether something is in a zone; not, where either is not known."""
@@ -67,6 +89,7 @@ class Evaluator:
 
     def __init__(self, condition: Condition) -> None:
         self._seconds = condition.seconds
+        self._robot = condition.robot
         self._since: Optional[float] = None
         self._parts = [Evaluator(part) for part in condition.parts]
         self._joined = _JOINED.get(condition.kind)
@@ -83,7 +106,7 @@ class Evaluator:
             now = self._joined([part.holds(context) for part in self._parts])
         else:
             assert self._test is not None
-            now = self._test(context)
+            now = self._test(context.of(self._robot))
         if self._seconds == 0.0:
             return now
         if not now:

@@ -6,7 +6,8 @@ import hashlib
 import math
 import struct
 from dataclasses import dataclass, field
-from typing import Any, Callable, Dict, List, Optional
+from functools import partial
+from typing import Any, Callable, Dict, List, Mapping, Optional
 
 from ..exercises.conditions import EVENTS
 from ..exercises.model import EXAM, MODES, PRACTICE, Exercise, Failure
@@ -39,8 +40,10 @@ from .entries import (
 from .handling import goal_zones
 from .malfunctions import MalfunctionRecord, Turn
 from .moments import INPUT as MOMENT
-from .repetition import GIVEN_UP, PUT_BACK, WENT_BACK, Happening, Progress, Repetition
-from .truth import Names, World, read_sample
+from .other_robot import CHANNELS, OtherRobot, channel_of
+from .records.robot import Happening
+from .repetition import GIVEN_UP, PUT_BACK, WENT_BACK, Progress, Repetition
+from .truth import Names, Sample, World, read_sample
 from .validity import MOST_SLOW, Continuity, LinkRecord, Pace
 from .workload import INPUT as TLX
 from .workload import workload_of
@@ -51,6 +54,7 @@ _MOST_EVENTS = 10_000
 _MOST_REASONS = 20
 _MOST_BOOKMARKS = 100
 _NAMES_PATIENCE = 1.0
+_UNHEARD = "nothing is heard of the robot"
 _UNCOUNTED = ("command", "answer", "step", "penalty", "contact", "drop", "tipped")
 """Events that the repetition counts itself."""
 
@@ -92,6 +96,8 @@ class Judge:
         contain nothing.
     urdf : str
         Of the robot; without one, nothing of the tool is measured.
+    urdfs : mapping of str to str, optional
+        The same of further robots, by the exercise's names.
 
     Attributes
     ----------
@@ -108,11 +114,24 @@ class Judge:
         The URDF cannot.
     """
 
-    def __init__(self, exercise: Exercise, scene: str = "", urdf: str = "") -> None:
+    def __init__(
+        self,
+        exercise: Exercise,
+        scene: str = "",
+        urdf: str = "",
+        urdfs: Optional[Mapping[str, str]] = None,
+    ) -> None:
         self.exercise = exercise
         self.phase = IDLE
-        self._world = World(scene_of(exercise, scene) if scene else None, urdf)
-        self._context = Context(self._world, exercise.zones)
+        known = scene_of(exercise, scene) if scene else None
+        self._world = World(known, urdf)
+        self._others = [
+            OtherRobot(robot.name, known, (urdfs or {}).get(robot.name, ""))
+            for robot in exercise.robots
+        ]
+        self._context = Context(
+            self._world, exercise.zones, others={each.name: each.world for each in self._others}
+        )
         self._goals = goal_zones(exercise)
         self._digest = hashlib.sha256()
         self._continuity = Continuity()
@@ -158,6 +177,10 @@ class Judge:
             **dict.fromkeys(COMMANDS, self._take_command),
             **dict.fromkeys(STATUSES, self._take_teleop_status),
         }
+        for other in self._others:
+            for channel in CHANNELS:
+                take = partial(self._take_of_other, other, channel)
+                self._handlers[channel_of(other.name, channel)] = take
         self._inputs: Dict[str, Callable[[Dict[str, Any]], None]] = {
             "open": self._open,
             "start": self._start,
@@ -223,9 +246,7 @@ class Judge:
     # What comes from the simulator
 
     def _take_truth(self, entry: Entry) -> None:
-        if entry.kind != "telex_msgs/TruthSample":
-            raise BadEntryError(f"its type is '{entry.kind}'; telex_msgs/TruthSample is needed")
-        sample = read_sample(entry.data)
+        sample = _sample_of(entry)
         was_reset = self._continuity.resets(sample)
         wrong = self._continuity.sample(sample)
         if self.phase not in (IDLE, READY):
@@ -269,6 +290,8 @@ class Judge:
         if self.phase == WAITING and sample is not None and sample.resets < self._resets_due:
             # It was on its way when the apparatus was put back.
             return
+        if not self._all_there():
+            return
         self._trial_time += span
         self._activity.aids.pass_time(span)
         if self.phase == WAITING:
@@ -289,6 +312,43 @@ class Judge:
         limit = self.exercise.repetitions.trial_time
         if limit and self._trial_time >= limit and self.phase != ENDED:
             self._end("time")
+
+    def _all_there(self) -> bool:
+        """Whether further robots are heard of, as they must be while a repetition waits to begin."""
+        for other in self._others:
+            if other.is_there(self._time, self._resets_due):
+                continue
+            text = f"{_UNHEARD} '{other.name}'"
+            if self.phase == WAITING:
+                self._message = text
+                return False
+            if text not in self._reasons:
+                self._invalidate(text)
+        if self.phase == WAITING and self._message.startswith(_UNHEARD):
+            self._message = ""
+        return True
+
+    def _take_of_other(self, other: OtherRobot, channel: str, entry: Entry) -> None:
+        entry = entry._replace(channel=channel)
+        if channel == TRUTH:
+            self._take_truth_of_other(other, entry)
+        elif channel == LINK:
+            self._hear_line(other.link, entry, {"robot": other.name})
+        else:
+            for event in other.hear(entry):
+                if event != "command":
+                    self._say(event, other.name)
+                elif self._repetition is not None and self.phase in (WAITING, RUNNING):
+                    self._repetition.count(event)
+
+    def _take_truth_of_other(self, other: OtherRobot, entry: Entry) -> None:
+        sample = _sample_of(entry)
+        for reason in other.continuity.sample(sample):
+            if self.phase not in (IDLE, READY):
+                self._invalidate(f"{other.name}: {reason}")
+        passed = other.take(sample)
+        if passed is not None and self.phase == RUNNING and self._repetition is not None:
+            self._tell(self._repetition.run_other(other.name, sample.time, *passed))
 
     def _tell(self, happened: List[Happening]) -> None:
         for event, name, detail in happened:
@@ -327,16 +387,19 @@ class Judge:
                 self._say("pause", detail={"on": self._paused})
 
     def _take_link(self, entry: Entry) -> None:
-        setting, outage = self._link.take(entry)
+        self._hear_line(self._link, entry, {})
+
+    def _hear_line(self, record: LinkRecord, entry: Entry, of: Dict[str, Any]) -> None:
+        setting, outage = record.take(entry)
         if setting is not None:
             figures = {key: value for key, value in setting.items() if key != "profile"}
-            self._say("link", setting["profile"], figures)
+            self._say("link", setting["profile"], {**figures, **of})
             # In practice it is the instructor's to change; an exam has the line of its exercise.
             exam = self._header.get("mode") == EXAM
             if exam and self.phase in (WAITING, RUNNING, BETWEEN):
                 self._invalidate("the line was changed from outside")
         if outage is not None:
-            self._say("outage", detail={"on": outage})
+            self._say("outage", detail={"on": outage, **of})
 
     # What the operator does
 
@@ -430,6 +493,7 @@ class Judge:
             self._activity,
             self._expected,
             progress,
+            {other.name: other.activity for other in self._others},
         )
         self._expected = {}
         self._hint, self._message = "", missed
@@ -748,3 +812,9 @@ class Judge:
     def text(self) -> str:
         """Return the score sheet as JSON with sorted keys."""
         return sheets.sheet_text(self.sheet())
+
+
+def _sample_of(entry: Entry) -> Sample:
+    if entry.kind != "telex_msgs/TruthSample":
+        raise BadEntryError(f"its type is '{entry.kind}'; telex_msgs/TruthSample is needed")
+    return read_sample(entry.data)

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, FrozenSet, List, NamedTuple, Optional, Tuple
+from dataclasses import replace
+from typing import Any, Dict, FrozenSet, List, Mapping, NamedTuple, Optional, Tuple
 
 from telex_control.common.geometry.quaternions import Pose, Vector3
 
 from ..exercises.conditions import ROBOT
-from ..exercises.metric_kinds import KINDS, SURVEYED
+from ..exercises.metric_kinds import KINDS, OF_ALL, SURVEYED
 from ..exercises.model import Exercise, Failure, Metric
 from .activity import ActivityRecord
 from .conditions import SLACK, Context, Evaluator
-from .handling import HandlingRecord
-from .records.contacts import APART, ContactRecord
-from .records.motion import BalanceRecord, MotionRecord, SurveyRecord
+from .records.contacts import APART
+from .records.motion import SurveyRecord
+from .records.robot import Happening, RobotRecord
 
 TIME_FAULT = "time"
 GIVEN_UP = "given up"
@@ -22,19 +23,6 @@ PUT_BACK = "put back from outside"
 """Faults that no exercise names: the repetition's time was over; the operator began anew; he went
 back to a bookmark; somebody else reset the simulation, or went back.
 """
-_CONTACTS = ("contacts", "peak_force", "impulse", "pushing")
-_MOTION = (
-    "base_path",
-    "tool_path",
-    "base_path_ratio",
-    "tool_path_ratio",
-    "reversals",
-    "sparc",
-    "move_and_wait",
-)
-_BALANCE = ("margin", "caution", "tips")
-Happening = Tuple[str, str, Dict[str, Any]]
-"""An event without its time: kind, name, details."""
 
 
 class Progress(NamedTuple):
@@ -88,6 +76,8 @@ class Repetition:
         Right answers of this repetition.
     progress : Progress, optional
         What it goes on from; None: it begins at the start.
+    others : mapping of str to ActivityRecord
+        Of the exercise's further robots.
 
     Attributes
     ----------
@@ -124,6 +114,7 @@ class Repetition:
         activity: ActivityRecord,
         expected: Dict[str, str],
         progress: Optional[Progress] = None,
+        others: Optional[Mapping[str, ActivityRecord]] = None,
     ) -> None:
         self.number = number
         self.bookmark = ""
@@ -149,15 +140,13 @@ class Repetition:
         self.due: List[Failure] = []
         self._holding: List[Optional[float]] = [None] * len(exercise.penalties)
         self._penalty_count = 0
-        heights = [metric.height for metric in exercise.metrics]
-        self._contacts = ContactRecord(exercise.contacts)
-        self._handling = HandlingRecord(goals, heights)
-        self._motion = MotionRecord()
-        self._balance = BalanceRecord()
+        self._record = RobotRecord.of(exercise, goals, activity)
+        self._others = {
+            name: RobotRecord.of(exercise, goals, each) for name, each in (others or {}).items()
+        }
         self._survey = SurveyRecord(exercise.survey)
-        self._activity = activity
         self.looked = False
-        activity.begin()
+        self._begin_activities()
         context.began = None
         context.places = {}
         context.answers = {}
@@ -209,12 +198,12 @@ class Repetition:
         """Look at a sample before the begin; tells whether the repetition begins with it."""
         if not self.looked:
             self.looked = True
-            self._context.places = self._context.world.places()
+            self._context.note_places()
         if not self._resumes and not self._begin.holds(self._context):
             return False
         self.began = self._context.time
         self._context.began = self.began - self._before
-        self._activity.begin()
+        self._begin_activities()
         self._context.doses.begin()
         self._measure(0.0, 0)
         return True
@@ -232,6 +221,18 @@ class Repetition:
         if fault:
             return [*happened, *self.spoil(fault)]
         return happened + self._advance()
+
+    def run_other(self, robot: str, time: float, span: float, steps: int) -> List[Happening]:
+        """Measure a further robot by its own sample, of a time (s); see `run`."""
+        context = replace(self._context.of(robot), time=time)
+        happened = self._others[robot].sample(context, span, steps)
+        for kind, _, _ in happened:
+            self.count(kind)
+        return [(kind, name, {**detail, "robot": robot}) for kind, name, detail in happened]
+
+    def _begin_activities(self) -> None:
+        for record in (self._record, *self._others.values()):
+            record.activity.begin()
 
     def hear_odometry(self, pose: Pose) -> None:
         """Take where the robot is by its own odometry."""
@@ -264,18 +265,8 @@ class Repetition:
         return _plain(given) == _plain(expected)
 
     def _measure(self, span: float, steps: int) -> List[Happening]:
-        context, world, time = self._context, self._context.world, self._context.time
-        happened: List[Happening] = [
-            ("contact", f"{new['group']} {new['object']}", new)
-            for new in self._contacts.sample(world, time, span, steps)
-        ]
-        happened += [("drop", name, {}) for name in self._handling.sample(context, span)]
-        self._motion.sample(world, time, span)
-        self._survey.sample(context, span)
-        if self._balance.sample(world, time, span):
-            happened.append(("tipped", "", {}))
-        self._activity.sample(time, span)
-        return happened
+        self._survey.sample(self._context, span)
+        return self._record.sample(self._context, span, steps)
 
     def _let_fail(self) -> None:
         for i, (malfunction, evaluator) in enumerate(
@@ -340,19 +331,12 @@ class Repetition:
             return float(self._penalty_count)
         if kind == "answers":
             return self._right_share()
-        if kind in _CONTACTS:
-            return self._contacts.figure(kind, metric.object)
-        if kind in ("drops", "slip"):
-            return self._handling.figure(kind, metric.object, metric.height)
         if kind == "dose":
             return self._context.doses.received(metric.object or ROBOT)
         if kind in SURVEYED:
             return self._survey.figure(kind)
-        if kind in _MOTION:
-            return self._motion.figure(kind, metric.length)
-        if kind in _BALANCE:
-            return self._balance.figure(kind)
-        return self._activity.figure(kind)
+        record = self._others[metric.robot] if metric.robot else self._record
+        return record.figure(metric)
 
     def _right_share(self) -> Optional[float]:
         rights = [self._is_right(name) for name in self.answers]
@@ -367,12 +351,22 @@ class Repetition:
             for name, kind in KINDS.items()
             if not kind.of_trial and not kind.needs_length
         }
+        of_each = [metric for name, metric in kinds.items() if name not in OF_ALL]
         kinds.update(
             (metric.name, metric)
             for metric in self._exercise.metrics
             if not KINDS[metric.kind].of_trial
         )
+        others = {
+            robot: {
+                "dead_man": record.activity.releases(),
+                "metrics": {metric.name: record.figure(metric) for metric in of_each},
+            }
+            for robot, record in self._others.items()
+        }
         return {
+            # Sheets of one robot stay as they were.
+            **({"robots": others} if others else {}),
             "began": self.began,
             "seconds": self.seconds,
             "penalty": self.penalty,
@@ -384,7 +378,7 @@ class Repetition:
                 name: {"given": given, "right": self._is_right(name)}
                 for name, given in self.answers.items()
             },
-            "dead_man": self._activity.releases(),
+            "dead_man": self._record.activity.releases(),
             "metrics": {name: self.figure(metric) for name, metric in kinds.items()},
         }
 

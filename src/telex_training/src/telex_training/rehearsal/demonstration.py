@@ -54,7 +54,7 @@ def demonstrate(
         raise FiguresError(f"{where}: the expert gave up: {error}") from error
     path = expert_path(folder, exercise.name, exercise.setting)
     # He did one repetition of an exercise that may ask for more: the sheet is that of the file.
-    judge = Judge(exercise, trial.scene, trial.urdf)
+    judge = Judge(exercise, trial.scene, trial.urdf, trial.urdfs)
     for entry in trial.entries:
         judge.feed(entry)
     if not any(each["completed"] for each in judge.sheet()["repetitions"]):

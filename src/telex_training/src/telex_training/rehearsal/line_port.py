@@ -159,7 +159,7 @@ class LineTeleop(OfflineTeleop):
     def _follow(self, now: float) -> None:
         """Have the line as the radio signal is."""
         simulation = self._robot.simulation
-        (robot, *_) = simulation.robots
+        robot = self._robot.robot
         rate = robot.config.radio.rate
         if self._setting.by_signal is None or not rate or now < self._looked + 1.0 / rate:
             return

@@ -76,7 +76,7 @@ class OfflineTeleop(TeleopPort):
         self._on_answer = on_answer
         self._now = robot.simulation.time
         self._notices: Dict[str, Notice] = {}
-        self._links = frozenset(robot.simulation.body.link_names())
+        self._links = frozenset(robot.robot.body.link_names())
         tracks, arm, flippers, gripper = shipped_settings()
         self._arm = self._made_arm(arm)
         self._joints: Dict[str, JointTeleop] = {ARM: self._arm}
@@ -214,7 +214,7 @@ class OfflineTeleop(TeleopPort):
 
     def e_stop(self, active: bool) -> None:
         """See `TeleopPort.e_stop`."""
-        self._robot.simulation.request_e_stop(active)
+        self._robot.robot.request_e_stop(active)
         for core in (*self._joints.values(), self._tracks):
             core.set_e_stop(active)
 

@@ -7,6 +7,7 @@ import json
 import tempfile
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from random import Random
 from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple
@@ -43,12 +44,14 @@ from ..judging.entries import (
     Entry,
 )
 from ..judging.judge import ENDED, Judge
+from ..judging.other_robot import channel_of
 from ..operators.experts.brief import Brief, Expert
 from ..operators.handling import Hand
 from ..operators.port import Command, NotManagedError
 from ..operators.station import Station
 from ..ros.commands import message_of
 from .line_port import LineTeleop, line_setting
+from .together import Together
 
 _SETTLING = 0.2
 """Between the inputs and the expert, and for how long the robot stands before (s)."""
@@ -170,13 +173,18 @@ class RehearsedTrial:
         All that it was fed with.
     scene, urdf : str
         Texts of the scene as it was loaded, and of the robot.
+    urdfs : dict of str to str
+        Texts of further robots, by the exercise's names.
     step_size : float
         Of the simulation (s).
     simulation : Simulation
     readings : Readings, optional
         What the robot has received; None where nothing is told.
+    ports : dict of str to TeleopPort
+        To each robot, by the exercise's names, the first one's "" ; what is sent through them, the
+        judge hears.
     port : TeleopPort
-        To the robot; what is sent through it, the judge hears.
+        To the first robot.
     """
 
     def __init__(self, exercise: Exercise, seed: int, folder: Path, line: str = "") -> None:
@@ -189,35 +197,46 @@ class RehearsedTrial:
         entries = {entry["name"]: entry for entry in yaml.safe_load(text)["objects"]}
         known = {each.name: each.answer for each in exercise.questions if each.answer}
         self._brief = Brief(exercise.setting, entries, {**known, **self._answers})
-        self.judge = Judge(exercise, text, urdf)
         self.entries: List[Entry] = []
         offline = OfflineSimulation(urdf, world=str(path))
         self.simulation = offline.simulation
         robot = self.simulation.robots[0]
         robot.malfunctions.equip(*shipped_equipment())
-        self._sampler = TruthSampler(self.simulation, robot)
+        self.urdfs = {
+            each.name: robot_description(each.variant or exercise.variant)
+            for each in exercise.robots
+        }
+        self.judge = Judge(exercise, text, urdf, self.urdfs)
+        robots = {"": OfflineRobot(offline)}
+        for name, description in self.urdfs.items():
+            robots[name] = OfflineRobot(offline, offline.add_robot(name, description))
         self._exposure = Exposure(robot, _cameras)
         self.readings: Optional[Readings] = None
-        self._monitor = StabilityMonitor(robot)
-        self._stuck = False
+        self._robots = [_Robot(name, each) for name, each in robots.items()]
         self._number = self._sequence = 0
         publish, step = self.simulation.config.publish, self.simulation.config.timing.step_size
         self._truth_every = round(1.0 / (publish.truth_rate * step))
         self._stability_every = round(1.0 / (publish.stability_rate * step))
         self._doses_every = round(1.0 / (robot.config.dosimetry.rate * step))
         self.step_size = step
-        self._feed(NAMES, names_message(self._sampler.names, 1))
+        self._together = Together(self._step)
+        for each in self._robots:
+            self._feed(NAMES, names_message(each.sampler.names, 1), each.name)
         self._odometry_due = 0.0
         if exercise.survey is not None:
             offline.node.subscribe(ODOMETRY, Odometry, self._hear_odometry)
-        self.port = LineTeleop(
-            OfflineRobot(offline),
-            self.advance,
-            self.answer,
-            self.hear,
-            line_setting(exercise, line),
-            Random(seed),
-        )
+        self.ports = {
+            name: LineTeleop(
+                each,
+                self.advance,
+                self.answer,
+                partial(self.hear, robot=name),
+                line_setting(exercise, line),
+                Random(seed),
+            )
+            for name, each in robots.items()
+        }
+        self.port = self.ports[""]
 
     @property
     def steps(self) -> int:
@@ -241,17 +260,25 @@ class RehearsedTrial:
     def perform(self, expert: Expert) -> None:
         """Let an expert work until the judge has seen enough, or for some seconds longer.
 
+        Where there are several robots, there is one expert for each, all at once.
+
         Raises
         ------
         NotManagedError
         """
-        station = Station(self.port)
         try:
-            expert(Hand(station), self._brief)
-            station.release()
-            station.wait(_PATIENCE)
+            if len(self.ports) == 1:
+                self._operate(expert, "")
+            else:
+                self._together.run([partial(self._operate, expert, name) for name in self.ports])
         except _EndedError:
             return
+
+    def _operate(self, expert: Expert, robot: str) -> None:
+        station = Station(self.ports[robot])
+        expert(Hand(station), replace(self._brief, robot=robot))
+        station.release()
+        station.wait(_PATIENCE)
 
     def abort(self) -> None:
         """End the trial where the judge has not."""
@@ -266,9 +293,12 @@ class RehearsedTrial:
         _EndedError
             The trial has ended.
         """
+        self._together.wait(round(seconds / self.step_size))
+
+    def _step(self, steps: int) -> None:
         if self.judge.phase == ENDED:
             raise _EndedError
-        for _ in range(round(seconds / self.step_size)):
+        for _ in range(steps):
             self.simulation.step()
             steps = self.simulation.steps
             if steps % self._stability_every == 0:
@@ -282,28 +312,30 @@ class RehearsedTrial:
         """Tell the judge what the operator answers."""
         self._input("answer", question=question, answer=answer)
 
-    def hear(self, command: Command) -> None:
-        """Tell the judge what the operator commands."""
+    def hear(self, command: Command, robot: str = "") -> None:
+        """Tell the judge what an operator commands, of the first robot where none is named."""
         topic, message = message_of(command)
-        self._feed(topic, message)
+        self._feed(topic, message, robot)
 
     def _watch(self) -> None:
         time = self.simulation.time
-        self._monitor.observe(time)
-        self._monitor.margin(time)
-        if self._monitor.stuck != self._stuck:
-            self._stuck = self._monitor.stuck
-            self._feed(STATUS, SimStatus(stuck=self._stuck))
+        for each in self._robots:
+            each.monitor.observe(time)
+            each.monitor.margin(time)
+            if each.monitor.stuck != each.stuck:
+                each.stuck = each.monitor.stuck
+                self._feed(STATUS, SimStatus(stuck=each.stuck), each.name)
 
     def _sample(self) -> None:
         time = self.simulation.time
-        message = sample_message(self._sampler.sample())
         self._sequence += 1
-        message.sequence, message.steps = self._sequence, self.simulation.steps
-        message.revision, message.wall_time = 1, time
-        message.margin = self._monitor.warning.margin
-        message.header.stamp = genpy.Time.from_sec(time)
-        self._feed(TRUTH, message)
+        for each in self._robots:
+            message = sample_message(each.sampler.sample())
+            message.sequence, message.steps = self._sequence, self.simulation.steps
+            message.revision, message.wall_time = 1, time
+            message.margin = each.monitor.warning.margin
+            message.header.stamp = genpy.Time.from_sec(time)
+            self._feed(TRUTH, message, each.name)
 
     def _hear_odometry(self, message: Odometry) -> None:
         time = self.simulation.time
@@ -319,12 +351,12 @@ class RehearsedTrial:
     def _input(self, kind: str, **fields: Any) -> None:
         self._feed(INPUTS, String(data=json.dumps({"input": kind, **fields})))
 
-    def _feed(self, channel: str, message: Any) -> None:
+    def _feed(self, channel: str, message: Any, robot: str = "") -> None:
         self._number += 1
         buffer = io.BytesIO()
         message.serialize(buffer)
         time, data = self.simulation.time, buffer.getvalue()
-        entry = Entry(self._number, time, channel, message._type, data)
+        entry = Entry(self._number, time, channel_of(robot, channel), message._type, data)
         self.entries.append(entry)
         self.judge.feed(entry)
         for failure in self.judge.take_due():
@@ -340,8 +372,19 @@ class RehearsedTrial:
 
     def close(self) -> None:
         """End the simulation."""
-        self._sampler.close()
+        for each in self._robots:
+            each.sampler.close()
         self.simulation.close()
+
+
+class _Robot:
+    """What is watched of one of the robots; the first has no name."""
+
+    def __init__(self, name: str, watched: OfflineRobot) -> None:
+        self.name = name
+        self.sampler = TruthSampler(watched.simulation, watched.robot)
+        self.monitor = StabilityMonitor(watched.robot)
+        self.stuck = False
 
 
 def _cameras() -> Mapping[str, Any]:

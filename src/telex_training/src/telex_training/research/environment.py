@@ -103,6 +103,9 @@ class ExerciseEnv(gymnasium.Env):
         self.render_mode = render_mode
         self.metadata = {**self.metadata, "render_fps": rate}
         self._exercise = single(spread(load_exercise(find_exercise(exercise)).setting(setting)))
+        if self._exercise.robots:
+            count = 1 + len(self._exercise.robots)
+            raise ValueError(f"exercise is '{exercise}', which needs {count} robots; one acts here")
         self._line = line
         line_setting(self._exercise, line)
         self._steps = _steps(rate)

@@ -53,6 +53,7 @@ class _Header:
     views: Tuple[View, ...] = ()
     history: Dict[str, float] = field(default_factory=dict)
     antenna: Optional[Vector3] = None
+    robots: Tuple[Start, ...] = ()
 
     def __post_init__(self) -> None:
         require(
@@ -180,6 +181,7 @@ def parse_scene(
             header.views,
             header.history,
             header.antenna,
+            header.robots,
         )
     except ConfigError as error:
         raise SceneError(f"{path}: {error}") from error

@@ -19,11 +19,14 @@ class Brief:
         Of the scene's file, by the objects' names.
     answers : mapping of str to str
         Right ones, by question.
+    robot : str
+        Which of the exercise's robots is his, where there are several; empty: the first.
     """
 
     setting: str
     entries: Mapping[str, Mapping[str, Any]]
     answers: Mapping[str, str] = field(default_factory=dict)
+    robot: str = ""
 
 
 Expert = Callable[[Hand, Brief], None]

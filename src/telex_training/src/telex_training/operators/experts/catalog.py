@@ -4,11 +4,19 @@ from __future__ import annotations
 
 from typing import Dict
 
-from . import driving_exercises, handling_exercises, mounted_exercises, panel_exercises, reading
+from . import (
+    driving_exercises,
+    handling_exercises,
+    mounted_exercises,
+    pair_exercises,
+    panel_exercises,
+    reading,
+)
 from .brief import Expert
 
 EXPERTS: Dict[str, Expert] = {
     "acuity": reading.acuity,
+    "beam": pair_exercises.beam,
     "briefcase": handling_exercises.briefcase,
     "confinement": driving_exercises.confinement,
     "connector": panel_exercises.connector,
@@ -36,4 +44,4 @@ EXPERTS: Dict[str, Expert] = {
     "touch": panel_exercises.touch,
     "valve": mounted_exercises.valve,
 }
-"""By exercise."""
+"""By exercise; of one for several robots, what the operator of each does."""
