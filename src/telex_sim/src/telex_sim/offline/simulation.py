@@ -64,6 +64,12 @@ def shipped_config(**changes: Any) -> SimulatorConfig:
     return read_config(SimulatorConfig, params, "simulator")
 
 
+def further_config(model: str) -> RobotConfig:
+    """The shipped configuration of a further robot, which finds a place in the scene by itself."""
+    config = shipped_config(model=model, start__beside=True)
+    return RobotConfig(**{each.name: getattr(config, each.name) for each in fields(RobotConfig)})
+
+
 class OfflineSimulation:
     """The shipped robot, or a variant, with all its controllers, advanced by calls.
 
@@ -122,9 +128,7 @@ class OfflineSimulation:
         params["robot_description"] = urdf
         # A graph of its own, for its topics have the names of the first one's.
         node = LocalNodeHandle({name: params}).child(name)
-        config = shipped_config(model=name, start__beside=True)
-        known = {each.name: getattr(config, each.name) for each in fields(RobotConfig)}
-        robot = self.simulation.plan_robot(RobotConfig(**known), urdf, node)
+        robot = self.simulation.plan_robot(further_config(name), urdf, node)
         self.simulation.add_robot(robot)
         self._control(robot, params)
         return node

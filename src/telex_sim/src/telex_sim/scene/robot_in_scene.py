@@ -15,7 +15,7 @@ from telex_control.common.params import ConfigError
 from telex_control.ros.local_node_handle import LocalNodeHandle
 
 from ..engine.simulation import Simulation
-from ..offline.simulation import package_file, shipped_config
+from ..offline.simulation import further_config, package_file, shipped_config
 from .addresses import resolve_address
 
 
@@ -53,7 +53,7 @@ _known = lru_cache(maxsize=16)(_described)
 
 
 def place_robot(path: Path, urdf: str, pose: str = "") -> Simulation:
-    """Load a scene, and put a robot at its start.
+    """Load a scene, and put a robot at its start; others like it where it has further starts.
 
     Parameters
     ----------
@@ -76,9 +76,20 @@ def place_robot(path: Path, urdf: str, pose: str = "") -> Simulation:
     changes = {"world": str(path)}
     if pose:
         changes["start__pose"] = pose
-    return Simulation(
-        shipped_config(**changes),
+    config = shipped_config(**changes)
+    simulation = Simulation(
+        config,
         urdf,
         LocalNodeHandle({"robot_description": urdf}),
         lambda address: resolve_address(address, package_path),
     )
+    try:
+        for number in range(2, 2 + len(simulation.scene.robots)):
+            name = f"{config.model}_{number}"
+            node = LocalNodeHandle({name: {"robot_description": urdf}}).child(name)
+            robot = simulation.plan_robot(further_config(name), urdf, node)
+            simulation.add_robot(robot)
+    except Exception:
+        simulation.close()
+        raise
+    return simulation

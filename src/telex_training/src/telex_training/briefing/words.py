@@ -62,7 +62,8 @@ def _clause(condition: Condition, holds: bool) -> str:
         # What is not the case of all is not the case of one at least, and the other way round.
         together = (condition.kind == "all") == holds
         return _joined(condition.parts, together, holds) + held_for
-    return _CLAUSES[condition.kind](condition.of, holds) + held_for
+    of_robot = f" (robot '{condition.robot}')" if condition.robot else ""
+    return _CLAUSES[condition.kind](condition.of, holds) + of_robot + held_for
 
 
 def _joined(parts: Sequence[Condition], together: bool, holds: bool) -> str:
@@ -89,6 +90,8 @@ def _merged(parts: Sequence[Condition], word: str, holds: bool) -> Optional[str]
     """Say what several touches, or forces, differ in but once; None: they differ in more."""
     first = parts[0]
     if first.kind not in ("touches", "force") or len(parts) < 2:
+        return None
+    if any(part.robot for part in parts):
         return None
     if word == "or" and not holds:
         return None  # "does not touch a or b" would say that it touches neither

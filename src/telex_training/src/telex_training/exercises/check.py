@@ -335,6 +335,7 @@ def _check_robot(exercise: Exercise, urdfs: Dict[str, str]) -> Iterator[Finding]
     yield from _malfunctions(exercise, urdfs[exercise.variant])
     for where, text in lacks:
         yield Finding(where, f"{text}, which the variant '{exercise.variant}' lacks")
+    yield from _check_further(exercise, urdfs)
     seeds = {exercise.seeds.of(mode) for mode in MODES} - {None}
     if exercise.vary and exercise.setting == exercise.settings[0]:
         # What a seed moves is the same in all settings; each try takes a second.
@@ -343,6 +344,18 @@ def _check_robot(exercise: Exercise, urdfs: Dict[str, str]) -> Iterator[Finding]
     problem = _room({seed: text for text, seed in texts.items()}, exercise.variant)
     if problem:
         yield Finding("scene", problem)
+
+
+def _check_further(exercise: Exercise, urdfs: Dict[str, str]) -> Iterator[Finding]:
+    for i, robot in enumerate(exercise.robots):
+        variant = robot.variant or exercise.variant
+        try:
+            if variant not in urdfs:
+                urdfs[variant] = robot_description(variant)
+            for where, text in lacking(exercise, urdfs[variant], robot.name):
+                yield Finding(where, f"{text}, which the variant '{variant}' lacks")
+        except ValueError as error:
+            yield Finding(f"robots[{i}]/variant", str(error))
 
 
 def _malfunctions(exercise: Exercise, urdf: str) -> Iterator[Finding]:

@@ -201,13 +201,14 @@ def _triple(point: np.ndarray) -> str:
 
 def framed(exercise: Exercise, scene: Scene, size: Tuple[int, int], top: bool) -> Camera:
     """Look at all zones, at the objects that conditions name, and at the start."""
-    start = scene.start
-    points = [
-        (start.x + dx, start.y + dy, start.ground)
-        for dx in (-_ROOM, _ROOM)
-        for dy in (-_ROOM, _ROOM)
-    ]
-    points.append((start.x, start.y, start.ground + _ROOM))
+    points: List[Vector3] = []
+    for start in (scene.start, *scene.robots):
+        points += [
+            (start.x + dx, start.y + dy, start.ground)
+            for dx in (-_ROOM, _ROOM)
+            for dy in (-_ROOM, _ROOM)
+        ]
+        points.append((start.x, start.y, start.ground + _ROOM))
     names = named_objects(exercise)
     for item in scene.objects:
         if item.name in names or not names:

@@ -15,8 +15,15 @@ _OPTICAL = "_camera_optical_frame"
 _OF_TOOL = ("tool_path", "tool_path_ratio", "sparc", "slip")
 
 
-def lacking(exercise: Exercise, urdf: str) -> Iterator[Tuple[str, str]]:
+def lacking(exercise: Exercise, urdf: str, of: str = "") -> Iterator[Tuple[str, str]]:
     """Yield what the robot of a URDF lacks: the key that asks for it, and what is needed.
+
+    Parameters
+    ----------
+    exercise : Exercise
+    urdf : str
+    of : str
+        Which of the exercise's robots it is; empty: the first.
 
     Raises
     ------
@@ -27,6 +34,8 @@ def lacking(exercise: Exercise, urdf: str) -> Iterator[Tuple[str, str]]:
     links, joints = set(tree.inertials), {joint.name for joint in tree.joints()}
     for where, condition in exercise.conditions():
         for part in condition.walk():
+            if part.robot != of:
+                continue
             gripper = part.kind in ("held", "dropped") or getattr(part.of, "group", "") == "gripper"
             if gripper and _FINGER_LINK not in links:
                 yield f"{where}/{part.kind}", "it needs a gripper"
@@ -35,9 +44,10 @@ def lacking(exercise: Exercise, urdf: str) -> Iterator[Tuple[str, str]]:
             robot = part.kind == "joint" and part.of.object == ROBOT
             if robot and part.of.joint not in joints:
                 yield f"{where}/joint", f"it needs the joint '{part.of.joint}'"
-    yield from _unknown_components(exercise, links)
+    if not of:
+        yield from _unknown_components(exercise, links)
     for metric in exercise.metrics:
-        if metric.kind in _OF_TOOL and _TOOL_LINK not in links:
+        if metric.robot == of and metric.kind in _OF_TOOL and _TOOL_LINK not in links:
             yield f"metrics/{metric.name}", f"{KINDS[metric.kind].text}: it needs a tool"
 
 

@@ -314,7 +314,7 @@ class Judge:
             self._end("time")
 
     def _all_there(self) -> bool:
-        """Whether further robots are heard of, as they must be while a repetition waits to begin."""
+        """Whether further robots are heard of, as they must be while one waits to begin."""
         for other in self._others:
             if other.is_there(self._time, self._resets_due):
                 continue

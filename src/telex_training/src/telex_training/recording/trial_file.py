@@ -74,6 +74,7 @@ def attachments(
     urdf: str,
     cameras: Mapping[str, Any],
     meshes: Mapping[str, str],
+    urdfs: Optional[Mapping[str, str]] = None,
 ) -> Dict[str, Attachment]:
     """Attachments of a recording that begins.
 
@@ -85,7 +86,12 @@ def attachments(
         The cameras' configuration.
     meshes : mapping of str to str
         SHA-256 of each mesh file, by its address.
+    urdfs : mapping of str to str, optional
+        Texts of further robots, by the exercise's names.
     """
+    further = {
+        urdf_of(name): Attachment(_XML, text.encode()) for name, text in (urdfs or {}).items()
+    }
     return {
         TRIAL: Attachment(_JSON, _json(asdict(trial))),
         EXERCISE: Attachment(_YAML, exercise.encode()),
@@ -93,7 +99,13 @@ def attachments(
         ROBOT: Attachment(_XML, urdf.encode()),
         CAMERAS: Attachment(_JSON, _json(cameras)),
         MESHES: Attachment(_JSON, _json(meshes)),
+        **further,
     }
+
+
+def urdf_of(robot: str) -> str:
+    """Name of the attachment with a further robot's URDF."""
+    return f"robots/{robot}.urdf"
 
 
 def input_entry(number: int, time_ns: int, content: Mapping[str, Any]) -> Entry:
@@ -139,8 +151,10 @@ def judge_of(recording: Recording) -> Judge:
         The recording does not say of what it is.
     """
     _, exercise = trial_of(recording)
+    further = {each.name: attached_text(recording, urdf_of(each.name)) for each in exercise.robots}
+    scene, robot = attached_text(recording, SCENE), attached_text(recording, ROBOT)
     try:
-        return Judge(exercise, attached_text(recording, SCENE), attached_text(recording, ROBOT))
+        return Judge(exercise, scene, robot, further)
     except ValueError as error:  # of the exercise, the scene or the URDF
         raise RecordingError(f"{recording.path}: {error}") from error
 

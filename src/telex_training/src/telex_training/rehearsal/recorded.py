@@ -35,7 +35,8 @@ def record(path: Path, about: Trial, exercise: str, trial: RehearsedTrial, sheet
     draft = path.with_name(f".{path.name}.new")
     draft.unlink(missing_ok=True)
     # No cameras: a replay draws with the shipped ones.
-    writer = RecordingWriter(draft, attachments(about, exercise, trial.scene, trial.urdf, {}, {}))
+    made = attachments(about, exercise, trial.scene, trial.urdf, {}, {}, trial.urdfs)
+    writer = RecordingWriter(draft, made)
     for entry in trial.entries:
         writer.put(entry, 0)
     writer.close({SHEET: sheet_attachment(sheet)} if sheet else {})

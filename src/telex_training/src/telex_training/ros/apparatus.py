@@ -3,7 +3,19 @@
 from __future__ import annotations
 
 import threading
-from typing import Any, Callable, List, Mapping, Optional, Set, Tuple
+from functools import partial
+from typing import (
+    Any,
+    Callable,
+    Dict,
+    Iterable,
+    List,
+    Mapping,
+    Optional,
+    Sequence,
+    Set,
+    Tuple,
+)
 
 import rospy
 import yaml
@@ -40,6 +52,8 @@ class Apparatus:
     ----------
     on_status : callable
         Told each status of the simulator, in a thread of ROS.
+    others : sequence of str
+        Namespaces of further robots, which have lines of their own.
 
     Attributes
     ----------
@@ -47,17 +61,21 @@ class Apparatus:
         To be held by who loads or resets: one at a time.
     """
 
-    def __init__(self, on_status: Callable[[SimStatus], None]) -> None:
+    def __init__(self, on_status: Callable[[SimStatus], None], others: Sequence[str] = ()) -> None:
         self._on_status = on_status
         self.busy = threading.Lock()
         self._status: Optional[SimStatus] = None
         self._news = threading.Condition()
-        self._link: Optional[LinkState] = None
-        self._link_before: Optional[LinkState] = None
+        # By the robots' namespaces; that of the first is the node's own.
+        self._links: Dict[str, LinkState] = {}
+        self._links_before: Dict[str, LinkState] = {}
         self._possible: Set[Tuple[str, str]] = set()
         self._subscribers = [
             hear_decoded("sim/status", SimStatus, self._take),
-            hear_decoded("link/state", LinkState, self._take_link),
+            *(
+                hear_decoded(_of(each, "link/state"), LinkState, partial(self._take_link, each))
+                for each in ("", *others)
+            ),
             hear_decoded("sim/malfunctions", Malfunctions, self._take_possible),
         ]
 
@@ -72,51 +90,61 @@ class Apparatus:
             self._news.notify_all()
         self._on_status(message)
 
-    def _take_link(self, message: LinkState) -> None:
+    def _take_link(self, robot: str, message: LinkState) -> None:
         with self._news:
-            self._link = message
+            self._links[robot] = message
             self._news.notify_all()
 
-    def set_line(self, link: Link) -> None:
-        """Set the line to the operator; what it was is remembered the first time.
+    def set_line(self, link: Link, others: Iterable[str] = ()) -> None:
+        """Set the line to the operators; what it was is remembered the first time.
+
+        Parameters
+        ----------
+        link : Link
+        others : iterable of str
+            Namespaces of further robots whose lines it is, too.
 
         Raises
         ------
         ApparatusError
             There is no bridge, or it refuses.
         """
+        for robot in ("", *others):
+            self._set_line(link, robot)
+
+    def _set_line(self, link: Link, robot: str) -> None:
         with self._news:
-            self._news.wait_for(lambda: self._link is not None, _TOLD)
-            before = self._link
+            self._news.wait_for(lambda: robot in self._links, _TOLD)
+            before = self._links.get(robot)
         if before is None and link == Link():
             return  # without a bridge there is no line
         if before is None:
             raise ApparatusError(
-                "the exercise asks for a line, of which nobody tells on link/state: start the "
-                "console's servers (console:=true)"
+                f"the exercise asks for a line, of which nobody tells on {_of(robot, 'link/state')}"
+                ": start the console's servers (console:=true)"
             )
-        if self._link_before is None:
-            self._link_before = before
-        self._configure(link.profile, link.fields)
+        self._links_before.setdefault(robot, before)
+        self._configure(robot, link.profile, link.fields)
 
     def restore_line(self) -> None:
-        """Set the line to what it was before `set_line`, if that was called.
+        """Set all lines to what they were before `set_line`, if that was called.
 
         Raises
         ------
         ApparatusError
             The bridge does not answer, or refuses.
         """
-        before, self._link_before = self._link_before, None
-        if before is None:
-            return
-        # Of a line that follows the signal the figures are those of the moment.
-        fields = {} if before.signal_known else {key: getattr(before, key) for key in LINK_FIELDS}
-        self._configure("" if before.profile == "fields" else before.profile, fields)
+        while self._links_before:
+            robot, before = self._links_before.popitem()
+            # Of a line that follows the signal the figures are those of the moment.
+            figures = () if before.signal_known else LINK_FIELDS
+            profile = "" if before.profile == "fields" else before.profile
+            self._configure(robot, profile, {key: getattr(before, key) for key in figures})
 
-    def _configure(self, profile: str, fields: Mapping[str, float]) -> None:
+    def _configure(self, robot: str, profile: str, fields: Mapping[str, float]) -> None:
         text = yaml.safe_dump(dict(fields)) if fields else ""
-        answer = self._call("link/configure", ConfigureLink, profile=profile, fields=text)
+        service = _of(robot, "link/configure")
+        answer = self._call(service, ConfigureLink, profile=profile, fields=text)
         if not answer.success:
             raise ApparatusError(f"link: {answer.message}")
 
@@ -263,3 +291,8 @@ class Apparatus:
         """Hear no more."""
         for subscriber in self._subscribers:
             subscriber.unregister()
+
+
+def _of(robot: str, name: str) -> str:
+    """Name inside the namespace of a robot; empty: the node's own."""
+    return f"{robot}/{name}" if robot else name

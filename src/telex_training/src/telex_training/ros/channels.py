@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Dict, List, Sequence, Tuple, Type, Union
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Type, Union
 
 import genpy
 import rospy
@@ -21,6 +21,7 @@ from ..judging.entries import (
     TELEMETRY,
     TRUTH,
 )
+from ..judging.other_robot import channel_of
 
 WATCHED: Dict[str, str] = {
     NAMES: "telex_msgs/TruthNames",
@@ -132,15 +133,22 @@ class Channels:
     ----------
     more : sequence of str
         Further topics that are recorded, such as lamps' and the zoom's.
+    others : mapping of str to str, optional
+        Namespaces of further robots, by the exercise's names: the same is recorded of them.
     """
 
-    def __init__(self, take: Take, more: Sequence[str] = ()) -> None:
+    def __init__(
+        self, take: Take, more: Sequence[str] = (), others: Optional[Mapping[str, str]] = None
+    ) -> None:
         # The names of the truth first, so that they are there when the first sample comes.
         self._subscribers: List[rospy.Subscriber] = [
-            self._listen(channel, take) for channel in (*WATCHED, *more)
+            self._listen(channel, take, robot, namespace)
+            for robot, namespace in (("", ""), *(others or {}).items())
+            for channel in (*WATCHED, *more)
         ]
 
-    def _listen(self, channel: str, take: Take) -> rospy.Subscriber:
+    def _listen(self, channel: str, take: Take, robot: str, namespace: str) -> rospy.Subscriber:
+        recorded = channel_of(robot, channel)
         picked: Union[StateChanges, Seldom, None] = None
         if channel in STATUSES:
             picked = StateChanges(STATUSES[channel])
@@ -149,10 +157,15 @@ class Channels:
 
         def hear(message: rospy.AnyMsg) -> None:
             if picked is None or picked.tells(message._buff, rospy.get_time()):
-                take(channel, message._connection_header["type"], message._buff)
+                take(recorded, message._connection_header["type"], message._buff)
 
         return rospy.Subscriber(
-            channel, rospy.AnyMsg, hear, queue_size=None, buff_size=_BUFFER, tcp_nodelay=True
+            f"{namespace}/{channel}" if namespace else channel,
+            rospy.AnyMsg,
+            hear,
+            queue_size=None,
+            buff_size=_BUFFER,
+            tcp_nodelay=True,
         )
 
     def close(self) -> None:

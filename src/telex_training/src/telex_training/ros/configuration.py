@@ -20,19 +20,25 @@ Look = Callable[[], Dict[str, Any]]
 
 
 class Configuration:
-    """Reads the operator's cameras and the controllers of the robot in this namespace.
+    """Reads the operator's cameras and the controllers of a robot.
 
     Whether a controller runs is not looked at: operators may switch them.
+
+    Parameters
+    ----------
+    namespace : str
+        The robot's, with a slash at its end; empty: this one.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, namespace: str = "") -> None:
+        self._namespace = namespace
         self._list: Optional[rospy.ServiceProxy] = None
 
     def __call__(self) -> Dict[str, Any]:
         """Return parameters of the cameras, the controllers loaded, and their parameters."""
         found: Dict[str, Any] = {}
         try:
-            cameras = rospy.get_param("cameras", {})
+            cameras = rospy.get_param(f"{self._namespace}cameras", {})
             found[CAMERAS] = {name: cameras[name] for name in cameras if name != _OVERVIEW}
             answer = self._controllers()
         except (OSError, rospy.ROSException, rospy.ServiceException, ROSInternalException):
@@ -42,13 +48,13 @@ class Configuration:
         found[CONTROLLERS] = {each.name: each.type for each in answer.controller}
         for name in found[CONTROLLERS]:
             # The master tells of changes: after the first look this asks nobody.
-            found[f"parameters of {name}"] = _cached(name)
+            found[f"parameters of {name}"] = _cached(f"{self._namespace}{name}")
         return found
 
     def _controllers(self) -> Any:
         """List the controllers, over one connection for all looks: a new one costs far more."""
         if self._list is None:
-            name = "controller_manager/list_controllers"
+            name = f"{self._namespace}controller_manager/list_controllers"
             self._list = rospy.ServiceProxy(name, ListControllers, persistent=True)
         return self._list()
 
@@ -77,6 +83,8 @@ class ConfigurationWatch:
         That of `Configuration` by default.
     period : float
         Wall time between two looks (s).
+    namespace : str
+        See `Configuration`.
     """
 
     def __init__(
@@ -84,14 +92,16 @@ class ConfigurationWatch:
         tell: Callable[[str], None],
         look: Optional[Look] = None,
         period: float = _PERIOD,
+        namespace: str = "",
     ) -> None:
         self._tell, self._look, self._period = tell, look, period
+        self._namespace = namespace
         self._known: Dict[str, str] = {}
         self._ended = threading.Event()
         threading.Thread(target=self._run, name="configuration", daemon=True).start()
 
     def _run(self) -> None:
-        configuration = Configuration()
+        configuration = Configuration(self._namespace)
         look = self._look or configuration
         while not self._ended.is_set():
             for name in self.changed(look()):

@@ -6,7 +6,7 @@ import hashlib
 import subprocess
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Dict
+from typing import Any, Dict, Mapping
 from xml.etree import ElementTree
 
 import rospkg
@@ -18,14 +18,24 @@ from telex_sim.scene.addresses import AddressError, resolve_address
 _UNKNOWN = "unknown"
 
 
-def about_robot() -> Dict[str, Any]:
-    """Return ``urdf``, ``cameras`` and ``meshes`` of the robot in this namespace."""
+def about_robot(others: Mapping[str, str]) -> Dict[str, Any]:
+    """Return ``urdf``, ``cameras`` and ``meshes`` of the robot in this namespace.
+
+    Parameters
+    ----------
+    others : mapping of str to str
+        Namespaces of further robots, by the exercise's names, of which there are ``urdfs``.
+    """
     urdf = str(rospy.get_param("robot_description", ""))
     cameras = rospy.get_param("cameras", {})
     return {
         "urdf": urdf,
         "cameras": cameras if isinstance(cameras, dict) else {},
         "meshes": mesh_digests(urdf),
+        "urdfs": {
+            name: str(rospy.get_param(f"{namespace}/robot_description", ""))
+            for name, namespace in others.items()
+        },
     }
 
 

@@ -62,7 +62,8 @@ class Session:
     folder : Path
         For the recording.
     about : mapping
-        ``urdf``, ``cameras`` and ``meshes`` of the robot, see `attachments`.
+        ``urdf``, ``cameras`` and ``meshes`` of the robot, ``urdfs`` of further ones, see
+        `attachments`.
     recorded : sequence of str
         Further topics that are recorded.
     changed : callable
@@ -71,6 +72,8 @@ class Session:
         Told the trial and each event of the judge, in the inbox's thread.
     ended : callable
         Told the trial and the text of its sheet, once the recording is closed.
+    others : mapping of str to str, optional
+        Namespaces of the exercise's further robots, by its names.
 
     Raises
     ------
@@ -91,8 +94,10 @@ class Session:
         changed: Callable[[], None],
         happened: Callable[[str, JudgeEvent], None],
         ended: Callable[[str, str], None],
+        others: Optional[Mapping[str, str]] = None,
     ) -> None:
         self.exercise = exercise
+        self._others = others or {}
         self.mode = mode
         self.operator = operator
         self.path: Optional[Path] = None
@@ -110,7 +115,7 @@ class Session:
         self._seal: Optional[Seal] = None
         self._inbox: Optional[Inbox] = None
         self._channels: Optional[Channels] = None
-        self._watch: Optional[ConfigurationWatch] = None
+        self._watches: List[ConfigurationWatch] = []
         self._bookmarks = TrialBookmarks()
         self._loaded = self._has_line = False
         self._closing = self._restoring = False
@@ -126,7 +131,9 @@ class Session:
         seed = self.exercise.seeds.of(self.mode)
         self._seed = secrets.randbelow(_MOST_SEED) if seed is None else seed
         self._drawn = draw(self.exercise, self._seed)
-        self._judge = Judge(self.exercise, self._drawn.scene, str(self._about["urdf"]))
+        about = self._about
+        urdf, urdfs = str(about["urdf"]), about.get("urdfs", {})
+        self._judge = Judge(self.exercise, self._drawn.scene, urdf, urdfs)
 
     # --- what is asked for -----------------------------------------------------------------------
 
@@ -197,8 +204,11 @@ class Session:
         )
         self._put({"input": "start"})
         odometry = [ODOMETRY] if self.exercise.survey is not None else []
-        self._channels = Channels(self._hear, [*self._recorded, *odometry])
-        self._watch = ConfigurationWatch(self._reconfigured)
+        self._channels = Channels(self._hear, [*self._recorded, *odometry], self._others)
+        self._watches = [
+            ConfigurationWatch(self._reconfigured, namespace=namespace)
+            for namespace in ("", *(f"{each}/" for each in self._others.values()))
+        ]
         self._prepare()
 
     def _open_recording(self) -> None:
@@ -222,6 +232,7 @@ class Session:
                 about["urdf"],
                 about["cameras"],
                 about["meshes"],
+                about.get("urdfs", {}),
             ),
         )
         self.path = path
@@ -458,7 +469,7 @@ class Session:
     def _set_line(self) -> None:
         """Set the line that the exercise asks for, once: what an instructor changes later stays."""
         if self.exercise.link is not None and not self._has_line:
-            self._apparatus.set_line(self.exercise.link)
+            self._apparatus.set_line(self.exercise.link, self._others.values())
             self._has_line = True
 
     def _require_upright(self) -> None:
@@ -539,8 +550,8 @@ class Session:
     def _finish(self) -> None:
         assert self._inbox is not None
         assert self._writer is not None
-        if self._watch is not None:
-            self._watch.close()
+        for watch in self._watches:
+            watch.close()
         if self._channels is not None:
             self._channels.close()
         self._inbox.close()

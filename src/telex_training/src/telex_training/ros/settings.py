@@ -33,6 +33,9 @@ class TrainingSettings(Declared):
     recorded: Tuple[str, ...] = parameter(
         (), "Topics that are recorded beside commands, states and truth."
     )
+    others: Tuple[str, ...] = parameter(
+        (), "Further robots of the station, by name, in the order of its launch arguments."
+    )
     port: int = number(0, "Of the pages' handler, on 127.0.0.1; 0: any free one.", 0, 65535)
     bridge: str = word("rosbridge", "Node that holds an exam's list.")
     video_server: str = parameter(

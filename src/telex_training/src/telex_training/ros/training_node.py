@@ -9,7 +9,7 @@ import sys
 import threading
 import time
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Callable, Dict, List, Optional, Tuple
 
 import rospy
 from std_msgs.msg import String
@@ -89,32 +89,60 @@ class TrainingNode:
         self._had_holder = False
         self._away_since: Optional[float] = None
         self._wanted = threading.Event()
-        self._state = rospy.Publisher("training/state", TrainingState, queue_size=4, latch=True)
+        self._robots = [f"/{name}" for name in settings.others]
+        prefixes = ["", *(f"{each}/" for each in self._robots)]
+        self._state, *self._other_states = (
+            rospy.Publisher(f"{each}training/state", TrainingState, queue_size=4, latch=True)
+            for each in prefixes
+        )
         self._events = rospy.Publisher("training/events", TrainingEvent, queue_size=100)
         self._sheet = rospy.Publisher("training/sheet", TrainingSheet, queue_size=4, latch=True)
-        self._exam = ExamList(settings.bridge, self._on_list_lifted)
-        self._apparatus = Apparatus(self._on_status)
+        self._exam = ExamList(settings.bridge, self._on_list_lifted, others=self._robots)
+        self._apparatus = Apparatus(self._on_status, self._robots)
         self._clients = hear_decoded("bridge/clients", BridgeClients, self._on_clients)
         self._console = hear_decoded(TELEMETRY, String, self._on_telemetry)
         class_pages = ClassPages(self._tell_class, self._open_for_class, self._help)
         self.pages = Pages(self._library, self._folder, settings.port, self._rate, class_pages)
         self.pages.briefs.opened = self._opened
+        services = {
+            "training/list": (ListExercises, self._on_list),
+            "training/open": (OpenExercise, self._on_open),
+            "training/start": (Trigger, lambda _: self._trigger(self._start)),
+            "training/again": (Trigger, lambda _: self._trigger(Session.again)),
+            "training/abort": (Trigger, self._on_abort),
+            "training/bookmark": (Bookmark, self._on_bookmark),
+            "training/back": (Restore, self._on_back),
+            "training/help": (SetBool, self._on_help),
+            "training/answer": (AnswerQuestion, self._on_answer),
+            "training/note": (NoteTrial, self._on_note),
+            "training/rate": (NoteTrial, self._on_rate),
+        }
         self._services = [
-            rospy.Service("training/list", ListExercises, self._on_list),
-            rospy.Service("training/open", OpenExercise, self._on_open),
-            rospy.Service("training/start", Trigger, lambda _: self._trigger(self._start)),
-            rospy.Service("training/again", Trigger, lambda _: self._trigger(Session.again)),
-            rospy.Service("training/abort", Trigger, self._on_abort),
-            rospy.Service("training/bookmark", Bookmark, self._on_bookmark),
-            rospy.Service("training/back", Restore, self._on_back),
-            rospy.Service("training/help", SetBool, self._on_help),
-            rospy.Service("training/answer", AnswerQuestion, self._on_answer),
-            rospy.Service("training/note", NoteTrial, self._on_note),
-            rospy.Service("training/rate", NoteTrial, self._on_rate),
+            rospy.Service(name, kind, answer) for name, (kind, answer) in services.items()
+        ]
+        # In a further robot's namespace, for its operators: their bridge knows no other.
+        self._services += [
+            rospy.Service(f"{robot}/{name}", kind, self._for_team(kind, answer, name))
+            for robot in self._robots
+            for name, (kind, answer) in services.items()
         ]
         self._publish_state()
 
     # --- services --------------------------------------------------------------------------------
+
+    def _for_team(self, kind: Any, answer: Callable[[Any], Any], name: str) -> Callable[[Any], Any]:
+        """Return what answers a further robot's operator: an exercise of one robot is not his."""
+        if name in ("training/list", "training/open"):
+            return answer
+
+        def answer_team(request: Any) -> Any:
+            session = self._session
+            if session is None or session.exercise.robots:
+                return answer(request)
+            message = f"{session.exercise.title} is an exercise for one robot, the first one's"
+            return kind._response_class(success=False, message=message)
+
+        return answer_team
 
     def _on_list(self, request: Any) -> ListExercisesResponse:
         best = self._library.best(request.operator)
@@ -195,8 +223,11 @@ class TrainingNode:
             raise ExerciseError(
                 f"{file.path}: mode is '{mode}'; there are: {', '.join(exercise.modes)}"
             )
-        about = about_robot()
+        others = self._team(exercise)
+        about = about_robot(others)
         _require_robot(exercise, about["urdf"], self._apparatus)
+        for name, urdf in about["urdfs"].items():
+            _require_further(exercise, name, urdf)
         with self._lock:
             self._refuse_second()
             if self._session is not None:
@@ -215,12 +246,29 @@ class TrainingNode:
                 self._wanted.set,
                 self._tell,
                 self._show,
+                others,
             )
             self._session, self._asked_for_help = session, None
         if mode == PRACTICE:
             session.load()
         self._wanted.set()
         return session
+
+    def _team(self, exercise: Exercise) -> Dict[str, str]:
+        """Return the namespaces of an exercise's further robots, by its names.
+
+        Raises
+        ------
+        ExerciseError
+            There are too few robots.
+        """
+        if len(exercise.robots) > len(self._robots):
+            needed, there = 1 + len(exercise.robots), 1 + len(self._robots)
+            raise ExerciseError(
+                f"{exercise.path}: robots: the exercise is for {needed} robots, and the station "
+                f"has {there}; start it with robots:={needed}"
+            )
+        return {robot.name: name for robot, name in zip(exercise.robots, self._robots)}
 
     def _opened(self) -> Optional[OpenTrial]:
         session = self._session
@@ -456,6 +504,10 @@ class TrainingNode:
             message = TrainingState(**state, help=self._asked_for_help is not None)
         message.header.stamp = rospy.get_rostime()
         self._state.publish(message)
+        for_all = session is not None and bool(session.exercise.robots)
+        told = message if for_all else TrainingState(header=message.header, phase=IDLE)
+        for publisher in self._other_states:
+            publisher.publish(told)
 
     # --- for the class's page --------------------------------------------------------------------
 
@@ -558,6 +610,17 @@ def _require_robot(exercise: Exercise, urdf: str, apparatus: Apparatus) -> None:
                 f"{exercise.path}: malfunctions[{i}]: {failure.what} {failure.kind}: nothing of "
                 "this robot fails so"
             )
+
+
+def _require_further(exercise: Exercise, robot: str, urdf: str) -> None:
+    """Refuse an exercise that asks for what a further robot lacks.
+
+    Raises
+    ------
+    ExerciseError, ValueError
+    """
+    for where, text in lacking(exercise, urdf, robot):
+        raise ExerciseError(f"{exercise.path}: {where}: {text}, which the robot '{robot}' lacks")
 
 
 def _note_input(request: Any) -> Dict[str, Any]:

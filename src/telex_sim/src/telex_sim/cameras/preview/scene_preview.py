@@ -20,6 +20,7 @@ from telex_control.urdf.joints import UrdfError
 
 from ...engine.world import WorldError
 from ...offline.simulation import package_yaml
+from ...robot.urdf.visuals import urdf_visuals
 from ...ros.scene_messages import SceneMessages
 from ...scene.catalog import find_scene
 from ...scene.files.scene_file import SceneError
@@ -70,6 +71,8 @@ class Subject:
         From where its file wants it to be seen.
     model
         Name of the robot in it.
+    further
+        Names of those beside it.
     """
 
     name: str
@@ -77,6 +80,7 @@ class Subject:
     frames_in_world: np.ndarray
     views: Tuple[View, ...]
     model: str
+    further: Tuple[str, ...] = ()
 
     def frame(self, name: str) -> Optional[np.ndarray]:
         """Pose of a frame, shape (4, 4), or None if there is none of this name."""
@@ -85,9 +89,10 @@ class Subject:
         return self.frames_in_world[self.scene.frames.index(name)]
 
     def without_robot(self) -> Subject:
-        """Leave the robot out of the picture."""
+        """Leave the robot, and those beside it, out of the picture."""
+        models = tuple(f"{model}/" for model in (self.model, *self.further))
         others = tuple(
-            visual for visual in self.scene.visuals if not visual.frame.startswith(f"{self.model}/")
+            visual for visual in self.scene.visuals if not visual.frame.startswith(models)
         )
         return replace(self, scene=replace(self.scene, visuals=others))
 
@@ -145,6 +150,8 @@ def settled(
             simulation.step()
         model = simulation.config.model
         messages = SceneMessages(model, simulation.body.link_names(), urdf, simulation.scene)
+        for robot in simulation.robots[1:]:
+            messages.add_robot(robot.model, robot.body.link_names(), urdf_visuals(urdf))
         messages.show(simulation.objects.objects())
         scene, problems = scene_from_message(messages.description(Time()))
         frames = frames_from_message(
@@ -156,7 +163,8 @@ def settled(
         raise PreviewError(f"{path}: " + "; ".join(problems))
     if simulation.scene.antenna is not None:
         scene = replace(scene, visuals=(*scene.visuals, *_antenna(simulation.scene.antenna)))
-    return Subject(path.stem, scene, frames, simulation.scene.views, model)
+    further = tuple(robot.model for robot in simulation.robots[1:])
+    return Subject(path.stem, scene, frames, simulation.scene.views, model, further)
 
 
 def _antenna(place: Vector3) -> Tuple[Visual, ...]:

@@ -1,4 +1,4 @@
-"""Exercises for two robots: each operator sees his own robot, and of the other what the load shows."""
+"""Exercises for two robots: each operator sees his own, and of the other what the load shows."""
 
 from __future__ import annotations
 
