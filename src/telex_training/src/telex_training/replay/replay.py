@@ -28,10 +28,11 @@ from ..recording.trial_file import (
     attached_text,
     judged,
     trial_of,
+    urdf_of,
 )
 from ..recording.writer import RecordingError
 from .cameras import camera_names, lamp_levels, replay_config
-from .scenery import Scenery
+from .scenery import RobotBeside, Scenery
 from .series import envelope
 from .timeline import Moment, Timeline
 
@@ -120,12 +121,19 @@ class Replay:
             self.problems.append("The recording was cut off; what is left of it is shown.")
         self.cameras = self._cameras(recording, cameras)
         self._meshes = _struct(recording, MESHES)
-        self.timeline = Timeline(recording)
+        robots = [robot.name for robot in self.exercise.robots]
+        self.timeline = Timeline(recording, robots=robots)
         if self.timeline.bad:
             self.problems.append(f"{self.timeline.bad} entries make no sense and are left out.")
         try:
             self.urdf = attached_text(recording, ROBOT)
-            self.scenery = Scenery(self.urdf, self._scene(recording))
+            beside = [
+                RobotBeside(
+                    attached_text(recording, urdf_of(name)), Timeline(recording, name, robots)
+                )
+                for name in robots
+            ]
+            self.scenery = Scenery(self.urdf, self._scene(recording), beside)
         except UrdfError as error:
             raise RecordingError(f"{recording.path}: {ROBOT}: {error}") from error
         came = {name for part in self.timeline.parts for name in self.scenery.unknown(part)}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
+import numpy as np
 from genpy import Time
 from telex_msgs.msg import SceneDescription, ScenePoses
 
@@ -14,7 +15,7 @@ from telex_sim.scene.model import Motion, Scene, SceneObject
 from telex_sim.scene.objects.assembly import joint_pose
 
 from .robot_links import RobotLinks
-from .timeline import Moment, Part
+from .timeline import Moment, Part, Timeline
 
 OUTSIDE_FRAME = "replay_outside_optical_frame"
 """Frame of the free camera: part of the robot's frames, so that each pose of the scene has its
@@ -37,6 +38,37 @@ class OtherRobot(NamedTuple):
     visuals: Sequence[UrdfVisual]
 
 
+class RobotBeside:
+    """A further robot of a trial.
+
+    Parameters
+    ----------
+    urdf : str
+    timeline : Timeline
+        Its own.
+
+    Attributes
+    ----------
+    robot : OtherRobot
+
+    Raises
+    ------
+    telex_control.urdf.elements.UrdfError
+    """
+
+    def __init__(self, urdf: str, timeline: Timeline) -> None:
+        self._links = RobotLinks(urdf)
+        self._timeline = timeline
+        name = timeline.at(0).part.robot
+        self.robot = OtherRobot(name, self._links.names, urdf_visuals(urdf))
+
+    def poses(self, stamp: int) -> List[Pose]:
+        """Poses of its links in the world (m, quaternion) at a sim time (ns), in their order."""
+        index = int(np.searchsorted(self._timeline.stamps, stamp, side="right")) - 1
+        moment = self._timeline.at(index)
+        return self._links.poses(base_of(moment), joints_of(moment))
+
+
 class Scenery:
     """What there is to see in a recording, and where it is.
 
@@ -46,6 +78,8 @@ class Scenery:
         Of the robot.
     scene : Scene, optional
         As it was loaded; None: the robot alone is shown.
+    beside : sequence of RobotBeside
+        Further robots of the trial.
 
     Attributes
     ----------
@@ -57,8 +91,11 @@ class Scenery:
     telex_control.urdf.elements.UrdfError
     """
 
-    def __init__(self, urdf: str, scene: Optional[Scene]) -> None:
+    def __init__(
+        self, urdf: str, scene: Optional[Scene], beside: Sequence[RobotBeside] = ()
+    ) -> None:
         self._urdf = urdf
+        self._beside = tuple(beside)
         self._links = RobotLinks(urdf)
         self.visuals: Sequence[UrdfVisual] = urdf_visuals(urdf)
         self._scene = scene if scene is not None else Scene(name="replay")
@@ -87,26 +124,22 @@ class Scenery:
         moment : Moment
         revision : int
         other : OtherRobot, optional
-            A second robot in the scene.
+            A robot of another run.
         """
         part = moment.part
         messages = SceneMessages(part.robot, self._links.names, self._urdf, self._scene)
-        if other is not None:
-            messages.add_robot(*other)
+        for robot in (*(each.robot for each in self._beside), other):
+            if robot is not None:
+                messages.add_robot(*robot)
         messages.show(self._shown(part))
         made = messages.description(_time(moment.stamp))
         made.revision = revision
         made.frames.append(f"{part.robot}/{OUTSIDE_FRAME}")
         return made
 
-    def joints(self, moment: Moment) -> Dict[str, float]:
-        """Positions of the robot's joints (rad, m)."""
-        row = moment.part.joints[moment.row].tolist()
-        return {name: row[index] for name, index in moment.part.names.joints.items()}
-
     def link_poses(self, moment: Moment) -> List[Pose]:
         """Poses of the robot's links in the world (m, quaternion), in the order of `links`."""
-        return self._links.poses(base_of(moment), self.joints(moment))
+        return self._links.poses(base_of(moment), joints_of(moment))
 
     def poses(
         self,
@@ -128,11 +161,12 @@ class Scenery:
         outside : Pose
             Of the free camera's optical frame in the world (m, quaternion).
         others : sequence of Pose
-            Of the links of the second robot, where the description has one.
+            Of the links of the other run's robot, where the description has one.
         """
         numbers: List[float] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
         for position, orientation in (
             *self.link_poses(moment),
+            *(pose for each in self._beside for pose in each.poses(moment.stamp)),
             *others,
             *self._object_poses(moment),
         ):
@@ -156,6 +190,12 @@ class Scenery:
 def base_of(moment: Moment) -> Pose:
     """Pose of the robot's root link in the world (m, quaternion x y z w)."""
     return _pose(moment.part.base[moment.row].tolist())
+
+
+def joints_of(moment: Moment) -> Dict[str, float]:
+    """Positions of the robot's joints (rad, m)."""
+    row = moment.part.joints[moment.row].tolist()
+    return {name: row[index] for name, index in moment.part.names.joints.items()}
 
 
 def _link_poses(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import struct
-from typing import Any, Dict, List, NamedTuple, Tuple
+from typing import Any, Dict, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
@@ -145,6 +145,10 @@ class Timeline:
     Parameters
     ----------
     recording : Recording
+    robot : str
+        Which of its robots it is about, by the exercise's name; empty: the first.
+    robots : sequence of str
+        Names of further robots in it.
 
     Attributes
     ----------
@@ -180,7 +184,8 @@ class Timeline:
         It has no truth with names.
     """
 
-    def __init__(self, recording: Recording) -> None:
+    def __init__(self, recording: Recording, robot: str = "", robots: Sequence[str] = ()) -> None:
+        self._robot, self._robots = robot, tuple(robots)
         self.age, self.view = Steps(), Steps()
         self.switches: Dict[str, Steps] = {}
         self.equipment = Equipment()
@@ -196,7 +201,8 @@ class Timeline:
         self._offset = 0.0
         self._now = -math.inf
         entry_times = []
-        for entry in recording.entries:
+        for recorded in recording.entries:
+            entry = recorded._replace(channel=self._own(recorded.channel))
             if entry.channel != TRUTH and math.isfinite(entry.time):
                 self._now = max(self._now, entry.time + self._offset)
             try:
@@ -229,8 +235,17 @@ class Timeline:
 
     # --- reading ---------------------------------------------------------------------------------
 
+    def _own(self, channel: str) -> str:
+        """Name of a channel without that of the robot; empty: it is of another robot."""
+        robot, _, rest = channel.partition("/")
+        if robot not in self._robots:
+            return "" if self._robot else channel
+        return rest if robot == self._robot else ""
+
     def _take(self, entry: Entry) -> None:
         channel = entry.channel
+        if not channel:
+            return
         if channel == TRUTH:
             self._take_truth(entry)
         elif channel == NAMES:

@@ -19,7 +19,7 @@ from telex_sim.cameras.ros.overview_rig import OverviewRig
 from ...replay.cameras import OUTSIDE, replay_config
 from ...replay.ghost import Ghost
 from ...replay.replay import Condition, Replay
-from ...replay.scenery import base_of
+from ...replay.scenery import base_of, joints_of
 from ...replay.timeline import Moment
 from .cameras_process import CamerasProcess
 
@@ -230,7 +230,7 @@ class Drawing:
         outside = _outside(self._view, base_of(moment))
         poses = replay.scenery.poses(moment, self._revision, stamp, outside, others)
         self._poses.publish(poses)
-        joints = replay.scenery.joints(moment)
+        joints = joints_of(moment)
         message = JointState(name=list(joints), position=list(joints.values()))
         message.header.stamp = rospy.Time(moment.stamp // 10**9, moment.stamp % 10**9)
         self._joints.publish(message)
