@@ -1,0 +1,150 @@
+"""The judge of several robots: conditions, metrics and events of each, and who is not heard."""
+
+from __future__ import annotations
+
+import pytest
+from training_truth import PERIOD, Trial, exercise, serialized
+
+from telex_training.judging.judge import Judge
+
+PAIR = """
+title: Pair
+robots: [{name: second, x: 0, y: -1}]
+zones: {goal: {center: [3, 0, 0], size: [1, 4, 1]}}
+begin: {event: {name: command}}
+steps:
+  - name: both there
+    until:
+      all:
+        - {inside: {what: robot, zone: goal}}
+        - {inside: {what: robot, zone: goal}, robot: second}
+faults: [{name: second went off, when: {moved: {what: robot, distance: 5}, robot: second}}]
+metrics:
+  base_path: {}
+  second_path: {kind: base_path, robot: second, pass: 3.5}
+  second_contacts: {kind: contacts, robot: second, pass: 0}
+repetitions: {most: 2, least: 1}
+"""
+
+
+class PairTrial(Trial):
+    """Feeds the judge with the truth of two robots; `other` is what the second one's says."""
+
+    def __init__(self, of, **options):
+        super().__init__(of, **options)
+        self.other = Trial(of)
+        self.heard = True
+
+    def names(self):
+        super().names()
+        entry = self.entries[-1]
+        self.feed(f"second/{entry.channel}", entry.kind, entry.data)
+
+    def sample(self, count=1):
+        found = []
+        for _ in range(count):
+            found += super().sample()
+            self.other.time, self.other.resets = self.time - PERIOD, self.resets
+            data = serialized(self.other.message())
+            if self.heard:
+                found += self.feed("second/sim/truth", "telex_msgs/TruthSample", data)
+        return found
+
+    def second_at(self, x, y=-1.0):
+        self.other.robot = ((x, y, 0.112), self.other.robot[1])
+        return self.sample()
+
+
+@pytest.fixture
+def trial():
+    made = PairTrial(exercise(PAIR))
+    made.second_at(0.0)
+    return made.begin()
+
+
+def finish(trial):
+    trial.command(0.3)
+    trial.at(3.0)
+    trial.second_at(3.0)
+    trial.sample()
+    return trial.judge.sheet()
+
+
+def test_both_have_to_be_there_and_each_has_its_own_figures(trial):
+    trial.command(0.3)
+    trial.at(3.0)
+    trial.seconds(0.1)
+    assert trial.judge.phase == "running"
+    sheet = finish(trial)
+    (repetition,) = sheet["repetitions"]
+    assert repetition["completed"]
+    assert repetition["metrics"]["second_path"] == pytest.approx(3.0, abs=0.1)
+    assert repetition["robots"]["second"]["metrics"]["base_path"] == pytest.approx(3.0, abs=0.1)
+    assert sheet["valid"]
+
+
+def test_the_sheet_is_the_same_from_the_entries(trial):
+    finish(trial)
+    again = Judge(trial.judge.exercise)
+    for entry in trial.entries:
+        again.feed(entry)
+    assert again.text() == trial.judge.text()
+
+
+def test_what_the_second_robot_commands_begins_it_and_what_it_touches_is_its_own(trial):
+    trial.command(0.3)
+    command = trial.entries[-1]
+    fresh = PairTrial(exercise(PAIR))
+    fresh.begin()
+    fresh.feed("second/track_teleop/cmd_vel", command.kind, command.data)
+    fresh.sample()
+    assert fresh.judge.phase == "running"
+    fresh.other.contacts = [("arm", "wall", 50.0)]
+    events = fresh.sample()
+    assert [(event.event, event.detail["robot"]) for event in events] == [("contact", "second")]
+    fresh.other.contacts = []
+    metrics = finish(fresh)["repetitions"][0]["metrics"]
+    assert (metrics["contacts"], metrics["second_contacts"]) == (0.0, 1.0)
+
+
+def test_a_fault_of_the_second_robot_goes_by_its_own_start(trial):
+    trial.command(0.3)
+    trial.sample()
+    trial.second_at(0.0, -7.0)
+    trial.sample()
+    assert trial.judge.sheet()["repetitions"][0]["fault"] == "second went off"
+
+
+def test_a_repetition_waits_until_the_second_robot_is_heard():
+    deaf = PairTrial(exercise(PAIR))
+    deaf.heard = False
+    deaf.begin()
+    deaf.command(0.3)
+    deaf.seconds(0.5)
+    assert deaf.judge.phase == "waiting"
+    assert deaf.judge.state()["message"] == "nothing is heard of the robot 'second'"
+    deaf.heard = True
+    deaf.sample()
+    deaf.command(0.3)
+    deaf.seconds(0.1)
+    assert deaf.judge.phase == "running"
+    assert deaf.judge.state()["message"] == ""
+
+
+def test_a_trial_whose_second_robot_falls_silent_is_invalid(trial):
+    trial.command(0.3)
+    trial.sample()
+    trial.heard = False
+    trial.seconds(0.9)
+    assert trial.judge.sheet()["valid"]
+    trial.seconds(0.3)
+    assert trial.judge.sheet()["invalid_because"] == ["nothing is heard of the robot 'second'"]
+
+
+def test_lost_samples_of_the_second_robot_are_noticed(trial):
+    trial.command(0.3)
+    trial.sample()
+    trial.other.message()
+    trial.sample()
+    reasons = trial.judge.sheet()["invalid_because"]
+    assert reasons == ["second: samples of the truth are missing"]
