@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from functools import partial
 from types import SimpleNamespace
 
 import pytest
@@ -19,7 +20,8 @@ class Bridge:
     def __init__(self):
         self.params = {"rosbridge/instructor_token_file": "/teacher.token"}
         self.there = True
-        self.say = None
+        self.deaf = None
+        self.says = {}
         self.said = []
         self.Publisher, self.Subscriber = self.publisher, self.subscriber
 
@@ -30,18 +32,24 @@ class Bridge:
         return f"/telex/{name}"
 
     def publisher(self, topic, kind, queue_size, latch):
-        assert (topic, kind, latch) == ("training/exam", String, True)
-        return SimpleNamespace(publish=self.hear)
+        robot, name, rest = topic.partition("training/exam")
+        assert (name, rest, kind, latch) == ("training/exam", "", String, True)
+        return SimpleNamespace(publish=partial(self.hear, robot))
 
     def subscriber(self, topic, kind, callback, **_):
-        assert (topic, kind) == ("bridge/exam", String)
-        self.say = callback
+        robot, name, rest = topic.partition("bridge/exam")
+        assert (name, rest, kind) == ("bridge/exam", "", String)
+        self.says[robot] = callback
 
-    def hear(self, message):
-        self.said.append(message.data)
-        if self.there and self.say is not None:
+    def say(self, message, robot=""):
+        self.says[robot](message)
+
+    def hear(self, robot, message):
+        if not robot:
+            self.said.append(message.data)
+        if self.there and robot in self.says and robot != self.deaf:
             # As from the thread of a connection: whoever publishes may hold a lock.
-            threading.Thread(target=self.say, args=(message,)).start()
+            threading.Thread(target=self.say, args=(message, robot)).start()
 
 
 @pytest.fixture
@@ -77,7 +85,7 @@ def test_it_holds_until_it_is_let_go(bridge, listed, lifted):
     listed.release("t1")
     assert listed.trial == ""
     assert bridge.said == ["", "t1", ""]
-    wait_until(lambda: listed._held == "")
+    wait_until(lambda: not listed._open())
     assert lifted == []
 
 
@@ -97,3 +105,22 @@ def test_who_ends_it_is_noticed_once_and_a_bridge_that_starts_anew_is_none(bridg
     bridge.say(String(""))
     bridge.say(String(""))
     assert lifted == [True]
+
+
+def test_it_holds_at_the_bridge_of_each_robot_or_at_none(bridge, lifted):
+    bridge.params["/telex_b/rosbridge/instructor_token_file"] = "/teacher.token"
+    made = partial(ExamList, "rosbridge", lambda: lifted.append(True), others=["/telex_b"])
+    listed = made(within=5.0)
+    listed.take("t1")
+    bridge.say(String(""), "/telex_b/")
+    assert lifted == [True]
+    bridge.deaf = "/telex_b/"
+    with pytest.raises(ExamListError, match=r"is it running \(/telex//telex_b/rosbridge\)"):
+        made(within=0.05).take("t2")
+    assert bridge.said[-2:] == ["t2", ""]
+
+
+def test_every_bridge_needs_the_instructors_token(bridge):
+    listed = ExamList("rosbridge", lambda: None, others=["/telex_b"])
+    with pytest.raises(ExamListError, match="an exam needs an instructor's token"):
+        listed.take("t1")

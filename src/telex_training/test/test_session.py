@@ -77,7 +77,7 @@ class Simulator:
     def reset(self, _entries):
         return self.load("")
 
-    def set_line(self, link):
+    def set_line(self, link, _others):
         self.lines.append(link.described)
 
     def restore_line(self):
@@ -308,7 +308,7 @@ def breaking(tmp_path, monkeypatch, simulator):
     heard = []
     monkeypatch.setattr(sessions, "rospy", Clock)
     monkeypatch.setattr(
-        sessions, "Channels", lambda hear, _: heard.append(hear) or SimpleNamespace(close=int)
+        sessions, "Channels", lambda hear, *_: heard.append(hear) or SimpleNamespace(close=int)
     )
     file = parse_exercise(BREAKING, Path("/exercises/drill.yaml"))
     about, told = {"urdf": "", "cameras": {}, "meshes": {}}, Told()

@@ -1,4 +1,4 @@
-"""Further robots begin where the scene says, whenever they come, and a reset puts them back there."""
+"""Further robots begin where the scene says, whenever they come; a reset puts them back there."""
 
 from __future__ import annotations
 

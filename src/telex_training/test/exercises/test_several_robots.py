@@ -65,7 +65,7 @@ def test_parts_of_a_condition_are_of_its_robot_unless_they_say_otherwise():
 
 
 @pytest.mark.parametrize(
-    "change, wrong",
+    ("change", "wrong"),
     [
         (("robot: second}", "robot: third}"), r"held/robot is 'third'; .* there are: second"),
         (("name: second", "name: robot"), r"robots\[0\].* name is 'robot'|name is 'robot'"),
