@@ -12,11 +12,14 @@ from types import SimpleNamespace
 import pytest
 import rospy
 from std_msgs.msg import Bool
+from std_srvs.srv import Trigger
 from telex_msgs.msg import ActiveMalfunction, Malfunctions, SimStatus
+from telex_msgs.srv import ListExercises, OpenExercise
 from training_truth import LEVEL, Trial, serialized
 from waiting import wait_until
 
 from telex_sim.scene.robot_in_scene import robot_description
+from telex_training.exercises.catalog import find_exercise
 from telex_training.exercises.exercise_file import ExerciseError, parse_exercise
 from telex_training.recording import writer as writing
 from telex_training.recording.reader import read_recording
@@ -530,3 +533,44 @@ def test_a_page_that_is_gone_for_long_abandons_the_trial(monkeypatch):
     assert not look(1.0, "")
     assert not look(29.9, "")
     assert look(0.2, "") == [("abandoned", "training")]
+
+
+@pytest.fixture
+def station(monkeypatch):
+    """A training node with further robots, which has got no further than to know of them."""
+
+    def make(*robots):
+        node = training_node.TrainingNode.__new__(training_node.TrainingNode)
+        node._robots = list(robots)
+        monkeypatch.setattr(training_node, "about_robot", lambda others: {"others": others})
+        return node
+
+    return make
+
+
+def test_an_exercise_for_more_robots_than_there_are_is_refused(station):
+    wrong = "beam.yaml: robots: the exercise is for 2 robots, and the station has 1; .*robots:=2"
+    with pytest.raises(ExerciseError, match=wrong):
+        station().open(find_exercise("beam"), "", "", "ann")
+
+
+def test_a_teams_pages_show_its_trial_and_others_do_not(station):
+    node = station("/telex_b")
+    asked = []
+    again = node.for_team(Trigger, lambda request: asked.append(request), "training/again")
+    listing = node.for_team(ListExercises, lambda request: asked.append(request), "training/list")
+    node._session = SimpleNamespace(exercise=SimpleNamespace(robots=(), title="Slalom"))
+    answer = again("one")
+    assert (answer.success, answer.message) == (
+        False,
+        "Slalom is an exercise for one robot, the first one's",
+    )
+    listing("two")
+    opening = node.for_team(OpenExercise, lambda request: asked.append(request), "training/open")
+    assert not opening(SimpleNamespace(exercise="slalom")).success
+    assert "nonsense" in opening(SimpleNamespace(exercise="nonsense")).message
+    node._session.exercise.robots = ("second",)
+    again("three")
+    node._session = None
+    again("four")
+    assert asked == ["two", "three", "four"]

@@ -209,7 +209,9 @@ class RehearsedTrial:
         self.judge = Judge(exercise, text, urdf, self.urdfs)
         robots = {"": OfflineRobot(offline)}
         for name, description in self.urdfs.items():
-            robots[name] = OfflineRobot(offline, offline.add_robot(name, description))
+            # Whatever the exercise calls it, nothing else in the scene may be called so.
+            node = offline.add_robot(f"{robot.model}_{name}", description)
+            robots[name] = OfflineRobot(offline, node)
         self._exposure = Exposure(robot, _cameras)
         self.readings: Optional[Readings] = None
         self._robots = [_Robot(name, each) for name, each in robots.items()]

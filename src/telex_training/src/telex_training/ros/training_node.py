@@ -122,7 +122,7 @@ class TrainingNode:
         ]
         # In a further robot's namespace, for its operators: their bridge knows no other.
         self._services += [
-            rospy.Service(f"{robot}/{name}", kind, self._for_team(kind, answer, name))
+            rospy.Service(f"{robot}/{name}", kind, self.for_team(kind, answer, name))
             for robot in self._robots
             for name, (kind, answer) in services.items()
         ]
@@ -130,16 +130,23 @@ class TrainingNode:
 
     # --- services --------------------------------------------------------------------------------
 
-    def _for_team(self, kind: Any, answer: Callable[[Any], Any], name: str) -> Callable[[Any], Any]:
+    def for_team(self, kind: Any, answer: Callable[[Any], Any], name: str) -> Callable[[Any], Any]:
         """Return what answers a further robot's operator: an exercise of one robot is not his."""
-        if name in ("training/list", "training/open"):
+        if name == "training/list":
             return answer
 
         def answer_team(request: Any) -> Any:
             session = self._session
-            if session is None or session.exercise.robots:
+            try:
+                if name == "training/open":
+                    exercise = load_exercise(known_exercise(request.exercise)).first
+                else:
+                    exercise = None if session is None else session.exercise
+            except ValueError as error:
+                return kind._response_class(success=False, message=str(error))
+            if exercise is None or exercise.robots:
                 return answer(request)
-            message = f"{session.exercise.title} is an exercise for one robot, the first one's"
+            message = f"{exercise.title} is an exercise for one robot, the first one's"
             return kind._response_class(success=False, message=message)
 
         return answer_team
