@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 import time
+from pathlib import Path
 
 import cv2
 import numpy as np
 import simplejpeg
+import yaml
 from waiting import wait_until
 
 DRIVE = "/telex/track_teleop/cmd_vel"
@@ -31,6 +33,8 @@ PRESET_NAMES = ["flat", "drive", "approach", "climb", "descend", "high", "folded
 FINGERS = [f"{s}_finger_{p}_joint" for s in ("left", "right") for p in ("base", "middle", "tip")]
 FLIPPER_JOINTS = [f"{e}_{s}_flipper_joint" for e in ("front", "rear") for s in ("left", "right")]
 THUMBNAILS = ["arm", "gripper", "mast", "rear", "turret"]
+LAMPS = ["front_left", "front_right", "rear_left", "rear_right", "turret_camera", "gripper"]
+CONFIG = Path(__file__).resolve().parents[1] / "config"
 ODOM = "/telex/track_controller/odom"
 ODOMETRY = {
     "pose": {"pose": {"orientation": {"z": -math.sin(math.pi / 4), "w": math.cos(math.pi / 4)}}},
@@ -38,21 +42,71 @@ ODOMETRY = {
 }
 SHOULDER = """
   <joint name="shoulder_joint" type="revolute">
-    <parent link="base_link"/><child link="upper_arm_link"/>
+    <parent link="base_link"/><child link="shoulder_link"/>
     <origin xyz="0 0 0.2"/><axis xyz="0 1 0"/>
     <limit lower="-1.1" upper="0.9" effort="1" velocity="1"/>
     <safety_controller soft_lower_limit="-1.05" soft_upper_limit="0.85" k_velocity="1"/>
   </joint>
 """
+HEAD_JOINTS = ["turret_camera_pan_joint", "turret_camera_tilt_joint"]
+CAMERAS = {
+    "front": "ahead",
+    "rear": "back",
+    "arm": "arm",
+    "gripper": "tool",
+    "turret": "look",
+    "mast": "whole",
+}
+"""Cameras and their roles."""
+
+
+def _link(name):
+    return f'<link name="{name}"/>'
+
+
+def _joint(name, parent, place=(0.0, 0.0, 0.0), kind="revolute"):
+    """A joint without shape that carries the link of its name."""
+    x, y, z = place
+    limit = "" if kind == "continuous" else 'lower="-3" upper="3" '
+    return (
+        f'<joint name="{name}" type="{kind}"><parent link="{parent}"/>'
+        f'<child link="{name[:-6]}_link"/><origin xyz="{x} {y} {z}"/><axis xyz="0 1 0"/>'
+        f'<limit {limit}effort="1" velocity="3"/></joint>{_link(name[:-6] + "_link")}'
+    )
+
+
+def _rest():
+    """All that hangs on the hull and on the shoulder, of which nothing is to be seen."""
+    parts, parent = [], "shoulder_link"
+    for name in ARM_JOINTS:
+        if name != "shoulder_joint":
+            kind = {"telescope_joint": "prismatic", "elbow_joint": "continuous"}
+            parts.append(_joint(name, parent, kind=kind.get(name, "revolute")))
+            parent = f"{name[:-6]}_link"
+    ends = f'<parent link="{parent}"/><child link="tool_link"/>'
+    parts.append(f'{_link("tool_link")}<joint name="tool" type="fixed">{ends}</joint>')
+    for name in FINGERS:
+        parts.append(_joint(name, "tool_link", (0.0, 0.05 if "left" in name else -0.05, 0.0)))
+    for name in FLIPPER_JOINTS:
+        x, y = 0.3 if "front" in name else -0.3, 0.2 if "left" in name else -0.2
+        parts.append(_joint(name, "base_link", (x, y, 0.0)))
+    parent = "base_link"
+    for name in HEAD_JOINTS:
+        parts.append(_joint(name, parent))
+        parent = f"{name[:-6]}_link"
+    return "".join(parts)
+
+
 URDF = f"""
 <robot name="telex">
   <link name="base_link">
     <collision><geometry><box size="0.6 0.3 0.1"/></geometry></collision>
   </link>
   {SHOULDER}
-  <link name="upper_arm_link">
+  <link name="shoulder_link">
     <collision><origin xyz="0.3 0 0"/><geometry><box size="0.6 0.05 0.05"/></geometry></collision>
   </link>
+  {_rest()}
 </robot>
 """
 JOINTS = ARM_JOINTS + FINGERS + FLIPPER_JOINTS
@@ -81,9 +135,27 @@ def camera_picture(width=640, height=480, number=0):
 
 
 def describe(ros):
-    """Set the parameters by which the console knows the robot's shape."""
-    ros.master.setParam("/telex/robot_description", URDF)
-    ros.master.setParam("/telex/gripper_controller/geometry", FINGER)
+    """Set the parameters by which the console knows the robot."""
+    parameters = {
+        "robot_description": URDF,
+        "gripper_controller/geometry": FINGER,
+        "cameras/cameras": {
+            name: {
+                "frame": "turret_camera_tilt_link" if name == "turret" else "base_link",
+                "role": role,
+            }
+            for name, role in CAMERAS.items()
+        },
+        "cameras/lamps": {name: {"frame": "base_link"} for name in LAMPS},
+    }
+    for node in NODES:
+        parameters[node] = yaml.safe_load((CONFIG / f"{node}.yaml").read_text())
+    presets = yaml.safe_load((CONFIG / "flipper_presets.yaml").read_text())
+    parameters["flipper_teleop"].update(presets)
+    poses = ("stow", "drive", "ready", "look_front", "floor_pick")
+    parameters["arm_teleop"]["poses"] = {pose: dict.fromkeys(ARM_JOINTS, 0.0) for pose in poses}
+    for name, value in parameters.items():
+        ros.master.setParam(f"/telex/{name}", value)
 
 
 class Robot:
@@ -112,6 +184,8 @@ class Robot:
         for number, camera in enumerate(THUMBNAILS, start=1):
             self.publish_camera(camera, camera_picture(320, 240, number), rate=2)
         self.publish_camera("overview", rate=1)
+        # that there are exercises
+        self.probe.publish("/telex/training/state", "telex_msgs/TrainingState", latch=True)
 
     def publish_joint(self, name, position):
         """Publish another position of one joint."""

@@ -11,8 +11,6 @@ import { transform } from "./urdf.js";
 /** What is to be seen always (m, of the root link): about the reach of the arm is let out, the picture shrinks for it. */
 const ROOM = 0.45;
 const MARGIN = 6; // px
-const BASE = "base_link";
-const FLIPPER = /^(front|rear)_(left|right)_flipper_joint$/;
 /** Half the height of a belt (m) that stands on the ground, where the URDF says it only by a mesh. */
 const WHEEL_RADIUS = 0.085;
 const TIP_RADIUS = 0.045;
@@ -65,9 +63,11 @@ export class Avatar {
   /**
    * @param {HTMLCanvasElement} side
    * @param {HTMLCanvasElement} top
+   * @param {import("./robot.js").Facts} facts  Which joints move flippers, arm and gripper.
    */
-  constructor(side, top) {
+  constructor(side, top, { moves }) {
     this._canvases = { side, top };
+    this._moves = moves ?? { arm: [], gripper: [], flipper: [] };
     /** @type {RobotModel | null} */
     this._model = null;
     this._last = "";
@@ -108,6 +108,7 @@ export class Avatar {
     if (canvas.width !== width * density) canvas.width = width * density;
     if (canvas.height !== height * density) canvas.height = height * density;
     const pieces = this._pieces(PROJECTIONS[view], poses);
+    if (pieces.length === 0) return; // all of it are meshes
     const points = pieces.flatMap(({ outline }) => outline);
     const bounds = (/** @type {0 | 1} */ axis) => {
       const values = points.map((point) => point[axis]);
@@ -160,20 +161,21 @@ export class Avatar {
     const isTop = project === PROJECTIONS.top;
     /** @type {{outline: Point[], colour: string, depth: number}[]} */
     const pieces = [];
+    /** Flippers by their end and side. @type {Map<string, Vector>} */
     const axles = new Map();
     for (const joint of model.joints) {
-      const [, end, side] = FLIPPER.exec(joint.name) ?? [];
       const pose = poses.get(joint.child);
-      if (end === undefined || pose === undefined) continue;
+      if (!this._moves.flipper.includes(joint.name) || pose === undefined) continue;
       const axle = pose.translation;
-      axles.set(`${end}_${side}`, axle);
+      const side = axle[1] > 0 ? "left" : "right";
+      axles.set(`${side} ${axle[0] >= 0 ? "front" : "rear"}`, axle);
       // Twice as far as its centre of mass is about its length, and its tip is thinner than its root.
       const [x, y, z] = model.centres.get(joint.child) ?? [0, 0, 0];
       const tip = transform(pose, [2.05 * x, y, 2.05 * z]);
       pieces.push({ ...this._belt(project, isTop, axle, tip, WHEEL_RADIUS, TIP_RADIUS), depth: side === "left" ? -1 : 3 });
     }
     for (const side of ["left", "right"]) {
-      const front = axles.get(`front_${side}`), rear = axles.get(`rear_${side}`);
+      const front = axles.get(`${side} front`), rear = axles.get(`${side} rear`);
       if (front === undefined || rear === undefined) continue;
       const inward = (/** @type {Vector} */ [x, y, z]) =>
         /** @type {Vector} */ ([x, y - Math.sign(y) * BELT_WIDTH, z]);
@@ -181,7 +183,7 @@ export class Avatar {
         ...this._belt(project, isTop, inward(front), inward(rear), WHEEL_RADIUS, WHEEL_RADIUS), depth: side === "left" ? 0 : 2,
       });
     }
-    const [frontLeft, rearRight] = [axles.get("front_left"), axles.get("rear_right")];
+    const [frontLeft, rearRight] = [axles.get("left front"), axles.get("right rear")];
     if (frontLeft !== undefined && rearRight !== undefined) {
       // The hull itself is a mesh: all between the belts, as high as what stands on it begins.
       const inset = 1.5 * BELT_WIDTH;
@@ -194,15 +196,17 @@ export class Avatar {
       }
       pieces.push({ outline: hull(corners), colour: COLOURS.hull, depth: isTop ? 3 : 1 });
     }
+    const gripper = model.movedBy(this._moves.gripper), arm = model.movedBy(this._moves.arm);
     for (const [link, shapes] of model.shapes) {
       const pose = poses.get(link);
       if (pose === undefined) continue;
-      const isGripper = /finger|gripper/.test(link);
-      const colour = isGripper ? COLOURS.gripper : /base|turret/.test(link) ? COLOURS.body : COLOURS.arm;
+      const isGripper = gripper.has(link), isArm = arm.has(link);
+      const colour = isGripper ? COLOURS.gripper : isArm ? COLOURS.arm : COLOURS.body;
       for (const { points } of shapes) {
         const corners = points.map((point) => transform(pose, point));
-        const heights = corners.reduce((sum, corner) => sum + corner[2], 0) / corners.length;
-        const depth = isTop ? 4 + heights : link === BASE ? 1 : isGripper ? 6 : 4;
+        const mean = (/** @type {1 | 2} */ axis) => corners.reduce((sum, corner) => sum + corner[axis], 0) / corners.length;
+        // From the right, what is nearer stands in front: an arm before the hull, wheels on either side of it.
+        const depth = isTop ? 4 + mean(2) : isGripper ? 6 : isArm ? 4 : 1 - mean(1);
         pieces.push({ outline: hull(corners.map(project)), colour, depth });
       }
     }

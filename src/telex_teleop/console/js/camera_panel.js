@@ -4,15 +4,11 @@
 import { decimal, text } from "./language.js";
 import { byId, element, holdButton, row, rowsOf, setText } from "./panels.js";
 
-const ROBOT = "/robot.json";
 const LONGEST_STEP = 100; // ms; a longer time between two commands is a pause, over which nothing was held
 
 const ECHO_WITHIN = 1000; // ms in which what this page has commanded comes back to it
 
 const NUMBER = "std_msgs/Float64";
-
-/** Which robot this page's address asks for, and nothing else of it: its token is not for everybody. */
-const whichRobot = () => new URLSearchParams([...new URLSearchParams(location.search)].filter(([name]) => name === "robot"));
 
 export class CameraCommander {
   /**
@@ -64,19 +60,13 @@ export class CameraCommander {
     }
   }
 
-  /** Ask, after every new connection, which camera zooms, and how far. */
-  async connected() {
-    try {
-      /** @type {{cameras: Record<string, {zoom_max: number | null}>}} */
-      const { cameras } = await (await fetch(`${ROBOT}?${whichRobot()}`, { cache: "no-store" })).json();
-      for (const [name, { zoom_max: most }] of Object.entries(cameras)) {
-        if (most === null || !Number.isFinite(most)) continue;
-        this._mostZoom = Math.max(1, most);
-        this._listenToZoom(this._topic(`cameras/${name}/zoom`));
-        return;
-      }
-    } catch {
-      // What was known before still holds.
+  /** Take, after every new connection, which camera zooms, and how far. @param {Record<string, {zoom_max: number | null}>} cameras */
+  setCameras(cameras) {
+    for (const [name, { zoom_max: most }] of Object.entries(cameras)) {
+      if (most === null || !Number.isFinite(most)) continue;
+      this._mostZoom = Math.max(1, most);
+      this._listenToZoom(this._topic(`cameras/${name}/zoom`));
+      return;
     }
   }
 

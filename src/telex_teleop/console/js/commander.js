@@ -2,7 +2,7 @@
 /** Turns held actions into commands: at once on every change, 50 times a second while held, a zero at the end. */
 
 import { text } from "./language.js";
-import { FINGER_BASES, FLIPPER_NODE, GRIPPER_JOINT, JOINT_NODES, TRACK_NODE, TYPES } from "./robot.js";
+import { FLIPPER_NODE, JOINT_NODES, TRACK_NODE, TYPES } from "./robot.js";
 
 /** Period (ms) of the commands while something is held. */
 export const COMMAND_PERIOD = 20;
@@ -24,10 +24,13 @@ export class Commander {
    * @param {import("./bridge.js").Bridge} bridge
    * @param {(name: string) => string} topic     Gives a name inside the robot's namespace its global form.
    * @param {(sentence: string) => void} warn    Says why a held action has no effect.
+   * @param {import("./robot.js").Facts} facts
    */
-  constructor(vocabulary, bridge, topic, warn) {
+  constructor(vocabulary, bridge, topic, warn, facts) {
     this._speedStep = vocabulary.speedStep;
     this._flippers = vocabulary.flippers;
+    this._sides = facts.sides;
+    this._gripper = facts.gripper;
     this._bridge = bridge;
     this._topic = topic;
     this._warn = warn;
@@ -161,7 +164,7 @@ export class Commander {
     for (const action of held) {
       if (action.kind !== "jog" || `${action.node}_teleop` !== node) continue;
       for (const joint of action.joints) {
-        if (node === FLIPPER_NODE && side !== "both" && !joint.includes(`_${side}_`)) continue;
+        if (node === FLIPPER_NODE && side !== "both" && !this._sides[side].includes(joint)) continue;
         directions.set(joint, (directions.get(joint) ?? 0) + action.sign * (action.amount ?? 1));
       }
     }
@@ -200,8 +203,8 @@ export class Commander {
   _limitOf(node, joint) {
     const limits = this._maxVelocity.get(node);
     if (limits === undefined) return undefined;
-    if (joint === GRIPPER_JOINT && !limits.has(joint)) {
-      const bases = FINGER_BASES.map((base) => limits.get(base)).filter((limit) => limit !== undefined);
+    if (joint === this._gripper?.name && !limits.has(joint)) {
+      const bases = this._gripper.measured_by.map((base) => limits.get(base)).filter((limit) => limit !== undefined);
       return bases.length > 0 ? Math.min(.../** @type {number[]} */ (bases)) : undefined;
     }
     return limits.get(joint);
@@ -235,11 +238,16 @@ export class Commander {
   _commandPreset(held) {
     const asked = held.flatMap((action) => (action.kind === "preset" ? [action] : []));
     // Two of them contradict each other, as the two keys of a joint do: no motion.
-    const name = asked.length === 1 ? this.presets[asked[0].index] ?? "" : "";
+    let name = asked.length === 1 ? this.presets[asked[0].index] ?? "" : "";
     if (asked.length === 1 && name === "") this._warn(text("the robot has no flipper preset {number}", { number: asked[0].index + 1 }));
-    if ((name === "" && !this._leading) || (name !== "" && this.congested)) return;
     const side = this.sideOf(held);
-    const joints = side === "both" ? [] : this._flippers.filter((joint) => joint.includes(`_${side}_`));
+    const joints = side === "both" ? [] : this._flippers.filter((joint) => this._sides[side].includes(joint));
+    if (name !== "" && side !== "both" && joints.length === 0) {
+      // Without names, a preset is for all flippers.
+      this._warn(text("no flippers are known on the {side}", { side }));
+      name = "";
+    }
+    if ((name === "" && !this._leading) || (name !== "" && this.congested)) return;
     if (this._sendPreset(name, joints)) this._leading = name !== "";
   }
 

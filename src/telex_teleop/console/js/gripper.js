@@ -1,11 +1,6 @@
 // @ts-check
 /** How far the gripper is open and how hard it grips, from the angles and torques of its fingers. */
 
-import { getParameter } from "./parameters.js";
-import { FINGER_BASES, GRIPPER_JOINT } from "./robot.js";
-
-const PARAMETER = "gripper_controller/geometry";
-
 export const CONTACT = { topic: "sim/gripper_contact", type: "telex_msgs/GripperContact" };
 
 /** Share of the friction that there is from which on a grip is nearly too weak. */
@@ -21,9 +16,14 @@ const FELT_FOR = 1000; // ms that what the pads felt counts
  */
 
 export class Gripper {
-  constructor() {
-    /** Null: not known. @type {Geometry | null} */
-    this._geometry = null;
+  /** @param {import("./robot.js").GripperFacts | null} facts */
+  constructor(facts) {
+    this._name = facts?.name ?? "";
+    this._bases = facts?.measured_by ?? [];
+    const geometry = facts?.geometry;
+    const isWhole = [geometry?.base, geometry?.middle, geometry?.lean, geometry?.pad].every(Number.isFinite);
+    /** Null: it is of another make. @type {Geometry | null} */
+    this._geometry = isWhole ? geometry ?? null : null;
     this._felt = { at: -Infinity, slipping: false, weak: false };
   }
 
@@ -40,24 +40,14 @@ export class Gripper {
     return slipping ? "slipping" : weak ? "weak" : "";
   }
 
-  /**
-   * Ask for the gripper's geometry; call it after every new connection.
-   * @param {import("./bridge.js").Bridge} bridge
-   * @param {(name: string) => string} topic
-   */
-  async ask(bridge, topic) {
-    try {
-      const found = await getParameter(bridge, topic(PARAMETER));
-      const isWhole = ["base", "middle", "lean", "pad"].every((key) => Number.isFinite(found?.[key]));
-      this._geometry = isWhole ? found : null;
-    } catch {
-      // What was known before still holds.
-    }
+  /** By which all its joints are moved together; empty: there is none. */
+  get name() {
+    return this._name;
   }
 
   /** Distance of the pads (m); null while it is not known. @param {import("./joints.js").JointPositions} joints */
   opening(joints) {
-    const angle = joints.position(GRIPPER_JOINT);
+    const angle = joints.position(this._name);
     if (this._geometry === null || angle === undefined) return null;
     const { base, middle, lean } = this._geometry;
     const { sin } = Math;
@@ -72,9 +62,9 @@ export class Gripper {
    * @param {import("./joints.js").JointPositions} joints
    */
   force(joints) {
-    const angle = joints.position(GRIPPER_JOINT);
-    const torques = /** @type {number[]} */ (FINGER_BASES.map((base) => joints.effort(base)).filter(Number.isFinite));
-    if (this._geometry === null || angle === undefined || torques.length < FINGER_BASES.length) return null;
+    const angle = joints.position(this._name);
+    const torques = /** @type {number[]} */ (this._bases.map((base) => joints.effort(base)).filter(Number.isFinite));
+    if (this._geometry === null || angle === undefined || torques.length < this._bases.length) return null;
     const { base, middle, lean, pad } = this._geometry;
     const lever = base * Math.cos(lean - angle) + middle * Math.cos(lean - 2 * angle) + pad;
     return Math.max(0, Math.min(...torques.map((torque) => -torque))) / lever;

@@ -18,7 +18,7 @@ const WITHOUT = /** @type {Record<string, string>} */ ({
   arm_teleop: term("the arm does not move"),
   gripper_teleop: term("the gripper does not move"),
   flipper_teleop: term("the flippers do not move"),
-  track_teleop: term("the tracks do not move"),
+  track_teleop: term("the robot does not drive"),
   joy: term("the robot's own gamepad is not read"),
   joy_teleop: term("the robot's own gamepad moves nothing"),
 });

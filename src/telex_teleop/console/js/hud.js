@@ -3,10 +3,9 @@
 
 import { text, translated } from "./language.js";
 import { byId, fixed, setText, showTwist } from "./panels.js";
-import { GRIPPER_JOINT } from "./robot.js";
 
-/** Belts and gyroscope, whose bias it learns; `period`: as often as a good camera sends pictures. */
-export const ODOMETRY = { topic: "track_controller/odom", type: "nav_msgs/Odometry", period: 40 };
+/** Belts or wheels and gyroscope, whose bias it learns; `period`: as often as a good camera sends pictures. */
+export const ODOMETRY = { type: "nav_msgs/Odometry", period: 40 };
 
 const ODOMETRY_SILENT_AFTER = 1000; // ms
 
@@ -59,12 +58,12 @@ export class Hud {
   /**
    * @param {import("./joints.js").JointPositions} joints
    * @param {import("./gripper.js").Gripper} gripper
+   * @param {(joint: string) => string} format  A joint's position.
    */
-  showGripper(joints, gripper) {
+  showGripper(joints, gripper, format) {
     const opening = gripper.opening(joints), force = gripper.force(joints);
-    const angle = joints.position(GRIPPER_JOINT);
-    // A gripper of another make tells no more than its angle.
-    const open = opening !== null ? text("{gap} mm open", { gap: Math.round(1000 * opening) }) : angle === undefined ? "–" : `${fixed((angle * 180) / Math.PI, 0)}°`;
+    // A gripper of another make tells no more than where its joints are.
+    const open = opening !== null ? text("{gap} mm open", { gap: Math.round(1000 * opening) }) : format(gripper.name);
     const { trouble } = gripper;
     const grip = byId("grip");
     if (grip.dataset.trouble !== trouble) grip.dataset.trouble = trouble;

@@ -19,7 +19,7 @@ import { ODOMETRY, headingOf } from "./hud.js";
 import { OVERVIEW, OverviewControl } from "./overview.js";
 import { byId, fixed, setText } from "./panels.js";
 import { PictureSize } from "./picture_size.js";
-import { JOINT_NODES, TRACK_NODE, TYPES } from "./robot.js";
+import { JOINT_NODES, TRACK_NODE, TYPES, UNKNOWN, fetchRobot } from "./robot.js";
 import { Roster } from "./roster.js";
 import { SceneChooser } from "./scenes.js";
 import { globalNames, showRobot } from "./several_robots.js";
@@ -173,7 +173,8 @@ async function start() {
     const { x, y } = message.pose.position;
     facts.show("robot-place", figure([x, y], () => `${fixed(x, 1)} ${fixed(y, 1)} m`));
   }, DISPLAY_PERIOD);
-  listen(ODOMETRY.topic, ODOMETRY.type, ({ pose, twist }) => {
+  const { odometry } = await fetchRobot(given).catch(() => UNKNOWN);
+  if (odometry !== null) listen(odometry, ODOMETRY.type, ({ pose, twist }) => {
     facts.show("robot-speed", figure([twist.twist.linear.x], (speed) => `${fixed(speed, 2)} m/s`));
     // The operator's, so that both speak of the same.
     facts.show("robot-heading", headingOf(pose.pose.orientation));

@@ -1,10 +1,10 @@
 // @ts-check
 /** The last positions and efforts of the robot's joints. */
 
-import { FINGER_BASES, GRIPPER_JOINT } from "./robot.js";
-
 export class JointPositions {
-  constructor() {
+  /** @param {import("./robot.js").GripperFacts | null} gripper  Its value is that of a joint, too. */
+  constructor(gripper) {
+    this._gripper = gripper;
     /** @type {Map<string, number>} */
     this._positions = new Map();
     /** @type {Map<string, number>} */
@@ -18,10 +18,12 @@ export class JointPositions {
       const effort = states.effort?.[index];
       if (Number.isFinite(effort)) this._efforts.set(name, effort);
     });
-    const bases = FINGER_BASES.map((base) => this._positions.get(base));
+    if (this._gripper === null) return;
+    const { name, measured_by: measured } = this._gripper;
+    const bases = measured.map((base) => this._positions.get(base));
     if (bases.every(Number.isFinite)) {
       const sum = /** @type {number[]} */ (bases).reduce((total, angle) => total + angle, 0);
-      this._positions.set(GRIPPER_JOINT, sum / bases.length);
+      this._positions.set(name, sum / bases.length);
     }
   }
 

@@ -4,6 +4,7 @@
 import { onClick } from "./buttons.js";
 import { text } from "./language.js";
 import { byId, element } from "./panels.js";
+import { showAction, viewActions } from "./presence.js";
 
 /** @typedef {import("./vocabulary.js").Mode} Mode */
 /** @typedef {import("./vocabulary.js").Layout} Layout */
@@ -19,8 +20,10 @@ export class Layouts {
    * @param {Layout[]} layouts
    * @param {string} asked  Name of the one to begin with; what was there last where it is none.
    * @param {import("./cameras.js").Cameras} cameras
+   * @param {import("./vocabulary.js").Action[]} actions  Those about views are shown where there are cameras enough.
    */
-  constructor(storage, robot, layouts, asked, cameras) {
+  constructor(storage, robot, layouts, asked, cameras, actions) {
+    this._actions = actions;
     this._storage = storage;
     this._storedAs = `telex.layouts${robot}`;
     this._layouts = layouts;
@@ -43,6 +46,8 @@ export class Layouts {
    * @param {(command: string) => string} keyOf  Name of the action of a command.
    */
   addTabs(choose, keyOf) {
+    // Nobody chooses among one.
+    byId("layouts").hidden = this._layouts.length < 2;
     byId("layouts").append(...this._layouts.map(({ name, modes }) => {
       const tab = element("button", "tab");
       tab.setAttribute("type", "button");
@@ -67,8 +72,10 @@ export class Layouts {
   _show() {
     const { views, second, small } = this._now;
     this._cameras.arrange(views);
+    const count = this._cameras.order.length;
+    for (const [name, isThere] of viewActions(this._actions, count)) showAction(document, name, isThere);
     const { dataset } = document.body;
-    dataset.second = String(second);
+    dataset.second = String(second && count > 1);
     dataset.small = String(small);
     for (const tab of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-layout]"))) {
       tab.setAttribute("aria-checked", String(tab.dataset.layout === this._layout.name));

@@ -34,10 +34,11 @@ import { Motion } from "./motion.js";
 import { fetchPadMap } from "./pad_map.js";
 import { getParameter } from "./parameters.js";
 import { Panels, byId, setText, showTwist } from "./panels.js";
+import { leaveOut } from "./presence.js";
 import { PictureSize } from "./picture_size.js";
 import { DOSIMETER, DosimeterView } from "./radiation/dosimeter.js";
 import { RadiationMap } from "./radiation/map.js";
-import { FLIPPER_NODE, JOINT_NODES, TRACK_NODE, TYPES } from "./robot.js";
+import { FLIPPER_NODE, JOINT_NODES, TRACK_NODE, TYPES, UNKNOWN, fetchRobot, isSameRobot } from "./robot.js";
 import { showRobot } from "./several_robots.js";
 import { SILENT_AFTER, StatusView } from "./status.js";
 import { TOOL_TYPES, ToolCommander, ToolPanel } from "./tool.js";
@@ -90,24 +91,26 @@ class Console {
   /**
    * @param {import("./config.js").Config} config
    * @param {import("./vocabulary.js").Vocabulary} vocabulary  What can be done, and by which key.
+   * @param {import("./robot.js").Facts} facts
    */
-  constructor(config, vocabulary) {
+  constructor(config, vocabulary, facts) {
     this._vocabulary = vocabulary;
+    this._facts = facts;
     const topic = (/** @type {string} */ name) => `${config.namespace}/${name}`;
     const warn = (/** @type {string} */ sentence) => this._status.warn(sentence);
     const letGo = (/** @type {string} */ reason) => this._letGo(reason);
     this._topic = topic;
     // What is shown.
     this._status = new StatusView();
-    this._joints = new JointPositions();
-    this._panels = new Panels(this._joints, vocabulary);
+    this._joints = new JointPositions(facts.gripper);
+    this._panels = new Panels(this._joints, vocabulary, facts);
     this._hud = new Hud();
     this._drive = new FadingTexts();
-    this._gripper = new Gripper();
+    this._gripper = new Gripper(facts.gripper);
     this._battery = new BatteryView();
     this._clock = new MissionClock();
     this._avatar = new Avatar(
-      /** @type {HTMLCanvasElement} */ (byId("avatar-side")), /** @type {HTMLCanvasElement} */ (byId("avatar-top")),
+      /** @type {HTMLCanvasElement} */ (byId("avatar-side")), /** @type {HTMLCanvasElement} */ (byId("avatar-top")), facts,
     );
     this._attitude = new AttitudeView((sentence) => this._status.log(sentence, "warning"));
     this._dosimeter = new DosimeterView((sentence) => this._status.warn(sentence, "alarm"));
@@ -121,11 +124,11 @@ class Console {
     this._bridge = this._makeBridge();
     const call = (/** @type {string} */ name, /** @type {object} */ args) => this._bridge.call(topic(name), args);
     const congested = () => this._commander.congested;
-    this._commander = new Commander(vocabulary, this._bridge, topic, warn);
+    this._commander = new Commander(vocabulary, this._bridge, topic, warn, facts);
     this._toolCommander = new ToolCommander(this._bridge, topic, congested, warn);
     this._cameraCommander = new CameraCommander(vocabulary, this._bridge, topic, congested);
     this._tool = new ToolPanel(vocabulary, this._toolCommander, call, letGo, warn);
-    this._layouts = new Layouts(localStorage, config.namespace, vocabulary.layouts, GIVEN.get("layout") ?? "", this._cameras);
+    this._layouts = new Layouts(localStorage, config.namespace, vocabulary.layouts, GIVEN.get("layout") ?? "", this._cameras, vocabulary.all);
     this._modes = new ModeSwitch(vocabulary.modes, this._tool, letGo, this._layouts);
     this._tool.changed = this._cameras.grown = () => this._modes.show();
     this._modes.show();
@@ -303,8 +306,18 @@ class Console {
   _connected() {
     this._status.log(text("connected"));
     this._control.connected();
-    this._cameraCommander.connected();
-    this._gripper.ask(this._bridge, this._topic);
+    this._askWhatItIs();
+  }
+
+  /** Ask what the robot is now: where another one was started in its place, this page is not about it. */
+  async _askWhatItIs() {
+    try {
+      const facts = await fetchRobot(GIVEN);
+      if (isSameRobot(facts, this._facts)) this._cameraCommander.setCameras(facts.cameras);
+      else location.reload();
+    } catch {
+      // What was known before still holds.
+    }
   }
 
   /** @param {string} reason */
@@ -341,6 +354,7 @@ class Console {
   _subscribe() {
     this._control.subscribe();
     this._training.subscribe((state) => {
+      byId("exercises-open").hidden = false;
       this._strip.show(state);
       this._brief.show(state);
     });
@@ -357,14 +371,19 @@ class Console {
     this._listen(BATTERY.topic, BATTERY.type, (message) => this._battery.set(message), DISPLAY_PERIOD);
     this._listen(BATTERY_RANGE.topic, BATTERY_RANGE.type, (message) => this._battery.setRange(message), DISPLAY_PERIOD);
     this._listen(CONTACT.topic, CONTACT.type, (message) => this._gripper.feel(message), DISPLAY_PERIOD);
-    this._listen(ODOMETRY.topic, ODOMETRY.type, (odometry) => {
-      this._hud.setOdometry(odometry);
-      this._map.move(odometry);
-    }, ODOMETRY.period);
-    this._listen(STABILITY.topic, STABILITY.type, (stability) => {
-      this._attitude.set(stability);
-      this._pitch = stability.pitch ?? 0;
-    }, JOINTS_PERIOD);
+    if (this._facts.odometry !== null) {
+      this._listen(this._facts.odometry, ODOMETRY.type, (odometry) => {
+        this._hud.setOdometry(odometry);
+        this._map.move(odometry);
+      }, ODOMETRY.period);
+    }
+    // What stands fast does not tip over.
+    if (this._facts.moves === null || this._facts.odometry !== null) {
+      this._listen(STABILITY.topic, STABILITY.type, (stability) => {
+        this._attitude.set(stability);
+        this._pitch = stability.pitch ?? 0;
+      }, JOINTS_PERIOD);
+    }
     this._listen(DOSIMETER.topic, DOSIMETER.type, (reading) => {
       this._dosimeter.set(reading);
       this._map.measure(reading, this._directionOf(reading.detector));
@@ -473,7 +492,7 @@ class Console {
     hud.showSpeed(status.stuck);
     this._drive.fade();
     this._showMotion();
-    hud.showGripper(this._joints, this._gripper);
+    hud.showGripper(this._joints, this._gripper, (joint) => this._panels.format(joint));
     this._avatar.draw((joint) => this._joints.position(joint) ?? 0, this._pitch);
     this._clock.show();
     status.fade();
@@ -520,10 +539,12 @@ async function main() {
   startLanguage();
   const config = await waitForConfig(GIVEN);
   showRobot(config, byId("brand"));
-  const { vocabulary, problem } = await fetchVocabulary();
+  const facts = await fetchRobot(GIVEN).catch(() => UNKNOWN);
+  const { vocabulary, problem } = await fetchVocabulary(GIVEN);
+  leaveOut(document, vocabulary);
   byId("keys-band").hidden = problem === "";
   setText(byId("keys-band"), problem);
-  new Console(config, vocabulary).start();
+  new Console(config, vocabulary, facts).start();
 }
 
 main();

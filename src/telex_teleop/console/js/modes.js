@@ -38,7 +38,7 @@ export class ModeSwitch {
 
   /** To the arm's other mode, or back to the arm from what is not about it. */
   toggle() {
-    const other = this._tool.mode === "JOINT" ? "CARTESIAN" : "JOINT";
+    const other = this._tool.mode === "JOINT" && this._modes.some(({ name }) => name === "CARTESIAN") ? "CARTESIAN" : "JOINT";
     this.set(this._own === null ? other : this._tool.mode);
   }
 

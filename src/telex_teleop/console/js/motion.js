@@ -6,7 +6,7 @@ import { FLIPPER_NODE, TRACK_NODE } from "./robot.js";
 import { byId, setText } from "./panels.js";
 
 /** What the nodes move. @type {Record<string, string>} */
-const PARTS = { [TRACK_NODE]: term("tracks"), [FLIPPER_NODE]: term("flippers"), arm_teleop: term("arm"), gripper_teleop: term("gripper") };
+const PARTS = { [TRACK_NODE]: term("base"), [FLIPPER_NODE]: term("flippers"), arm_teleop: term("arm"), gripper_teleop: term("gripper") };
 
 /** What the page calls the sources of what is held. @type {Record<string, string>} */
 const INPUTS = { key: term("keys"), pointer: term("buttons"), pad: term("gamepad") };

@@ -2,7 +2,6 @@
 /** The side panel: joints with their values and the buttons that move them. */
 
 import { decimal, text, translated } from "./language.js";
-import { FINGER_BASES, GRIPPER_JOINT, fingerJoints } from "./robot.js";
 
 const ARROWS = /** @type {Record<string, string>} */ ({
   ahead: "▲", back: "▼", up: "▲", down: "▼", left: "◀", right: "▶", in: "◀", out: "▶", close: "▶◀", open: "◀▶",
@@ -109,13 +108,18 @@ export class Panels {
   /**
    * @param {import("./joints.js").JointPositions} joints
    * @param {import("./vocabulary.js").Vocabulary} vocabulary
+   * @param {import("./robot.js").Facts} facts
    */
-  constructor(joints, vocabulary) {
+  constructor(joints, vocabulary, { gripper, moves, sides }) {
     this._joints = joints;
+    this._gripper = gripper;
+    const fingers = moves?.gripper ?? [];
+    /** Joints whose position needs no digits after the point. */
+    this._coarse = new Set([...fingers, gripper?.name]);
     this._jogs = vocabulary.find("jog");
     /** What each node was last said to move. @type {Map<string, string>} */
     this._moved = new Map();
-    const jogs = this._jogs.filter(({ code }) => code !== null);
+    const jogs = this._jogs.filter(({ button }) => button);
     const inModes = (/** @type {string} */ node, /** @type {string} */ modes) =>
       rowsOf(jogs.filter((action) => action.does.node === node && (modes === "" || action.modes.join() === modes)));
     /** @param {string} id  @param {import("./vocabulary.js").Action[]} actions  @param {(string | Node)[]} values */
@@ -123,13 +127,14 @@ export class Panels {
     byId("drive-pad").append(...vocabulary.find("drive").map(holdButton));
     for (const actions of inModes("arm", "JOINT")) add("arm-rows", actions, valueOf(actions[0].does.joints[0]));
     for (const actions of inModes("arm", "CAMERA")) add("camera-rows", actions, valueOf(actions[0].does.joints[0]));
-    for (const actions of inModes("gripper", "")) add("gripper-rows", actions, valueOf(GRIPPER_JOINT));
-    byId("gripper-rows").append(
-      row("wide", text("fingers"), ...["left", "right"].map((side) => cell(...fingerJoints(side).map(valueOf)))),
-    );
+    for (const actions of inModes("gripper", "")) add("gripper-rows", actions, valueOf(gripper?.name ?? actions[0].does.joints[0]));
+    const onSides = [sides.left, sides.right].map((each) => fingers.filter((joint) => each.includes(joint)));
+    const others = fingers.filter((joint) => !onSides.flat().includes(joint));
+    const shown = [...onSides, others].filter((each) => each.length > 0);
+    if (shown.length > 0) byId("gripper-rows").append(row("wide", text("fingers"), ...shown.map((each) => cell(...each.map(valueOf)))));
     for (const actions of inModes("flipper", "")) {
-      const [left, right] = actions[0].does.joints.map(valueOf);
-      byId("flipper-rows").append(row("pair", text(actions[0].row), cell(text("L"), left, text("R"), right), ...actions.map(holdButton)));
+      const values = actions[0].does.joints.flatMap((joint) => [sides.left.includes(joint) ? text("L") : sides.right.includes(joint) ? text("R") : "", valueOf(joint)]);
+      byId("flipper-rows").append(row("pair", text(actions[0].row), cell(...values), ...actions.map(holdButton)));
     }
     this._presets = vocabulary.presets.map(holdButton);
     byId("flipper-presets").append(...this._presets);
@@ -167,7 +172,7 @@ export class Panels {
       const { lower, upper, softLower, softUpper } = limits;
       const share = (/** @type {number} */ at) => Math.min(1, Math.max(0, (at - lower) / (upper - lower)));
       const at = share(/** @type {number} */ (position)), zero = share(0);
-      // A joint without a soft limit, such as the telescope, may well rest at its end.
+      // A joint without a soft limit, such as one that slides, may well rest at its end.
       const isBeyond = at > share(softUpper) || at < share(softLower);
       const state = isBeyond ? "end" : at < NEAR || at > 1 - NEAR ? "near" : "free";
       if (bar.dataset.state !== state) bar.dataset.state = state;
@@ -184,7 +189,7 @@ export class Panels {
   /** @param {HTMLElement} bar */
   _limits(bar) {
     const joint = /** @type {string} */ (bar.dataset.bar);
-    return this._model?.limits(joint === GRIPPER_JOINT ? FINGER_BASES[0] : joint) ?? null;
+    return this._model?.limits(joint === this._gripper?.name ? this._gripper.measured_by[0] : joint) ?? null;
   }
 
   /**
@@ -250,7 +255,7 @@ export class Panels {
     const position = this._joints.position(joint);
     if (position === undefined || position === null) return "–";
     if (this._lengths.has(joint)) return `${fixed(position * 1000, 0)} mm`;
-    return `${fixed((position * 180) / Math.PI, joint.includes("finger") ? 0 : 1)}°`;
+    return `${fixed((position * 180) / Math.PI, this._coarse.has(joint) ? 0 : 1)}°`;
   }
 }
 

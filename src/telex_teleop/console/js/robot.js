@@ -1,5 +1,5 @@
 // @ts-check
-/** What the console knows of the robot: its nodes, and joints that it shows but does not move by themselves. */
+/** What the console knows of any robot, its nodes; and what it is told of the one that it shows. */
 
 /** Nodes that take joint commands; their topics are `<node>/delta_joint_cmds`, `/speed_scale`, `/status`. */
 export const JOINT_NODES = ["arm_teleop", "gripper_teleop", "flipper_teleop"];
@@ -22,11 +22,32 @@ export const TYPES = {
   twist: "geometry_msgs/Twist",
 };
 
-/** Joint by which gripper_teleop opens and closes all fingers together. */
-export const GRIPPER_JOINT = "gripper";
+/**
+ * What the video server tells of the robot, from its URDF and its nodes' parameters.
+ * @typedef {{name: string, measured_by: string[], geometry: import("./gripper.js").Geometry | null}} GripperFacts  `name`: by which all
+ *   its joints are moved together; `measured_by`: those whose mean is its value.
+ * @typedef {object} Facts
+ * @property {Record<string, {zoom_max: number | null}>} cameras
+ * @property {Record<"arm" | "gripper" | "flipper", string[]> | null} moves  Joints that each node moves; null: it is not said.
+ * @property {Record<"left" | "right", string[]>} sides   Flippers and fingers of each.
+ * @property {GripperFacts | null} gripper
+ * @property {string | null} odometry  Topic; null: it cannot drive.
+ */
 
-/** Joints whose angle shows how far the gripper is open. */
-export const FINGER_BASES = ["left_finger_base_joint", "right_finger_base_joint"];
+/** Of a robot of which nothing is said; where it drives, it tells so as track_teleop has it by default. @type {Facts} */
+export const UNKNOWN = { cameras: {}, moves: null, sides: { left: [], right: [] }, gripper: null, odometry: "track_controller/odom" };
 
-/** @param {string} side */
-export const fingerJoints = (side) => ["base", "middle", "tip"].map((part) => `${side}_finger_${part}_joint`);
+/** Which robot this page's address asks for, and nothing else of it: its token is not for everybody. @param {URLSearchParams} given */
+export const whichRobot = (given) => new URLSearchParams([...given].filter(([name]) => name === "robot"));
+
+/** @param {URLSearchParams} given  @returns {Promise<Facts>} */
+export async function fetchRobot(given) {
+  const reply = await fetch(`/robot.json?${whichRobot(given)}`, { cache: "no-store" });
+  if (!reply.ok) throw new Error(`the video server says ${reply.status}`);
+  return { ...UNKNOWN, ...(await reply.json()) };
+}
+
+/** Whether what two answers say that can be moved is the same. @param {Facts} a @param {Facts} b */
+export function isSameRobot({ cameras: _, ...a }, { cameras: __, ...b }) {
+  return JSON.stringify(a) === JSON.stringify(b);
+}

@@ -21,14 +21,19 @@ export const globalNames = (config) => (name) =>
   `${SIMULATOR.has(name) ? config.simulator ?? config.namespace : config.namespace}/${name}`;
 
 /**
- * Where there are several, say on the page which one it shows.
+ * Say on the page which robot it shows; where there are several, larger.
  * @param {Config} config
  * @param {HTMLElement} brand
  */
 export function showRobot(config, brand) {
-  if (config.robots === undefined) return;
   const name = robotOf(config);
-  brand.textContent = name;
-  brand.dataset.several = "true";
+  if (config.robots === undefined) {
+    // By its capitals, which the page of the one that it was made for has already.
+    if (brand.textContent === name.toUpperCase()) return;
+    brand.textContent = name.toUpperCase();
+  } else {
+    brand.textContent = name;
+    brand.dataset.several = "true";
+  }
   document.title = `${name} · ${document.title}`;
 }

@@ -8,18 +8,18 @@ import { byId } from "./panels.js";
 const STORED_AS = "telex.tour";
 
 /**
- * Of each step what is to be done; `shows` is where it is seen.
+ * Of each step what is to be done; `shows` is where it is seen, `begins` what is said instead where the page begins with it.
  * @typedef {import("./vocabulary.js").Action} Action
- * @type {{text: string, of: (action: Action) => boolean, shows: string}[]}
+ * @type {{text: string, of: (action: Action) => boolean, shows: string, begins?: () => string}[]}
  */
 const STEPS = [
   { text: term("Drive: hold the key, let go to stop."), of: ({ does }) => does.kind === "drive", shows: "drive-pad" },
   { text: term("Raise the front flippers, as before a step or stairs."), of: jogs("flipper"), shows: "flipper-rows" },
-  { text: term("Go on to the ARM, and move a joint of it. Every joint has a pair of keys."), of: jogs("arm"), shows: "arm-rows" },
+  { text: term("Go on to the ARM, and move a joint of it. Every joint has a pair of keys."), of: jogs("arm"), shows: "arm-rows",
+    begins: () => text("Move a joint of the arm. Every joint has a pair of keys.") },
   { text: term("Close the gripper, and open it."), of: jogs("gripper"), shows: "gripper-rows" },
 ];
 const SHOWN = 4; // keys of a step
-const FIRST = "DRIVE"; // mode in which a newcomer begins
 
 /** @param {string} node @returns {(action: Action) => boolean} */
 function jogs(node) {
@@ -63,9 +63,10 @@ export class Tour {
     this._step = number;
     byId("tour").hidden = false;
     byId("tour-count").textContent = text("{number} of {all}", { number: number + 1, all: this._steps.length });
-    byId("tour-text").textContent = text(step.text);
-    // The arm's keys count in its own modes.
-    const lead = step.keys[0].modes.includes(FIRST) ? [] : [this._vocabulary.nameOf({ kind: "command", name: "mode" }, [])];
+    // The arm's keys count in its own modes, in which the page of a robot that cannot drive begins.
+    const isThere = step.keys[0].modes.includes(this._vocabulary.firstMode);
+    byId("tour-text").textContent = (isThere && step.begins?.()) || text(step.text);
+    const lead = isThere ? [] : [this._vocabulary.nameOf({ kind: "command", name: "mode" }, [])];
     byId("tour-keys").replaceChildren(...[...lead, ...step.keys.slice(0, SHOWN).map(({ name }) => name)].map((name) => {
       const cap = document.createElement("kbd");
       cap.dataset.binding = name;

@@ -91,11 +91,12 @@ function originOf(element) {
   return { rotation, translation: vector(origin.getAttribute("xyz")) };
 }
 
-/** @param {Element} collision  @returns {Shape | null} */
-function shapeOf(collision) {
-  const origin = originOf(collision);
-  const box = collision.querySelector("geometry > box");
-  const cylinder = collision.querySelector("geometry > cylinder");
+/** @param {Element} element  A <collision>, or a <visual>. @returns {Shape | null} */
+function shapeOf(element) {
+  const origin = originOf(element);
+  const box = element.querySelector("geometry > box");
+  const cylinder = element.querySelector("geometry > cylinder");
+  const sphere = element.querySelector("geometry > sphere");
   /** @type {Vector[]} */
   let points = [];
   if (box) {
@@ -106,6 +107,12 @@ function shapeOf(collision) {
     for (let i = 0; i < CYLINDER_CORNERS; i += 1) {
       const angle = (2 * Math.PI * i) / CYLINDER_CORNERS;
       for (const z of [-half, half]) points.push([radius * Math.cos(angle), radius * Math.sin(angle), z]);
+    }
+  } else if (sphere) {
+    const radius = Number(sphere.getAttribute("radius"));
+    for (let i = 0; i < CYLINDER_CORNERS; i += 1) {
+      const angle = (2 * Math.PI * i) / CYLINDER_CORNERS, a = radius * Math.cos(angle), b = radius * Math.sin(angle);
+      points.push([a, b, 0], [a, 0, b], [0, a, b]);
     }
   }
   points = points.map((point) => transform(origin, point));
@@ -147,8 +154,9 @@ export class RobotModel {
     this.centres = new Map();
     for (const link of robot.querySelectorAll(":scope > link")) {
       const name = link.getAttribute("name") ?? "";
-      const shapes = [...link.querySelectorAll(":scope > collision")].flatMap((each) => shapeOf(each) ?? []);
-      this.shapes.set(name, shapes);
+      const of = (/** @type {string} */ kind) => [...link.querySelectorAll(`:scope > ${kind}`)].flatMap((each) => shapeOf(each) ?? []);
+      const shapes = of("collision");
+      this.shapes.set(name, shapes.length > 0 ? shapes : of("visual"));
       this.centres.set(name, originOf(link.querySelector(":scope > inertial")).translation);
     }
     const children = new Set(this.joints.map(({ child }) => child));
@@ -165,6 +173,25 @@ export class RobotModel {
   /** @param {string} name */
   limits(name) {
     return this.joints.find((joint) => joint.name === name)?.limits ?? null;
+  }
+
+  /**
+   * Links that some of the joints move.
+   * @param {Iterable<string>} joints
+   * @returns {Set<string>}
+   */
+  movedBy(joints) {
+    const names = new Set(joints);
+    /** @type {Set<string>} */
+    const moved = new Set();
+    const visit = (/** @type {string} */ link, /** @type {boolean} */ isMoved) => {
+      if (isMoved) moved.add(link);
+      for (const joint of this._below.get(link) ?? []) {
+        if (!moved.has(joint.child)) visit(joint.child, isMoved || names.has(joint.name));
+      }
+    };
+    visit(this.root, false);
+    return moved;
   }
 
   /**

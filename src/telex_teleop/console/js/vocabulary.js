@@ -2,6 +2,7 @@
 /** What an operator can do, by which key and under which title, as the video server tells it (config/actions.yaml). */
 
 import { text } from "./language.js";
+import { whichRobot } from "./robot.js";
 
 const ADDRESS = "/actions.json";
 const RETRY_AFTER = 2000; // ms
@@ -16,7 +17,7 @@ const RETRY_AFTER = 2000; // ms
  * @typedef {{kind: "tool", axis: "x" | "y" | "z" | "roll" | "pitch" | "yaw", sign: 1 | -1}} Tool  Moves the tool along or about an
  *   axis of the chosen frame, in CARTESIAN mode.
  * @typedef {{kind: "pose", name: string}} Pose  Moves the arm to a named pose while it is held.
- * @typedef {{kind: "zoom", sign: 1 | -1}} Zoom  Changes the zoom of the turret's camera while it is held.
+ * @typedef {{kind: "zoom", sign: 1 | -1}} Zoom  Changes the zoom of the camera while it is held.
  * @typedef {{kind: "lamps", names: string[]}} Lamps  Switches lamps together, by a press.
  * @typedef {{kind: "command", name: string}} Command  Is done once by a press.
  * @typedef {Jog | Drive | Side | Preset | Tool | Pose | Zoom | Lamps | Command} Does
@@ -35,6 +36,7 @@ const RETRY_AFTER = 2000; // ms
  * @property {string | null} code    Position of its key (KeyboardEvent.code); null: it has none in the page.
  * @property {string | null} cap     What a US keyboard shows there.
  * @property {string[]} more_codes   Further keys, which are not to be edited.
+ * @property {boolean} button        Whether the page has a button for it; there may be one without a key.
  *
  * @typedef {object} Told
  * @property {number} speed_step     Of the full speed.
@@ -61,7 +63,7 @@ const NOTHING = {
   layouts: [{ name: "LOOK", modes: MODES, first: [], second: [] }],
   actions: [{
     name: "estop", does: { kind: "command", name: "e-stop" }, title: "e-stop", label: "e-stop", row: "", group: "Always", modes: MODES,
-    code: "Escape", cap: "Esc", more_codes: [],
+    code: "Escape", cap: "Esc", more_codes: [], button: true,
   }],
 };
 
@@ -84,6 +86,8 @@ export class Vocabulary {
     this._byName = new Map(this.all.map((action) => [action.name, action]));
     // Of two that do the same in different modes, the first one.
     this._nameBy = new Map(this.all.slice().reverse().map(({ name, does }) => [identity(does), name]));
+    /** In which the page begins. @type {Mode} */
+    this.firstMode = told.layouts?.[0]?.modes[0] ?? "DRIVE";
     this.presets = this.find("preset");
     this.presets.forEach(({ does }, index) => { does.index = index; });
   }
@@ -124,21 +128,23 @@ export class Vocabulary {
   }
 }
 
-async function ask() {
-  const reply = await fetch(ADDRESS, { cache: "no-store" });
+/** @param {URLSearchParams} given  Of this page: which robot counts. */
+async function ask(given) {
+  const reply = await fetch(`${ADDRESS}?${whichRobot(given)}`, { cache: "no-store" });
   if (!reply.ok) throw new Error(`the video server says ${reply.status}`);
   return new Vocabulary(await reply.json());
 }
 
 /**
- * Ask what can be done; a page that is not told still has pictures and the emergency stop, and is loaded anew as soon as it is.
+ * Ask what can be done with the robot; a page that is not told still has pictures and the emergency stop, and is loaded anew as soon as it is.
+ * @param {URLSearchParams} given
  * @returns {Promise<{vocabulary: Vocabulary, problem: string}>} `problem`: why nothing can be done, else empty.
  */
-export async function fetchVocabulary() {
+export async function fetchVocabulary(given) {
   try {
-    return { vocabulary: await ask(), problem: "" };
+    return { vocabulary: await ask(given), problem: "" };
   } catch (error) {
-    const retry = () => ask().then(() => location.reload(), () => setTimeout(retry, RETRY_AFTER));
+    const retry = () => ask(given).then(() => location.reload(), () => setTimeout(retry, RETRY_AFTER));
     setTimeout(retry, RETRY_AFTER);
     const why = /** @type {Error} */ (error).message;
     return { vocabulary: new Vocabulary(NOTHING), problem: text("NO KEYS: {address} cannot be read ({why}). Nothing can be moved; the e-stop works. Retrying …", { address: ADDRESS, why }) };

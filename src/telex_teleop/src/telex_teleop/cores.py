@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Dict, List, Mapping, Optional, Tuple
+from typing import List, Mapping, Optional
 
 from telex_control.kinematics import Chain
-from telex_control.urdf.joints import joints, parse_urdf
 from telex_teleop.arm.arm_settings import ArmTeleopSettings, carrier_of
 from telex_teleop.arm.arm_teleop import ArmTeleop
 from telex_teleop.arm.base_pose import BasePose
@@ -17,33 +16,11 @@ from telex_teleop.arm.tool_settings import ToolSettings
 from telex_teleop.flippers.flipper_settings import FlipperTeleopSettings
 from telex_teleop.flippers.flipper_teleop import FlipperTeleop
 from telex_teleop.joints.coupled_teleop import CoupledTeleop
-from telex_teleop.joints.joint_settings import GripperTeleopSettings, JointTeleopSettings
+from telex_teleop.joints.joint_settings import GripperTeleopSettings
 from telex_teleop.joints.joint_teleop import JointTeleop
-from telex_teleop.motion.limits import JointBounds, limits_from_urdf
+from telex_teleop.motion.limits import JointBounds
 
 Limits = Mapping[str, JointBounds]
-
-
-def limits_of_present(
-    settings: JointTeleopSettings, description: str
-) -> Tuple[Dict[str, JointBounds], Tuple[str, ...]]:
-    """Return the limits of those of a node's joints that a robot has, and the others' names.
-
-    Parameters
-    ----------
-    settings
-        The node's.
-    description
-        The robot's URDF.
-
-    Raises
-    ------
-    telex_control.urdf.joints.UrdfError
-        A joint that is not optional is missing, or one has no usable limit.
-    """
-    lacking = settings.lacking(joints(parse_urdf(description)))
-    present = [name for name in settings.joints if name not in lacking]
-    return limits_from_urdf(description, present), lacking
 
 
 @dataclass(frozen=True)

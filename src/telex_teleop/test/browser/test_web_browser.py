@@ -289,7 +289,7 @@ def test_what_moves_and_what_moves_it(robot, page):
     wait_until(lambda: moves() == (NOTHING, NOTHING), timeout=3.0)
     robot.publish_node_status(commanders=["/telex/rosbridge"])
     with page.hold("w"):
-        wait_until(lambda: "tracks ahead" in moves()[0] and moves()[1] == "you (keys)")
+        wait_until(lambda: "drive ahead" in moves()[0] and moves()[1] == "you (keys)")
         assert not page.element("#others").is_displayed()
     with page.hold("q", "r", ",", Keys.PAGE_UP):
         wait_until(lambda: {"front left flipper up", "gripper closing", "zoom in"} <= parts())
@@ -299,7 +299,7 @@ def test_what_moves_and_what_moves_it(robot, page):
     wait_until(lambda: moves() == (NOTHING, NOTHING), timeout=3.0)
     robot.publish_node_status(commanders=["/telex/joy_teleop"])
     wait_until(lambda: page.text("moved-by") == "the robot's gamepad")
-    assert page.text("moves") == "tracks, flippers, arm, gripper"
+    assert page.text("moves") == "base, flippers, arm, gripper"
     assert page.text("others") == "MOVED BY the robot's gamepad"
     robot.publish_node_status(commanders=["/rostopic_12_1600000000000"])
     wait_until(lambda: page.text("moved-by") == "the program rostopic")

@@ -166,6 +166,11 @@ class OpticsConfig(Declared):
         return PinholeCamera(self.width, self.height, fov, self.near, self.far)
 
 
+ROLES = ("ahead", "back", "whole", "look", "arm", "tool")
+"""Roles of cameras: what they show. Where the robot drives, what is behind it, the robot itself
+from some way off, whatever its head turns to, what is before the arm, what the tool does."""
+
+
 @dataclass(frozen=True)
 class CameraConfig(OpticsConfig):
     """A camera of the robot.
@@ -181,6 +186,7 @@ class CameraConfig(OpticsConfig):
     """
 
     frame: str = field(default_factory=required)
+    role: str = choice("", ("", *ROLES), "What it is for, by which the console arranges its views.")
 
     def check(self) -> None:
         """Check what concerns several of them; see `Declared.check`."""

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
-from typing import Any, Dict, Iterable, Tuple
+from typing import Any, Dict, Iterable, Mapping, Optional, Tuple
 
 from telex_control.common.params import ConfigError, require, require_text
 from telex_teleop.actions.grammar import (
@@ -140,7 +140,8 @@ class Layout:
     modes
         Those of the keys in which the page has this layout.
     first, second
-        Cameras of its two large views: of each list, the first that the robot has.
+        Roles or names of the cameras of its two large views: of each list, the first that the robot
+        has.
     """
 
     modes: Tuple[str, ...]
@@ -235,16 +236,31 @@ class Vocabulary(FromFile):
             "lengths": list(self.lengths),
         }
 
-    def as_json(self) -> Dict[str, Any]:
-        """Return what ``/actions.json`` has; docs/engineer/external_gui.md describes it."""
-        shown = [each for each in self.actions if each.action not in TERMINAL_ONLY]
+    def as_json(
+        self,
+        actions: Optional[Iterable[NamedAction]] = None,
+        modes: Optional[Mapping[str, str]] = None,
+        layouts: Optional[Mapping[str, Layout]] = None,
+        lengths: Optional[Iterable[str]] = None,
+    ) -> Dict[str, Any]:
+        """Return what ``/actions.json`` has; docs/engineer/external_gui.md describes it.
+
+        Parameters
+        ----------
+        actions, modes, layouts, lengths
+            In place of the file's.
+        """
+        told = self.actions if actions is None else actions
+        shown = [each for each in told if each.action not in TERMINAL_ONLY]
+        notes = self.modes if modes is None else modes
+        arranged = self.layouts if layouts is None else layouts
         return {
             "speed_step": STEP,
             "zoom_rate": ZOOM_RATE,
             "max_zoom": MAX_ZOOM,
-            "lengths": list(self.lengths),
-            "modes": [{"name": name, "note": self.modes[name]} for name in MODES],
-            "layouts": [{"name": name, **asdict(each)} for name, each in self.layouts.items()],
+            "lengths": list(self.lengths if lengths is None else lengths),
+            "modes": [{"name": name, "note": notes[name]} for name in MODES if name in notes],
+            "layouts": [{"name": name, **asdict(each)} for name, each in arranged.items()],
             "actions": [_as_json(each) for each in shown],
         }
 
@@ -281,4 +297,5 @@ def _as_json(each: NamedAction) -> Dict[str, Any]:
         "code": code,
         "cap": cap,
         "more_codes": list(each.page),
+        "button": bool(each.key) or not each.terminal,
     }

@@ -17,10 +17,10 @@ from telex_control.common.params import (
     required,
     word,
 )
-from telex_control.urdf.joints import PRISMATIC, REVOLUTE
+from telex_control.urdf.joints import PRISMATIC, REVOLUTE, joints, parse_urdf
 from telex_teleop.joints.coupled_teleop import Coupling
 from telex_teleop.motion.axis import AxisSettings
-from telex_teleop.motion.limits import JointBounds
+from telex_teleop.motion.limits import JointBounds, limits_from_urdf
 from telex_teleop.motion.reference import MotionLimits
 from telex_teleop.motion.teleop_settings import TeleopSettings
 
@@ -180,6 +180,28 @@ class JointTeleopSettings(TeleopSettings):
         except ValueError as error:
             raise ConfigError(f"joint {name}: {error}") from error
         return AxisSettings(motion, rules.max_displacement)
+
+
+def limits_of_present(
+    settings: JointTeleopSettings, description: str
+) -> Tuple[Dict[str, JointBounds], Tuple[str, ...]]:
+    """Return the limits of those of a node's joints that a robot has, and the others' names.
+
+    Parameters
+    ----------
+    settings
+        The node's.
+    description
+        The robot's URDF.
+
+    Raises
+    ------
+    telex_control.urdf.joints.UrdfError
+        A joint that is not optional is missing, or one has no usable limit.
+    """
+    lacking = settings.lacking(joints(parse_urdf(description)))
+    present = [name for name in settings.joints if name not in lacking]
+    return limits_from_urdf(description, present), lacking
 
 
 @dataclass(frozen=True)

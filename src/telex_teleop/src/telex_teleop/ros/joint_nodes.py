@@ -9,9 +9,13 @@ import rospy
 from telex_control.ros.robot_description import wait_for_robot_description
 from telex_control.urdf.joints import parse_urdf
 from telex_teleop.arm.arm_settings import ArmTeleopSettings
-from telex_teleop.cores import arm_core, flipper_core, gripper_core, limits_of_present
+from telex_teleop.cores import arm_core, flipper_core, gripper_core
 from telex_teleop.flippers.flipper_settings import FlipperTeleopSettings
-from telex_teleop.joints.joint_settings import GripperTeleopSettings, JointTeleopSettings
+from telex_teleop.joints.joint_settings import (
+    GripperTeleopSettings,
+    JointTeleopSettings,
+    limits_of_present,
+)
 from telex_teleop.motion.limits import JointBounds
 from telex_teleop.ros.arm_teleop import ArmTeleopNode
 from telex_teleop.ros.common import private_settings, run_node

@@ -32,7 +32,7 @@ from telex_teleop.tracks.track_drive import (
 
 
 class TrackTeleopNode:
-    """Feeds the core, publishes what it says on ``track_controller/cmd_vel``.
+    """Feeds the core, publishes what it says on ``<controller>/cmd_vel``.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ class TrackTeleopNode:
         self._lock = threading.Lock()
         self._rest = IdleRest()
         self._output = rospy.Publisher(
-            "track_controller/cmd_vel", Twist, queue_size=1, tcp_nodelay=True
+            f"{core.settings.controller}/cmd_vel", Twist, queue_size=1, tcp_nodelay=True
         )
         self._status = rospy.Publisher("~status", TrackTeleopStatus, queue_size=1)
         self._inputs = OperatorInputs(core, self._lock)

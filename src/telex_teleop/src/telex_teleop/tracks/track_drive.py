@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Collection, Mapping, Optional, Tuple
 
-from telex_control.common.params import number, parameter
+from telex_control.common.params import number, parameter, word
 from telex_control.common.plausible import LARGEST_SPEED
 from telex_teleop.motion.joint_jog import require_number
 from telex_teleop.motion.speed import SpeedScale
@@ -43,6 +43,10 @@ class TrackSettings(TeleopSettings):
         50.0, "Commands to the track controller per second of sim time.", 10.0, 100.0
     )
     stop_time: float = number(0.2, "Time (s) for which the final stop is repeated.", 0.0, 2.0)
+    controller: str = word(
+        "track_controller",
+        "That drives the base: takes ``<controller>/cmd_vel`` and tells ``<controller>/odom``.",
+    )
     pulse_joint: str = parameter(
         "front_left_track_joint",
         "One of the belts: joint states without it are not the base's and say nothing of its time.",

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, List, Mapping
+from typing import Any, Awaitable, Callable, Dict, List, Mapping, Optional
 
 from aiohttp import web
 
+from ..actions.abilities import Abilities
+from ..actions.fitting import fit
 from ..actions.grammar import as_json
 from ..actions.vocabulary import Vocabulary
 from ..joy.maps import Binding, JoyMap, StickBinding
@@ -17,13 +19,21 @@ JOY_MAP = "/joy_map.json"
 """Where the map of a gamepad is served: the same file that joy_teleop reads."""
 
 
-def add_maps(app: web.Application, actions: str, joy_map: str) -> None:
+def add_maps(
+    app: web.Application,
+    actions: str,
+    joy_map: str,
+    ask: Callable[[web.Request], Awaitable[Optional[Abilities]]],
+) -> None:
     """Serve the vocabulary of actions and the map of a gamepad, at `ACTIONS` and `JOY_MAP`.
 
     Parameters
     ----------
     actions, joy_map
         Paths of the files; empty: the shipped ones.
+    ask
+        Returns what can be done with the robot that a request is about; None: that is not known,
+        and all that the file has is served.
 
     Raises
     ------
@@ -31,14 +41,27 @@ def add_maps(app: web.Application, actions: str, joy_map: str) -> None:
         When one cannot be read or is wrong.
     """
     pad = JoyMap.read(joy_map)
-    _serve(app, ACTIONS, Vocabulary.read(actions).as_json())
-    _serve(app, JOY_MAP, describe(pad))
+    vocabulary = Vocabulary.read(actions)
+
+    async def fitted(request: web.Request) -> Dict[str, Any]:
+        abilities = await ask(request)
+        return vocabulary.as_json() if abilities is None else fit(vocabulary, abilities)
+
+    async def same(_request: web.Request) -> Dict[str, Any]:
+        return described
+
+    described = describe(pad)
+    _serve(app, ACTIONS, fitted)
+    _serve(app, JOY_MAP, same)
 
 
-def _serve(app: web.Application, address: str, content: Dict[str, Any]) -> None:
-    async def answer(_request: web.Request) -> web.Response:
+def _serve(
+    app: web.Application, address: str, tell: Callable[[web.Request], Awaitable[Dict[str, Any]]]
+) -> None:
+    async def answer(request: web.Request) -> web.Response:
         # as /config.json: a page of one's own may come from elsewhere
-        return web.json_response(content, headers={"Access-Control-Allow-Origin": "*"})
+        headers = {"Access-Control-Allow-Origin": "*"}
+        return web.json_response(await tell(request), headers=headers)
 
     app.router.add_get(address, answer)
 

@@ -13,13 +13,8 @@ from telex_teleop.arm.arm_settings import ArmTeleopSettings
 from telex_teleop.arm.arm_teleop import ArmTeleop, ModeError
 from telex_teleop.arm.proximity import ProximityPair, ProximityState
 from telex_teleop.arm.tool_command import PoseCommand, TwistCommand
-from telex_teleop.cores import (
-    arm_core,
-    flipper_core,
-    gripper_core,
-    limits_of_present,
-    tool_motion,
-)
+from telex_teleop.cores import arm_core, flipper_core, gripper_core, tool_motion
+from telex_teleop.joints.joint_settings import limits_of_present
 from telex_teleop.joints.joint_teleop import JointTeleop
 from telex_teleop.motion.idle_rest import LONGEST_REST
 from telex_teleop.motion.joint_jog import InvalidCommand, parse_joint_jog

@@ -8,7 +8,7 @@ from typing import Dict, List, NamedTuple, Sequence, Tuple
 import numpy as np
 
 from telex_teleop.arm.arm_settings import carrier_of
-from telex_teleop.cores import limits_of_present
+from telex_teleop.joints.joint_settings import limits_of_present
 
 from ..operators.port import Command, Drive, Jog, ToolTwist
 from ..rehearsal.node_settings import ARM, FLIPPERS, GRIPPER, TRACKS, shipped_settings

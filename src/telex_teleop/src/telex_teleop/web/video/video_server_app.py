@@ -22,6 +22,7 @@ from urllib.parse import urlsplit, urlunsplit
 
 from aiohttp import web
 
+from ...actions.abilities import Abilities, abilities_of
 from ..exam.exam_list import Exam
 from ..line.line import Line
 from ..maps import add_maps
@@ -237,7 +238,7 @@ class VideoServer:
         app.router.add_get("/streams", self.streams)
         app.router.add_get("/config.json", self.console_config)
         app.router.add_get("/robot.json", self.robot)
-        add_maps(app, self._config.actions, self._config.joy_map)
+        add_maps(app, self._config.actions, self._config.joy_map, self._abilities)
         app.router.add_get("/{path:.*}", self.console_file)
         app.router.add_post("/{path:.*}", self._mounts.answer)
         app.on_response_prepare.append(_add_page_headers)
@@ -411,19 +412,29 @@ class VideoServer:
         """Tell pages what a robot has: its cameras and how far each zooms, its equipment.
 
         A zoom of null: not at all. What the robot lacks may have a training aid in its place.
+        Where its nodes' parameters say it, also what of it moves.
         """
         prefix = self._asked_robot(request).prefix
         cameras = await self._parameter(f"{prefix}cameras/cameras")
+        abilities = await self._abilities(request)
         told = {
             str(name): {"zoom_max": each.get("zoom_max") if isinstance(each, dict) else None}
             for name, each in (cameras.items() if isinstance(cameras, dict) else ())
             if name not in self._config.hidden_cameras
+            and (abilities is None or name in abilities.cameras)
         }
         robot: Dict[str, Any] = {"cameras": told}
         for part in ("equipment", "training_aids"):
             found = await self._parameter(f"{prefix}{part}")
             robot[part] = found if isinstance(found, dict) else {}
+        if abilities is not None:
+            robot.update(abilities.as_json())
         return web.json_response(robot, headers={"Access-Control-Allow-Origin": "*"})
+
+    async def _abilities(self, request: web.Request) -> Optional[Abilities]:
+        """Return what can be done with the robot that a client's address names, if that is said."""
+        prefix = self._asked_robot(request).prefix
+        return await self._ask(lambda: abilities_of(self._graph.parameter, prefix, self._warn))
 
     async def console_file(self, request: web.Request) -> web.StreamResponse:
         """Send a file of the console, or what another process has mounted."""

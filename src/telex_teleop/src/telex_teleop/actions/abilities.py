@@ -1,0 +1,320 @@
+"""Abilities of a robot: what its parameters and its URDF say that an operator can move and see.
+
+They are those of the teleoperation nodes' own settings, read as the nodes read them: what a node
+would leave out is left out here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field
+from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Tuple, Type, TypeVar
+
+import numpy as np
+
+from telex_control.common.params import ConfigError, read_config
+from telex_control.kinematics import Chain
+from telex_control.kinematics.urdf_tree import UrdfTree
+from telex_control.urdf.joints import PRISMATIC, UrdfError, parse_urdf
+from telex_teleop.arm.arm_settings import ArmTeleopSettings, carrier_of
+from telex_teleop.flippers.flipper_settings import FlipperTeleopSettings
+from telex_teleop.joints.joint_settings import (
+    GripperTeleopSettings,
+    JointTeleopSettings,
+    limits_of_present,
+)
+from telex_teleop.tracks.track_drive import TrackSettings
+
+Parameters = Callable[[str], object]
+"""Returns the parameter of a name, or None where it is not set."""
+
+Settings = TypeVar("Settings")
+
+NODES = ("arm", "gripper", "flipper", "track")
+
+MOST_HEAD_JOINTS = 2
+"""Joints of a camera's head, pan and tilt; an arm without a known tool has more."""
+
+_MIDDLE = 1e-3
+"""Distance (m) from the robot's middle plane within which a joint is on neither side."""
+
+
+@dataclass(frozen=True)
+class MovedJoint:
+    """A joint with all joints at 0, in the frame of the robot's root link (m).
+
+    Attributes
+    ----------
+    name
+        Its name.
+    kind
+        ``revolute``, ``continuous`` or ``prismatic``.
+    axis
+        Unit vector.
+    place
+        Of its origin.
+    """
+
+    name: str
+    kind: str
+    axis: Tuple[float, float, float]
+    place: Tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class GripperFacts:
+    """What the page has to know of a gripper.
+
+    Attributes
+    ----------
+    name
+        By which all its joints are moved together.
+    measured_by
+        Joints whose mean is its measured value.
+    geometry
+        Of the parallel gripper's controller; None for other grippers.
+    """
+
+    name: str
+    measured_by: Tuple[str, ...]
+    geometry: Optional[Dict[str, float]] = None
+
+
+@dataclass(frozen=True)
+class Abilities:
+    """What an operator can do with a robot.
+
+    Attributes
+    ----------
+    arm
+        Joints of the arm.
+    head
+        Joints that turn a camera which is not the arm's.
+    fingers
+        Joints of the gripper.
+    flippers
+        Joints of the flippers.
+    gripper
+        None: there is none.
+    odometry
+        Topic that tells how the base drives; empty: it cannot drive.
+    tool
+        Whether the arm can be led by its tool.
+    guard
+        Whether something tells what the arm is near to.
+    poses, presets
+        Names of the arm's poses and of the flippers' presets.
+    lamps
+        Their names.
+    cameras
+        Name to role, which is empty where none was declared.
+    zooms
+        Whether one of them can zoom.
+    lengths
+        Joints whose position is a length.
+    """
+
+    arm: Tuple[MovedJoint, ...] = ()
+    head: Tuple[MovedJoint, ...] = ()
+    fingers: Tuple[MovedJoint, ...] = ()
+    flippers: Tuple[MovedJoint, ...] = ()
+    gripper: Optional[GripperFacts] = None
+    odometry: str = ""
+    tool: bool = False
+    guard: bool = False
+    poses: Tuple[str, ...] = ()
+    presets: Tuple[str, ...] = ()
+    lamps: Tuple[str, ...] = ()
+    cameras: Dict[str, str] = field(default_factory=dict)
+    zooms: bool = False
+    lengths: Tuple[str, ...] = ()
+
+    @property
+    def drives(self) -> bool:
+        """Whether it can drive."""
+        return bool(self.odometry)
+
+    def sides(self) -> Dict[str, List[str]]:
+        """Return which of the flippers and fingers are on the left side, and on the right one."""
+        both = (*self.flippers, *self.fingers)
+        return {
+            "left": [each.name for each in both if each.place[1] > _MIDDLE],
+            "right": [each.name for each in both if each.place[1] < -_MIDDLE],
+        }
+
+    def as_json(self) -> Dict[str, Any]:
+        """Return what ``/robot.json`` has of it beside the cameras."""
+        return {
+            "moves": {
+                "arm": [each.name for each in (*self.arm, *self.head)],
+                "gripper": [each.name for each in self.fingers],
+                "flipper": [each.name for each in self.flippers],
+            },
+            "sides": self.sides(),
+            "gripper": None if self.gripper is None else asdict(self.gripper),
+            "odometry": self.odometry or None,
+        }
+
+
+def abilities_of(
+    parameter: Parameters, prefix: str, warn: Callable[[str], None]
+) -> Optional[Abilities]:
+    """Return what a robot can do; None where nothing says it.
+
+    Parameters
+    ----------
+    parameter
+        Parameters of the robot.
+    prefix
+        Of their names.
+    warn
+        Told of a node whose parameters are wrong: it cannot start, and so moves nothing.
+    """
+
+    def get(name: str) -> object:
+        return parameter(f"{prefix}{name}")
+
+    description = get("robot_description")
+    nodes = {node: get(f"{node}_teleop") for node in NODES}
+    if not isinstance(description, str) or not any(isinstance(n, dict) for n in nodes.values()):
+        return None
+    try:
+        return _Reader(get, description, nodes, warn).read()
+    except UrdfError as error:
+        warn(f"robot_description: {error}")
+        return None
+
+
+class _Reader:
+    """Reads the parameters of one robot."""
+
+    def __init__(
+        self,
+        get: Parameters,
+        description: str,
+        nodes: Mapping[str, object],
+        warn: Callable[[str], None],
+    ) -> None:
+        self._get = get
+        self._description = description
+        self._nodes = nodes
+        self._warn = warn
+        self._robot = parse_urdf(description)
+        self._tree = UrdfTree(self._robot)
+        self._links = {self._tree.root, *self._tree.joint_above}
+        self._above = {joint.name: joint for joint in self._tree.joint_above.values()}
+
+    def read(self) -> Abilities:
+        """Return what they say."""
+        track = self._settings("track", TrackSettings)
+        cameras = self._present("cameras/cameras")
+        arm = self._arm(cameras)
+        flippers, presets = self._flippers()
+        fingers, gripper = self._gripper()
+        return Abilities(
+            **arm,
+            fingers=fingers,
+            flippers=flippers,
+            gripper=gripper,
+            odometry="" if track is None else f"{track.controller}/odom",
+            guard=bool(arm["arm"]) and self._has_guard(),
+            presets=presets,
+            lamps=tuple(self._present("cameras/lamps")),
+            cameras={name: str(each.get("role", "")) for name, each in cameras.items()},
+            zooms=any(each.get("zoom_max") for each in cameras.values()),
+            lengths=self._lengths(gripper),
+        )
+
+    def _settings(self, node: str, kind: Type[Settings]) -> Optional[Settings]:
+        given = self._nodes[node]
+        if not isinstance(given, dict):
+            return None
+        try:
+            return read_config(kind, given, f"{node}_teleop")
+        except ConfigError as error:
+            self._warn(str(error))
+            return None
+
+    def _axes(self, node: str, kind: Type[Settings]) -> Tuple[Optional[Settings], Dict[str, Any]]:
+        """Return the settings of a joint node, and the bounds of the joints that there are."""
+        settings = self._settings(node, kind)
+        if not isinstance(settings, JointTeleopSettings):
+            return None, {}
+        try:
+            return settings, settings.axes(limits_of_present(settings, self._description)[0])
+        except (ConfigError, UrdfError) as error:
+            self._warn(f"{node}_teleop: {error}")
+            return None, {}
+
+    def _arm(self, cameras: Mapping[str, Mapping[str, Any]]) -> Dict[str, Any]:
+        settings, axes = self._axes("arm", ArmTeleopSettings)
+        if settings is None or not axes:
+            return {"arm": (), "head": ()}
+        chain, carrier, _ = carrier_of(settings, self._description, axes)
+        carriers = frozenset(() if chain is None else chain.joint_names)
+        frames = [str(each.get("frame", "")) for each in cameras.values()]
+        turning = {name for frame in frames if frame in self._links for name in self._path(frame)}
+        head = [name for name in axes if name in turning and name not in carriers]
+        if len(head) > MOST_HEAD_JOINTS:
+            head = []
+        return {
+            "arm": self._moved(name for name in axes if name not in head),
+            "head": self._moved(head),
+            "tool": chain is not None,
+            "poses": tuple(carrier.poses),
+        }
+
+    def _flippers(self) -> Tuple[Tuple[MovedJoint, ...], Tuple[str, ...]]:
+        settings, axes = self._axes("flipper", FlipperTeleopSettings)
+        if settings is None:
+            return (), ()
+        try:
+            return self._moved(axes), tuple(settings.preset_table(axes))
+        except ConfigError as error:
+            self._warn(f"flipper_teleop: {error}")
+            return (), ()
+
+    def _gripper(self) -> Tuple[Tuple[MovedJoint, ...], Optional[GripperFacts]]:
+        settings, axes = self._axes("gripper", GripperTeleopSettings)
+        if settings is None or not axes:
+            return (), None
+        told = self._get("gripper_controller/geometry")
+        group = settings.coupling
+        facts = GripperFacts(
+            group.name, group.measured_by, dict(told) if isinstance(told, dict) else None
+        )
+        return self._moved(axes), facts
+
+    def _lengths(self, gripper: Optional[GripperFacts]) -> Tuple[str, ...]:
+        lengths = [name for name, each in self._above.items() if each.kind == PRISMATIC]
+        if gripper is not None and set(gripper.measured_by) <= set(lengths):
+            lengths.append(gripper.name)
+        return tuple(lengths)
+
+    def _has_guard(self) -> bool:
+        """Tell whether ``sim/proximity`` says what is near; a real robot has it from elsewhere."""
+        for place in ("simulator", "simulation"):
+            if self._get(f"{place}/model") is not None:
+                return bool(self._get(f"{place}/proximity/joints"))
+        return True
+
+    def _present(self, name: str) -> Dict[str, Dict[str, Any]]:
+        """Return the cameras or lamps whose link the robot has."""
+        told = self._get(name)
+        return {
+            str(each): values
+            for each, values in (told.items() if isinstance(told, dict) else ())
+            if isinstance(values, dict) and values.get("frame", self._tree.root) in self._links
+        }
+
+    def _path(self, link: str) -> List[str]:
+        return [joint.name for joint in self._tree.path(self._tree.root, link)]
+
+    def _moved(self, names: Iterable[str]) -> Tuple[MovedJoint, ...]:
+        return tuple(self._moved_joint(name) for name in names)
+
+    def _moved_joint(self, name: str) -> MovedJoint:
+        joint = self._above[name]
+        chain = Chain(self._robot, self._tree.root, joint.child)
+        pose = chain.forward(np.zeros(len(chain.joints)).tolist())
+        x, y, z = (pose[:3, :3] @ np.array(joint.axis)).tolist()
+        return MovedJoint(name, joint.kind, (x, y, z), tuple(pose[:3, 3].tolist()))
