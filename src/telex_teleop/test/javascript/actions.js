@@ -4,9 +4,18 @@ import { Vocabulary } from "../../console/js/vocabulary.js";
 
 const ALL = ["DRIVE", "JOINT", "CARTESIAN", "CAMERA"];
 
+/** What the page is told of a robot with these joints. @type {import("../../console/js/robot.js").Facts} */
+export const facts = {
+  cameras: {},
+  moves: { arm: ["turret_joint", "pan_joint"], gripper: ["near_joint", "far_joint"], flipper: ["a_joint", "b_joint", "c_joint", "d_joint"] },
+  sides: { left: ["a_joint", "c_joint", "near_joint"], right: ["b_joint", "d_joint", "far_joint"] },
+  gripper: { name: "hand", measured_by: ["near_joint", "far_joint"], geometry: null },
+  odometry: "base/odom",
+};
+
 /** @param {string} name @param {any} does @param {string | null} code @param {string[]} [modes] @param {string[]} [more_codes] */
 const action = (name, does, code, modes = ALL, more_codes = []) => ({
-  name, does, code, modes, more_codes, cap: code, title: name.replace(":", " "), label: name.split(":")[1] ?? name, row: name.split(":")[0], group: "all",
+  name, does, code, modes, more_codes, cap: code, title: name.replace(":", " "), label: name.split(":")[1] ?? name, row: name.split(":")[0], group: "all", button: true,
 });
 
 export const made = () => new Vocabulary(/** @type {any} */ ({
@@ -17,8 +26,8 @@ export const made = () => new Vocabulary(/** @type {any} */ ({
     action("release", { kind: "command", name: "release e-stop" }, null),
     action("drive:forward", { kind: "drive", linear: 1, angular: 0 }, "KeyW"),
     action("drive:left", { kind: "drive", linear: 0, angular: 1 }, "KeyA"),
-    action("front:up", { kind: "jog", node: "flipper", joints: ["front_left_joint", "front_right_joint"], sign: 1 }, "KeyR"),
-    action("rear:up", { kind: "jog", node: "flipper", joints: ["rear_left_joint", "rear_right_joint"], sign: 1 }, "KeyT"),
+    action("front:up", { kind: "jog", node: "flipper", joints: ["a_joint", "b_joint"], sign: 1 }, "KeyR"),
+    action("rear:up", { kind: "jog", node: "flipper", joints: ["c_joint", "d_joint"], sign: 1 }, "KeyT"),
     action("side:left", { kind: "side", name: "left" }, "KeyQ"),
     action("preset:0", { kind: "preset", name: "flat" }, "Digit1"),
     action("preset:1", { kind: "preset", name: "climb" }, "Digit2"),

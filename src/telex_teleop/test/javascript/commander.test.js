@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
 
 import { clock } from "./browser.js";
-import { made } from "./actions.js";
+import { facts, made } from "./actions.js";
 import { Commander } from "../../console/js/commander.js";
 import { FLIPPER_NODE, JOINT_NODES, TRACK_NODE } from "../../console/js/robot.js";
 
@@ -44,7 +44,7 @@ const update = (/** @type {any[]} */ ...held) => {
 beforeEach(() => {
   bridge = new FakeBridge();
   warnings = [];
-  commander = new Commander(made(), /** @type {any} */ (bridge), (name) => `/telex/${name}`, (sentence) => warnings.push(sentence));
+  commander = new Commander(made(), /** @type {any} */ (bridge), (name) => `/telex/${name}`, (sentence) => warnings.push(sentence), facts);
   commander.setTrackStatus({ max_linear: 0.6, max_angular: 1.2, ...speed });
   commander.setJointStatus(JOINT_NODES[0], { joint_names: ["elbow_joint", "still_joint"], max_velocity: [0.4, 0], ...speed });
 });
@@ -136,7 +136,21 @@ test("a preset is held and let go; two are none", () => {
 test("with a side held, a preset names the flippers of that side", () => {
   commander.presets = ["flat"];
   const [{ message }] = update({ kind: "preset", index: 0 }, { kind: "side", name: "left" });
-  assert.deepEqual(message.joint_names, ["front_left_joint", "rear_left_joint"]);
+  assert.deepEqual(message.joint_names, ["a_joint", "c_joint"]);
+});
+
+test("of a robot that has no flippers on a side, none follow: without names, all would", () => {
+  const none = new Commander(made(), /** @type {any} */ (bridge), (name) => name, (sentence) => warnings.push(sentence), { ...facts, sides: { left: [], right: [] } });
+  none.presets = ["flat"];
+  none.update(/** @type {any[]} */ ([{ kind: "preset", index: 0 }, { kind: "side", name: "left" }]));
+  assert.deepEqual(bridge.take(), []);
+  assert.match(warnings[0], /no flippers are known on the left/);
+});
+
+test("a gripper that does not say how fast it closes does so as fast as its joints", () => {
+  commander.setJointStatus(JOINT_NODES[1], { joint_names: ["near_joint", "far_joint"], max_velocity: [0.3, 0.2], ...speed });
+  const [{ message }] = update({ kind: "jog", node: "gripper", joints: ["hand"], sign: -1 });
+  assert.deepEqual([message.joint_names, message.velocities], [["hand"], [-0.2]]);
 });
 
 test("a side that is held wins over the chosen one, both sides are both", () => {

@@ -27,6 +27,9 @@ test("a page says which robot it shows where there are several", () => {
   globalThis.document = /** @type {Document} */ (/** @type {unknown} */ ({ title: "Telex console" }));
   showRobot(ALONE, brand);
   assert.equal(brand.textContent, "TELEX");
+  showRobot({ ...ALONE, namespace: "/rover" }, brand);
+  assert.equal(brand.textContent, "ROVER");
+  document.title = "Telex console";
   showRobot(SECOND, brand);
   assert.equal(brand.textContent, "telex_b");
   assert.equal(robotOf(SECOND), "telex_b");
