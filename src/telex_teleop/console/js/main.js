@@ -78,8 +78,14 @@ async function fetchModel(bridge, parameter) {
   }
 }
 
-/** @param {import("./config.js").Config} config */
-function startCameras(config) {
+/**
+ * @param {import("./config.js").Config} config
+ * @param {import("./robot.js").Facts} facts
+ */
+function startCameras(config, { cameras: declared }) {
+  // A view is kept for the camera that is to be large, even if nothing has offered it yet: of those that the robot has.
+  const names = Object.keys(declared);
+  if (names.length > 0 && !names.includes(config.main_camera)) config = { ...config, main_camera: names[0] };
   const canvas = /** @type {HTMLCanvasElement} */ (byId("picture"));
   const cameras = new Cameras(config, canvas, [byId("second"), byId("thumbnails")], ([name]) => setText(byId("camera-name"), translated(name)));
   cameras.start();
@@ -119,7 +125,7 @@ class Console {
     /** @type {RobotModel | null} */
     this._model = null;
     this._pitch = 0; // rad, positive with the nose down
-    this._cameras = startCameras(config);
+    this._cameras = startCameras(config, facts);
     // What speaks to the robot.
     this._bridge = this._makeBridge();
     const call = (/** @type {string} */ name, /** @type {object} */ args) => this._bridge.call(topic(name), args);
