@@ -16,6 +16,7 @@ const WHEEL_RADIUS = 0.085;
 const TIP_RADIUS = 0.045;
 const BELT_WIDTH = 0.07;
 const HULL_HEIGHT = 0.155;
+const BAR_RADIUS = 0.03; // m
 
 const COLOURS = {
   belt: "#52606d", hull: "#6a7987", body: "#93a3b1", arm: "#4fb3ff", gripper: "#b7e3ff", ground: "#9aa8b5",
@@ -197,6 +198,15 @@ export class Avatar {
       pieces.push({ outline: hull(corners), colour: COLOURS.hull, depth: isTop ? 3 : 1 });
     }
     const gripper = model.movedBy(this._moves.gripper), arm = model.movedBy(this._moves.arm);
+    // What is a mesh is drawn as a bar to each of what it carries.
+    for (const { name, type, parent, child } of model.joints) {
+      const from = poses.get(parent), to = poses.get(child);
+      const isDrawn = !model.meshes.has(parent) || type === "fixed" || this._moves.flipper.includes(name) || (axles.size > 0 && parent === model.root);
+      if (from === undefined || to === undefined || isDrawn) continue;
+      const outline = hull([from, to].flatMap(({ translation }) => disc(project(translation), BAR_RADIUS)));
+      const colour = gripper.has(parent) ? COLOURS.gripper : arm.has(parent) ? COLOURS.arm : COLOURS.body;
+      pieces.push({ outline, colour, depth: isTop ? 4 + to.translation[2] : 4 });
+    }
     for (const [link, shapes] of model.shapes) {
       const pose = poses.get(link);
       if (pose === undefined) continue;

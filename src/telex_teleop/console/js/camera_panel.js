@@ -63,8 +63,8 @@ export class CameraCommander {
   /** Take, after every new connection, which camera zooms, and how far. @param {Record<string, {zoom_max: number | null}>} cameras */
   setCameras(cameras) {
     for (const [name, { zoom_max: most }] of Object.entries(cameras)) {
-      if (most === null || !Number.isFinite(most)) continue;
-      this._mostZoom = Math.max(1, most);
+      if (most === null || !(most > 1)) continue;
+      this._mostZoom = most;
       this._listenToZoom(this._topic(`cameras/${name}/zoom`));
       return;
     }

@@ -150,6 +150,8 @@ export class RobotModel {
     }));
     /** Shapes by link. @type {Map<string, Shape[]>} */
     this.shapes = new Map();
+    /** Links of which the URDF shows nothing but a mesh. @type {Set<string>} */
+    this.meshes = new Set();
     /** Centre of mass by link, in its frame. @type {Map<string, Vector>} */
     this.centres = new Map();
     for (const link of robot.querySelectorAll(":scope > link")) {
@@ -157,6 +159,7 @@ export class RobotModel {
       const of = (/** @type {string} */ kind) => [...link.querySelectorAll(`:scope > ${kind}`)].flatMap((each) => shapeOf(each) ?? []);
       const shapes = of("collision");
       this.shapes.set(name, shapes.length > 0 ? shapes : of("visual"));
+      if (this.shapes.get(name)?.length === 0 && link.querySelector("geometry > mesh")) this.meshes.add(name);
       this.centres.set(name, originOf(link.querySelector(":scope > inertial")).translation);
     }
     const children = new Set(this.joints.map(({ child }) => child));

@@ -60,10 +60,10 @@ class TestShippedFile:
         lamps = yaml.safe_load((DESCRIPTION / "lamps.yaml").read_text())["lamps"]
         assert {name for each in kinds(shipped, Lamps) for name in each.names} == set(lamps)
 
-    def test_layouts_name_cameras_that_the_robot_has(self, shipped):
+    def test_layouts_name_roles_that_the_robots_cameras_have(self, shipped):
         cameras = yaml.safe_load((DESCRIPTION / "cameras.yaml").read_text())["cameras"]
         for layout in shipped.layouts.values():
-            assert {*layout.first, *layout.second} <= set(cameras)
+            assert {*layout.first, *layout.second} <= {each["role"] for each in cameras.values()}
 
     def test_presets_are_in_the_order_in_which_the_robot_announces_them(self, shipped):
         presets = yaml.safe_load((PACKAGE / "config" / "flipper_presets.yaml").read_text())

@@ -140,11 +140,14 @@ class TestTelex:
         assert robot_of(telex("inspection")).as_json()["gripper"] is None
         assert modes(answer) == ["DRIVE", "JOINT", "CARTESIAN", "CAMERA"]
 
-    def test_a_carrier_does_not_look_about(self):
+    def test_a_carrier_looks_at_itself_and_turns_a_lamp(self):
         answer = told(telex("carrier"))
-        assert modes(answer) == ["DRIVE", "JOINT", "CARTESIAN"]
-        assert not [title for title in titles(answer) if "camera" in title and "next" not in title]
-        assert views(answer)["ARM"] == (("mast",), ())
+        assert views(answer) == {
+            "DRIVE": (("front",), ("mast",)),
+            "ARM": (("mast",), ()),
+            "LOOK": (("mast",), ("front",)),
+        }
+        assert not [title for title in titles(answer) if "zoom" in title or "gripper clos" in title]
 
 
 class TestRover:

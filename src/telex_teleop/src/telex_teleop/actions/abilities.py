@@ -6,7 +6,9 @@ would leave out is left out here.
 
 from __future__ import annotations
 
+import json
 from dataclasses import asdict, dataclass, field
+from functools import lru_cache
 from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Tuple, Type, TypeVar
 
 import numpy as np
@@ -22,14 +24,29 @@ from telex_teleop.joints.joint_settings import (
     JointTeleopSettings,
     limits_of_present,
 )
+from telex_teleop.motion.axis import AxisSettings
 from telex_teleop.tracks.track_drive import TrackSettings
 
 Parameters = Callable[[str], object]
 """Returns the parameter of a name, or None where it is not set."""
 
 Settings = TypeVar("Settings")
+JointSettings = TypeVar("JointSettings", bound=JointTeleopSettings)
 
 NODES = ("arm", "gripper", "flipper", "track")
+
+_PARAMETERS = (
+    "robot_description",
+    *(f"{node}_teleop" for node in NODES),
+    "gripper_controller/geometry",
+    "cameras/cameras",
+    "cameras/lamps",
+    *(
+        f"{place}/{name}"
+        for place in ("simulator", "simulation")
+        for name in ("model", "proximity/joints")
+    ),
+)
 
 MOST_HEAD_JOINTS = 2
 """Joints of a camera's head, pan and tilt; an arm without a known tool has more."""
@@ -88,7 +105,7 @@ class Abilities:
     arm
         Joints of the arm.
     head
-        Joints that turn a camera which is not the arm's.
+        Joints that turn a camera or a lamp which is not the arm's.
     fingers
         Joints of the gripper.
     flippers
@@ -170,35 +187,40 @@ def abilities_of(
         Told of a node whose parameters are wrong: it cannot start, and so moves nothing.
     """
 
-    def get(name: str) -> object:
-        return parameter(f"{prefix}{name}")
+    given = {name: parameter(f"{prefix}{name}") for name in _PARAMETERS}
+    if not isinstance(given["robot_description"], str):
+        return None
+    if not any(isinstance(given[f"{node}_teleop"], dict) for node in NODES):
+        return None
+    abilities, problems = _read(json.dumps(given, sort_keys=True, default=str))
+    for problem in problems:
+        warn(problem)
+    return abilities
 
-    description = get("robot_description")
-    nodes = {node: get(f"{node}_teleop") for node in NODES}
-    if not isinstance(description, str) or not any(isinstance(n, dict) for n in nodes.values()):
-        return None
+
+@lru_cache(maxsize=8)
+def _read(given: str) -> Tuple[Optional[Abilities], Tuple[str, ...]]:
+    """Return what parameters say, and what is wrong with them; a long URDF takes its time."""
+    problems: List[str] = []
     try:
-        return _Reader(get, description, nodes, warn).read()
+        abilities = _Reader(json.loads(given), problems.append).read()
     except UrdfError as error:
-        warn(f"robot_description: {error}")
-        return None
+        return None, (f"robot_description: {error}",)
+    return abilities, tuple(problems)
+
+
+def _zooms(most: object) -> bool:
+    return isinstance(most, (int, float)) and most > 1.0
 
 
 class _Reader:
     """Reads the parameters of one robot."""
 
-    def __init__(
-        self,
-        get: Parameters,
-        description: str,
-        nodes: Mapping[str, object],
-        warn: Callable[[str], None],
-    ) -> None:
-        self._get = get
-        self._description = description
-        self._nodes = nodes
+    def __init__(self, given: Mapping[str, Any], warn: Callable[[str], None]) -> None:
+        self._given = given
+        self._description: str = given["robot_description"]
         self._warn = warn
-        self._robot = parse_urdf(description)
+        self._robot = parse_urdf(self._description)
         self._tree = UrdfTree(self._robot)
         self._links = {self._tree.root, *self._tree.joint_above}
         self._above = {joint.name: joint for joint in self._tree.joint_above.values()}
@@ -206,8 +228,8 @@ class _Reader:
     def read(self) -> Abilities:
         """Return what they say."""
         track = self._settings("track", TrackSettings)
-        cameras = self._present("cameras/cameras")
-        arm = self._arm(cameras)
+        cameras, lamps = self._present("cameras/cameras"), self._present("cameras/lamps")
+        arm = self._arm([*cameras.values(), *lamps.values()])
         flippers, presets = self._flippers()
         fingers, gripper = self._gripper()
         return Abilities(
@@ -218,14 +240,14 @@ class _Reader:
             odometry="" if track is None else f"{track.controller}/odom",
             guard=bool(arm["arm"]) and self._has_guard(),
             presets=presets,
-            lamps=tuple(self._present("cameras/lamps")),
+            lamps=tuple(lamps),
             cameras={name: str(each.get("role", "")) for name, each in cameras.items()},
-            zooms=any(each.get("zoom_max") for each in cameras.values()),
+            zooms=any(_zooms(each.get("zoom_max")) for each in cameras.values()),
             lengths=self._lengths(gripper),
         )
 
     def _settings(self, node: str, kind: Type[Settings]) -> Optional[Settings]:
-        given = self._nodes[node]
+        given = self._given[f"{node}_teleop"]
         if not isinstance(given, dict):
             return None
         try:
@@ -234,10 +256,12 @@ class _Reader:
             self._warn(str(error))
             return None
 
-    def _axes(self, node: str, kind: Type[Settings]) -> Tuple[Optional[Settings], Dict[str, Any]]:
+    def _axes(
+        self, node: str, kind: Type[JointSettings]
+    ) -> Tuple[Optional[JointSettings], Dict[str, AxisSettings]]:
         """Return the settings of a joint node, and the bounds of the joints that there are."""
         settings = self._settings(node, kind)
-        if not isinstance(settings, JointTeleopSettings):
+        if settings is None:
             return None, {}
         try:
             return settings, settings.axes(limits_of_present(settings, self._description)[0])
@@ -245,13 +269,13 @@ class _Reader:
             self._warn(f"{node}_teleop: {error}")
             return None, {}
 
-    def _arm(self, cameras: Mapping[str, Mapping[str, Any]]) -> Dict[str, Any]:
+    def _arm(self, turned: Iterable[Mapping[str, Any]]) -> Dict[str, Any]:
         settings, axes = self._axes("arm", ArmTeleopSettings)
         if settings is None or not axes:
             return {"arm": (), "head": ()}
         chain, carrier, _ = carrier_of(settings, self._description, axes)
         carriers = frozenset(() if chain is None else chain.joint_names)
-        frames = [str(each.get("frame", "")) for each in cameras.values()]
+        frames = [str(each.get("frame", "")) for each in turned]
         turning = {name for frame in frames if frame in self._links for name in self._path(frame)}
         head = [name for name in axes if name in turning and name not in carriers]
         if len(head) > MOST_HEAD_JOINTS:
@@ -277,7 +301,7 @@ class _Reader:
         settings, axes = self._axes("gripper", GripperTeleopSettings)
         if settings is None or not axes:
             return (), None
-        told = self._get("gripper_controller/geometry")
+        told = self._given["gripper_controller/geometry"]
         group = settings.coupling
         facts = GripperFacts(
             group.name, group.measured_by, dict(told) if isinstance(told, dict) else None
@@ -293,13 +317,13 @@ class _Reader:
     def _has_guard(self) -> bool:
         """Tell whether ``sim/proximity`` says what is near; a real robot has it from elsewhere."""
         for place in ("simulator", "simulation"):
-            if self._get(f"{place}/model") is not None:
-                return bool(self._get(f"{place}/proximity/joints"))
+            if self._given[f"{place}/model"] is not None:
+                return bool(self._given[f"{place}/proximity/joints"])
         return True
 
     def _present(self, name: str) -> Dict[str, Dict[str, Any]]:
         """Return the cameras or lamps whose link the robot has."""
-        told = self._get(name)
+        told = self._given[name]
         return {
             str(each): values
             for each, values in (told.items() if isinstance(told, dict) else ())

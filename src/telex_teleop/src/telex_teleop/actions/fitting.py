@@ -7,7 +7,7 @@ joint to the robot's first joint of another name, and so on. What finds no key h
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, Callable, Dict, Iterable, List, Sequence, Tuple
+from typing import Any, Dict, Iterable, List, Sequence, Tuple, Type
 
 from telex_teleop.actions.abilities import Abilities, MovedJoint
 from telex_teleop.actions.grammar import (
@@ -282,7 +282,7 @@ def _jog(node: str, joints: Iterable[str], sign: int) -> str:
 
 def _give_names(
     actions: List[NamedAction],
-    kind: Callable[..., Any],
+    kind: Type[Any],
     names: Sequence[str],
     does: str,
     title: str,
