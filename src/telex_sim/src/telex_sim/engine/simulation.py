@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple
 
+from telex_control.common.geometry.quaternions import Pose
 from telex_control.common.params import ConfigError
 from telex_control.manager.controller_manager import ControllerManager
 from telex_control.ros.node_handle import NodeHandle
@@ -29,6 +30,7 @@ from ..scene.objects.assembly import Assembly
 from ..scene.objects.bodies import MeshLists, SceneBodies
 from ..scene.objects.irradiation import SceneField
 from ..scene.objects.leaks import SceneGas
+from ..scene.objects.places import steady
 from ..scene.planning import PlannedScene, Progress, plan_entry, plan_world
 from .phase_timer import PhaseTimer
 from .simulator_config import TUNED_PERIOD, RobotConfig, SimulatorConfig
@@ -481,13 +483,17 @@ class Simulation:
 
     def proximity(self, robot: Robot) -> Proximity:
         """Return what a robot's arm is near to; what is no robot and no object is the floor."""
-        return robot.proximity.measure(lambda uid: self._names.get(uid, FLOOR))
+        return robot.proximity.measure(self.name_of)
 
     def gripper_contact(self, robot: Robot) -> Optional[GripperContact]:
         """Return what a robot's gripper holds, with names as in `proximity`; None without one."""
         if robot.gripper_contacts is None:
             return None
-        return robot.gripper_contacts.measure(lambda uid: self._names.get(uid, FLOOR))
+        return robot.gripper_contacts.measure(self.name_of)
+
+    def name_of(self, uid: int) -> str:
+        """Name of the robot or object that a body (PyBullet's number) is of; else `FLOOR`."""
+        return self._names.get(uid, FLOOR)
 
     @property
     def radiation(self) -> Optional[SceneField]:
@@ -566,6 +572,29 @@ class Simulation:
         self._note_change(f"'{name}' was deleted")
         self._bodies_changed()
         return gone
+
+    def move(self, name: str, pose: Pose) -> None:
+        """Put an object elsewhere in the running scene, at rest.
+
+        A reset puts it back, and bookmarks stay.
+
+        Parameters
+        ----------
+        pose : Pose
+            Of its root in the world; the position within what is seen of the floor.
+
+        Raises
+        ------
+        ConfigError
+            The pose is none, there is no such object or it cannot be moved, or the place is taken;
+            nothing has changed.
+        """
+        if name in self._models():
+            raise ConfigError(f"name is '{name}'; that is a robot, which cannot be moved so")
+        farthest = 0.5 * self.scene.floor.size
+        self.objects.move(name, steady(pose, farthest), [robot.body.uid for robot in self.robots])
+        # The truth is told anew, so that a trial sees that somebody has interfered.
+        self._bodies_changed()
 
     def link_poses(self) -> List[float]:
         """Poses of all that moves, 7 numbers each.

@@ -29,7 +29,7 @@ from ..robot.body import RobotBody
 from ..robot.urdf.visuals import urdf_visuals
 from ..scene.addresses import resolve_address
 from ..scene.assets import Assets
-from ..scene.catalog import scenes
+from ..scene.catalog import MOST_PREVIEW, preview_of, scenes
 from ..scene.files.scene_file import SceneError, read_description
 from ..scene.library import object_types
 from ..scene.model import Floor, Start
@@ -45,6 +45,7 @@ MOST_MEMORY = 1024**3
 """Bytes of memory of its own, what it starts with included."""
 _MOST_ANSWER = 256 * 1024**2
 """Bytes of an answer."""
+_JPEG = b"\xff\xd8\xff"
 _TOO_LATE = -1
 """Status of a rehearsal that was ended after `MOST_WAITING`."""
 _PR_SET_PDEATHSIG = 1
@@ -120,13 +121,15 @@ class RobotRequest:
 
 @dataclass(frozen=True)
 class ListedScene:
-    """What the list of scenes tells of one, and the time and size of its file when it was read."""
+    """What the list of scenes tells of one; times and sizes of its files when they were read."""
 
     name: str
     path: str
     description: str
     problem: str
-    state: Optional[Tuple[int, int]]
+    offered: bool
+    picture: bytes
+    state: Tuple[Optional[Tuple[int, int]], ...]
 
 
 @dataclass(frozen=True)
@@ -144,16 +147,30 @@ class ListingRequest:
         """Read what they say of themselves."""
         for name, path in scenes().items():
             stage.begin_reading()
-            known, state = self.known.get(str(path)), _state(path)
-            if known is not None and state is not None and known.state == state:
+            preview = preview_of(path)
+            known, state = self.known.get(str(path)), (_state(path), _state(preview))
+            if known is not None and state[0] is not None and known.state == state:
                 yield known
                 continue
-            description = problem = ""
+            description, offered, problem = "", True, ""
             try:
-                description = read_description(path)
+                description, offered = read_description(path)
             except SceneError as error:
                 problem = str(error)
-            yield ListedScene(name, str(path), description, problem, state)
+            yield ListedScene(
+                name, str(path), description, problem, offered, _picture(preview), state
+            )
+
+
+def _picture(path: Path) -> bytes:
+    """Return a JPEG file's content; nothing where it is none, or is too large for a list."""
+    try:
+        with path.open("rb") as file:
+            content = file.read(MOST_PREVIEW + 1)
+    except OSError:
+        return b""
+    is_small_jpeg = content.startswith(_JPEG) and len(content) <= MOST_PREVIEW
+    return content if is_small_jpeg else b""
 
 
 def _state(path: Path) -> Optional[Tuple[int, int]]:

@@ -54,6 +54,8 @@ class _Shown(NamedTuple):
 
     revision: int
     lights: Lights
+    daylight: float
+    lamps: float
     floor: SceneVisual
     robots: Mapping[str, _Robot]
     objects: Tuple[SceneObject, ...]
@@ -77,7 +79,7 @@ class SceneMessages:
     """
 
     def __init__(self, model: str, links: Sequence[str], urdf: str, scene: Scene) -> None:
-        self._shown = _Shown(0, scene.lights, _floor(scene.floor), {}, ())
+        self._shown = _Shown(0, scene.lights, 1.0, 1.0, _floor(scene.floor), {}, ())
         self.add_robot(model, links, urdf_visuals(urdf))
 
     @property
@@ -116,22 +118,46 @@ class SceneMessages:
 
     def change_scene(self, scene: Scene, objects: Sequence[SceneObject]) -> None:
         """Describe another scene from now on, with its objects."""
-        self._change(lights=scene.lights, floor=_floor(scene.floor), objects=tuple(objects))
+        self._change(
+            lights=scene.lights,
+            daylight=1.0,
+            lamps=1.0,
+            floor=_floor(scene.floor),
+            objects=tuple(objects),
+        )
+
+    @property
+    def light(self) -> Tuple[float, float]:
+        """Shares of the scene's daylight and of its lamps' light that are described."""
+        return self._shown.daylight, self._shown.lamps
+
+    def set_light(self, daylight: float, lamps: float) -> None:
+        """Describe a share of the scene's daylight, and of its lamps' light, from now on.
+
+        Another scene begins with all of its own.
+        """
+        self._change(daylight=daylight, lamps=lamps)
+
+    @property
+    def frames(self) -> Tuple[int, List[str]]:
+        """The revision that is described, and the names of its frames."""
+        shown = self._shown
+        return shown.revision, _frames_and_visuals(shown)[0]
 
     def description(self, stamp: Time) -> SceneDescription:
         """What there is to see."""
         shown = self._shown
         frames, visuals = _frames_and_visuals(shown)
-        lights = shown.lights
+        lights, day = shown.lights, shown.daylight
         sun, fog = lights.sun, lights.fog
         message = SceneDescription(
             revision=shown.revision,
             frames=frames,
             visuals=visuals,
-            lamps=[_lamp(lamp) for lamp in lights.lamps],
+            lamps=[_lamp(lamp, shown.lamps) for lamp in lights.lamps],
             to_sun=_to_sun(lights),
-            sun=ColorRGBA(*(part * sun.intensity for part in sun.color), 1.0),
-            ambient=lights.ambient,
+            sun=ColorRGBA(*(part * sun.intensity * day for part in sun.color), 1.0),
+            ambient=lights.ambient * day,
             visibility=fog.visibility,
             fog=ColorRGBA(*fog.color, 1.0),
         )
@@ -233,13 +259,13 @@ def _robot(index: Mapping[str, int], visual: UrdfVisual) -> SceneVisual:
     )
 
 
-def _lamp(lamp: Lamp) -> SceneLamp:
+def _lamp(lamp: Lamp, share: float) -> SceneLamp:
     return SceneLamp(
         frame=_WORLD,
         position=Point(*lamp.position),
         direction=Vector3(*lamp.direction),
         angle=lamp.angle,
-        intensity=lamp.intensity,
+        intensity=lamp.intensity * share,
         reach=lamp.reach,
         color=ColorRGBA(*lamp.color, 1.0),
     )

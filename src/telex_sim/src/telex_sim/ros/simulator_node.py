@@ -60,6 +60,7 @@ from ..robot.urdf.visuals import UrdfVisual
 from ..scene.addresses import resolve_address
 from ..scene.files.scene_file import SceneError
 from ..scene.planning import PlannedScene
+from .arranging import Arranging
 from .crash_recovery import CrashRecovery
 from .robot_presence import RobotPresence
 from .scene_messages import SceneMessages
@@ -150,6 +151,9 @@ class SimulatorNode:
             rospy.Service("sim/add_robot", AddRobot, self._on_add_robot),
             rospy.Service("sim/remove_robot", RemoveRobot, self._on_remove_robot),
         ]
+        self._arranging = Arranging(
+            simulation, self._scene, self._rehearsal, self._change, self._publish_scene
+        )
 
     def _present(self, robot: Robot, after_crash: bool = False) -> RobotPresence:
         return RobotPresence(robot, self._change, self._now, after_crash)
@@ -239,6 +243,8 @@ class SimulatorNode:
                 path=scene.path,
                 description=scene.description,
                 problem=scene.problem,
+                offered=scene.offered,
+                picture=scene.picture,
             )
             for scene in scenes
         ]
@@ -448,6 +454,7 @@ class SimulatorNode:
         """Take the services back and release PyBullet."""
         for service in self._services:
             service.shutdown()
+        self._arranging.close()
         for presence in self._presences:
             presence.close()
         self._rehearsal.close()

@@ -16,6 +16,8 @@ INPUTS = "training/inputs"
 TRUTH, NAMES, STATUS = "sim/truth", "sim/truth_names", "sim/status"
 CLIENTS, TELEMETRY, LINK = "bridge/clients", "console/telemetry", "link/state"
 MALFUNCTIONS, E_STOP, DOSES = "sim/malfunctions", "e_stop", "sim/doses"
+ACTIONS = "bridge/actions"
+"""What instructors have done to the scene, with their names."""
 ODOMETRY, ODOMETRY_PERIOD = "track_controller/odom", 0.2
 """Recorded where the exercise has a survey; and sim time from one to the next that is (s)."""
 _LONGEST_JSON = 100_000

@@ -13,10 +13,12 @@ from ..exercises.conditions import EVENTS
 from ..exercises.model import EXAM, MODES, PRACTICE, Exercise, Failure
 from ..exercises.seeds import scene_of
 from . import sheet as sheets
+from .actions import action_of
 from .activity import COMMANDS, STATUSES, ActivityRecord
 from .aids import LASER, LASER_LINK
 from .conditions import Context
 from .entries import (
+    ACTIONS,
     CLIENTS,
     DOSES,
     E_STOP,
@@ -168,6 +170,7 @@ class Judge:
             DOSES: self._take_doses,
             ODOMETRY: self._take_odometry,
             CLIENTS: self._activity.clients,
+            ACTIONS: self._take_action,
             LINK: self._take_link,
             TELEMETRY: self._take_telemetry,
             **({LASER: self._take_lasers} if f'"{LASER_LINK}"' in urdf else {}),
@@ -385,6 +388,13 @@ class Judge:
             self._paused = bool(message.paused)
             if self.phase != IDLE:
                 self._say("pause", detail={"on": self._paused})
+
+    def _take_action(self, entry: Entry) -> None:
+        by, words = action_of(entry)
+        self._note({"text": words, "by": by})
+        exam = self._header.get("mode") == EXAM
+        if exam and self.phase in (WAITING, RUNNING, BETWEEN):
+            self._invalidate(f"{by[:40]} has changed the scene")
 
     def _take_link(self, entry: Entry) -> None:
         self._hear_line(self._link, entry, {})

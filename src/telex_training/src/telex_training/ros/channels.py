@@ -9,6 +9,7 @@ import rospy
 
 from ..judging.activity import COMMANDS, STATUSES
 from ..judging.entries import (
+    ACTIONS,
     CLIENTS,
     DOSES,
     E_STOP,
@@ -29,6 +30,7 @@ WATCHED: Dict[str, str] = {
     STATUS: "telex_msgs/SimStatus",
     DOSES: "telex_msgs/ComponentDoses",
     CLIENTS: "telex_msgs/BridgeClients",
+    ACTIONS: "telex_msgs/InstructorAction",
     TELEMETRY: "std_msgs/String",
     LINK: "telex_msgs/LinkState",
     E_STOP: "std_msgs/Bool",

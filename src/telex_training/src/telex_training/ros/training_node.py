@@ -64,6 +64,7 @@ from .pages.training_pages import Pages
 from .robot_files import about_robot, software_version
 from .session import Session, SessionError
 from .settings import TrainingSettings
+from .texts import TraineeTexts
 
 _LONGEST_NAME = 40  # as of clients of the bridge and the video server
 _MOST_TEXT = 2000
@@ -126,6 +127,7 @@ class TrainingNode:
             for robot in self._robots
             for name, (kind, answer) in services.items()
         ]
+        self._texts = TraineeTexts(self._note_said, lambda: self._holder_name)
         self._publish_state()
 
     # --- services --------------------------------------------------------------------------------
@@ -396,6 +398,12 @@ class TrainingNode:
         if wanted and session.begun:
             session.note({"input": "note", "text": "asked for help", "by": session.operator})
         self._wanted.set()
+
+    def _note_said(self, content: Dict[str, Any]) -> None:
+        """Record what instructor and trainee have said to each other while a trial is under way."""
+        session = self._session
+        if session is not None and session.begun:
+            session.note(content)
 
     def _on_answer(self, request: Any) -> AnswerQuestionResponse:
         try:

@@ -54,6 +54,7 @@ class _Header:
     history: Dict[str, float] = field(default_factory=dict)
     antenna: Optional[Vector3] = None
     robots: Tuple[Start, ...] = ()
+    offered: bool = True
 
     def __post_init__(self) -> None:
         require(
@@ -116,8 +117,14 @@ def load_scene(path: Path, check: Optional[Check] = None) -> Scene:
     return parse_scene(read_text_file(path, MOST_BYTES, SceneError), path, check)
 
 
-def read_description(path: Path) -> str:
+def read_description(path: Path) -> Tuple[str, bool]:
     """Read what a scene file says of itself, without a look at its objects.
+
+    Returns
+    -------
+    description : str
+    offered : bool
+        Whether it is one for lessons; others, such as those for measurements, are loaded by name.
 
     Raises
     ------
@@ -126,7 +133,8 @@ def read_description(path: Path) -> str:
     """
     try:
         content = _content(read_text_file(path, MOST_BYTES, SceneError))
-        return " ".join(_header(_without_objects(content)).description.split())
+        header = _header(_without_objects(content))
+        return " ".join(header.description.split()), header.offered
     except ConfigError as error:
         raise SceneError(f"{path}: {error}") from error
 

@@ -21,7 +21,7 @@ from typing import (
 
 import pybullet
 
-from telex_control.common.geometry.quaternions import Pose, compose
+from telex_control.common.geometry.quaternions import Pose, compose, invert
 from telex_control.common.params import ConfigError
 
 from ...engine.overlaps import DEEPEST, MOST_NAMED, overlaps
@@ -135,6 +135,10 @@ class SceneBodies:
     def objects(self) -> List[SceneObject]:
         """All objects, in the order in which they came; may be called from any thread."""
         return [placed.assembly.source for placed in list(self._placed.values())]
+
+    def assemblies(self) -> List[Assembly]:
+        """What each of them consists of; may be called from any thread."""
+        return [placed.assembly for placed in list(self._placed.values())]
 
     def load(self, floor: Floor, plans: Sequence[Assembly], progress: Progress) -> None:
         """Fill an empty world."""
@@ -254,6 +258,60 @@ class SceneBodies:
         if names:
             self.wake_all()
         return names
+
+    def move(self, name: str, pose: Pose, robots: Sequence[int]) -> None:
+        """Put an object elsewhere, at rest, with what its latches hold; joints stay as they are.
+
+        Parameters
+        ----------
+        pose : Pose
+            Of its root in the world.
+        robots : sequence of int
+            Bodies in which it must not stand.
+
+        Raises
+        ------
+        ConfigError
+            There is no such object, it stands fast, or it would stand in a robot or another object;
+            nothing has changed.
+        """
+        placed = self._placed.get(name)
+        if placed is None:
+            raise ConfigError(f"name is '{name}'; there is no such object")
+        model = placed.assembly.source.model
+        if model.static:
+            raise ConfigError(
+                f"name is '{name}'; it stands fast and cannot be moved: it can be taken out, and "
+                "put in again elsewhere"
+            )
+        change = compose(pose, invert(self.link_pose(name, model.links[0].name)))
+        client = self._client
+        moved = _held_together(placed)
+        before = [
+            (
+                pybullet.getBasePositionAndOrientation(uid, physicsClientId=client),
+                pybullet.getBaseVelocity(uid, physicsClientId=client),
+            )
+            for uid in moved
+        ]
+        for uid, (old, _) in zip(moved, before):
+            self._put(uid, compose(change, old))
+        try:
+            self._check_place(moved, robots)
+        except ConfigError:
+            for uid, (old, velocity) in zip(moved, before):
+                self._put(uid, old)
+                pybullet.resetBaseVelocity(uid, *velocity, physicsClientId=client)
+            raise
+        for uid in moved:
+            _rest(client, uid)
+        self.wake_all()
+
+    def _put(self, uid: int, pose: Pose) -> None:
+        """Place a body; the engine forgets what it touched."""
+        pybullet.resetBasePositionAndOrientation(uid, *pose, physicsClientId=self._client)
+        for link in range(-1, pybullet.getNumJoints(uid, physicsClientId=self._client)):
+            pybullet.setCollisionFilterGroupMask(uid, link, 1, -1, physicsClientId=self._client)
 
     def wake_all(self) -> None:
         """Wake everything: PyBullet leaves asleep what has lost its support."""
@@ -629,6 +687,24 @@ _GEOMETRY = {
 
 def _can_move(assembly: Assembly) -> bool:
     return bool(assembly.source.model.moving_links())
+
+
+def _held_together(placed: _Placed) -> List[int]:
+    """Bodies of an object that go where its root goes: not what is out of its latch."""
+    held = {0}
+    for latch, plan in zip(placed.latches, placed.assembly.latches):
+        if latch.holds and plan.parent_body in held:
+            held.add(plan.child_body)
+    return [placed.bodies[number] for number in sorted(held)]
+
+
+def _rest(client: int, uid: int) -> None:
+    """Take all motion from a body."""
+    nothing = (0.0, 0.0, 0.0)
+    pybullet.resetBaseVelocity(uid, nothing, nothing, physicsClientId=client)
+    for joint in range(pybullet.getNumJoints(uid, physicsClientId=client)):
+        position = pybullet.getJointState(uid, joint, physicsClientId=client)[0]
+        pybullet.resetJointState(uid, joint, position, 0.0, physicsClientId=client)
 
 
 def _joint_type(segment: Segment) -> int:

@@ -106,6 +106,7 @@ class Rosbridge:
             self._exam_watch.run(),
             self._roster.run(),
             self._node_watch.run(),
+            self.shared.actions.run(),
             self._link.run(),
             self.shared.stuck_key.run(),
             self._prepare_e_stop(),

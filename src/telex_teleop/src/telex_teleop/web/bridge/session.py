@@ -21,6 +21,7 @@ from .protocol.operations import Operation, OperationError
 from .ros import Ros
 from .services.advertise_service import AdvertisedServices
 from .services.call_service import ServiceCalls, Services
+from .services.instructor_actions import InstructorActions
 from .topics.commands import CommandGate
 from .topics.goals import AllGoals
 from .topics.publish import Publications
@@ -87,8 +88,9 @@ class Shared:
             for instructor in (False, True)
         }
         own_services = ControlServices(self.control, ros.resolve, self.end_exam if proven else None)
+        self.actions = InstructorActions(ros, self.publishers)
         self.services = Services(
-            ros, self.worker, own_services, self.access, config.service_timeout
+            ros, self.worker, own_services, self.access, self.actions, config.service_timeout
         )
 
     def _review(self) -> None:

@@ -36,8 +36,12 @@ _SIMULATOR = tuple(
         "list_bookmarks",
         "list_scenes",
         "load_scene",
+        "list_objects",
+        "find_place",
         "spawn",
+        "move",
         "delete",
+        "set_light",
         "add_robot",
         "remove_robot",
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from typing import Any, Callable, Dict, Mapping, Optional, Sequence
+from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Tuple
 
 from ...workers import OrderedWorker, in_own_thread
 from ..clients.access import Access
@@ -14,6 +14,7 @@ from ..protocol.ros_messages import codec_of, service_class
 from ..ros import Ros
 from ..topics.commands import CommandGate
 from .advertise_service import AdvertisedServices
+from .instructor_actions import InstructorActions
 from .rosapi import Question, RosApi
 
 
@@ -26,6 +27,8 @@ class Services:
         Thread for rosapi's questions to the master.
     access
         What clients may do and see, by whether they are instructors.
+    actions
+        Told of all calls of ROS's services that were answered.
     timeout
         Time (s) after which a call is given up.
     """
@@ -36,11 +39,13 @@ class Services:
         worker: OrderedWorker,
         control: ControlServices,
         access: Mapping[bool, Access],
+        actions: InstructorActions,
         timeout: float,
     ) -> None:
         self._ros = ros
         self._worker = worker
         self._control = control
+        self._actions = actions
         self._timeout = timeout
         self._rosapi = {
             instructor: RosApi(ros, control.types, allowed)
@@ -77,8 +82,10 @@ class Services:
             gate.admit_call(name)
             gate.check_numbers("call", name, arguments or {})
             # A service may take its time, so each call has a thread of its own.
-            answer = in_own_thread(lambda: self._call_ros(service, arguments))
-            return await asyncio.wait_for(answer, self._timeout)
+            call = in_own_thread(lambda: self._call_ros(service, arguments))
+            fields, answer = await asyncio.wait_for(call, self._timeout)
+            self._actions.note(client.member, name, fields, answer)
+            return answer
         except asyncio.TimeoutError:
             raise OperationError(f"{service} did not answer within {self._timeout:g} s") from None
         except Exception as error:  # whatever fails in ROS is the answer to the client
@@ -102,7 +109,8 @@ class Services:
         answer = self._worker.submit(lambda: question.ask(fields))
         return await asyncio.wait_for(answer, self._timeout)
 
-    def _call_ros(self, service: str, arguments: Any) -> Dict[str, Any]:
+    def _call_ros(self, service: str, arguments: Any) -> Tuple[Dict[str, Any], Dict[str, Any]]:
+        """Return the fields of the request and of the response; blocks."""
         name = self._ros.resolve(service)
         type_name = self._ros.service_type(name)
         if type_name is None:
@@ -111,7 +119,8 @@ class Services:
         request_codec = codec_of(found._request_class)
         fields = _as_object(arguments, request_codec.fields)
         request = request_codec.from_json(fields, self._ros.now)
-        return codec_of(found._response_class).to_json(self._ros.call_service(name, found, request))
+        response = self._ros.call_service(name, found, request)
+        return fields, codec_of(found._response_class).to_json(response)
 
 
 def _as_object(arguments: Any, fields: Sequence[str]) -> Dict[str, Any]:
