@@ -187,6 +187,11 @@ export class Bridge {
   }
 
   /** @param {string} topic */
+  unsubscribe(topic) {
+    if (this._subscriptions.delete(topic)) this._send({ op: "unsubscribe", id: `subscribe:${topic}`, topic });
+  }
+
+  /** @param {string} topic */
   _advertiseNow(topic) {
     const { type, latch } = /** @type {{type: string, latch: boolean, urgent: boolean}} */ (this._advertised.get(topic));
     // One message may wait for a slow subscriber, not a hundred: an old command is worse than none.

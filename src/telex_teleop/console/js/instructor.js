@@ -8,10 +8,14 @@ import { onClick } from "./buttons.js";
 import { Cameras } from "./cameras.js";
 import { locateBridge, waitForConfig } from "./config.js";
 import { FadingTexts } from "./fading.js";
+import { Arranging } from "./instructor/arranging/arranging.js";
 import { ExamList } from "./instructor/exam_list.js";
+import { LightPanel } from "./instructor/light_panel.js";
 import { LinePanel } from "./instructor/line_panel.js";
 import { MalfunctionPanel } from "./instructor/malfunction_panel.js";
 import { RobotsPanel } from "./instructor/robots_panel.js";
+import { listenToTabs } from "./instructor/tabs.js";
+import { TraineeCard } from "./instructor/trainee_card.js";
 import { text, translated } from "./language.js";
 import { startLanguage } from "./language/page.js";
 import { Line, LINK_STATE } from "./line.js";
@@ -28,6 +32,7 @@ import { TrainingClient } from "./training/client.js";
 import { InstructorBookmarks } from "./training/instructor_bookmarks.js";
 import { ExercisePanel } from "./training/instructor_panel.js";
 import { TrainingStrip } from "./training/strip.js";
+import { fetchVocabulary } from "./vocabulary.js";
 
 const DISPLAY_PERIOD = 200; // ms
 const STEP = 0.1; // s of sim time that a step takes
@@ -64,6 +69,7 @@ async function start() {
   const attitude = new AttitudeView((sentence) => status.log(sentence, "warning"));
   const config = await waitForConfig(given);
   const topic = globalNames(config);
+  const { vocabulary } = await fetchVocabulary();
   showRobot(config, byId("brand"));
   const cameras = startCameras(config);
   const warn = (/** @type {string} */ sentence) => status.warn(sentence);
@@ -97,6 +103,10 @@ async function start() {
   const bookmarks = new InstructorBookmarks(bridge, topic, log, warn);
   const robots = new RobotsPanel(config, given, (sentence, level) => status.log(sentence, level));
   const overview = new OverviewControl(bridge, topic, () => cameras.main.camera);
+  const light = new LightPanel(vocabulary, bridge, topic, log, warn);
+  const trainee = new TraineeCard(vocabulary, bridge, topic, given.get("name") ?? "", log, warn);
+  const arranging = new Arranging(bridge, topic, () => cameras.main.camera, log, warn, (lit) => light.show(lit));
+  listenToTabs(byId("tabs"), (part) => arranging.open(part === "scene"));
 
   const size = new PictureSize(bridge, topic);
 
@@ -157,6 +167,7 @@ async function start() {
     if (status.isOtherWorld(message)) cameras.newScene();
     status.setSim(message);
     scenes.setStatus(message);
+    arranging.setStatus(message);
     setText(byId("pause"), message.paused ? `▶ ${text("continue")}` : `❚❚ ${text("pause")}`);
     /** @type {HTMLButtonElement} */ (byId("step")).disabled = !message.paused;
     const late = message.late_cycles > 0 ? text(" · {count} late cycles", { count: message.late_cycles }) : "";
@@ -192,12 +203,15 @@ async function start() {
   overview.subscribe();
   examList.subscribe();
   malfunctions.subscribe();
+  light.subscribe();
+  trainee.subscribe();
   training.subscribe((state) => {
     strip.show(state);
     exercises.show(state);
     examList.hear(state);
     malfunctions.show(state);
     bookmarks.show(state);
+    arranging.show(state);
   });
 
   setInterval(() => {
@@ -207,6 +221,7 @@ async function start() {
     status.fade();
     attitude.fade();
     facts.fade();
+    trainee.fade();
     cameras.refresh();
     overview.refresh();
   }, DISPLAY_PERIOD);

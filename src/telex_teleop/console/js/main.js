@@ -45,6 +45,7 @@ import { TOOL_TYPES, ToolCommander, ToolPanel } from "./tool.js";
 import { Tour } from "./tour.js";
 import { ExerciseBrief } from "./training/brief.js";
 import { ExerciseChooser } from "./training/chooser.js";
+import { InstructorText } from "./training/instructor_text.js";
 import { TrainingClient } from "./training/client.js";
 import { TrainingStrip } from "./training/strip.js";
 import { tellTelemetry } from "./training/telemetry.js";
@@ -144,6 +145,8 @@ class Console {
     this._training = new TrainingClient(this._bridge, topic, warn);
     this._strip = new TrainingStrip(this._training, GIVEN, letGo);
     this._chooser = new ExerciseChooser(this._training, GIVEN, letGo);
+    this._text = new InstructorText(this._bridge, topic, warn);
+    this._tellTelemetry = () => {}; // until there is somebody to tell it
     this._health = new Health(this._status, letGo);
     this._line = new Line((sentence, level) => this._status.log(sentence, level));
     // What the operator presses.
@@ -232,6 +235,7 @@ class Console {
       "second view": () => this._layouts.toggle("second"),
       "small views": () => this._layouts.toggle("small"),
       "walk the buttons": () => walkButtons(),
+      "read text": () => this._text.read(),
       bookmark: () => this._strip.bookmarks.set(),
       "go back": () => this._strip.bookmarks.back(),
       "next language": () => nextLanguage(),
@@ -259,6 +263,7 @@ class Console {
     this._showMotion();
     if (!this._held.empty) this._clock.begin();
     this._tour.see(this._held.actions);
+    this._tellTelemetry();
   }
 
   /** Command what is held. */
@@ -364,7 +369,9 @@ class Console {
       this._strip.show(state);
       this._brief.show(state);
     });
-    tellTelemetry(this._bridge, this._topic, () => this._control.isMine && this._control.isKnown ? this._cameras.seen : null);
+    this._text.subscribe();
+    this._tellTelemetry = tellTelemetry(this._bridge, this._topic, () =>
+      this._control.isMine && this._control.isKnown ? { ...this._cameras.seen, held: [...this._held.actions] } : null);
     this._subscribeToSimulator();
     this._subscribeToNodes();
   }

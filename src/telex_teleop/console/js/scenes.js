@@ -52,11 +52,13 @@ export class SceneChooser {
    * @param {string} current  Path of the one that is loaded.
    */
   _fill(scenes, current) {
-    const listed = JSON.stringify([scenes, current]);
+    // Another one, such as for measurements, is loaded by its name; while it is there, it can be loaded anew.
+    const shown = scenes.filter(({ offered, path }) => offered !== false || path === current);
+    const listed = JSON.stringify([shown, current]);
     if (listed === this._listed) return;
     this._listed = listed;
     // What is loaded comes first, where it is seen without scrolling.
-    const sorted = [...scenes].sort((a, b) => Number(b.path === current) - Number(a.path === current));
+    const sorted = [...shown].sort((a, b) => Number(b.path === current) - Number(a.path === current));
     byId("scenes").replaceChildren(...sorted.map((scene) => {
       const line = element("li");
       line.dataset.scene = scene.name;
@@ -65,6 +67,11 @@ export class SceneChooser {
       button.type = "button";
       button.disabled = scene.problem !== "";
       onClick(button, () => this._load(scene.name));
+      if (scene.picture) {
+        const picture = /** @type {HTMLImageElement} */ (element("img"));
+        Object.assign(picture, { src: `data:image/jpeg;base64,${scene.picture}`, alt: "" });
+        line.append(picture);
+      }
       line.append(element("b", "", scene.name), button, element("p", scene.problem ? "problem" : "", scene.problem || scene.description));
       line.title = `${scene.description}\n${scene.path}`;
       return line;

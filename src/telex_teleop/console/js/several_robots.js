@@ -3,10 +3,10 @@
 
 /** @typedef {import("./config.js").Config} Config */
 
-/** Services of the simulator that all robots share; whatever else stands in `sim/` is each robot's own. */
+/** Services and topics of the simulator that all robots share; whatever else stands in `sim/` is each robot's own. */
 const SIMULATOR = new Set([
   "sim/pause", "sim/unpause", "sim/step", "sim/reset", "sim/bookmark", "sim/restore", "sim/list_bookmarks", "sim/list_scenes",
-  "sim/load_scene", "sim/spawn", "sim/delete",
+  "sim/load_scene", "sim/spawn", "sim/delete", "sim/list_objects", "sim/find_place", "sim/move", "sim/set_light", "sim/poses",
 ]);
 
 /** @param {Config} config @returns {string} */

@@ -1,33 +1,49 @@
 // @ts-check
-/** What the operator sees, told to the recording: the camera of the large view, how old its pictures are, and which aids are on. */
+/** What the operator sees and holds, told to the recording and to the instructor: large view, age of its pictures, aids, actions. */
 
 import { TYPES } from "./client.js";
 
 const PERIOD = 500; // ms
+const SOONEST = 100; // ms between two words, however often something is pressed
+
+/**
+ * Camera, age (s) of its painted picture, names of actions, and the aids that are on by name: true for a training aid, which stands in for
+ * equipment that the robot lacks.
+ * @typedef {{view: string, picture_age: number | null, held: string[], aids?: Record<string, boolean>}} Seen
+ */
 
 /**
  * Tell it for as long as the page lives.
  * @param {import("../bridge.js").Bridge} bridge
  * @param {(name: string) => string} topic
- * @param {() => {view: string, picture_age: number | null, aids?: Record<string, boolean>} | null} look  Camera, age (s) of the picture
- *   that is painted, and the aids that are on by name: true for a training aid, which stands in for equipment that the robot lacks; null:
- *   this page does not drive, and tells nothing.
+ * @param {() => Seen | null} look  Null: this page does not drive, and tells nothing.
+ * @returns {() => void} Tells it soon, for something is held now, or is not any more.
  */
 export function tellTelemetry(bridge, topic, look) {
   const name = topic("console/telemetry");
   bridge.advertise(name, TYPES.telemetry);
-  setInterval(() => {
+  let told = -Infinity;
+  const tell = () => {
     if (!bridge.connected || document.hidden) return;
     const seen = look();
     if (seen === null) return;
-    const { view, picture_age: age, aids } = seen;
+    told = performance.now();
+    const { view, picture_age: age, held, aids } = seen;
     const trip = bridge.usualTrip;
-    const told = {
+    const data = {
       view,
+      held,
       ...(age === null ? {} : { picture_age: age }),
       ...(trip === null ? {} : { round_trip: trip / 1000 }),
       ...(aids === undefined ? {} : { aids }),
     };
-    bridge.publish(name, { data: JSON.stringify(told) });
-  }, PERIOD);
+    bridge.publish(name, { data: JSON.stringify(data) });
+  };
+  setInterval(tell, PERIOD);
+  /** @type {ReturnType<typeof setTimeout> | undefined} */
+  let due;
+  return () => {
+    clearTimeout(due);
+    due = setTimeout(tell, Math.max(0, told + SOONEST - performance.now()));
+  };
 }

@@ -109,6 +109,7 @@ class Command(Enum):
     SMALL_VIEWS = "small views"
     WALK = "walk the buttons"
     LANGUAGE = "next language"
+    READ_TEXT = "read text"
 
 
 Action = Union[Jog, Drive, Side, Preset, Tool, ToPose, Zoom, Lamps, Command]
@@ -124,6 +125,7 @@ PAGE_ONLY = (
     Command.SMALL_VIEWS,
     Command.WALK,
     Command.LANGUAGE,
+    Command.READ_TEXT,
 )
 NODES = ("arm", "gripper", "flipper")
 DIRECTIONS = {

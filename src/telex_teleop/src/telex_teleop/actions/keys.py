@@ -21,7 +21,7 @@ _NAMED = {
     "pageup": ("PageUp", "PgUp"),
     "pagedown": ("PageDown", "PgDn"),
     # those of the function keys that browsers leave to pages
-    **{f"f{number}": (f"F{number}", f"F{number}") for number in (2, 4, 6, 8, 9, 10)},
+    **{f"f{number}": (f"F{number}", f"F{number}") for number in (2, 4, 6, 7, 8, 9, 10)},
 }
 _SIGNS = {
     "`": "Backquote",

@@ -1,0 +1,70 @@
+// @ts-check
+/** What the instructor says to the trainee: in the header until he acknowledges it, by key or button. */
+
+import { onClick } from "../buttons.js";
+import { text as say } from "../language.js";
+import { byId, element, setText } from "../panels.js";
+
+const TYPE = "telex_msgs/TrainingText";
+
+/** @typedef {{number: number, text: string, by: string, read: boolean}} Told  telex_msgs/TrainingText */
+
+export class InstructorText {
+  /**
+   * @param {import("../bridge.js").Bridge} bridge
+   * @param {(name: string) => string} topic
+   * @param {(sentence: string) => void} warn
+   */
+  constructor(bridge, topic, warn) {
+    this._bridge = bridge;
+    this._topic = topic;
+    this._warn = warn;
+    /** @type {Told | null} */
+    this._told = null;
+    document.querySelector("body > header")?.append(build());
+    onClick(byId("instructor-text-read"), () => this.read());
+  }
+
+  subscribe() {
+    this._bridge.subscribe({ topic: this._topic("training/text"), type: TYPE, throttle: 0, heard: (told) => this._show(told) });
+  }
+
+  /** @param {Told} told */
+  _show(told) {
+    this._told = told;
+    const isShown = told.text !== "" && !told.read;
+    byId("instructor-text").hidden = !isShown;
+    if (!isShown) return;
+    setText(byId("instructor-text-by"), say("{by} says:", { by: told.by }));
+    setText(byId("instructor-text-words"), told.text);
+  }
+
+  /** Acknowledge what is shown. */
+  async read() {
+    const told = this._told;
+    if (told === null || told.text === "" || told.read) return;
+    try {
+      const { success, message } = await this._bridge.call(this._topic("training/read"), { number: told.number });
+      if (!success) this._warn(message);
+    } catch (error) {
+      this._warn(/** @type {Error} */ (error).message);
+    }
+  }
+}
+
+/** A line of the header. */
+function build() {
+  const line = element("section", "instructor-text");
+  Object.assign(line, { id: "instructor-text", hidden: true });
+  line.setAttribute("role", "alert");
+  const by = element("span"), words = element("b");
+  by.id = "instructor-text-by";
+  words.id = "instructor-text-words";
+  const button = /** @type {HTMLButtonElement} */ (element("button", "small"));
+  Object.assign(button, { id: "instructor-text-read", type: "button" });
+  const cap = element("kbd");
+  cap.dataset.binding = "read";
+  button.append(cap, " ", say("I have read it"));
+  line.append(by, words, button);
+  return line;
+}
