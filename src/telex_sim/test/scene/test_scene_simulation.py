@@ -10,6 +10,7 @@ import pytest
 from geometry_msgs.msg import Twist
 
 from telex_control.common.params import ConfigError
+from telex_sim.engine.bookmarks import Bookmarks
 from telex_sim.scene.files.scene_file import SceneError
 
 pytestmark = pytest.mark.slow
@@ -115,6 +116,30 @@ def test_spawned_objects_are_there_and_carry_the_robot(robot):
     assert simulation.delete("wall") == ["wall"]
     drive(tested, 0.6, 2.0)
     assert place(tested)[0] > 1.5
+
+
+def test_a_moved_object_goes_back_with_a_reset_and_ends_no_bookmark(robot, scene):
+    tested = robot(world=scene(block("box", (1.5, 0.0, 0.0))))
+    simulation = tested.simulation
+    bookmarks = Bookmarks(simulation)
+    bookmarks.save("before")
+    changes = simulation.changes
+    simulation.move("box", ((2.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0)))
+    assert simulation.changes > changes, "so that a trial sees it"
+    tested.run(0.2)
+    assert place(tested, "box/body") == pytest.approx((2.0, 1.0, 0.0), abs=2e-3)
+    bookmarks.restore("before")
+    assert place(tested, "box/body") == pytest.approx((1.5, 0.0, 0.0), abs=2e-3)
+    simulation.move("box", ((2.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0)))
+    simulation.reset()
+    assert place(tested, "box/body") == pytest.approx((1.5, 0.0, 0.0), abs=2e-3)
+    for name, pose, message in (
+        ("telex", (1.0, 1.0, 0.0), "that is a robot"),
+        ("box", (0.0, 0.0, 0.1), "'box' would stand in the robot"),
+        ("box", (50.0, 0.0, 0.0), "at most 40 m"),
+    ):
+        with pytest.raises(ConfigError, match=message):
+            simulation.move(name, (pose, (0.0, 0.0, 0.0, 1.0)))
 
 
 def test_a_surface_that_takes_the_number_of_one_that_went_has_its_own_friction(robot, scene):
