@@ -69,7 +69,7 @@ async function start() {
   const attitude = new AttitudeView((sentence) => status.log(sentence, "warning"));
   const config = await waitForConfig(given);
   const topic = globalNames(config);
-  const { vocabulary } = await fetchVocabulary();
+  const { vocabulary } = await fetchVocabulary(given);
   showRobot(config, byId("brand"));
   const cameras = startCameras(config);
   const warn = (/** @type {string} */ sentence) => status.warn(sentence);
