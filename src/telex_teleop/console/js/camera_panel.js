@@ -24,6 +24,10 @@ export class CameraCommander {
     this._zoom = 1;
     /** Where the camera that zooms is told to; empty: not known yet, or there is none. */
     this._zoomTopic = "";
+    /** Its name. */
+    this._zooms = "";
+    /** Called when a camera is told to zoom. @type {(camera: string, factor: number) => void} */
+    this.zoomed = () => {};
     this._zoomRate = vocabulary.zoomRate;
     this._mostZoom = vocabulary.maxZoom;
     this._last = -Infinity;
@@ -65,6 +69,7 @@ export class CameraCommander {
     for (const [name, { zoom_max: most }] of Object.entries(cameras)) {
       if (most === null || !(most > 1)) continue;
       this._mostZoom = most;
+      this._zooms = name;
       this._listenToZoom(this._topic(`cameras/${name}/zoom`));
       return;
     }
@@ -108,8 +113,15 @@ export class CameraCommander {
 
   /** @param {number | null} factor */
   _take(factor) {
-    if (factor !== null && Number.isFinite(factor)) this._zoom = Math.min(this._mostZoom, Math.max(1, factor));
+    if (factor === null || !Number.isFinite(factor)) return;
+    this._zoom = Math.min(this._mostZoom, Math.max(1, factor));
     setText(this._zoomValue, `${decimal(this._zoom, 1)}×`);
+    this.zoomed(this._zooms, this._zoom);
+  }
+
+  /** @param {string} camera  Whether it can zoom. */
+  zooms(camera) {
+    return camera === this._zooms;
   }
 
   _show() {

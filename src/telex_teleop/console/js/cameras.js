@@ -151,6 +151,7 @@ export class Cameras {
     this._sceneLoaded = -Infinity;
     // A view that the layout has no place for, or has one for again.
     this._sizes = new ResizeObserver(() => this._tell());
+    this._canvas = canvas;
     this._giveCanvas(canvas);
     const camera = config.cameras.find(({ name }) => name === config.main_camera) ?? config.cameras[0];
     /** What is in the first view unless something else is asked for. */
@@ -200,6 +201,14 @@ export class Cameras {
   /** Cameras of all views, the first one's first. */
   get order() {
     return this._states().map(({ camera }) => camera);
+  }
+
+  /** The views that are large, as far as they are shown: what each shows, where, and what stands over it. */
+  get large() {
+    const main = /** @type {HTMLElement} */ (this._canvas.parentElement);
+    const others = this._thumbnails.slice(0, this._places.length - 1).filter(({ isShown }) => isShown);
+    return [{ state: this.main, element: main }, ...others].map(({ state: { camera, live }, element }) =>
+      ({ camera, live, element, over: /** @type {HTMLElement | null} */ (element.querySelector(".over")) }));
   }
 
   /**

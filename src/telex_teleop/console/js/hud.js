@@ -19,10 +19,13 @@ const PICTURE = { good: { age: 200, rate: 8 }, fair: { age: 500, rate: 4 } };
  * Where the robot points, as on a compass: clockwise.
  * @param {{x: number, y: number, z: number, w: number}} orientation
  */
-export function headingOf({ x, y, z, w }) {
-  if (![x, y, z, w].every(Number.isFinite)) return "–";
-  return headingOfYaw(Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)));
+export function headingOf(orientation) {
+  if (![orientation.x, orientation.y, orientation.z, orientation.w].every(Number.isFinite)) return "–";
+  return headingOfYaw(yawOf(orientation));
 }
+
+/** Where it points (rad, counter-clockwise). @param {{x: number, y: number, z: number, w: number}} orientation */
+export const yawOf = ({ x, y, z, w }) => Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z));
 
 /** @param {number} yaw  rad, counter-clockwise */
 export function headingOfYaw(yaw) {

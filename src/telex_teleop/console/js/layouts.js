@@ -33,6 +33,13 @@ export class Layouts {
     this._kept = kept;
     this._layout = layouts.find(({ name }) => name === (asked || last)) ?? layouts[0];
     cameras.chosen = () => this._change({ views: cameras.order.slice(0, 2) });
+    /** Called when the page is laid out anew, or shows something else. */
+    this.changed = () => {};
+  }
+
+  /** The one that is shown. */
+  get present() {
+    return this._layout;
   }
 
   /** In which mode the page begins. */
@@ -82,6 +89,7 @@ export class Layouts {
     }
     byId("show-second").setAttribute("aria-pressed", String(second));
     byId("show-small").setAttribute("aria-pressed", String(small));
+    this.changed();
   }
 
   /** @param {"second" | "small"} what */
@@ -115,6 +123,7 @@ export class Layouts {
   _change(changes) {
     this._kept[this._layout.name] = { ...this._now, ...changes };
     this._save();
+    this.changed();
   }
 
   /** @returns {{last?: string, kept?: Record<string, Kept>}} */

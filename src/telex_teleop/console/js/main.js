@@ -1,6 +1,7 @@
 // @ts-check
 /** Puts the console together. */
 
+import { Aids } from "./aids/aids.js";
 import { AttitudeView, STABILITY } from "./attitude.js";
 import { BATTERY, BATTERY_RANGE, BatteryView } from "./battery.js";
 import { Avatar } from "./avatar.js";
@@ -136,6 +137,7 @@ class Console {
     this._cameraCommander = new CameraCommander(vocabulary, this._bridge, topic, congested);
     this._tool = new ToolPanel(vocabulary, this._toolCommander, call, letGo, warn);
     this._layouts = new Layouts(localStorage, config.namespace, vocabulary.layouts, GIVEN.get("layout") ?? "", this._cameras, vocabulary.all);
+    this._aids = this._makeAids(config.namespace);
     this._modes = new ModeSwitch(vocabulary.modes, this._tool, letGo, this._layouts);
     this._tool.changed = this._cameras.grown = () => this._modes.show();
     this._modes.show();
@@ -183,6 +185,18 @@ class Console {
         this._status.warn(text("bridge: {sentence}", { sentence: translated(sentence) }));
       },
     });
+  }
+
+  /** @param {string} robot  Its namespace. */
+  _makeAids(robot) {
+    const aids = new Aids({
+      vocabulary: this._vocabulary, bridge: this._bridge, topic: this._topic, cameras: this._cameras, layouts: this._layouts,
+      joints: this._joints, gripper: this._gripper, map: this._map, zooms: (camera) => this._cameraCommander.zooms(camera),
+      paused: () => this._status.paused, warn: (sentence) => this._status.warn(sentence), odometry: this._facts.odometry,
+    }, localStorage, robot);
+    this._cameraCommander.zoomed = (camera, factor) => aids.zoom(camera, factor);
+    aids.setRobot(this._facts);
+    return aids;
   }
 
   _makeGamepad() {
@@ -239,6 +253,7 @@ class Console {
       bookmark: () => this._strip.bookmarks.set(),
       "go back": () => this._strip.bookmarks.back(),
       "next language": () => nextLanguage(),
+      ...this._aids.commands,
       help: () => {
         this._letGo(text("the list of keys"));
         this._keyDialog.toggle();
@@ -317,6 +332,7 @@ class Console {
   _connected() {
     this._status.log(text("connected"));
     this._control.connected();
+    this._aids.connected();
     this._askWhatItIs();
   }
 
@@ -324,8 +340,9 @@ class Console {
   async _askWhatItIs() {
     try {
       const facts = await fetchRobot(GIVEN);
-      if (isSameRobot(facts, this._facts)) this._cameraCommander.setCameras(facts.cameras);
-      else location.reload();
+      if (!isSameRobot(facts, this._facts)) return location.reload();
+      this._cameraCommander.setCameras(facts.cameras);
+      this._aids.setRobot(facts);
     } catch {
       // What was known before still holds.
     }
@@ -368,10 +385,11 @@ class Console {
       byId("exercises-open").hidden = false;
       this._strip.show(state);
       this._brief.show(state);
+      this._aids.hearTraining(state);
     });
     this._text.subscribe();
-    this._tellTelemetry = tellTelemetry(this._bridge, this._topic, () =>
-      this._control.isMine && this._control.isKnown ? { ...this._cameras.seen, held: [...this._held.actions] } : null);
+    const look = () => ({ ...this._cameras.seen, held: [...this._held.actions], aids: this._aids.told });
+    this._tellTelemetry = tellTelemetry(this._bridge, this._topic, () => this._control.isMine && this._control.isKnown ? look() : null);
     this._subscribeToSimulator();
     this._subscribeToNodes();
   }
@@ -380,14 +398,19 @@ class Console {
     this._listen("joint_states", TYPES.jointStates, (states) => {
       this._joints.set(states);
       this._panels.showJoints();
+      this._aids.hearJoints(states);
     }, JOINTS_PERIOD);
     this._listen(BATTERY.topic, BATTERY.type, (message) => this._battery.set(message), DISPLAY_PERIOD);
     this._listen(BATTERY_RANGE.topic, BATTERY_RANGE.type, (message) => this._battery.setRange(message), DISPLAY_PERIOD);
-    this._listen(CONTACT.topic, CONTACT.type, (message) => this._gripper.feel(message), DISPLAY_PERIOD);
+    this._listen(CONTACT.topic, CONTACT.type, (message) => {
+      this._gripper.feel(message);
+      this._aids.feel(message);
+    }, DISPLAY_PERIOD);
     if (this._facts.odometry !== null) {
       this._listen(this._facts.odometry, ODOMETRY.type, (odometry) => {
         this._hud.setOdometry(odometry);
         this._map.move(odometry);
+        this._aids.move(odometry);
       }, ODOMETRY.period);
     }
     // What stands fast does not tip over.
@@ -395,6 +418,7 @@ class Console {
       this._listen(STABILITY.topic, STABILITY.type, (stability) => {
         this._attitude.set(stability);
         this._pitch = stability.pitch ?? 0;
+        this._aids.hearStability(stability);
       }, JOINTS_PERIOD);
     }
     this._listen(DOSIMETER.topic, DOSIMETER.type, (reading) => {
@@ -513,6 +537,7 @@ class Console {
     this._dosimeter.fade(status.paused);
     this._gas.fade(status.paused);
     this._map.draw();
+    this._aids.change();
   }
 
   /** Show who moves what. */
@@ -544,6 +569,7 @@ class Console {
     this._model = model;
     this._panels.setModel(model);
     this._avatar.setModel(model);
+    this._aids.setModel(model);
   }
 }
 

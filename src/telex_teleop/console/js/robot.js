@@ -32,6 +32,8 @@ export const TYPES = {
  * @property {Record<"left" | "right", string[]>} sides   Flippers and fingers of each.
  * @property {GripperFacts | null} gripper
  * @property {string | null} odometry  Topic; null: it cannot drive.
+ * @property {Record<string, any>} [equipment]
+ * @property {Record<string, any>} [training_aids]  What stands in for equipment that it lacks, in practice.
  */
 
 /** Of a robot of which nothing is said; where it drives, it tells so as track_teleop has it by default. @type {Facts} */

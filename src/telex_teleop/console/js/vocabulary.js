@@ -52,6 +52,7 @@ const RETRY_AFTER = 2000; // ms
  * @property {Mode[]} modes      In which it is there.
  * @property {string[]} first    Cameras of the first view: the first one that the robot has.
  * @property {string[]} second   Of the second one.
+ * @property {string[]} [aids]    Commands of the aids that are on at first.
  */
 
 /** @type {Mode[]} */

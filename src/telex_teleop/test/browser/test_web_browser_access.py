@@ -43,14 +43,14 @@ FAULTS = """
       if (!shown(word) || word.scrollWidth <= word.clientWidth) continue;
       faults.push(`cut: ${word.textContent}`);
     }
-    for (const canvas of document.querySelectorAll("#picture, .thumbnail canvas")) {
+    for (const canvas of document.querySelectorAll("#picture, .thumbnail canvas:not(.aids)")) {
       if (!shown(canvas)) continue;
       const {left, top, width, height} = canvas.getBoundingClientRect();
       for (let v = 0.36; v < 1; v += 0.09) {
         for (let u = 0.02; u < 1; u += 0.12) {
           const over = [...document.querySelectorAll("#view *, .second *, .thumbnail *")]
             .filter((each) => each !== canvas && !each.contains(canvas) && shown(each)
-              && !each.matches(".over"));
+              && !each.matches(".over, .aids"));
           const [x, y] = [left + u * width, top + v * height];
           const hit = over.find((each) => {
             const box = each.getBoundingClientRect();

@@ -1,8 +1,8 @@
 // @ts-check
-/** The map of radiation: a panel that can be opened, with what was measured along the robot's own way. */
+/** The map: a panel that can be opened, with the way by the robot's own odometry and what was measured along it. */
 
 import { onClick } from "../buttons.js";
-import { headingOfYaw } from "../hud.js";
+import { headingOfYaw, yawOf } from "../hud.js";
 import { text } from "../language.js";
 import { byId, setText } from "../panels.js";
 import { RadiationTrack, bearingOf } from "./track.js";
@@ -32,11 +32,34 @@ export class RadiationMap {
   constructor() {
     this._track = new RadiationTrack();
     this._canvas = /** @type {HTMLCanvasElement} */ (byId("radiation-map-canvas"));
-    onClick(byId("radiation-map-open"), () => { byId("radiation-map").hidden = !byId("radiation-map").hidden; });
-    onClick(byId("radiation-map-close"), () => { byId("radiation-map").hidden = true; });
+    /** Whether it is open for what was measured, and for the robot's way. */
+    this._isOpen = this._isPlan = false;
+    /** Called when it is closed while it is open for the robot's way. */
+    this.closed = () => {};
+    /** What was drawn last. */
+    this._drawn = "";
+    onClick(byId("radiation-map-open"), () => this._open(byId("radiation-map").hidden));
+    onClick(byId("radiation-map-close"), () => this._open(false));
     onClick(byId("radiation-map-clear"), () => this._track.clear());
     /** Of the simulation, as it says. @type {number | null} */
     this._resets = null;
+  }
+
+  /** @param {boolean} isOpen */
+  _open(isOpen) {
+    this._isOpen = isOpen;
+    if (!isOpen && this._isPlan) this.closed();
+    this._show();
+  }
+
+  /** Whether it shall be open for the robot's way. @param {boolean} isPlan */
+  showPlan(isPlan) {
+    this._isPlan = isPlan;
+    this._show();
+  }
+
+  _show() {
+    byId("radiation-map").hidden = !this._isOpen && !this._isPlan;
   }
 
   /** After a reset the odometry begins anew. @param {{resets: number}} status  telex_msgs/SimStatus */
@@ -47,8 +70,8 @@ export class RadiationMap {
 
   /** @param {any} odometry  nav_msgs/Odometry */
   move({ pose }) {
-    const { position, orientation: q } = pose.pose;
-    const yaw = Math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z));
+    const { position, orientation } = pose.pose;
+    const yaw = yawOf(orientation);
     if ([position.x, position.y, yaw].every(Number.isFinite)) this._track.move({ x: position.x, y: position.y, yaw });
   }
 
@@ -65,12 +88,16 @@ export class RadiationMap {
   forget() {
     this._track.clear();
     byId("radiation-map-open").hidden = true;
-    byId("radiation-map").hidden = true;
+    this._isOpen = false;
+    this._show();
   }
 
   /** Draw it, where it is open. */
   draw() {
-    if (byId("radiation-map").hidden) return;
+    const { points, trail, place, range, hottest, rose } = this._track;
+    const seen = JSON.stringify([this._track.changes, place && [place.x.toFixed(2), place.y.toFixed(2), place.yaw.toFixed(2)]]);
+    if (byId("radiation-map").hidden || seen === this._drawn) return;
+    this._drawn = seen;
     const ratio = window.devicePixelRatio || 1;
     const [width, height] = [Math.round(WIDTH * ratio), Math.round(HEIGHT * ratio)];
     if (this._canvas.width !== width) Object.assign(this._canvas, { width, height });
@@ -78,14 +105,14 @@ export class RadiationMap {
     if (context === null) return;
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.clearRect(0, 0, WIDTH, HEIGHT);
-    const { points, place, range, hottest, rose } = this._track;
-    const fit = fitOf(place === null ? points : [...points, place]);
+    const fit = fitOf([...points, ...trail, ...(place === null ? [] : [place])]);
     drawGrid(context, fit);
+    drawTrail(context, fit, place === null ? trail : [...trail, place]);
     for (const point of points) if (range !== null) dot(context, fit.project(point), colourOf(point.rate, range));
     if (place !== null) drawRobot(context, fit, place);
     const bearing = bearingOf(rose);
     if (place !== null && rose.length > 0) drawRose(context, fit.project(place), rose, bearing);
-    const most = hottest === null || range === null ? text("nothing measured") : text("{least} to {most}", { least: rateText(range.least), most: rateText(range.most) });
+    const most = hottest === null || range === null ? text("way by odometry") : text("{least} to {most}", { least: rateText(range.least), most: rateText(range.most) });
     setText(byId("radiation-map-range"), most);
     setText(byId("radiation-map-bearing"), bearing === null ? "" : text("most seen at {heading}", { heading: headingOfYaw(bearing) }));
     setText(byId("radiation-map-scale"), text("squares of {length} m", { length: fit.square }));
@@ -127,6 +154,15 @@ function drawGrid(context, { project, scale, middle, square }) {
     context.moveTo(u, 0);
     context.lineTo(u, HEIGHT);
   }
+  context.stroke();
+}
+
+/** @param {CanvasRenderingContext2D} context  @param {Fit} fit  @param {{x: number, y: number}[]} trail */
+function drawTrail(context, { project }, trail) {
+  context.strokeStyle = "#e6edf3";
+  context.lineWidth = 2;
+  context.beginPath();
+  for (const each of trail) context.lineTo(...project(each));
   context.stroke();
 }
 

@@ -30,22 +30,35 @@ function isElsewhere(last, now) {
   return Math.abs(wrapped(now.bearing - last.bearing)) > TURNED;
 }
 
+/** @template Each @param {Each[]} all @returns {Each[]}  Every second of them where there are too many. */
+const thinned = (all) => (all.length > MOST ? all.filter((_, index) => index % 2 === 1) : all);
+
 export class RadiationTrack {
   constructor() {
     /** The oldest first. @type {Measured[]} */
     this.points = [];
+    /** Where it was, the oldest first. @type {Place[]} */
+    this.trail = [];
+    /** How often anything but its present place has changed. */
+    this.changes = 0;
     /** Where the robot is. @type {Place | null} */
     this.place = null;
   }
 
   clear() {
     this.points = [];
+    this.trail = [];
+    this.changes += 1;
   }
 
   /** Note where the robot is by its odometry. @param {Place} place */
   move(place) {
     if (this.place !== null && Math.hypot(place.x - this.place.x, place.y - this.place.y) > JUMP) this.clear();
     this.place = place;
+    const last = this.trail.at(-1);
+    if (last !== undefined && Math.hypot(place.x - last.x, place.y - last.y) < APART) return;
+    this.trail = thinned([...this.trail, place]);
+    this.changes += 1;
   }
 
   /**
@@ -61,7 +74,8 @@ export class RadiationTrack {
     const last = this.points.at(-1);
     if (last === undefined || isElsewhere(last, measured)) this.points.push(measured);
     else if (Math.hypot(measured.x - last.x, measured.y - last.y) < STOOD) Object.assign(last, { rate, seen: measured.seen });
-    if (this.points.length > MOST) this.points = this.points.filter((_, index) => index % 2 === 1);
+    this.points = thinned(this.points);
+    this.changes += 1;
   }
 
   /** Least and greatest rate above 0 (Gy/h); null: none was measured. */

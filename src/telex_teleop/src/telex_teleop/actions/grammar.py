@@ -8,7 +8,8 @@ commands ``stop``, ``e-stop``, ``release e-stop``, ``faster``, ``slower``, ``mod
 ``hold tool``, ``proximity guard``, ``bookmark``, ``go back`` (to one, in practice), ``help``; of a
 terminal ``quit``; of the console's page ``drive mode``, ``camera mode``, ``next camera``, ``next
 second camera``, ``swap views``, ``second view`` and ``small views`` (shown, or not), ``walk the
-buttons``, ``next language``.
+buttons``, ``next language``, ``read text``, ``aids`` (their menu), and those that switch one of
+`AIDS`.
 
 What a stick moves both ways is an axis: ``tracks linear``, ``tracks angular``, ``zoom``, or the
 text of an action without its sign. Its positive end is that of the action with ``+``.
@@ -110,9 +111,30 @@ class Command(Enum):
     WALK = "walk the buttons"
     LANGUAGE = "next language"
     READ_TEXT = "read text"
+    AIDS = "aids"
+    GUIDE_LINES = "guide lines"
+    AIM_LINE = "aim line"
+    FINGER_GAP = "finger gap"
+    CONTACT_MARKS = "contact marks"
+    HORIZON = "horizon"
+    COMPASS = "compass"
+    ZOOM_FACTOR = "zoom factor"
+    PLAN = "plan"
 
 
 Action = Union[Jog, Drive, Side, Preset, Tool, ToPose, Zoom, Lamps, Command]
+
+AIDS = (
+    Command.GUIDE_LINES,
+    Command.AIM_LINE,
+    Command.FINGER_GAP,
+    Command.CONTACT_MARKS,
+    Command.HORIZON,
+    Command.COMPASS,
+    Command.ZOOM_FACTOR,
+    Command.PLAN,
+)
+"""What the console's page shows besides pictures, or not."""
 
 TERMINAL_ONLY = (Command.QUIT,)
 PAGE_ONLY = (
@@ -126,6 +148,8 @@ PAGE_ONLY = (
     Command.WALK,
     Command.LANGUAGE,
     Command.READ_TEXT,
+    Command.AIDS,
+    *AIDS,
 )
 NODES = ("arm", "gripper", "flipper")
 DIRECTIONS = {

@@ -11,6 +11,7 @@ from typing import Any, Dict, Iterable, Mapping, Optional, Tuple
 
 from telex_control.common.params import ConfigError, require, require_text
 from telex_teleop.actions.grammar import (
+    AIDS,
     GRAMMAR,
     PAGE_ONLY,
     TERMINAL_ONLY,
@@ -142,11 +143,19 @@ class Layout:
     first, second
         Roles or names of the cameras of its two large views: of each list, the first that the robot
         has.
+    aids
+        Those that are on at first, by the texts of `grammar.AIDS`.
     """
 
     modes: Tuple[str, ...]
     first: Tuple[str, ...] = ()
     second: Tuple[str, ...] = ()
+    aids: Tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        known = [each.value for each in AIDS]
+        for aid in self.aids:
+            require(aid in known, f"aids has {aid!r}; known are {', '.join(known)}")
 
 
 LAYOUTS = {

@@ -1,0 +1,355 @@
+// @ts-check
+/** Aids for distance and direction, drawn over the large views: what they need to know, and when they are drawn. */
+
+import { yawOf } from "../hud.js";
+import { text } from "../language.js";
+import { fixed } from "../panels.js";
+import { getParameter } from "../parameters.js";
+import { transform } from "../urdf.js";
+import { bandFigures, zoomText } from "./band.js";
+import { Calibrations } from "./calibrations.js";
+import { aimFigures, contactFigures, gapFigures, guideFigures, horizonFigures } from "./figures.js";
+import { fieldOf } from "./lens.js";
+import { column, floorThrough, gearOf, levelAhead, plus, unit, upward } from "./lines.js";
+import { Painter } from "./painter.js";
+import { Sight, boxOf } from "./sight.js";
+import { Switches } from "./switches.js";
+
+/** @typedef {import("../urdf.js").Vector} Vector */
+/** @typedef {import("../urdf.js").Pose} Pose */
+/** @typedef {import("./figures.js").Aim} Aim */
+
+const RANGE = "sensor_msgs/Range";
+const PERIOD = 67; // ms between two pictures of the aids, at least
+const FRESH = 1000; // ms that a message counts
+const TOUCHES = 0.5; // N from which a pad counts as pressing
+const WEAK = 0.8; // share of the friction in use from which a grip is nearly too weak
+
+/**
+ * @typedef {object} Sources  Of the page.
+ * @property {import("../vocabulary.js").Vocabulary} vocabulary
+ * @property {import("../bridge.js").Bridge} bridge
+ * @property {(name: string) => string} topic
+ * @property {import("../cameras.js").Cameras} cameras
+ * @property {import("../layouts.js").Layouts} layouts
+ * @property {import("../joints.js").JointPositions} joints
+ * @property {import("../gripper.js").Gripper} gripper
+ * @property {import("../radiation/map.js").RadiationMap} map
+ * @property {(camera: string) => boolean} zooms
+ * @property {() => boolean} paused
+ * @property {(sentence: string) => void} warn
+ * @property {string | null} odometry  Topic, in the namespace of what drives; null: nothing does.
+ */
+
+/** A message of another node, which counts for a while. @template Message */
+class Heard {
+  constructor() {
+    /** @type {Message | null} */
+    this._message = null;
+    this._at = -Infinity;
+  }
+
+  /** @param {Message} message */
+  take(message) {
+    this._message = message;
+    this._at = performance.now();
+  }
+
+  /** @param {boolean} paused  While the simulation stands nothing gets old. @returns {Message | null} */
+  get(paused) {
+    return paused || performance.now() - this._at < FRESH ? this._message : null;
+  }
+}
+
+export class Aids {
+  /**
+   * @param {Sources} sources
+   * @param {Storage} storage
+   * @param {string} robot  Its namespace.
+   */
+  constructor(sources, storage, robot) {
+    this._sources = sources;
+    const { bridge, topic, layouts, vocabulary, map, warn } = sources;
+    this._switches = new Switches(storage, robot, vocabulary, layouts, warn);
+    this._switches.changed = () => this._switched();
+    layouts.changed = () => this._switched();
+    map.closed = () => this._switches.set("plan", false);
+    this._calibrations = new Calibrations(bridge, topic, warn);
+    this._calibrations.changed = () => this.change();
+    /** @type {Map<HTMLElement, Painter>} */
+    this._painters = new Map();
+    /** @type {import("../urdf.js").RobotModel | null} */
+    this._model = null;
+    /** As the robot's parameters have them. @type {{tracks: any, tool: string}} */
+    this._told = { tracks: null, tool: "" };
+    /** @type {Record<string, any>} */
+    this._equipment = {};
+    /** What stands in for equipment that is not there, in practice. @type {Record<string, any>} */
+    this._standIns = {};
+    this._exam = false;
+    /** Of the range finder that is listened to; empty: none is. */
+    this._rangeTopic = "";
+    /** @type {Heard<any>} */
+    this._joints = new Heard();
+    /** @type {Heard<any>} */
+    this._stability = new Heard();
+    /** @type {Heard<any>} */
+    this._contact = new Heard();
+    /** @type {Heard<number>} */
+    this._yaw = new Heard();
+    /** @type {Heard<any>} */
+    this._range = new Heard();
+    this._painted = -Infinity;
+    /** @type {ReturnType<typeof setTimeout> | undefined} */
+    this._timer = undefined;
+    this._switched();
+  }
+
+  get commands() {
+    return this._switches.commands;
+  }
+
+  /** Which are on, as the training node is told: true for a training aid. */
+  get told() {
+    const { told } = this._switches;
+    // The line itself needs no equipment, what it says of the range does.
+    if ("aim line" in told && this._finder !== undefined) told.range = told["aim line"];
+    if ("aim line" in told) told["aim line"] = false;
+    return told;
+  }
+
+  // ---- what is heard
+
+  /** @param {import("../urdf.js").RobotModel} model */
+  setModel(model) {
+    this._model = model;
+    this.change();
+  }
+
+  /** Ask, after every new connection, how the robot is made. */
+  async connected() {
+    const { bridge, topic, odometry } = this._sources;
+    this._calibrations.forget();
+    const ask = (/** @type {string} */ name) => getParameter(bridge, topic(name)).catch(() => undefined);
+    const [tracks, tool] = await Promise.all([odometry === null ? undefined : ask(odometry.split("/")[0]), ask("arm_teleop/frames/tool")]);
+    // Of what is not answered, that before still holds.
+    if (tracks !== undefined) this._told.tracks = tracks;
+    if (tool !== undefined) this._told.tool = typeof tool === "string" ? tool : "";
+    this.change();
+  }
+
+  /** @param {{equipment?: Record<string, any>, training_aids?: Record<string, any>}} robot  As /robot.json has it. */
+  setRobot({ equipment = {}, training_aids: standIns = {} }) {
+    this._equipment = equipment;
+    this._standIns = standIns;
+    this._allow();
+  }
+
+  /** @param {{phase: string, mode: string}} state  telex_msgs/TrainingState */
+  hearTraining({ phase, mode }) {
+    const exam = mode === "exam" && phase !== "idle" && phase !== "ended";
+    if (exam === this._exam) return;
+    this._exam = exam;
+    this._allow();
+  }
+
+  _allow() {
+    this._switches.allow({ equipment: this._equipment, exam: this._exam });
+  }
+
+  /** @param {any} states  sensor_msgs/JointState */
+  hearJoints(states) {
+    this._joints.take(states);
+    this.change();
+  }
+
+  /** @param {any} stability  telex_msgs/Stability */
+  hearStability(stability) {
+    this._stability.take(stability);
+    this.change();
+  }
+
+  /** @param {any} contact  telex_msgs/GripperContact */
+  feel(contact) {
+    this._contact.take(contact);
+    if (this._switches.isOn("contact marks")) this.change();
+  }
+
+  /** @param {any} odometry  nav_msgs/Odometry */
+  move({ pose }) {
+    this._yaw.take(yawOf(pose.pose.orientation));
+    if (this._switches.isOn("compass")) this.change();
+  }
+
+  /** @param {string} camera @param {number} factor */
+  zoom(camera, factor) {
+    this._calibrations.hearZoom(camera, factor);
+  }
+
+  _switched() {
+    this._switches.show();
+    this._sources.map.showPlan(this._switches.isOn("plan"));
+    const wants = this._switches.isOn("aim line") || this._switches.isOn("finger gap");
+    this._follow(wants ? this._finder?.topic ?? "" : "");
+    this.change();
+  }
+
+  /** The range finder, or in practice what stands in for one. @returns {{topic: string, frame: string} | undefined} */
+  get _finder() {
+    return this._equipment.range_finder ?? (this._exam ? undefined : this._standIns.range_finder);
+  }
+
+  /** @param {string} topic  Of the range finder to be listened to; empty: none. */
+  _follow(topic) {
+    const { bridge } = this._sources;
+    if (topic === this._rangeTopic) return;
+    if (this._rangeTopic !== "") bridge.unsubscribe(this._rangeTopic);
+    this._rangeTopic = topic;
+    this._range = new Heard();
+    if (topic === "") return;
+    bridge.subscribe({
+      topic, type: RANGE, throttle: PERIOD, heard: (message) => {
+        // Over the bridge what is too near is null, as what is too far: the number before says which.
+        const before = this._range.get(true);
+        const isNear = message.range === null && before !== null && (before.isNear || (before.range ?? Infinity) < 2 * message.min_range);
+        this._range.take({ ...message, isNear });
+        this.change();
+      },
+    });
+  }
+
+  // ---- what is drawn
+
+  /** Have the aids drawn anew, at their own pace. */
+  change() {
+    if (this._timer !== undefined || document.hidden) return;
+    const wait = Math.max(0, PERIOD - (performance.now() - this._painted));
+    this._timer = setTimeout(() => {
+      this._timer = undefined;
+      this._painted = performance.now();
+      this._paint();
+    }, wait);
+  }
+
+  _paint() {
+    const on = this._switches.on.filter((name) => name !== "plan");
+    const views = on.length === 0 ? [] : this._sources.cameras.large.filter(({ live }) => live);
+    const calibrations = this._calibrations.of(views.map(({ camera }) => camera));
+    const joints = this._joints.get(this._sources.paused());
+    const poses = views.length === 0 || joints === null ? undefined : this._model?.poses((joint) => this._sources.joints.position(joint) ?? 0);
+    const shown = new Map(views.map(({ element }, index) => [element, index]));
+    for (const { element } of views) {
+      if (!this._painters.has(element)) this._painters.set(element, new Painter(element, () => this.change()));
+    }
+    for (const [element, painter] of this._painters) {
+      const index = shown.get(element) ?? -1;
+      const calibration = calibrations[index] ?? null;
+      const pose = calibration === null ? undefined : poseOf(poses, calibration.frame);
+      const { width, height } = painter.size;
+      if (calibration === null || pose === undefined || poses === undefined || width === 0) painter.paint([]);
+      else {
+        const sight = new Sight(calibration.lens, pose, boxOf(width, height, calibration.lens, index === 0 ? "top" : "middle"));
+        painter.paint(this._figures(on, sight, poses, { ...views[index], lens: calibration.lens }, index === 0));
+      }
+    }
+  }
+
+  /**
+   * @param {string[]} on
+   * @param {Sight} sight
+   * @param {Map<string, Pose>} poses
+   * @param {{camera: string, over: HTMLElement | null, lens: import("./lens.js").Lens}} view
+   * @param {boolean} isFirst
+   */
+  _figures(on, sight, poses, { camera, over, lens }, isFirst) {
+    const { paused, zooms, gripper, joints } = this._sources;
+    const stability = this._stability.get(paused());
+    const up = [stability?.roll, stability?.pitch].every(Number.isFinite) ? upward(stability.roll, stability.pitch) : null;
+    const figures = [];
+    if (on.includes("horizon") && up !== null) figures.push(...horizonFigures(sight, up));
+    if (on.includes("guide lines")) figures.push(...this._guides(sight, poses, stability));
+    const aim = this._aim(poses);
+    const isAid = this._switches.isTrainingAid("aim line");
+    const measured = this._range.get(paused());
+    const range = measured?.range ?? null;
+    if (on.includes("aim line") && aim !== null) figures.push(...aimFigures(sight, aim, range, measured === null ? "" : beyondText(measured), isAid));
+    const opening = gripper.opening(joints);
+    if (on.includes("finger gap") && aim !== null && opening !== null) {
+      figures.push(...gapFigures(sight, aim, opening, range === null ? null : range - aim.beyond, null, isAid));
+    }
+    if (on.includes("contact marks")) figures.push(...contactFigures(sight, this._pads(poses), this._switches.isTrainingAid("contact marks")));
+    const plates = [];
+    if (on.includes("zoom factor") && zooms(camera)) plates.push(zoomText(this._calibrations.zoom(camera), fieldOf(lens)));
+    if (figures.some((each) => "framed" in each)) plates.push(text("◇ training aid"));
+    const yaw = this._yaw.get(paused());
+    const compass = isFirst && on.includes("compass") && yaw !== null ? headings(yaw, levelAhead(sight.pose, up ?? [0, 0, 1])) : null;
+    return [...figures, ...bandFigures(sight.box, over?.offsetHeight ?? 0, compass, plates)];
+  }
+
+  /** @param {Sight} sight @param {Map<string, Pose>} poses @param {any} stability  telex_msgs/Stability */
+  _guides(sight, poses, stability) {
+    const { tracks } = this._told;
+    const names = [tracks?.left_wheel, tracks?.right_wheel].flat().filter((name) => typeof name === "string");
+    const axles = names.flatMap((name) => {
+      const link = this._model?.joints.find((joint) => joint.name === name)?.child;
+      const pose = link === undefined ? undefined : poses.get(link);
+      return pose === undefined ? [] : [pose.translation];
+    });
+    const gear = gearOf(axles, tracks?.wheel_radius, tracks?.braking?.half_width ?? tracks?.wheel_separation / 2);
+    if (gear === null) return [];
+    const corners = (stability?.support ?? []).map((/** @type {any} */ { x, y, z }) => /** @type {Vector} */ ([x, y, z]));
+    // What it stands on is known from what carries it; else it stands on its tracks.
+    const floor = floorThrough(corners) ?? { z: gear.bottom, alongX: 0, alongY: 0 };
+    return guideFigures(sight, gear, floor);
+  }
+
+  /**
+   * Where the tool aims; null: there is none.
+   * @param {Map<string, Pose>} poses
+   * @returns {(Aim & {beyond: number}) | null}  `beyond`: of a range, how much lies before the middle of the fingers (m).
+   */
+  _aim(poses) {
+    const tool = poses.get(this._told.tool);
+    const finder = this._finder === undefined ? undefined : poseOf(poses, this._finder.frame);
+    const from = finder ?? tool;
+    if (from === undefined) return null;
+    const ahead = column(from.rotation, 0);
+    const [left, right] = (this._contact.get(this._sources.paused())?.pads ?? []).map((/** @type {any} */ { link }) => poses.get(link)?.translation);
+    const across = left === undefined || right === undefined ? null : unit(plus(left, right, -1));
+    const beyond = tool === undefined ? 0 : plus(tool.translation, from.translation, -1).reduce((sum, part, index) => sum + part * ahead[index], 0);
+    return { origin: from.translation, ahead, across, middle: tool?.translation ?? null, beyond };
+  }
+
+  /** Pads that press, each by its centre of mass. @param {Map<string, Pose>} poses @returns {import("./figures.js").Pressed[]} */
+  _pads(poses) {
+    const contact = this._contact.get(this._sources.paused());
+    if (contact === null) return [];
+    return contact.pads.flatMap((/** @type {any} */ { link, normal_force: force, friction_use: use, slip_speed: speed }) => {
+      const pose = poses.get(link);
+      if (pose === undefined || !(force > TOUCHES)) return [];
+      const at = transform(pose, this._model?.centres.get(link) ?? [0, 0, 0]);
+      return [{ at, force, slips: contact.slipping && contact.object !== "", speed: speed ?? 0, weak: contact.object !== "" && use > WEAK }];
+    });
+  }
+}
+
+/** What a range finder says that has no figure. @param {any} range  sensor_msgs/Range */
+const beyondText = ({ isNear, min_range: least, max_range: most }) =>
+  isNear ? text("< {length} m", { length: fixed(least ?? 0, 2) }) : text("> {length} m", { length: fixed(most ?? 0, 0) });
+
+/**
+ * Pose of a frame, which in the messages of a further robot has the robot's name before it.
+ * @param {Map<string, Pose> | undefined} poses
+ * @param {string} frame
+ */
+const poseOf = (poses, frame) => poses?.get(frame) ?? poses?.get(frame.split("/").at(-1) ?? "");
+
+/**
+ * @param {number} yaw           Of the robot (rad, counter-clockwise).
+ * @param {Vector | null} ahead  Where the camera looks, level, from the robot; null: straight up or down.
+ */
+function headings(yaw, ahead) {
+  const degrees = (/** @type {number} */ angle) => (-angle * 180) / Math.PI;
+  const nose = Math.round(2 * degrees(yaw)) / 2;
+  return { nose, heading: ahead === null ? nose : Math.round(2 * degrees(yaw + Math.atan2(ahead[1], ahead[0]))) / 2 };
+}

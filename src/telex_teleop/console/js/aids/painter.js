@@ -1,0 +1,161 @@
+// @ts-check
+/** Paints figures over a view, so that they can be seen before anything bright or dark. */
+
+/** @typedef {import("./figures.js").Figure} Figure */
+/** @typedef {import("./band.js").Ribbon} Ribbon */
+
+const DARK = "rgb(0 0 0 / 80%)", PLATE = "rgb(14 18 22 / 86%)", LIGHT = "#ffffff", FRAME = "#ffd35c";
+const FONT = '600 13px system-ui, "DejaVu Sans", sans-serif';
+const PAD = 5, LINE = 20; // px, of a plate
+
+/** A canvas that lies over a view. */
+export class Painter {
+  /**
+   * @param {HTMLElement} view  Gets the canvas.
+   * @param {() => void} resized
+   */
+  constructor(view, resized) {
+    this.view = view;
+    this._canvas = document.createElement("canvas");
+    this._canvas.className = "aids";
+    this._canvas.hidden = true;
+    this._canvas.setAttribute("aria-hidden", "true");
+    // Below what stands over the picture.
+    view.insertBefore(this._canvas, view.querySelector(".over"));
+    this._last = "[]";
+    new ResizeObserver(resized).observe(view);
+  }
+
+  /** Of the view inside its frame (CSS px). */
+  get size() {
+    return { width: this.view.clientWidth, height: this.view.clientHeight };
+  }
+
+  /**
+   * Show these figures, unless they are shown already.
+   * @param {(Figure | Ribbon)[]} figures
+   */
+  paint(figures) {
+    const { width, height } = this.size;
+    const wanted = JSON.stringify(figures.length === 0 ? [] : [width, height, window.devicePixelRatio, figures]);
+    if (wanted === this._last) return;
+    this._last = wanted;
+    this._canvas.hidden = figures.length === 0;
+    if (figures.length === 0) return;
+    const ratio = window.devicePixelRatio || 1;
+    const [columns, rows] = [Math.round(width * ratio), Math.round(height * ratio)];
+    if (this._canvas.width !== columns || this._canvas.height !== rows) Object.assign(this._canvas, { width: columns, height: rows });
+    const context = /** @type {CanvasRenderingContext2D} */ (this._canvas.getContext("2d"));
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    context.clearRect(0, 0, width, height);
+    context.lineCap = context.lineJoin = "round";
+    for (const figure of figures) draw(context, figure);
+  }
+}
+
+/** @param {CanvasRenderingContext2D} context @param {Figure | Ribbon} figure */
+function draw(context, figure) {
+  if (figure.kind === "lines") drawLines(context, figure);
+  else if (figure.kind === "sign") drawSign(context, figure);
+  else if (figure.kind === "label") drawLabel(context, figure);
+  else drawRibbon(context, figure);
+}
+
+/** @param {CanvasRenderingContext2D} context @param {import("./figures.js").Lines} figure */
+function drawLines(context, { lines, colour, width, dash = [] }) {
+  context.beginPath();
+  for (const line of lines) line.forEach(([x, y], index) => (index === 0 ? context.moveTo(x, y) : context.lineTo(x, y)));
+  context.setLineDash(dash);
+  for (const [style, wide] of /** @type {[string, number][]} */ ([[DARK, width + 3], [colour, width]])) {
+    context.strokeStyle = style;
+    context.lineWidth = wide;
+    context.stroke();
+  }
+  context.setLineDash([]);
+}
+
+/** @param {CanvasRenderingContext2D} context @param {import("./figures.js").Sign} figure */
+function drawSign(context, { shape, at: [x, y], colour, size }) {
+  context.beginPath();
+  if (shape === "rhomb") polygon(context, [[x, y - size], [x + size, y], [x, y + size], [x - size, y]]);
+  else if (shape === "triangle") polygon(context, [[x, y - size], [x + size, y + size], [x - size, y + size]]);
+  else context.arc(x, y, size, 0, 2 * Math.PI);
+  context.strokeStyle = DARK;
+  context.lineWidth = shape === "ring" ? 5 : 3;
+  context.stroke();
+  if (shape === "ring") {
+    context.strokeStyle = colour;
+    context.lineWidth = 2;
+    context.stroke();
+  } else {
+    context.fillStyle = colour;
+    context.fill();
+  }
+}
+
+/** @param {CanvasRenderingContext2D} context @param {[number, number][]} corners */
+function polygon(context, corners) {
+  corners.forEach(([x, y], index) => (index === 0 ? context.moveTo(x, y) : context.lineTo(x, y)));
+  context.closePath();
+}
+
+/** @param {CanvasRenderingContext2D} context @param {import("./figures.js").Label} figure */
+function drawLabel(context, { at: [x, y], words, align, framed = false }) {
+  context.font = FONT;
+  const said = framed && !words.startsWith("◇") ? `◇ ${words}` : words;
+  const width = context.measureText(said).width + 2 * PAD;
+  const begin = align === "left" ? x : align === "right" ? x - width : x - width / 2;
+  // A label belongs to what it names, but one that is cut tells nothing.
+  const left = Math.max(1, Math.min(begin, context.canvas.clientWidth - width - 1));
+  const top = Math.max(1, Math.min(y - LINE / 2, context.canvas.clientHeight - LINE - 1));
+  context.fillStyle = PLATE;
+  context.fillRect(left, top, width, LINE);
+  if (framed) {
+    context.strokeStyle = FRAME;
+    context.lineWidth = 1.5;
+    context.setLineDash([4, 3]);
+    context.strokeRect(left, top, width, LINE);
+    context.setLineDash([]);
+  }
+  context.fillStyle = LIGHT;
+  context.textBaseline = "middle";
+  context.textAlign = "left";
+  context.fillText(said, left + PAD, top + LINE / 2 + 1);
+}
+
+/** @param {CanvasRenderingContext2D} context @param {Ribbon} ribbon */
+function drawRibbon(context, { left, top, width, height, ticks, nose }) {
+  context.save();
+  context.translate(left, top);
+  context.fillStyle = PLATE;
+  context.fillRect(0, 0, width, height);
+  context.beginPath();
+  context.rect(0, 0, width, height);
+  context.clip();
+  context.strokeStyle = context.fillStyle = LIGHT;
+  context.font = FONT;
+  context.textAlign = "center";
+  context.textBaseline = "alphabetic";
+  context.lineWidth = 1;
+  context.beginPath();
+  for (const { x, words } of ticks) {
+    context.moveTo(x + 0.5, height);
+    context.lineTo(x + 0.5, height - (words === "" ? 5 : 9));
+    context.fillText(words, x, height - 13);
+  }
+  context.stroke();
+  // The middle, where the camera looks; and the robot's nose.
+  context.strokeStyle = FRAME;
+  context.lineWidth = 2;
+  context.beginPath();
+  context.moveTo(width / 2, height);
+  context.lineTo(width / 2, height - 12);
+  context.stroke();
+  if (nose !== null) {
+    context.fillStyle = FRAME;
+    context.beginPath();
+    polygon(context, [[nose, height - 12], [nose + 6, height], [nose - 6, height]]);
+    context.fill();
+  }
+  context.restore();
+}
