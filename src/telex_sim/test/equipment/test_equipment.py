@@ -12,6 +12,7 @@ import pytest
 from telex_control.common.params import ConfigError
 from telex_sim.engine.bookmarks import Bookmarks
 from telex_sim.equipment.equipment_config import EquipmentConfig, RangeFinderConfig
+from telex_sim.equipment.object_width import MOST, object_width
 from telex_sim.equipment.range_finder import RangeFinder
 from telex_sim.offline.simulation import OfflineSimulation
 from telex_sim.proximity.monitor import NearPair, Proximity
@@ -63,6 +64,55 @@ def truth(robot, link=LINK):
     position, orientation = robot.body.pose(link)
     forward = pybullet.getMatrixFromQuaternion(orientation)[0]
     return (FACE - position[0]) / forward
+
+
+def put(robot, shape, distance, **size):
+    """Put something that does not move on the tool's axis."""
+    body = robot.body
+    kind = {"box": pybullet.GEOM_BOX, "sphere": pybullet.GEOM_SPHERE}[shape]
+    made = pybullet.createCollisionShape(kind, physicsClientId=body.client, **size)
+    position, orientation = body.pose("tool_link")
+    place, _ = pybullet.multiplyTransforms(position, orientation, (distance, 0, 0), (0, 0, 0, 1))
+    pybullet.createMultiBody(
+        baseCollisionShapeIndex=made,
+        basePosition=place,
+        baseOrientation=orientation,
+        physicsClientId=body.client,
+    )
+
+
+class TestObjectWidth:
+    @pytest.mark.parametrize(
+        ("shape", "size", "width"),
+        [
+            ("box", {"halfExtents": [0.05, 0.03, 0.2]}, 0.06),
+            ("box", {"halfExtents": [0.004, 0.03, 0.2]}, 0.06),  # thinner than fingers reach
+            ("sphere", {"radius": 0.04}, 0.08),
+            ("box", {"halfExtents": [0.05, 0.5, 0.2]}, MOST),
+        ],
+    )
+    def test_it_is_what_fingers_would_have_to_open(self, before_a_wall, shape, size, width):
+        robot = before_a_wall().simulation.robots[0]
+        aim(robot)
+        fingers(robot, 0.35)
+        put(robot, shape, 0.3, **size)
+        assert object_width(robot.body, LINK, "tool_link", 2.0) == pytest.approx(width, abs=2e-3)
+
+    def test_neighbours_do_not_count(self, before_a_wall):
+        robot = before_a_wall().simulation.robots[0]
+        aim(robot)
+        fingers(robot, 0.35)
+        put(robot, "box", 0.3, halfExtents=[0.05, 0.03, 0.2])
+        put(robot, "box", 0.3, halfExtents=[0.05, 0.02, 0.2], collisionFramePosition=[0, 0.12, 0])
+        assert object_width(robot.body, LINK, "tool_link", 2.0) == pytest.approx(0.06, abs=2e-3)
+
+    def test_there_is_none_of_nothing_and_of_the_robot_itself(self, before_a_wall):
+        robot = before_a_wall().simulation.robots[0]
+        aim(robot)
+        fingers(robot, 0.35)
+        assert math.isnan(object_width(robot.body, LINK, "tool_link", 0.5))
+        fingers(robot, 0.0)
+        assert math.isnan(object_width(robot.body, LINK, "tool_link", 2.0))
 
 
 class TestRangeFinder:

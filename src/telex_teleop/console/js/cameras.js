@@ -208,7 +208,7 @@ export class Cameras {
     const main = /** @type {HTMLElement} */ (this._canvas.parentElement);
     const others = this._thumbnails.slice(0, this._places.length - 1).filter(({ isShown }) => isShown);
     return [{ state: this.main, element: main }, ...others].map(({ state: { camera, live }, element }) =>
-      ({ camera, live, element, over: /** @type {HTMLElement | null} */ (element.querySelector(".over")) }));
+      ({ camera, live, element, isFirst: element === main, over: /** @type {HTMLElement | null} */ (element.querySelector(".over")) }));
   }
 
   /**

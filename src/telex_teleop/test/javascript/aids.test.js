@@ -168,9 +168,10 @@ test("the ribbon shows headings on both sides of north, and the nose", () => {
 
 test("the band keeps to the upper third of the picture, below what stands there", () => {
   const box = { left: 0, top: 0, width: 600, height: 450 }, compass = { heading: 0, nose: 0 };
-  assert.deepEqual(bandFigures(box, 40, compass, ["zoom"]).map(({ kind }) => kind), ["ribbon", "label"]);
-  assert.deepEqual(bandFigures(box, 100, compass, ["zoom"]).map(({ kind }) => kind), ["ribbon"]);
-  assert.deepEqual(bandFigures(box, 130, compass, ["zoom"]), []);
+  const plates = [{ words: "training aid", framed: true }, { words: "zoom" }];
+  assert.deepEqual(bandFigures(box, 40, compass, plates).map(({ kind }) => kind), ["ribbon", "label", "label"]);
+  assert.deepEqual(bandFigures(box, 90, compass, plates).map(({ kind }) => kind), ["ribbon", "label"]);
+  assert.deepEqual(bandFigures(box, 130, compass, plates), []);
 });
 
 /** A bridge of whose topics messages are played. */

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Optional, Tuple
 
 import pybullet
 
@@ -58,9 +59,10 @@ class RangeFinder(Stateful):
         In the simulation's thread.
         """
         config = self._config
-        distance = _first_hit(self._robot.body, self.link, config.max)
-        if distance == math.inf:
-            return distance
+        met = first_met(self._robot.body, self.link, config.max)
+        if met is None:
+            return math.inf
+        distance, _ = met
         reading = distance + self._errors.draw(config.noise + config.noise_share * distance)
         if config.resolution:
             reading = config.resolution * round(reading / config.resolution)
@@ -69,8 +71,14 @@ class RangeFinder(Stateful):
         return reading if reading <= config.max else math.inf
 
 
-def _first_hit(body: Body, link: str, reach: float) -> float:
-    """Distance (m) from a link's origin to what stands along its x axis; infinite: nothing does."""
+def first_met(body: Body, link: str, reach: float) -> Optional[Tuple[float, Tuple[int, int]]]:
+    """Find what stands along a link's x axis, within a distance (m) of its origin.
+
+    Returns
+    -------
+    tuple of float and tuple of int, or None
+        How far away it is (m); PyBullet's numbers of the body and its link.
+    """
     own = (body.uid, body.place(link)[0])
     origin, orientation = body.pose(link)
     x, y, z = rotate(orientation, (1.0, 0.0, 0.0))
@@ -80,11 +88,11 @@ def _first_hit(body: Body, link: str, reach: float) -> float:
         start = (origin[0] + passed * x, origin[1] + passed * y, origin[2] + passed * z)
         (hit,) = pybullet.rayTest(start, end, physicsClientId=body.client)
         if hit[0] < 0:
-            return math.inf
+            return None
         distance = passed + hit[2] * (reach - passed)
         if (hit[0], hit[1]) != own:
-            return distance
+            return distance, (hit[0], hit[1])
         passed = distance + _BEHIND
         if passed >= reach:
-            return math.inf
-    return math.inf
+            return None
+    return None

@@ -8,8 +8,10 @@ from typing import Any, Dict, Optional
 
 import rospy
 from sensor_msgs.msg import Range
+from std_msgs.msg import Float64
 
 from ..equipment.errors import Errors
+from ..equipment.object_width import object_width
 from ..equipment.range_finder import RangeFinder
 from ..proximity.monitor import Proximity
 from ..robot.gripper.contact import GripperContact, PadContact
@@ -22,7 +24,8 @@ EQUIPMENT, TRAINING_AIDS = "equipment", "training_aids"
 class EquipmentPublisher:
     """Tells what equipment a robot has, and publishes what its range finder reads.
 
-    A robot without one has a training aid in its place, which is exact, on a topic in ``sim``.
+    A robot without one has a training aid in its place, which is exact, on a topic in ``sim``; so
+    has each with fingers one that measures how wide it is what they could close on.
 
     Parameters
     ----------
@@ -52,6 +55,10 @@ class EquipmentPublisher:
                 max_range=finder.max,
             )
             self._message.header.frame_id = self._finder.link
+        self._width: Optional[rospy.Publisher] = None
+        if self._finder is not None and robot.has_pads and finder.training_link in robot.links:
+            width = f"{robot.namespace}/sim/object_width"
+            self._width = rospy.Publisher(width, Float64, queue_size=1, tcp_nodelay=True)
         self._proximity_errors = Errors(robot, "proximity", config.proximity.seed)
         self._pad_errors = Errors(robot, "pads", config.pads.seed)
         robot.watchers = (*robot.watchers, self._proximity_errors, self._pad_errors)
@@ -77,6 +84,8 @@ class EquipmentPublisher:
                 "max": finder.max,
                 "rate": finder.rate,
             }
+        if self._width is not None:
+            described["object_width"] = {"topic": self._width.resolved_name}
         if "laser_dots" in present:
             lasers = config.laser_dots
             described["laser_dots"] = {"frames": list(lasers.links), "max": lasers.max}
@@ -102,8 +111,17 @@ class EquipmentPublisher:
         return 0.0 if self._finder is None else self._config.range_finder.rate
 
     def publish_range(self, stamp: rospy.Time) -> None:
-        """Read the range finder, when anybody listens; in the simulation's thread."""
-        if self._finder is None or not self._topic.get_num_connections():
+        """Read the range finder, and measure what it meets, as far as anybody listens.
+
+        In the simulation's thread.
+        """
+        if self._finder is None:
+            return
+        config = self._config.range_finder
+        if self._width is not None and self._width.get_num_connections():
+            body, link = self._robot.body, self._finder.link
+            self._width.publish(object_width(body, link, config.training_link, config.max))
+        if not self._topic.get_num_connections():
             return
         message = self._message
         message.header.stamp = stamp
@@ -144,6 +162,8 @@ class EquipmentPublisher:
         """Take topic and parameters back."""
         if self._finder is not None:
             self._topic.unregister()
+        if self._width is not None:
+            self._width.unregister()
         for name in (EQUIPMENT, TRAINING_AIDS):
             # The master may be gone, or somebody has deleted them.
             with contextlib.suppress(KeyError, rospy.ROSException, socket.error):

@@ -19,7 +19,7 @@ import { Switches } from "./switches.js";
 /** @typedef {import("../urdf.js").Pose} Pose */
 /** @typedef {import("./figures.js").Aim} Aim */
 
-const RANGE = "sensor_msgs/Range";
+const RANGE = "sensor_msgs/Range", WIDTH = "std_msgs/Float64";
 const PERIOD = 67; // ms between two pictures of the aids, at least
 const FRESH = 1000; // ms that a message counts
 const TOUCHES = 0.5; // N from which a pad counts as pressing
@@ -87,8 +87,8 @@ export class Aids {
     /** What stands in for equipment that is not there, in practice. @type {Record<string, any>} */
     this._standIns = {};
     this._exam = false;
-    /** Of the range finder that is listened to; empty: none is. */
-    this._rangeTopic = "";
+    /** Topics of range and width that are listened to; empty: none is. */
+    this._followed = { range: "", width: "" };
     /** @type {Heard<any>} */
     this._joints = new Heard();
     /** @type {Heard<any>} */
@@ -99,7 +99,11 @@ export class Aids {
     this._yaw = new Heard();
     /** @type {Heard<any>} */
     this._range = new Heard();
+    /** Of what is aimed at (m). @type {Heard<any>} */
+    this._width = new Heard();
     this._painted = -Infinity;
+    /** Whether nothing is drawn. */
+    this._isClear = true;
     /** @type {ReturnType<typeof setTimeout> | undefined} */
     this._timer = undefined;
     this._switched();
@@ -115,6 +119,7 @@ export class Aids {
     // The line itself needs no equipment, what it says of the range does.
     if ("aim line" in told && this._finder !== undefined) told.range = told["aim line"];
     if ("aim line" in told) told["aim line"] = false;
+    if ("finger gap" in told && this._followed.width !== "") told["finger gap"] = true;
     return told;
   }
 
@@ -189,8 +194,14 @@ export class Aids {
   _switched() {
     this._switches.show();
     this._sources.map.showPlan(this._switches.isOn("plan"));
-    const wants = this._switches.isOn("aim line") || this._switches.isOn("finger gap");
-    this._follow(wants ? this._finder?.topic ?? "" : "");
+    const gap = this._switches.isOn("finger gap");
+    this._follow("range", RANGE, gap || this._switches.isOn("aim line") ? this._finder?.topic ?? "" : "", (message) => {
+      // Over the bridge what is too near is null, as what is too far: the number before says which.
+      const before = this._range.get(true);
+      const isNear = message.range === null && before !== null && (before.isNear || (before.range ?? Infinity) < 2 * message.min_range);
+      this._range.take({ ...message, isNear });
+    });
+    this._follow("width", WIDTH, gap && !this._exam ? this._standIns.object_width?.topic ?? "" : "", ({ data }) => this._width.take(data));
     this.change();
   }
 
@@ -199,20 +210,23 @@ export class Aids {
     return this._equipment.range_finder ?? (this._exam ? undefined : this._standIns.range_finder);
   }
 
-  /** @param {string} topic  Of the range finder to be listened to; empty: none. */
-  _follow(topic) {
+  /**
+   * @param {"range" | "width"} what
+   * @param {string} type
+   * @param {string} topic  To be listened to; empty: none.
+   * @param {(message: any) => void} heard
+   */
+  _follow(what, type, topic, heard) {
     const { bridge } = this._sources;
-    if (topic === this._rangeTopic) return;
-    if (this._rangeTopic !== "") bridge.unsubscribe(this._rangeTopic);
-    this._rangeTopic = topic;
-    this._range = new Heard();
+    const before = this._followed[what];
+    if (topic === before) return;
+    if (before !== "") bridge.unsubscribe(before);
+    this._followed[what] = topic;
+    this[`_${what}`] = new Heard();
     if (topic === "") return;
     bridge.subscribe({
-      topic, type: RANGE, throttle: PERIOD, heard: (message) => {
-        // Over the bridge what is too near is null, as what is too far: the number before says which.
-        const before = this._range.get(true);
-        const isNear = message.range === null && before !== null && (before.isNear || (before.range ?? Infinity) < 2 * message.min_range);
-        this._range.take({ ...message, isNear });
+      topic, type, throttle: PERIOD, heard: (message) => {
+        heard(message);
         this.change();
       },
     });
@@ -220,9 +234,14 @@ export class Aids {
 
   // ---- what is drawn
 
+  /** Those that are drawn into pictures. */
+  get _drawn() {
+    return this._switches.on.filter((name) => name !== "plan");
+  }
+
   /** Have the aids drawn anew, at their own pace. */
   change() {
-    if (this._timer !== undefined || document.hidden) return;
+    if (this._timer !== undefined || document.hidden || (this._isClear && this._drawn.length === 0)) return;
     const wait = Math.max(0, PERIOD - (performance.now() - this._painted));
     this._timer = setTimeout(() => {
       this._timer = undefined;
@@ -232,7 +251,8 @@ export class Aids {
   }
 
   _paint() {
-    const on = this._switches.on.filter((name) => name !== "plan");
+    const on = this._drawn;
+    this._isClear = on.length === 0;
     const views = on.length === 0 ? [] : this._sources.cameras.large.filter(({ live }) => live);
     const calibrations = this._calibrations.of(views.map(({ camera }) => camera));
     const joints = this._joints.get(this._sources.paused());
@@ -248,8 +268,8 @@ export class Aids {
       const { width, height } = painter.size;
       if (calibration === null || pose === undefined || poses === undefined || width === 0) painter.paint([]);
       else {
-        const sight = new Sight(calibration.lens, pose, boxOf(width, height, calibration.lens, index === 0 ? "top" : "middle"));
-        painter.paint(this._figures(on, sight, poses, { ...views[index], lens: calibration.lens }, index === 0));
+        const sight = new Sight(calibration.lens, pose, boxOf(width, height, calibration.lens, views[index].isFirst ? "top" : "middle"));
+        painter.paint(this._figures(on, sight, poses, { ...views[index], lens: calibration.lens }));
       }
     }
   }
@@ -258,10 +278,9 @@ export class Aids {
    * @param {string[]} on
    * @param {Sight} sight
    * @param {Map<string, Pose>} poses
-   * @param {{camera: string, over: HTMLElement | null, lens: import("./lens.js").Lens}} view
-   * @param {boolean} isFirst
+   * @param {{camera: string, over: HTMLElement | null, isFirst: boolean, lens: import("./lens.js").Lens}} view
    */
-  _figures(on, sight, poses, { camera, over, lens }, isFirst) {
+  _figures(on, sight, poses, { camera, over, isFirst, lens }) {
     const { paused, zooms, gripper, joints } = this._sources;
     const stability = this._stability.get(paused());
     const up = [stability?.roll, stability?.pitch].every(Number.isFinite) ? upward(stability.roll, stability.pitch) : null;
@@ -275,12 +294,13 @@ export class Aids {
     if (on.includes("aim line") && aim !== null) figures.push(...aimFigures(sight, aim, range, measured === null ? "" : beyondText(measured), isAid));
     const opening = gripper.opening(joints);
     if (on.includes("finger gap") && aim !== null && opening !== null) {
-      figures.push(...gapFigures(sight, aim, opening, range === null ? null : range - aim.beyond, null, isAid));
+      const width = this._width.get(paused());
+      figures.push(...gapFigures(sight, aim, opening, range === null ? null : range - aim.beyond, width, isAid || width !== null));
     }
     if (on.includes("contact marks")) figures.push(...contactFigures(sight, this._pads(poses), this._switches.isTrainingAid("contact marks")));
     const plates = [];
-    if (on.includes("zoom factor") && zooms(camera)) plates.push(zoomText(this._calibrations.zoom(camera), fieldOf(lens)));
-    if (figures.some((each) => "framed" in each)) plates.push(text("◇ training aid"));
+    if (figures.some((each) => "framed" in each)) plates.push({ words: text("training aid"), framed: true });
+    if (on.includes("zoom factor") && zooms(camera)) plates.push({ words: zoomText(this._calibrations.zoom(camera), fieldOf(lens)) });
     const yaw = this._yaw.get(paused());
     const compass = isFirst && on.includes("compass") && yaw !== null ? headings(yaw, levelAhead(sight.pose, up ?? [0, 0, 1])) : null;
     return [...figures, ...bandFigures(sight.box, over?.offsetHeight ?? 0, compass, plates)];

@@ -45,7 +45,7 @@ export function ribbonOf(heading, nose, { left, top, width }) {
  * @param {Box} box     Of the picture.
  * @param {number} top  Below what stands over the picture anyway (px).
  * @param {{heading: number, nose: number} | null} compass  Degrees, clockwise.
- * @param {string[]} plates  Words that stand beside each other.
+ * @param {{words: string, framed?: boolean}[]} plates  Words below each other; `framed`: of training aids.
  * @returns {(Figure | Ribbon)[]}  No more than there is room for.
  */
 export function bandFigures(box, top, compass, plates) {
@@ -57,8 +57,10 @@ export function bandFigures(box, top, compass, plates) {
     figures.push(ribbonOf(compass.heading, compass.nose, { left: box.left, top: below, width: box.width }));
     below += RIBBON + 2;
   }
-  if (plates.length > 0 && below + ROW <= end) {
-    figures.push({ kind: "label", at: [box.left + 6, below + ROW / 2], words: plates.join("   "), align: "left", framed: plates.some((each) => each.startsWith("◇")) });
+  for (const { words, framed } of plates) {
+    if (below + ROW > end) break;
+    figures.push({ kind: "label", at: [box.left + 6, below + ROW / 2], words, align: "left", ...(framed ? { framed } : {}) });
+    below += ROW;
   }
   return figures;
 }

@@ -102,7 +102,7 @@ function polygon(context, corners) {
 /** @param {CanvasRenderingContext2D} context @param {import("./figures.js").Label} figure */
 function drawLabel(context, { at: [x, y], words, align, framed = false }) {
   context.font = FONT;
-  const said = framed && !words.startsWith("◇") ? `◇ ${words}` : words;
+  const said = framed ? `◇ ${words}` : words;
   const width = context.measureText(said).width + 2 * PAD;
   const begin = align === "left" ? x : align === "right" ? x - width : x - width / 2;
   // A label belongs to what it names, but one that is cut tells nothing.
