@@ -253,6 +253,7 @@ class Console {
       bookmark: () => this._strip.bookmarks.set(),
       "go back": () => this._strip.bookmarks.back(),
       "next language": () => nextLanguage(),
+      aids: () => this._aids.toggleMenu(),
       ...this._aids.commands,
       help: () => {
         this._letGo(text("the list of keys"));

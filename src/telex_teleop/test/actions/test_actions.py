@@ -164,6 +164,9 @@ class TestPage:
         begin = main.index("_makeCommands() {\n    return")
         commands = main[begin : main.index("// ---- what is held")]
         carried_out = set(re.findall(r'^ {6}"?([a-z -]+?)"?: \(\) =>', commands, re.MULTILINE))
+        aids = (CONSOLE / "js" / "aids" / "switches.js").read_text()
+        table = aids[aids.index("const AIDS = {") : aids.index("};")]
+        carried_out |= set(re.findall(r'^  "?([a-z ]+?)"?: \{', table, re.MULTILINE))
         assert carried_out == {c.value for c in Command if c not in TERMINAL_ONLY}
 
     def test_names_only_what_there_is(self, shipped):

@@ -174,6 +174,7 @@ def test_an_exam_leaves_no_training_aid(robot, page):
     assert page.element(note).text == "\N{WHITE DIAMOND} training aid"
     told = "/telex/console/telemetry"
     robot.probe.subscribe(told, "std_msgs/String")
+    page.press("w")  # who has control tells what he sees
     wait_until(lambda: aids_told(robot, told) == {"contact marks": True})
     try:
         exam("running")

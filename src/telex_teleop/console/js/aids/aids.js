@@ -113,6 +113,10 @@ export class Aids {
     return this._switches.commands;
   }
 
+  toggleMenu() {
+    this._switches.toggleMenu();
+  }
+
   /** Which are on, as the training node is told: true for a training aid. */
   get told() {
     const { told } = this._switches;

@@ -59,7 +59,7 @@ export class Switches {
 
   /** How each of them is switched. @returns {Record<string, () => void>} */
   get commands() {
-    return { aids: () => this.toggleMenu(), ...Object.fromEntries(Object.keys(AIDS).map((name) => [name, () => this.set(name, !this.isOn(name))])) };
+    return Object.fromEntries(Object.keys(AIDS).map((name) => [name, () => this.set(name, !this.isOn(name))]));
   }
 
   /** @returns {string[]}  What is on and may be shown. */
