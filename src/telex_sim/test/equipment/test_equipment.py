@@ -228,7 +228,9 @@ class Wire:
                 return wire.heard
 
             def publish(self, message):
-                said.append((message.header.frame_id, message.min_range, message.range))
+                if not isinstance(message, float):
+                    message = (message.header.frame_id, message.min_range, message.range)
+                said.append(message)
 
             def unregister(self):
                 del wire.topics[name]
@@ -261,10 +263,12 @@ class TestTelling:
         finder = {"frame": LINK, "max": 10.0, "min": 0.05, "rate": 20.0}
         assert here["range_finder"] == {**finder, "topic": f"{name}/range_finder"}
         assert here["laser_dots"]["frames"] == ["left_laser_link", "right_laser_link"]
-        assert list(aids) == ["proximity"]
+        assert sorted(aids) == ["object_width", "proximity"]
+        assert aids["object_width"] == {"topic": f"{name}/sim/object_width"}
         told.publish_range(equipment_publisher.rospy.Time(1))
         wire.heard = 0
         told.publish_range(equipment_publisher.rospy.Time(2))
+        assert len(wire.topics[f"{name}/sim/object_width"]) == 1
         ((frame, nearest, _),) = wire.topics[f"{name}/range_finder"]
         assert (frame, nearest) == (LINK, 0.05)
         told.close()
@@ -278,7 +282,7 @@ class TestTelling:
         name = robot.namespace
         assert wire.params[f"{name}/equipment"] == {}
         aids = wire.params[f"{name}/training_aids"]
-        assert sorted(aids) == ["pads", "proximity", "range_finder"]
+        assert sorted(aids) == ["object_width", "pads", "proximity", "range_finder"]
         assert aids["range_finder"]["topic"] == f"{name}/sim/range_finder"
         aim(robot)
         told.publish_range(equipment_publisher.rospy.Time(1))
@@ -301,7 +305,7 @@ class TestTelling:
         assert told.felt(a_grasp(5000.0, 0.0)).force == 400.0
         near = [told.sensed(a_pair(0.01)).pairs[0].place.distance for _ in range(400)]
         assert np.std(near) == pytest.approx(0.002, rel=0.2)
-        assert list(wire.params[f"{robot.namespace}/training_aids"]) == []
+        assert list(wire.params[f"{robot.namespace}/training_aids"]) == ["object_width"]
 
 
 def a_pair(distance):
