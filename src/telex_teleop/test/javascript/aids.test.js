@@ -127,35 +127,34 @@ test("a picture that is shown whole has its place in its view", () => {
 
 /** @type {import("../../console/js/aids/figures.js").Aim} */
 const AIM = { origin: [0.2, 0, 0], ahead: [1, 0, 0], across: [0, 1, 0], middle: [0.3, 0, 0] };
-const words = (/** @type {any[]} */ figures) => figures.flatMap((each) => (each.kind === "label" ? [each.words] : []));
+const words = (/** @type {import("../../console/js/aids/figures.js").Shown} */ shown) => shown.plates.map((each) => each.words);
 
 test("the aim line says its range, and differs where it has none", () => {
-  const measured = aimFigures(sight(level(0.2)), AIM, 0.42, "", false), none = aimFigures(sight(level(0.2)), AIM, null, "", false);
-  assert.deepEqual([words(measured), words(none)], [["0.42 m"], ["1 m ahead"]]);
-  assert.deepEqual(words(aimFigures(sight(level(0.2)), AIM, null, "> 10 m", false)), ["> 10 m"]);
+  const measured = aimFigures(sight(level(0.2)), AIM, 0.42, "", true), none = aimFigures(sight(level(0.2)), AIM, null, "", false);
+  assert.deepEqual([measured.plates, none.plates], [[{ words: "range 0.42 m", isAid: true }], []]);
+  assert.deepEqual(words(aimFigures(sight(level(0.2)), AIM, null, "> 10 m", false)), ["range > 10 m"]);
   const shapes = (/** @type {any[]} */ figures) => figures.flatMap((each) => (each.kind === "sign" ? [each.shape] : []));
-  assert.deepEqual([shapes(measured), shapes(none)], [["disc", "ring"], ["disc", "disc", "disc", "triangle"]]);
-  const at = /** @type {any} */ (measured.find((each) => each.kind === "sign" && each.shape === "ring")).at;
+  assert.deepEqual([shapes(measured.figures), shapes(none.figures)], [["disc", "ring"], ["disc", "disc", "disc", "triangle"]]);
+  const at = /** @type {any} */ (measured.figures.find((each) => each.kind === "sign" && each.shape === "ring")).at;
   allNear(at, [320, 240 + (400 * 0.2) / 0.62], 0.06);
-  assert.equal(/** @type {any} */ (aimFigures(sight(level(0.2)), AIM, 0.42, "", true).at(-1)).framed, true);
 });
 
 test("the gap of the fingers stands at the object, and says whether it fits", () => {
-  const figures = gapFigures(sight(level(0.2)), AIM, 0.1, 0.3, null, false);
-  assert.deepEqual(words(figures), ["gap 100 mm"]);
-  const [left, right] = /** @type {any} */ (figures[2]).lines;
+  const gap = (/** @type {number | null} */ width, aim = AIM) => gapFigures(sight(level(0.2)), aim, 0.1, 0.3, width, false);
+  const [left, right] = /** @type {any} */ (gap(null).figures[1]).lines;
   near(left[0][0], 320 - (400 * 0.05) / 0.6, 0.06);
   near(right[0][0], 320 + (400 * 0.05) / 0.6, 0.06);
-  assert.deepEqual(words(gapFigures(sight(level(0.2)), AIM, 0.1, 0.3, 0.09, false)), ["gap 100 mm ✔ fits"]);
-  assert.deepEqual(words(gapFigures(sight(level(0.2)), AIM, 0.1, 0.3, 0.098, false)), ["gap 100 mm ✖ does not fit"]);
-  assert.deepEqual(gapFigures(sight(level(0.2)), { ...AIM, across: null }, 0.1, 0.3, null, false), []);
+  assert.deepEqual(gap(null).plates, [{ words: "gap 100 mm", isAid: false }]);
+  assert.deepEqual(gap(0.09).plates, [{ words: "gap 100 mm", isAid: false }, { words: "✔ fits", isAid: true }]);
+  assert.deepEqual(words(gap(0.098)), ["gap 100 mm", "✖ does not fit"]);
+  assert.deepEqual(gap(null, { ...AIM, across: null }).figures, []);
 });
 
 test("contact, a weak grip and slip differ by shape and word", () => {
   const pad = { at: /** @type {Vector} */ ([0.5, 0, 0.2]), force: 12.4, slips: false, speed: 0.012, weak: false };
-  const figures = contactFigures(sight(level(0.2)), [pad, { ...pad, weak: true }, { ...pad, slips: true }], false);
-  assert.deepEqual(words(figures), ["12 N", "weak 12 N", "SLIPS 12 mm/s"]);
-  assert.equal(new Set(figures.flatMap((each) => (each.kind === "sign" ? [each.shape] : []))).size, 3);
+  const shown = contactFigures(sight(level(0.2)), [pad, { ...pad, weak: true }, { ...pad, slips: true }], false);
+  assert.deepEqual(words(shown), ["● 12 N", "▲ weak 12 N", "◆ SLIPS 12 mm/s"]);
+  assert.equal(new Set(shown.figures.flatMap((each) => (each.kind === "sign" ? [each.shape] : []))).size, 3);
 });
 
 test("the ribbon shows headings on both sides of north, and the nose", () => {
@@ -168,10 +167,11 @@ test("the ribbon shows headings on both sides of north, and the nose", () => {
 
 test("the band keeps to the upper third of the picture, below what stands there", () => {
   const box = { left: 0, top: 0, width: 600, height: 450 }, compass = { heading: 0, nose: 0 };
-  const plates = [{ words: "training aid", framed: true }, { words: "zoom" }];
-  assert.deepEqual(bandFigures(box, 40, compass, plates).map(({ kind }) => kind), ["ribbon", "label", "label"]);
-  assert.deepEqual(bandFigures(box, 90, compass, plates).map(({ kind }) => kind), ["ribbon", "label"]);
-  assert.deepEqual(bandFigures(box, 130, compass, plates), []);
+  const kinds = (/** @type {number} */ top) => bandFigures(box, top, compass, [{ words: "zoom", isAid: false }], 0).map(({ kind }) => kind);
+  assert.deepEqual([40, 100, 130].map(kinds), [["ribbon", "plates"], ["ribbon", "plates"], ["plates"]]);
+  const [, plates] = /** @type {any[]} */ (bandFigures(box, 40, compass, [{ words: "✔ fits", isAid: true }], 56));
+  assert.deepEqual([plates.top, plates.bottom, plates.right], [74, 150, 540]);
+  assert.deepEqual(plates.plates.map((/** @type {any} */ each) => each.words), ["✔ fits", "training aid"]);
 });
 
 /** A bridge of whose topics messages are played. */

@@ -4,7 +4,7 @@
 import { yawOf } from "../hud.js";
 import { text } from "../language.js";
 import { fixed } from "../panels.js";
-import { getParameter } from "../parameters.js";
+import { awaitParameter } from "../parameters.js";
 import { transform } from "../urdf.js";
 import { bandFigures, zoomText } from "./band.js";
 import { Calibrations } from "./calibrations.js";
@@ -21,6 +21,7 @@ import { Switches } from "./switches.js";
 
 const RANGE = "sensor_msgs/Range", WIDTH = "std_msgs/Float64";
 const PERIOD = 67; // ms between two pictures of the aids, at least
+const BUTTON = 56; // px that the second view's button takes of its upper edge
 const FRESH = 1000; // ms that a message counts
 const TOUCHES = 0.5; // N from which a pad counts as pressing
 const WEAK = 0.8; // share of the friction in use from which a grip is nearly too weak
@@ -139,7 +140,7 @@ export class Aids {
   async connected() {
     const { bridge, topic, odometry } = this._sources;
     this._calibrations.forget();
-    const ask = (/** @type {string} */ name) => getParameter(bridge, topic(name)).catch(() => undefined);
+    const ask = (/** @type {string} */ name) => awaitParameter(bridge, topic(name)).catch(() => undefined);
     const [tracks, tool] = await Promise.all([odometry === null ? undefined : ask(odometry.split("/")[0]), ask("arm_teleop/frames/tool")]);
     // Of what is not answered, that before still holds.
     if (tracks !== undefined) this._told.tracks = tracks;
@@ -288,26 +289,28 @@ export class Aids {
     const { paused, zooms, gripper, joints } = this._sources;
     const stability = this._stability.get(paused());
     const up = [stability?.roll, stability?.pitch].every(Number.isFinite) ? upward(stability.roll, stability.pitch) : null;
-    const figures = [];
+    const figures = [], plates = [];
+    const show = (/** @type {import("./figures.js").Shown} */ shown) => {
+      figures.push(...shown.figures);
+      plates.push(...shown.plates);
+    };
     if (on.includes("horizon") && up !== null) figures.push(...horizonFigures(sight, up));
     if (on.includes("guide lines")) figures.push(...this._guides(sight, poses, stability));
     const aim = this._aim(poses);
     const isAid = this._switches.isTrainingAid("aim line");
     const measured = this._range.get(paused());
     const range = measured?.range ?? null;
-    if (on.includes("aim line") && aim !== null) figures.push(...aimFigures(sight, aim, range, measured === null ? "" : beyondText(measured), isAid));
+    if (on.includes("aim line") && aim !== null) show(aimFigures(sight, aim, range, measured === null ? "" : beyondText(measured), isAid));
     const opening = gripper.opening(joints);
     if (on.includes("finger gap") && aim !== null && opening !== null) {
       const width = this._width.get(paused());
-      figures.push(...gapFigures(sight, aim, opening, range === null ? null : range - aim.beyond, width, isAid || width !== null));
+      show(gapFigures(sight, aim, opening, range === null ? null : range - aim.beyond, width, isAid));
     }
-    if (on.includes("contact marks")) figures.push(...contactFigures(sight, this._pads(poses), this._switches.isTrainingAid("contact marks")));
-    const plates = [];
-    if (figures.some((each) => "framed" in each)) plates.push({ words: text("training aid"), framed: true });
-    if (on.includes("zoom factor") && zooms(camera)) plates.push({ words: zoomText(this._calibrations.zoom(camera), fieldOf(lens)) });
+    if (on.includes("contact marks")) show(contactFigures(sight, this._pads(poses), this._switches.isTrainingAid("contact marks")));
+    if (on.includes("zoom factor") && zooms(camera)) plates.push({ words: zoomText(this._calibrations.zoom(camera), fieldOf(lens)), isAid: false });
     const yaw = this._yaw.get(paused());
     const compass = isFirst && on.includes("compass") && yaw !== null ? headings(yaw, levelAhead(sight.pose, up ?? [0, 0, 1])) : null;
-    return [...figures, ...bandFigures(sight.box, over?.offsetHeight ?? 0, compass, plates)];
+    return [...figures, ...bandFigures(sight.box, over?.offsetHeight ?? 0, compass, plates, isFirst ? 0 : BUTTON)];
   }
 
   /** @param {Sight} sight @param {Map<string, Pose>} poses @param {any} stability  telex_msgs/Stability */

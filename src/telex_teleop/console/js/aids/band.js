@@ -4,13 +4,16 @@
 import { text } from "../language.js";
 import { fixed } from "../panels.js";
 
-/** @typedef {import("./figures.js").Figure} Figure */
+/** @typedef {import("./figures.js").Plate} Plate */
 /** @typedef {import("./sight.js").Box} Box */
 
 /** @typedef {{kind: "ribbon", left: number, top: number, width: number, height: number, ticks: {x: number, words: string}[], nose: number | null}} Ribbon
  *  Ticks (px from its left), and where the robot's nose points; null: beside the ribbon. */
 
-const RIBBON = 30, ROW = 24; // px, their heights
+/** @typedef {{kind: "plates", left: number, right: number, top: number, bottom: number, plates: Plate[]}} Plates
+ *  Beside and below each other, as many as there is room for. */
+
+const RIBBON = 30; // px, its height
 const SHARE = 1 / 3; // of the picture, that may have something over it
 const WIDEST = 340; // px, of the ribbon
 const SPAN = 120; // degrees that the ribbon shows
@@ -45,11 +48,12 @@ export function ribbonOf(heading, nose, { left, top, width }) {
  * @param {Box} box     Of the picture.
  * @param {number} top  Below what stands over the picture anyway (px).
  * @param {{heading: number, nose: number} | null} compass  Degrees, clockwise.
- * @param {{words: string, framed?: boolean}[]} plates  Words below each other; `framed`: of training aids.
- * @returns {(Figure | Ribbon)[]}  No more than there is room for.
+ * @param {Plate[]} plates
+ * @param {number} free  At its right, where there is a button (px).
+ * @returns {(Ribbon | Plates)[]}  No more than there is room for.
  */
-export function bandFigures(box, top, compass, plates) {
-  /** @type {(Figure | Ribbon)[]} */
+export function bandFigures(box, top, compass, plates, free) {
+  /** @type {(Ribbon | Plates)[]} */
   const figures = [];
   let below = Math.max(top, box.top) + 2;
   const end = box.top + SHARE * box.height;
@@ -57,11 +61,9 @@ export function bandFigures(box, top, compass, plates) {
     figures.push(ribbonOf(compass.heading, compass.nose, { left: box.left, top: below, width: box.width }));
     below += RIBBON + 2;
   }
-  for (const { words, framed } of plates) {
-    if (below + ROW > end) break;
-    figures.push({ kind: "label", at: [box.left + 6, below + ROW / 2], words, align: "left", ...(framed ? { framed } : {}) });
-    below += ROW;
-  }
+  const legend = plates.some(({ isAid }) => isAid) ? [{ words: text("training aid"), isAid: true }] : [];
+  const all = [...plates, ...legend];
+  if (all.length > 0) figures.push({ kind: "plates", left: box.left + 4, right: box.left + box.width - 4 - free, top: below, bottom: end, plates: all });
   return figures;
 }
 

@@ -12,10 +12,14 @@ import { guideLines, horizon, plus } from "./lines.js";
 /**
  * @typedef {{kind: "lines", lines: Place[][], colour: string, width: number, dash?: number[]}} Lines
  * @typedef {{kind: "sign", shape: "ring" | "disc" | "rhomb" | "triangle", at: Place, colour: string, size: number}} Sign
- * @typedef {{kind: "label", at: Place, words: string, align: "left" | "center" | "right", framed?: boolean}} Label
- *   `at`: the middle of its left or right end, or its middle; `framed`: what it says is a training aid's.
+ * @typedef {{kind: "label", at: Place, words: string, align: "left" | "right"}} Label  Of a line; `at`: the middle of that end.
  * @typedef {Lines | Sign | Label} Figure
+ * @typedef {{words: string, isAid: boolean}} Plate  What stands over the picture's upper third; whether a training aid says it.
+ * @typedef {{figures: Figure[], plates: Plate[]}} Shown
  */
+
+/** @type {Shown} */
+const NOTHING = { figures: [], plates: [] };
 
 /** @typedef {{origin: Vector, ahead: Vector, across: Vector | null, middle: Vector | null}} Aim
  *  Where the aim line begins and leads; from pad to pad of the fingers, and the middle between them. */
@@ -53,14 +57,8 @@ export function guideFigures(sight, gear, floor) {
   }));
 }
 
-/**
- * @param {Place} at
- * @param {string} words
- * @param {Label["align"]} align
- * @param {boolean} [framed]
- * @returns {Label}
- */
-const label = (at, words, align, framed = false) => ({ kind: "label", at, words, align, ...(framed ? { framed } : {}) });
+/** @param {Place} at @param {string} words @param {Label["align"]} align @returns {Label} */
+const label = (at, words, align) => ({ kind: "label", at, words, align });
 
 /**
  * @param {Sight} sight
@@ -68,13 +66,13 @@ const label = (at, words, align, framed = false) => ({ kind: "label", at, words,
  * @param {number | null} range  Measured (m); null: there is no figure.
  * @param {string} beyond         What is said then; empty: nothing measures.
  * @param {boolean} isAid        Whether what measures is a training aid.
- * @returns {Figure[]}
+ * @returns {Shown}
  */
 export function aimFigures(sight, { origin, ahead }, range, beyond, isAid) {
   const length = range ?? REACH;
   const end = plus(origin, ahead, length);
   const lines = sight.line([origin, end]);
-  if (!sight.sees(lines)) return [];
+  if (!sight.sees(lines)) return NOTHING;
   /** @type {Figure[]} */
   const figures = [{ kind: "lines", lines, colour: AIM, width: 2 }];
   for (let along = TICK; along < length - TICK / 2; along += TICK) {
@@ -82,11 +80,10 @@ export function aimFigures(sight, { origin, ahead }, range, beyond, isAid) {
     if (at !== null) figures.push({ kind: "sign", shape: "disc", at, colour: AIM, size: 3 });
   }
   const at = sight.place(end);
-  if (at === null) return figures;
-  const side = /** @type {Place} */ ([at[0] + 14, at[1]]);
-  if (range === null) figures.push({ kind: "sign", shape: "triangle", at, colour: AIM, size: 6 }, label(side, beyond || text("{length} m ahead", { length }), "left", isAid && beyond !== ""));
-  else figures.push({ kind: "sign", shape: "ring", at, colour: AIM, size: 9 }, label(side, inMetres(range), "left", isAid));
-  return figures;
+  const [shape, size] = range === null ? /** @type {const} */ (["triangle", 6]) : /** @type {const} */ (["ring", 9]);
+  if (at !== null) figures.push({ kind: "sign", shape, at, colour: AIM, size });
+  const says = range === null ? beyond : inMetres(range);
+  return { figures, plates: says === "" ? [] : [{ words: text("range {range}", { range: says }), isAid }] };
 }
 
 /**
@@ -96,11 +93,11 @@ export function aimFigures(sight, { origin, ahead }, range, beyond, isAid) {
  * @param {number} opening         Between the pads (m).
  * @param {number | null} distance  To the object, from the middle between the pads (m).
  * @param {number | null} width     Of the object, from pad to pad (m); null: not known.
- * @param {boolean} isAid            Whether what measures it is a training aid.
- * @returns {Figure[]}
+ * @param {boolean} isAid            Whether what measures the distance is a training aid.
+ * @returns {Shown}
  */
 export function gapFigures(sight, { ahead, across, middle }, opening, distance, width, isAid) {
-  if (across === null || middle === null) return [];
+  if (across === null || middle === null) return NOTHING;
   const there = plus(middle, ahead, distance ?? CORRIDOR);
   const up = /** @type {Vector} */ ([
     ahead[1] * across[2] - ahead[2] * across[1], ahead[2] * across[0] - ahead[0] * across[2], ahead[0] * across[1] - ahead[1] * across[0],
@@ -109,39 +106,40 @@ export function gapFigures(sight, { ahead, across, middle }, opening, distance, 
   const rails = sides.flatMap(({ from, to }) => sight.line([from, to]));
   const brackets = sides.flatMap(({ to }) => sight.line([plus(to, up, BRACKET), plus(to, up, -BRACKET)]));
   const between = sight.line(sides.map(({ to }) => to));
-  if (!sight.sees([...rails, ...brackets, ...between])) return [];
-  const fits = width === null ? "" : width + LEAST_SPARE <= opening ? text("✔ fits") : text("✖ does not fit");
-  const words = [text("gap {gap} mm", { gap: Math.round(1000 * opening) }), fits].filter(Boolean).join(" ");
-  // Below the bracket, where there is no label of the aim line.
-  const at = sight.place(plus(there, up, -2 * BRACKET)) ?? sight.place(there);
-  const colour = fits === "" ? GAP : width !== null && width + LEAST_SPARE <= opening ? TOUCH : SLIP;
-  return [
-    { kind: "lines", lines: rails, colour, width: 1.5, dash: [3, 5] },
-    { kind: "lines", lines: between, colour, width: 1.5, dash: [3, 5] },
-    { kind: "lines", lines: brackets, colour, width: 4 },
-    ...(at === null ? [] : [label([at[0], at[1] + 14], words, "center", isAid && (distance !== null || fits !== ""))]),
-  ];
+  if (!sight.sees([...rails, ...brackets, ...between])) return NOTHING;
+  const fits = width === null ? null : width + LEAST_SPARE <= opening;
+  const colour = fits === null ? GAP : fits ? TOUCH : SLIP;
+  const gap = text("gap {gap} mm", { gap: Math.round(1000 * opening) });
+  return {
+    figures: [
+      { kind: "lines", lines: [...rails, ...between], colour, width: 1.5, dash: [3, 5] },
+      { kind: "lines", lines: brackets, colour, width: 4 },
+    ],
+    plates: [
+      { words: gap, isAid: isAid && distance !== null },
+      ...(fits === null ? [] : [{ words: fits ? text("✔ fits") : text("✖ does not fit"), isAid: true }]),
+    ],
+  };
 }
 
 /**
  * @param {Sight} sight
  * @param {Pressed[]} pads
  * @param {boolean} isAid  Whether the robot has no such pads.
- * @returns {Figure[]}
+ * @returns {Shown}
  */
 export function contactFigures(sight, pads, isAid) {
-  return pads.flatMap(({ at, force, slips, speed, weak }) => {
+  const marks = pads.flatMap(({ at, force, slips, speed, weak }) => {
     const place = sight.place(at);
     if (place === null) return [];
-    const shape = slips ? "rhomb" : weak ? "triangle" : "disc";
-    const colour = slips ? SLIP : weak ? WEAK : TOUCH;
     const newtons = Math.round(force);
-    const words = slips ? text("SLIPS {speed} mm/s", { speed: Math.round(1000 * speed) }) : weak ? text("weak {force} N", { force: newtons }) : text("{force} N", { force: newtons });
-    return [
-      { kind: /** @type {const} */ ("sign"), shape: /** @type {Sign["shape"]} */ (shape), at: place, colour, size: slips ? 10 : 8 },
-      label([place[0], place[1] + 22], words, "center", isAid),
-    ];
+    const [shape, colour, words] = slips ? /** @type {const} */ (["rhomb", SLIP, text("◆ SLIPS {speed} mm/s", { speed: Math.round(1000 * speed) })])
+      : weak ? /** @type {const} */ (["triangle", WEAK, text("▲ weak {force} N", { force: newtons })])
+        : /** @type {const} */ (["disc", TOUCH, text("● {force} N", { force: newtons })]);
+    return [{ figure: { kind: /** @type {const} */ ("sign"), shape, at: place, colour, size: slips ? 10 : 8 }, words }];
   });
+  const said = [...new Set(marks.map(({ words }) => words))];
+  return { figures: marks.map(({ figure }) => figure), plates: said.map((words) => ({ words, isAid })) };
 }
 
 /** @param {Sight} sight @param {Vector} up @returns {Figure[]} */

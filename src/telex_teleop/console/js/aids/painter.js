@@ -3,10 +3,11 @@
 
 /** @typedef {import("./figures.js").Figure} Figure */
 /** @typedef {import("./band.js").Ribbon} Ribbon */
+/** @typedef {import("./band.js").Plates} Plates */
 
 const DARK = "rgb(0 0 0 / 80%)", PLATE = "rgb(14 18 22 / 86%)", LIGHT = "#ffffff", FRAME = "#ffd35c";
 const FONT = '600 13px system-ui, "DejaVu Sans", sans-serif';
-const PAD = 5, LINE = 20; // px, of a plate
+const PAD = 5, LINE = 20, APART = 4; // px, of a plate
 
 /** A canvas that lies over a view. */
 export class Painter {
@@ -33,7 +34,7 @@ export class Painter {
 
   /**
    * Show these figures, unless they are shown already.
-   * @param {(Figure | Ribbon)[]} figures
+   * @param {(Figure | Ribbon | Plates)[]} figures
    */
   paint(figures) {
     const { width, height } = this.size;
@@ -53,12 +54,13 @@ export class Painter {
   }
 }
 
-/** @param {CanvasRenderingContext2D} context @param {Figure | Ribbon} figure */
+/** @param {CanvasRenderingContext2D} context @param {Figure | Ribbon | Plates} figure */
 function draw(context, figure) {
   if (figure.kind === "lines") drawLines(context, figure);
   else if (figure.kind === "sign") drawSign(context, figure);
   else if (figure.kind === "label") drawLabel(context, figure);
-  else drawRibbon(context, figure);
+  else if (figure.kind === "ribbon") drawRibbon(context, figure);
+  else drawPlates(context, figure);
 }
 
 /** @param {CanvasRenderingContext2D} context @param {import("./figures.js").Lines} figure */
@@ -100,27 +102,41 @@ function polygon(context, corners) {
 }
 
 /** @param {CanvasRenderingContext2D} context @param {import("./figures.js").Label} figure */
-function drawLabel(context, { at: [x, y], words, align, framed = false }) {
+function drawLabel(context, { at: [x, y], words, align }) {
   context.font = FONT;
-  const said = framed ? `◇ ${words}` : words;
-  const width = context.measureText(said).width + 2 * PAD;
-  const begin = align === "left" ? x : align === "right" ? x - width : x - width / 2;
-  // A label belongs to what it names, but one that is cut tells nothing.
-  const left = Math.max(1, Math.min(begin, context.canvas.clientWidth - width - 1));
-  const top = Math.max(1, Math.min(y - LINE / 2, context.canvas.clientHeight - LINE - 1));
-  context.fillStyle = PLATE;
-  context.fillRect(left, top, width, LINE);
-  if (framed) {
-    context.strokeStyle = FRAME;
-    context.lineWidth = 1.5;
-    context.setLineDash([4, 3]);
-    context.strokeRect(left, top, width, LINE);
-    context.setLineDash([]);
-  }
+  context.textBaseline = "middle";
+  context.textAlign = align;
+  context.strokeStyle = DARK;
+  context.lineWidth = 5;
+  context.strokeText(words, x, y);
   context.fillStyle = LIGHT;
+  context.fillText(words, x, y);
+}
+
+/** @param {CanvasRenderingContext2D} context @param {Plates} figure */
+function drawPlates(context, { left, right, top, bottom, plates }) {
+  context.font = FONT;
   context.textBaseline = "middle";
   context.textAlign = "left";
-  context.fillText(said, left + PAD, top + LINE / 2 + 1);
+  let [x, y] = [left, top];
+  for (const { words, isAid } of plates) {
+    const said = isAid ? `◇ ${words}` : words;
+    const width = context.measureText(said).width + 2 * PAD;
+    if (x > left && x + width > right) [x, y] = [left, y + LINE + APART];
+    if (y + LINE > bottom) return;
+    context.fillStyle = PLATE;
+    context.fillRect(x, y, width, LINE);
+    if (isAid) {
+      context.strokeStyle = FRAME;
+      context.lineWidth = 1.5;
+      context.setLineDash([4, 3]);
+      context.strokeRect(x + 1, y + 1, width - 2, LINE - 2);
+      context.setLineDash([]);
+    }
+    context.fillStyle = LIGHT;
+    context.fillText(said, x + PAD, y + LINE / 2 + 1);
+    x += width + APART;
+  }
 }
 
 /** @param {CanvasRenderingContext2D} context @param {Ribbon} ribbon */
