@@ -41,17 +41,27 @@ FLAGS = (
 """Without a window; it asks no other host for anything, and nobody for a choice."""
 
 _KEYS = {
-    **{f"Key{sign.upper()}": sign for sign in "wasdijklopu"},
+    **{f"Key{sign.upper()}": sign for sign in "abcdefghijklmnopqrstuvwxyz"},
     **{f"Digit{sign}": sign for sign in "134"},
     "Minus": "-",
     "Comma": ",",
     "Period": ".",
+    "Slash": "/",
+    "F2": "F2",
     "Escape": "Escape",
     "Home": "Home",
 }
 """Keys by their position, with the sign that a US keyboard has there, or their name."""
 
-_VIRTUAL = {"Minus": 0xBD, "Comma": 0xBC, "Period": 0xBE, "Escape": 0x1B, "Home": 0x24}
+_VIRTUAL = {
+    "Minus": 0xBD,
+    "Comma": 0xBC,
+    "Period": 0xBE,
+    "Slash": 0xBF,
+    "F2": 0x71,
+    "Escape": 0x1B,
+    "Home": 0x24,
+}
 """Virtual key codes of those that are neither letters nor digits."""
 
 

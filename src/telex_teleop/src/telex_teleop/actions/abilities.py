@@ -186,13 +186,12 @@ def abilities_of(
     warn
         Told of a node whose parameters are wrong: it cannot start, and so moves nothing.
     """
-
     given = {name: parameter(f"{prefix}{name}") for name in _PARAMETERS}
     if not isinstance(given["robot_description"], str):
         return None
     if not any(isinstance(given[f"{node}_teleop"], dict) for node in NODES):
         return None
-    abilities, problems = _read(json.dumps(given, sort_keys=True, default=str))
+    abilities, problems = _read(json.dumps(given, default=str))
     for problem in problems:
         warn(problem)
     return abilities
