@@ -35,7 +35,7 @@ import { Motion } from "./motion.js";
 import { fetchPadMap } from "./pad_map.js";
 import { getParameter } from "./parameters.js";
 import { Panels, byId, setText, showTwist } from "./panels.js";
-import { leaveOut } from "./presence.js";
+import { leaveOut, showAction } from "./presence.js";
 import { PictureSize } from "./picture_size.js";
 import { DOSIMETER, DosimeterView } from "./radiation/dosimeter.js";
 import { RadiationMap } from "./radiation/map.js";
@@ -382,8 +382,9 @@ class Console {
 
   _subscribe() {
     this._control.subscribe();
+    this._showTraining(false);
     this._training.subscribe((state) => {
-      byId("exercises-open").hidden = false;
+      this._showTraining(true);
       this._strip.show(state);
       this._brief.show(state);
       this._aids.hearTraining(state);
@@ -393,6 +394,14 @@ class Console {
     this._tellTelemetry = tellTelemetry(this._bridge, this._topic, () => this._control.isMine && this._control.isKnown ? look() : null);
     this._subscribeToSimulator();
     this._subscribeToNodes();
+  }
+
+  /** Show what there is of exercises, which need the training node. @param {boolean} isThere */
+  _showTraining(isThere) {
+    byId("exercises-open").hidden = !isThere;
+    for (const name of ["bookmark", "go back"]) {
+      showAction(document, this._vocabulary.nameOf({ kind: "command", name }, []), isThere);
+    }
   }
 
   _subscribeToSimulator() {
