@@ -88,7 +88,7 @@ export class Avatar {
     if (this._model === null) return;
     const pose = JSON.stringify([
       ...this._model.joints.filter(({ limits }) => limits !== null).map(({ name }) => position(name).toFixed(2)),
-      pitch.toFixed(2),
+      pitch.toFixed(2), ...Object.values(this._canvases).flatMap(({ clientWidth, clientHeight }) => [clientWidth, clientHeight]),
     ]);
     if (pose === this._last) return;
     this._last = pose;
