@@ -10,6 +10,7 @@ const CLOSEST = 400, WIDEST = 2; // px for a metre
 const OVERHEAD = 2; // m above the robot's base: what begins higher is a roof, and is not drawn
 const FLAT = 0.06, LOW = 0.35; // m of height: to drive over, to climb
 const DRAGGED = 8; // px
+const SMALL = 5; // px; what can move is drawn as large as that at least
 const TONES = { flat: "#2c3a47", low: "#4a5d6e", high: "#7d8f9f", movable: "#e3b341", picked: "#4fb3ff", robot: "#56c968" };
 const ROBOT_LENGTH = 0.9; // m of the arrow that stands for a robot
 
@@ -143,10 +144,11 @@ export class PlanView {
       pen.closePath();
       pen.fill();
     }
-    const first = outlines[0]?.[0];
-    if (!marked || first === undefined) return;
-    const [x, y] = this._pixel(first);
-    pen.fillRect(x - 1.5, y - 1.5, 3, 3);
+    const points = marked ? outlines.flat().map((point) => this._pixel(point)) : [];
+    if (points.length === 0) return;
+    const xs = points.map(([x]) => x), ys = points.map(([, y]) => y);
+    const [left, low] = [Math.min(...xs), Math.min(...ys)], [right, high] = [Math.max(...xs), Math.max(...ys)];
+    if (Math.max(right - left, high - low) < SMALL) pen.fillRect((left + right - SMALL) / 2, (low + high - SMALL) / 2, SMALL, SMALL);
   }
 
   /**
