@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+
 import pytest
 from console_page import Page, robot, ros
 from waiting import wait_until
@@ -23,7 +25,13 @@ __all__ = [
 
 VIEW = "/telex/cameras/overview/view"
 HALL = {"name": "hall", "description": "A large hall.", "path": "/scenes/hall.yaml"}
-YARD = {"name": "yard", "description": "A step and a crate.", "path": "/scenes/yard.yaml"}
+YARD = {
+    "name": "yard",
+    "description": "A step and a crate.",
+    "path": "/scenes/yard.yaml",
+    "picture": base64.b64encode(bytes([0xFF, 0xD8, 0xFF, 0xD9])).decode(),
+}
+HIDDEN = {"name": "measured", "path": "/scenes/measured.yaml", "hidden": True}
 BROKEN = {"name": "broken", "path": "/scenes/broken.yaml", "problem": "no YAML"}
 
 START = {
@@ -50,7 +58,7 @@ class Simulator:
 
     def reset(self):
         """Forget what was asked, and be in the first scene, at rest."""
-        scenes = [HALL, YARD, BROKEN]
+        scenes = [HALL, YARD, BROKEN, HIDDEN]
         self.serve("list_scenes", "telex_msgs/ListScenes", scenes=scenes, current=HALL["path"])
         self.tell()
         self.robot.publish_camera("overview", rate=1)

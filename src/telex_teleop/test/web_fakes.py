@@ -44,7 +44,10 @@ ROSTER = "/telex/bridge/clients"
 MISSING_NODES = "/telex/bridge/missing_nodes"
 LINK_STATE, LINK_CONFIGURE = "/telex/link/state", "/telex/link/configure"
 EXAM = "/telex/bridge/exam"
-OWN_TOPICS = (ROSTER, MISSING_NODES, LINK_STATE, EXAM, "/telex/e_stop")
+OWN_TOPICS = (
+    *(ROSTER, MISSING_NODES, LINK_STATE, EXAM, "/telex/e_stop"),
+    "/telex/bridge/actions",
+)
 
 
 class FakePublisher:

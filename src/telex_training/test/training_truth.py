@@ -13,6 +13,7 @@ from nav_msgs.msg import Odometry
 from std_msgs.msg import String
 from telex_msgs.msg import (
     ComponentDoses,
+    InstructorAction,
     LinkState,
     SimStatus,
     TruthContact,
@@ -188,6 +189,11 @@ class Trial:
         told = {"perfect": profile == "perfect", **fields}
         message = LinkState(profile=profile, since=genpy.Time.from_sec(since), **told)
         return self.feed("link/state", "telex_msgs/LinkState", serialized(message))
+
+    def action(self, by: str, service: str, request: str) -> List[JudgeEvent]:
+        """Tell what an instructor has done."""
+        message = InstructorAction(by=by, service=service, request=request)
+        return self.feed("bridge/actions", "telex_msgs/InstructorAction", serialized(message))
 
     def doses(self, **received: float) -> List[JudgeEvent]:
         """Tell what components have received (Gy)."""

@@ -52,8 +52,8 @@ export class SceneChooser {
    * @param {string} current  Path of the one that is loaded.
    */
   _fill(scenes, current) {
-    // Another one, such as for measurements, is loaded by its name; while it is there, it can be loaded anew.
-    const shown = scenes.filter(({ offered, path }) => offered !== false || path === current);
+    // One for measurements is loaded by its name; while it is there, it can be loaded anew.
+    const shown = scenes.filter(({ hidden, path }) => !hidden || path === current);
     const listed = JSON.stringify([shown, current]);
     if (listed === this._listed) return;
     this._listed = listed;

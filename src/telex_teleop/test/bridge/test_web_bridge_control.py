@@ -10,6 +10,7 @@ from unittest import mock
 import pytest
 from bridge_bench import JOG, TWIST, Bench, Client
 from std_msgs.msg import Bool
+from std_srvs.srv import SetBoolResponse
 from telex_msgs.msg import FlipperPresetActionResult
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from waiting import wait_until_async
@@ -157,6 +158,30 @@ async def test_an_instructor_may_do_some_things_without_control():
     assert not (await teacher.ask("rosapi/set_param", value))[0]
     assert (await operator.ask("rosapi/set_param", value))[0]
     assert (await teacher.ask("rosapi/set_param", {**value, "name": "/elsewhere"}))[0]
+
+
+@on_loop
+async def test_what_an_instructor_does_to_the_scene_is_told_with_his_name():
+    bench = Bench(rights=asdict(Rights.read("")))
+    on = {"data": True}
+    answers = iter([SetBoolResponse(success=True), SetBoolResponse(success=False)])
+    bench.ros.services_offered = {
+        "/telex/sim/move": lambda _: next(answers),
+        "/telex/sim/reset": lambda _: SetBoolResponse(success=True),
+    }
+    await bench.shared.actions.run()
+    teacher, trainee = Client(bench, instructor=True), Client(bench)
+    bench.control.rename(teacher.member, "Bob")
+    assert (await teacher.ask("sim/move", on))[0]
+    assert not (await teacher.ask("sim/move", on))[1]["success"]  # refused: nothing was done
+    assert (await teacher.ask("sim/reset", on))[0]  # the simulator tells of it itself
+    done, why = await trainee.ask("sim/move", on)
+    assert not done
+    assert "open to instructors only" in why
+    told = [message for topic, message in bench.ros.published if topic == "/telex/bridge/actions"]
+    assert [(each.by, each.service, json.loads(each.request)) for each in told] == [
+        ("Bob", "sim/move", on)
+    ]
 
 
 @on_loop
@@ -739,9 +764,12 @@ INSTRUCTORS_ONLY = {
         *("cameras/overview/image_raw/compressed", "cameras/overview/view", "/crane/sim/poses"),
         *("/crane/cameras/overview/image_raw/compressed", "/cameras/overview/image_raw"),
         *("sim/malfunctions", "/crane/sim/malfunctions"),
-        *("cameras/radiation", "/crane/cameras/radiation"),
+        *("cameras/radiation", "/crane/cameras/radiation", "bridge/actions"),
+        "/crane/bridge/actions",
     ),
     "call": (
+        *("sim/move", "sim/delete", "sim/find_place", "sim/list_objects", "sim/set_light"),
+        "training/tell",
         *("sim/reset", "sim/pause", "sim/step", "sim/spawn", "sim/load_scene", "sim/list_scenes"),
         *(
             "sim/bookmark",

@@ -32,11 +32,14 @@ NEEDED = {
         *("joint_states", "track_controller/odom", "imu", "dosimeter", "gas", "arm_teleop/status"),
         *("arm_teleop/cartesian_status", "flipper_teleop/presets", "track_teleop/status"),
         *("cameras/front/image_raw/compressed", "cameras/turret/zoom", "lamps/gripper/command"),
-        *("training/state", "bridge/clients", "bridge/missing_nodes", "sim/status"),
+        *("training/state", "training/text", "bridge/clients", "bridge/missing_nodes", "sim/status"),
         *("sim/stability", "battery", "link/state"),
         "battery/range",
     ],
-    "call": ["training/answer", "training/again", "training/abort", "arm_teleop/set_mode"],
+    "call": [
+        *("training/answer", "training/again", "training/abort", "training/read"),
+        "arm_teleop/set_mode",
+    ],
 }
 """What the console of a trainee needs."""
 CLOSED = {
@@ -53,12 +56,13 @@ CLOSED = {
         *("cameras/overview/image_raw/compressed", "cameras/overview/view", "cameras/radiation"),
         *("replay/state", "replay/joint_states", "replay/cameras/front/image_raw/compressed"),
         *("replay/sim/poses", "training/events", "training/sheet", "training/exam"),
-        *("/tf_repub_1", "/tf2_web_republisher/feedback", "sim/radio"),
+        *("/tf_repub_1", "/tf2_web_republisher/feedback", "sim/radio", "bridge/actions"),
         *("/crane/joint_states", "/crane/cameras/front/image_raw/compressed", "x"),
     ],
     "call": [
         *("sim/reset", "sim/pause", "sim/unpause", "sim/step", "sim/spawn", "sim/delete"),
         *("sim/load_scene", "sim/list_scenes", "sim/restore", "sim/bookmark", "sim/add_robot"),
+        *("sim/move", "sim/find_place", "sim/list_objects", "sim/set_light", "training/tell"),
         *("sim/malfunction", "link/configure", "cameras/configure", "/republish_tfs"),
         *("replay/open", "replay/seek", "training/open", "training/list", "training/note"),
         *("training/start", "arm_teleop/set_logger_level", "controller_manager/load_controller"),

@@ -246,6 +246,7 @@ def test_an_exams_list_is_said_and_ended_with_a_question(played, page):
 
 
 def test_a_line_is_chosen_by_one_click(page):
+    page.element("#tab-faults").click()
     wait_until(lambda: page.text("line-note") == "nothing is impaired")
     for profile, note in (("300", "300 ms"), ("perfect", "nothing is impaired")):
         page.element(f"[data-profile='{profile}']").click()
@@ -255,6 +256,7 @@ def test_a_line_is_chosen_by_one_click(page):
 
 
 def test_a_malfunction_is_injected_now_or_at_the_next_step_and_ended(played, page):
+    page.element("#tab-faults").click()
     assert not page.element("#malfunction-panel").is_displayed()
     played.hear("sim/malfunctions", {"active": [], "possible": [FROZEN, WEAK]})
     assert page.text("malfunction-note") == "all works"
@@ -333,6 +335,8 @@ def test_nothing_is_cut_off_while_a_trial_runs(training, page, played, size):
     training.tell("running", mode="practice", bookmarks=marks, questions=[asked])
     wait_until(lambda: "ring open" in page.text("training-questions"))
     played.hear("bridge/exam", {"data": "t1"})
+    assert outside(page) == []
+    page.element("#tab-faults").click()
     wait_until(lambda: page.element("#line-panel").is_displayed())
     active = {**FROZEN, "value": 0, "announced": False}
     played.hear("sim/malfunctions", {"active": [active, active], "possible": [FROZEN, WEAK]})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import time
 
@@ -172,7 +173,10 @@ def test_a_scene_is_loaded_once_that_is_confirmed(simulator, page):
             ".map(({dataset}) => [dataset.scene, dataset.loaded])"
         )
 
+    page.element("#tab-scene").click()
     wait_until(lambda: scenes() == [["hall", "true"], ["yard", "false"], ["broken", "false"]])
+    sources = "[...document.querySelectorAll('#scenes img')].map(({src}) => src)"
+    assert page.script(f"return {sources}") == [f"data:image/jpeg;base64,{YARD['picture']}"]
     assert "A step and a crate." in page.element('[data-scene="yard"]').text
     assert not page.element('[data-scene="broken"] button').is_enabled()
     simulator.serve("load_scene", "telex_msgs/LoadScene", delay=0.5, **LOADED)
@@ -193,6 +197,7 @@ def test_a_scene_is_loaded_once_that_is_confirmed(simulator, page):
 
 def test_a_scene_that_takes_long_is_waited_for(simulator, page):
     """Longer than the 5 s after which other calls are given up."""
+    page.element("#tab-scene").click()
     simulator.serve("load_scene", "telex_msgs/LoadScene", delay=5.4, **LOADED)
     page.element('[data-scene="hall"] button').click()
     answer(page, "yes")
@@ -201,6 +206,7 @@ def test_a_scene_that_takes_long_is_waited_for(simulator, page):
 
 
 def test_a_scene_that_is_refused_says_why(simulator, page):
+    page.element("#tab-scene").click()
     simulator.serve("load_scene", "telex_msgs/LoadScene", **REFUSED)
     page.element('[data-scene="yard"] button').click()
     answer(page, "yes")
@@ -209,6 +215,7 @@ def test_a_scene_that_is_refused_says_why(simulator, page):
 
 
 def test_the_first_picture_of_another_scene_is_awaited(simulator, page):
+    page.element("#tab-scene").click()
     simulator.serve("load_scene", "telex_msgs/LoadScene", **LOADED)
     simulator.robot.publish_camera("overview")  # once, and then no more
     wait_until(lambda: page.element("#no-picture").is_displayed())
@@ -276,13 +283,20 @@ def test_warnings_of_nodes_are_logged(simulator, page):
 @pytest.mark.parametrize("size", [(1280, 720), (1920, 1080)])
 def test_nothing_is_cut_off(page, size):
     page.resize(*size)
-    assert outside(page) == []
+    for tab in ("lesson", "scene", "faults"):
+        page.element(f"#tab-{tab}").click()
+        assert outside(page) == []
     page.resize(1280, 720)
 
 
 @pytest.mark.skipif(axe.lacking() != "", reason=axe.lacking())
 def test_axe_finds_nothing(page):
     found = axe.findings(page.script)
+    page.element("#tab-scene").click()
+    for tool in ("put", "take"):
+        page.element(f'[data-tool="{tool}"]').click()
+        found += axe.findings(page.script)
+    page.element("#tab-lesson").click()
     page.element("#reset").click()
     wait_until(lambda: page.element("#ask").is_displayed())
     found += axe.findings(page.script)
@@ -290,7 +304,173 @@ def test_axe_finds_nothing(page):
     assert found == []
 
 
+SQUARE = {"corners": [4], "outlines": [0.5, 0.5, -0.5, 0.5, -0.5, -0.5, 0.5, -0.5]}
+LISTED = {
+    "revision": 3,
+    "frames": ["world", "telex/base_link", "box/body"],
+    "robots": ["telex"],
+    "bases": ["telex/base_link"],
+    "floor": 40.0,
+    "objects": [
+        {"name": "wall", "frame": "world", "top": 2.0, **SQUARE},
+        {"name": "box", "frame": "box/body", "movable": True, "top": 0.4, **SQUARE},
+    ],
+    "library": [
+        {"type": "crate", "group": "tasks", "text": "A wooden crate."},
+        {"type": "cone", "group": "building", "text": "A traffic cone."},
+    ],
+    "daylight": 1.0,
+    "lamps": 1.0,
+}
+PLACE = {"position": {"x": 1.5, "y": -2.0, "z": 0.001}, "orientation": {"w": 1.0}}
+FOUND = {"success": True, "met": "box", "movable": True, "pose": PLACE}
+
+
+@pytest.fixture
+def scene(simulator, page):
+    """The scene's tab, with a box and a wall on its map."""
+    simulator.serve("list_objects", "telex_msgs/ListObjects", **LISTED)
+    simulator.serve("find_place", "telex_msgs/FindPlace", **FOUND)
+    simulator.serve("spawn", "telex_msgs/Spawn", success=True, message="spawned: cone_1")
+    simulator.serve("move", "telex_msgs/Move", success=True, message="moved: box")
+    simulator.serve("delete", "telex_msgs/Delete", success=True, message="gone: box")
+    poses = [*(0, 0, 0, 0, 0, 0, 1), *(-2, 0, 0.1, 0, 0, 0, 1), *(1.5, 1, 0, 0, 0, 0, 1)]
+    message = {"revision": 3, "poses": [float(number) for number in poses]}
+    simulator.probe.publish("/telex/sim/poses", "telex_msgs/ScenePoses", message, rate=5)
+    page.element("#tab-scene").click()
+    wait_until(lambda: simulator.asked("list_objects"))
+    yield simulator
+    simulator.probe.publish("/telex/sim/poses", "telex_msgs/ScenePoses")
+
+
+def note(page):
+    return page.text("arrange-note")
+
+
+def test_objects_are_put_moved_and_taken_on_the_map_by_keys(scene, page):
+    page.element('[data-tool="put"]').click()
+    what = page.element("#arrange-what")
+    wait_until(lambda: what.get_property("value") == "crate")
+    page.script("arguments[0].value = 'cone'", what)
+    turn = page.element("#arrange-turn")
+    turn.clear()
+    turn.send_keys("90")
+    plan = page.element("#plan")
+    plan.send_keys(Keys.ARROW_RIGHT, Keys.ARROW_UP)
+    assert note(page).startswith("the cross is at ")
+    plan.send_keys(Keys.ENTER)
+    wait_until(lambda: note(page) == "spawned: cone_1")
+    (asked,) = scene.asked("find_place")
+    assert (asked["object"], asked["yaw"]) == ("{type: cone}", pytest.approx(math.pi / 2))
+    assert asked["direction"] == {"x": 0, "y": 0, "z": -1}
+    assert asked["origin"]["z"] == pytest.approx(2.1)
+    (put,) = scene.asked("spawn")
+    assert put["object"] == "{type: cone, position: [1.5000, -2.0000, 0.0010], yaw: 1.5708}"
+    page.element('[data-tool="move"]').click()
+    turn.clear()
+    plan.send_keys(Keys.ENTER)
+    wait_until(lambda: "box is picked" in note(page))
+    plan.send_keys(Keys.ARROW_LEFT, Keys.ENTER)
+    wait_until(lambda: scene.asked("move"))
+    assert scene.asked("move")[0]["name"] == "box"
+    assert scene.asked("move")[0]["pose"]["position"] == PLACE["position"]
+    page.element('[data-tool="take"]').click()
+    plan.send_keys(Keys.ENTER)
+    assert answer(page, "no") == "Take box out of the scene?"
+    plan.send_keys(Keys.ARROW_LEFT, Keys.ENTER)
+    answer(page, "yes")
+    wait_until(lambda: scene.asked("delete") == [{"name": "box"}])
+    assert page.errors() == []
+
+
+def test_a_robot_and_what_stands_fast_are_left_where_they_are(scene, page):
+    page.element('[data-tool="move"]').click()
+    plan = page.element("#plan")
+    for found, said in (
+        ({"met": "telex", "robot": True, "movable": False}, "telex is a robot"),
+        ({"met": "wall", "movable": False}, "wall stands fast"),
+        ({"success": False, "message": "there is nothing in that direction"}, "nothing in that"),
+    ):
+        scene.serve("find_place", "telex_msgs/FindPlace", **{**FOUND, **found})
+        plan.send_keys(Keys.ARROW_LEFT, Keys.ENTER)
+        wait_until(lambda said=said: said in note(page))
+    assert scene.asked("move") == []
+
+
+def test_a_drag_in_the_overview_moves_by_the_cameras_calibration(scene, page):
+    camera = {"width": 960, "height": 540, "K": [800, 0, 480, 0, 800, 270, 0, 0, 1]}
+    pose = {"pose": {"position": {"z": 3.0}, "orientation": {"x": 1.0, "w": 0.0}}}  # looks down
+    topic = "/telex/cameras/overview"
+    scene.probe.publish(f"{topic}/camera_info", "sensor_msgs/CameraInfo", camera, rate=10)
+    scene.probe.publish(f"{topic}/pose", "geometry_msgs/PoseStamped", pose, rate=10)
+    page.element('[data-tool="move"]').click()
+    time.sleep(0.5)
+    picture = page.element("#picture")
+    actions = ActionChains(page.driver)
+    actions.move_to_element(picture).click_and_hold().move_by_offset(80, 0).release().perform()
+    wait_until(lambda: scene.asked("move"))
+    pick, place = scene.asked("find_place")
+    assert (pick["object"], place["object"]) == ("", "box")
+    assert pick["origin"] == {"x": 0, "y": 0, "z": 3}
+    right = place["direction"]["x"] / -place["direction"]["z"]
+    width = page.script("return arguments[0].getBoundingClientRect().width", picture)
+    assert right == pytest.approx(80 / width * 960 / 800, rel=0.03)
+    assert scene.probe.heard[VIEW] == [], "the camera stays where it is"
+    for name, kind in (
+        ("camera_info", "sensor_msgs/CameraInfo"),
+        ("pose", "geometry_msgs/PoseStamped"),
+    ):
+        scene.probe.publish(f"{topic}/{name}", kind)
+
+
+def test_in_an_exam_it_is_said_first_that_it_becomes_invalid(scene, page):
+    kind = "telex_msgs/TrainingState"
+    state = {"phase": "running", "mode": "exam", "operator": "Ann", "valid": True}
+    scene.probe.publish("/telex/training/state", kind, state, latch=True)
+    wait_until(lambda: page.text("training-title").endswith("EXAM"))
+    page.element('[data-tool="put"]').click()
+    page.element("#plan").send_keys(Keys.ARROW_LEFT, Keys.ENTER)
+    assert answer(page, "no") == "Put crate there? The exam of Ann is invalid then."
+    assert scene.asked("spawn") == []
+    scene.probe.publish("/telex/training/state", kind, {"phase": "idle"}, latch=True)
+
+
+def test_it_becomes_night_and_lamps_are_lit(scene, page):
+    scene.serve("set_light", "telex_msgs/SetLight", success=True, message="night")
+    page.element("[data-daylight='0.02']").click()
+    wait_until(lambda: scene.asked("set_light") == [{"daylight": 0.02, "lamps": 1}])
+    wait_until(
+        lambda: page.element("[data-daylight='0.02']").get_attribute("aria-checked") == "true"
+    )
+    lamp = "/telex/lamps/front_left/command"
+    scene.probe.subscribe(lamp, "std_msgs/Float64")
+    page.element("[data-lamps='lamps:front']").click()
+    wait_until(lambda: [told for _, told in scene.probe.heard[lamp]] == [{"data": 1.0}])
+
+
+def test_what_the_trainee_sees_and_holds_and_what_is_said_to_him(simulator, page):
+    seen = {"view": "turret", "picture_age": 0.21, "held": ["drive:forward", "another's"]}
+    told = {"data": json.dumps(seen)}
+    simulator.probe.publish("/telex/console/telemetry", "std_msgs/String", told, rate=5)
+    wait_until(lambda: page.text("trainee-view") == "turret · picture 0.2 s old")
+    assert page.text("trainee-keys") == "W tracks ahead, another's"
+    simulator.probe.publish("/telex/console/telemetry", "std_msgs/String", {"data": "["}, rate=5)
+    wait_until(lambda: page.text("trainee-view") == NOTHING)
+    service = "/telex/training/tell"
+    kind, text = "telex_msgs/TellTrainee", "<b>Stop</b>"
+    answer_ = {"success": True, "number": 1}
+    simulator.probe.do("serve", service=service, type=kind, response=answer_)
+    page.element("#trainee-words").send_keys(f"{text}\n")
+    wait_until(lambda: simulator.probe.requests_of(service) == [{"text": text, "by": "instructor"}])
+    for read, said in ((False, f"not read yet: {text}"), (True, f"✔ read: {text}")):
+        shown = {"number": 1, "text": text, "by": "Bob", "read": read}
+        topic, kind = "/telex/training/text", "telex_msgs/TrainingText"
+        simulator.probe.publish(topic, kind, shown, latch=True)
+        wait_until(lambda said=said: page.text("trainee-note") == said)
+
+
 def test_a_lost_bridge_is_said(ros, simulator, page):
+    page.element("#tab-scene").click()
     simulator.serve("load_scene", "telex_msgs/LoadScene", delay=5.0, **LOADED)
     page.element('[data-scene="yard"] button').click()
     answer(page, "yes")

@@ -433,6 +433,36 @@ def test_interference_from_outside_is_said(act, reason):
 
 
 @pytest.mark.parametrize("mode", ["practice", "exam"])
+def test_what_an_instructor_does_to_the_scene_is_recorded_with_his_name(mode):
+    trial = ready(mode=mode)
+    trial.drive(1.0)
+    place = {"position": {"x": 1.0, "y": -2.5, "z": 0.1}}
+    for service, request in (
+        ("sim/move", {"name": "cube", "pose": place}),
+        ("sim/delete", {"name": "cube"}),
+        ("sim/spawn", {"object": "{type: crate}"}),
+        ("sim/set_light", {"daylight": 0.25, "lamps": 1}),
+        ("sim/move", {"pose": {"position": "?"}}),
+        ("sim/else", []),
+    ):
+        trial.action("Bob", service, json.dumps(request))
+    trial.action("Bob", "sim/move", "{")
+    said = [note["text"] for note in trial.judge.sheet()["notes"]]
+    assert said == [
+        "moved 'cube' to 1.00, -2.50, 0.10",
+        "took out 'cube'",
+        "put in: {type: crate}",
+        "set daylight to 25%, lamps to 100%",
+        "moved '' elsewhere",
+        "sim/else",
+        "sim/move",
+    ]
+    assert {note["by"] for note in trial.judge.sheet()["notes"]} == {"Bob"}
+    wanted = [] if mode == "practice" else ["Bob has changed the scene"]
+    assert trial.judge.state()["invalid_because"] == wanted
+
+
+@pytest.mark.parametrize("mode", ["practice", "exam"])
 def test_the_sheet_says_what_the_line_was(mode):
     trial = ready(mode=mode)
     trial.link("perfect", 1.0)

@@ -127,7 +127,7 @@ class ListedScene:
     path: str
     description: str
     problem: str
-    offered: bool
+    hidden: bool
     picture: bytes
     state: Tuple[Optional[Tuple[int, int]], ...]
 
@@ -152,13 +152,13 @@ class ListingRequest:
             if known is not None and state[0] is not None and known.state == state:
                 yield known
                 continue
-            description, offered, problem = "", True, ""
+            description, hidden, problem = "", False, ""
             try:
-                description, offered = read_description(path)
+                description, hidden = read_description(path)
             except SceneError as error:
                 problem = str(error)
             yield ListedScene(
-                name, str(path), description, problem, offered, _picture(preview), state
+                name, str(path), description, problem, hidden, _picture(preview), state
             )
 
 

@@ -243,7 +243,7 @@ class SimulatorNode:
                 path=scene.path,
                 description=scene.description,
                 problem=scene.problem,
-                offered=scene.offered,
+                hidden=scene.hidden,
                 picture=scene.picture,
             )
             for scene in scenes

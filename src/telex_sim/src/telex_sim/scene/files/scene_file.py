@@ -54,7 +54,7 @@ class _Header:
     history: Dict[str, float] = field(default_factory=dict)
     antenna: Optional[Vector3] = None
     robots: Tuple[Start, ...] = ()
-    offered: bool = True
+    hidden: bool = False
 
     def __post_init__(self) -> None:
         require(
@@ -123,8 +123,8 @@ def read_description(path: Path) -> Tuple[str, bool]:
     Returns
     -------
     description : str
-    offered : bool
-        Whether it is one for lessons; others, such as those for measurements, are loaded by name.
+    hidden : bool
+        Whether lists of lessons leave it out, for it is for measurements.
 
     Raises
     ------
@@ -134,7 +134,7 @@ def read_description(path: Path) -> Tuple[str, bool]:
     try:
         content = _content(read_text_file(path, MOST_BYTES, SceneError))
         header = _header(_without_objects(content))
-        return " ".join(header.description.split()), header.offered
+        return " ".join(header.description.split()), header.hidden
     except ConfigError as error:
         raise SceneError(f"{path}: {error}") from error
 
