@@ -69,6 +69,7 @@ SENTENCES = {
         "| compass | <kbd>{aid:compass}</kbd> |",
         "| zoom factor | <kbd>{aid:zoom}</kbd> |",
         "| plan | <kbd>{aid:plan}</kbd> |",
+        "acknowledges it by <kbd>{read}</kbd>",
         "<kbd>{frame}</kbd> the next frame, <kbd>{hold}</kbd> the tool keeps its place",
         "<kbd>{keys}</kbd> lists all keys.",
         "<kbd>{estop}</kbd> is the e-stop, always.",
