@@ -47,7 +47,7 @@ export function holdButton({ name, label }) {
   cap.dataset.binding = name;
   const arrow = ARROWS[label];
   // The words by themselves, for another language to take their place.
-  button.append(cap, arrow === undefined ? "" : `${arrow} `, text(label));
+  button.append(cap, ...(arrow === undefined ? [text(label)] : [`${arrow} `, text(`${label}|arrow`)]));
   return button;
 }
 
