@@ -102,7 +102,7 @@ export class MalfunctionPanel {
     this._value.hidden = chosen.unit === "";
     this._value.value = "";
     Object.assign(this._value, { min: String(chosen.least), max: String(chosen.most) });
-    this._value.placeholder = `${decimal(chosen.default_value, 4, 0)} ${chosen.unit}`;
+    this._value.placeholder = `${decimal(chosen.default_value, 4, 0)} ${translated(chosen.unit)}`;
     this._value.title = text("{least} to {most} {unit}; empty: {usual}", { ...rangeOf(chosen), usual: decimal(chosen.default_value, 4, 0) });
   }
 
@@ -239,4 +239,4 @@ const keyOf = ({ what, kind }) => `${what}/${kind}`;
 const nameOf = ({ what, kind }) => `${translated(what)} ${translated(kind)}`;
 
 /** @param {Possible} range */
-const rangeOf = ({ least, most, unit }) => ({ least: decimal(least, 4, 0), most: decimal(most, 4, 0), unit });
+const rangeOf = ({ least, most, unit }) => ({ least: decimal(least, 4, 0), most: decimal(most, 4, 0), unit: translated(unit) });

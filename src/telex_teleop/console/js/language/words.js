@@ -10,7 +10,7 @@ export const WORDS = [
   // frames of the tool
   "tool", "base", "world",
   // roles, states and modes of a trial, verdicts, settings
-  "operator", "instructor", "idle", "ready", "preparing", "waiting", "running", "between", "ended", "practice", "exam", "passed", "failed",
+  "operator", "instructor", "watcher", "idle", "ready", "preparing", "waiting", "running", "between", "ended", "practice", "exam", "passed", "failed",
   "standard", "complete", "time", "aborted", "connecting", "gone",
   // what an exercise needs
   "tracks", "flippers", "camera", "lamps",
@@ -26,6 +26,8 @@ export const WORDS = [
   "its clutch slips", "the belt is off its wheels", "loses force", "its gyroscope drifts about the vertical", "does not burn",
   "goes on sending its last picture", "its pictures are dark", "its pictures are noisy", "its window is dirty", "is out of focus",
   "runs down from this charge", "goes on commanding when it is released",
+  "share that is left", "N m that it bears", "share that is lost", "share of the light that is lost", "grey levels of 255", "share of it",
+  "share of the picture's width", "share of a full charge",
   // figures of a replay, and its stretches
   "speed", "force", "margin", "picture age", "slow", "stopped", "paused", "flipper", "track",
   // figures of a sheet
