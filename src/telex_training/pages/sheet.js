@@ -122,7 +122,7 @@ function aidsParts(aids) {
     const those = aids.filter((aid) => aid.training === training);
     return those.map((aid) => `${translated(aid.text)} (${number(aid.seconds, 0)} s)`).join(", ");
   };
-  const parts = [element("p", text("Aids that were on: {names}", { names: named(false) || text("none") }), { class: "about aids" })];
+  const parts = [element("p", text("Aids that were on: {names}", { names: named(false) || text("none|count") }), { class: "about aids" })];
   const training = named(true);
   if (training !== "") {
     parts.push(element("p", text("Training aids that were on, which this robot has no equipment for: {names}", { names: training }), { class: "about aids training" }));

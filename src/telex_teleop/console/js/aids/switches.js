@@ -1,7 +1,7 @@
 // @ts-check
 /** Which aids are on in each layout of the page, kept in this browser for this robot; and the menu that switches them. */
 
-import { text } from "../language.js";
+import { text, translated } from "../language.js";
 import { byId, element } from "../panels.js";
 
 /**
@@ -96,7 +96,7 @@ export class Switches {
   /** @param {string} name @param {boolean} isOn */
   set(name, isOn) {
     if (isOn && !this._may(name)) {
-      this._warn(text("not in an exam: this robot has no {equipment}", { equipment: (AIDS[name].needs ?? "").replace(/_/g, " ") }));
+      this._warn(text("not in an exam: this robot has no {equipment}", { equipment: translated((AIDS[name].needs ?? "").replace(/_/g, " ")) }));
       return;
     }
     const others = this._wanted.filter((each) => each !== name);

@@ -1,7 +1,7 @@
 // @ts-check
 /** The trainee: what he sees and holds now, and what is said to him. */
 
-import { text } from "../language.js";
+import { decimal, text, translated } from "../language.js";
 import { byId, setText } from "../panels.js";
 import { TYPES } from "../training/client.js";
 
@@ -56,8 +56,8 @@ export class TraineeCard {
     }
     this._heard = performance.now();
     const { view, picture_age: age, held } = seen ?? {};
-    const old = Number.isFinite(age) ? text("picture {n} s old", { n: age.toFixed(1) }) : text("no picture");
-    setText(byId("trainee-view"), typeof view === "string" ? `${view} · ${old}` : "–");
+    const old = Number.isFinite(age) ? text("picture {n} s old", { n: decimal(age, 1) }) : text("no picture");
+    setText(byId("trainee-view"), typeof view === "string" ? `${translated(view)} · ${old}` : "–");
     setText(byId("trainee-keys"), Array.isArray(held) ? held.map((name) => this._nameOf(String(name))).join(", ") || text("nothing") : "–");
   }
 

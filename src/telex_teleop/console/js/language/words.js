@@ -14,6 +14,8 @@ export const WORDS = [
   "standard", "complete", "time", "aborted", "connecting", "gone",
   // what an exercise needs
   "tracks", "flippers", "camera", "lamps",
+  // equipment
+  "range finder", "laser dots", "proximity", "microphone", "pads",
   // what a button says beside an arrow
   "ahead|arrow", "back|arrow", "up|arrow", "down|arrow", "left|arrow", "right|arrow", "in|arrow", "out|arrow", "close|arrow", "open|arrow",
   // states of a curriculum's module

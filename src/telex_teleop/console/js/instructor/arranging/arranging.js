@@ -3,7 +3,7 @@
 
 import { ask } from "../../ask.js";
 import { onClick } from "../../buttons.js";
-import { text } from "../../language.js";
+import { decimal, text } from "../../language.js";
 import { byId, element, setText } from "../../panels.js";
 import { OVERVIEW } from "../../overview.js";
 import { PicturePointer } from "./picture_pointer.js";
@@ -59,7 +59,7 @@ export class Arranging {
         const ray = rayDown(...to, this._view.height);
         this._point(from === to ? ray : rayDown(...from, this._view.height), ray);
       },
-      ([x, y]) => this._say(text("the cross is at {x}, {y} m", { x: x.toFixed(1), y: y.toFixed(1) })),
+      ([x, y]) => this._say(text("the cross is at {x}, {y} m", { x: decimal(x, 1), y: decimal(y, 1) })),
     );
     for (const button of this._tools) onClick(button, () => this._choose(/** @type {Tool} */ (button.dataset.tool)));
     this._what.addEventListener("change", () => this._whatChanged());
