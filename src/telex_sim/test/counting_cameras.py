@@ -21,7 +21,7 @@ from telex_sim.cameras.ros.cameras_node import CamerasNode
 class CountingRenderer:
     """Tells of pictures by the direction in which the camera looks."""
 
-    repeats = False
+    repeats = on_card = False
 
     def __init__(self):
         self._seconds = 0.0

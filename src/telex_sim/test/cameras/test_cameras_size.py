@@ -74,3 +74,31 @@ def test_never_where_that_is_not_wanted():
     sizes = SizeByLoad(1.0)
     sizes.judge(0.0, 50.0)
     assert set(run(sizes, 10, previews=10)) == {FULL}
+
+
+class TestLarger:
+    @pytest.fixture
+    def sizes(self):
+        found = SizeByLoad(0.5, largest=2.0)
+        found.judge(0.0, 0.0)
+        return found
+
+    def test_full_pictures_grow_where_there_is_time_for_so_many_more_pixels(self, sizes):
+        scales = [scale for scale, _ in run(sizes, 20, previews=0, asked=0.0, busy=0.1)]
+        assert scales[0] == 1.0
+        assert sorted(set(scales)) == [1.0, 1.5, 2.0]
+        assert scales == sorted(scales)
+
+    def test_what_they_would_cost_is_asked_first(self, sizes):
+        assert set(run(sizes, 30, previews=50, busy=0.5)) == {FULL}
+
+    def test_the_largest_is_kept(self):
+        sizes = SizeByLoad(1.0, largest=1.5)
+        sizes.judge(0.0, 0.0)
+        assert {scale for scale, _ in run(sizes, 30, previews=0, busy=0.05)} == {1.0, 1.5}
+
+    def test_they_shrink_before_anything_falls_behind(self, sizes):
+        run(sizes, 20, previews=0, asked=0.0, busy=0.1)
+        steps = run(sizes, 4, previews=50, busy=0.95, begin=20.0)
+        assert [scale for scale, _ in steps] == [2.0, 1.5, 1.5, 1.0]
+        assert run(sizes, 4, previews=50, busy=0.95, begin=24.0) == [FULL] * 4

@@ -47,6 +47,9 @@ _FOLLOW_ON = 5.0
 # More than the largest message, so that rospy reads on to the newest of those that wait.
 _BUFFER_SIZE = 2**24
 
+# With fewer processors, what is to spare is needed by the physics and by what shows the pictures.
+_MANY_PROCESSORS = 4
+
 MakeRenderer = Callable[[CamerasConfig], Renderer]
 
 
@@ -77,7 +80,7 @@ class CamerasNode:
             [lamp for robot in robots for lamp in robot.lamps],
             [stream.scene_frame for stream in self._robots],
         )
-        self._sizes = SizeByLoad(config.smallest)
+        self._sizes = SizeByLoad(config.smallest, self._largest())
         self._inbox = SceneInbox()
         self._placed: Optional[Arrival] = None
         # Whether the last picture of full size was the one before it once more.
@@ -91,6 +94,11 @@ class CamerasNode:
         )
         self._poses_subscriber: Optional[rospy.Subscriber] = None
         self._last_wanted = -math.inf
+
+    def _largest(self) -> float:
+        """Scale up to which full pictures may grow on this machine."""
+        spare = len(os.sched_getaffinity(0)) >= _MANY_PROCESSORS
+        return self._config.largest if self._renderer.on_card or spare else 1.0
 
     def run(self) -> None:
         """Serve until ROS shuts down."""

@@ -1,4 +1,4 @@
-"""Detail of previews and size of full pictures, by the load of the renderer."""
+"""Detail of previews and size of full pictures, by the load of what renders."""
 
 from __future__ import annotations
 
@@ -36,6 +36,9 @@ STEPS = (
     Step(0.5, 0.75, True, True, 4.0),
 )
 
+# Full pictures in more than their size, where there is time to spare; the largest first.
+_LARGER = (Step(2.0, 1.0, False, False, 1.0), Step(1.5, 1.0, False, False, 1.0))
+
 # Time over which is judged (s), and how many of them in a row make pictures smaller, or larger.
 _PERIOD = 1.0
 _TOO_BUSY_FOR, _AT_EASE_FOR = 2, 5
@@ -59,14 +62,18 @@ class SizeByLoad:
     Parameters
     ----------
     smallest
-        Least scale of width and height of full pictures; 1: all pictures stay as they are.
+        Least scale of width and height of full pictures; 1: none gives way.
+    largest
+        Largest scale of full pictures, where there is time to spare; 1: none grows.
     """
 
-    def __init__(self, smallest: float) -> None:
-        self._steps = [step for step in STEPS if step.scale >= smallest]
+    def __init__(self, smallest: float, largest: float = 1.0) -> None:
+        given = [step for step in STEPS if step.scale >= smallest]
         if smallest >= 1.0:
-            self._steps = self._steps[:1]
-        self._number = 0
+            given = given[:1]
+        larger = [step for step in _LARGER if step.scale <= largest]
+        self._steps = [*larger, *given]
+        self._number = len(larger)
         self._patience = _AT_EASE_FOR
         self._since_larger = _MOST_PATIENCE
         self._streak = 0
@@ -111,9 +118,17 @@ class SizeByLoad:
         self._began = now
         self._rest, self._previews, self._asked = 0.0, 0, math.inf
 
+    def _easy(self) -> float:
+        """Share of the time below which the next larger step will probably fit into it."""
+        larger = self._steps[max(self._number - 1, 0)].scale
+        growth = larger / self.step.scale if larger > 1.0 else 1.0
+        return _EASY / growth**2
+
     def _weigh(self, busy: float, behind: bool) -> None:
         self._since_larger += 1
-        verdict = 1 if busy > _FULL and behind else -1 if busy < _EASY else 0
+        # What is larger than asked for gives way before anything falls behind.
+        behind = behind or self.step.scale > 1.0
+        verdict = 1 if busy > _FULL and behind else -1 if busy < self._easy() else 0
         if not verdict:
             self._streak = 0
             return
