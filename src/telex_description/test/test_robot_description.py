@@ -389,7 +389,8 @@ def test_hull_lamps_shine_along_x_of_their_frames(loaded: LoadedRobot, end: int)
 
 
 def test_lamp_table_is_complete_and_sound(robot: URDF) -> None:
-    table = read_yaml("lamps.yaml")["lamps"]
+    lamps = read_yaml("lamps.yaml")["lamps"]
+    table = {name: lamp for name, lamp in lamps.items() if not lamp.get("beam")}
     assert sorted(table) == sorted(LAMPS)
     for name, lamp in table.items():
         assert set(lamp) == {"frame", "angle", "intensity", "reach", "color", "level"}
@@ -401,3 +402,9 @@ def test_lamp_table_is_complete_and_sound(robot: URDF) -> None:
         assert len(lamp["color"]) == 3
         assert all(0 <= value <= 1 for value in lamp["color"])
         assert lamp["level"] == 0, "the robot starts with its lamps off"
+    lasers = {name: lamps[name] for name in sorted(set(lamps) - set(table))}
+    assert {name: lamp["frame"] for name, lamp in lasers.items()} == {
+        "laser_left": "left_laser_link",
+        "laser_right": "right_laser_link",
+    }
+    assert not any(lamp["level"] for lamp in lasers.values())

@@ -105,6 +105,8 @@ def test_bad_camera(changes, complaint):
         ({"shadow_period": -1.0}, "shadow_period is -1"),
         ({"smallest": 0.0}, "smallest is 0"),
         ({"smallest": 1.5}, "smallest is 1.5"),
+        ({"largest": 0.5}, "largest is 0.5"),
+        ({"largest": math.nan}, "largest is nan"),
         ({"seed": -1}, "seed is -1"),
         ({"cameras": {"overview": FRONT}}, "'overview', which is the instructor's camera"),
         ({"overview": {"width": 640}}, "/telex/cameras/overview/"),
@@ -136,6 +138,11 @@ def test_a_lamp_shines_along_the_x_axis_of_its_link():
     assert (lamp.position, lamp.direction) == ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0))
 
 
+def test_a_laser_is_a_lamp_with_a_beam():
+    lamp = read(lamps={"left": {**LAMP, "beam": True}}).lamps["left"].lamp("left", "telex")
+    assert lamp.beam
+
+
 def test_zoom_multiplies_the_focal_length():
     camera = read({**FRONT, "zoom_max": 10.0}).cameras["front"]
     assert camera.optics(7.0).focal_length == pytest.approx(7.0 * camera.optics().focal_length)
@@ -150,6 +157,7 @@ def test_zoom_multiplies_the_focal_length():
         ({"reach": math.nan}, "reach is nan"),
         ({"color": [1.0, 2.0, 0.0]}, r"color is \[1.0, 2.0, 0.0\]; numbers from 0 to 1"),
         ({"level": 1.5}, "level is 1.5"),
+        ({"beam": "thin"}, "lamps/head/beam is 'thin'"),
         ({"power": 3.0}, "lamps/head/power is unknown"),
     ],
 )

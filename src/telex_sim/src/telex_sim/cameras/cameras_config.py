@@ -152,13 +152,13 @@ class OpticsConfig(Declared):
         return replace(reduced, rate=self.preview.rate, jpeg_quality=self.preview.jpeg_quality)
 
     def reduced(self: Optics, width: int) -> Optics:
-        """Return the same camera with smaller pictures, so many pixels wide.
+        """Return the same camera with smaller pictures, or larger ones, so many pixels wide.
 
         Reducing a picture takes the mean of pixels, and noise from it in proportion.
         """
         scale = width / self.width
         height = max(round(scale * self.height), _MIN_SIZE)
-        return replace(self, width=width, height=height, noise=scale * self.noise)
+        return replace(self, width=width, height=height, noise=min(scale, 1.0) * self.noise)
 
     def pinhole(self, zoom: float = 1.0) -> PinholeCamera:
         """Return a camera without distortion that has the same field of view."""
@@ -295,6 +295,9 @@ class LampConfig(Declared):
         (1.0, 0.97, 0.92), "Red, green, blue, each 0 to 1, sRGB."
     )
     level: float = number(0.0, "With which it starts: 0 is off, 1 full.", 0.0, 1.0)
+    beam: bool = parameter(
+        False, "Whether it is a laser: in place of a cone, it makes a dot on what it meets."
+    )
 
     def check(self) -> None:
         """Check what concerns several of them; see `Declared.check`."""
@@ -315,6 +318,7 @@ class LampConfig(Declared):
             reach=self.reach,
             color=self.color,
             name=name,
+            beam=self.beam,
         )
 
 
@@ -377,6 +381,13 @@ class CamerasConfig(Declared):
         "factor of width and height; 1: all stay as they are.",
         maximum=1.0,
         above=0.0,
+    )
+    largest: float = number(
+        1.0,
+        "With a graphics card, or enough processors, pictures of full size become larger while "
+        "there is time to spare, at most by this factor of width and height; 1: never.",
+        1.0,
+        4.0,
     )
     seed: int = number(0, "Of all noise.", 0)
     niceness: Optional[int] = parameter(

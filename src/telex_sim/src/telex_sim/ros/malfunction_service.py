@@ -62,6 +62,8 @@ class MalfunctionService:
         if self._lamps:
             return
         for name in self._malfunctions.parts.lamps:
+            if lamps[name].get("beam"):  # what a laser takes is nothing to a battery
+                continue
             level = lamps[name].get("level", 0.0)
             lit = isinstance(level, (int, float)) and 0.0 <= level <= 1.0
             self._levels[name] = float(level) if lit else 0.0

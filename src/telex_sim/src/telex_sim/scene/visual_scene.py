@@ -24,6 +24,13 @@ class VisualShape(enum.IntEnum):
     PLANE = 5
 
 
+# Name of the frame that never moves.
+_WORLD = "world"
+
+# From this height on (m), what is thinner than this share of it throws no shadow: of the sun's
+# disc, which is 0.009 rad wide, it hides only a part.
+_HIGH, _THIN_SHARE = 4.0, 0.03
+
 # The components of the size that a shape reads and that must therefore be lengths above zero.
 _LENGTHS = {
     VisualShape.BOX: (0, 1, 2),
@@ -113,8 +120,24 @@ class Visual:
 
     @property
     def casts_shadow(self) -> bool:
-        """Whether it belongs in the shadow map; a plane is ground or wall, with nothing behind."""
-        return self.shape is not VisualShape.PLANE and self.color[3] >= 0.5
+        """Whether it belongs in the shadow map.
+
+        A plane is ground or wall, with nothing behind; of what is thin and hangs high in a hall,
+        the sun's disc leaves no shadow that could be seen.
+        """
+        if self.shape is VisualShape.PLANE or self.color[3] < 0.5:
+            return False
+        height = self.position[2] if self.frame == _WORLD else 0.0
+        return height < _HIGH or self._thickness > _THIN_SHARE * height
+
+    @property
+    def _thickness(self) -> float:
+        """The second of its three extents, by size (m); of a mesh, nobody knows it here."""
+        if self.shape is VisualShape.BOX:
+            return sorted(self.size)[1]
+        if self.shape is VisualShape.CYLINDER:
+            return 2.0 * self.size[0]
+        return math.inf
 
 
 @dataclass(frozen=True)
@@ -139,6 +162,8 @@ class VisualLamp:
         Of one that can be dimmed while the scene stands; empty for others.
     casts_shadow
         Whether things stand in its light; one that shines all around casts shadows ahead only.
+    beam
+        Whether it is a laser: in place of a cone, it makes a dot on what it meets.
 
     Raises
     ------
@@ -155,6 +180,7 @@ class VisualLamp:
     color: Rgb = (1.0, 1.0, 1.0)
     name: str = ""
     casts_shadow: bool = True
+    beam: bool = False
 
     def __post_init__(self) -> None:
         place_numbers = (*self.position, *self.direction, self.reach)

@@ -21,7 +21,7 @@ _NAMED = {
     "pageup": ("PageUp", "PgUp"),
     "pagedown": ("PageDown", "PgDn"),
     # those of the function keys that browsers leave to pages
-    **{f"f{number}": (f"F{number}", f"F{number}") for number in (2, 4, 6, 7, 8, 9, 10)},
+    **{f"f{number}": (f"F{number}", f"F{number}") for number in (2, 3, 4, 6, 7, 8, 9, 10)},
     **{f"numpad{digit}": (f"Numpad{digit}", f"Num {digit}") for digit in range(10)},
 }
 _SIGNS = {
@@ -38,6 +38,11 @@ _SIGNS = {
     "/": "Slash",
     "?": "Slash",
 }
+
+
+def is_function_key(key: str) -> bool:
+    """Tell whether it is one of the keys F1 to F12; a terminal has its own actions on them."""
+    return key[:1] == "f" and key[1:].isdigit()
 
 
 def page_key(key: str) -> Tuple[str, str]:

@@ -21,7 +21,7 @@ from telex_teleop.actions.grammar import (
     as_json,
     parse_action,
 )
-from telex_teleop.actions.keys import page_key
+from telex_teleop.actions.keys import is_function_key, page_key
 from telex_teleop.files import FromFile
 from telex_teleop.motion.speed import MAX_ZOOM, STEP, ZOOM_RATE
 
@@ -38,7 +38,8 @@ class Entry:
     does
         Text of the action, see `grammar`.
     key
-        Its key in page and terminal, as typed on a US keyboard or by name; empty: none in the page.
+        Its key in page and terminal, as typed on a US keyboard or by name; a function key is the
+        page's alone; empty: none in the page.
     title
         What the list of keys calls it; empty: its name.
     label
@@ -124,7 +125,8 @@ class NamedAction(Entry):
         """Its keys in a terminal."""
         if self.action in PAGE_ONLY:
             return ()
-        return (*((self.key,) if self.key else ()), *self.terminal)
+        shared = self.key and not is_function_key(self.key)
+        return (*((self.key,) if shared else ()), *self.terminal)
 
     @property
     def codes(self) -> Tuple[str, ...]:

@@ -7,7 +7,15 @@ from typing import Any, Dict, Mapping, Tuple
 import moderngl
 import numpy as np
 
-from .shaders import Constants, LitVariant, ShaderSource, depth_source, lit_source, sky_source
+from .shaders import (
+    Constants,
+    LitVariant,
+    ShaderSource,
+    depth_source,
+    lit_source,
+    sky_source,
+    spots_source,
+)
 
 PICTURE_UNIT, SHADOW_MAP_UNIT, COVER_MAP_UNIT, LAMP_MAP_UNIT = range(4)
 
@@ -86,10 +94,10 @@ class SkyProgram:
         _write(self._program, uniforms)
 
     def draw(
-        self, clip_from_optical: np.ndarray, optical_in_world: np.ndarray, exposure: float
+        self, clip_from_optical: np.ndarray, optical_in_world: np.ndarray, uniforms: Uniforms
     ) -> None:
         """Draw behind everything; the camera's matrices have the shape (4, 4)."""
-        self._program["exposure"].value = exposure
+        self.set({name: uniforms[name] for name in ("exposure", "picture_place")})
         (scale_x, _, shift_x), (_, scale_y, shift_y) = clip_from_optical[:2, :3]
         optical_from_corner = np.array(
             [
@@ -106,6 +114,11 @@ class SkyProgram:
 def depth_program(context: moderngl.Context) -> moderngl.Program:
     """Make the program that writes depth alone."""
     return _compile(context, depth_source())
+
+
+def spots_program(context: moderngl.Context) -> moderngl.Program:
+    """Make the program that adds spots of light."""
+    return _compile(context, spots_source())
 
 
 def column_major(matrices: np.ndarray) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import OrderedDict
 from dataclasses import replace
 from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
@@ -19,9 +20,12 @@ from .culling import spheres_in_view, spheres_in_world
 from .frame_target import FrameTarget
 from .kept_pictures import KeptPictures
 from .light.daylight import Lighting, light_uniforms
+from .light.glare import glare
 from .light.lamp_shadows import LampShadows
 from .light.lamps import NEAREST, LampRig
+from .light.laser_dots import LaserDots
 from .light.sky_cover import SkyCover
+from .light.spots import Spots
 from .light.sun_shadows import ShadowMap
 from .meshes.gpu_scene import Drawable, GpuScene
 from .programs import (
@@ -34,8 +38,8 @@ from .programs import (
     column_major,
     depth_program,
 )
-from .quality import Quality
-from .shaders import LitVariant
+from .quality import TIERS, Quality
+from .shaders import VIGNETTE, LitVariant
 from .smoothing import smooth_edges
 
 # Sizes of pictures whose memory is kept.
@@ -61,6 +65,8 @@ class Renderer:
 
     Attributes
     ----------
+    on_card : bool
+        Whether pictures are made in the quality that graphics cards have time for.
     repeats : bool
         Whether the last picture was what the view before it had shown: nothing has moved.
     """
@@ -75,6 +81,7 @@ class Renderer:
     ) -> None:
         self._context = context
         self._quality = quality
+        self.on_card = quality is TIERS["gpu"]
         self._lighting = lighting
         lamp_lookups = quality.lamp_lookups if quality.lamp_shadows else 0
         self._programs = LitPrograms(context, quality.shadow_lookups, lamp_lookups)
@@ -97,6 +104,8 @@ class Renderer:
             quality.shadow_softness,
         )
         self._cover = SkyCover(context, depth)
+        self._dots = LaserDots(context)
+        self._spots = Spots(context)
         self._targets: OrderedDict[Tuple[int, int], FrameTarget] = OrderedDict()
         self._warm: Set[LitProgram] = set()
         self._cold: List[Tuple[LitVariant, Drawable]] = []
@@ -105,7 +114,7 @@ class Renderer:
         self._centers = np.zeros((0, 3))
         self._focus = np.zeros(3)
         self._frames_in_world = np.zeros((0, 4, 4))
-        self._belts_placed = True
+        self._moved = False
         self._cast = False
         self.repeats = False
         self._kept = KeptPictures()
@@ -124,7 +133,7 @@ class Renderer:
         """
         self._take_light(scene)
         problems = self._scene.load(scene)
-        self._cold = self._needed_programs(len(scene.lamps))
+        self._cold = self._needed_programs(len(self._lamps))
         self._shown = False
         return problems
 
@@ -134,12 +143,27 @@ class Renderer:
         while rooms[-1] < _room_for(lamps, self._quality.lamps):
             rooms.append(_room_for(rooms[-1] + 1, self._quality.lamps))
         # Any surface does, but what its texture is like matters.
-        samples = {drawable.texture is not None: drawable for drawable in self._scene.drawables}
+        samples = {
+            _kind(drawable.texture is not None, bool(fixed)): drawable
+            for drawable, fixed in zip(self._scene.drawables, self._scene.fixed)
+        }
         return [
-            (replace(self._base, textured=textured, lamps=room), drawable)
+            (self._variants(room)[kind], drawable)
             for room in rooms
-            for textured, drawable in samples.items()
+            for kind, drawable in samples.items()
         ]
+
+    def _variants(self, room: int) -> Tuple[LitVariant, ...]:
+        """Return the programs' variants with room for so many lamps, by `_kind`.
+
+        Where the sun shines, only what stands fast shows what covers it: floors, above all.
+        """
+        moving = replace(self._base, cover=self._base.cover and not self._base.sun)
+        return tuple(
+            replace(base, textured=textured, lamps=room)
+            for base in (moving, self._base)
+            for textured in (False, True)
+        )
 
     def _warm_up(self) -> None:
         """Use the next program once that has not been used yet.
@@ -172,12 +196,15 @@ class Renderer:
         self._base = LitVariant(
             textured=False,
             sun=sun,
-            cover=light_above and not sun,
+            cover=light_above,
             fog=daylight.visibility > 0.0,
             lamps=0,
         )
         self._sky = self._skies[self._base.fog]
-        self._lamps = LampRig(scene.lamps, scene.frames, self._lighting.sun)
+        shining = [lamp for lamp in scene.lamps if not lamp.beam]
+        self._lamps = LampRig(shining, scene.frames, self._lighting.sun)
+        beams = [lamp for lamp in scene.lamps if lamp.beam]
+        self._dots.load(LampRig(beams, scene.frames, self._lighting.sun))
         light = light_uniforms(self._lighting, daylight)
         self._sky.set(light)
         self._uniforms = {name: light.pop(name) for name in ("sky_ambient", "ground_ambient")}
@@ -194,10 +221,14 @@ class Renderer:
 
     def set_lamp_levels(self, levels: Mapping[str, float]) -> None:
         """Dim the lamps that have names: 0 is off, 1 full."""
-        before = self._lamps.levels
+        before, dots = self._lamps.levels, self._dots.levels
         self._lamps.set_levels(levels)
+        self._dots.set_levels(levels)
         if not np.array_equal(before, self._lamps.levels):
             self._cast = False
+            self._kept.forget()
+        if not np.array_equal(dots, self._dots.levels):
+            self._moved = True
             self._kept.forget()
 
     def place(self, frames_in_world: np.ndarray, focus: np.ndarray, recast: bool = True) -> None:
@@ -220,17 +251,20 @@ class Renderer:
         self._model = self._scene.model_matrices(frames_in_world)
         self._centers = spheres_in_world(self._model, self._scene.centers)
         self._frames_in_world = frames_in_world
-        self._belts_placed = False
+        self._moved = True
         self._lamps.place(frames_in_world)
+        self._dots.place(frames_in_world)
         self._focus = np.asarray(focus, dtype=np.float64)
         self._cast = self._cast and not recast
         self._kept.place(frames_in_world, self._focus, recast)
 
     def _prepare(self) -> None:
-        """Do what all pictures of these poses share: let belts run, and cast the shadows."""
-        if not self._belts_placed:
-            self._belts_placed = True
+        """Do what all pictures of these poses share: belts, the dots of lasers, and shadows."""
+        if self._moved:
+            self._moved = False
             self._scene.run_belts(self._frames_in_world)
+            self._begin_pass()
+            self._dots.update(self._scene, self._model, self._centers)
         if self._cast:
             return
         self._cast = True
@@ -299,15 +333,26 @@ class Renderer:
         clip_from_world = clip_from_optical @ inverse(optical_in_world)
         eye = optical_in_world[:3, 3]
         solid, transparent = self._visible(clip_from_world, eye)
+        uniforms = {
+            "clip_from_world": column_major(clip_from_world),
+            "eye": eye.astype(np.float32),
+            "exposure": np.array(exposure, dtype=np.float32),
+            "picture_place": _picture_place(camera),
+        }
         drawing = self._drawing(
-            clip_from_world, eye, exposure, np.concatenate([solid, transparent])
+            clip_from_world, eye, uniforms, np.concatenate([solid, transparent])
         )
         target = self._target(camera.width, camera.height)
         self._begin_pass()
         framebuffer = target.begin()
         self._use_maps()
         drawing.draw(solid, coarse)
-        self._sky.draw(clip_from_optical, optical_in_world, exposure)
+        self._sky.draw(clip_from_optical, optical_in_world, uniforms)
+        framebuffer.depth_mask = False
+        spots = self._dots.spots(camera, optical_in_world, exposure, coarse)
+        spots += glare(self._lamps, clip_from_world, optical_in_world, exposure)
+        self._spots.draw(clip_from_world, spots)
+        framebuffer.depth_mask = True
         if transparent.size:
             self._context.enable(moderngl.BLEND)
             framebuffer.depth_mask = False
@@ -388,19 +433,20 @@ class Renderer:
         )
 
     def _drawing(
-        self, clip_from_world: np.ndarray, eye: np.ndarray, exposure: float, numbers: np.ndarray
+        self,
+        clip_from_world: np.ndarray,
+        eye: np.ndarray,
+        view: Mapping[str, np.ndarray],
+        numbers: np.ndarray,
     ) -> _Drawing:
-        """Prepare to draw some of the drawables as a camera sees them."""
+        """Prepare to draw some of the drawables as a camera sees them, by uniforms of its view."""
         chosen = self._lamps.choose(clip_from_world, eye, self._quality.lamps)
         if self._quality.lamp_shadows:
             self._begin_pass()
             self._lamp_shadows.update(
                 self._scene, self._model, self._centers, self._lamps, chosen.numbers
             )
-        uniforms = dict(self._uniforms)
-        uniforms["clip_from_world"] = column_major(clip_from_world)
-        uniforms["eye"] = eye.astype(np.float32)
-        uniforms["exposure"] = np.array(exposure, dtype=np.float32)
+        uniforms = {**self._uniforms, **view}
         for name in ("sky_ambient", "ground_ambient"):
             uniforms[name] = uniforms[name] + chosen.rest.astype(np.float32)
         # Each surface is drawn with the lamps that reach it alone: every one takes time.
@@ -418,10 +464,7 @@ class Renderer:
             if room:
                 values.update(self._lamps.uniforms(lamps, chosen.levels[mask], room))
                 values.update(self._lamp_shadows.uniforms(self._lamps, lamps, room))
-            variants = tuple(
-                replace(self._base, textured=textured, lamps=room) for textured in (False, True)
-            )
-            groups.append(_LampGroup(variants, values))
+            groups.append(_LampGroup(self._variants(room), values))
         group_of = dict(zip(numbers.tolist(), mask_of.reshape(-1).tolist()))
         return _Drawing(self._scene, self._model, self._programs, uniforms, groups, group_of)
 
@@ -432,7 +475,7 @@ class _LampGroup(NamedTuple):
     Attributes
     ----------
     variants
-        Of the program, without and with texture.
+        Of the program, by `_kind`.
     uniforms
         That describe the lamps.
     """
@@ -461,31 +504,44 @@ class _Drawing:
         self._group_of = group_of
         # The group whose lamps each program has at present.
         self._current: Dict[LitVariant, int] = {}
-        # What was drawn last: group, whether with a texture, and its program.
-        self._last: Optional[Tuple[int, bool, LitProgram]] = None
+        # What was drawn last: group, kind, and its program.
+        self._last: Optional[Tuple[int, int, LitProgram]] = None
 
     def draw(self, numbers: np.ndarray, coarse: bool) -> None:
         """Draw surfaces in the given order."""
         matrices = column_major(self._model[numbers])
         for number, matrix in zip(numbers.tolist(), matrices):
             drawable = self._scene.drawables[number]
-            program = self._program(self._group_of[number], drawable.texture is not None)
+            kind = _kind(drawable.texture is not None, bool(self._scene.fixed[number]))
+            program = self._program(self._group_of[number], kind)
             program.world_from_model.write(matrix.tobytes())
             drawable.draw(program, coarse)
 
-    def _program(self, number: int, textured: bool) -> LitProgram:
-        if self._last is not None and self._last[:2] == (number, textured):
+    def _program(self, number: int, kind: int) -> LitProgram:
+        if self._last is not None and self._last[:2] == (number, kind):
             return self._last[2]
         group = self._groups[number]
-        variant = group.variants[textured]
+        variant = group.variants[kind]
         program = self._programs.get(variant)
         if variant not in self._current:
             program.set(self._uniforms)
         if self._current.get(variant) != number:
             program.set(group.uniforms)
             self._current[variant] = number
-        self._last = number, textured, program
+        self._last = number, kind, program
         return program
+
+
+def _picture_place(camera: PinholeCamera) -> np.ndarray:
+    """Scale and offset from pixels to how far they are off the middle; see the shaders."""
+    half = 0.5 * np.array([camera.width, camera.height])
+    scale = math.sqrt(VIGNETTE) / math.hypot(*half)
+    return np.array([scale, scale, *(-scale * half)], dtype=np.float32)
+
+
+def _kind(textured: bool, fixed: bool) -> int:
+    """Number kinds of surfaces that are drawn by different programs."""
+    return 2 * fixed + textured
 
 
 def _room_for(lamps: int, most: int) -> int:

@@ -25,9 +25,12 @@ class ShaderSource(NamedTuple):
     fragment: str
 
 
-# At what height above a point blurred things cover it fully (m); and what they then take of the
-# light from above, and of that of a lamp straight above.
-_FULL_COVER, _SKY_SHADE, _LAMP_SHADE = 0.25, 0.75, 0.7
+FULL_COVER = 0.15
+"""At what height above a point blurred things cover it fully (m)."""
+
+# What they then take of the light from above, and of that of a lamp straight above; where the sun
+# shines, of all light: at the foot of things the bright sky around it is hidden as well.
+_SKY_SHADE, _LAMP_SHADE, _SUN_SHADE = 0.75, 0.7, 0.6
 
 # Share of the surroundings that surfaces without a texture mirror: seen straight on, and what is
 # added at grazing angles.
@@ -39,9 +42,15 @@ _GLOW = 1.5
 # Share of the sharp shadow map's side, along its edges, in which the wide one is taken already.
 _SHARP_BORDER = 0.006
 
+# Share of the horizon's light that distant hills show.
+_HILLS = (0.50, 0.60, 0.58)
+
 # Lamps for which vertices work out what changes evenly between them. How much they can hand on is
 # limited; with more lamps, pixels do all.
 MOST_LAMPS_BY_VERTEX = 4
+
+VIGNETTE = 0.25
+"""Share of the light that is lost in a picture's corners."""
 
 EXPOSURE = 2.3
 """Halvings of what a pixel lacks to white, per unit of light."""
@@ -49,6 +58,14 @@ EXPOSURE = 2.3
 _TO_DISPLAY = """
 // As on film, highlights run softly into white instead of being cut off.
 vec3 to_display(vec3 light) { return sqrt(1.0 - exp2(-EXPOSURE * light)); }
+"""
+
+_VIGNETTE = """
+// Share of the light that the lens lets through to this pixel.
+float vignetted(vec4 place) {
+  vec2 off = gl_FragCoord.xy * place.xy + place.zw;
+  return 1.0 - dot(off, off);
+}
 """
 
 _LAMPS = """
@@ -97,8 +114,17 @@ out vec3 normal;
 // The same all over a picture or a surface.
 flat out vec4 sky_and_exposure;
 flat out vec4 ground_and_opacity;
+// From a pixel's place to how far it is off the middle, see vignetted.
+uniform vec4 picture_place;
+flat out vec4 in_picture;
 #if WORLD
 out vec3 world;
+#endif
+#if COVER
+// How the world leads to the map: offset along x and y, scale.
+uniform vec3 cover_place;
+// Place in the map, and height (of what covers fully).
+out vec3 in_cover;
 #endif
 #if LAMPS_BY_VERTEX
 out vec3 to_lamps[LAMPS];
@@ -124,8 +150,12 @@ void main() {
   towards_eye = eye - position.xyz;
   sky_and_exposure = vec4(sky_ambient, exposure);
   ground_and_opacity = vec4(ground_ambient, opacity);
+  in_picture = picture_place;
 #if WORLD
   world = position.xyz;
+#endif
+#if COVER
+  in_cover = vec3(position.xy * cover_place.z + cover_place.xy, position.z * (1.0 / FULL_COVER));
 #endif
   normal = mat3(world_from_model) * in_normal;
   paint = vec4(in_color.rgb * in_color.rgb, in_color.a);
@@ -152,6 +182,7 @@ in vec3 normal;
 flat in vec4 paint;
 flat in vec4 sky_and_exposure;
 flat in vec4 ground_and_opacity;
+flat in vec4 in_picture;
 #if WORLD
 in vec3 world;
 #endif
@@ -161,9 +192,9 @@ in vec3 in_wide;
 uniform sampler2DShadow shadow_map;
 #endif
 #if COVER
-// Blurred heights (m), and how the world leads to the map: offset along x and y, scale.
+// Blurred heights (of what covers fully).
 uniform sampler2D cover_map;
-uniform vec3 cover_place;
+in vec3 in_cover;
 #endif
 #if LAMPS
 #if LAMPS_BY_VERTEX
@@ -197,7 +228,9 @@ float sunlight() {
   bool sharp = max(off.x, off.y) < 0.5 - SHARP_BORDER;
   vec3 wide = clamp(in_wide, 0.0, 1.0);
   vec3 place = sharp ? in_map : vec3(wide.x + 1.0, wide.yz);
-  vec2 offset = shadow_softness * vec2(0.6, 0.8);
+  // Turned by a quarter in every other pixel: neighbours together know twice as much.
+  float other = fract(0.5 * (gl_FragCoord.x + gl_FragCoord.y));
+  vec2 offset = shadow_softness * (other < 0.25 ? vec2(0.6, 0.8) : vec2(-0.8, 0.6));
   float lit = 0.0;
   for (int number = 0; number < SHADOW_LOOKUPS; ++number) {
     vec2 at = place.xy + offset;
@@ -252,10 +285,10 @@ void main() {
   vec3 above = sky_and_exposure.rgb;
   vec3 below = ground_and_opacity.rgb;
 #if COVER
-  vec2 in_cover = world.xy * cover_place.z + cover_place.xy;
-  float covered = (textureLod(cover_map, in_cover, 0.0).r - world.z) * (1.0 / FULL_COVER);
-  covered = clamp(covered, 0.0, 1.0);
+  float covered = clamp(textureLod(cover_map, in_cover.xy, 0.0).r - in_cover.z, 0.0, 1.0);
+#if !SUN
   above *= 1.0 - SKY_SHADE * covered;
+#endif
 #endif
   vec3 light = mix(below, above, 0.5 + 0.5 * n.z) + fill * max(dot(n, to_fill), 0.0);
   vec3 shine = vec3(0.0);
@@ -266,6 +299,10 @@ void main() {
     light += sun * facing;
     shine += sun * (facing * highlight(mirrored, to_sun));
   }
+#if COVER
+  // What stands upright is higher than its own foot all along.
+  light *= 1.0 - SUN_SHADE * covered * max(n.z, 0.0);
+#endif
 #endif
 #if LAMPS
   for (int number = 0; number < LAMPS; ++number) {
@@ -319,7 +356,8 @@ void main() {
   float clear = 1.0 / (1.0 + veil * veil);
 #endif
   vec3 seen = mix(haze_light, albedo * light + shine, clear);
-  fragment = vec4(to_display(sky_and_exposure.a * seen), ground_and_opacity.a);
+  float let_in = sky_and_exposure.a * vignetted(in_picture);
+  fragment = vec4(to_display(let_in * seen), ground_and_opacity.a);
 }
 """
 
@@ -348,6 +386,7 @@ in vec3 ray;
 uniform vec3 horizon;
 uniform vec3 zenith;
 uniform float exposure;
+uniform vec4 picture_place;
 #if FOG
 uniform vec3 haze_light;
 uniform float fog_depth;
@@ -358,8 +397,40 @@ void main() {
   vec3 sky = mix(horizon, zenith, height * (2.0 - height));
 #if FOG
   sky = mix(haze_light, sky, exp2(-fog_depth / max(height, 0.001)));
+#else
+  // Wooded hills far away: by their ridge one sees where level is.
+  float level = inversesqrt(dot(ray.xy, ray.xy) + 1e-6);
+  vec2 way = ray.xy * level;
+  float ridge = 0.032 + 0.011 * sin(dot(way, vec2(7.0, 3.0)));
+  ridge += 0.006 * sin(dot(way, vec2(-9.0, 23.0))) + 0.002 * sin(dot(way, vec2(71.0, 53.0)));
+  sky = mix(horizon * HILLS, sky, clamp(400.0 * (ray.z * level - ridge) + 0.5, 0.0, 1.0));
 #endif
-  fragment = vec4(to_display(exposure * sky), 1.0);
+  fragment = vec4(to_display(exposure * vignetted(picture_place) * sky), 1.0);
+}
+"""
+
+_SPOTS_VERTEX = """
+in vec3 in_position;
+in vec2 in_place;
+in vec3 in_light;
+uniform mat4 clip_from_world;
+out vec2 place;
+flat out vec3 light;
+void main() {
+  place = in_place;
+  light = in_light;
+  gl_Position = clip_from_world * vec4(in_position, 1.0);
+}
+"""
+
+_SPOTS_FRAGMENT = """
+in vec2 place;
+flat in vec3 light;
+out vec4 fragment;
+void main() {
+  float within = max(1.0 - dot(place, place), 0.0);
+  within *= within; within *= within;
+  fragment = vec4(to_display(light * within), 0.0);
 }
 """
 
@@ -407,16 +478,17 @@ def lit_source(
         TEXTURED=int(variant.textured),
         SUN=int(variant.sun),
         COVER=int(variant.cover),
-        FULL_COVER=_FULL_COVER,
+        FULL_COVER=FULL_COVER,
         GLOW=_GLOW,
         MIRRORED=_MIRRORED,
         GRAZING=_GRAZING,
         SKY_SHADE=_SKY_SHADE,
         LAMP_SHADE=_LAMP_SHADE,
+        SUN_SHADE=_SUN_SHADE,
         FOG=int(variant.fog),
         LAMPS=variant.lamps,
         LAMPS_BY_VERTEX=int(by_vertex),
-        WORLD=int(variant.cover or (variant.lamps > 0 and not by_vertex)),
+        WORLD=int(variant.lamps > 0 and not by_vertex),
         SHADOW_LOOKUPS=shadow_lookups,
         TURN_COS=math.cos(turn),
         TURN_SIN=math.sin(turn),
@@ -427,7 +499,7 @@ def lit_source(
     )
     head += "".join(f"const {_glsl_type(v)} {n} = {_glsl(v)};\n" for n, v in constants.items())
     head += _LAMPS
-    return ShaderSource(head + _LIT_VERTEX, head + _TO_DISPLAY + _LIT_FRAGMENT)
+    return ShaderSource(head + _LIT_VERTEX, head + _TO_DISPLAY + _VIGNETTE + _LIT_FRAGMENT)
 
 
 def _glsl_type(value: Sequence[float]) -> str:
@@ -443,10 +515,15 @@ def depth_source() -> ShaderSource:
     return ShaderSource(_head() + _DEPTH_VERTEX, _head() + _DEPTH_FRAGMENT)
 
 
+def spots_source() -> ShaderSource:
+    """Add round spots of light to what is there."""
+    return ShaderSource(_head() + _SPOTS_VERTEX, _head() + _TO_DISPLAY + _SPOTS_FRAGMENT)
+
+
 def sky_source(fog: bool) -> ShaderSource:
     """Show the sky behind everything, with or without fog before it."""
-    head = _head(FOG=int(fog))
-    return ShaderSource(head + _SKY_VERTEX, head + _TO_DISPLAY + _SKY_FRAGMENT)
+    head = _head(FOG=int(fog)) + f"const vec3 HILLS = {_glsl(_HILLS)};\n"
+    return ShaderSource(head + _SKY_VERTEX, head + _TO_DISPLAY + _VIGNETTE + _SKY_FRAGMENT)
 
 
 def _head(**defines: float) -> str:

@@ -54,8 +54,8 @@ class Lighting:
     ground_ambient: Rgb = (0.17, 0.16, 0.15)
     specular: float = 0.22
     zenith: Rgb = (0.40, 0.57, 0.78)
-    horizon: Rgb = (0.76, 0.81, 0.86)
-    haze_distance: float = 30.0
+    horizon: Rgb = (0.72, 0.78, 0.84)
+    haze_distance: float = 50.0
     shadow_radius: float = 9.0
 
 

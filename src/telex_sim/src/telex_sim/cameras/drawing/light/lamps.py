@@ -59,6 +59,8 @@ class LampRig:
     ----------
     angles, reaches
         Of the lamps (rad, m), shape (N,).
+    lights
+        Of the lamps when they burn fully, linear, shape (N, 3).
     levels
         At which they burn, 0 to 1, shape (N,).
     positions, directions
@@ -78,7 +80,7 @@ class LampRig:
         # Of all directions, those into which each shines.
         self._solid_shares = 0.5 - 0.5 * np.cos(0.5 * np.minimum(self.angles, 2.0 * math.pi))
         strength = (1.0 + NEAREST**2) * sun
-        self._lights = np.array(
+        self.lights = np.array(
             [strength * lamp.intensity * np.square(lamp.color) for lamp in lamps]
         ).reshape(-1, 3)
         self._cones = np.array([_cone(lamp.angle) for lamp in lamps]).reshape(-1, 2)
@@ -108,7 +110,7 @@ class LampRig:
 
     def matter_most(self, focus: np.ndarray, most: int) -> np.ndarray:
         """Numbers of the burning lamps whose shadows matter most around a point, shape (3,)."""
-        light = self.levels * (self._lights @ LUMINANCE)
+        light = self.levels * (self.lights @ LUMINANCE)
         squares = np.square(self.positions - focus).sum(axis=1)
         score = np.where(self._casting & (light > 1e-4), light / (1.0 + squares), 0.0)
         order = np.argsort(-score, kind="stable")[:most]
@@ -126,13 +128,13 @@ class LampRig:
         most
             How many can be had.
         """
-        burning = self.levels * self._lights.max(axis=1, initial=0.0) > 1e-4
+        burning = self.levels * self.lights.max(axis=1, initial=0.0) > 1e-4
         if not burning.any():
             return ChosenLamps(np.zeros(0, dtype=np.intp), np.zeros(0), np.zeros(3))
         seen = np.flatnonzero(burning & cones_in_view(clip_from_world, self._lit(slice(None))))
         ahead = eye + _INTEREST * unit(clip_from_world[3, :3])
         squares = np.square(self.positions[seen] - ahead).sum(axis=1)
-        arriving = self._lights[seen] * (self.levels[seen] / (1.0 + squares))[:, None]
+        arriving = self.lights[seen] * (self.levels[seen] / (1.0 + squares))[:, None]
         score = arriving @ LUMINANCE
         order = np.argsort(-score, kind="stable")
         shares = np.ones(len(seen))
@@ -142,6 +144,17 @@ class LampRig:
         chosen = order[:most]
         rest = _DIFFUSE_SHARE * ((1.0 - shares) * self._solid_shares[seen] @ arriving)
         return ChosenLamps(seen[chosen], (self.levels[seen] * shares)[chosen], rest)
+
+    def arriving(self, point: np.ndarray) -> np.ndarray:
+        """Light of each lamp that reaches a point if nothing stops it, shape (N, 3)."""
+        away = point - self.positions
+        squares = np.square(away).sum(axis=1)
+        ahead = np.einsum("ni,ni->n", away, self.directions) / np.sqrt(np.maximum(squares, 1e-9))
+        shares = np.clip(self._cones[:, 1] + self._cones[:, 0] * ahead, 0.0, 1.0)
+        shares *= np.maximum(1.0 - np.square(squares) * self.reaches**-4.0, 0.0)
+        weights = self.levels * np.square(shares) / (squares + NEAREST**2)
+        light: np.ndarray = self.lights * weights[:, None]
+        return light
 
     def uniforms(self, numbers: np.ndarray, levels: np.ndarray, room: int) -> Dict[str, np.ndarray]:
         """Values for a program with room for so many lamps, by the names of its uniforms."""
@@ -153,7 +166,7 @@ class LampRig:
         place[used:, 3] = 1.0
         aim[:used, :3] = self.directions[numbers]
         aim[:used, 3] = self._cones[numbers, 0]
-        light[:used, :3] = self._lights[numbers] * levels[:, None]
+        light[:used, :3] = self.lights[numbers] * levels[:, None]
         light[:used, 3] = self._cones[numbers, 1]
         return {"lamp_place": place, "lamp_aim": aim, "lamp_light": light}
 

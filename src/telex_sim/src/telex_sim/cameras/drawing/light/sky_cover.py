@@ -1,7 +1,7 @@
 """Occlusion of the light from above (ambient occlusion).
 
-Where no sun shines, soft shadows at the foot of things tell where they stand. A map of heights, as
-seen from straight above, is blurred: a point is in the shade as far as the blurred map is above it.
+Soft shadows at the foot of things tell where they stand. A map of heights, as seen from straight
+above, is blurred: a point is in the shade as far as the blurred map is above it.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import numpy as np
 from ..culling import spheres_in_view
 from ..meshes.gpu_scene import GpuScene
 from ..programs import column_major
+from ..shaders import FULL_COVER
 from ..stillness import is_still
 
 # Half the side of the square around the focus that the map shows, and side of its pixels (m).
@@ -28,6 +29,10 @@ _HEADROOM, _DEPTH = 1.5, 4.0
 
 # Pixels along the map's edge in which the shade fades.
 _BORDER = 8
+
+# The focus may wander so far before the map is drawn around its new place (m); until then, what
+# stands fast stays drawn.
+_WANDER = 0.4
 
 
 class SkyCover:
@@ -52,34 +57,45 @@ class SkyCover:
         edge = np.minimum(np.arange(self._size), np.arange(self._size)[::-1])
         inside = np.clip(np.minimum.outer(edge, edge) / _BORDER, 0.0, 1.0)
         self._sunk = ((1.0 - inside) * _DEPTH).astype(np.float32)
-        self._middle = np.zeros(2)
-        self._drawn_model: Optional[np.ndarray] = None
-        self._drawn_corner = np.zeros(3)
+        self._corner: Optional[np.ndarray] = None
+        self._fixed = np.zeros(side, dtype=np.float32)
+        self._drawn_model = np.zeros((0, 4, 4))
 
     def invalidate(self) -> None:
         """Have the next update draw even if nothing has moved: the scene is another one."""
-        self._drawn_model = None
+        self._corner = None
 
     def update(
         self, scene: GpuScene, model: np.ndarray, centers: np.ndarray, focus: np.ndarray
     ) -> None:
         """Draw the map, unless everything stands where it stood; parameters as for `ShadowMap`."""
-        # By whole pixels, so that soft edges do not crawl as the robot drives.
-        middle = np.round(focus / _TEXEL) * _TEXEL
-        solid = np.flatnonzero(~scene.transparent)
-        if (
-            self._drawn_model is not None
-            and (middle == self._drawn_corner).all()
-            and is_still(model[solid], self._drawn_model)
-        ):
+        what = (scene, model, centers)
+        moving = np.flatnonzero(~scene.transparent & ~scene.fixed)
+        stands = self._corner is not None and np.abs(focus - self._corner).max() < _WANDER
+        if not stands:
+            # By whole pixels, so that soft edges do not crawl as the robot drives.
+            self._corner = np.round(focus / _TEXEL) * _TEXEL
+            self._fixed = self._heights_of(np.flatnonzero(~scene.transparent & scene.fixed), *what)
+        elif is_still(model[moving], self._drawn_model):
             return
-        self._drawn_model, self._drawn_corner = model[solid].copy(), middle
-        self._middle = middle[:2]
-        half, top = 0.5 * self._size * _TEXEL, middle[2] + _HEADROOM
+        self._drawn_model = model[moving].copy()
+        heights = np.maximum(self._fixed, self._heights_of(moving, *what))
+        soft: np.ndarray = np.asarray(
+            cv2.GaussianBlur(heights, (0, 0), _BLUR / _TEXEL, borderType=cv2.BORDER_REPLICATE)
+        )
+        covers = (soft - self._sunk) * np.float32(1.0 / FULL_COVER)
+        self._heights.write(covers.astype(np.float32).tobytes())
+
+    def _heights_of(
+        self, numbers: np.ndarray, scene: GpuScene, model: np.ndarray, centers: np.ndarray
+    ) -> np.ndarray:
+        """Draw some of the drawables; returns how high they are (m), shape (size, size)."""
+        assert self._corner is not None
+        half, top = 0.5 * self._size * _TEXEL, self._corner[2] + _HEADROOM
         scale = np.array([1.0 / half, 1.0 / half, -2.0 / _DEPTH])
         clip = np.diag([*scale, 1.0])
-        clip[:3, 3] = -scale * (middle[0], middle[1], top - 0.5 * _DEPTH)
-        seen = solid[spheres_in_view(clip, centers[solid], scene.radii[solid])]
+        clip[:3, 3] = -scale * (*self._corner[:2], top - 0.5 * _DEPTH)
+        seen = numbers[spheres_in_view(clip, centers[numbers], scene.radii[numbers])]
         self._framebuffer.use()
         self._framebuffer.clear(depth=1.0)
         # Whether a surface shows its back does not matter for its height.
@@ -91,16 +107,13 @@ class SkyCover:
         depths = np.frombuffer(
             self._framebuffer.read(components=1, attachment=-1, dtype="f4"), dtype=np.float32
         ).reshape(self._size, self._size)
-        heights = np.float32(top) - depths * np.float32(_DEPTH)
-        soft: np.ndarray = np.asarray(
-            cv2.GaussianBlur(heights, (0, 0), _BLUR / _TEXEL, borderType=cv2.BORDER_REPLICATE)
-        )
-        self._heights.write((soft - self._sunk).astype(np.float32).tobytes())
+        return np.float32(top) - depths * np.float32(_DEPTH)
 
     def place(self) -> np.ndarray:
         """Offset along x and y, and scale, that lead from the world to the map; float32."""
         scale = 1.0 / (self._size * _TEXEL)
-        return np.array([*(0.5 - scale * self._middle), scale], dtype=np.float32)
+        middle = np.zeros(2) if self._corner is None else self._corner[:2]
+        return np.array([*(0.5 - scale * middle), scale], dtype=np.float32)
 
     def use(self, unit: int) -> None:
         """Bind the map to a texture unit."""

@@ -126,7 +126,7 @@ def _chunks(
 
 
 def merge_visuals(
-    visuals: Sequence[Visual], files: Sequence[Optional[Mesh]]
+    visuals: Sequence[Visual], files: Sequence[Optional[Mesh]], worn: bool = False
 ) -> Tuple[np.ndarray, np.ndarray]:
     """Make one mesh of visuals, as `merge` does.
 
@@ -136,10 +136,13 @@ def merge_visuals(
         Of one frame.
     files
         For each of them what its file contains, or None for a primitive.
+    worn
+        Whether boxes have rounded edges: what is handled has; of what stands about, nobody sees
+        it, and there is much more of it.
     """
     return merge(
         [
-            Part(visual, primitive_mesh(visual) if file is None else file.scaled(visual.size))
+            Part(visual, primitive_mesh(visual, worn) if file is None else file.scaled(visual.size))
             for visual, file in zip(visuals, files)
         ]
     )

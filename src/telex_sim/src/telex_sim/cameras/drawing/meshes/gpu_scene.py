@@ -217,6 +217,7 @@ class GpuScene:
         return float(np.linalg.norm(reach * visual.size))
 
     def _mesh(self, batch: Batch, problems: Set[str]) -> GpuMesh:
+        worn = batch.frame != _WORLD
         files = tuple(
             _last_change(self._path(visual))
             for visual in batch.visuals
@@ -228,7 +229,7 @@ class GpuScene:
                 self._file(visual) if visual.shape is VisualShape.MESH else None
                 for visual in batch.visuals
             ]
-            vertices, triangles = self._store.get(merge_visuals, batch.content, files)
+            vertices, triangles = self._store.get(merge_visuals, batch.content, files, worn)
             what = (self._context, vertices, triangles, self._shadow_detail, self._store)
             if batch.drive:
                 try:
@@ -237,7 +238,7 @@ class GpuScene:
                     problems.add(f"{batch.visuals[0].label} does not run: {error}")
             return GpuMesh(*what)
 
-        return self._meshes.get((batch.content, files), upload)
+        return self._meshes.get((batch.content, files, worn), upload)
 
     def _texture_or_none(self, batch: Batch, problems: Set[str]) -> Optional[moderngl.Texture]:
         if not batch.texture:
