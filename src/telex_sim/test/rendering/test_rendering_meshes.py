@@ -8,7 +8,14 @@ from telex_sim.cameras.drawing.meshes.batching import VERTEX
 from telex_sim.cameras.drawing.meshes.simplification import coarser, simplified
 from telex_sim.scene.meshes import mesh_files
 from telex_sim.scene.meshes.mesh_files import MeshFileError, load_mesh
-from telex_sim.scene.meshes.meshes import Mesh, box_mesh, cylinder_mesh, plane_mesh, sphere_mesh
+from telex_sim.scene.meshes.meshes import (
+    Mesh,
+    box_mesh,
+    cylinder_mesh,
+    plane_mesh,
+    rounded_box_mesh,
+    sphere_mesh,
+)
 from telex_sim.scene.meshes.normals import mesh_from_corners
 from telex_sim.scene.meshes.texture_mapping import box_mapped
 
@@ -75,6 +82,7 @@ class TestPrimitives:
         ("mesh", "volume"),
         [
             (box_mesh((1.0, 2.0, 3.0)), 6.0),
+            (rounded_box_mesh((1.0, 2.0, 3.0)), 6.0),
             (sphere_mesh(0.5), 4.0 / 3.0 * math.pi * 0.5**3),
             (sphere_mesh(0.002), 4.0 / 3.0 * math.pi * 0.002**3),
             (cylinder_mesh(0.2, 1.5), math.pi * 0.2**2 * 1.5),
@@ -86,6 +94,8 @@ class TestPrimitives:
         assert 0.75 * volume < volume_of(mesh) <= volume * 1.0001
 
     def test_extents(self):
+        extents = np.ptp(rounded_box_mesh((1.0, 2.0, 3.0)).positions, axis=0)
+        np.testing.assert_allclose(extents, (1.0, 2.0, 3.0))
         extents = np.ptp(box_mesh((1.0, 2.0, 3.0)).positions, axis=0)
         np.testing.assert_allclose(extents, [1.0, 2.0, 3.0], rtol=1e-6)
         extents = np.ptp(cylinder_mesh(0.2, 1.5).positions, axis=0)

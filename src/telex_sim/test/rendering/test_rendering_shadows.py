@@ -134,6 +134,17 @@ class TestSun:
         line = [brightness(image, (x, 0.0, 0.0)) for x in np.linspace(1.7, 6.0, 40)]
         assert np.abs(np.diff(line)).max() < 5
 
+    def test_the_foot_of_things_is_in_the_shade_on_the_sunny_side_as_well(self, still):
+        cone = Visual("thing", VisualShape.CYLINDER, (0.12, 0.0, 0.5), (0.0, 0.0, 0.25), color=GRAY)
+        load(still, FLOOR, cone, daylight=Daylight(to_sun=(0.0, -1.0, 1.0)))
+
+        def on_floor(x, y):
+            return brightness(picture(still, thing=(x, 0.0, 0.0)), (2.0, y, 0.0))
+
+        foot, beside, moved = on_floor(2.0, -0.16), on_floor(2.0, -0.8), on_floor(3.0, -0.16)
+        assert foot < 0.93 * beside
+        assert abs(moved - beside) < 3
+
     def test_shadows_stay_behind_only_when_told_to(self, still):
         load(still, FLOOR, POST, daylight=self.DAY)
         picture(still, thing=(2.0, 0.0, 0.3))

@@ -494,10 +494,12 @@ class Floor:
     """The endless floor at z = 0; `size` is the edge of what is seen of it (m)."""
 
     surface: Surface = field(
-        default_factory=lambda: Surface((0.62, 0.63, 0.64, 1.0), "generated:concrete", 4.0)
+        default_factory=lambda: Surface(
+            (0.62, 0.63, 0.64, 1.0), "generated:concrete?slabs=3&worn=1", 6.0
+        )
     )
     friction: float = 1.0
-    size: float = 80.0
+    size: float = 160.0
 
     def __post_init__(self) -> None:
         require_range(self, "friction", 0.0, 10.0)

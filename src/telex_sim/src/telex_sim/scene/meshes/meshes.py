@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Optional, Tuple
+from typing import Dict, Optional, Tuple
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from ..visual_scene import Vector3, Visual, VisualShape
 
 # How far a facet may lie from the true surface of a round primitive (m).
 _FACET_ERROR = 0.0005
+
+# How much of a box's edges use takes away (m), and at most of its shortest side.
+_ROUNDING, _MOST_ROUNDING = 0.003, 0.06
 
 
 @dataclass(frozen=True)
@@ -44,13 +47,14 @@ class Mesh:
         return Mesh(self.positions * factors, normals.astype(np.float32), self.uvs, triangles)
 
 
-def primitive_mesh(visual: Visual) -> Mesh:
+def primitive_mesh(visual: Visual, worn: bool = False) -> Mesh:
     """Mesh of a box, sphere, cylinder or plane, of the visual's size (m).
 
     Round ones have texture coordinates, for the visual's texture_scale; flat ones have none.
+    Boxes that are ``worn`` have rounded edges.
     """
     if visual.shape is VisualShape.BOX:
-        return box_mesh(visual.size)
+        return rounded_box_mesh(visual.size) if worn else box_mesh(visual.size)
     if visual.shape is VisualShape.SPHERE:
         return sphere_mesh(visual.size[0], visual.texture_scale)
     if visual.shape is VisualShape.CYLINDER:
@@ -85,6 +89,50 @@ def box_mesh(size: Vector3) -> Mesh:
         normals[face] = normal
     triangles = 4 * np.arange(6)[:, None, None] + np.array([(0, 1, 2), (0, 2, 3)])
     return _mesh(positions.reshape(-1, 3), normals.reshape(-1, 3), None, triangles.reshape(-1, 3))
+
+
+def rounded_box_mesh(size: Vector3) -> Mesh:
+    """Make a box as `box_mesh` does, its edges broken.
+
+    Narrow strips join the faces, at whose corners the normals stay the faces': they look round.
+    """
+    rounding = min(_ROUNDING, _MOST_ROUNDING * min(size))
+    positions, normals = np.zeros((6, 4, 3)), np.zeros((6, 4, 3))
+    number: Dict[Tuple[int, Tuple[int, ...]], int] = {}
+    for face, (axis, side) in enumerate((axis, side) for axis in range(3) for side in (-1, 1)):
+        first, second = (axis + 1) % 3, (axis + 2) % 3
+        for corner, (a, b) in enumerate(((-1, -1), (1, -1), (1, 1), (-1, 1))):
+            signs = [0, 0, 0]
+            signs[axis], signs[first], signs[second] = side, a, b
+            inset = np.full(3, rounding)
+            inset[axis] = 0.0
+            positions[face, corner] = np.array(signs) * (0.5 * np.array(size) - inset)
+            normals[face, corner, axis] = side
+            number[axis, tuple(signs)] = 4 * face + corner
+    places = positions.reshape(-1, 3)
+    triangles = []
+    signs_of = sorted({signs for _, signs in number})
+    for signs in signs_of:
+        triangles.append([number[axis, signs] for axis in range(3)])
+        for axis in range(3):
+            # The edges along each axis, and the face across it, from one of their ends.
+            if signs[axis] > 0:
+                continue
+            end = tuple(1 if place == axis else sign for place, sign in enumerate(signs))
+            b, c = (axis + 1) % 3, (axis + 2) % 3
+            quad = [number[b, signs], number[b, end], number[c, end], number[c, signs]]
+            triangles += [quad[:3], [quad[0], quad[2], quad[3]]]
+    triangles += [
+        [4 * face + corner for corner in corners]
+        for face in range(6)
+        for corners in ((0, 1, 2), (0, 2, 3))
+    ]
+    corners = places[triangles]
+    outwards = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    inside_out = np.einsum("ij,ij->i", outwards, corners.mean(axis=1)) < 0.0
+    wound = np.array(triangles)
+    wound[inside_out] = wound[inside_out][:, ::-1]
+    return _mesh(places, normals.reshape(-1, 3), None, wound)
 
 
 def sphere_mesh(radius: float, texture_scale: float = 1.0) -> Mesh:

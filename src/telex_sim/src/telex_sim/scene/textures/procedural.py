@@ -13,8 +13,8 @@ from urllib.parse import unquote_plus
 import numpy as np
 
 from ..sealed import TOKEN
+from . import floors, optotypes
 from . import labels as texture_pictures
-from . import optotypes
 from . import surfaces as texture_materials
 from .optotypes import ChartRow
 
@@ -133,7 +133,7 @@ _OPTOTYPE: Dict[str, _Parameter] = {
 }
 
 _TEXTURES: Dict[str, _Texture] = {
-    "concrete": _material(texture_materials.concrete, 1, slabs=_Whole(2, 0, 16)),
+    "concrete": _material(floors.concrete, 1, slabs=_Whole(2, 0, 16), worn=_Whole(0, 0, 1)),
     "asphalt": _material(texture_materials.asphalt, 2),
     "gravel": _material(texture_materials.gravel, 3),
     "brick": _material(texture_materials.brick, 4, rows=_Even(12, 2, 64), columns=_Whole(4, 1, 32)),

@@ -36,8 +36,8 @@ def concrete(seed: int, slabs: int) -> np.ndarray:
     tone -= 0.07 * soft_step(spectral_noise(_SIZE, 3.2, rng), 0.7, 2.4)
     tone -= 0.22 * blurred(specks(_SIZE, 700, (0.6, 2.4), rng), 0.6, 0.6)
     if slabs:
-        tone += _by_field(rng.normal(0.0, 0.016, (slabs, slabs)), _SIZE)
-        line = _joint_distance(_SIZE, _SIZE / slabs)
+        tone += by_field(rng.normal(0.0, 0.016, (slabs, slabs)), _SIZE)
+        line = joint_distance(_SIZE, _SIZE / slabs)
         joint = 1.0 - soft_step(np.minimum(line[:, None], line[None, :]), 1.0, 3.5)
         dirt = 1.0 - soft_step(np.minimum(line[:, None], line[None, :]), 2.0, 26.0)
         tone *= (1.0 - 0.5 * joint) * (1.0 - 0.05 * dirt * (1.0 + 0.6 * clouds))
@@ -85,7 +85,7 @@ def brick(seed: int, rows: int, columns: int) -> np.ndarray:
     joint = 5.0
     # Distance to the brick's outline, above 0 inside.
     to_side = (0.5 - np.abs(along % 1.0 - 0.5)) * width
-    to_bed = _joint_distance(_SIZE, height)[:, None]
+    to_bed = joint_distance(_SIZE, height)[:, None]
     inside = np.minimum(to_side, to_bed) - joint + wobble
     body = soft_step(inside, -1.5, 1.5)
     tones = np.clip(rng.normal(0.86, 0.065, (rows, columns)), 0.62, 1.0).astype(np.float32)
@@ -219,10 +219,10 @@ def tiles(seed: int, count: int) -> np.ndarray:
     """Glazed tiles with grout, ``count`` across."""
     rng = np.random.default_rng(seed)
     size = _SIZE
-    line = _joint_distance(size, size / count)
+    line = joint_distance(size, size / count)
     distance = np.minimum(line[:, None], line[None, :])
     body = soft_step(distance, 2.5, 5.0)
-    tone = 0.70 + (_by_field(rng.normal(0.94, 0.012, (count, count)), size) - 0.70) * body
+    tone = 0.70 + (by_field(rng.normal(0.94, 0.012, (count, count)), size) - 0.70) * body
     tone *= 1.0 + 0.5 * relief(blurred(body, 1.5, 1.5))
     grout = 1.0 - body
     tone += (0.006 + 0.030 * grout) * spectral_noise(size, 1.8, rng)
@@ -238,7 +238,7 @@ def tunnel_wall(seed: int) -> np.ndarray:
     grain = spectral_noise(size, 1.1, rng, stretch=(5.0, 1.0))
     tone = 0.86 + 0.022 * clouds + 0.016 * grain
     steps = rng.normal(0.0, 0.020, boards).astype(np.float32).repeat(pitch)[:, None]
-    line = _joint_distance(size, pitch)[:, None]
+    line = joint_distance(size, pitch)[:, None]
     tone = (tone + steps) * (1.0 - 0.16 * (1.0 - soft_step(line, 0.5, 2.5)))
     ring = np.minimum(np.arange(size), size - np.arange(size)).astype(np.float32)[None, :]
     tone *= 1.0 - 0.40 * (1.0 - soft_step(ring, 1.0, 4.0))
@@ -286,7 +286,7 @@ def _plank_wall(size: int, rng: np.random.Generator, count: int) -> np.ndarray:
     across, along = rng.integers(size, size=(2, count))
     column = (np.arange(size)[None, :] + along[board][:, None]) % size
     picture = grain[((np.arange(size) + across[board]) % size)[:, None], column]
-    edge = _joint_distance(size, size / count) * (1024.0 / size)
+    edge = joint_distance(size, size / count) * (1024.0 / size)
     gap = (0.35 + 0.65 * soft_step(edge, 0.5, 3.0)) * (0.93 + 0.07 * np.clip(edge, 0.0, 9.0) / 9.0)
     shade = rng.normal(1.0, 0.05, count).astype(np.float32)[board]
     return picture * (gap * shade).astype(np.float32)[:, None, None]
@@ -364,13 +364,13 @@ def _share(canvas: np.ndarray) -> np.ndarray:
     return canvas.astype(np.float32) / 255.0
 
 
-def _by_field(tones: np.ndarray, size: int) -> np.ndarray:
+def by_field(tones: np.ndarray, size: int) -> np.ndarray:
     """Spread one value per field over the pixels of a square picture."""
     field = np.arange(size) * len(tones) // size
     return tones.astype(np.float32)[field[:, None], field[None, :]]
 
 
-def _joint_distance(size: int, pitch: float) -> np.ndarray:
+def joint_distance(size: int, pitch: float) -> np.ndarray:
     """Distance of each pixel from the nearest multiple of the pitch (pixels)."""
     place = (np.arange(size, dtype=np.float32) + 0.5) % pitch
     return np.minimum(place, pitch - place)

@@ -104,7 +104,8 @@ class Cube(ObjectType):
     def build(self, folder: Path) -> Tuple[SceneObject, ...]:
         """Make it; see `ObjectType.build`."""
         mass = _HARDWOOD * self.edge**3 if self.mass is None else self.mass
-        surface = Surface(opaque(self.color), "generated:wood", 0.4)
+        # Of small pieces of wood one sees several rings.
+        surface = Surface(opaque(self.color), "generated:wood", 0.1)
         part = box((self.edge,) * 3, (0.0, 0.0, 0.5 * self.edge), surface)
         return rigid("cube", mass, (part,), self.friction)
 
