@@ -144,8 +144,8 @@ class Renderer:
             rooms.append(_room_for(rooms[-1] + 1, self._quality.lamps))
         # Any surface does, but what its texture is like matters.
         samples = {
-            _kind(drawable.texture is not None, bool(fixed)): drawable
-            for drawable, fixed in zip(self._scene.drawables, self._scene.fixed)
+            _kind(drawable.texture is not None, covered): drawable
+            for drawable, covered in zip(self._scene.drawables, self._scene.covered)
         }
         return [
             (self._variants(room)[kind], drawable)
@@ -156,12 +156,12 @@ class Renderer:
     def _variants(self, room: int) -> Tuple[LitVariant, ...]:
         """Return the programs' variants with room for so many lamps, by `_kind`.
 
-        Where the sun shines, only what stands fast shows what covers it: floors, above all.
+        Where the sun shines, only floors and the like show what covers them.
         """
-        moving = replace(self._base, cover=self._base.cover and not self._base.sun)
+        bare = replace(self._base, cover=self._base.cover and not self._base.sun, lamps=room)
         return tuple(
-            replace(base, textured=textured, lamps=room)
-            for base in (moving, self._base)
+            replace(base, textured=textured)
+            for base in (bare, replace(bare, cover=self._base.cover))
             for textured in (False, True)
         )
 
@@ -512,7 +512,7 @@ class _Drawing:
         matrices = column_major(self._model[numbers])
         for number, matrix in zip(numbers.tolist(), matrices):
             drawable = self._scene.drawables[number]
-            kind = _kind(drawable.texture is not None, bool(self._scene.fixed[number]))
+            kind = _kind(drawable.texture is not None, self._scene.covered[number])
             program = self._program(self._group_of[number], kind)
             program.world_from_model.write(matrix.tobytes())
             drawable.draw(program, coarse)
@@ -539,9 +539,9 @@ def _picture_place(camera: PinholeCamera) -> np.ndarray:
     return np.array([scale, scale, *(-scale * half)], dtype=np.float32)
 
 
-def _kind(textured: bool, fixed: bool) -> int:
+def _kind(textured: bool, covered: bool) -> int:
     """Number kinds of surfaces that are drawn by different programs."""
-    return 2 * fixed + textured
+    return 2 * covered + textured
 
 
 def _room_for(lamps: int, most: int) -> int:

@@ -38,6 +38,8 @@ def glare(
     exposure
         Factor on all light.
     """
+    if not rig.levels.any():
+        return []
     right, down, eye = (optical_in_world[:3, column] for column in (0, 1, 3))
     light = exposure * _SHARE * rig.arriving(eye)
     spots = []

@@ -12,6 +12,7 @@ import cv2
 import moderngl
 import numpy as np
 
+from ....scene.meshes.meshes import box_mesh
 from ..culling import spheres_in_view
 from ..meshes.gpu_scene import GpuScene
 from ..programs import column_major
@@ -48,6 +49,11 @@ class SkyCover:
         self._context = context
         self._program = program
         self._clip_from_model: Any = program["clip_from_model"]
+        cube = box_mesh((2.0, 2.0, 2.0))
+        corners, triangles = (
+            context.buffer(np.ascontiguousarray(part)) for part in (cube.positions, cube.triangles)
+        )
+        self._cube = context.vertex_array(program, [(corners, "3f", "in_position")], triangles)
         self._size = round(2.0 * _RADIUS / _TEXEL)
         side = (self._size, self._size)
         self._framebuffer = context.framebuffer(depth_attachment=context.depth_renderbuffer(side))
@@ -75,11 +81,12 @@ class SkyCover:
         if not stands:
             # By whole pixels, so that soft edges do not crawl as the robot drives.
             self._corner = np.round(focus / _TEXEL) * _TEXEL
-            self._fixed = self._heights_of(np.flatnonzero(~scene.transparent & scene.fixed), *what)
+            fixed = np.flatnonzero(~scene.transparent & scene.fixed)
+            self._fixed = self._heights_of(fixed, *what, coarse=False)
         elif is_still(model[moving], self._drawn_model):
             return
         self._drawn_model = model[moving].copy()
-        heights = np.maximum(self._fixed, self._heights_of(moving, *what))
+        heights = np.maximum(self._fixed, self._heights_of(moving, *what, coarse=True))
         soft: np.ndarray = np.asarray(
             cv2.GaussianBlur(heights, (0, 0), _BLUR / _TEXEL, borderType=cv2.BORDER_REPLICATE)
         )
@@ -87,9 +94,17 @@ class SkyCover:
         self._heights.write(covers.astype(np.float32).tobytes())
 
     def _heights_of(
-        self, numbers: np.ndarray, scene: GpuScene, model: np.ndarray, centers: np.ndarray
+        self,
+        numbers: np.ndarray,
+        scene: GpuScene,
+        model: np.ndarray,
+        centers: np.ndarray,
+        coarse: bool,
     ) -> np.ndarray:
-        """Draw some of the drawables; returns how high they are (m), shape (size, size)."""
+        """Draw some of the drawables; returns how high they are (m), shape (size, size).
+
+        Coarsely, each is the box around it in its own frame: of what is blurred nobody sees more.
+        """
         assert self._corner is not None
         half, top = 0.5 * self._size * _TEXEL, self._corner[2] + _HEADROOM
         scale = np.array([1.0 / half, 1.0 / half, -2.0 / _DEPTH])
@@ -100,9 +115,11 @@ class SkyCover:
         self._framebuffer.clear(depth=1.0)
         # Whether a surface shows its back does not matter for its height.
         self._context.disable(moderngl.CULL_FACE)
-        for number, matrix in zip(seen, column_major(clip @ model[seen])):
+        boxes = scene.boxes[seen] if coarse else np.eye(4)
+        for number, matrix in zip(seen, column_major(clip @ model[seen] @ boxes)):
             self._clip_from_model.write(matrix.tobytes())
-            scene.drawables[number].mesh.outline(self._program).render()
+            mesh = scene.drawables[number].mesh
+            (self._cube if coarse else mesh.outline(self._program)).render()
         self._context.enable(moderngl.CULL_FACE)
         depths = np.frombuffer(
             self._framebuffer.read(components=1, attachment=-1, dtype="f4"), dtype=np.float32

@@ -23,13 +23,9 @@ _MARGIN = 1
 # of the wide map makes up for the shaders' normal offset, which suits the sharp one.
 _POLYGON_OFFSETS = ((1.5, 2.0), (4.0, 6.0))
 
-# Half the side of the square around the focus that the sharp map shows (m): the first into which
-# what moves fits, the robot with its arm above all. The smaller, the sharper; by few steps, because
-# edges of shadows jump with each.
-_SHARP = (1.4, 1.8, 2.2)
-
-# Share of the sharp map that is looked at: not a few pixels along its edges.
-_LOOKED_AT = 0.98
+# Half the side of the square around the focus that the sharp map shows (m): the robot fits in with
+# its arm and most of its shadow.
+_SHARP = 2.2
 
 # The focus may wander so far before the wide map is drawn around its new place (m).
 _WANDER = 1.0
@@ -74,7 +70,7 @@ class ShadowMap:
         self._context = context
         self._program = program
         self._clip_from_model: Any = program["clip_from_model"]
-        self._radii = [min(_SHARP[-1], radius), radius]
+        self._radii = (min(_SHARP, radius), radius)
         self._to_sun = np.array([0.0, 0.0, 1.0])
         self._size = size
         self._depths = context.depth_texture((2 * size, size))
@@ -117,28 +113,19 @@ class ShadowMap:
             Point around which shadows matter (m), shape (3,).
         """
         casters = np.flatnonzero(scene.casts_shadow)
-        axes = sun_axes(self._to_sun)[:2]
-        beside = np.abs((centers[casters] - focus) @ axes.T).max(axis=1) + scene.radii[casters]
-        self._fit(beside[~scene.fixed[casters]])
         sharp = self._drawn[0]
         if sharp is None or not sharp.holds(casters, model, focus, STILL):
             self._draw(0, scene, model, centers, casters, focus)
-        within = beside < _LOOKED_AT * self._radii[0]
+        axes = sun_axes(self._to_sun)[:2]
+        beside = np.abs((centers[casters] - focus) @ axes.T).max(axis=1)
+        # A few pixels of the sharp map's edge are not looked at.
+        within = beside + scene.radii[casters] < 0.98 * self._radii[0]
         wide = self._drawn[1]
         if wide is None or not wide.holds(casters[~within], model, focus, _WANDER):
             # What stands fast is drawn in any case: when the focus wanders, it is needed.
             outside = casters[~within | scene.fixed[casters]]
             self._draw(1, scene, model, centers, outside, focus)
         self._context.polygon_offset = (0.0, 0.0)
-
-    def _fit(self, beside: np.ndarray) -> None:
-        """Choose the sharp map's square, by how far from its middle moving things reach (m)."""
-        most = min(_SHARP[-1], self._radii[1])
-        reach = float(beside[beside < most].max(initial=0.0))
-        half = next((each for each in _SHARP if reach < _LOOKED_AT * each), most)
-        if min(half, most) != self._radii[0]:
-            self._radii[0] = min(half, most)
-            self._drawn[0] = None
 
     def _draw(
         self,

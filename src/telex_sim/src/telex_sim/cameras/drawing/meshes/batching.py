@@ -67,6 +67,11 @@ class Batch:
         return self.visuals[0].drive
 
     @property
+    def is_plane(self) -> bool:
+        """Whether there is a plane among them, as floors are."""
+        return any(visual.shape is VisualShape.PLANE for visual in self.visuals)
+
+    @property
     def casts_shadow(self) -> bool:
         """Whether they belong in the shadow map."""
         return self.visuals[0].casts_shadow

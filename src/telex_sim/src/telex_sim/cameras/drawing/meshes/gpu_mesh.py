@@ -48,6 +48,8 @@ class GpuMesh:
     ----------
     center, radius
         Bounding sphere in the frame that it is fixed to (m).
+    half
+        From its centre to the sides of the box around it, along the frame's axes (m).
     """
 
     def __init__(
@@ -70,6 +72,7 @@ class GpuMesh:
         self._outline = tuple(context.buffer(np.ascontiguousarray(part)) for part in outline)
         self._arrays: Dict[moderngl.Program, moderngl.VertexArray] = {}
         self.center = 0.5 * (positions.min(axis=0) + positions.max(axis=0)).astype(np.float64)
+        self.half = 0.5 * np.ptp(positions, axis=0).astype(np.float64)
         self.radius = float(np.linalg.norm(positions - self.center, axis=1).max())
 
     def array(self, program: moderngl.Program) -> moderngl.VertexArray:

@@ -66,8 +66,12 @@ class GpuScene:
         Number of the frame that each is fixed to, shape (N,).
     centers, radii
         Bounding spheres in their frames (m), shapes (N, 3) and (N,).
+    boxes
+        Their frames from a cube of side 2 that is stretched around each, shape (N, 4, 4).
     casts_shadow, transparent, fixed
         Shape (N,), bool; fixed is what belongs to the world itself and never moves.
+    covered
+        Whether each is a floor, or has a texture and never moves.
     """
 
     def __init__(
@@ -164,8 +168,15 @@ class GpuScene:
         self.frames = np.array(frames, dtype=np.intp)
         self.centers = np.array([item.mesh.center for item in self.drawables]).reshape(-1, 3)
         self.radii = np.array([item.mesh.radius for item in self.drawables])
+        self.boxes = np.tile(np.eye(4), (len(items), 1, 1))
+        self.boxes[:, :3, 3] = self.centers
+        for box, item in zip(self.boxes, self.drawables):
+            np.fill_diagonal(box[:3, :3], item.mesh.half)
         self.casts_shadow = np.array([batch.casts_shadow for _, batch in items], dtype=bool)
         self.fixed = np.array([batch.frame == _WORLD for _, batch in items], dtype=bool)
+        self.covered = [
+            batch.frame == _WORLD and (bool(batch.texture) or batch.is_plane) for _, batch in items
+        ]
         self.transparent = np.array([batch.opacity < 1.0 for _, batch in items], dtype=bool)
 
     def _is_drawable(self, visual: Visual, problems: Set[str]) -> bool:
