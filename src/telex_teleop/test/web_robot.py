@@ -195,6 +195,11 @@ class Robot:
         """Publish another effort of one joint."""
         self._publish_joints(position=POSITIONS, effort=_replaced(EFFORTS, name, effort))
 
+    def publish_velocity(self, name, velocity):
+        """Publish that one joint moves."""
+        velocities = _replaced([0.0] * len(JOINTS), name, velocity)
+        self._publish_joints(position=POSITIONS, effort=EFFORTS, velocity=velocities)
+
     def _publish_joints(self, **states):
         states["name"] = JOINTS
         self.probe.publish("/telex/joint_states", "sensor_msgs/JointState", states, rate=50)

@@ -68,7 +68,7 @@ RADIUS = 0.1
 
 
 class Sledge:
-    def __init__(self, world, height=0.0501, yaw=0.0, urdf=URDF, **config):
+    def __init__(self, world, height=0.0501, yaw=0.0, urdf=URDF, material_of=None, **config):
         self.world = world
         self.body = world.load_robot(urdf, str, (0.0, 0.0, height), yaw, {})
         description = joints(parse_urdf(URDF))["belt"]
@@ -78,7 +78,7 @@ class Sledge:
         self.drive.braked = False
         config = {"friction": MU, "lateral_friction": LATERAL, "drive": FIRM, **RIGID, **config}
         config = TrackConfig(belts={"belt": RADIUS}, **config)
-        self.tracks = Tracks(self.body, config, {"belt": self.drive}, STEP)
+        self.tracks = Tracks(self.body, config, {"belt": self.drive}, STEP, material_of)
 
     def run(self, seconds, belt=0.0, tilt=(0.0, 0.0), watch=None):
         """Let gravity pull along (x, y) as on a slope of these angles (rad)."""
@@ -116,6 +116,17 @@ def test_the_robot_runs_at_belt_speed(world, speed, urdf):
     sledge.run(0.5, belt=speed)
     assert sledge.place[0] - start[0] == pytest.approx(0.5 * speed, rel=1e-3)
     assert abs(sledge.place[1] - start[1]) < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("material_of", "told"), [(None, "solid"), (lambda uid, link: "gravel", "gravel")]
+)
+def test_it_tells_what_its_belts_run_on(world, material_of, told):
+    sledge = Sledge(world, height=0.06, material_of=material_of)
+    sledge.run(STEP)
+    assert sledge.tracks.surface() == ""
+    sledge.run(0.2)
+    assert sledge.tracks.surface() == told
 
 
 def test_forward_follows_the_heading(world):

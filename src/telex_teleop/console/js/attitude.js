@@ -66,6 +66,11 @@ export class AttitudeView {
     this._show("silent");
   }
 
+  /** Whether the robot tips over, or has. */
+  get isTipping() {
+    return ["critical", "tipped"].includes(byId("attitude").dataset.state ?? "");
+  }
+
   /** @param {any} stability  telex_msgs/Stability */
   set(stability) {
     this._heard = performance.now();

@@ -19,6 +19,8 @@ export class BatteryView {
     this._current = null;
     /** How far the charge lasts (m); null: not known. @type {number | null} */
     this._range = null;
+    /** Whether there is little left. */
+    this.isLow = false;
   }
 
   /** @param {any} message  std_msgs/Float64 */
@@ -30,10 +32,11 @@ export class BatteryView {
   set({ percentage, charge, current }) {
     const chip = byId("battery");
     chip.hidden = !Number.isFinite(percentage);
+    this.isLow = percentage < LOW;
     if (chip.hidden) return;
     const taken = Math.max(0, -current);
     if (Number.isFinite(taken)) this._current = this._current === null ? taken : this._current + RENEWAL * (taken - this._current);
-    chip.dataset.low = String(percentage < LOW);
+    chip.dataset.low = String(this.isLow);
     const minutes = runtime(charge, this._current);
     // There is room for one of both: how far matters to who drives.
     setText(byId("battery-text"), chargeText(percentage, this._range === null ? minutes : null, this._range));

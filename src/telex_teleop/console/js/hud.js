@@ -38,6 +38,9 @@ export class Hud {
     /** geometry_msgs/Twist, as measured. @type {any} */
     this._twist = null;
     this._heard = -Infinity;
+    /** How good the link is, and the picture. */
+    this.link = "unknown";
+    this.picture = "unknown";
   }
 
   /** @param {any} odometry  nav_msgs/Odometry */
@@ -100,5 +103,7 @@ export class Hud {
     const picture = !video.live ? "lost" : is(PICTURE.good) ? "good" : is(PICTURE.fair) ? "fair" : "poor";
     if (view.dataset.picture !== picture) view.dataset.picture = picture;
     setText(byId("picture-quality"), text("picture {quality}", { quality: translated(picture) }));
+    this.link = link;
+    this.picture = picture;
   }
 }

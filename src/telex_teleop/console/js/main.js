@@ -41,6 +41,7 @@ import { DOSIMETER, DosimeterView } from "./radiation/dosimeter.js";
 import { RadiationMap } from "./radiation/map.js";
 import { FLIPPER_NODE, JOINT_NODES, TRACK_NODE, TYPES, UNKNOWN, fetchRobot, isSameRobot } from "./robot.js";
 import { showRobot } from "./several_robots.js";
+import { SURFACE, Sound } from "./sound/sound.js";
 import { SILENT_AFTER, StatusView } from "./status.js";
 import { TOOL_TYPES, ToolCommander, ToolPanel } from "./tool.js";
 import { Tour } from "./tour.js";
@@ -151,6 +152,8 @@ class Console {
     this._tellTelemetry = () => {}; // until there is somebody to tell it
     this._health = new Health(this._status, letGo);
     this._line = new Line((sentence, level) => this._status.log(sentence, level));
+    this._sound = new Sound(localStorage, (sentence) => this._status.log(sentence));
+    this._sound.setRobot(facts);
     // What the operator presses.
     this._keymap = new KeyMap(localStorage, vocabulary);
     const relabel = () => labelKeys(document, this._keymap);
@@ -250,6 +253,8 @@ class Console {
       "small views": () => this._layouts.toggle("small"),
       "walk the buttons": () => walkButtons(),
       "read text": () => this._text.read(),
+      sound: () => this._sound.toggle(),
+      "quiet alarms": () => this._sound.acknowledge(),
       bookmark: () => this._strip.bookmarks.set(),
       "go back": () => this._strip.bookmarks.back(),
       "next language": () => nextLanguage(),
@@ -344,6 +349,7 @@ class Console {
       if (!isSameRobot(facts, this._facts)) return location.reload();
       this._cameraCommander.setCameras(facts.cameras);
       this._aids.setRobot(facts);
+      this._sound.setRobot(facts);
     } catch {
       // What was known before still holds.
     }
@@ -388,9 +394,10 @@ class Console {
       this._strip.show(state);
       this._brief.show(state);
       this._aids.hearTraining(state);
+      this._sound.hearTraining(state);
     });
     this._text.subscribe();
-    const look = () => ({ ...this._cameras.seen, held: [...this._held.actions], aids: this._aids.told });
+    const look = () => ({ ...this._cameras.seen, held: [...this._held.actions], aids: { ...this._aids.told, ...this._sound.told } });
     this._tellTelemetry = tellTelemetry(this._bridge, this._topic, () => this._control.isMine && this._control.isKnown ? look() : null);
     this._subscribeToSimulator();
     this._subscribeToNodes();
@@ -409,13 +416,16 @@ class Console {
       this._joints.set(states);
       this._panels.showJoints();
       this._aids.hearJoints(states);
+      this._sound.hearJoints(states);
     }, JOINTS_PERIOD);
     this._listen(BATTERY.topic, BATTERY.type, (message) => this._battery.set(message), DISPLAY_PERIOD);
     this._listen(BATTERY_RANGE.topic, BATTERY_RANGE.type, (message) => this._battery.setRange(message), DISPLAY_PERIOD);
     this._listen(CONTACT.topic, CONTACT.type, (message) => {
       this._gripper.feel(message);
       this._aids.feel(message);
-    }, DISPLAY_PERIOD);
+      this._sound.feel(message);
+    }, JOINTS_PERIOD);
+    this._listen(SURFACE.topic, SURFACE.type, (message) => this._sound.hearSurface(message));
     if (this._facts.odometry !== null) {
       this._listen(this._facts.odometry, ODOMETRY.type, (odometry) => {
         this._hud.setOdometry(odometry);
@@ -462,6 +472,7 @@ class Console {
         this._commander.setJointStatus(node, report);
         this._motion.hear(node, report);
         this._panels.showMoved(node, report.joint_names);
+        this._sound.hearNode(node, report.joint_names);
         this._panels.showLimited(node, report.limited);
         if (node === "arm_teleop") this._tool.setArmStatus(report);
         this._status.logComplaint(node, report.message);
@@ -548,6 +559,20 @@ class Console {
     this._gas.fade(status.paused);
     this._map.draw();
     this._aids.change();
+    this._sound.refresh(this._troubles, status.stuck);
+  }
+
+  /** Names of the alarms that there are now. @returns {string[]} */
+  get _troubles() {
+    const { _status: status, _hud: hud } = this;
+    // While it is paused nothing happens, and no pictures come; a hidden page asks for none.
+    const isSeen = document.hidden || status.paused || this._cameras.awaitsScene || hud.picture !== "lost";
+    /** @type {Record<string, boolean>} */
+    const troubles = {
+      tipping: this._attitude.isTipping, "e-stop": status.estopped, "link lost": hud.link === "lost", "picture old": !isSeen,
+      dose: this._dosimeter.alarm, guard: this._tool.isGuarded, "link poor": hud.link === "poor", battery: this._battery.isLow,
+    };
+    return Object.keys(troubles).filter((name) => troubles[name]);
   }
 
   /** Show who moves what. */
@@ -580,6 +605,7 @@ class Console {
     this._panels.setModel(model);
     this._avatar.setModel(model);
     this._aids.setModel(model);
+    this._sound.setModel(model);
   }
 }
 

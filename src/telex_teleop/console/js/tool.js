@@ -11,6 +11,9 @@ const TWIST = {
 
 const NODE = "arm_teleop";
 
+/** What the arm says of what it comes near to. */
+const GUARDED = /(slowed|stopped|the base drives): [^;]* is -?\d+ mm from /;
+
 export const TOOL_TYPES = {
   cartesianStatus: "telex_msgs/CartesianTeleopStatus",
   name: "std_msgs/String",
@@ -123,6 +126,8 @@ export class ToolPanel {
     this.mode = "JOINT";
     this._holdsTool = false;
     this._guard = true;
+    /** Whether the arm comes near to something that slows or stops it, or would. */
+    this.isGuarded = false;
     /** Called when the arm is in another mode. */
     this.changed = () => {};
     /** @type {string[]} */
@@ -146,6 +151,7 @@ export class ToolPanel {
       this.mode = mode;
       this.changed();
     }
+    this.isGuarded = GUARDED.test(status.notice);
     setText(byId("arm-hud"), status.notice);
     this._show();
   }

@@ -12,6 +12,8 @@
  * @property {number} softUpper
  */
 
+/** @typedef {{velocity: number, effort: number}} Most  That a joint is made for (rad/s or m/s; Nm or N); 0: not known. */
+
 /**
  * @typedef {object} UrdfJoint
  * @property {string} name
@@ -21,6 +23,7 @@
  * @property {Pose} origin
  * @property {Vector} axis
  * @property {Limits | null} limits
+ * @property {Most} most
  */
 
 /** @typedef {{points: Vector[]}} Shape  Corners in the link's frame; its outline is their convex hull. */
@@ -133,6 +136,16 @@ function limitsOf(joint) {
   };
 }
 
+/** @param {Element} joint  @returns {Most} */
+function mostOf(joint) {
+  const limit = joint.querySelector(":scope > limit");
+  const [velocity, effort] = ["velocity", "effort"].map((name) => {
+    const most = Number(limit?.getAttribute(name) ?? 0);
+    return Number.isFinite(most) ? Math.max(0, most) : 0;
+  });
+  return { velocity, effort };
+}
+
 export class RobotModel {
   /** @param {string} text  URDF. Throws an Error that says what is wrong with it. */
   constructor(text) {
@@ -147,6 +160,7 @@ export class RobotModel {
       origin: originOf(joint),
       axis: vector(joint.querySelector(":scope > axis")?.getAttribute("xyz") ?? "1 0 0"),
       limits: limitsOf(joint),
+      most: mostOf(joint),
     }));
     /** Shapes by link. @type {Map<string, Shape[]>} */
     this.shapes = new Map();

@@ -70,6 +70,8 @@ SENTENCES = {
         "| zoom factor | <kbd>{aid:zoom}</kbd> |",
         "| plan | <kbd>{aid:plan}</kbd> |",
         "acknowledges it by <kbd>{read}</kbd>",
+        "<kbd>{sound}</kbd> or the button *sound*",
+        "<kbd>{quiet}</kbd> or *quiet*",
         "<kbd>{frame}</kbd> the next frame, <kbd>{hold}</kbd> the tool keeps its place",
         "<kbd>{keys}</kbd> lists all keys.",
         "<kbd>{estop}</kbd> is the e-stop, always.",

@@ -16,6 +16,7 @@ from ..equipment.range_finder import RangeFinder
 from ..proximity.monitor import Proximity
 from ..robot.gripper.contact import GripperContact, PadContact
 from ..robot.robot import Robot
+from .microphone_publisher import SURFACE
 
 EQUIPMENT, TRAINING_AIDS = "equipment", "training_aids"
 """Parameters: what the variant declares, and what in practice stands in for what it lacks."""
@@ -96,6 +97,7 @@ class EquipmentPublisher:
         if "microphone" in present:
             microphone = config.microphone
             described["microphone"] = {
+                "topic": rospy.resolve_name(f"{self._namespace}/{SURFACE}"),
                 "frame": microphone.link,
                 "noise": microphone.noise,
                 "max": microphone.max,

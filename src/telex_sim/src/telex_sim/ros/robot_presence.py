@@ -32,6 +32,7 @@ from ..stability.monitor import Margin, StabilityMonitor
 from .equipment_publisher import EquipmentPublisher
 from .gas_publisher import GasPublisher
 from .malfunction_service import Change, MalfunctionService
+from .microphone_publisher import MicrophonePublisher
 from .radiation_publisher import RadiationPublisher
 from .radio_publisher import RadioPublisher
 from .truth_publisher import TruthPublisher
@@ -84,6 +85,7 @@ class RobotPresence:
         self._radiation = RadiationPublisher(robot)
         self._radio = RadioPublisher(robot)
         self._gas = GasPublisher(robot)
+        self._microphone = MicrophonePublisher(robot)
         self.equipment = EquipmentPublisher(robot)
         self.malfunctions = MalfunctionService(robot, change, now)
         self._manager = ControllerManagerServices(robot.controllers, namespace)
@@ -187,6 +189,10 @@ class RobotPresence:
         """Publish what the robot's sensor smells, where something leaks."""
         self._gas.publish(simulation, stamp)
 
+    def publish_microphone(self) -> None:
+        """Publish what the robot's microphone hears, where it has one."""
+        self._microphone.publish()
+
     def publish_base_pose(self, stamp: rospy.Time) -> None:
         """Publish where the root link is, when anybody listens."""
         if not self._base_pose.get_num_connections():
@@ -259,6 +265,7 @@ class RobotPresence:
         self._radiation.close()
         self._radio.close()
         self._gas.close()
+        self._microphone.close()
         self.equipment.close()
         self.malfunctions.close()
         self.robot.close()

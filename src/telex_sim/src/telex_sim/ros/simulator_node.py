@@ -523,6 +523,7 @@ class SimulatorNode:
             for presence in self._presences:
                 presence.observe(simulation.time)
                 presence.malfunctions.publish()
+                presence.publish_microphone()
             self._publish_stability()
         if steps % self._battery_every == 0:
             for presence in self._presences:

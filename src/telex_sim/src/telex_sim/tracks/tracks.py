@@ -27,6 +27,8 @@ Below 2 / (1 + mu tan(angle)) no flipper shakes that slides on its tip at an ang
 """
 _LOAD_EXCESS = 2.0
 """Of a track's mean load over that of the step, at most."""
+_UNNAMED = "solid"
+"""What a surface is called that nothing says the material of."""
 _FIRM = (1.0, 1.0)
 """Softness of what stands fast."""
 _WHEEL_TORQUE = 1.0e3
@@ -180,6 +182,7 @@ class Tracks(Stateful):
         self._edge_gain = config.edge_grip - 1.0
         self._ratio = (config.lateral_friction / config.friction) ** 2
         self._surfaces = Surfaces(body.client, config, material_of)
+        self._material_of = material_of
         tracks = {
             belt: _Track(body.links[body.parents[belt]], drives[belt], radius)
             for belt, radius in config.belts.items()
@@ -229,6 +232,18 @@ class Tracks(Stateful):
             There is no such drive.
         """
         self._named[name].damage(fault)
+
+    def surface(self) -> str:
+        """What the belts press on most looks to be made of, as in `Surface.material` of scenes.
+
+        ``solid`` where nothing says what it is; empty where they touch nothing.
+        """
+        loads: Dict[str, float] = {}
+        for track in self._tracks:
+            for contact in track.contacts:
+                name = self._material_of(contact[2], contact[4]) if self._material_of else ""
+                loads[name] = loads.get(name, 0.0) + contact[9]
+        return (max(loads, key=loads.__getitem__) or _UNNAMED) if loads else ""
 
     def carriers(self) -> List[int]:
         """PyBullet's numbers of the links that belts run round; -1: the root link."""

@@ -17,7 +17,8 @@ export class DosimeterView {
   constructor(warn) {
     this._warn = warn;
     this._heard = -Infinity;
-    this._alarm = false;
+    /** Whether a rate or the total is above what it warns of. */
+    this.alarm = false;
   }
 
   /** @param {Reading} reading */
@@ -27,8 +28,8 @@ export class DosimeterView {
     const rates = [text("hull {rate}", { rate: rateText(hull) }), ...(tool === null ? [] : [text("tool {rate}", { rate: rateText(tool) })])].join("  ");
     setText(byId("dose-rate"), rates);
     setText(byId("dose-total"), `${doseText(total)}${alarm ? `  ${text("DOSE ALARM")}` : ""}`);
-    if (alarm && !this._alarm) this._warn(text("dose alarm: {rates}, total {dose}", { rates, dose: doseText(total) }));
-    this._alarm = alarm;
+    if (alarm && !this.alarm) this._warn(text("dose alarm: {rates}, total {dose}", { rates, dose: doseText(total) }));
+    this.alarm = alarm;
     byId("values").dataset.dose = alarm ? "alarm" : "measured";
   }
 
@@ -43,7 +44,7 @@ export class DosimeterView {
   /** Show nothing until it speaks. */
   forget() {
     this._heard = -Infinity;
-    this._alarm = false;
+    this.alarm = false;
     delete byId("values").dataset.dose;
   }
 }

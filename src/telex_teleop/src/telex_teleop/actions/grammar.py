@@ -8,8 +8,8 @@ commands ``stop``, ``e-stop``, ``release e-stop``, ``faster``, ``slower``, ``mod
 ``hold tool``, ``proximity guard``, ``bookmark``, ``go back`` (to one, in practice), ``help``; of a
 terminal ``quit``; of the console's page ``drive mode``, ``camera mode``, ``next camera``, ``next
 second camera``, ``swap views``, ``second view`` and ``small views`` (shown, or not), ``walk the
-buttons``, ``next language``, ``read text``, ``aids`` (their menu), and those that switch one of
-`AIDS`.
+buttons``, ``next language``, ``read text``, ``aids`` (their menu), those that switch one of `AIDS`,
+``sound`` (on, or off), ``quiet alarms``.
 
 What a stick moves both ways is an axis: ``tracks linear``, ``tracks angular``, ``zoom``, or the
 text of an action without its sign. Its positive end is that of the action with ``+``.
@@ -120,6 +120,8 @@ class Command(Enum):
     COMPASS = "compass"
     ZOOM_FACTOR = "zoom factor"
     PLAN = "plan"
+    SOUND = "sound"
+    QUIET_ALARMS = "quiet alarms"
 
 
 Action = Union[Jog, Drive, Side, Preset, Tool, ToPose, Zoom, Lamps, Command]
@@ -150,6 +152,8 @@ PAGE_ONLY = (
     Command.READ_TEXT,
     Command.AIDS,
     *AIDS,
+    Command.SOUND,
+    Command.QUIET_ALARMS,
 )
 NODES = ("arm", "gripper", "flipper")
 DIRECTIONS = {
