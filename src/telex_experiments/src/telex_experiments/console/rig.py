@@ -7,7 +7,18 @@ import contextlib
 import json
 import os
 import time
-from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import (
+    Any,
+    Callable,
+    Dict,
+    Iterator,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Tuple,
+)
 
 import aiohttp
 import rosgraph
@@ -129,11 +140,18 @@ class Rig:
         Whether bridge and video server listen on all networks, with a token, or on 127.0.0.1 alone.
     one_browser
         Whether whoever asks for a browser gets the same one.
+    environment
+        Of the simulator: that of another checkout, to measure its page.
 
     Use it as a context manager; `connect` connects `rospy` to it.
     """
 
-    def __init__(self, everywhere: bool, one_browser: bool = False) -> None:
+    def __init__(
+        self,
+        everywhere: bool,
+        one_browser: bool = False,
+        environment: Optional[Mapping[str, str]] = None,
+    ) -> None:
         listen = ["address:=0.0.0.0"] if everywhere else []
         self._everywhere = everywhere
         self._query = ""
@@ -141,7 +159,7 @@ class Rig:
         self._is_connected = False
         self._one_browser = one_browser
         self._browser: Optional[Chromium] = None
-        self.simulator = PrivateSimulator(f"world:={WORLD}", *listen)
+        self.simulator = PrivateSimulator(f"world:={WORLD}", *listen, environment=environment)
 
     def __enter__(self) -> Rig:
         try:

@@ -17,6 +17,7 @@ import tempfile
 import threading
 import time
 from pathlib import Path
+from string import ascii_lowercase, digits
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 from telex_control.common.child_processes import DIES_WITH_US
@@ -41,9 +42,12 @@ FLAGS = (
 """Without a window; it asks no other host for anything, and nobody for a choice."""
 
 _KEYS = {
-    **{f"Key{sign.upper()}": sign for sign in "abcdefghijklmnopqrstuvwxyz"},
-    **{f"Digit{sign}": sign for sign in "134"},
+    **{f"Key{sign.upper()}": sign for sign in ascii_lowercase},
+    **{f"Digit{sign}": sign for sign in digits},
     "Minus": "-",
+    "BracketLeft": "[",
+    "Quote": "'",
+    "Tab": "Tab",
     "Comma": ",",
     "Period": ".",
     "Slash": "/",
@@ -59,6 +63,9 @@ _VIRTUAL = {
     "Period": 0xBE,
     "Slash": 0xBF,
     "F2": 0x71,
+    "BracketLeft": 0xDB,
+    "Quote": 0xDE,
+    "Tab": 0x09,
     "Escape": 0x1B,
     "Home": 0x24,
 }

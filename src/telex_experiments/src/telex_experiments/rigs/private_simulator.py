@@ -9,7 +9,7 @@ import os
 import tempfile
 import time
 from pathlib import Path
-from typing import Any, Dict, Tuple
+from typing import Any, Dict, Mapping, Optional, Tuple
 
 import rosgraph
 
@@ -29,6 +29,8 @@ class PrivateSimulator(Bringup):
         roslaunch arguments, e.g. ``"pose:=drive"``; without others the operator's speed is full.
     launch : tuple of str
         See `Bringup`.
+    environment : mapping of str to str, optional
+        That of another checkout's shell; else this process's own.
 
     Attributes
     ----------
@@ -39,7 +41,13 @@ class PrivateSimulator(Bringup):
     ``rospy.init_node``.
     """
 
-    def __init__(self, *arguments: str, launch: Tuple[str, str] = BRINGUP) -> None:
+    def __init__(
+        self,
+        *arguments: str,
+        launch: Tuple[str, str] = BRINGUP,
+        environment: Optional[Mapping[str, str]] = None,
+    ) -> None:
+        self._environment = os.environ if environment is None else environment
         miss_nothing()
         self.began = time.monotonic()
         port = free_port()
@@ -51,7 +59,7 @@ class PrivateSimulator(Bringup):
     def environment(self) -> Dict[str, str]:
         """The environment for programs that are to talk to this simulator."""
         return {
-            **os.environ,
+            **self._environment,
             "ROS_MASTER_URI": self.master_uri,
             "ROS_IP": "127.0.0.1",
             "ROS_LOG_DIR": self._logs.name,

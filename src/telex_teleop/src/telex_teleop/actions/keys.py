@@ -21,7 +21,7 @@ _NAMED = {
     "pageup": ("PageUp", "PgUp"),
     "pagedown": ("PageDown", "PgDn"),
     # those of the function keys that browsers leave to pages
-    **{f"f{number}": (f"F{number}", f"F{number}") for number in (2, 3, 4, 6, 7, 8, 9, 10)},
+    **{f"f{number}": (f"F{number}", f"F{number}") for number in (1, 2, 3, 4, 6, 7, 8, 9, 10)},
     **{f"numpad{digit}": (f"Numpad{digit}", f"Num {digit}") for digit in range(10)},
 }
 _SIGNS = {
