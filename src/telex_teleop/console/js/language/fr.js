@@ -1044,10 +1044,10 @@ export const FR = {
   "not in an exam: this robot has no {equipment}": "pas en examen : il manque à ce robot : {equipment}",
   "camera {camera}: {why}; nothing is drawn into its picture": "caméra {camera} : {why} ; rien n’est dessiné dans son image",
   // sound
-  "Sound is on; it starts with your first key press or click": "Le son est activé ; il commence à la première touche ou au premier clic",
+  "Sound is on; it starts with your first key press or click": "Le son est activé ; il commence à la première touche ou au premier clic",
   "This browser makes no sounds": "Ce navigateur n’émet aucun son",
   "Starts with your first key press or click": "Commence à la première touche ou au premier clic",
-  "Training aid: motors and touch as the robot itself does not tell them": "Aide d’entraînement : moteurs et contacts, que le robot lui-même ne signale pas",
+  "Training aid: motors and touch as the robot itself does not tell them": "Aide d’entraînement : moteurs et contacts, que le robot lui-même ne signale pas",
   "Tipping over": "Risque de basculement",
   "Emergency stop": "Arrêt d’urgence",
   "Connection lost": "Connexion perdue",
