@@ -6,8 +6,6 @@ import pytest
 
 from telex_sim.ros import microphone_publisher
 
-pytestmark = pytest.mark.slow
-
 
 @pytest.fixture
 def said(monkeypatch):
