@@ -337,6 +337,7 @@ def test_no_javascript_names_a_joint_a_link_a_lamp_or_a_camera_of_telex():
     found = [
         f"{path.relative_to(CONSOLE)}: {match.group()}"
         for path in sorted(CONSOLE.rglob("*.js"))
+        if path.parent.name != "language"  # which has words for what a robot may call its parts
         for match in pattern.finditer(path.read_text())
     ]
     assert len(names) > 50
