@@ -139,11 +139,10 @@ class TrainingNode:
 
         def answer_team(request: Any) -> Any:
             session = self._session
+            exercise = None if session is None else session.exercise
             try:
                 if name == "training/open":
                     exercise = load_exercise(known_exercise(request.exercise)).first
-                else:
-                    exercise = None if session is None else session.exercise
             except ValueError as error:
                 return kind._response_class(success=False, message=str(error))
             if exercise is None or exercise.robots:
