@@ -27,6 +27,7 @@ SETTINGS = {
 
 LAST_STEPS = {
     "acuity": "row 2",
+    "beam": "lift",
     "briefcase": "carry",
     "confinement": "to the end",
     "continuous_ramps": "behind it",
