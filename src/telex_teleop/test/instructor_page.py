@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-
 import pytest
 from console_page import Page, robot, ros
 from waiting import wait_until
@@ -29,7 +27,7 @@ YARD = {
     "name": "yard",
     "description": "A step and a crate.",
     "path": "/scenes/yard.yaml",
-    "picture": base64.b64encode(bytes([0xFF, 0xD8, 0xFF, 0xD9])).decode(),
+    "picture": [0xFF, 0xD8, 0xFF, 0xD9],
 }
 HIDDEN = {"name": "measured", "path": "/scenes/measured.yaml", "hidden": True}
 BROKEN = {"name": "broken", "path": "/scenes/broken.yaml", "problem": "no YAML"}

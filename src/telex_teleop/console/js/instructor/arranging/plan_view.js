@@ -33,7 +33,7 @@ export class PlanView {
     this._isFree = false;
     this._middle = /** @type {Point} */ ([0, 0]);
     this._scale = 40; // px for a metre
-    /** Where the keys point; null: they do not. @type {Point | null} */
+    /** Where the keys point; null: they have not yet. @type {Point | null} */
     this._cross = null;
     /** @type {{id: number, from: Point, x: number, y: number, dragged: boolean} | null} */
     this._press = null;
@@ -81,7 +81,7 @@ export class PlanView {
       if (thing.frame >= 0) this._fill(pen, plan.outlines(thing), thing.name === this.picked ? TONES.picked : TONES.movable, true);
     }
     for (const robot of plan.robots) this._drawRobot(pen, robot.name, plan.place(robot.frame), plan.robots.length > 1);
-    if (this._cross !== null) this._drawCross(pen, this._cross);
+    if (this._cross !== null && document.activeElement === this._canvas) this._drawCross(pen, this._cross);
   }
 
   /** @param {ScenePlan} plan  @param {number} width  @param {number} height */
@@ -226,10 +226,7 @@ export class PlanView {
       this._zoom(Math.exp(-WHEEL * event.deltaY), this._world(event));
     }, { passive: false });
     canvas.addEventListener("keydown", (event) => this._type(event));
-    canvas.addEventListener("blur", () => {
-      this._cross = null;
-      this.draw();
-    });
+    for (const turn of ["focus", "blur"]) canvas.addEventListener(turn, () => this.draw());
     new ResizeObserver(() => this.draw()).observe(canvas);
   }
 
