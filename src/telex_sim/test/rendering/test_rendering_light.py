@@ -67,7 +67,7 @@ def test_pixels_fetch_nothing_but_textures_and_lamps():
         variant = LitVariant(textured=True, sun=sun, cover=False, fog=True, lamps=2)
         fragment = lit_source(variant, 2, 1, {"haze": (1.0,)}).fragment
         fetched = re.findall(r"^uniform (?!sampler)\w+ (\w+)", fragment, re.MULTILINE)
-        assert {name for name in fetched if not name.startswith("lamp_")} == {"cover_place"}
+        assert {name for name in fetched if not name.startswith("lamp_")} == set()
 
 
 class TestDark:

@@ -304,7 +304,7 @@ class TestBackground:
         up = studio.picture((0.0, 0.0, 1.0), (0.1, 0.0, 5.0))
         np.testing.assert_allclose(up[120, 160, :3], np.multiply(Lighting().zenith, 255), atol=4)
         # Far floor fades, near floor does not.
-        assert abs(level[123, 160, :3] - horizon).mean() < abs(level[230, 160, :3] - horizon).mean()
+        assert abs(level[129, 160, :3] - horizon).mean() < abs(level[230, 160, :3] - horizon).mean()
 
     def test_an_empty_scene_is_all_sky(self, studio):
         studio.load()

@@ -94,10 +94,10 @@ class SkyProgram:
         _write(self._program, uniforms)
 
     def draw(
-        self, clip_from_optical: np.ndarray, optical_in_world: np.ndarray, uniforms: Uniforms
+        self, clip_from_optical: np.ndarray, optical_in_world: np.ndarray, exposure: float
     ) -> None:
         """Draw behind everything; the camera's matrices have the shape (4, 4)."""
-        self.set({name: uniforms[name] for name in ("exposure", "picture_place")})
+        self._program["exposure"].value = exposure
         (scale_x, _, shift_x), (_, scale_y, shift_y) = clip_from_optical[:2, :3]
         optical_from_corner = np.array(
             [

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import OrderedDict
 from dataclasses import replace
 from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
@@ -39,7 +38,7 @@ from .programs import (
     depth_program,
 )
 from .quality import TIERS, Quality
-from .shaders import VIGNETTE, LitVariant
+from .shaders import LitVariant
 from .smoothing import smooth_edges
 
 # Sizes of pictures whose memory is kept.
@@ -337,7 +336,6 @@ class Renderer:
             "clip_from_world": column_major(clip_from_world),
             "eye": eye.astype(np.float32),
             "exposure": np.array(exposure, dtype=np.float32),
-            "picture_place": _picture_place(camera),
         }
         drawing = self._drawing(
             clip_from_world, eye, uniforms, np.concatenate([solid, transparent])
@@ -347,7 +345,7 @@ class Renderer:
         framebuffer = target.begin()
         self._use_maps()
         drawing.draw(solid, coarse)
-        self._sky.draw(clip_from_optical, optical_in_world, uniforms)
+        self._sky.draw(clip_from_optical, optical_in_world, exposure)
         framebuffer.depth_mask = False
         spots = self._dots.spots(camera, optical_in_world, exposure, coarse)
         spots += glare(self._lamps, clip_from_world, optical_in_world, exposure)
@@ -530,13 +528,6 @@ class _Drawing:
             self._current[variant] = number
         self._last = number, kind, program
         return program
-
-
-def _picture_place(camera: PinholeCamera) -> np.ndarray:
-    """Scale and offset from pixels to how far they are off the middle; see the shaders."""
-    half = 0.5 * np.array([camera.width, camera.height])
-    scale = math.sqrt(VIGNETTE) / math.hypot(*half)
-    return np.array([scale, scale, *(-scale * half)], dtype=np.float32)
 
 
 def _kind(textured: bool, covered: bool) -> int:

@@ -49,23 +49,12 @@ _HILLS = (0.50, 0.60, 0.58)
 # limited; with more lamps, pixels do all.
 MOST_LAMPS_BY_VERTEX = 4
 
-VIGNETTE = 0.25
-"""Share of the light that is lost in a picture's corners."""
-
 EXPOSURE = 2.3
 """Halvings of what a pixel lacks to white, per unit of light."""
 
 _TO_DISPLAY = """
 // As on film, highlights run softly into white instead of being cut off.
 vec3 to_display(vec3 light) { return sqrt(1.0 - exp2(-EXPOSURE * light)); }
-"""
-
-_VIGNETTE = """
-// Share of the light that the lens lets through to this pixel.
-float vignetted(vec4 place) {
-  vec2 off = gl_FragCoord.xy * place.xy + place.zw;
-  return 1.0 - dot(off, off);
-}
 """
 
 _LAMPS = """
@@ -114,9 +103,6 @@ out vec3 normal;
 // The same all over a picture or a surface.
 flat out vec4 sky_and_exposure;
 flat out vec4 ground_and_opacity;
-// From a pixel's place to how far it is off the middle, see vignetted.
-uniform vec4 picture_place;
-flat out vec4 in_picture;
 #if WORLD
 out vec3 world;
 #endif
@@ -150,7 +136,6 @@ void main() {
   towards_eye = eye - position.xyz;
   sky_and_exposure = vec4(sky_ambient, exposure);
   ground_and_opacity = vec4(ground_ambient, opacity);
-  in_picture = picture_place;
 #if WORLD
   world = position.xyz;
 #endif
@@ -182,7 +167,6 @@ in vec3 normal;
 flat in vec4 paint;
 flat in vec4 sky_and_exposure;
 flat in vec4 ground_and_opacity;
-flat in vec4 in_picture;
 #if WORLD
 in vec3 world;
 #endif
@@ -356,8 +340,7 @@ void main() {
   float clear = 1.0 / (1.0 + veil * veil);
 #endif
   vec3 seen = mix(haze_light, albedo * light + shine, clear);
-  float let_in = sky_and_exposure.a * vignetted(in_picture);
-  fragment = vec4(to_display(let_in * seen), ground_and_opacity.a);
+  fragment = vec4(to_display(sky_and_exposure.a * seen), ground_and_opacity.a);
 }
 """
 
@@ -386,7 +369,6 @@ in vec3 ray;
 uniform vec3 horizon;
 uniform vec3 zenith;
 uniform float exposure;
-uniform vec4 picture_place;
 #if FOG
 uniform vec3 haze_light;
 uniform float fog_depth;
@@ -405,7 +387,7 @@ void main() {
   ridge += 0.006 * sin(dot(way, vec2(-9.0, 23.0))) + 0.002 * sin(dot(way, vec2(71.0, 53.0)));
   sky = mix(horizon * HILLS, sky, clamp(400.0 * (ray.z * level - ridge) + 0.5, 0.0, 1.0));
 #endif
-  fragment = vec4(to_display(exposure * vignetted(picture_place) * sky), 1.0);
+  fragment = vec4(to_display(exposure * sky), 1.0);
 }
 """
 
@@ -499,7 +481,7 @@ def lit_source(
     )
     head += "".join(f"const {_glsl_type(v)} {n} = {_glsl(v)};\n" for n, v in constants.items())
     head += _LAMPS
-    return ShaderSource(head + _LIT_VERTEX, head + _TO_DISPLAY + _VIGNETTE + _LIT_FRAGMENT)
+    return ShaderSource(head + _LIT_VERTEX, head + _TO_DISPLAY + _LIT_FRAGMENT)
 
 
 def _glsl_type(value: Sequence[float]) -> str:
@@ -523,7 +505,7 @@ def spots_source() -> ShaderSource:
 def sky_source(fog: bool) -> ShaderSource:
     """Show the sky behind everything, with or without fog before it."""
     head = _head(FOG=int(fog)) + f"const vec3 HILLS = {_glsl(_HILLS)};\n"
-    return ShaderSource(head + _SKY_VERTEX, head + _TO_DISPLAY + _VIGNETTE + _SKY_FRAGMENT)
+    return ShaderSource(head + _SKY_VERTEX, head + _TO_DISPLAY + _SKY_FRAGMENT)
 
 
 def _head(**defines: float) -> str:

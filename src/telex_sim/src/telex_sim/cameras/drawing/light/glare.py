@@ -45,7 +45,10 @@ def glare(
     spots = []
     for lamp in np.flatnonzero(light.max(axis=1, initial=0.0) > _WEAKEST).tolist():
         to_eye = eye - rig.positions[lamp]
-        middle = rig.positions[lamp] + to_eye * min(_LIFT / float(np.linalg.norm(to_eye)), 0.5)
+        distance = float(np.linalg.norm(to_eye))
+        if distance < 2.0 * _LIFT:
+            continue
+        middle = rig.positions[lamp] + to_eye * (_LIFT / distance)
         x, y, _, ahead = clip_from_world @ [*middle, 1.0]
         if ahead <= 0.0 or max(abs(x), abs(y)) > (1.0 + 2.0 * _RADIUS) * ahead:
             continue
