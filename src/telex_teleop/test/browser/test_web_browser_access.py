@@ -125,6 +125,8 @@ def test_every_layout_is_whole_on_every_screen(robot, page, size):
     robot.publish_sim()
     page.element('[data-command="second"]').click()
     faults["one view"] = page.script(FAULTS)
+    page.element("#aids-open").click()
+    faults["aids"] = page.script(FAULTS)
     assert {state: found for state, found in faults.items() if found} == {}
 
 
@@ -205,6 +207,9 @@ def test_axe_finds_nothing_in_any_state(robot, page):
         found[state] = axe.findings(page.script)
         page.element(f"#{state}-close").click()
     show(page, "DRIVE", robot)
+    page.element("#aids-open").click()
+    found["aids"] = axe.findings(page.script)
+    page.element("#aids-open").click()
     robot.publish_sim(e_stop=True)
     robot.publish_camera("front")
     wait_until(lambda: page.element("#no-picture").is_displayed())
