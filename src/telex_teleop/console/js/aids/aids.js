@@ -274,7 +274,7 @@ export class Aids {
       if (calibration === null || pose === undefined || poses === undefined || width === 0) painter.paint([]);
       else {
         const sight = new Sight(calibration.lens, pose, boxOf(width, height, calibration.lens, views[index].isFirst ? "top" : "middle"));
-        painter.paint(this._figures(on, sight, poses, { ...views[index], lens: calibration.lens }));
+        painter.paint(this._figures(on, sight, poses, { ...views[index], lens: calibration.lens }), sight.box);
       }
     }
   }

@@ -35,10 +35,11 @@ export class Painter {
   /**
    * Show these figures, unless they are shown already.
    * @param {(Figure | Ribbon | Plates)[]} figures
+   * @param {import("./sight.js").Box} [box]  Of the picture, beside which nothing is drawn.
    */
-  paint(figures) {
+  paint(figures, box) {
     const { width, height } = this.size;
-    const wanted = JSON.stringify(figures.length === 0 ? [] : [width, height, window.devicePixelRatio, figures]);
+    const wanted = JSON.stringify(figures.length === 0 ? [] : [width, height, box, window.devicePixelRatio, figures]);
     if (wanted === this._last) return;
     this._last = wanted;
     this._canvas.hidden = figures.length === 0;
@@ -50,7 +51,14 @@ export class Painter {
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.clearRect(0, 0, width, height);
     context.lineCap = context.lineJoin = "round";
+    context.save();
+    if (box !== undefined) {
+      context.beginPath();
+      context.rect(box.left, box.top, box.width, box.height);
+      context.clip();
+    }
     for (const figure of figures) draw(context, figure);
+    context.restore();
   }
 }
 

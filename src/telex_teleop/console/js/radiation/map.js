@@ -10,7 +10,7 @@ import { rateText } from "./units.js";
 
 /** @typedef {import("./track.js").Place} Place */
 
-const WIDTH = 280, HEIGHT = 220; // CSS pixels
+const WIDTH = 280, HEIGHT = 150; // CSS pixels
 const MARGIN = 18; // pixels
 const LEAST_SPAN = 4; // m that the map shows at least
 const ROSE = 36; // pixels, its radius
