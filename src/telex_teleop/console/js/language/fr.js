@@ -787,7 +787,7 @@ export const FR = {
   "drive yourself: the console as instructor": "conduire soi-même : la console en instructeur",
   "no": "non",
   // what can be done: config/actions.yaml
-  "DRIVE": "CONDUITE",
+  "DRIVE": "ROULER",
   "The arm's keys are off": "Touches du bras coupées",
   "Each joint by its pair of keys": "Chaque axe par ses deux touches",
   "The tool moves straight and turns in place": "L’outil va droit et tourne sur place",
@@ -797,7 +797,7 @@ export const FR = {
   "Always": "Toujours",
   "stop all": "tout arrêter",
   "JOINT or CARTESIAN mode": "mode AXE ou CARTÉSIEN",
-  "DRIVE mode": "mode CONDUITE",
+  "DRIVE mode": "mode ROULER",
   "CAMERA mode": "mode CAMÉRA",
   "next frame": "repère suivant",
   "hold the tool": "tenir l’outil",
