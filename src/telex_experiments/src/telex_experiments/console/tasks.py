@@ -1,6 +1,6 @@
-"""Three tasks by keys of the page: how many presses they take, and how much sim time.
+"""Tasks by keys of the page: how many presses they take, and how much sim time.
 
-The person is a script: the experts of the exercises, and the way up the stairs by preset keys. He
+The person is a script: the expert of the exercise, and the way up the stairs by preset keys. He
 sees what `by_keys` says, and a judge beside him looks at the truth.
 """
 
@@ -16,7 +16,7 @@ from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Seq
 import rospy
 import yaml
 from std_msgs.msg import Float64
-from telex_msgs.msg import TruthNames, TruthSample
+from telex_msgs.msg import TruthSample
 from telex_msgs.srv import LoadScene
 
 from telex_control.common.file_catalog import package_path
@@ -26,7 +26,6 @@ from telex_experiments.rigs.report import PATIENCE, Figure, MeasurementError, wa
 from telex_training.operators import driving
 from telex_training.operators.experts.brief import Brief
 from telex_training.operators.experts.handling_exercises import cube_to_bin
-from telex_training.operators.experts.mounted_exercises import valve
 from telex_training.operators.handling import Hand
 from telex_training.operators.port import NotManagedError
 from telex_training.operators.robot_size import AXLE_HEIGHT, HALF_LENGTH
@@ -46,18 +45,13 @@ _TREADS = 0.04
 
 
 class Truth:
-    """What the judge sees: where the base is, where objects are, how far mechanisms have turned."""
+    """What the judge sees: where the base is, and where objects are."""
 
     def __init__(self, port: ByKeys) -> None:
         self._port = port
-        self._names: Optional[Any] = None
         self._sample: Optional[Any] = None
-        port.robot.node.subscribe("sim/truth_names", TruthNames, self._on_names)
         port.robot.node.subscribe("sim/truth", TruthSample, self._on_sample)
-        wait_until("the truth", lambda: self._names is not None and self._sample is not None)
-
-    def _on_names(self, message: Any) -> None:
-        self._names = message
+        wait_until("the truth", lambda: self._sample is not None)
 
     def _on_sample(self, message: Any) -> None:
         self._sample = message
@@ -68,12 +62,6 @@ class Truth:
         assert self._sample is not None
         x, y, z = self._sample.base[:3]
         return x, y, z
-
-    def mechanism(self, name: str) -> float:
-        """Position of a joint of an object, by "object/joint" (rad or m)."""
-        assert self._names is not None
-        assert self._sample is not None
-        return float(self._sample.mechanisms[list(self._names.mechanisms).index(name)])
 
     def place(self, name: str) -> Tuple[float, float, float]:
         """Place of an object (m)."""
@@ -169,8 +157,8 @@ def _stands_on_landing(truth: Truth, things: Mapping[str, Object]) -> bool:
     return is_there and abs(z - stairs.height - AXLE_HEIGHT) < _TREADS
 
 
-def _expert(expert: Callable[[Hand, Brief], None]) -> Callable[[Hand, Mapping[str, Object]], None]:
-    return lambda hand, things: expert(hand, Brief("", things))
+def _move_cube(hand: Hand, things: Mapping[str, Object]) -> None:
+    cube_to_bin(hand, Brief("", things))
 
 
 def _is_in_bin(truth: Truth, things: Mapping[str, Object]) -> bool:
@@ -181,15 +169,9 @@ def _is_in_bin(truth: Truth, things: Mapping[str, Object]) -> bool:
 
 TASKS: Dict[str, Task] = {
     "stairs": Task(_hall, _climb, _stands_on_landing),
-    "cube": Task(_exercise("cube_to_bin"), _expert(cube_to_bin), _is_in_bin),
-    "valve": Task(
-        _exercise("valve"),
-        _expert(valve),
-        lambda truth, things: truth.mechanism("valve/wheel_hinge") > 2.0 * math.pi,
-    ),
+    "cube": Task(_exercise("cube_to_bin"), _move_cube, _is_in_bin),
 }
-"""From the hall's start onto the stairs' landing; a cube from a table into a bin; a valve opened by
-a whole turn."""
+"""From the hall's start onto the stairs' landing; a cube from a table into a bin."""
 
 
 def tasks(rig: Rig, names: Sequence[str] = ()) -> List[Figure]:
