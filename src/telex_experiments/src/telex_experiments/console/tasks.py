@@ -245,7 +245,8 @@ def environment_of(tree: Optional[str]) -> Mapping[str, str]:
     script = Path(tree).resolve() / "env.sh"
     if not script.is_file():
         raise MeasurementError(f"--tree {tree}: {script} is not there; a checkout is needed")
-    clean = {key: os.environ[key] for key in ("HOME", "PATH", "LANG") if key in os.environ}
+    # Nothing of this checkout's own environment.
+    clean = {"HOME": os.environ.get("HOME", "/"), "PATH": os.defpath + os.pathsep + "/usr/sbin"}
     done = subprocess.run(
         ["bash", "-c", f". '{script}' && env -0"], env=clean, capture_output=True, check=False
     )
