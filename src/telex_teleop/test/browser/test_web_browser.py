@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import json
 import math
 import statistics
 import time
@@ -307,6 +308,43 @@ def test_what_moves_and_what_moves_it(robot, page):
     wait_until(lambda: moves() == (NOTHING, NOTHING), timeout=3.0)
     wait_until(lambda: not page.element("#others").is_displayed())
     assert "the robot's gamepad moves the robot" in page.text("log")
+
+
+def test_what_is_held_is_told_to_the_instructor_at_once(robot, page):
+    topic = "/telex/console/telemetry"
+    robot.probe.subscribe(topic, "std_msgs/String")
+
+    def held():
+        return [json.loads(told["data"])["held"] for _, told in robot.probe.heard[topic]]
+
+    with page.hold("w"):
+        wait_until(lambda: held()[-1:] == [["drive:forward"]])
+    wait_until(lambda: held()[-1:] == [[]])
+
+
+def test_what_the_instructor_says_stands_there_until_it_is_read(robot, page):
+    service, topic = "/telex/training/read", "/telex/training/text"
+    response = {"success": True}
+    robot.probe.do("serve", service=service, type="telex_msgs/ReadText", response=response)
+    told = {"number": 3, "text": "<b>Stop</b> before the step", "by": "Bob"}
+
+    def say(**changes):
+        robot.probe.publish(topic, "telex_msgs/TrainingText", {**told, **changes}, latch=True)
+
+    say()
+    wait_until(lambda: page.element("#instructor-text").is_displayed())
+    assert page.text("instructor-text-words") == told["text"]
+    assert page.text("instructor-text-by") == "Bob says:"
+    page.press(Keys.F7)
+    wait_until(lambda: robot.probe.requests_of(service) == [{"number": 3}])
+    say(read=True)
+    wait_until(lambda: not page.element("#instructor-text").is_displayed())
+    page.press(Keys.F7)
+    say(number=4)
+    page.element("#instructor-text-read").click()
+    wait_until(lambda: robot.probe.requests_of(service)[1:] == [{"number": 4}])
+    say(number=5, text="", read=True)  # taken back
+    wait_until(lambda: not page.element("#instructor-text").is_displayed())
 
 
 def lines(page):
