@@ -11,7 +11,7 @@ from telex_control.common.params import ConfigError
 from telex_control.urdf.joints import UrdfError
 from telex_sim.offline.simulation import OfflineSimulation, shipped_config
 
-FINGER = re.compile(r"(left|right)_finger_(base|middle|tip)")
+FINGER = re.compile(r"(left|right)_(finger_(base|middle|tip)|pad)")
 
 
 def without_telescope(urdf):
