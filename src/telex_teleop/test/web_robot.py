@@ -44,7 +44,7 @@ SHOULDER = """
   <joint name="shoulder_joint" type="revolute">
     <parent link="base_link"/><child link="shoulder_link"/>
     <origin xyz="0 0 0.2"/><axis xyz="0 1 0"/>
-    <limit lower="-1.1" upper="0.9" effort="1" velocity="1"/>
+    <limit lower="-1.1" upper="0.9" effort="1" velocity="0.5"/>
     <safety_controller soft_lower_limit="-1.05" soft_upper_limit="0.85" k_velocity="1"/>
   </joint>
 """
@@ -68,10 +68,12 @@ def _joint(name, parent, place=(0.0, 0.0, 0.0), kind="revolute"):
     """A joint without shape that carries the link of its name."""
     x, y, z = place
     limit = "" if kind == "continuous" else 'lower="-3" upper="3" '
+    # The nodes' settings ask for joints that can brake within their leads.
+    velocity = 3.0 if "finger" in name else 0.1 if kind == "prismatic" else 0.5
     return (
         f'<joint name="{name}" type="{kind}"><parent link="{parent}"/>'
         f'<child link="{name[:-6]}_link"/><origin xyz="{x} {y} {z}"/><axis xyz="0 1 0"/>'
-        f'<limit {limit}effort="1" velocity="3"/></joint>{_link(name[:-6] + "_link")}'
+        f'<limit {limit}effort="1" velocity="{velocity}"/></joint>{_link(name[:-6] + "_link")}'
     )
 
 

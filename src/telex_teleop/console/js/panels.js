@@ -115,7 +115,7 @@ export class Panels {
     this._gripper = gripper;
     const fingers = moves?.gripper ?? [];
     /** Joints whose position needs no digits after the point. */
-    this._coarse = new Set([...fingers, gripper?.name]);
+    this._coarse = new Set(fingers);
     this._jogs = vocabulary.find("jog");
     /** What each node was last said to move. @type {Map<string, string>} */
     this._moved = new Map();

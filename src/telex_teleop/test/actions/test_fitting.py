@@ -229,6 +229,12 @@ class TestOtherRobots:
         assert all(each["button"] for each in jogs)
         assert all(each["modes"] == ["JOINT"] for each in jogs)
 
+    def test_a_file_of_its_own_says_itself_what_there_is(self):
+        robot = Abilities(arm=(moved("turret_joint"), moved("seventh_joint")))
+        answer = fit(Vocabulary.read(), robot, adds=False)
+        jogs = [each["name"] for each in answer["actions"] if each["does"]["kind"] == "jog"]
+        assert jogs == ["turret:left", "turret:right"]
+
     @pytest.mark.parametrize(
         ("joint", "words"),
         [

@@ -30,7 +30,7 @@ _JOINT = ("JOINT",)
 _CAMERA = ("CAMERA",)
 
 
-def fit(vocabulary: Vocabulary, robot: Abilities) -> Dict[str, Any]:
+def fit(vocabulary: Vocabulary, robot: Abilities, adds: bool = True) -> Dict[str, Any]:
     """Return what ``/actions.json`` has for a robot.
 
     Parameters
@@ -39,17 +39,13 @@ def fit(vocabulary: Vocabulary, robot: Abilities) -> Dict[str, Any]:
         As the file has it.
     robot
         What can be done with it.
+    adds
+        Whether what the file does not name is added; a file that was written for the robot says
+        itself what there shall be.
     """
     actions = list(vocabulary.actions)
-    head = sorted(robot.head, key=lambda joint: -abs(joint.axis[2]))
-    actions = _give_joints(actions, "arm", _JOINT, [(j.name,) for j in robot.arm], robot.arm)
-    actions = _give_joints(actions, "arm", _CAMERA, [(j.name,) for j in head], head)
-    actions = _give_joints(actions, "flipper", (), _ends(robot.flippers), robot.flippers)
-    if robot.gripper is not None:
-        actions = _give_joints(actions, "gripper", (), [(robot.gripper.name,)], ())
-    actions = _give_names(actions, Preset, robot.presets, "preset {}", "flipper preset {}")
-    actions = _give_names(actions, ToPose, robot.poses, "pose {}", "arm to {}")
-    actions = _give_names(actions, Lamps, robot.lamps, "lamps {}", "{} lamp")
+    if adds:
+        actions = _with_the_rest(actions, robot)
     actions = [_trimmed(each, robot) for each in actions if _can(each, robot)]
     modes = _modes(actions, robot)
     kept = [
@@ -157,6 +153,19 @@ def _cameras(wanted: Iterable[str], robot: Abilities) -> Tuple[str, ...]:
 
 
 # ---- what the file does not name
+
+
+def _with_the_rest(actions: List[NamedAction], robot: Abilities) -> List[NamedAction]:
+    """Let what the robot has besides have the actions of what it lacks, or further ones."""
+    head = sorted(robot.head, key=lambda joint: -abs(joint.axis[2]))
+    actions = _give_joints(actions, "arm", _JOINT, [(j.name,) for j in robot.arm], robot.arm)
+    actions = _give_joints(actions, "arm", _CAMERA, [(j.name,) for j in head], head)
+    actions = _give_joints(actions, "flipper", (), _ends(robot.flippers), robot.flippers)
+    if robot.gripper is not None:
+        actions = _give_joints(actions, "gripper", (), [(robot.gripper.name,)], ())
+    actions = _give_names(actions, Preset, robot.presets, "preset {}", "flipper preset {}")
+    actions = _give_names(actions, ToPose, robot.poses, "pose {}", "arm to {}")
+    return _give_names(actions, Lamps, robot.lamps, "lamps {}", "{} lamp")
 
 
 def _ends(flippers: Sequence[MovedJoint]) -> List[Slot]:

@@ -45,7 +45,9 @@ def add_maps(
 
     async def fitted(request: web.Request) -> Dict[str, Any]:
         abilities = await ask(request)
-        return vocabulary.as_json() if abilities is None else fit(vocabulary, abilities)
+        return (
+            vocabulary.as_json() if abilities is None else fit(vocabulary, abilities, not actions)
+        )
 
     async def same(_request: web.Request) -> Dict[str, Any]:
         return described
