@@ -14,6 +14,7 @@ from typing import Any, Dict, List, Mapping, Optional, Set, Tuple
 
 import numpy as np
 from nav_msgs.msg import Odometry
+from sensor_msgs.msg import Range
 from telex_msgs.msg import CartesianTeleopStatus, JointTeleopStatus, TrackTeleopStatus
 
 from telex_control.common.geometry.matrices import (
@@ -126,6 +127,8 @@ class ByKeys(TeleopPort):
     again : int
         Keys that were pressed again, because the page had let go of them: on a busy machine it
         stands still now and then.
+    range : float
+        To what the tool points at, as the robot's range finder has it (m).
     """
 
     def __init__(
@@ -138,6 +141,7 @@ class ByKeys(TeleopPort):
         super().__init__()
         self.pressed: Counter[str] = Counter()
         self.again = 0
+        self.range = math.inf
         self._browser = browser
         self._things = things
         self.robot = robot = LiveRobot("/telex")
@@ -158,6 +162,7 @@ class ByKeys(TeleopPort):
             ("arm_teleop/cartesian_status", CartesianTeleopStatus),
         ):
             robot.node.subscribe(name, kind, self._hearer(name))
+        robot.node.subscribe("range_finder", Range, self._on_range)
         self._wanted: List[Command] = []
         self._down: Dict[str, float] = {}
         self._released: Dict[str, float] = {}
@@ -186,6 +191,16 @@ class ByKeys(TeleopPort):
             )
             self._origin = self._start @ inverse(level)
         self._odometry = self._origin @ pose
+
+    def _on_range(self, message: Any) -> None:
+        self.range = float(message.range)
+
+    def set_back(self, way: np.ndarray) -> None:
+        """Take the robot to be this way (m, in the world) behind where the odometry has it."""
+        assert self._origin is not None
+        moved = self._origin.copy()
+        moved[:3, 3] -= way
+        self._origin = moved
 
     def _hearer(self, name: str) -> Any:
         def hear(message: Any) -> None:

@@ -1,6 +1,6 @@
-"""Tasks by keys of the page: how many presses they take, and how much sim time.
+"""Three tasks by keys of the page: how many presses they take, and how much sim time.
 
-The person is a script: the expert of the exercise, and the way up the stairs by preset keys. He
+The person is a script: the experts of the exercises, and the way up the stairs by preset keys. He
 sees what `by_keys` says, and a judge beside him looks at the truth.
 """
 
@@ -13,10 +13,11 @@ import time
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
+import numpy as np
 import rospy
 import yaml
 from std_msgs.msg import Float64
-from telex_msgs.msg import TruthSample
+from telex_msgs.msg import TruthNames, TruthSample
 from telex_msgs.srv import LoadScene
 
 from telex_control.common.file_catalog import package_path
@@ -26,7 +27,13 @@ from telex_experiments.rigs.report import PATIENCE, Figure, MeasurementError, wa
 from telex_training.operators import driving
 from telex_training.operators.experts.brief import Brief
 from telex_training.operators.experts.handling_exercises import cube_to_bin
-from telex_training.operators.handling import Hand
+from telex_training.operators.experts.mounted_exercises import (
+    CLOSED,
+    stand_at_wheel,
+    turn_wheel,
+    wheel_from_base,
+)
+from telex_training.operators.handling import Hand, aimed
 from telex_training.operators.port import NotManagedError
 from telex_training.operators.robot_size import AXLE_HEIGHT, HALF_LENGTH
 from telex_training.operators.station import Station
@@ -38,6 +45,11 @@ SPEED = 0.35
 
 _ONTO_LANDING = 0.7
 """From where the robot comes level over the landing's edge (m)."""
+_AIM_FROM, _HUB = 0.25, 0.015
+"""Of the tool before the wheel's plane, from where the range is read; of the hub's face (m)."""
+_FOR_BEAM, _MOST_OFF = 0.15, 0.1
+"""Of the fingers (rad); a range that is further off is not that of the hub (m)."""
+_TRIES = 4
 _PATIENCE = 3.0
 """How long a preset is tried for at least (s)."""
 _TREADS = 0.04
@@ -45,13 +57,18 @@ _TREADS = 0.04
 
 
 class Truth:
-    """What the judge sees: where the base is, and where objects are."""
+    """What the judge sees: where the base is, where objects are, how far mechanisms have turned."""
 
     def __init__(self, port: ByKeys) -> None:
         self._port = port
+        self._names: Optional[Any] = None
         self._sample: Optional[Any] = None
+        port.robot.node.subscribe("sim/truth_names", TruthNames, self._on_names)
         port.robot.node.subscribe("sim/truth", TruthSample, self._on_sample)
-        wait_until("the truth", lambda: self._sample is not None)
+        wait_until("the truth", lambda: self._names is not None and self._sample is not None)
+
+    def _on_names(self, message: Any) -> None:
+        self._names = message
 
     def _on_sample(self, message: Any) -> None:
         self._sample = message
@@ -62,6 +79,12 @@ class Truth:
         assert self._sample is not None
         x, y, z = self._sample.base[:3]
         return x, y, z
+
+    def mechanism(self, name: str) -> float:
+        """Position of a joint of an object, by "object/joint" (rad or m)."""
+        assert self._names is not None
+        assert self._sample is not None
+        return float(self._sample.mechanisms[list(self._names.mechanisms).index(name)])
 
     def place(self, name: str) -> Tuple[float, float, float]:
         """Place of an object (m)."""
@@ -161,6 +184,39 @@ def _move_cube(hand: Hand, things: Mapping[str, Object]) -> None:
     cube_to_bin(hand, Brief("", things))
 
 
+def _open_valve(hand: Hand, things: Mapping[str, Object]) -> None:
+    """Open the valve as the expert does, once the range to its hub has told where the robot is."""
+    entry, station = things["valve"], hand.station
+    port = station.port
+    assert isinstance(port, ByKeys)
+    stand_at_wheel(hand, entry)
+    # The beam passes between open fingers only.
+    _open(hand, _FOR_BEAM)
+    (x, y, z), turn = wheel_from_base(hand, entry)
+    before = (x - _AIM_FROM * math.cos(turn), y - _AIM_FROM * math.sin(turn))
+    hand.to(aimed(*before, z, turn), tolerance=0.01)
+    station.wait(0.5)
+    beam = station.place_of("range_finder_link")
+    expected = float(beam[:3, 0] @ (np.array((x, y, z)) - beam[:3, 3])) - _HUB
+    if abs(expected - port.range) < _MOST_OFF:
+        port.set_back(station.base()[:3, :3] @ beam[:3, 0] * (port.range - expected))
+        station.look()
+    _open(hand, CLOSED)
+    turn_wheel(hand, entry)
+
+
+def _open(hand: Hand, angle: float) -> None:
+    """Open the gripper to an angle (rad), with the patience that a busy page asks for."""
+    for tries in range(_TRIES):
+        try:
+            return hand.open(angle)
+        except NotManagedError:
+            hand.station.release("gripper_teleop")
+            if tries == _TRIES - 1:
+                raise
+    return None
+
+
 def _is_in_bin(truth: Truth, things: Mapping[str, Object]) -> bool:
     x, y, z = truth.place("cube")
     u, v = things["bin"]["position"][:2]
@@ -170,8 +226,14 @@ def _is_in_bin(truth: Truth, things: Mapping[str, Object]) -> bool:
 TASKS: Dict[str, Task] = {
     "stairs": Task(_hall, _climb, _stands_on_landing),
     "cube": Task(_exercise("cube_to_bin"), _move_cube, _is_in_bin),
+    "valve": Task(
+        _exercise("valve"),
+        _open_valve,
+        lambda truth, things: truth.mechanism("valve/wheel_hinge") > 2.0 * math.pi,
+    ),
 }
-"""From the hall's start onto the stairs' landing; a cube from a table into a bin."""
+"""From the hall's start onto the stairs' landing; a cube from a table into a bin; a valve opened by
+a whole turn."""
 
 
 def tasks(rig: Rig, names: Sequence[str] = ()) -> List[Figure]:

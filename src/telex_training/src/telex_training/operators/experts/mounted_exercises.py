@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any, Mapping, Tuple
 
 import numpy as np
 
@@ -22,6 +23,9 @@ _THROUGH, _BEFORE = -0.03, 0.14  # m, of the tool past the wheel's plane; and be
 _TURN, _PIECES = 2.0 * math.pi + 0.9, 28
 """How far the fingers go round (rad): a part of it until they meet a spoke."""
 
+CLOSED = 0.02
+"""Of a finger's base joint (rad): narrow enough to pass between two spokes."""
+
 _PIPES_STAND = 0.85  # m, from base_link to where the camera is before the middle pipe
 _LOOK_FROM = 0.28  # m, of the camera before a pipe's mouth
 _LOOK = 0.6
@@ -36,13 +40,27 @@ _BEHIND_DOOR = 2.0
 
 def valve(hand: Hand, brief: Brief) -> None:
     """Open the valve: lead the closed fingers round between two spokes."""
-    station = hand.station
-    station.mode("CARTESIAN")
     entry = brief.entries["valve"]
-    stand_before(hand, entry, _WHEEL_AHEAD + _VALVE_REACH, 0.02)
+    stand_at_wheel(hand, entry)
+    turn_wheel(hand, entry)
+
+
+def stand_at_wheel(hand: Hand, entry: Mapping[str, Any]) -> None:
+    """Drive before a valve, with the arm ready and the fingers closed."""
+    hand.station.mode("CARTESIAN")
+    stand_before(hand, entry, _WHEEL_AHEAD + _VALVE_REACH, CLOSED)
+
+
+def wheel_from_base(hand: Hand, entry: Mapping[str, Any]) -> Tuple[np.ndarray, float]:
+    """Middle of a valve's wheel, and the heading of its axis away from the robot, in base_link."""
     here = seen_from_base(hand, entry)
     centre = (here @ (-_WHEEL_AHEAD, 0.0, float(entry["height"]), 1.0))[:3]
-    turn = heading_of(here)
+    return centre, heading_of(here)
+
+
+def turn_wheel(hand: Hand, entry: Mapping[str, Any]) -> None:
+    """Turn a valve's wheel once round, from before it, and withdraw."""
+    centre, turn = wheel_from_base(hand, entry)
 
     def at(angle: float, depth: float) -> np.ndarray:
         """Tool beside the axis, `angle` from above against the clock as it is seen.
