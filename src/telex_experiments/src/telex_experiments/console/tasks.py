@@ -236,8 +236,14 @@ TASKS: Dict[str, Task] = {
 a whole turn."""
 
 
-def tasks(rig: Rig, names: Sequence[str] = ()) -> List[Figure]:
-    """Do some tasks, by default all, each from the start of its scene."""
+def tasks(rig: Rig, names: Sequence[str] = (), longest_wait: float = math.inf) -> List[Figure]:
+    """Do some tasks, by default all, each from the start of its scene.
+
+    Parameters
+    ----------
+    longest_wait : float
+        See `Operator`.
+    """
     figures: List[Figure] = []
     for name in names or TASKS:
         task = TASKS[name]
@@ -253,7 +259,7 @@ def tasks(rig: Rig, names: Sequence[str] = ()) -> List[Figure]:
             place = (start["x"], start["y"], float(start.get("yaw", 0.0)))
             port = ByKeys(browser, rig.page(), place, things)
             try:
-                figures += _measure(name, task, port, things)
+                figures += _measure(name, task, port, things, longest_wait)
             finally:
                 port.close()
     return figures
@@ -268,9 +274,12 @@ def _set_speed() -> None:
         time.sleep(0.2)
 
 
-def _measure(name: str, task: Task, port: ByKeys, things: Mapping[str, Object]) -> List[Figure]:
+def _measure(
+    name: str, task: Task, port: ByKeys, things: Mapping[str, Object], longest_wait: float
+) -> List[Figure]:
     truth = Truth(port)
     station = Station(port)
+    station.longest_wait = longest_wait
     problem = ""
     began = time.monotonic()
     try:
