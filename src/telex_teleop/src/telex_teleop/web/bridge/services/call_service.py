@@ -83,8 +83,8 @@ class Services:
             gate.check_numbers("call", name, arguments or {})
             # A service may take its time, so each call has a thread of its own.
             call = in_own_thread(lambda: self._call_ros(service, arguments))
-            fields, answer = await asyncio.wait_for(call, self._timeout)
-            self._actions.note(client.member, name, fields, answer)
+            asked, answer = await asyncio.wait_for(call, self._timeout)
+            self._actions.note(client.member, name, asked, answer)
             return answer
         except asyncio.TimeoutError:
             raise OperationError(f"{service} did not answer within {self._timeout:g} s") from None
