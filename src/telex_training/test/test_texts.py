@@ -1,0 +1,72 @@
+"""Texts of the instructor to the trainee, without a master."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from unittest import mock
+
+import genpy
+import pytest
+
+from telex_training.ros import texts as module
+from telex_training.ros.texts import LONGEST, TraineeTexts
+
+
+@pytest.fixture
+def desk():
+    """The services by their names, what was published, and what was noted of the trial."""
+    published, noted, services = [], [], {}
+    rospy = mock.Mock()
+    rospy.Service = lambda name, _, answer: services.__setitem__(name, answer)
+    rospy.Publisher.return_value.publish = published.append
+    rospy.get_rostime.return_value = genpy.Time(7)
+    with mock.patch.object(module, "rospy", rospy):
+        TraineeTexts(noted.append, lambda: "Ann")
+        yield SimpleNamespace(
+            tell=lambda text, by="Bob": services["training/tell"](
+                SimpleNamespace(text=text, by=by)
+            ),
+            read=lambda number: services["training/read"](SimpleNamespace(number=number)),
+            published=published,
+            noted=noted,
+        )
+
+
+def test_a_text_is_shown_until_it_is_read_and_both_are_noted(desk):
+    answer = desk.tell("  <b>Stop</b>  ")
+    assert (answer.success, answer.number) == (True, 1)
+    shown = desk.published[-1]
+    assert (shown.text, shown.by, shown.read) == ("<b>Stop</b>", "Bob", False)
+    assert desk.read(1).success
+    assert desk.published[-1].read
+    assert desk.read(1).success, "a second press does no harm"
+    assert len(desk.published) == 2
+    assert desk.noted == [
+        {"input": "note", "text": "said to the trainee: <b>Stop</b>", "by": "Bob"},
+        {"input": "note", "text": "has read: <b>Stop</b>", "by": "Ann"},
+    ]
+
+
+def test_a_text_that_is_taken_back_needs_no_acknowledgement(desk):
+    desk.tell("Stop")
+    desk.tell("", by=" ")
+    shown = desk.published[-1]
+    assert (shown.number, shown.text, shown.by, shown.read) == (2, "", "instructor", True)
+    for number in (1, 2):
+        refused = desk.read(number)
+        assert (refused.success, refused.message) == (
+            False,
+            f"number is {number}; the text that is shown has 2",
+        )
+
+
+@pytest.mark.parametrize("text", ["x" * (LONGEST + 1), "two\nlines", "turned \u202e round", "\x00"])
+def test_what_is_no_line_is_refused(desk, text):
+    refused = desk.tell(text)
+    assert not refused.success
+    assert f"one line of at most {LONGEST}" in refused.message
+    assert desk.published == desk.noted == []
+
+
+def test_nothing_can_be_read_before_anything_was_said(desk):
+    assert not desk.read(0).success
