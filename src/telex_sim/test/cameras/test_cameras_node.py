@@ -577,9 +577,12 @@ class TestCameras:
         assert answer.message == reason
 
     def test_the_overview_goes_where_it_is_sent(self, stage):
+        from geometry_msgs.msg import PoseStamped
         from telex_msgs.msg import OverviewView
 
         viewer = stage.pictures("overview")
+        poses = []
+        stage.topics.subscriber("cameras/overview/pose", PoseStamped, poses.append)
         sender = stage.commands("cameras/overview/view", OverviewView)
         sender.publish(OverviewView(mode="fixed", distance=6.0))
         # From far ahead it sees the front box, from behind the other one.
@@ -588,6 +591,9 @@ class TestCameras:
         after = viewer.newest(0.5)
         assert after.looks(GREEN)
         assert after.frame == "overview_camera_optical_frame"
+        # Where it has gone to is told with the pictures.
+        assert poses[-1].header.frame_id == "world"
+        assert poses[-1].pose.position.x == pytest.approx(-6.0, abs=0.1)
         for refused in (
             OverviewView(mode="fixed", distance=float("nan")),
             OverviewView(mode="fly", distance=6.0),
