@@ -65,7 +65,7 @@ TIERS: Dict[str, Quality] = {
         # A pixel of the map is as large.
         shadow_detail=0.008,
         shadow_lookups=2,
-        shadow_softness=0.85,
+        shadow_softness=0.7,
         anisotropy=1.0,
         lamps=4,
         lamp_shadows=6,

@@ -383,8 +383,7 @@ void main() {
   // Wooded hills far away: by their ridge one sees where level is.
   float level = inversesqrt(dot(ray.xy, ray.xy) + 1e-6);
   vec2 way = ray.xy * level;
-  float ridge = 0.032 + 0.011 * sin(dot(way, vec2(7.0, 3.0)));
-  ridge += 0.006 * sin(dot(way, vec2(-9.0, 23.0))) + 0.002 * sin(dot(way, vec2(71.0, 53.0)));
+  float ridge = 0.032 + 0.012 * sin(dot(way, vec2(9.0, 3.0)));
   sky = mix(horizon * HILLS, sky, clamp(400.0 * (ray.z * level - ridge) + 0.5, 0.0, 1.0));
 #endif
   fragment = vec4(to_display(exposure * sky), 1.0);

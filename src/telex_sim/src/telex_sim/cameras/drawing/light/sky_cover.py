@@ -17,7 +17,6 @@ from ..culling import spheres_in_view
 from ..meshes.gpu_scene import GpuScene
 from ..programs import column_major
 from ..shaders import FULL_COVER
-from ..stillness import is_still
 
 # Half the side of the square around the focus that the map shows, and side of its pixels (m).
 _RADIUS, _TEXEL = 4.0, 0.05
@@ -30,6 +29,9 @@ _HEADROOM, _DEPTH = 1.5, 4.0
 
 # Pixels along the map's edge in which the shade fades.
 _BORDER = 8
+
+# What moves less leaves the map as it is (m).
+_MOVED = 0.004
 
 # The focus may wander so far before the map is drawn around its new place (m); until then, what
 # stands fast stays drawn.
@@ -83,7 +85,10 @@ class SkyCover:
             self._corner = np.round(focus / _TEXEL) * _TEXEL
             fixed = np.flatnonzero(~scene.transparent & scene.fixed)
             self._fixed = self._heights_of(fixed, *what, coarse=False)
-        elif is_still(model[moving], self._drawn_model):
+        elif (
+            len(moving) == len(self._drawn_model)
+            and np.abs(model[moving] - self._drawn_model).max(initial=0.0) < _MOVED
+        ):
             return
         self._drawn_model = model[moving].copy()
         heights = np.maximum(self._fixed, self._heights_of(moving, *what, coarse=True))

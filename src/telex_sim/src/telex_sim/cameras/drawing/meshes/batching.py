@@ -23,6 +23,9 @@ from ....scene.visual_scene import Visual, VisualShape
 # hall is then left out, and the near hides the far.
 CHUNK_SIZE = 4.0
 
+# Shorter side of what things stand on (m).
+_LEAST_GROUND = 0.2
+
 VERTEX = np.dtype([("position", "f4", 3), ("normal", "f4", 3), ("color", "u1", 4), ("uv", "f4", 2)])
 """A vertex: position and normal in the frame, sRGB with glow in place of alpha, and texture."""
 
@@ -67,9 +70,13 @@ class Batch:
         return self.visuals[0].drive
 
     @property
-    def is_plane(self) -> bool:
-        """Whether there is a plane among them, as floors are."""
-        return any(visual.shape is VisualShape.PLANE for visual in self.visuals)
+    def carries(self) -> bool:
+        """Whether things can stand on one of them: on floors, tables, steps, not on walls."""
+        return any(
+            visual.shape is VisualShape.PLANE
+            or (visual.shape is VisualShape.BOX and min(visual.size[:2]) > _LEAST_GROUND)
+            for visual in self.visuals
+        )
 
     @property
     def casts_shadow(self) -> bool:

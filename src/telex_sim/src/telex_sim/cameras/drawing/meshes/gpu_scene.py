@@ -71,7 +71,7 @@ class GpuScene:
     casts_shadow, transparent, fixed
         Shape (N,), bool; fixed is what belongs to the world itself and never moves.
     covered
-        Whether each is a floor, or has a texture and never moves.
+        Whether each never moves and things can stand on it.
     """
 
     def __init__(
@@ -174,9 +174,7 @@ class GpuScene:
             np.fill_diagonal(box[:3, :3], item.mesh.half)
         self.casts_shadow = np.array([batch.casts_shadow for _, batch in items], dtype=bool)
         self.fixed = np.array([batch.frame == _WORLD for _, batch in items], dtype=bool)
-        self.covered = [
-            batch.frame == _WORLD and (bool(batch.texture) or batch.is_plane) for _, batch in items
-        ]
+        self.covered = [batch.frame == _WORLD and batch.carries for _, batch in items]
         self.transparent = np.array([batch.opacity < 1.0 for _, batch in items], dtype=bool)
 
     def _is_drawable(self, visual: Visual, problems: Set[str]) -> bool:
