@@ -57,15 +57,16 @@ class Quality:
 TIERS: Dict[str, Quality] = {
     # Of the 14 ms that llvmpipe takes for 640x480, each shadow look-up is one and smoothing half of
     # one; four samples would double the whole, and so would an anisotropy of 4. Look-ups of single
-    # pixels of the map take as long: four of them are needed for one that is the mean of four.
+    # pixels of the map take as long: four of them are needed for one that is the mean of four. One
+    # look-up is enough because each pixel and its neighbours look to opposite sides.
     "software": Quality(
         samples=0,
         edge_smoothing=True,
         shadow_map_size=1024,
         # A pixel of the map is as large.
         shadow_detail=0.008,
-        shadow_lookups=2,
-        shadow_softness=0.7,
+        shadow_lookups=1,
+        shadow_softness=0.5,
         anisotropy=1.0,
         lamps=4,
         lamp_shadows=6,

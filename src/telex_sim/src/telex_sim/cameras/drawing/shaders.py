@@ -212,9 +212,9 @@ float sunlight() {
   bool sharp = max(off.x, off.y) < 0.5 - SHARP_BORDER;
   vec3 wide = clamp(in_wide, 0.0, 1.0);
   vec3 place = sharp ? in_map : vec3(wide.x + 1.0, wide.yz);
-  // Turned by a quarter in every other pixel: neighbours together know twice as much.
-  float other = fract(0.5 * (gl_FragCoord.x + gl_FragCoord.y));
-  vec2 offset = shadow_softness * (other < 0.25 ? vec2(0.6, 0.8) : vec2(-0.8, 0.6));
+  // Every other pixel looks to the other side, or along a ring that is turned by half a turn.
+  float other = fract(0.5 * (gl_FragCoord.x + gl_FragCoord.y)) < 0.25 ? 1.0 : -1.0;
+  vec2 offset = (shadow_softness * other) * vec2(0.6, 0.8);
   float lit = 0.0;
   for (int number = 0; number < SHADOW_LOOKUPS; ++number) {
     vec2 at = place.xy + offset;
