@@ -100,6 +100,15 @@ def _can(each: NamedAction, robot: Abilities) -> bool:
         Command.GUARD: robot.guard,
         Command.SLOWER: moves,
         Command.FASTER: moves,
+        Command.GUIDE_LINES: robot.drives,
+        Command.AIM_LINE: robot.tool,
+        Command.FINGER_GAP: robot.gripper is not None,
+        Command.CONTACT_MARKS: robot.gripper is not None,
+        Command.HORIZON: robot.drives,
+        Command.COMPASS: robot.drives,
+        Command.PLAN: robot.drives,
+        Command.ZOOM_FACTOR: robot.zooms,
+        Command.AIDS: robot.drives or robot.tool or robot.zooms or robot.gripper is not None,
     }
     if isinstance(action, Command):
         return commands.get(action, True)
