@@ -42,6 +42,7 @@ def telex(variant="standard"):
         "cameras/lamps": load(DESCRIPTION / "config/lamps.yaml")["lamps"],
         "simulator/model": "telex",
         "simulator/proximity/joints": ["turret_joint"],
+        "simulator/tracks/belts": {"front_left_track_joint": 0.11},
         "gripper_controller/geometry": {"base": 0.045},
     }
     for node in ("arm", "gripper", "flipper", "track"):
@@ -162,7 +163,7 @@ class TestRover:
         commands = {each["does"].get("name") for each in answer["actions"].values()}
         assert not commands & {"mode", "drive mode", "camera mode", "frame", "hold tool"}
         assert {"e-stop", "stop", "slower", "faster", "help", "guide lines"} <= commands
-        assert not commands & {"aim line", "finger gap", "contact marks", "zoom factor"}
+        assert not commands & {"aim line", "finger gap", "contact marks", "zoom factor", "horizon"}
 
     def test_sees_ahead_and_back(self):
         assert views(told(ROVER)) == {"DRIVE": (("bow",), ("stern",))}

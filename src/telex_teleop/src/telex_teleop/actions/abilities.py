@@ -44,7 +44,7 @@ _PARAMETERS = (
     *(
         f"{place}/{name}"
         for place in ("simulator", "simulation")
-        for name in ("model", "proximity/joints")
+        for name in ("model", "proximity/joints", "tracks/belts")
     ),
 )
 
@@ -118,6 +118,8 @@ class Abilities:
         Whether the arm can be led by its tool.
     guard
         Whether something tells what the arm is near to.
+    attitude
+        Whether something tells how the robot stands.
     poses, presets
         Names of the arm's poses and of the flippers' presets.
     lamps
@@ -138,6 +140,7 @@ class Abilities:
     odometry: str = ""
     tool: bool = False
     guard: bool = False
+    attitude: bool = False
     poses: Tuple[str, ...] = ()
     presets: Tuple[str, ...] = ()
     lamps: Tuple[str, ...] = ()
@@ -237,7 +240,8 @@ class _Reader:
             flippers=flippers,
             gripper=gripper,
             odometry="" if track is None else f"{track.controller}/odom",
-            guard=bool(arm["arm"]) and self._has_guard(),
+            guard=bool(arm["arm"]) and self._is_told("proximity/joints"),
+            attitude=self._is_told("tracks/belts"),
             presets=presets,
             lamps=tuple(lamps),
             cameras={name: str(each.get("role", "")) for name, each in cameras.items()},
@@ -313,11 +317,11 @@ class _Reader:
             lengths.append(gripper.name)
         return tuple(lengths)
 
-    def _has_guard(self) -> bool:
-        """Tell whether ``sim/proximity`` says what is near; a real robot has it from elsewhere."""
+    def _is_told(self, needs: str) -> bool:
+        """Tell whether the simulator says what needs a parameter; else it comes from elsewhere."""
         for place in ("simulator", "simulation"):
             if self._given[f"{place}/model"] is not None:
-                return bool(self._given[f"{place}/proximity/joints"])
+                return bool(self._given[f"{place}/{needs}"])
         return True
 
     def _present(self, name: str) -> Dict[str, Dict[str, Any]]:

@@ -104,7 +104,7 @@ def _can(each: NamedAction, robot: Abilities) -> bool:
         Command.AIM_LINE: robot.tool,
         Command.FINGER_GAP: robot.gripper is not None,
         Command.CONTACT_MARKS: robot.gripper is not None,
-        Command.HORIZON: robot.drives,
+        Command.HORIZON: robot.attitude,
         Command.COMPASS: robot.drives,
         Command.PLAN: robot.drives,
         Command.ZOOM_FACTOR: robot.zooms,
