@@ -48,6 +48,7 @@ class Spots:
     def __init__(self, context: moderngl.Context) -> None:
         self._context = context
         self._program: Any = None
+        self._array: Any = None
         self._vertices: Optional[moderngl.Buffer] = None
 
     def draw(self, clip_from_world: np.ndarray, spots: Sequence[np.ndarray]) -> None:
@@ -63,9 +64,9 @@ class Spots:
         self._program["clip_from_world"].write(column_major(clip_from_world).tobytes())
         context.disable(moderngl.CULL_FACE)
         context.enable(moderngl.BLEND)
-        context.blend_func = moderngl.ADDITIVE_BLENDING
+        context.blend_func = moderngl.ONE, moderngl.ONE
         self._array.render(vertices=len(spots) * len(_CORNERS))
-        context.blend_func = moderngl.DEFAULT_BLENDING
+        context.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
         context.disable(moderngl.BLEND)
         context.enable(moderngl.CULL_FACE)
 
