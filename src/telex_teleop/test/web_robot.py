@@ -187,7 +187,8 @@ class Robot:
             self.publish_camera(camera, camera_picture(320, 240, number), rate=2)
         self.publish_camera("overview", rate=1)
         # that there are exercises
-        self.probe.publish("/telex/training/state", "telex_msgs/TrainingState", latch=True)
+        idle = {"phase": "idle"}
+        self.probe.publish("/telex/training/state", "telex_msgs/TrainingState", idle, latch=True)
 
     def publish_joint(self, name, position):
         """Publish another position of one joint."""
