@@ -453,7 +453,7 @@ def test_what_the_trainee_sees_and_holds_and_what_is_said_to_him(simulator, page
     told = {"data": json.dumps(seen)}
     simulator.probe.publish("/telex/console/telemetry", "std_msgs/String", told, rate=5)
     wait_until(lambda: page.text("trainee-view") == "turret · picture 0.2 s old")
-    assert page.text("trainee-keys") == "W tracks ahead, another's"
+    assert page.text("trainee-keys") == "W drive ahead, another's"
     simulator.probe.publish("/telex/console/telemetry", "std_msgs/String", {"data": "["}, rate=5)
     wait_until(lambda: page.text("trainee-view") == NOTHING)
     service = "/telex/training/tell"
