@@ -29,7 +29,7 @@ _WORLD = "world"
 
 # From this height on (m), what is thinner than this share of it throws no shadow: of the sun's
 # disc, which is 0.009 rad wide, it hides only a part.
-_HIGH, _THIN_SHARE = 4.0, 0.03
+_HIGH, _THIN_SHARE = 4.0, 0.05
 
 # The components of the size that a shape reads and that must therefore be lengths above zero.
 _LENGTHS = {

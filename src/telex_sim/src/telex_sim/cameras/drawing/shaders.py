@@ -281,7 +281,10 @@ void main() {
   if (facing > 0.0) {
     facing *= sunlight();
     light += sun * facing;
+#if !TEXTURED
+    // What has a texture is mostly matt: concrete, wood, plaster.
     shine += sun * (facing * highlight(mirrored, to_sun));
+#endif
   }
 #if COVER
   // What stands upright is higher than its own foot all along.
@@ -380,11 +383,8 @@ void main() {
 #if FOG
   sky = mix(haze_light, sky, exp2(-fog_depth / max(height, 0.001)));
 #else
-  // Wooded hills far away: by their ridge one sees where level is.
-  float level = inversesqrt(dot(ray.xy, ray.xy) + 1e-6);
-  vec2 way = ray.xy * level;
-  float ridge = 0.032 + 0.012 * sin(dot(way, vec2(9.0, 3.0)));
-  sky = mix(horizon * HILLS, sky, clamp(400.0 * (ray.z * level - ridge) + 0.5, 0.0, 1.0));
+  // Wooded hills far away end what is seen of the ground.
+  sky = ray.z * abs(ray.z) < 0.0008 * dot(ray.xy, ray.xy) ? horizon * HILLS : sky;
 #endif
   fragment = vec4(to_display(exposure * sky), 1.0);
 }

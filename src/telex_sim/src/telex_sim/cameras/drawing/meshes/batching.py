@@ -71,10 +71,17 @@ class Batch:
 
     @property
     def carries(self) -> bool:
-        """Whether things can stand on one of them: on floors, tables, steps, not on walls."""
+        """Whether things can stand on one of them: on floors, tables, steps, not on walls.
+
+        What stands fast and carries has a texture, but for the plainest of floors.
+        """
         return any(
             visual.shape is VisualShape.PLANE
-            or (visual.shape is VisualShape.BOX and min(visual.size[:2]) > _LEAST_GROUND)
+            or (
+                bool(visual.texture)
+                and visual.shape is VisualShape.BOX
+                and min(visual.size[:2]) > _LEAST_GROUND
+            )
             for visual in self.visuals
         )
 
