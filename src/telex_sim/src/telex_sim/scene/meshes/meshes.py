@@ -102,13 +102,13 @@ def rounded_box_mesh(size: Vector3) -> Mesh:
     for face, (axis, side) in enumerate((axis, side) for axis in range(3) for side in (-1, 1)):
         first, second = (axis + 1) % 3, (axis + 2) % 3
         for corner, (a, b) in enumerate(((-1, -1), (1, -1), (1, 1), (-1, 1))):
-            sign = np.zeros(3, int)
-            sign[[axis, first, second]] = side, a, b
+            way = [0, 0, 0]
+            way[axis], way[first], way[second] = side, a, b
             inset = np.full(3, rounding)
             inset[axis] = 0.0
-            positions[face, corner] = sign * (0.5 * np.array(size) - inset)
+            positions[face, corner] = np.array(way) * (0.5 * np.array(size) - inset)
             normals[face, corner, axis] = side
-            number[axis, tuple(sign.tolist())] = 4 * face + corner
+            number[axis, tuple(way)] = 4 * face + corner
     places = positions.reshape(-1, 3)
     triangles = []
     signs_of = sorted({signs for _, signs in number})

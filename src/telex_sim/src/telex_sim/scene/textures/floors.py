@@ -35,7 +35,8 @@ def _worn_concrete(seed: int, slabs: int) -> np.ndarray:
     rng = np.random.default_rng(seed)
     size = _SIZE
     coarse = spectral_noise(size // 2, 2.6, rng)
-    clouds: np.ndarray = cv2.resize(np.tile(coarse, (2, 2)), (2 * size, 2 * size))[:size, :size]
+    tiled: np.ndarray = np.asarray(cv2.resize(np.tile(coarse, (2, 2)), (2 * size, 2 * size)))
+    clouds = tiled[:size, :size].astype(np.float32)
     grain = spectral_noise(size, 0.7, rng)
     tone = 0.88 + 0.026 * clouds + 0.026 * grain
     # Sand and pebbles where the surface is rubbed off.
