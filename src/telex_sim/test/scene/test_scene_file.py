@@ -218,7 +218,10 @@ def test_a_mistake_in_an_object_is_named_from_a_file_and_when_spawned(folder, en
         ("", "a struct with the key 'objects' is needed"),
         ("- a\n- b\n", "a struct with the key 'objects' is needed"),
         ("objects: 5\n", "objects: a list is needed"),
-        ("object: []\n", "object is unknown; known are antenna, description, floor, hidden, history"),
+        (
+            "object: []\n",
+            "object is unknown; known are antenna, description, floor, hidden, history",
+        ),
         ("antenna: [1, 2]\n", "antenna has 2 elements; 3 are needed"),
         ("antenna: [1, 2, .nan]\n", "antenna[2] is nan"),
         ("antenna: [1, 2, 1e9]\n", "antenna is [1.0, 2.0, 1000000000.0]"),
