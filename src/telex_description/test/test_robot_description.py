@@ -354,6 +354,7 @@ def test_camera_table_is_complete_and_sound(robot: URDF) -> None:
     for name, camera in table.items():
         assert set(camera) - {"zoom_max"} == {
             "frame",
+            "role",
             "width",
             "height",
             "horizontal_fov",

@@ -136,7 +136,7 @@ def test_a_moved_object_goes_back_with_a_reset_and_ends_no_bookmark(robot, scene
     for name, pose, message in (
         ("telex", (1.0, 1.0, 0.0), "that is a robot"),
         ("box", (0.0, 0.0, 0.1), "'box' would stand in the robot"),
-        ("box", (50.0, 0.0, 0.0), "at most 40 m"),
+        ("box", (90.0, 0.0, 0.0), "at most 80 m"),
     ):
         with pytest.raises(ConfigError, match=message):
             simulation.move(name, (pose, (0.0, 0.0, 0.0, 1.0)))

@@ -32,7 +32,7 @@ def launched(path):
 def test_the_console_knows_what_each_node_is_for():
     """One that it does not know would be called no part of the robot when it has crashed."""
     text = (PACKAGE / "console" / "js" / "health.js").read_text()
-    known = set(re.findall(r'^  (\w+): "', text, re.MULTILINE))
+    known = set(re.findall(r'^  (\w+): term\("', text, re.MULTILINE))
     # Without rosbridge the console hears of nothing, and says so otherwise.
     assert known == launched(PACKAGE / "launch" / "bringup.launch") - {"rosbridge"}
 

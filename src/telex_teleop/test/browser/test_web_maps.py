@@ -14,9 +14,13 @@ from telex_teleop.actions.vocabulary import Vocabulary
 from telex_teleop.web.maps import add_maps
 
 
+async def nothing_known(_request):
+    return None
+
+
 async def fetch(name):
     app = web.Application()
-    add_maps(app, actions="", joy_map="")
+    add_maps(app, actions="", joy_map="", ask=nothing_known)
     async with served(app) as url, aiohttp.request("GET", f"{url}/{name}") as reply:
         assert reply.status == 200
         assert reply.headers["Access-Control-Allow-Origin"] == "*"
@@ -36,6 +40,7 @@ async def test_the_shipped_actions_are_served():
         "group": "Arm, CARTESIAN",
         "modes": ["CARTESIAN"],
         "code": "KeyO",
+        "button": True,
         "cap": "O",
         "more_codes": [],
     }
@@ -71,11 +76,11 @@ def test_wrong_actions_are_refused_with_their_file(tmp_path):
     path = tmp_path / "mine.yaml"
     path.write_text("{modes: {}, groups: []}")
     with pytest.raises(ConfigError, match="mine.yaml: modes are ; they must be DRIVE, JOINT"):
-        add_maps(web.Application(), actions=str(path), joy_map="")
+        add_maps(web.Application(), actions=str(path), joy_map="", ask=nothing_known)
 
 
 def test_a_wrong_map_is_refused_with_its_name(tmp_path):
     path = tmp_path / "mine.yaml"
     path.write_text("{description: x, enable: left_bumper, modes: [{name: DRIVE}]}")
     with pytest.raises(ConfigError, match="mine.yaml: common/buttons: no button has .*'e-stop'"):
-        add_maps(web.Application(), actions="", joy_map=str(path))
+        add_maps(web.Application(), actions="", joy_map=str(path), ask=nothing_known)
