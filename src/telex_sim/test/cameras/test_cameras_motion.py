@@ -58,6 +58,8 @@ def test_the_first_picture_of_a_motion_does_not_wait_for_its_turn():
 class StillRenderer:
     """Knows whether a picture shows what the one before it has shown."""
 
+    on_card = False
+
     def __init__(self):
         self.repeats = False
         self._placed = self._drawn = np.zeros(0)

@@ -99,6 +99,10 @@ def views(answer):
     return {each["name"]: (each["first"][:1], each["second"][:1]) for each in answer["layouts"]}
 
 
+def aids(answer):
+    return {each["name"]: list(each["aids"]) for each in answer["layouts"]}
+
+
 def moved(name, kind="revolute", axis=(0.0, 0.0, 1.0), place=(0.0, 0.0, 0.0)):
     return MovedJoint(name, kind, axis, place)
 
@@ -109,6 +113,8 @@ class TestTelex:
         assert answer["actions"] == whole["actions"]
         assert answer["modes"] == whole["modes"]
         assert answer["lengths"] == whole["lengths"]
+        assert aids(answer) == aids(whole)
+        assert aids(answer)["DRIVE"] == ["guide lines"]
 
     def test_layouts_have_cameras_by_their_roles(self):
         assert views(told(telex())) == {
@@ -151,6 +157,7 @@ class TestTelex:
             "ARM": (("mast",), ()),
             "LOOK": (("mast",), ("front",)),
         }
+        assert aids(answer)["LOOK"] == []
         assert not [title for title in titles(answer) if "zoom" in title or "gripper clos" in title]
 
 

@@ -53,11 +53,13 @@ def fit(vocabulary: Vocabulary, robot: Abilities, adds: bool = True) -> Dict[str
         for each in actions
         if set(each.modes) & set(modes) and _leads(each, modes)
     ]
+    there = {each.does for each in kept}
     layouts = {
         name: Layout(
             tuple(mode for mode in layout.modes if mode in modes),
             _cameras(layout.first, robot),
             _cameras(layout.second, robot),
+            tuple(aid for aid in layout.aids if aid in there),
         )
         for name, layout in vocabulary.layouts.items()
         if set(layout.modes) & set(modes)
