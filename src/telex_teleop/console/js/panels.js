@@ -209,7 +209,8 @@ export class Panels {
       }
     }
     const card = { gripper_teleop: "gripper-card", flipper_teleop: "flipper-card" }[node];
-    if (card !== undefined) byId(card).hidden = joints.length === 0;
+    const isKnown = this._jogs.some(({ does }) => `${does.node}_teleop` === node);
+    if (card !== undefined) byId(card).hidden = joints.length === 0 || !isKnown;
   }
 
   /**
