@@ -28,6 +28,7 @@ setup(
             "telex_sim.robot.gripper",
             "telex_sim.robot.urdf",
             "telex_sim.ros",
+            "telex_sim.ros.sensors",
             "telex_sim.scene",
             "telex_sim.scene.files",
             "telex_sim.scene.library",

@@ -18,7 +18,7 @@ from telex_sim.offline.simulation import OfflineSimulation
 from telex_sim.proximity.monitor import NearPair, Proximity
 from telex_sim.proximity.places import Place
 from telex_sim.robot.gripper.contact import GripperContact, PadContact
-from telex_sim.ros import equipment_publisher
+from telex_sim.ros.sensors import equipment_publisher
 
 pytestmark = pytest.mark.slow
 

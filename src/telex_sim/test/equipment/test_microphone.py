@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from telex_sim.ros import microphone_publisher
+from telex_sim.ros.sensors import microphone_publisher
 
 
 @pytest.fixture

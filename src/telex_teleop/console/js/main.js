@@ -196,6 +196,7 @@ class Console {
       vocabulary: this._vocabulary, bridge: this._bridge, topic: this._topic, cameras: this._cameras, layouts: this._layouts,
       joints: this._joints, gripper: this._gripper, map: this._map, zooms: (camera) => this._cameraCommander.zooms(camera),
       paused: () => this._status.paused, warn: (sentence) => this._status.warn(sentence), odometry: this._facts.odometry,
+      guards: () => this._tool.guards,
     }, localStorage, robot);
     this._cameraCommander.zoomed = (camera, factor) => aids.zoom(camera, factor);
     aids.setRobot(this._facts);
@@ -420,7 +421,7 @@ class Console {
     }, JOINTS_PERIOD);
     this._listen(BATTERY.topic, BATTERY.type, (message) => this._battery.set(message), DISPLAY_PERIOD);
     this._listen(BATTERY_RANGE.topic, BATTERY_RANGE.type, (message) => this._battery.setRange(message), DISPLAY_PERIOD);
-    this._listen(CONTACT.topic, CONTACT.type, (message) => {
+    if (this._facts.moves === null || this._facts.gripper !== null) this._listen(CONTACT.topic, CONTACT.type, (message) => {
       this._gripper.feel(message);
       this._aids.feel(message);
       this._sound.feel(message);

@@ -143,6 +143,11 @@ export class ToolPanel {
     this._show();
   }
 
+  /** Whether the arm says that it keeps away from what is near. */
+  get guards() {
+    return this._frames.length > 0 && this._guard;
+  }
+
   /** @param {any} status  telex_msgs/JointTeleopStatus of arm_teleop */
   setArmStatus(status) {
     const mode = status.mode === "CARTESIAN" ? "CARTESIAN" : "JOINT";

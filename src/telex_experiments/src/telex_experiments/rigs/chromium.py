@@ -76,6 +76,10 @@ class BrowserError(RuntimeError):
     """The browser did not do what it was told; the message says what."""
 
 
+class PageLeftError(BrowserError, LookupError):
+    """The page that was asked has been left for another one; it may be asked again."""
+
+
 def program() -> Optional[str]:
     """Return the path of Chromium; None where there is none."""
     return shutil.which("chromium") or shutil.which("chromium-browser")
@@ -253,7 +257,8 @@ class Chromium:
                 raise BrowserError(f"the browser did not answer {method} in {ANSWER_WITHIN:g} s")
             answer = self._answers.pop(number, {"error": {"message": "the browser has ended"}})
         if "error" in answer:
-            raise BrowserError(f"{method}: {answer['error']['message']}")
+            kind = PageLeftError if "navigated" in answer["error"]["message"] else BrowserError
+            raise kind(f"{method}: {answer['error']['message']}")
         result: Dict[str, Any] = answer["result"]
         return result
 

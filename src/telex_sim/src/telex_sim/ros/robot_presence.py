@@ -29,12 +29,12 @@ from ..robot.gripper.contact import GripperContact as Contact
 from ..robot.robot import Robot
 from ..scene.model import WORLD_FRAME
 from ..stability.monitor import Margin, StabilityMonitor
-from .equipment_publisher import EquipmentPublisher
-from .gas_publisher import GasPublisher
 from .malfunction_service import Change, MalfunctionService
-from .microphone_publisher import MicrophonePublisher
-from .radiation_publisher import RadiationPublisher
-from .radio_publisher import RadioPublisher
+from .sensors.equipment_publisher import EquipmentPublisher
+from .sensors.gas_publisher import GasPublisher
+from .sensors.microphone_publisher import MicrophonePublisher
+from .sensors.radiation_publisher import RadiationPublisher
+from .sensors.radio_publisher import RadioPublisher
 from .truth_publisher import TruthPublisher
 
 _STOP_TIMEOUT = 1.0

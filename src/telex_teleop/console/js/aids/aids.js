@@ -39,6 +39,7 @@ const WEAK = 0.8; // share of the friction in use from which a grip is nearly to
  * @property {(camera: string) => boolean} zooms
  * @property {() => boolean} paused
  * @property {(sentence: string) => void} warn
+ * @property {() => boolean} guards  Whether the arm is held back from what is near.
  * @property {string | null} odometry  Topic, in the namespace of what drives; null: nothing does.
  */
 
@@ -125,6 +126,9 @@ export class Aids {
     if ("aim line" in told && this._finder !== undefined) told.range = told["aim line"];
     if ("aim line" in told) told["aim line"] = false;
     if ("finger gap" in told && this._followed.width !== "") told["finger gap"] = true;
+    // In an exam the guard knows what the robot itself can tell, and nothing else.
+    const hasSensors = "proximity" in this._equipment;
+    if (this._sources.guards() && (hasSensors || !this._exam)) told["proximity guard"] = !hasSensors;
     return told;
   }
 

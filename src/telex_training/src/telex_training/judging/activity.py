@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from typing import Any, Dict, List, Optional
 
-from .aids import AidRecord
 from .entries import BadEntryError, Entry, decode, json_of, number_field, text_field, text_of
+from .records.aids import AidRecord
 from .stats import median, percentile
 
 _HOLDS = 0.3

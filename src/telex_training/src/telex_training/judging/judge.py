@@ -15,7 +15,6 @@ from ..exercises.seeds import scene_of
 from . import sheet as sheets
 from .actions import action_of
 from .activity import COMMANDS, STATUSES, ActivityRecord
-from .aids import LASER, LASER_LINK
 from .conditions import Context
 from .entries import (
     ACTIONS,
@@ -42,7 +41,8 @@ from .entries import (
 from .handling import goal_zones
 from .malfunctions import MalfunctionRecord, Turn
 from .moments import INPUT as MOMENT
-from .other_robot import CHANNELS, OtherRobot, channel_of
+from .records.aids import LASER, LASER_LINK
+from .records.other_robot import CHANNELS, OtherRobot, channel_of
 from .records.robot import Happening
 from .repetition import GIVEN_UP, PUT_BACK, WENT_BACK, Progress, Repetition
 from .truth import Names, Sample, World, read_sample

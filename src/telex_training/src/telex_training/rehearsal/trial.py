@@ -44,7 +44,7 @@ from ..judging.entries import (
     Entry,
 )
 from ..judging.judge import ENDED, Judge
-from ..judging.other_robot import channel_of
+from ..judging.records.other_robot import channel_of
 from ..operators.experts.brief import Brief, Expert
 from ..operators.handling import Hand
 from ..operators.port import Command, NotManagedError

@@ -22,7 +22,7 @@ from ..judging.entries import (
     TELEMETRY,
     TRUTH,
 )
-from ..judging.other_robot import channel_of
+from ..judging.records.other_robot import channel_of
 
 WATCHED: Dict[str, str] = {
     NAMES: "telex_msgs/TruthNames",

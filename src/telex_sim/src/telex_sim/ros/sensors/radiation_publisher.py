@@ -5,10 +5,10 @@ from __future__ import annotations
 import rospy
 from telex_msgs.msg import CameraRadiation, ComponentDoses, Dosimeter
 
-from ..engine.exposure import Exposure
-from ..engine.simulation import Simulation
-from ..radiation.messages import doses_message
-from ..robot.robot import Robot
+from ...engine.exposure import Exposure
+from ...engine.simulation import Simulation
+from ...radiation.messages import doses_message
+from ...robot.robot import Robot
 
 
 class RadiationPublisher:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import rospy
 from telex_msgs.msg import Gas
 
-from ..engine.gas_sensor import GasSensor
-from ..engine.simulation import Simulation
-from ..robot.robot import Robot
+from ...engine.gas_sensor import GasSensor
+from ...engine.simulation import Simulation
+from ...robot.robot import Robot
 
 _PER_MILLION = 1.0e6
 

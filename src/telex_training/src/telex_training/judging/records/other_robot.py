@@ -6,10 +6,10 @@ from typing import List, Optional, Tuple
 
 from telex_sim.scene.model import Scene
 
-from .activity import COMMANDS, STATUSES, ActivityRecord
-from .entries import CLIENTS, LINK, NAMES, STATUS, TELEMETRY, TRUTH, Entry, decode
-from .truth import Names, Sample, World
-from .validity import Continuity, LinkRecord
+from ..activity import COMMANDS, STATUSES, ActivityRecord
+from ..entries import CLIENTS, LINK, NAMES, STATUS, TELEMETRY, TRUTH, Entry, decode
+from ..truth import Names, Sample, World
+from ..validity import Continuity, LinkRecord
 
 CHANNELS = (NAMES, TRUTH, STATUS, CLIENTS, TELEMETRY, LINK, *COMMANDS, *STATUSES)
 """What of a further robot is looked at; in a recording its name stands before each."""

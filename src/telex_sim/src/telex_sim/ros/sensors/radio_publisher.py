@@ -5,9 +5,9 @@ from __future__ import annotations
 import rospy
 from telex_msgs.msg import Radio
 
-from ..engine.radio import signal_at
-from ..engine.simulation import Simulation
-from ..robot.robot import Robot
+from ...engine.radio import signal_at
+from ...engine.simulation import Simulation
+from ...robot.robot import Robot
 
 
 class RadioPublisher:

@@ -7,7 +7,7 @@ from typing import Optional
 import rospy
 from std_msgs.msg import String
 
-from ..robot.robot import Robot
+from ...robot.robot import Robot
 
 SURFACE = "microphone/surface"
 """Topic, in the robot's namespace."""

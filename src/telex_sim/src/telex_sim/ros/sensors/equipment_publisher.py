@@ -10,12 +10,12 @@ import rospy
 from sensor_msgs.msg import Range
 from std_msgs.msg import Float64
 
-from ..equipment.errors import Errors
-from ..equipment.object_width import object_width
-from ..equipment.range_finder import RangeFinder
-from ..proximity.monitor import Proximity
-from ..robot.gripper.contact import GripperContact, PadContact
-from ..robot.robot import Robot
+from ...equipment.errors import Errors
+from ...equipment.object_width import object_width
+from ...equipment.range_finder import RangeFinder
+from ...proximity.monitor import Proximity
+from ...robot.gripper.contact import GripperContact, PadContact
+from ...robot.robot import Robot
 from .microphone_publisher import SURFACE
 
 EQUIPMENT, TRAINING_AIDS = "equipment", "training_aids"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Any, Dict, List
 
-from .entries import BadEntryError
+from ..entries import BadEntryError
 
 FIELD = "aids"
 """Of the telemetry: a struct of names, true for a training aid."""

@@ -1,0 +1,1 @@
+"""Publishers of what sensors and equipment of a robot measure."""
