@@ -1,5 +1,5 @@
 // @ts-check
-/** Zoom and lamps: commands to them, and what the panel shows of them. */
+/** Zoom: commands to the camera that has one, and what the panel shows of it. */
 
 import { decimal, text } from "./language.js";
 import { byId, element, holdButton, row, rowsOf, setText } from "./panels.js";
@@ -31,37 +31,12 @@ export class CameraCommander {
     this._zoomRate = vocabulary.zoomRate;
     this._mostZoom = vocabulary.maxZoom;
     this._last = -Infinity;
-    /** @type {Set<string>} */
-    this._lit = new Set();
-    this._switches = vocabulary.find("lamps");
     this._zoomValue = element("span", "num");
     this._zoomValue.id = "zoom-value";
-    const lamps = byId("lamps");
-    for (const { name, label } of this._switches) {
-      const button = /** @type {HTMLButtonElement} */ (element("button", "small lamp", text(label)));
-      button.type = "button";
-      button.dataset.command = name;
-      button.setAttribute("role", "checkbox");
-      lamps.append(button);
-    }
     for (const actions of rowsOf(vocabulary.find("zoom").filter(({ modes }) => modes.join() === "CAMERA"))) {
       byId("camera-rows").append(row("", text(actions[0].row), this._zoomValue, ...actions.map(holdButton)));
     }
     this._show();
-  }
-
-  advertise() {
-    for (const lamp of this._switches.flatMap(({ does }) => does.names)) {
-      const topic = this._topic(`lamps/${lamp}/command`);
-      this._bridge.advertise(topic, NUMBER);
-      // Another operator or the joystick may switch it as well.
-      this._bridge.subscribe({
-        topic, type: NUMBER, throttle: 0, heard: ({ data }) => {
-          this._lit[data > 0 ? "add" : "delete"](lamp);
-          this._show();
-        },
-      });
-    }
   }
 
   /** Take, after every new connection, which camera zooms, and how far. @param {Record<string, {zoom_max: number | null}>} cameras */
@@ -101,16 +76,6 @@ export class CameraCommander {
     this._bridge.publish(this._zoomTopic, { data: this._zoom });
   }
 
-  /** @param {string[]} lamps  Lights these lamps, or puts them out if one of them burns. */
-  toggle(lamps) {
-    const data = lamps.some((lamp) => this._lit.has(lamp)) ? 0 : 1;
-    for (const lamp of lamps) {
-      if (!this._bridge.publish(this._topic(`lamps/${lamp}/command`), { data })) return;
-      this._lit[data > 0 ? "add" : "delete"](lamp);
-    }
-    this._show();
-  }
-
   /** @param {number | null} factor */
   _take(factor) {
     if (factor === null || !Number.isFinite(factor)) return;
@@ -125,10 +90,6 @@ export class CameraCommander {
   }
 
   _show() {
-    for (const { name, does } of this._switches) {
-      const isLit = does.names.some((lamp) => this._lit.has(lamp));
-      document.querySelector(`[data-command="${name}"]`)?.setAttribute("aria-checked", String(isLit));
-    }
     setText(this._zoomValue, `${decimal(this._zoom, 1)}×`);
   }
 }

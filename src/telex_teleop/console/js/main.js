@@ -29,6 +29,7 @@ import { KeyMap } from "./keymap.js";
 import { nextLanguage, text, translated } from "./language.js";
 import { offerLayouts } from "./language/keyboard.js";
 import { startLanguage } from "./language/page.js";
+import { Lamps } from "./lamps.js";
 import { Layouts } from "./layouts.js";
 import { ModeSwitch } from "./modes.js";
 import { Motion } from "./motion.js";
@@ -136,6 +137,7 @@ class Console {
     this._commander = new Commander(vocabulary, this._bridge, topic, warn, facts);
     this._toolCommander = new ToolCommander(this._bridge, topic, congested, warn);
     this._cameraCommander = new CameraCommander(vocabulary, this._bridge, topic, congested);
+    this._lamps = new Lamps(vocabulary, this._bridge, topic, byId("lamps"), "command");
     this._tool = new ToolPanel(vocabulary, this._toolCommander, call, letGo, warn);
     this._layouts = new Layouts(localStorage, config.namespace, vocabulary.layouts, GIVEN.get("layout") ?? "", this._cameras, vocabulary.all);
     this._aids = this._makeAids(config.namespace);
@@ -226,7 +228,7 @@ class Console {
    */
   _commandOf(name) {
     const does = this._vocabulary.get(name)?.does;
-    if (does?.kind === "lamps") return () => this._cameraCommander.toggle(does.names);
+    if (does?.kind === "lamps") return () => { this._lamps.toggle(does.names); };
     return does?.kind === "command" ? this._commands[does.name] : undefined;
   }
 
@@ -373,7 +375,7 @@ class Console {
   _advertise() {
     this._commander.advertise();
     this._toolCommander.advertise();
-    this._cameraCommander.advertise();
+    this._lamps.advertise();
     this._bridge.advertise(this._topic("e_stop"), TYPES.bool, { latch: true, urgent: true });
   }
 

@@ -1,4 +1,4 @@
-"""How wide it is what the tool points at, as a training aid: no robot measures it."""
+"""Width of what the tool points at, as a training aid: no robot measures it."""
 
 from __future__ import annotations
 

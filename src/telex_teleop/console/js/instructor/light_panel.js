@@ -2,10 +2,9 @@
 /** Day and night, the lamps of the scene, and those of the robot. */
 
 import { onClick } from "../buttons.js";
+import { Lamps } from "../lamps.js";
 import { text } from "../language.js";
-import { byId, element } from "../panels.js";
-
-const NUMBER = "std_msgs/Float64";
+import { byId } from "../panels.js";
 
 export class LightPanel {
   /**
@@ -21,20 +20,15 @@ export class LightPanel {
     this._log = log;
     this._warn = warn;
     this._light = { daylight: 1, lamps: 1 };
-    /** @type {Set<string>} */
-    this._lit = new Set();
-    this._switches = vocabulary.find("lamps");
     for (const button of this._days) onClick(button, () => this._set({ daylight: Number(button.dataset.daylight) }));
     onClick(byId("light-lamps"), () => this._set({ lamps: this._light.lamps > 0 ? 0 : 1 }));
-    byId("light-robot").append(...this._switches.map((action) => {
-      const button = /** @type {HTMLButtonElement} */ (element("button", "small lamp", text(action.label)));
-      Object.assign(button, { type: "button", title: text(action.title) });
-      button.dataset.lamps = action.name;
-      button.setAttribute("role", "checkbox");
-      onClick(button, () => this._toggle(action.does.names));
-      return button;
-    }));
-    byId("light-robot").hidden = this._switches.length === 0;
+    const place = byId("light-robot");
+    this._lamps = new Lamps(vocabulary, bridge, topic, place, "lamps");
+    for (const { action, button } of this._lamps.switches) {
+      button.title = text(action.title);
+      onClick(button, () => { if (!this._lamps.toggle(action.does.names)) warn(text("not connected")); });
+    }
+    place.hidden = this._lamps.switches.length === 0;
     this._show();
   }
 
@@ -43,17 +37,7 @@ export class LightPanel {
   }
 
   subscribe() {
-    for (const lamp of this._switches.flatMap(({ does }) => does.names)) {
-      const topic = this._topic(`lamps/${lamp}/command`);
-      this._bridge.advertise(topic, NUMBER);
-      // The trainee switches them as well.
-      this._bridge.subscribe({
-        topic, type: NUMBER, throttle: 0, heard: ({ data }) => {
-          this._lit[data > 0 ? "add" : "delete"](lamp);
-          this._show();
-        },
-      });
-    }
+    this._lamps.advertise();
   }
 
   /** @param {{daylight: number, lamps: number}} light  That the scene has. */
@@ -74,22 +58,9 @@ export class LightPanel {
     }
   }
 
-  /** @param {string[]} lamps  Lights these lamps, or puts them out if one of them burns. */
-  _toggle(lamps) {
-    const data = lamps.some((lamp) => this._lit.has(lamp)) ? 0 : 1;
-    for (const lamp of lamps) {
-      if (!this._bridge.publish(this._topic(`lamps/${lamp}/command`), { data })) return this._warn(text("not connected"));
-    }
-    return undefined;
-  }
-
   _show() {
     const { daylight, lamps } = this._light;
     for (const button of this._days) button.setAttribute("aria-checked", String(Math.abs(Number(button.dataset.daylight) - daylight) < 0.01));
     byId("light-lamps").setAttribute("aria-checked", String(lamps > 0));
-    for (const { name, does } of this._switches) {
-      const isLit = does.names.some((lamp) => this._lit.has(lamp));
-      document.querySelector(`#light-robot [data-lamps="${name}"]`)?.setAttribute("aria-checked", String(isLit));
-    }
   }
 }

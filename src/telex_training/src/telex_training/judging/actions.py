@@ -1,4 +1,4 @@
-"""What an instructor has done to the scene, in words; of telex_msgs/InstructorAction."""
+"""An instructor's changes of the scene, in words; from telex_msgs/InstructorAction."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a robot's equipment is and measures: two parameters and a topic in its namespace."""
+"""A robot's equipment and its readings: two parameters and a topic in its namespace."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the microphone of one robot hears of the ground."""
+"""The ground that one robot's microphone hears."""
 
 from __future__ import annotations
 

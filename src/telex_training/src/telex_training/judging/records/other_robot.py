@@ -1,4 +1,4 @@
-"""What the judge hears of a robot beside the first one."""
+"""The judge's record of a robot beside the first one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a hall has over and on its floor and in its walls, to be seen only."""
+"""Roof, gate and marks on the floor of a hall, to be seen only."""
 
 from __future__ import annotations
 

@@ -1,0 +1,68 @@
+// @ts-check
+/** The robot's lamps: which are lit, whoever has switched them, and the buttons that switch them. */
+
+import { text } from "./language.js";
+import { element } from "./panels.js";
+
+const LEVEL = "std_msgs/Float64";
+
+export class Lamps {
+  /**
+   * @param {import("./vocabulary.js").Vocabulary} vocabulary  Knows which lamps are switched together.
+   * @param {import("./bridge.js").Bridge} bridge
+   * @param {(name: string) => string} topic
+   * @param {HTMLElement} place  Gets the buttons.
+   * @param {"command" | "lamps"} key  Of a button's data, under which it has its action's name.
+   */
+  constructor(vocabulary, bridge, topic, place, key) {
+    this._bridge = bridge;
+    this._topic = (/** @type {string} */ lamp) => topic(`lamps/${lamp}/command`);
+    /** @type {Set<string>} */
+    this._lit = new Set();
+    this.switches = vocabulary.find("lamps").map((action) => {
+      const button = /** @type {HTMLButtonElement} */ (element("button", "small lamp", text(action.label)));
+      button.type = "button";
+      button.dataset[key] = action.name;
+      button.setAttribute("role", "checkbox");
+      return { action, button };
+    });
+    place.append(...this.switches.map(({ button }) => button));
+    this._show();
+  }
+
+  /** Announce what switches them, and hear what others switch. */
+  advertise() {
+    for (const lamp of this.switches.flatMap(({ action }) => action.does.names)) {
+      const topic = this._topic(lamp);
+      this._bridge.advertise(topic, LEVEL);
+      this._bridge.subscribe({
+        topic, type: LEVEL, throttle: 0, heard: ({ data }) => {
+          this._take(lamp, data);
+          this._show();
+        },
+      });
+    }
+  }
+
+  /** @param {string[]} lamps  Lights these lamps, or puts them out if one of them burns. @returns {boolean} Whether the bridge took it. */
+  toggle(lamps) {
+    const data = lamps.some((lamp) => this._lit.has(lamp)) ? 0 : 1;
+    for (const lamp of lamps) {
+      if (!this._bridge.publish(this._topic(lamp), { data })) return false;
+      this._take(lamp, data);
+    }
+    this._show();
+    return true;
+  }
+
+  /** @param {string} lamp @param {number} level */
+  _take(lamp, level) {
+    this._lit[level > 0 ? "add" : "delete"](lamp);
+  }
+
+  _show() {
+    for (const { action, button } of this.switches) {
+      button.setAttribute("aria-checked", String(action.does.names.some((/** @type {string} */ lamp) => this._lit.has(lamp))));
+    }
+  }
+}
