@@ -1,6 +1,7 @@
 // @ts-check
 /** A small client of the rosbridge v2 protocol that reconnects by itself. */
 
+import { atBeat } from "./beat.js";
 import { term } from "./language/term.js";
 
 const RETRY_AFTER = 1000; // ms between two attempts to connect
@@ -43,6 +44,11 @@ export class Bridge {
     this._alone = 0;
     /** @type {Map<string, Subscription>} */
     this._subscriptions = new Map();
+    /** Messages that wait for the page's next beat. @type {{topic: string, msg: any}[]} */
+    this._news = [];
+    this._deliver = () => {
+      for (const { topic, msg } of this._news.splice(0)) this._subscriptions.get(topic)?.heard(msg);
+    };
     /** Who waits for the answer of a service, by the id of the call. @type {Map<string, (answer: any) => void>} */
     this._calls = new Map();
     this._callNumber = 0;
@@ -252,7 +258,10 @@ export class Bridge {
     this._lastWord = performance.now();
     this._hasSpoken = true;
     if (operation.op === "publish") {
-      this._subscriptions.get(operation.topic)?.heard(operation.msg);
+      this._news.push(operation);
+      // A page that nobody sees has its timers slowed down.
+      if (document.hidden) this._deliver();
+      else atBeat(this._deliver);
     } else if (operation.op === "service_response" && operation.id === `ping:${this._pingNumber}`) {
       this._trips = [...this._trips, this._openTrip].slice(-TRIPS);
       this._pingSent = 0;
@@ -285,6 +294,7 @@ export class Bridge {
     const socket = this._socket;
     this._socket = null;
     this._trips = [];
+    this._news = [];
     socket?.close();
     for (const answer of [...this._calls.values()]) answer({ result: false, values: term("the connection was lost") });
     this._events.lost(reason);

@@ -6,6 +6,9 @@ import { decimal, text } from "./language.js";
 /** A tick (ms) that comes later than this says that the page hung or slept; a press that old was meant for another moment. */
 const MAX_GAP = 200;
 
+/** Time (ms) between two questions to the browser, each of which costs its main process and the page as much as a command. */
+const ASK_PERIOD = 50;
+
 /** When the page's clock last ticked (ms). */
 let ticked = Infinity;
 
@@ -30,18 +33,21 @@ const askBrowser = (() => {
   };
 })();
 
-/** When the question was asked that has not been answered (ms). @type {number | null} */
-let asked = null;
+/** When the last question was asked (ms), and whether it has been answered. */
+let asked = -Infinity, answered = true;
 
 /**
  * Whether the browser's main process does not answer, through which the page hears that a key is let go. Call at a steady pace while
  * something is held.
  */
 export function browserHangs() {
-  if (asked !== null) return performance.now() - asked > MAX_GAP;
+  const since = performance.now() - asked;
+  if (!answered) return since > MAX_GAP;
+  if (since < ASK_PERIOD) return false;
   asked = performance.now();
+  answered = false;
   askBrowser(() => {
-    asked = null;
+    answered = true;
   });
   return false;
 }

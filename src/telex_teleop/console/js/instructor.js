@@ -3,6 +3,7 @@
 
 import { ask } from "./ask.js";
 import { AttitudeView, STABILITY } from "./attitude.js";
+import { atBeat } from "./beat.js";
 import { Bridge } from "./bridge.js";
 import { onClick } from "./buttons.js";
 import { Cameras } from "./cameras.js";
@@ -214,7 +215,7 @@ async function start() {
     arranging.show(state);
   });
 
-  setInterval(() => {
+  const display = () => {
     status.showLink(bridge, line);
     status.showSim();
     status.showVideo(cameras, size.isReduced(cameras.main));
@@ -224,7 +225,8 @@ async function start() {
     trainee.fade();
     cameras.refresh();
     overview.refresh();
-  }, DISPLAY_PERIOD);
+  };
+  setInterval(() => atBeat(display), DISPLAY_PERIOD);
   bridge.start();
 }
 

@@ -5,6 +5,7 @@ import { Aids } from "./aids/aids.js";
 import { AttitudeView, STABILITY } from "./attitude.js";
 import { BATTERY, BATTERY_RANGE, BatteryView } from "./battery.js";
 import { Avatar } from "./avatar.js";
+import { atBeat } from "./beat.js";
 import { Bridge } from "./bridge.js";
 import { onClick } from "./buttons.js";
 import { CameraCommander } from "./camera_panel.js";
@@ -539,7 +540,8 @@ class Console {
       if (!this._held.empty && browserHangs()) letGo(text("the browser does not answer"));
       if (!this._held.empty || this._commander.busy || this._toolCommander.busy) this._update();
     }, letGo);
-    setInterval(() => this._display(), DISPLAY_PERIOD);
+    const display = () => this._display();
+    setInterval(() => atBeat(display), DISPLAY_PERIOD);
   }
 
   _display() {

@@ -67,14 +67,15 @@ PAINTED = """
 # Where, in rows of the camera, a column of the canvas has a colour of the 1 m line.
 ROWS = """
     const canvas = document.querySelector("#view > canvas.aids");
-    const scale = Math.min(canvas.width / 640, canvas.height / 480);
-    const left = (canvas.width - 640 * scale) / 2;
+    const {clientWidth: width, clientHeight: height} = canvas.parentElement;
+    const scale = Math.min(width / 640, height / 480);
+    const left = (width - 640 * scale) / 2 - canvas.offsetLeft;
     const context = canvas.getContext("2d");
     const {data} = context.getImageData(Math.round(left + %s * scale), 0, 1, canvas.height);
     const rows = [];
     for (let row = 0; row < canvas.height; row += 1) {
       const [red, green, blue] = data.slice(4 * row, 4 * row + 3);
-      if (red === 255 && green === 211 && blue === 92) rows.push((row + 0.5) / scale - 0.5);
+      if (red === 255 && green === 211 && blue === 92) rows.push((canvas.offsetTop + row + 0.5) / scale - 0.5);
     }
     return rows;
 """

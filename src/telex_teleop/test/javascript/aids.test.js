@@ -7,6 +7,7 @@ import { Calibrations } from "../../console/js/aids/calibrations.js";
 import { aimFigures, contactFigures, gapFigures, guideFigures } from "../../console/js/aids/figures.js";
 import { fieldOf, lensOf, project, zoomed } from "../../console/js/aids/lens.js";
 import { floorThrough, gearOf, guideLines, horizon, levelAhead, upward } from "../../console/js/aids/lines.js";
+import { boundsOf } from "../../console/js/aids/painter.js";
 import { Sight, boxOf } from "../../console/js/aids/sight.js";
 
 /** @typedef {import("../../console/js/urdf.js").Vector} Vector */
@@ -15,6 +16,8 @@ const D = [-0.12, 0.02, 0.0002, -0.0003, 0];
 const info = (/** @type {object} */ more = {}) => ({
   header: { frame_id: "eye" }, width: 640, height: 480, distortion_model: "plumb_bob", D, K: [400, 0, 319.5, 0, 400, 239.5, 0, 0, 1], ...more,
 });
+/** Places are rounded to halves of a pixel. */
+const ROUNDED = 0.2501;
 const near = (/** @type {number} */ a, /** @type {number} */ b, tolerance = 1e-9) => assert.ok(Math.abs(a - b) < tolerance, `${a} is not ${b}`);
 const allNear = (/** @type {number[]} */ found, /** @type {number[]} */ wanted, tolerance = 1e-9) => {
   assert.equal(found?.length, wanted.length);
@@ -95,8 +98,8 @@ test("guide lines are drawn where the camera shows the floor, and not where it l
   assert.deepEqual(labels, ["0.5 m", "1 m", "2 m"]);
   const rung = figures.flatMap((each) => (each.kind === "lines" && each.width === 3 ? [each.lines.at(-1) ?? []] : []))[0];
   // 1.4 m ahead of the camera, 0.4 m below it and 0.2 m to either side, at a focal length of 400.
-  allNear(rung[0], [320 - (400 * 0.2) / 1.4, 240 + (400 * 0.4) / 1.4], 0.06);
-  allNear(rung[rung.length - 1], [320 + (400 * 0.2) / 1.4, 240 + (400 * 0.4) / 1.4], 0.06);
+  allNear(rung[0], [320 - (400 * 0.2) / 1.4, 240 + (400 * 0.4) / 1.4], ROUNDED);
+  allNear(rung[rung.length - 1], [320 + (400 * 0.2) / 1.4, 240 + (400 * 0.4) / 1.4], ROUNDED);
   const upwards = { rotation: [0, -1, 0, -1, 0, 0, 0, 0, -1].map((each) => -each), translation: /** @type {Vector} */ ([0, 0, 0.4]) };
   assert.deepEqual(guideFigures(sight(upwards), GEAR, FLAT), []);
 });
@@ -107,7 +110,7 @@ test("the horizon is level in the world whatever the robot's attitude", () => {
   const lines = sight(level(0)).farLine(horizon(level(0), upward(0, 0.1)));
   // Nose down by 0.1 rad: the horizon is above the middle.
   assert.ok(lines[0].length > 5);
-  for (const [, v] of lines[0]) near(v, 240 - 400 * Math.tan(0.1), 0.06);
+  for (const [, v] of lines[0]) near(v, 240 - 400 * Math.tan(0.1), ROUNDED);
   assert.deepEqual(horizon({ rotation: [0, -1, 0, -1, 0, 0, 0, 0, -1], translation: [0, 0, 0] }, [0, 0, 1]), []); // looks down
   assert.equal(levelAhead({ rotation: [0, -1, 0, -1, 0, 0, 0, 0, -1], translation: [0, 0, 0] }, [0, 0, 1]), null);
 });
@@ -116,6 +119,22 @@ test("a line ends where it comes behind the camera", () => {
   const [line] = sight(level(0.4)).line([[-1, 0.1, 0], [3, 0.1, 0]]);
   for (const [, v] of line) assert.ok(v > 240 && v <= 480 * 1.5);
   assert.deepEqual(sight(level(0.4)).line([[-2, 0.1, 0], [-1, 0.1, 0]]), []);
+});
+
+test("a canvas covers no more of its view than is painted", () => {
+  /** @type {import("../../console/js/aids/figures.js").Figure[]} */
+  const figures = [
+    { kind: "lines", lines: [[[300, 400], [500, 450]]], colour: "#fff", width: 3 },
+    { kind: "sign", shape: "ring", at: [600, 420], colour: "#fff", size: 9 },
+    { kind: "label", at: [310, 440], words: "1 m", align: "right" },
+  ];
+  assert.deepEqual(boundsOf(figures, 1000, 700), { left: 256, top: 384, width: 384, height: 128 });
+  // What lies beside the view needs no canvas.
+  const { left, top, width, height } = boundsOf([{ ...figures[0], lines: [[[-900, 650], [1900, 1200]]] }], 1000, 700);
+  assert.deepEqual([left, top + height], [0, 700]);
+  assert.ok(width === 1000 && height > 0);
+  const beyond = boundsOf([{ ...figures[0], lines: [[[1400, 100], [1900, 200]]] }], 1000, 700);
+  assert.ok(beyond.width >= 1 && beyond.height >= 1 && Number.isFinite(beyond.left));
 });
 
 test("a picture that is shown whole has its place in its view", () => {
@@ -142,8 +161,8 @@ test("the aim line says its range, and differs where it has none", () => {
 test("the gap of the fingers stands at the object, and says whether it fits", () => {
   const gap = (/** @type {number | null} */ width, aim = AIM) => gapFigures(sight(level(0.2)), aim, 0.1, 0.3, width, false);
   const [left, right] = /** @type {any} */ (gap(null).figures[1]).lines;
-  near(left[0][0], 320 - (400 * 0.05) / 0.6, 0.06);
-  near(right[0][0], 320 + (400 * 0.05) / 0.6, 0.06);
+  near(left[0][0], 320 - (400 * 0.05) / 0.6, ROUNDED);
+  near(right[0][0], 320 + (400 * 0.05) / 0.6, ROUNDED);
   assert.deepEqual(gap(null).plates, [{ words: "gap 100 mm", isAid: false }]);
   assert.deepEqual(gap(0.09).plates, [{ words: "gap 100 mm", isAid: false }, { words: "✔ fits", isAid: true }]);
   assert.deepEqual(words(gap(0.098)), ["gap 100 mm", "✖ does not fit"]);

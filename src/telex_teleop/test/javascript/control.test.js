@@ -36,6 +36,7 @@ globalThis.document = /** @type {any} */ ({
 
 /** @param {any} operation  Of the bridge, as this page gets it. */
 const hear = (operation) => /** @type {any} */ (bridge)._receive(operation);
+const beat = () => new Promise((resolve) => setTimeout(resolve, 80));
 
 const answer = (/** @type {string} */ service, /** @type {object} */ values) => {
   const { id } = /** @type {any} */ ([...said].reverse().find((each) => each.service === service));
@@ -55,6 +56,7 @@ beforeEach(async () => {
   answer("bridge/who_am_i", { success: true, message: "7" });
   await known;
   hear({ op: "publish", topic: "bridge/clients", msg: { holder: "7", clients: [{ id: "7", name: "" }] } });
+  await beat();
   said = [];
 });
 

@@ -1,6 +1,7 @@
 // @ts-check
 /** Aids for distance and direction, drawn over the large views: what they need to know, and when they are drawn. */
 
+import { atBeat } from "../beat.js";
 import { yawOf } from "../hud.js";
 import { text } from "../language.js";
 import { fixed } from "../panels.js";
@@ -10,7 +11,7 @@ import { bandFigures, zoomText } from "./band.js";
 import { Calibrations } from "./calibrations.js";
 import { aimFigures, contactFigures, gapFigures, guideFigures, horizonFigures } from "./figures.js";
 import { fieldOf } from "./lens.js";
-import { column, floorThrough, gearOf, levelAhead, plus, unit, upward } from "./lines.js";
+import { column, differ, floorThrough, gearOf, levelAhead, plus, unit, upward } from "./lines.js";
 import { Painter } from "./painter.js";
 import { Sight, boxOf } from "./sight.js";
 import { Switches } from "./switches.js";
@@ -20,7 +21,7 @@ import { Switches } from "./switches.js";
 /** @typedef {import("./figures.js").Aim} Aim */
 
 const RANGE = "sensor_msgs/Range", WIDTH = "std_msgs/Float64";
-const PERIOD = 67; // ms between two pictures of the aids, at least
+const PERIOD = 67; // ms between two messages of what is measured, at least
 const BUTTON = 56; // px that the second view's button takes of its upper edge
 const FRESH = 1000; // ms that a message counts
 const TOUCHES = 0.5; // N from which a pad counts as pressing
@@ -103,11 +104,11 @@ export class Aids {
     this._range = new Heard();
     /** Of what is aimed at (m). @type {Heard<any>} */
     this._width = new Heard();
-    this._painted = -Infinity;
+    /** Under the guide lines, as it was when it last changed so much that it can be seen. @type {import("./lines.js").Floor | null} */
+    this._floor = null;
     /** Whether nothing is drawn. */
     this._isClear = true;
-    /** @type {ReturnType<typeof setTimeout> | undefined} */
-    this._timer = undefined;
+    this._paint = this._paint.bind(this);
     this._switched();
   }
 
@@ -248,15 +249,9 @@ export class Aids {
     return this._switches.on.filter((name) => name !== "plan");
   }
 
-  /** Have the aids drawn anew, at their own pace. */
+  /** Have the aids drawn anew, with whatever else changes in the page. */
   change() {
-    if (this._timer !== undefined || document.hidden || (this._isClear && this._drawn.length === 0)) return;
-    const wait = Math.max(0, PERIOD - (performance.now() - this._painted));
-    this._timer = setTimeout(() => {
-      this._timer = undefined;
-      this._painted = performance.now();
-      this._paint();
-    }, wait);
+    if (!document.hidden && !(this._isClear && this._drawn.length === 0)) atBeat(this._paint);
   }
 
   _paint() {
@@ -331,7 +326,8 @@ export class Aids {
     const corners = (stability?.support ?? []).map((/** @type {any} */ { x, y, z }) => /** @type {Vector} */ ([x, y, z]));
     // What it stands on is known from what carries it; else it stands on its tracks.
     const floor = floorThrough(corners) ?? { z: gear.bottom, alongX: 0, alongY: 0 };
-    return guideFigures(sight, gear, floor);
+    if (this._floor === null || differ(floor, this._floor)) this._floor = floor;
+    return guideFigures(sight, gear, this._floor);
   }
 
   /**

@@ -13,6 +13,7 @@ export const DISTANCES = [0.5, 1, 2];
 
 const LEAST_SPREAD = 0.02; // m, standard deviation: on points that are nearer to each other nothing lies flat
 const STEEPEST = 0.7; // slope to the robot beyond which it leans against something rather than stand on it
+const SAME_HEIGHT = 0.003, SAME_SLOPE = 0.005; // m, and slope: belts that run shake by as much
 const HORIZON_REACH = 75, HORIZON_STEP = 5; // degrees to either side of where the camera looks
 const LEAST_VIEW = 0.2; // length of the camera's axis, seen from above, below which it looks straight up or down
 
@@ -57,6 +58,9 @@ export function floorThrough(points) {
   if (Math.hypot(alongX, alongY) > STEEPEST) return null;
   return { z: mean[2] - alongX * mean[0] - alongY * mean[1], alongX, alongY };
 }
+
+/** Whether guide lines on two floors can be told apart. @param {Floor} a @param {Floor} b */
+export const differ = (a, b) => Math.abs(a.z - b.z) > SAME_HEIGHT || Math.hypot(a.alongX - b.alongX, a.alongY - b.alongY) > SAME_SLOPE;
 
 /**
  * Where tracks or wheels are, by the places of their axles.

@@ -8,6 +8,8 @@
 const DARK = "rgb(0 0 0 / 80%)", PLATE = "rgb(14 18 22 / 86%)", LIGHT = "#ffffff", FRAME = "#ffd35c";
 const FONT = '600 13px system-ui, "DejaVu Sans", sans-serif';
 const PAD = 5, LINE = 20, APART = 4; // px, of a plate
+const GRID = 64, EDGE = 6; // px: steps in which a canvas grows, and what is drawn beside a figure's own points
+const WIDEST_LETTER = 13; // px, of FONT
 
 /** A canvas that lies over a view. */
 export class Painter {
@@ -24,12 +26,12 @@ export class Painter {
     // Below what stands over the picture.
     view.insertBefore(this._canvas, view.querySelector(".over"));
     this._last = "[]";
-    new ResizeObserver(resized).observe(view);
-  }
-
-  /** Of the view inside its frame (CSS px). */
-  get size() {
-    return { width: this.view.clientWidth, height: this.view.clientHeight };
+    /** Of the view inside its frame (CSS px); nobody has to lay out the page for it. */
+    this.size = { width: view.clientWidth, height: view.clientHeight };
+    new ResizeObserver(([{ contentRect: { width, height } }]) => {
+      this.size = { width: Math.round(width), height: Math.round(height) };
+      resized();
+    }).observe(view);
   }
 
   /**
@@ -45,11 +47,14 @@ export class Painter {
     this._canvas.hidden = figures.length === 0;
     if (figures.length === 0) return;
     const ratio = window.devicePixelRatio || 1;
-    const [columns, rows] = [Math.round(width * ratio), Math.round(height * ratio)];
+    const used = boundsOf(figures, width, height);
+    this._cover(used);
+    const [columns, rows] = [Math.round(used.width * ratio), Math.round(used.height * ratio)];
     if (this._canvas.width !== columns || this._canvas.height !== rows) Object.assign(this._canvas, { width: columns, height: rows });
     const context = /** @type {CanvasRenderingContext2D} */ (this._canvas.getContext("2d"));
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    context.clearRect(0, 0, width, height);
+    context.clearRect(0, 0, used.width, used.height);
+    context.translate(-used.left, -used.top);
     context.lineCap = context.lineJoin = "round";
     context.save();
     if (box !== undefined) {
@@ -60,6 +65,45 @@ export class Painter {
     for (const figure of figures) draw(context, figure);
     context.restore();
   }
+
+  /** Lie over this part of the view alone. @param {import("./sight.js").Box} part */
+  _cover(part) {
+    const { style } = this._canvas;
+    for (const side of /** @type {("left" | "top" | "width" | "height")[]} */ (["left", "top", "width", "height"])) {
+      const length = `${part[side]}px`;
+      if (style[side] !== length) style[side] = length;
+    }
+  }
+}
+
+/**
+ * The part of a view that figures are painted in, in steps: all of it is composited with every picture below it.
+ * @param {(Figure | Ribbon | Plates)[]} figures
+ * @param {number} width  Of the view (CSS px).
+ * @param {number} height
+ * @returns {import("./sight.js").Box}
+ */
+export function boundsOf(figures, width, height) {
+  const corners = figures.flatMap(cornersOf);
+  const xs = corners.map(([x]) => x), ys = corners.map(([, y]) => y);
+  const down = (/** @type {number[]} */ values) => Math.max(0, GRID * Math.floor((Math.min(...values) - EDGE) / GRID));
+  const up = (/** @type {number[]} */ values, /** @type {number} */ most) => Math.min(most, GRID * Math.ceil((Math.max(...values) + EDGE) / GRID));
+  const left = Math.min(down(xs), width - 1), top = Math.min(down(ys), height - 1);
+  return { left, top, width: Math.max(1, up(xs, width) - left), height: Math.max(1, up(ys, height) - top) };
+}
+
+/** Between which a figure is, but for its edge. @param {Figure | Ribbon | Plates} figure @returns {[number, number][]} */
+function cornersOf(figure) {
+  if (figure.kind === "lines") return figure.lines.flat();
+  if (figure.kind === "sign") return [-figure.size, figure.size].map((size) => [figure.at[0] + size, figure.at[1] + size]);
+  if (figure.kind === "label") {
+    const [x, y] = figure.at, length = WIDEST_LETTER * figure.words.length;
+    return [[x, y - LINE / 2], [figure.align === "left" ? x + length : x - length, y + LINE / 2]];
+  }
+  const { left, top } = figure;
+  if (figure.kind === "ribbon") return [[left, top], [left + figure.width, top + figure.height]];
+  // At worst every plate has a row of its own.
+  return [[left, top], [figure.right, Math.min(figure.bottom, top + figure.plates.length * (LINE + APART))]];
 }
 
 /** @param {CanvasRenderingContext2D} context @param {Figure | Ribbon | Plates} figure */

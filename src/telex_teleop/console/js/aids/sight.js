@@ -109,5 +109,5 @@ export class Sight {
   }
 }
 
-/** @param {number} value  To tenths of a pixel: by less, nothing is drawn anew. */
-const rounded = (value) => Math.round(10 * value) / 10;
+/** @param {number} value  To halves of a pixel: by less, nothing is drawn anew. */
+const rounded = (value) => Math.round(2 * value) / 2;

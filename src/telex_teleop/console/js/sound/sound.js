@@ -22,6 +22,9 @@ const SILENT_AFTER = 500; // ms after which what was heard of motors or touched 
 const RESTS_AFTER = 2000; // ms of silence after which the browser makes no sound, which costs it
 const RUMBLES = 160; // ms
 
+/** Of the browser's sounds: few large pieces cost less than many small ones, and all that is heard lies below 8 kHz. @type {AudioContextOptions} */
+const CONTEXT = { latencyHint: 0.06, sampleRate: 16000 };
+
 /** What lets a page make sounds. */
 const GESTURES = ["keydown", "pointerup", "click"];
 
@@ -212,7 +215,7 @@ export class Sound {
   _begin() {
     if (!this._on || this._begun || globalThis.AudioContext === undefined) return;
     if (this._context === null) {
-      this._context = new AudioContext();
+      this._context = new AudioContext(CONTEXT);
       this._synth = new Synth(this._context);
       this._synth.setVolume(this._volume / STEPS);
       this._context.onstatechange = () => {
