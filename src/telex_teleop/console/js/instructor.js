@@ -27,6 +27,7 @@ import { PictureSize } from "./picture_size.js";
 import { JOINT_NODES, TRACK_NODE, TYPES, UNKNOWN, fetchRobot } from "./robot.js";
 import { Roster } from "./roster.js";
 import { SceneChooser } from "./scenes.js";
+import { request } from "./services.js";
 import { globalNames, showRobot } from "./several_robots.js";
 import { StatusView } from "./status.js";
 import { TrainingClient } from "./training/client.js";
@@ -116,18 +117,7 @@ async function start() {
   /** @type {any} */
   let sim = null;
 
-  /**
-   * @param {string} service
-   * @param {object} [args]
-   */
-  const call = async (service, args = {}) => {
-    try {
-      const answer = await bridge.call(topic(service), args);
-      if (answer.success === false) status.warn(translated(answer.message));
-    } catch (error) {
-      status.warn(`${service}: ${translated(/** @type {Error} */ (error).message)}`);
-    }
-  };
+  const call = (/** @type {string} */ service, args = {}) => request(bridge, topic(service), args, warn, (why) => `${service}: ${why}`);
   const setEstop = (/** @type {boolean} */ data) => {
     if (!bridge.publish(topic("e_stop"), { data })) status.warn(text("not connected: e-stop was NOT sent"), "alarm");
   };

@@ -42,6 +42,7 @@ import { PictureSize } from "./picture_size.js";
 import { DOSIMETER, DosimeterView } from "./radiation/dosimeter.js";
 import { RadiationMap } from "./radiation/map.js";
 import { FLIPPER_NODE, JOINT_NODES, TRACK_NODE, TYPES, UNKNOWN, fetchRobot, isSameRobot } from "./robot.js";
+import { request } from "./services.js";
 import { showRobot } from "./several_robots.js";
 import { SURFACE, Sound } from "./sound/sound.js";
 import { SILENT_AFTER, StatusView } from "./status.js";
@@ -133,13 +134,14 @@ class Console {
     this._cameras = startCameras(config, facts);
     // What speaks to the robot.
     this._bridge = this._makeBridge();
-    const call = (/** @type {string} */ name, /** @type {object} */ args) => this._bridge.call(topic(name), args);
+    const call = (/** @type {string} */ service, /** @type {object} */ args) =>
+      request(this._bridge, topic(service), args, warn, (why) => `${service}: ${why}`);
     const congested = () => this._commander.congested;
     this._commander = new Commander(vocabulary, this._bridge, topic, warn, facts);
     this._toolCommander = new ToolCommander(this._bridge, topic, congested, warn);
     this._cameraCommander = new CameraCommander(vocabulary, this._bridge, topic, congested);
     this._lamps = new Lamps(vocabulary, this._bridge, topic, byId("lamps"), "command");
-    this._tool = new ToolPanel(vocabulary, this._toolCommander, call, letGo, warn);
+    this._tool = new ToolPanel(vocabulary, this._toolCommander, call, letGo);
     this._layouts = new Layouts(localStorage, config.namespace, vocabulary.layouts, GIVEN.get("layout") ?? "", this._cameras, vocabulary.all);
     this._aids = this._makeAids(config.namespace);
     this._modes = new ModeSwitch(vocabulary.modes, this._tool, letGo, this._layouts);
@@ -519,8 +521,8 @@ class Console {
     for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-command]"))) {
       onClick(button, () => this._commandOf(/** @type {string} */ (button.dataset.command))?.());
     }
-    this._tool.listen(onClick);
-    this._modes.listen(onClick, (name) => this._vocabulary.nameOf({ kind: "command", name }, []));
+    this._tool.listen();
+    this._modes.listen((name) => this._vocabulary.nameOf({ kind: "command", name }, []));
     for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-side]"))) {
       button.addEventListener("click", () => {
         this._commander.side = /** @type {"left" | "both" | "right"} */ (button.dataset.side);

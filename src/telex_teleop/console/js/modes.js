@@ -1,6 +1,7 @@
 // @ts-check
 /** What the operator's keys are about: the mode of the arm, or the tracks or the camera alone. */
 
+import { onClick } from "./buttons.js";
 import { text } from "./language.js";
 import { byId, setText } from "./panels.js";
 
@@ -58,11 +59,8 @@ export class ModeSwitch {
     setText(byId("mode-note"), text(this._modes.find(({ name }) => name === mode)?.note ?? ""));
   }
 
-  /**
-   * @param {(button: HTMLElement, act: () => void) => void} onClick
-   * @param {(command: string) => string} keyOf  Name of the action of a command.
-   */
-  listen(onClick, keyOf) {
+  /** Let modes be chosen by clicks. @param {(command: string) => string} keyOf  Name of the action of a command. */
+  listen(keyOf) {
     // The arm stays in the mode that it has.
     this._layouts.addTabs((modes) => this.set(modes.includes(this._tool.mode) ? this._tool.mode : modes[0]), keyOf);
     for (const { name: mode } of this._modes) {

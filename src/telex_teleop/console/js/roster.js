@@ -5,6 +5,7 @@ import { ask } from "./ask.js";
 import { onClick } from "./buttons.js";
 import { text, translated } from "./language.js";
 import { byId, element, setText } from "./panels.js";
+import { request } from "./services.js";
 
 const TYPE = "telex_msgs/BridgeClients";
 const NOBODY = "";
@@ -84,11 +85,8 @@ export class Roster {
 
   /** Ask, after every new connection, who this page is. */
   async connected() {
-    try {
-      this._id = (await this._bridge.call(this._topic("bridge/who_am_i"), {})).message;
-    } catch (error) {
-      this._warn(translated(/** @type {Error} */ (error).message));
-    }
+    const answer = await request(this._bridge, this._topic("bridge/who_am_i"), {}, this._warn);
+    if (answer !== null) this._id = answer.message;
     this._show();
   }
 
@@ -137,13 +135,7 @@ export class Roster {
    * @param {string} done  What to log when it is.
    */
   async _do(service, args, done) {
-    try {
-      const answer = await this._bridge.call(this._topic(`bridge/${service}`), args);
-      if (answer.success) this._log(done);
-      else this._warn(translated(answer.message));
-    } catch (error) {
-      this._warn(translated(/** @type {Error} */ (error).message));
-    }
+    if (await request(this._bridge, this._topic(`bridge/${service}`), args, this._warn)) this._log(done);
   }
 
   /** @param {number} [now]  Of the bridge's clock (s). */

@@ -1,6 +1,7 @@
 // @ts-check
 /** The arm by its tool: mode, frame, commands, and what the panel shows of it. */
 
+import { onClick } from "./buttons.js";
 import { text, translated } from "./language.js";
 import { byId, element, fixed, holdButton, row, rowsOf, setText } from "./panels.js";
 
@@ -113,15 +114,13 @@ export class ToolPanel {
   /**
    * @param {import("./vocabulary.js").Vocabulary} vocabulary
    * @param {ToolCommander} commander
-   * @param {(service: string, request: object) => Promise<any>} call  Calls a service of arm_teleop.
+   * @param {(service: string, args: object) => void} call  Calls a service, and says why where it refuses.
    * @param {(reason: string) => void} letGo  Releases everything that is held.
-   * @param {(sentence: string) => void} warn
    */
-  constructor(vocabulary, commander, call, letGo, warn) {
+  constructor(vocabulary, commander, call, letGo) {
     this._commander = commander;
     this._call = call;
     this._letGo = letGo;
-    this._warn = warn;
     /** Of the arm, as its status says. @type {Mode} */
     this.mode = "JOINT";
     this._holdsTool = false;
@@ -187,7 +186,7 @@ export class ToolPanel {
   /** @param {Mode} mode */
   setMode(mode) {
     this._letGo(text("{mode} mode", { mode: text(mode) }));
-    this._ask("set_mode", { mode });
+    this._call(`${NODE}/set_mode`, { mode });
   }
 
   /** @param {string} [frame]  The next one if none is named. */
@@ -200,24 +199,11 @@ export class ToolPanel {
   }
 
   toggleHold() {
-    this._ask("hold_tool", { data: !this._holdsTool });
+    this._call(`${NODE}/hold_tool`, { data: !this._holdsTool });
   }
 
   toggleGuard() {
-    this._ask("set_proximity_guard", { data: !this._guard });
-  }
-
-  /**
-   * @param {string} service
-   * @param {object} request
-   */
-  async _ask(service, request) {
-    try {
-      const answer = await this._call(`${NODE}/${service}`, request);
-      if (!answer.success) this._warn(answer.message);
-    } catch (error) {
-      this._warn(`${NODE}/${service}: ${translated(/** @type {Error} */ (error).message)}`);
-    }
+    this._call(`${NODE}/set_proximity_guard`, { data: !this._guard });
   }
 
   _show() {
@@ -231,8 +217,8 @@ export class ToolPanel {
     byId("guard").setAttribute("aria-checked", String(this._guard));
   }
 
-  /** Let the panel's switches be clicked. @param {(button: HTMLElement, act: () => void) => void} onClick */
-  listen(onClick) {
+  /** Let the panel's switches be clicked. */
+  listen() {
     for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-frame]"))) {
       onClick(button, () => this.setFrame(this._frames[Number(button.dataset.frame)]));
     }

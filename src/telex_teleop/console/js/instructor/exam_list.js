@@ -3,10 +3,11 @@
 
 import { ask } from "../ask.js";
 import { onClick } from "../buttons.js";
-import { text, translated } from "../language.js";
+import { text } from "../language.js";
 import { byId, setText } from "../panels.js";
+import { request } from "../services.js";
+import { BEGUN } from "../training/client.js";
 
-const BEGUN = ["preparing", "waiting", "running", "between"];
 
 /** A line of the exercise's card, which is there while the list holds. */
 export class ExamList {
@@ -49,12 +50,7 @@ export class ExamList {
   async _end() {
     const sentence = this._runs ? text("End the exam's list? The trial that runs becomes invalid.") : text("End the exam's list? Trainees may use everything again.");
     if (!(await ask(sentence, text("end the list")))) return;
-    try {
-      const { success, message } = await this._bridge.call(this._topic("bridge/end_exam"), {});
-      if (success) this._log(text("the exam's list is ended"));
-      else this._warn(translated(message));
-    } catch (error) {
-      this._warn(text("exam: {why}", { why: translated(/** @type {Error} */ (error).message) }));
-    }
+    const ended = await request(this._bridge, this._topic("bridge/end_exam"), {}, this._warn, (why) => text("exam: {why}", { why }));
+    if (ended) this._log(text("the exam's list is ended"));
   }
 }

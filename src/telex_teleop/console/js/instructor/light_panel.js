@@ -5,6 +5,7 @@ import { onClick } from "../buttons.js";
 import { Lamps } from "../lamps.js";
 import { text } from "../language.js";
 import { byId } from "../panels.js";
+import { request } from "../services.js";
 
 export class LightPanel {
   /**
@@ -49,13 +50,10 @@ export class LightPanel {
   /** @param {Partial<{daylight: number, lamps: number}>} change */
   async _set(change) {
     const light = { ...this._light, ...change };
-    try {
-      const { success, message } = await this._bridge.call(this._topic("sim/set_light"), light);
-      if (success) this.show(light);
-      (success ? this._log : this._warn)(message);
-    } catch (error) {
-      this._warn(/** @type {Error} */ (error).message);
-    }
+    const answer = await request(this._bridge, this._topic("sim/set_light"), light, this._warn);
+    if (answer === null) return;
+    this.show(light);
+    this._log(answer.message);
   }
 
   _show() {

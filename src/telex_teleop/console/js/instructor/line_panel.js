@@ -4,6 +4,7 @@
 import { onClick } from "../buttons.js";
 import { decimal, term, text, translated } from "../language.js";
 import { byId, element, setText } from "../panels.js";
+import { request } from "../services.js";
 
 /** Profiles of the shipped file, and how a button calls them. @type {[string, string, string][]} */
 const PROFILES = [
@@ -68,13 +69,9 @@ export class LinePanel {
   /** @param {string} profile */
   async _choose(profile) {
     if (profile === this._profile) return;
-    try {
-      const { success, message } = await this._bridge.call(this._topic("link/configure"), { profile, fields: "" });
-      if (success) this._log(text("line: {profile}", { profile: translated(profile) }));
-      else this._warn(translated(message));
-    } catch (error) {
-      this._warn(text("line: {why}", { why: translated(/** @type {Error} */ (error).message) }));
-    }
+    const change = { profile, fields: "" };
+    const changed = await request(this._bridge, this._topic("link/configure"), change, this._warn, (why) => text("line: {why}", { why }));
+    if (changed) this._log(text("line: {profile}", { profile: translated(profile) }));
   }
 }
 

@@ -4,9 +4,10 @@
 import { onClick } from "../buttons.js";
 import { decimal, onLanguage, text, translated } from "../language.js";
 import { byId, element, setText } from "../panels.js";
+import { request } from "../services.js";
+import { BEGUN } from "../training/client.js";
 
 const TYPE = "telex_msgs/Malfunctions";
-const BEGUN = ["preparing", "waiting", "running", "between"];
 
 /**
  * @typedef {object} Possible  telex_msgs/PossibleMalfunction
@@ -143,16 +144,9 @@ export class MalfunctionPanel {
     if (await this._call({ what, kind, value: 0, on: false, announced: false })) this._log(text("{what} works again", { what: nameOf({ what, kind }) }));
   }
 
-  /** @param {object} request  Of telex_msgs/Malfunction. @returns {Promise<boolean>} */
-  async _call(request) {
-    try {
-      const { success, message } = await this._bridge.call(this._topic("sim/malfunction"), request);
-      if (!success) this._warn(translated(message));
-      return success;
-    } catch (error) {
-      this._warn(text("malfunction: {why}", { why: translated(/** @type {Error} */ (error).message) }));
-      return false;
-    }
+  /** @param {object} fields  Of a request of telex_msgs/Malfunction. */
+  _call(fields) {
+    return request(this._bridge, this._topic("sim/malfunction"), fields, this._warn, (why) => text("malfunction: {why}", { why }));
   }
 
   /** Hear how far the exercise is. @param {import("../training/client.js").State} state */

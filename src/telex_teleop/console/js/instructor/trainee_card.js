@@ -3,6 +3,7 @@
 
 import { decimal, text, translated } from "../language.js";
 import { byId, setText } from "../panels.js";
+import { request } from "../services.js";
 import { TYPES } from "../training/client.js";
 
 const TEXT_TYPE = "telex_msgs/TrainingText";
@@ -76,13 +77,8 @@ export class TraineeCard {
 
   async _say() {
     const field = /** @type {HTMLInputElement} */ (byId("trainee-words"));
-    try {
-      const { success, message } = await this._bridge.call(this._topic("training/tell"), { text: field.value.trim(), by: this._by });
-      if (!success) this._warn(message);
-      else field.value = "";
-    } catch (error) {
-      this._warn(/** @type {Error} */ (error).message);
-    }
+    const said = { text: field.value.trim(), by: this._by };
+    if (await request(this._bridge, this._topic("training/tell"), said, this._warn)) field.value = "";
   }
 
   _showText() {

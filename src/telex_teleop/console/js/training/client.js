@@ -1,7 +1,11 @@
 // @ts-check
 /** The training node, as the pages speak to it. */
 
-import { onLanguage, translated } from "../language.js";
+import { onLanguage } from "../language.js";
+import { request } from "../services.js";
+
+/** Phases of a trial that has begun and has not ended. */
+export const BEGUN = ["preparing", "waiting", "running", "between"];
 
 export const TYPES = {
   state: "telex_msgs/TrainingState",
@@ -81,14 +85,7 @@ export class TrainingClient {
    * @returns {Promise<boolean>} Whether it was done.
    */
   async act(name, args = {}) {
-    try {
-      const answer = await this._bridge.call(this._topic(`training/${name}`), args, SLOW);
-      if (!answer.success) this._warn(translated(answer.message));
-      return answer.success;
-    } catch (error) {
-      this._warn(translated(/** @type {Error} */ (error).message));
-      return false;
-    }
+    return (await request(this._bridge, this._topic(`training/${name}`), args, this._warn, undefined, SLOW)) !== null;
   }
 
   /** @param {string} operator @returns {Promise<Exercise[]>} */

@@ -2,8 +2,10 @@
 /** The instructor's bookmarks: of a trainee's practice where one goes on, else of the simulator. */
 
 import { onClick } from "../buttons.js";
-import { text, translated } from "../language.js";
+import { text } from "../language.js";
 import { byId, element } from "../panels.js";
+import { request } from "../services.js";
+import { BEGUN } from "./client.js";
 
 /** @typedef {import("./client.js").State} State */
 
@@ -98,17 +100,9 @@ export class InstructorBookmarks {
    * @param {string} service
    * @param {object} fields
    * @param {(sentence: string) => void} told  Told why it was not done.
-   * @returns {Promise<any>} Null: it was not done.
    */
-  async _call(service, fields, told) {
-    try {
-      const answer = await this._bridge.call(this._topic(service), fields);
-      if (answer.success !== false) return answer;
-      told(translated(answer.message));
-    } catch (error) {
-      told(`${service}: ${translated(/** @type {Error} */ (error).message)}`);
-    }
-    return null;
+  _call(service, fields, told) {
+    return request(this._bridge, this._topic(service), fields, told, (why) => `${service}: ${why}`);
   }
 }
 
@@ -118,7 +112,7 @@ export class InstructorBookmarks {
  * @returns {"practice" | "exam" | "simulator"}
  */
 export function bookmarksOf(state) {
-  if (state === null || !["preparing", "waiting", "running", "between"].includes(state.phase)) return "simulator";
+  if (state === null || !BEGUN.includes(state.phase)) return "simulator";
   return state.mode === "exam" ? "exam" : "practice";
 }
 

@@ -5,9 +5,8 @@ import { ask } from "../ask.js";
 import { onClick } from "../buttons.js";
 import { text, translated } from "../language.js";
 import { byId, element, setText } from "../panels.js";
-import { addressOf } from "./client.js";
+import { BEGUN, addressOf } from "./client.js";
 
-const BEGUN = ["preparing", "waiting", "running", "between"];
 
 /** @typedef {import("./client.js").State} State */
 

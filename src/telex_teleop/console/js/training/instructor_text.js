@@ -4,6 +4,7 @@
 import { onClick } from "../buttons.js";
 import { text as say } from "../language.js";
 import { byId, element, setText } from "../panels.js";
+import { request } from "../services.js";
 
 const TYPE = "telex_msgs/TrainingText";
 
@@ -43,12 +44,7 @@ export class InstructorText {
   async read() {
     const told = this._told;
     if (told === null || told.text === "" || told.read) return;
-    try {
-      const { success, message } = await this._bridge.call(this._topic("training/read"), { number: told.number });
-      if (!success) this._warn(message);
-    } catch (error) {
-      this._warn(/** @type {Error} */ (error).message);
-    }
+    await request(this._bridge, this._topic("training/read"), { number: told.number }, this._warn);
   }
 }
 

@@ -6,6 +6,7 @@ import { onClick } from "../../buttons.js";
 import { decimal, text } from "../../language.js";
 import { byId, element, setText } from "../../panels.js";
 import { OVERVIEW } from "../../overview.js";
+import { BEGUN } from "../../training/client.js";
 import { PicturePointer } from "./picture_pointer.js";
 import { PlanView } from "./plan_view.js";
 import { rayDown } from "./ray.js";
@@ -14,7 +15,6 @@ import { ScenePlan } from "./scene_plan.js";
 const POSES_PERIOD = 250; // ms
 const WITHIN = 20_000; // ms in which an object must have come
 const FIRST = "crate"; // what is offered first
-const BEGUN = ["preparing", "waiting", "running", "between"];
 
 /** @typedef {"look" | "put" | "move" | "take"} Tool */
 /** @typedef {import("./ray.js").Ray} Ray */
