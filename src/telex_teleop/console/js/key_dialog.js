@@ -1,6 +1,7 @@
 // @ts-check
 /** The list of all keys, in which each can be changed. */
 
+import { makeButton } from "./buttons.js";
 import { text } from "./language.js";
 import { byId, element } from "./panels.js";
 
@@ -67,19 +68,15 @@ export class KeyDialog {
 
   /** @param {import("./vocabulary.js").Action} action */
   _line({ name, title }) {
-    const line = /** @type {HTMLButtonElement} */ (element("button", "key-line"));
-    line.type = "button";
+    const line = makeButton("", () => {
+      this._wait(name);
+      this._tell(text("Press the new key for “{action}”.", { action: text(title) }));
+    }, "key-line");
     line.dataset.key = name;
     const cap = element("kbd");
     cap.dataset.binding = name;
     line.append(cap, element("span", "", text(title)));
     line.disabled = name === this._vocabulary.emergencyStop;
-    line.addEventListener("pointerdown", (event) => event.preventDefault());
-    line.addEventListener("mousedown", (event) => event.preventDefault());
-    line.addEventListener("click", () => {
-      this._wait(name);
-      this._tell(text("Press the new key for “{action}”.", { action: text(title) }));
-    });
     return line;
   }
 

@@ -1,8 +1,8 @@
 // @ts-check
 /** The robot's lamps: which are lit, whoever has switched them, and the buttons that switch them. */
 
+import { makeButton } from "./buttons.js";
 import { text } from "./language.js";
-import { element } from "./panels.js";
 
 const LEVEL = "std_msgs/Float64";
 
@@ -20,8 +20,7 @@ export class Lamps {
     /** @type {Set<string>} */
     this._lit = new Set();
     this.switches = vocabulary.find("lamps").map((action) => {
-      const button = /** @type {HTMLButtonElement} */ (element("button", "small lamp", text(action.label)));
-      button.type = "button";
+      const button = makeButton(text(action.label), undefined, "small lamp");
       button.dataset[key] = action.name;
       button.setAttribute("role", "checkbox");
       return { action, button };

@@ -1,7 +1,7 @@
 // @ts-check
 /** The page's layouts, one for each task: two large views of one's own choice in each, kept in this browser for this robot. */
 
-import { onClick } from "./buttons.js";
+import { makeButton } from "./buttons.js";
 import { text } from "./language.js";
 import { byId, element } from "./panels.js";
 import { showAction, viewActions } from "./presence.js";
@@ -56,14 +56,12 @@ export class Layouts {
     // Nobody chooses among one.
     byId("layouts").hidden = this._layouts.length < 2;
     byId("layouts").append(...this._layouts.map(({ name, modes }) => {
-      const tab = element("button", "tab");
-      tab.setAttribute("type", "button");
+      const tab = makeButton("", () => choose(modes), "tab");
       tab.setAttribute("role", "radio");
       tab.dataset.layout = name;
       const cap = element("kbd");
       cap.dataset.binding = keyOf(LEAD_TO[modes[0]] ?? "mode");
       tab.append(cap, text(name));
-      onClick(tab, () => choose(modes));
       return tab;
     }));
     this._show();

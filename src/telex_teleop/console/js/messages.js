@@ -1,6 +1,7 @@
 // @ts-check
 /** The log of messages: every news once, with how grave it is. */
 
+import { onClick } from "./buttons.js";
 import { byId, element } from "./panels.js";
 
 /** @typedef {"info" | "warning" | "alarm"} Level */
@@ -34,9 +35,7 @@ export class Messages {
     this._gathered = new Map();
     const buttons = /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-least]"));
     for (const button of buttons) {
-      button.addEventListener("pointerdown", (event) => event.preventDefault());
-      button.addEventListener("mousedown", (event) => event.preventDefault());
-      button.addEventListener("click", () => {
+      onClick(button, () => {
         for (const each of buttons) each.setAttribute("aria-checked", String(each === button));
         this._list.dataset.shows = button.dataset.least;
       });

@@ -1,6 +1,7 @@
 // @ts-check
 /** The side panel: joints with their values and the buttons that move them. */
 
+import { makeButton } from "./buttons.js";
 import { decimal, text, translated } from "./language.js";
 
 const ARROWS = /** @type {Record<string, string>} */ ({
@@ -40,8 +41,7 @@ export function setText(where, words) {
 
 /** @param {import("./vocabulary.js").Action} action */
 export function holdButton({ name, label }) {
-  const button = /** @type {HTMLButtonElement} */ (element("button", "hold"));
-  button.type = "button";
+  const button = makeButton("", undefined, "hold");
   button.dataset.action = name;
   const cap = element("kbd");
   cap.dataset.binding = name;

@@ -2,7 +2,7 @@
 /** Who is connected to the bridge and who has control, with what an instructor may do about it. */
 
 import { ask } from "./ask.js";
-import { onClick } from "./buttons.js";
+import { makeButton, onClick } from "./buttons.js";
 import { text, translated } from "./language.js";
 import { byId, element, setText } from "./panels.js";
 import { request } from "./services.js";
@@ -26,9 +26,7 @@ class Line {
   constructor(give) {
     this.row = document.createElement("tr");
     this._cells = Array.from({ length: 5 }, () => this.row.appendChild(document.createElement("td")));
-    this._button = /** @type {HTMLButtonElement} */ (element("button", "small", text("hand over")));
-    this._button.type = "button";
-    onClick(this._button, give);
+    this._button = makeButton(text("hand over"), give);
     this._holds = element("span", "holds", text("in control"));
     this._cells[4].append(this._button, this._holds);
   }

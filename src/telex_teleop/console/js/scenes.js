@@ -2,7 +2,7 @@
 /** The scenes that the simulator has, and another one in place of the present one. */
 
 import { ask } from "./ask.js";
-import { onClick } from "./buttons.js";
+import { makeButton } from "./buttons.js";
 import { decimal, text, translated } from "./language.js";
 import { byId, element, setText } from "./panels.js";
 
@@ -63,10 +63,8 @@ export class SceneChooser {
       const line = element("li");
       line.dataset.scene = scene.name;
       line.dataset.loaded = String(scene.path === current);
-      const button = /** @type {HTMLButtonElement} */ (element("button", "small", scene.path === current ? text("load anew") : text("load")));
-      button.type = "button";
+      const button = makeButton(scene.path === current ? text("load anew") : text("load"), () => this._load(scene.name));
       button.disabled = scene.problem !== "";
-      onClick(button, () => this._load(scene.name));
       if (scene.picture) {
         const picture = /** @type {HTMLImageElement} */ (element("img"));
         Object.assign(picture, { src: `data:image/jpeg;base64,${scene.picture}`, alt: "" });

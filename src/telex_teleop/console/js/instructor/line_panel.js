@@ -1,9 +1,9 @@
 // @ts-check
 /** The instructor's panel of the line between console and robot: one click for each profile. */
 
-import { onClick } from "../buttons.js";
+import { makeButton } from "../buttons.js";
 import { decimal, term, text, translated } from "../language.js";
-import { byId, element, setText } from "../panels.js";
+import { byId, setText } from "../panels.js";
 import { request } from "../services.js";
 
 /** Profiles of the shipped file, and how a button calls them. @type {[string, string, string][]} */
@@ -57,11 +57,10 @@ export class LinePanel {
     if (names === this._offered) return;
     this._offered = names;
     byId("line-profiles").replaceChildren(...offered.map(([name, label, title]) => {
-      const button = /** @type {HTMLButtonElement} */ (element("button", "small", text(label)));
-      Object.assign(button, { type: "button", title: text(title) });
+      const button = makeButton(text(label), () => this._choose(name));
+      button.title = text(title);
       button.dataset.profile = name;
       button.setAttribute("role", "radio");
-      onClick(button, () => this._choose(name));
       return button;
     }));
   }

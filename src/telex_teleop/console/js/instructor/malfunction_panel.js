@@ -1,7 +1,7 @@
 // @ts-check
 /** The instructor's panel of malfunctions: chosen from what can fail, injected now or at the next step. */
 
-import { onClick } from "../buttons.js";
+import { makeButton, onClick } from "../buttons.js";
 import { decimal, onLanguage, text, translated } from "../language.js";
 import { byId, element, setText } from "../panels.js";
 import { request } from "../services.js";
@@ -178,10 +178,7 @@ export class MalfunctionPanel {
    */
   _row(words, deed, act) {
     const row = element("li");
-    const button = /** @type {HTMLButtonElement} */ (element("button", "small", deed));
-    Object.assign(button, { type: "button" });
-    onClick(button, act);
-    row.append(element("span", "", words), button);
+    row.append(element("span", "", words), makeButton(deed, act));
     return row;
   }
 }

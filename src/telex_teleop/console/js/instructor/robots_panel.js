@@ -2,7 +2,7 @@
 /** The other robots of the scene: who has control, their emergency stops; one press stops them all. */
 
 import { Bridge } from "../bridge.js";
-import { onClick } from "../buttons.js";
+import { makeButton } from "../buttons.js";
 import { locateBridge } from "../config.js";
 import { text, translated } from "../language.js";
 import { byId, element, setText } from "../panels.js";
@@ -29,10 +29,8 @@ class OtherRobot {
     link.href = `/instructor?${asked}`;
     link.textContent = name;
     this._state = element("span", "num", "");
-    this._release = /** @type {HTMLButtonElement} */ (element("button", "small", text("release e-stop")));
-    this._release.type = "button";
+    this._release = makeButton(text("release e-stop"), () => this.setEstop(false));
     this._release.tabIndex = -1;
-    onClick(this._release, () => this.setEstop(false));
     this.row.append(link, " ", this._state, " ", this._release);
     this._bridge = new Bridge(() => locateBridge(asked), {
       opened: () => this._show(),

@@ -1,6 +1,7 @@
 // @ts-check
 /** A page's own markup in the language that is shown, and the button that changes the language. */
 
+import { onClick } from "../buttons.js";
 import { again, keep, language, nextLanguage, onLanguage, text } from "../language.js";
 
 const ATTRIBUTES = ["title", "aria-label", "placeholder", "alt"];
@@ -50,8 +51,6 @@ export function startLanguage(say = again) {
     history.replaceState(history.state, "", address);
     show();
   });
-  button?.addEventListener("pointerdown", (event) => event.preventDefault());
-  button?.addEventListener("mousedown", (event) => event.preventDefault());
-  button?.addEventListener("click", nextLanguage);
+  if (button !== null) onClick(button, nextLanguage);
   show();
 }

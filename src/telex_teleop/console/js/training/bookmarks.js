@@ -1,7 +1,7 @@
 // @ts-check
 /** Bookmarks on the strip, in practice: one is set wherever the trainee is, and he goes on from one. */
 
-import { onClick } from "../buttons.js";
+import { makeButton } from "../buttons.js";
 import { text } from "../language.js";
 import { byId, element } from "../panels.js";
 
@@ -20,13 +20,11 @@ export class StripBookmarks {
     /** Those that are offered, oldest first. @type {string[]} */
     this._names = [];
     where.replaceChildren(
-      made("button", "training-bookmark", text("bookmark"), text("Set a bookmark here, to go on from again")),
-      made("button", "training-back", text("again from here"), text("Go back to the bookmark that is chosen; it counts for nothing")),
-      made("select", "training-bookmarks-names", "", text("Which bookmark")),
+      made(makeButton(text("bookmark"), () => this.set()), "training-bookmark", text("Set a bookmark here, to go on from again")),
+      made(makeButton(text("again from here"), () => this.back()), "training-back", text("Go back to the bookmark that is chosen; it counts for nothing")),
+      made(element("select"), "training-bookmarks-names", text("Which bookmark")),
     );
     this._choice.setAttribute("aria-label", text("Bookmark"));
-    onClick(byId("training-bookmark"), () => this.set());
-    onClick(byId("training-back"), () => this.back());
     // Keys must move the robot again.
     this._choice.addEventListener("change", () => this._choice.blur());
   }
@@ -71,10 +69,5 @@ export function offered({ phase, mode, bookmarks }) {
   return { canSet, names: mode === "practice" && (canSet || phase === "between") ? bookmarks : [] };
 }
 
-/** @param {string} tag @param {string} id @param {string} words @param {string} title */
-function made(tag, id, words, title) {
-  const part = element(tag, tag === "button" ? "small" : "", words);
-  Object.assign(part, { id, title, hidden: true });
-  if (part instanceof HTMLButtonElement) part.type = "button";
-  return part;
-}
+/** @param {HTMLElement} part @param {string} id @param {string} title */
+const made = (part, id, title) => Object.assign(part, { id, title, hidden: true });

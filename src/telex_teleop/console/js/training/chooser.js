@@ -1,9 +1,9 @@
 // @ts-check
 /** The chooser of exercises: pictures, settings, one's own best, and whose trial it will be. */
 
-import { onClick } from "../buttons.js";
+import { makeButton, onClick } from "../buttons.js";
 import { onLanguage, text, translated } from "../language.js";
-import { byId, setText } from "../panels.js";
+import { byId, element, setText } from "../panels.js";
 import { addressOf, clockText, rememberOperator, rememberedOperator } from "./client.js";
 
 export class ExerciseChooser {
@@ -66,7 +66,7 @@ export class ExerciseChooser {
 
   /** @param {import("./client.js").Exercise} exercise */
   _card(exercise) {
-    const card = document.createElement("article");
+    const card = element("article");
     if (exercise.preview !== "") {
       const picture = document.createElement("img");
       picture.src = addressOf(exercise.preview, this._given);
@@ -74,26 +74,16 @@ export class ExerciseChooser {
       picture.loading = "lazy";
       card.append(picture);
     }
-    const title = document.createElement("h3");
-    title.textContent = exercise.title || exercise.name;
-    const about = document.createElement("p");
-    about.textContent = exercise.problem || exercise.description;
-    card.append(title, about);
+    card.append(element("h3", "", exercise.title || exercise.name), element("p", "", exercise.problem || exercise.description));
     if (exercise.problem !== "") {
       card.dataset.state = "broken";
       return card;
     }
-    const row = document.createElement("div");
+    const row = element("div");
     const setting = chooser(exercise.settings, text("setting"));
     const mode = chooser(exercise.modes, text("mode"));
-    const open = document.createElement("button");
-    open.type = "button";
-    open.className = "small";
-    open.textContent = text("open");
-    onClick(open, () => this._open(exercise.name, setting.value, mode.value));
-    const best = document.createElement("span");
-    best.className = "note";
-    best.textContent = exercise.best > 0 ? text("your best {time}", { time: clockText(exercise.best) }) : "";
+    const open = makeButton(text("open"), () => this._open(exercise.name, setting.value, mode.value));
+    const best = element("span", "note", exercise.best > 0 ? text("your best {time}", { time: clockText(exercise.best) }) : "");
     row.append(setting, mode, open, best);
     card.append(row);
     return card;

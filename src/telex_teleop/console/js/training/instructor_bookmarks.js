@@ -1,7 +1,7 @@
 // @ts-check
 /** The instructor's bookmarks: of a trainee's practice where one goes on, else of the simulator. */
 
-import { onClick } from "../buttons.js";
+import { makeButton, onClick } from "../buttons.js";
 import { text } from "../language.js";
 import { byId, element } from "../panels.js";
 import { request } from "../services.js";
@@ -124,11 +124,7 @@ function build() {
   const choice = element("select");
   choice.id = "bookmarks-names";
   choice.setAttribute("aria-label", text("Bookmark to go back to"));
-  const button = (/** @type {string} */ id, /** @type {string} */ words) => {
-    const made = element("button", "hold", words);
-    Object.assign(made, { id, type: "button" });
-    return made;
-  };
+  const button = (/** @type {string} */ id, /** @type {string} */ words) => Object.assign(makeButton(words, undefined, "hold"), { id });
   byId("bookmarks").replaceChildren(name, button("bookmarks-set", text("bookmark")), choice, button("bookmarks-back", text("back to it")));
   return name;
 }

@@ -1,7 +1,7 @@
 // @ts-check
 /** What the instructor says to the trainee: in the header until he acknowledges it, by key or button. */
 
-import { onClick } from "../buttons.js";
+import { makeButton } from "../buttons.js";
 import { text as say } from "../language.js";
 import { byId, element, setText } from "../panels.js";
 import { request } from "../services.js";
@@ -22,8 +22,7 @@ export class InstructorText {
     this._warn = warn;
     /** @type {Told | null} */
     this._told = null;
-    document.querySelector("body > header")?.append(build());
-    onClick(byId("instructor-text-read"), () => this.read());
+    document.querySelector("body > header")?.append(build(() => this.read()));
   }
 
   subscribe() {
@@ -48,16 +47,16 @@ export class InstructorText {
   }
 }
 
-/** A line of the header. */
-function build() {
+/** A line of the header. @param {() => void} read  Acknowledges it. */
+function build(read) {
   const line = element("section", "instructor-text");
   Object.assign(line, { id: "instructor-text", hidden: true });
   line.setAttribute("role", "alert");
   const by = element("span"), words = element("b");
   by.id = "instructor-text-by";
   words.id = "instructor-text-words";
-  const button = /** @type {HTMLButtonElement} */ (element("button", "small"));
-  Object.assign(button, { id: "instructor-text-read", type: "button" });
+  const button = makeButton("", read);
+  button.id = "instructor-text-read";
   const cap = element("kbd");
   cap.dataset.binding = "read";
   button.append(cap, " ", say("I have read it"));

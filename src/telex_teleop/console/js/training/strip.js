@@ -1,7 +1,7 @@
 // @ts-check
 /** The strip above the picture: the exercise as it stands, questions, and what can be pressed. */
 
-import { onClick } from "../buttons.js";
+import { makeButton, onClick } from "../buttons.js";
 import { term, text, translated } from "../language.js";
 import { byId, element, setText } from "../panels.js";
 import { StripBookmarks } from "./bookmarks.js";
@@ -119,20 +119,11 @@ export class TrainingStrip {
 
   /** @param {State["questions"][number]} question */
   _question({ name, ask, choices }) {
-    const line = document.createElement("form");
-    const label = document.createElement("label");
-    label.textContent = ask;
+    const line = element("form"), label = element("label", "", ask);
     line.append(label);
     const answer = (/** @type {string} */ words) => this._client.act("answer", { question: name, answer: words });
     if (choices.length > 0) {
-      for (const choice of choices) {
-        const button = document.createElement("button");
-        button.type = "button";
-        button.className = "small";
-        button.textContent = choice;
-        onClick(button, () => answer(choice));
-        line.append(button);
-      }
+      line.append(...choices.map((choice) => makeButton(choice, () => answer(choice))));
       return line;
     }
     const field = document.createElement("input");
@@ -157,9 +148,7 @@ function build(strip) {
     return made;
   };
   const button = (/** @type {string} */ name, /** @type {string} */ words) => {
-    const made = /** @type {HTMLButtonElement} */ (part("button", name, "small"));
-    Object.assign(made, { type: "button", hidden: true, textContent: words });
-    return made;
+    return Object.assign(makeButton(words), { id: `training-${name}`, hidden: true });
   };
   const invalid = part("span", "invalid", "badge");
   Object.assign(invalid, { hidden: true, textContent: text("NOT VALID") });
