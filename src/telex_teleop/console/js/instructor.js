@@ -25,9 +25,9 @@ import { OVERVIEW, OverviewControl } from "./overview.js";
 import { byId, fixed, setText } from "./panels.js";
 import { PictureSize } from "./picture_size.js";
 import { JOINT_NODES, TRACK_NODE, TYPES, UNKNOWN, fetchRobot } from "./robot.js";
+import { RobotClient } from "./robot_client.js";
 import { Roster } from "./roster.js";
 import { SceneChooser } from "./scenes.js";
-import { request } from "./services.js";
 import { globalNames, showRobot } from "./several_robots.js";
 import { StatusView } from "./status.js";
 import { TrainingClient } from "./training/client.js";
@@ -94,20 +94,21 @@ async function start() {
     },
     refused: (sentence) => status.warn(text("bridge: {sentence}", { sentence: translated(sentence) })),
   });
-  const roster = new Roster(bridge, topic, log, warn);
-  const scenes = new SceneChooser(bridge, topic, log, warn, () => cameras.newScene());
-  const training = new TrainingClient(bridge, topic, warn);
+  const robot = new RobotClient(bridge, topic, log, warn);
+  const roster = new Roster(robot);
+  const scenes = new SceneChooser(robot, () => cameras.newScene());
+  const training = new TrainingClient(robot);
   const strip = new TrainingStrip(training, given, () => {}); // nothing is held here
   const exercises = new ExercisePanel(training, given, () => roster.drivers, log);
-  const examList = new ExamList(bridge, topic, log, warn);
-  const linePanel = new LinePanel(bridge, topic, log, warn);
-  const malfunctions = new MalfunctionPanel(bridge, topic, log, warn);
-  const bookmarks = new InstructorBookmarks(bridge, topic, log, warn);
+  const examList = new ExamList(robot);
+  const linePanel = new LinePanel(robot);
+  const malfunctions = new MalfunctionPanel(robot);
+  const bookmarks = new InstructorBookmarks(robot);
   const robots = new RobotsPanel(config, given, (sentence, level) => status.log(sentence, level));
   const overview = new OverviewControl(bridge, topic, () => cameras.main.camera);
-  const light = new LightPanel(vocabulary, bridge, topic, log, warn);
-  const trainee = new TraineeCard(vocabulary, bridge, topic, given.get("name") ?? "", log, warn);
-  const arranging = new Arranging(bridge, topic, () => cameras.main.camera, log, warn, (lit) => light.show(lit));
+  const light = new LightPanel(vocabulary, robot);
+  const trainee = new TraineeCard(vocabulary, robot, given.get("name") ?? "");
+  const arranging = new Arranging(robot, () => cameras.main.camera, (lit) => light.show(lit));
   listenToTabs(byId("tabs"), (part) => arranging.open(part === "scene"));
 
   const size = new PictureSize(bridge, topic);
@@ -117,7 +118,7 @@ async function start() {
   /** @type {any} */
   let sim = null;
 
-  const call = (/** @type {string} */ service, args = {}) => request(bridge, topic(service), args, warn, (why) => `${service}: ${why}`);
+  const call = (/** @type {string} */ service, args = {}) => robot.request(service, args, (why) => `${service}: ${why}`);
   const setEstop = (/** @type {boolean} */ data) => {
     if (!bridge.publish(topic("e_stop"), { data })) status.warn(text("not connected: e-stop was NOT sent"), "alarm");
   };
@@ -142,18 +143,12 @@ async function start() {
   link.href = `/?${given}`;
 
   bridge.advertise(topic("e_stop"), TYPES.bool, { latch: true });
-  const listen = (
-    /** @type {string} */ name,
-    /** @type {string} */ type,
-    /** @type {(message: any) => void} */ heard,
-    throttle = 0,
-  ) => bridge.subscribe({ topic: topic(name), type, throttle, heard });
   const line = new Line((sentence, level) => status.log(sentence, level));
-  listen(LINK_STATE.topic, LINK_STATE.type, (message) => {
+  robot.subscribe(LINK_STATE.topic, LINK_STATE.type, (message) => {
     line.hear(message);
     linePanel.hear(message);
   });
-  listen("sim/status", TYPES.simStatus, (message) => {
+  robot.subscribe("sim/status", TYPES.simStatus, (message) => {
     sim = message;
     if (status.isOtherWorld(message)) cameras.newScene();
     status.setSim(message);
@@ -164,27 +159,27 @@ async function start() {
     const late = message.late_cycles > 0 ? text(" · {count} late cycles", { count: message.late_cycles }) : "";
     setText(byId("sim-note"), text("{count} resets", { count: message.resets }) + late);
   });
-  listen(STABILITY.topic, STABILITY.type, (stability) => {
+  robot.subscribe(STABILITY.topic, STABILITY.type, (stability) => {
     attitude.set(stability);
     facts.show("robot-roll", figure([stability.roll], degrees));
     facts.show("robot-pitch", figure([stability.pitch], degrees));
     facts.show("robot-margin", figure([stability.margin], (margin) => `${Math.round(100 * Math.max(0, margin))} %`));
   }, DISPLAY_PERIOD);
-  listen("sim/base_pose", "geometry_msgs/PoseStamped", (message) => {
+  robot.subscribe("sim/base_pose", "geometry_msgs/PoseStamped", (message) => {
     overview.setRobot(message);
     const { x, y } = message.pose.position;
     facts.show("robot-place", figure([x, y], () => `${fixed(x, 1)} ${fixed(y, 1)} m`));
   }, DISPLAY_PERIOD);
   const { odometry } = await fetchRobot(given).catch(() => UNKNOWN);
-  if (odometry !== null) listen(odometry, ODOMETRY.type, ({ pose, twist }) => {
+  if (odometry !== null) robot.subscribe(odometry, ODOMETRY.type, ({ pose, twist }) => {
     facts.show("robot-speed", figure([twist.twist.linear.x], (speed) => `${fixed(speed, 2)} m/s`));
     // The operator's, so that both speak of the same.
     facts.show("robot-heading", headingOf(pose.pose.orientation));
   }, DISPLAY_PERIOD);
   for (const node of JOINT_NODES) {
-    listen(`${node}/status`, TYPES.jointStatus, (report) => status.logComplaint(node, report.message), DISPLAY_PERIOD);
+    robot.subscribe(`${node}/status`, TYPES.jointStatus, (report) => status.logComplaint(node, report.message), DISPLAY_PERIOD);
   }
-  listen(`${TRACK_NODE}/status`, TYPES.trackStatus, (report) => status.logComplaint(TRACK_NODE, report.message), DISPLAY_PERIOD);
+  robot.subscribe(`${TRACK_NODE}/status`, TYPES.trackStatus, (report) => status.logComplaint(TRACK_NODE, report.message), DISPLAY_PERIOD);
   bridge.subscribe({
     topic: "/rosout_agg", type: "rosgraph_msgs/Log", throttle: 0, heard: ({ level, name, msg }) => {
       if (level >= WARN) status.log(`${name.replace(`${config.namespace}/`, "")}: ${msg}`, level > WARN ? "alarm" : "warning");

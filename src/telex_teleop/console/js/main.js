@@ -42,7 +42,7 @@ import { PictureSize } from "./picture_size.js";
 import { DOSIMETER, DosimeterView } from "./radiation/dosimeter.js";
 import { RadiationMap } from "./radiation/map.js";
 import { FLIPPER_NODE, JOINT_NODES, TRACK_NODE, TYPES, UNKNOWN, fetchRobot, isSameRobot } from "./robot.js";
-import { request } from "./services.js";
+import { RobotClient } from "./robot_client.js";
 import { showRobot } from "./several_robots.js";
 import { SURFACE, Sound } from "./sound/sound.js";
 import { SILENT_AFTER, StatusView } from "./status.js";
@@ -134,14 +134,13 @@ class Console {
     this._cameras = startCameras(config, facts);
     // What speaks to the robot.
     this._bridge = this._makeBridge();
-    const call = (/** @type {string} */ service, /** @type {object} */ args) =>
-      request(this._bridge, topic(service), args, warn, (why) => `${service}: ${why}`);
+    const robot = new RobotClient(this._bridge, topic, (sentence) => this._status.log(sentence), warn);
     const congested = () => this._commander.congested;
     this._commander = new Commander(vocabulary, this._bridge, topic, warn, facts);
     this._toolCommander = new ToolCommander(this._bridge, topic, congested, warn);
     this._cameraCommander = new CameraCommander(vocabulary, this._bridge, topic, congested);
     this._lamps = new Lamps(vocabulary, this._bridge, topic, byId("lamps"), "command");
-    this._tool = new ToolPanel(vocabulary, this._toolCommander, call, letGo);
+    this._tool = new ToolPanel(vocabulary, this._toolCommander, robot, letGo);
     this._layouts = new Layouts(localStorage, config.namespace, vocabulary.layouts, GIVEN.get("layout") ?? "", this._cameras, vocabulary.all);
     this._aids = this._makeAids(config.namespace);
     this._modes = new ModeSwitch(vocabulary.modes, this._tool, letGo, this._layouts);
@@ -150,10 +149,10 @@ class Console {
     this._control = new ControlView(this._bridge, topic, letGo, warn);
     this._motion = new Motion(this._control, (device) => this._status.log(text("{device} moves the robot", { device }), "warning"));
     this._size = new PictureSize(this._bridge, topic);
-    this._training = new TrainingClient(this._bridge, topic, warn);
+    this._training = new TrainingClient(robot);
     this._strip = new TrainingStrip(this._training, GIVEN, letGo);
     this._chooser = new ExerciseChooser(this._training, GIVEN, letGo);
-    this._text = new InstructorText(this._bridge, topic, warn);
+    this._text = new InstructorText(robot);
     this._tellTelemetry = () => {}; // until there is somebody to tell it
     this._health = new Health(this._status, letGo);
     this._line = new Line((sentence, level) => this._status.log(sentence, level));

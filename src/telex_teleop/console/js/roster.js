@@ -5,7 +5,6 @@ import { ask } from "./ask.js";
 import { makeButton, onClick } from "./buttons.js";
 import { text, translated } from "./language.js";
 import { byId, element, setText } from "./panels.js";
-import { request } from "./services.js";
 
 const TYPE = "telex_msgs/BridgeClients";
 const NOBODY = "";
@@ -52,17 +51,9 @@ class Line {
 }
 
 export class Roster {
-  /**
-   * @param {import("./bridge.js").Bridge} bridge
-   * @param {(name: string) => string} topic
-   * @param {(sentence: string) => void} log
-   * @param {(sentence: string) => void} warn
-   */
-  constructor(bridge, topic, log, warn) {
-    this._bridge = bridge;
-    this._topic = topic;
-    this._log = log;
-    this._warn = warn;
+  /** @param {import("./robot_client.js").RobotClient} robot */
+  constructor(robot) {
+    this._robot = robot;
     /** This page's id; null: not known. @type {string | null} */
     this._id = null;
     this._holder = NOBODY;
@@ -76,14 +67,12 @@ export class Roster {
   }
 
   subscribe() {
-    this._bridge.subscribe({
-      topic: this._topic("bridge/clients"), type: TYPE, throttle: 0, heard: (message) => this._hear(message),
-    });
+    this._robot.subscribe("bridge/clients", TYPE, (message) => this._hear(message));
   }
 
   /** Ask, after every new connection, who this page is. */
   async connected() {
-    const answer = await request(this._bridge, this._topic("bridge/who_am_i"), {}, this._warn);
+    const answer = await this._robot.request("bridge/who_am_i", {});
     if (answer !== null) this._id = answer.message;
     this._show();
   }
@@ -110,7 +99,7 @@ export class Roster {
     const before = this._holder;
     this._holder = holder;
     this._clients = clients;
-    if (holder !== before) this._log(holder === NOBODY ? text("nobody has control") : text("{name} has control", { name: this._nameOf(holder) }));
+    if (holder !== before) this._robot.log(holder === NOBODY ? text("nobody has control") : text("{name} has control", { name: this._nameOf(holder) }));
     this._show(seconds(header.stamp));
   }
 
@@ -133,7 +122,7 @@ export class Roster {
    * @param {string} done  What to log when it is.
    */
   async _do(service, args, done) {
-    if (await request(this._bridge, this._topic(`bridge/${service}`), args, this._warn)) this._log(done);
+    if (await this._robot.request(`bridge/${service}`, args)) this._robot.log(done);
   }
 
   /** @param {number} [now]  Of the bridge's clock (s). */

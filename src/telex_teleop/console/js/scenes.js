@@ -11,17 +11,11 @@ const PROGRESS_PERIOD = 100; // ms
 
 export class SceneChooser {
   /**
-   * @param {import("./bridge.js").Bridge} bridge
-   * @param {(name: string) => string} topic
-   * @param {(sentence: string) => void} log
-   * @param {(sentence: string) => void} warn
+   * @param {import("./robot_client.js").RobotClient} robot
    * @param {() => void} loaded  Called when another scene is there.
    */
-  constructor(bridge, topic, log, warn, loaded) {
-    this._bridge = bridge;
-    this._topic = topic;
-    this._log = log;
-    this._warn = warn;
+  constructor(robot, loaded) {
+    this._robot = robot;
     this._loaded = loaded;
     this._isLoading = false;
     /** What the simulator said last. */
@@ -32,10 +26,10 @@ export class SceneChooser {
   /** Ask which scenes there are. */
   async list() {
     try {
-      const answer = await this._bridge.call(this._topic("sim/list_scenes"), {});
+      const answer = await this._robot.call("sim/list_scenes", {});
       this._fill(answer.scenes, answer.current);
     } catch (error) {
-      this._warn(text("the scenes cannot be listed: {why}", { why: translated(/** @type {Error} */ (error).message) }));
+      this._robot.warn(text("the scenes cannot be listed: {why}", { why: translated(/** @type {Error} */ (error).message) }));
     }
   }
 
@@ -86,18 +80,18 @@ export class SceneChooser {
     showProgress();
     const timer = setInterval(showProgress, PROGRESS_PERIOD);
     try {
-      const answer = await this._bridge.call(this._topic("sim/load_scene"), { world: name }, WITHIN);
+      const answer = await this._robot.call("sim/load_scene", { world: name }, WITHIN);
       if (answer.success) {
         this._loaded();
-        this._log(answer.message);
+        this._robot.log(answer.message);
       } else {
-        this._warn(answer.message);
+        this._robot.warn(answer.message);
       }
       this._note(answer.success ? answer.message : text("refused"));
     } catch (error) {
       const { name: kind, message } = /** @type {Error} */ (error);
       const reason = kind === "TimeoutError" ? text("no answer yet; it may still be loading") : translated(message);
-      this._warn(text("loading {scene}: {why}", { scene: name, why: reason }));
+      this._robot.warn(text("loading {scene}: {why}", { scene: name, why: reason }));
       this._note(reason);
     } finally {
       clearInterval(timer);

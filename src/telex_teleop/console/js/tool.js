@@ -114,12 +114,12 @@ export class ToolPanel {
   /**
    * @param {import("./vocabulary.js").Vocabulary} vocabulary
    * @param {ToolCommander} commander
-   * @param {(service: string, args: object) => void} call  Calls a service, and says why where it refuses.
+   * @param {import("./robot_client.js").RobotClient} robot
    * @param {(reason: string) => void} letGo  Releases everything that is held.
    */
-  constructor(vocabulary, commander, call, letGo) {
+  constructor(vocabulary, commander, robot, letGo) {
     this._commander = commander;
-    this._call = call;
+    this._robot = robot;
     this._letGo = letGo;
     /** Of the arm, as its status says. @type {Mode} */
     this.mode = "JOINT";
@@ -186,7 +186,7 @@ export class ToolPanel {
   /** @param {Mode} mode */
   setMode(mode) {
     this._letGo(text("{mode} mode", { mode: text(mode) }));
-    this._call(`${NODE}/set_mode`, { mode });
+    this._ask("set_mode", { mode });
   }
 
   /** @param {string} [frame]  The next one if none is named. */
@@ -199,11 +199,17 @@ export class ToolPanel {
   }
 
   toggleHold() {
-    this._call(`${NODE}/hold_tool`, { data: !this._holdsTool });
+    this._ask("hold_tool", { data: !this._holdsTool });
   }
 
   toggleGuard() {
-    this._call(`${NODE}/set_proximity_guard`, { data: !this._guard });
+    this._ask("set_proximity_guard", { data: !this._guard });
+  }
+
+  /** @param {string} name @param {object} args */
+  _ask(name, args) {
+    const service = `${NODE}/${name}`;
+    this._robot.request(service, args, (why) => `${service}: ${why}`);
   }
 
   _show() {

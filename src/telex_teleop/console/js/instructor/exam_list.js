@@ -5,34 +5,22 @@ import { ask } from "../ask.js";
 import { onClick } from "../buttons.js";
 import { text } from "../language.js";
 import { byId, setText } from "../panels.js";
-import { request } from "../services.js";
 import { BEGUN } from "../training/client.js";
-
 
 /** A line of the exercise's card, which is there while the list holds. */
 export class ExamList {
-  /**
-   * @param {import("../bridge.js").Bridge} bridge
-   * @param {(name: string) => string} topic
-   * @param {(sentence: string) => void} log
-   * @param {(sentence: string) => void} warn
-   */
-  constructor(bridge, topic, log, warn) {
-    this._bridge = bridge;
-    this._topic = topic;
-    this._log = log;
-    this._warn = warn;
+  /** @param {import("../robot_client.js").RobotClient} robot */
+  constructor(robot) {
+    this._robot = robot;
     this._holdsFor = "";
     this._runs = false;
     onClick(byId("exam-end"), () => this._end());
   }
 
   subscribe() {
-    this._bridge.subscribe({
-      topic: this._topic("bridge/exam"), type: "std_msgs/String", throttle: 0, heard: ({ data }) => {
-        this._holdsFor = data;
-        this._show();
-      },
+    this._robot.subscribe("bridge/exam", "std_msgs/String", ({ data }) => {
+      this._holdsFor = data;
+      this._show();
     });
   }
 
@@ -50,7 +38,7 @@ export class ExamList {
   async _end() {
     const sentence = this._runs ? text("End the exam's list? The trial that runs becomes invalid.") : text("End the exam's list? Trainees may use everything again.");
     if (!(await ask(sentence, text("end the list")))) return;
-    const ended = await request(this._bridge, this._topic("bridge/end_exam"), {}, this._warn, (why) => text("exam: {why}", { why }));
-    if (ended) this._log(text("the exam's list is ended"));
+    const ended = await this._robot.request("bridge/end_exam", {}, (why) => text("exam: {why}", { why }));
+    if (ended) this._robot.log(text("the exam's list is ended"));
   }
 }

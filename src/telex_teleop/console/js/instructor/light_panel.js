@@ -5,29 +5,22 @@ import { onClick } from "../buttons.js";
 import { Lamps } from "../lamps.js";
 import { text } from "../language.js";
 import { byId } from "../panels.js";
-import { request } from "../services.js";
 
 export class LightPanel {
   /**
    * @param {import("../vocabulary.js").Vocabulary} vocabulary  Knows which lamps of the robot are switched together.
-   * @param {import("../bridge.js").Bridge} bridge
-   * @param {(name: string) => string} topic
-   * @param {(sentence: string) => void} log
-   * @param {(sentence: string) => void} warn
+   * @param {import("../robot_client.js").RobotClient} robot
    */
-  constructor(vocabulary, bridge, topic, log, warn) {
-    this._bridge = bridge;
-    this._topic = topic;
-    this._log = log;
-    this._warn = warn;
+  constructor(vocabulary, robot) {
+    this._robot = robot;
     this._light = { daylight: 1, lamps: 1 };
     for (const button of this._days) onClick(button, () => this._set({ daylight: Number(button.dataset.daylight) }));
     onClick(byId("light-lamps"), () => this._set({ lamps: this._light.lamps > 0 ? 0 : 1 }));
     const place = byId("light-robot");
-    this._lamps = new Lamps(vocabulary, bridge, topic, place, "lamps");
+    this._lamps = new Lamps(vocabulary, robot.bridge, robot.topic, place, "lamps");
     for (const { action, button } of this._lamps.switches) {
       button.title = text(action.title);
-      onClick(button, () => { if (!this._lamps.toggle(action.does.names)) warn(text("not connected")); });
+      onClick(button, () => { if (!this._lamps.toggle(action.does.names)) robot.warn(text("not connected")); });
     }
     place.hidden = this._lamps.switches.length === 0;
     this._show();
@@ -50,10 +43,10 @@ export class LightPanel {
   /** @param {Partial<{daylight: number, lamps: number}>} change */
   async _set(change) {
     const light = { ...this._light, ...change };
-    const answer = await request(this._bridge, this._topic("sim/set_light"), light, this._warn);
+    const answer = await this._robot.request("sim/set_light", light);
     if (answer === null) return;
     this.show(light);
-    this._log(answer.message);
+    this._robot.log(answer.message);
   }
 
   _show() {

@@ -4,7 +4,6 @@
 import { makeButton } from "../buttons.js";
 import { decimal, term, text, translated } from "../language.js";
 import { byId, setText } from "../panels.js";
-import { request } from "../services.js";
 
 /** Profiles of the shipped file, and how a button calls them. @type {[string, string, string][]} */
 const PROFILES = [
@@ -22,17 +21,9 @@ const PROFILES = [
 
 /** Shown once somebody tells of a line. */
 export class LinePanel {
-  /**
-   * @param {import("../bridge.js").Bridge} bridge
-   * @param {(name: string) => string} topic
-   * @param {(sentence: string) => void} log
-   * @param {(sentence: string) => void} warn
-   */
-  constructor(bridge, topic, log, warn) {
-    this._bridge = bridge;
-    this._topic = topic;
-    this._log = log;
-    this._warn = warn;
+  /** @param {import("../robot_client.js").RobotClient} robot */
+  constructor(robot) {
+    this._robot = robot;
     this._profile = "";
     this._offered = "";
   }
@@ -69,8 +60,8 @@ export class LinePanel {
   async _choose(profile) {
     if (profile === this._profile) return;
     const change = { profile, fields: "" };
-    const changed = await request(this._bridge, this._topic("link/configure"), change, this._warn, (why) => text("line: {why}", { why }));
-    if (changed) this._log(text("line: {profile}", { profile: translated(profile) }));
+    const changed = await this._robot.request("link/configure", change, (why) => text("line: {why}", { why }));
+    if (changed) this._robot.log(text("line: {profile}", { profile: translated(profile) }));
   }
 }
 

@@ -4,7 +4,6 @@
 import { makeButton, onClick } from "../buttons.js";
 import { decimal, onLanguage, text, translated } from "../language.js";
 import { byId, element, setText } from "../panels.js";
-import { request } from "../services.js";
 import { BEGUN } from "../training/client.js";
 
 const TYPE = "telex_msgs/Malfunctions";
@@ -31,17 +30,9 @@ const TYPE = "telex_msgs/Malfunctions";
 
 /** Shown once the simulator tells what can fail. */
 export class MalfunctionPanel {
-  /**
-   * @param {import("../bridge.js").Bridge} bridge
-   * @param {(name: string) => string} topic
-   * @param {(sentence: string) => void} log
-   * @param {(sentence: string) => void} warn
-   */
-  constructor(bridge, topic, log, warn) {
-    this._bridge = bridge;
-    this._topic = topic;
-    this._log = log;
-    this._warn = warn;
+  /** @param {import("../robot_client.js").RobotClient} robot */
+  constructor(robot) {
+    this._robot = robot;
     /** @type {Possible[]} */
     this._possible = [];
     /** @type {Active[]} */
@@ -57,7 +48,7 @@ export class MalfunctionPanel {
   }
 
   subscribe() {
-    this._bridge.subscribe({ topic: this._topic("sim/malfunctions"), type: TYPE, throttle: 0, heard: (message) => this._hear(message) });
+    this._robot.subscribe("sim/malfunctions", TYPE, (message) => this._hear(message));
   }
 
   get _what() {
@@ -136,17 +127,17 @@ export class MalfunctionPanel {
 
   /** @param {Wish} wish */
   async _inject(wish) {
-    if (await this._call({ ...wish, on: true })) this._log(wish.announced ? text("{what} fails", { what: nameOf(wish) }) : text("{what} fails, silently", { what: nameOf(wish) }));
+    if (await this._call({ ...wish, on: true })) this._robot.log(wish.announced ? text("{what} fails", { what: nameOf(wish) }) : text("{what} fails, silently", { what: nameOf(wish) }));
   }
 
   /** @param {{what: string, kind: string}} which */
   async _end({ what, kind }) {
-    if (await this._call({ what, kind, value: 0, on: false, announced: false })) this._log(text("{what} works again", { what: nameOf({ what, kind }) }));
+    if (await this._call({ what, kind, value: 0, on: false, announced: false })) this._robot.log(text("{what} works again", { what: nameOf({ what, kind }) }));
   }
 
   /** @param {object} fields  Of a request of telex_msgs/Malfunction. */
   _call(fields) {
-    return request(this._bridge, this._topic("sim/malfunction"), fields, this._warn, (why) => text("malfunction: {why}", { why }));
+    return this._robot.request("sim/malfunction", fields, (why) => text("malfunction: {why}", { why }));
   }
 
   /** Hear how far the exercise is. @param {import("../training/client.js").State} state */

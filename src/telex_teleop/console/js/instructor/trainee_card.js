@@ -3,7 +3,6 @@
 
 import { decimal, text, translated } from "../language.js";
 import { byId, setText } from "../panels.js";
-import { request } from "../services.js";
 import { TYPES } from "../training/client.js";
 
 const TEXT_TYPE = "telex_msgs/TrainingText";
@@ -12,19 +11,13 @@ const OLD = 2000; // ms without a word of his page, which speaks twice a second
 export class TraineeCard {
   /**
    * @param {import("../vocabulary.js").Vocabulary} vocabulary
-   * @param {import("../bridge.js").Bridge} bridge
-   * @param {(name: string) => string} topic
+   * @param {import("../robot_client.js").RobotClient} robot
    * @param {string} by  Who speaks.
-   * @param {(sentence: string) => void} log
-   * @param {(sentence: string) => void} warn
    */
-  constructor(vocabulary, bridge, topic, by, log, warn) {
+  constructor(vocabulary, robot, by) {
     this._vocabulary = vocabulary;
-    this._bridge = bridge;
-    this._topic = topic;
+    this._robot = robot;
     this._by = by;
-    this._log = log;
-    this._warn = warn;
     this._heard = -Infinity;
     /** @type {{number: number, text: string, by: string, read: boolean}} */
     this._told = { number: 0, text: "", by: "", read: true };
@@ -35,15 +28,11 @@ export class TraineeCard {
   }
 
   subscribe() {
-    this._bridge.subscribe({
-      topic: this._topic("console/telemetry"), type: TYPES.telemetry, throttle: 0, heard: ({ data }) => this._see(data),
-    });
-    this._bridge.subscribe({
-      topic: this._topic("training/text"), type: TEXT_TYPE, throttle: 0, heard: (told) => {
-        if (told.read && told.text !== "" && told.number === this._told.number && !this._told.read) this._log(text("read: {words}", { words: told.text }));
-        this._told = told;
-        this._showText();
-      },
+    this._robot.subscribe("console/telemetry", TYPES.telemetry, ({ data }) => this._see(data));
+    this._robot.subscribe("training/text", TEXT_TYPE, (told) => {
+      if (told.read && told.text !== "" && told.number === this._told.number && !this._told.read) this._robot.log(text("read: {words}", { words: told.text }));
+      this._told = told;
+      this._showText();
     });
   }
 
@@ -78,7 +67,7 @@ export class TraineeCard {
   async _say() {
     const field = /** @type {HTMLInputElement} */ (byId("trainee-words"));
     const said = { text: field.value.trim(), by: this._by };
-    if (await request(this._bridge, this._topic("training/tell"), said, this._warn)) field.value = "";
+    if (await this._robot.request("training/tell", said)) field.value = "";
   }
 
   _showText() {

@@ -2,7 +2,6 @@
 /** The training node, as the pages speak to it. */
 
 import { onLanguage } from "../language.js";
-import { request } from "../services.js";
 
 /** Phases of a trial that has begun and has not ended. */
 export const BEGUN = ["preparing", "waiting", "running", "between"];
@@ -58,23 +57,16 @@ const OPERATOR = "telex.operator"; // where the browser keeps whose name was typ
  */
 
 export class TrainingClient {
-  /**
-   * @param {import("../bridge.js").Bridge} bridge
-   * @param {(name: string) => string} topic
-   * @param {(sentence: string) => void} warn
-   */
-  constructor(bridge, topic, warn) {
-    this._bridge = bridge;
-    this._topic = topic;
-    this._warn = warn;
+  /** @param {import("../robot_client.js").RobotClient} robot */
+  constructor(robot) {
+    this._robot = robot;
   }
 
   /** @param {(state: State) => void} heard */
   subscribe(heard) {
     /** @type {State | null} */
     let last = null;
-    const hear = (/** @type {State} */ state) => heard(last = state);
-    this._bridge.subscribe({ topic: this._topic("training/state"), type: TYPES.state, throttle: 100, heard: hear });
+    this._robot.subscribe("training/state", TYPES.state, (state) => heard(last = state), 100);
     onLanguage(() => last !== null && heard(last));
   }
 
@@ -85,12 +77,12 @@ export class TrainingClient {
    * @returns {Promise<boolean>} Whether it was done.
    */
   async act(name, args = {}) {
-    return (await request(this._bridge, this._topic(`training/${name}`), args, this._warn, undefined, SLOW)) !== null;
+    return (await this._robot.request(`training/${name}`, args, undefined, SLOW)) !== null;
   }
 
   /** @param {string} operator @returns {Promise<Exercise[]>} */
   async list(operator) {
-    const { exercises } = await this._bridge.call(this._topic("training/list"), { operator }, SLOW);
+    const { exercises } = await this._robot.call("training/list", { operator }, SLOW);
     return exercises;
   }
 }

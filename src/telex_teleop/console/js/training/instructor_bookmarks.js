@@ -4,7 +4,6 @@
 import { makeButton, onClick } from "../buttons.js";
 import { text } from "../language.js";
 import { byId, element } from "../panels.js";
-import { request } from "../services.js";
 import { BEGUN } from "./client.js";
 
 /** @typedef {import("./client.js").State} State */
@@ -12,17 +11,9 @@ import { BEGUN } from "./client.js";
 const LONGEST = 60; // characters of a name
 
 export class InstructorBookmarks {
-  /**
-   * @param {import("../bridge.js").Bridge} bridge
-   * @param {(name: string) => string} topic
-   * @param {(sentence: string) => void} log
-   * @param {(sentence: string) => void} warn
-   */
-  constructor(bridge, topic, log, warn) {
-    this._bridge = bridge;
-    this._topic = topic;
-    this._log = log;
-    this._warn = warn;
+  /** @param {import("../robot_client.js").RobotClient} robot */
+  constructor(robot) {
+    this._robot = robot;
     /** The simulator's, oldest first. @type {string[]} */
     this._there = [];
     /** @type {State | null} */
@@ -45,8 +36,11 @@ export class InstructorBookmarks {
 
   /** Ask which the simulator has; after every new connection, and when a trial has ended. */
   async list() {
-    const answer = await this._call("sim/list_bookmarks", {}, () => {});
-    if (answer !== null) this._there = answer.names;
+    try {
+      this._there = (await this._robot.call("sim/list_bookmarks", {})).names;
+    } catch {
+      // Those that were there are shown until the next time.
+    }
     this._show();
   }
 
@@ -82,27 +76,26 @@ export class InstructorBookmarks {
   async _set() {
     const fields = { name: this._name.value.trim(), replaces: "" };
     const service = this._of === "practice" ? "training/bookmark" : "sim/bookmark";
-    const answer = await this._call(service, fields, this._warn);
+    const answer = await this._call(service, fields);
     if (answer === null) return;
     this._name.value = "";
-    this._log(answer.message);
+    this._robot.log(answer.message);
     this.list();
   }
 
   async _back() {
     const service = this._of === "practice" ? "training/back" : "sim/restore";
-    const answer = await this._call(service, { name: this._choice.value }, this._warn);
-    if (answer !== null) this._log(answer.message);
+    const answer = await this._call(service, { name: this._choice.value });
+    if (answer !== null) this._robot.log(answer.message);
     else this.list();
   }
 
   /**
    * @param {string} service
    * @param {object} fields
-   * @param {(sentence: string) => void} told  Told why it was not done.
    */
-  _call(service, fields, told) {
-    return request(this._bridge, this._topic(service), fields, told, (why) => `${service}: ${why}`);
+  _call(service, fields) {
+    return this._robot.request(service, fields, (why) => `${service}: ${why}`);
   }
 }
 

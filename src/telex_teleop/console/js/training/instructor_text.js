@@ -4,29 +4,22 @@
 import { makeButton } from "../buttons.js";
 import { text as say } from "../language.js";
 import { byId, element, setText } from "../panels.js";
-import { request } from "../services.js";
 
 const TYPE = "telex_msgs/TrainingText";
 
 /** @typedef {{number: number, text: string, by: string, read: boolean}} Told  telex_msgs/TrainingText */
 
 export class InstructorText {
-  /**
-   * @param {import("../bridge.js").Bridge} bridge
-   * @param {(name: string) => string} topic
-   * @param {(sentence: string) => void} warn
-   */
-  constructor(bridge, topic, warn) {
-    this._bridge = bridge;
-    this._topic = topic;
-    this._warn = warn;
+  /** @param {import("../robot_client.js").RobotClient} robot */
+  constructor(robot) {
+    this._robot = robot;
     /** @type {Told | null} */
     this._told = null;
     document.querySelector("body > header")?.append(build(() => this.read()));
   }
 
   subscribe() {
-    this._bridge.subscribe({ topic: this._topic("training/text"), type: TYPE, throttle: 0, heard: (told) => this._show(told) });
+    this._robot.subscribe("training/text", TYPE, (told) => this._show(told));
   }
 
   /** @param {Told} told */
@@ -43,7 +36,7 @@ export class InstructorText {
   async read() {
     const told = this._told;
     if (told === null || told.text === "" || told.read) return;
-    await request(this._bridge, this._topic("training/read"), { number: told.number }, this._warn);
+    await this._robot.request("training/read", { number: told.number });
   }
 }
 

@@ -22,18 +22,12 @@ const FIRST = "crate"; // what is offered first
 
 export class Arranging {
   /**
-   * @param {import("../../bridge.js").Bridge} bridge
-   * @param {(name: string) => string} topic
+   * @param {import("../../robot_client.js").RobotClient} robot
    * @param {() => string} shown  The camera that is shown large.
-   * @param {(sentence: string) => void} log
-   * @param {(sentence: string) => void} warn
    * @param {(light: {daylight: number, lamps: number}) => void} lit  Told what light the scene has.
    */
-  constructor(bridge, topic, shown, log, warn, lit) {
-    this._bridge = bridge;
-    this._topic = topic;
-    this._log = log;
-    this._warn = warn;
+  constructor(robot, shown, lit) {
+    this._robot = robot;
     this._lit = lit;
     /** @type {Tool} */
     this._tool = "look";
@@ -52,7 +46,7 @@ export class Arranging {
     /** Types that can be put: telex_msgs/LibraryObject. @type {any[]} */
     this._kinds = [];
     const point = (/** @type {Ray} */ from, /** @type {Ray} */ to) => this._point(from, to);
-    this._pointer = new PicturePointer(bridge, topic, () => shown() === OVERVIEW, point);
+    this._pointer = new PicturePointer(robot.bridge, robot.topic, () => shown() === OVERVIEW, point);
     this._view = new PlanView(
       /** @type {HTMLCanvasElement} */ (byId("plan")),
       (from, to) => {
@@ -90,13 +84,12 @@ export class Arranging {
    */
   open(isOpen) {
     this._isOpen = isOpen;
-    const poses = this._topic("sim/poses");
     if (!isOpen) {
       this._choose("look");
-      this._bridge.unsubscribe(poses);
+      this._robot.bridge.unsubscribe(this._robot.topic("sim/poses"));
       return;
     }
-    this._bridge.subscribe({ topic: poses, type: "telex_msgs/ScenePoses", throttle: POSES_PERIOD, heard: (message) => this._hear(message) });
+    this._robot.subscribe("sim/poses", "telex_msgs/ScenePoses", (message) => this._hear(message), POSES_PERIOD);
     this._view.draw();
   }
 
@@ -124,7 +117,7 @@ export class Arranging {
     if (this._isListing) return;
     this._isListing = true;
     try {
-      const listed = await this._bridge.call(this._topic("sim/list_objects"), {});
+      const listed = await this._robot.call("sim/list_objects", {});
       this._plan = new ScenePlan(listed);
       this._plan.hear(message);
       this._view.show(this._plan, this._isOtherWorld);
@@ -204,7 +197,7 @@ export class Arranging {
   /** Say what was refused, here and among the messages. @param {string} sentence */
   _refuse(sentence) {
     this._say(sentence);
-    this._warn(sentence);
+    this._robot.warn(sentence);
   }
 
   // ---- what is done
@@ -302,7 +295,7 @@ export class Arranging {
   /** @param {{message: string}} answer */
   _done({ message }) {
     this._say(message);
-    this._log(message);
+    this._robot.log(message);
   }
 
   /**
@@ -312,7 +305,7 @@ export class Arranging {
    * @returns {Promise<any>} Rejected with the reason where it was refused.
    */
   async _call(service, args, within) {
-    const answer = await this._bridge.call(this._topic(service), args, within);
+    const answer = await this._robot.call(service, args, within);
     if (!answer.success) throw new Error(answer.message);
     return answer;
   }

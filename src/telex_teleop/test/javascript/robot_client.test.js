@@ -4,14 +4,16 @@
 import "./browser.js";
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { request } from "../../console/js/services.js";
+import { RobotClient } from "../../console/js/robot_client.js";
 
 /** @param {() => any} answer */
 async function asked(answer) {
   /** @type {string[]} */
-  const warnings = [];
-  const bridge = { call: async () => answer() };
-  const given = await request(/** @type {any} */ (bridge), "/telex/sim/light", {}, (sentence) => warnings.push(sentence), (why) => `light: ${why}`);
+  const warnings = [], called = /** @type {string[]} */ ([]);
+  const bridge = { call: async (/** @type {string} */ service) => { called.push(service); return answer(); } };
+  const robot = new RobotClient(/** @type {any} */ (bridge), (name) => `/telex/${name}`, () => {}, (sentence) => warnings.push(sentence));
+  const given = await robot.request("sim/light", {}, (why) => `light: ${why}`);
+  assert.deepEqual(called, ["/telex/sim/light"]);
   return { given, warnings };
 }
 
