@@ -31,12 +31,11 @@ export class CameraCommander {
     this._zoomRate = vocabulary.zoomRate;
     this._mostZoom = vocabulary.maxZoom;
     this._last = -Infinity;
-    this._zoomValue = element("span", "num");
+    this._zoomValue = element("span", "num", "–"); // until somebody says how far the camera is zoomed
     this._zoomValue.id = "zoom-value";
     for (const actions of rowsOf(vocabulary.find("zoom").filter(({ modes }) => modes.join() === "CAMERA"))) {
       byId("camera-rows").append(row("", text(actions[0].row), this._zoomValue, ...actions.map(holdButton)));
     }
-    this._show();
   }
 
   /** Take, after every new connection, which camera zooms, and how far. @param {Record<string, {zoom_max: number | null}>} cameras */
@@ -84,12 +83,8 @@ export class CameraCommander {
     this.zoomed(this._zooms, this._zoom);
   }
 
-  /** @param {string} camera  Whether it can zoom. */
+  /** Whether a camera can zoom. @param {string} camera */
   zooms(camera) {
     return camera === this._zooms;
-  }
-
-  _show() {
-    setText(this._zoomValue, `${decimal(this._zoom, 1)}×`);
   }
 }
