@@ -19,16 +19,16 @@ _MODULES: Dict[str, str] = {
         "forward_command_controllers.JointGroupEffortController"
     ),
     "effort_controllers/JointGroupPositionController": (
-        "effort_joint_group_position_controller.JointGroupPositionController"
+        "effort_joint_group_position_controller.EffortJointGroupPositionController"
     ),
     "effort_controllers/JointPositionController": (
-        "effort_joint_position_controller.JointPositionController"
+        "effort_joint_position_controller.EffortJointPositionController"
     ),
     "effort_controllers/JointTrajectoryController": (
         "joint_trajectory_controller.EffortJointTrajectoryController"
     ),
     "effort_controllers/JointVelocityController": (
-        "effort_joint_velocity_controller.JointVelocityController"
+        "effort_joint_velocity_controller.EffortJointVelocityController"
     ),
     "force_torque_sensor_controller/ForceTorqueSensorController": (
         "sensor_controllers.ForceTorqueSensorController"
@@ -55,7 +55,7 @@ _MODULES: Dict[str, str] = {
         "forward_command_controllers.JointGroupVelocityController"
     ),
     "velocity_controllers/JointPositionController": (
-        "velocity_joint_position_controller.JointPositionController"
+        "velocity_joint_position_controller.VelocityJointPositionController"
     ),
     "velocity_controllers/JointTrajectoryController": (
         "joint_trajectory_controller.VelocityJointTrajectoryController"

@@ -28,7 +28,7 @@ class _Joint(NamedTuple):
     gravity: Optional[JointGravity]
 
 
-class JointGroupPositionController(Controller):
+class EffortJointGroupPositionController(Controller):
     """Holds some joints at the commanded positions by effort.
 
     Topic: ``command`` (std_msgs/Float64MultiArray; rad or m, in the order of the joints; a

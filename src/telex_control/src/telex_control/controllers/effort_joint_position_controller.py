@@ -21,7 +21,7 @@ from .joint_controller_state import JointControllerStatePublisher
 from .joint_description import joint_description, joint_gravity
 
 
-class JointPositionController(Controller):
+class EffortJointPositionController(Controller):
     """Holds one joint at the commanded position by effort.
 
     Topics: ``command`` (std_msgs/Float64; rad or m), ``state`` (control_msgs/JointControllerState).

@@ -12,7 +12,7 @@ from ..ros.node_handle import NodeHandle
 from .joint_controller_state import JointControllerStatePublisher
 
 
-class JointVelocityController(Controller):
+class EffortJointVelocityController(Controller):
     """Moves one joint at the commanded velocity by effort.
 
     Topics: ``command`` (std_msgs/Float64; rad/s or m/s), ``state``

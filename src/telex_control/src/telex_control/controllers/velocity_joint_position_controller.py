@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from ..hardware.hardware_interface import VelocityJointInterface
 from ..ros.node_handle import NodeHandle
-from . import effort_joint_position_controller
+from .effort_joint_position_controller import EffortJointPositionController
 
 
-class JointPositionController(effort_joint_position_controller.JointPositionController):
+class VelocityJointPositionController(EffortJointPositionController):
     """Holds one joint at the commanded position by velocity.
 
     Topics and parameters are those of the effort controller, but for gravity: the drive carries it.
     """
 
-    parameters = effort_joint_position_controller.JointPositionController.parameters - {
-        "gravity_compensation"
-    }
+    parameters = EffortJointPositionController.parameters - {"gravity_compensation"}
     interface = VelocityJointInterface
 
     def _compensates_gravity(self, node: NodeHandle) -> bool:

@@ -8,7 +8,7 @@ import numpy as np
 from control_msgs.msg import JointControllerState
 from std_msgs.msg import Float64
 
-from telex_control.controllers.effort_joint_position_controller import JointPositionController
+from telex_control.controllers.effort_joint_position_controller import EffortJointPositionController
 from telex_control.follow_trajectory import TrajectoryError
 from telex_control.follow_trajectory.analysis import Recording
 from telex_control.follow_trajectory.paths import Shape, circle
@@ -61,7 +61,7 @@ class OfflineArm:
         self._every = round(1.0 / (rate * self._step)) if rate else self._cycle
         self._states: Dict[str, JointControllerState] = {}
         self._commands = {}
-        self._controllers: Dict[str, JointPositionController] = {}
+        self._controllers: Dict[str, EffortJointPositionController] = {}
         delays = []
         for joint in self._joints:
             name = joint.replace("_joint", "_position_controller")
@@ -69,7 +69,7 @@ class OfflineArm:
             delays.append(_FILTER_STAGES / frequency if frequency else 0.0)
             self._commands[joint] = node.advertise(f"/{name}/command", Float64)
             controller = simulation.controllers.controller(name)
-            if not isinstance(controller, JointPositionController):
+            if not isinstance(controller, EffortJointPositionController):
                 raise TypeError(f"controller '{name}' is no position controller: {controller}")
             self._controllers[joint] = controller
             node.subscribe(f"/{name}/state", JointControllerState, self._keeper(joint))
