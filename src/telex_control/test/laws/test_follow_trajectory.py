@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from telex_msgs.msg import Proximity, ProximityPair, SimStatus
 
-from telex_control.follow_trajectory import TrajectoryError, command_line, report, table
+from telex_control.follow_trajectory import FollowTrajectoryError, command_line, report, table
 from telex_control.follow_trajectory.analysis import Recording, Result, analyse, overdue
 from telex_control.follow_trajectory.command_line import parse, tool_path
 from telex_control.follow_trajectory.follower import approach, follow
@@ -78,7 +78,7 @@ def test_a_figure_of_eight_crosses_itself_in_its_centre():
     ],
 )
 def test_impossible_shapes_are_refused(change, named):
-    with pytest.raises(TrajectoryError, match=named):
+    with pytest.raises(FollowTrajectoryError, match=named):
         Shape(**change)
 
 
@@ -104,9 +104,9 @@ def test_points_of_a_file_make_a_path_with_its_corners(tmp_path):
 def test_a_wrong_file_is_refused_with_its_line(tmp_path, text, named):
     file = tmp_path / "way.csv"
     file.write_text(text)
-    with pytest.raises(TrajectoryError, match=named):
+    with pytest.raises(FollowTrajectoryError, match=named):
         from_csv(file)
-    with pytest.raises(TrajectoryError, match="gone.csv"):
+    with pytest.raises(FollowTrajectoryError, match="gone.csv"):
         from_csv(tmp_path / "gone.csv")
 
 
@@ -132,7 +132,7 @@ def test_a_path_is_run_along_within_speed_and_acceleration_from_rest_to_rest(len
 def test_a_long_way_takes_its_time_at_the_whole_speed():
     profile = SpeedProfile(1.0, (), 0.05, 0.1)
     assert profile.duration == pytest.approx(1.0 / 0.05 + 0.05 / 0.1)
-    with pytest.raises(TrajectoryError, match="speed is 0"):
+    with pytest.raises(FollowTrajectoryError, match="speed is 0"):
         SpeedProfile(1.0, (), 0.0, 0.1)
 
 
@@ -182,11 +182,13 @@ def test_references_lead_the_tool_along_the_path(chain):
 
 
 def test_a_path_that_leaves_the_workspace_is_refused_before_anything_moves(chain):
-    with pytest.raises(TrajectoryError, match=r"begin of the path, \(2.100.*cannot be reached"):
+    with pytest.raises(
+        FollowTrajectoryError, match=r"begin of the path, \(2.100.*cannot be reached"
+    ):
         planned(chain, circle(Shape(radius=0.1, centre=(2.0, 0.0, 0.5))))
-    with pytest.raises(TrajectoryError, match="cannot be followed at .*reach at its limit"):
+    with pytest.raises(FollowTrajectoryError, match="cannot be followed at .*reach at its limit"):
         planned(chain, Path([[0.6, 0.0, 0.5], [1.2, 0.0, 0.5]]))
-    with pytest.raises(TrajectoryError, match="at its limit.*less speed"):
+    with pytest.raises(FollowTrajectoryError, match="at its limit.*less speed"):
         planned(chain, Path([[0.6, 0.0, 0.1], [0.6, 0.0, 0.9]]), speed=0.8, acceleration=5.0)
 
 
@@ -235,7 +237,7 @@ def test_an_arm_that_is_held_does_not_start(chain):
     motion = planned(chain, circle(Shape(radius=0.1, centre=(0.6, 0.0, 0.5))))
     rig = FakeRig(chain.joint_names, 0.0, 0.0)
     rig.position = lambda joint: 0.0
-    with pytest.raises(TrajectoryError, match="reach is .* from .*something holds it"):
+    with pytest.raises(FollowTrajectoryError, match="reach is .* from .*something holds it"):
         approach(rig, motion, motion.start)
 
 
@@ -322,7 +324,7 @@ def test_how_late_references_were_is_told_where_it_is_known():
 def test_too_little_recorded_is_refused(chain):
     motion = planned(chain, circle(Shape(radius=0.1, centre=(0.6, 0.0, 0.5))))
     times = np.linspace(0.0, 0.5 * motion.profile.duration, 50)
-    with pytest.raises(TrajectoryError, match="50 joint states"):
+    with pytest.raises(FollowTrajectoryError, match="50 joint states"):
         analyse("circle", motion, Recording(times, np.tile(motion.start, (50, 1))))
 
 
@@ -379,7 +381,7 @@ def test_a_wrong_command_line_ends_the_program(arguments, capsys):
     ("error", "status", "said"),
     [
         (None, 0, ""),
-        (TrajectoryError("too far"), 1, "follow_trajectory: too far\n"),
+        (FollowTrajectoryError("too far"), 1, "follow_trajectory: too far\n"),
         (StepError("it is paused"), 1, "follow_trajectory: it is paused\n"),
         (OSError("no folder"), 1, "follow_trajectory: no folder\n"),
         (KeyboardInterrupt(), 130, ""),

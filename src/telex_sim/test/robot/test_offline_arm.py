@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from telex_control.follow_trajectory import TrajectoryError
+from telex_control.follow_trajectory import FollowTrajectoryError
 from telex_control.follow_trajectory.paths import Shape
 from telex_sim.offline.arm import OfflineArm, plan_circle
 
@@ -54,7 +54,7 @@ def test_it_streams_references_and_records_each_cycle(robot, rate):
 def test_a_reference_that_the_controller_does_not_hold_ends_the_stream(robot):
     simulation = robot(start__pose="look_front")
     arm = OfflineArm(simulation.simulation, simulation.node, JOINTS)
-    with pytest.raises(TrajectoryError, match="shoulder_joint was sent to 50.0 at 0.004 s"):
+    with pytest.raises(FollowTrajectoryError, match="shoulder_joint was sent to 50.0 at 0.004 s"):
         arm.stream(lambda time: {"shoulder_joint": 50.0 if time > 0.003 else 0.0}, 1.0)
 
 

@@ -4,5 +4,5 @@ Nothing here but `ros_rig` and `command_line` needs a ROS master.
 """
 
 
-class TrajectoryError(RuntimeError):
+class FollowTrajectoryError(RuntimeError):
     """A path cannot be made, or not be followed; the message says why."""

@@ -7,7 +7,7 @@ from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
 
-from . import TrajectoryError
+from . import FollowTrajectoryError
 from .reference import Motion
 
 AXES = ("x", "y", "z")
@@ -160,14 +160,14 @@ def analyse(name: str, motion: Motion, recording: Recording) -> Result:
 
     Raises
     ------
-    TrajectoryError
+    FollowTrajectoryError
         There is too little to look at, or it does not reach to the end of the path.
     """
     last = float(recording.times[-1]) if len(recording.times) else 0.0
     inside = (recording.times >= 0.0) & (recording.times <= motion.profile.duration)
     times = recording.times[inside]
     if len(times) < 10 or last < motion.profile.duration:
-        raise TrajectoryError(
+        raise FollowTrajectoryError(
             f"{len(times)} joint states in the {motion.profile.duration:.1f} s of the path, the "
             f"last at {last:.1f} s; more are needed"
         )

@@ -21,7 +21,7 @@ from ..kinematics import Chain, IKSolver, KinematicsError
 from ..step_response.ros_session import find_namespace
 from ..step_response.runner import StepError
 from ..urdf.joints import UrdfError
-from . import TrajectoryError, report, table
+from . import FollowTrajectoryError, report, table
 from .analysis import Result, analyse
 from .follower import Rig, approach, follow
 from .paths import PLANES, SHAPES, Shape, from_csv
@@ -126,7 +126,7 @@ def tool_path(options: argparse.Namespace, tool: np.ndarray) -> ToolPath:
 
     Raises
     ------
-    TrajectoryError
+    FollowTrajectoryError
     """
     if options.csv is not None:
         path = from_csv(options.csv, options.centre)
@@ -144,14 +144,16 @@ def measure(options: argparse.Namespace) -> Result:
 
     Raises
     ------
-    TrajectoryError, StepError, KinematicsError
+    FollowTrajectoryError, StepError, KinematicsError
     """
     given: Optional[str] = options.namespace
     namespace = find_namespace() if given is None else given.rstrip("/")
     try:
         urdf = rospy.get_param(f"{namespace}/robot_description")
     except KeyError as error:
-        raise TrajectoryError(f"parameter {namespace}/robot_description is missing") from error
+        raise FollowTrajectoryError(
+            f"parameter {namespace}/robot_description is missing"
+        ) from error
     chain = Chain.from_urdf(urdf, options.base, options.tip)
     watch = Watch(options.clearance)
     return lead(options, chain, TrajectoryRig(namespace, chain.joint_names, options.rate, watch))
@@ -169,7 +171,7 @@ def lead(options: argparse.Namespace, chain: Chain, rig: Rig) -> Result:
 
     Raises
     ------
-    TrajectoryError, StepError, KinematicsError
+    FollowTrajectoryError, StepError, KinematicsError
     """
     home = [rig.reference(name) for name in chain.joint_names]
     tool = chain.forward(home)
@@ -201,5 +203,5 @@ def main() -> None:
         program.begin_measurement("follow_trajectory")
         measure(options)
 
-    errors = (KinematicsError, StepError, TrajectoryError, UrdfError)
+    errors = (KinematicsError, StepError, FollowTrajectoryError, UrdfError)
     program.run_measurement("follow_trajectory", work, *errors)

@@ -7,7 +7,7 @@ from typing import Callable, Mapping, Protocol
 
 import numpy as np
 
-from . import TrajectoryError
+from . import FollowTrajectoryError
 from .analysis import Recording
 from .reference import Motion
 
@@ -56,7 +56,7 @@ def approach(rig: Rig, motion: Motion, positions: np.ndarray) -> None:
 
     Raises
     ------
-    TrajectoryError
+    FollowTrajectoryError
         A joint did not get there.
     """
     names = motion.chain.joint_names
@@ -75,7 +75,7 @@ def approach(rig: Rig, motion: Motion, positions: np.ndarray) -> None:
     for name, joint, wanted in zip(names, motion.chain.joints, positions):
         error = abs(rig.position(name) - wanted)
         if not error <= AWAY.get(joint.kind, AWAY["default"]):
-            raise TrajectoryError(
+            raise FollowTrajectoryError(
                 f"{name} is {error:.3f} from {wanted:.3f}, where the path begins; something holds "
                 "it (the emergency stop, an obstacle, another program)"
             )
@@ -90,7 +90,7 @@ def follow(rig: Rig, motion: Motion) -> Recording:
     names, lead = motion.chain.joint_names, rig.lag()
     end = motion.profile.duration + TAIL
     if not math.isfinite(lead):
-        raise TrajectoryError(f"the controllers' lag is {lead} s; it must be finite")
+        raise FollowTrajectoryError(f"the controllers' lag is {lead} s; it must be finite")
 
     def reference(time: float) -> Mapping[str, float]:
         return dict(zip(names, motion.reference(time + lead).tolist()))

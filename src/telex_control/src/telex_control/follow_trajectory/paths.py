@@ -10,7 +10,7 @@ from typing import Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
-from . import TrajectoryError
+from . import FollowTrajectoryError
 
 SAMPLE = 5e-4
 """Distance between the points that stand for a curve (m)."""
@@ -45,20 +45,20 @@ class Path:
 
     Raises
     ------
-    TrajectoryError
+    FollowTrajectoryError
         The points are not finite, or there is no way between them.
     """
 
     def __init__(self, points: Sequence[Sequence[float]]) -> None:
         given = np.asarray(points, dtype=float)
         if given.ndim != 2 or given.shape[1] != 3 or not np.isfinite(given).all():
-            raise TrajectoryError("a path is made of points of three finite numbers (m)")
+            raise FollowTrajectoryError("a path is made of points of three finite numbers (m)")
         ways = np.linalg.norm(np.diff(given, axis=0), axis=1)
         self.points = given[np.concatenate(([True], ways > 1e-9))]
         ways = np.linalg.norm(np.diff(self.points, axis=0), axis=1)
         self.lengths = np.concatenate(([0.0], np.cumsum(ways)))
         if self.length < SHORTEST:
-            raise TrajectoryError(
+            raise FollowTrajectoryError(
                 f"the path is {1000.0 * self.length:.3f} mm long; at least "
                 f"{1000.0 * SHORTEST:g} mm are needed"
             )
@@ -109,11 +109,13 @@ class Shape:
     def __post_init__(self) -> None:
         for name, value in (("radius", self.radius), ("turns", self.turns)):
             if not (math.isfinite(value) and value > 0.0):
-                raise TrajectoryError(f"{name} is {value}; it must be above 0")
+                raise FollowTrajectoryError(f"{name} is {value}; it must be above 0")
         if not math.isfinite(self.height) or not all(map(math.isfinite, self.centre)):
-            raise TrajectoryError("height and centre must be finite")
+            raise FollowTrajectoryError("height and centre must be finite")
         if self.plane not in PLANES:
-            raise TrajectoryError(f"plane is '{self.plane}'; {', '.join(PLANES)} are possible")
+            raise FollowTrajectoryError(
+                f"plane is '{self.plane}'; {', '.join(PLANES)} are possible"
+            )
 
     def place(self, flat: np.ndarray) -> Path:
         """Return the path through points of the plane, shape (n, 2), rising with their way."""
@@ -165,7 +167,7 @@ def from_csv(file: File, offset: Optional[Sequence[float]] = None) -> Path:
 
     Raises
     ------
-    TrajectoryError
+    FollowTrajectoryError
         It cannot be read, or a line is no point; the message names both.
     """
     points: List[List[float]] = []
@@ -178,14 +180,14 @@ def from_csv(file: File, offset: Optional[Sequence[float]] = None) -> Path:
                 if not points and number == 1 and not _is_number(cells[0]):
                     continue
                 if len(cells) != 3 or not all(map(_is_number, cells)):
-                    raise TrajectoryError(
+                    raise FollowTrajectoryError(
                         f"{file}, line {number} is '{','.join(cells)}'; x, y, z (m) are needed"
                     )
                 points.append([float(cell) for cell in cells])
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise TrajectoryError(f"{file}: {error}") from error
+        raise FollowTrajectoryError(f"{file}: {error}") from error
     if len(points) < 2:
-        raise TrajectoryError(f"{file} has {len(points)} points; at least 2 are needed")
+        raise FollowTrajectoryError(f"{file} has {len(points)} points; at least 2 are needed")
     path = Path(points)
     return path if offset is None else path.moved(offset)
 

@@ -15,7 +15,7 @@ import numpy as np
 from ..common.geometry.matrices import homogeneous
 from ..kinematics import Chain, IKSolver
 from ..urdf.joints import PRISMATIC
-from . import TrajectoryError
+from . import FollowTrajectoryError
 from .paths import Path
 from .speed_profile import SpeedProfile
 
@@ -81,18 +81,18 @@ def plan(
 
     Raises
     ------
-    TrajectoryError
+    FollowTrajectoryError
         The path leaves the workspace, or asks a joint for more speed than it has.
     """
     count = int(np.ceil(profile.duration / period)) + 1
     places = path.position(profile.length(period * np.arange(count)))
-    first: Optional[TrajectoryError] = None
+    first: Optional[FollowTrajectoryError] = None
     for guess in _seeds(solver.chain, np.asarray(seed, dtype=float)):
         try:
             begin = _begin(solver, homogeneous(orientation, places[0]), guess)
             references = _track(solver, orientation, places, begin, period)
             return Motion(solver.chain, path, profile, period, references)
-        except TrajectoryError as error:
+        except FollowTrajectoryError as error:
             first = first or error
     assert first is not None
     raise first
@@ -118,7 +118,7 @@ def _begin(solver: IKSolver, target: np.ndarray, seed: np.ndarray) -> np.ndarray
     """Joint positions for the begin of a path."""
     found = solver.solve(target, seed.tolist())
     if not found.converged:
-        raise TrajectoryError(
+        raise FollowTrajectoryError(
             f"the begin of the path, {_shown(target[:3, 3])}, cannot be reached with the tool as "
             f"it is turned: {1000.0 * found.position_error:.0f} mm are left; another centre, or "
             "another orientation of the tool, is needed"
@@ -142,7 +142,7 @@ def _track(
         )
         if tick.position_error > LOST or tick.orientation_error > LOST:
             held = [*tick.at_limits, *tick.at_speed]
-            raise TrajectoryError(
+            raise FollowTrajectoryError(
                 f"the path cannot be followed at {_shown(places[index])}, after "
                 f"{index * period:.1f} s: "
                 + (f"{', '.join(held)} at its limit" if held else "the arm is at its reach")

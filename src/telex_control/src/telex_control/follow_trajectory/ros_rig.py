@@ -11,7 +11,7 @@ from sensor_msgs.msg import JointState
 from telex_msgs.msg import Proximity, SimStatus
 
 from ..step_response.ros_session import RosRig
-from . import TrajectoryError
+from . import FollowTrajectoryError
 from .analysis import Recording, overdue
 from .watch import Watch
 
@@ -41,7 +41,7 @@ class TrajectoryRig(RosRig):
     ------
     StepError
         As `RosRig`.
-    TrajectoryError
+    FollowTrajectoryError
         A joint has no controller that runs; or, from a motion, the watch has ended it.
     """
 
@@ -61,7 +61,7 @@ class TrajectoryRig(RosRig):
         rospy.Subscriber(f"{namespace}/sim/status", SimStatus, watch.on_status)
         without = [joint for joint in self._arm if joint not in self._controllers]
         if without:
-            raise TrajectoryError(
+            raise FollowTrajectoryError(
                 f"no position controller runs for {', '.join(without)}; start them, e.g. by "
                 "controller_group switch manual"
             )
@@ -84,7 +84,7 @@ class TrajectoryRig(RosRig):
         end = rospy.get_time() + seconds
         while True:
             if self._watch.reason is not None:
-                raise TrajectoryError(self._watch.reason)
+                raise FollowTrajectoryError(self._watch.reason)
             left = end - rospy.get_time()
             if left <= 0.0:
                 return
@@ -101,7 +101,7 @@ class TrajectoryRig(RosRig):
             late = 0.0
             while not self._samples_of_arm or self._samples_of_arm[-1][0] < end:
                 if late > _LATE:
-                    raise TrajectoryError(
+                    raise FollowTrajectoryError(
                         "joint states stopped before the end; is the simulator paused?"
                     )
                 self.wait(0.02)

@@ -7,7 +7,7 @@ from typing import List, Sequence
 
 import numpy as np
 
-from . import TrajectoryError
+from . import FollowTrajectoryError
 
 
 class SpeedProfile:
@@ -32,7 +32,7 @@ class SpeedProfile:
 
     Raises
     ------
-    TrajectoryError
+    FollowTrajectoryError
         A limit is not above 0.
     """
 
@@ -41,7 +41,7 @@ class SpeedProfile:
     ) -> None:
         for name, value in (("speed", speed), ("acceleration", acceleration)):
             if not (math.isfinite(value) and value > 0.0):
-                raise TrajectoryError(f"{name} is {value}; it must be above 0")
+                raise FollowTrajectoryError(f"{name} is {value}; it must be above 0")
         ends = [0.0, *stops, length]
         times, lengths, rates = [0.0], [0.0], [0.0]
         for begin, end in zip(ends, ends[1:]):

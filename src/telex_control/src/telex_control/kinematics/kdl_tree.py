@@ -10,7 +10,7 @@ import PyKDL
 from telex_control.urdf.elements import Origin
 from telex_control.urdf.joints import PRISMATIC
 
-from .urdf_tree import FIXED, Inertial, TreeJoint, UrdfTree
+from .urdf_tree import FIXED, LinkInertia, TreeJoint, UrdfTree
 
 
 def kdl_tree(tree: UrdfTree) -> PyKDL.Tree:
@@ -29,7 +29,7 @@ def kdl_tree(tree: UrdfTree) -> PyKDL.Tree:
     return made
 
 
-def _segment(joint: TreeJoint, inertial: Optional[Inertial]) -> PyKDL.Segment:
+def _segment(joint: TreeJoint, inertial: Optional[LinkInertia]) -> PyKDL.Segment:
     frame = kdl_frame(joint.origin)
     return PyKDL.Segment(joint.child, _kdl_joint(joint, frame), frame, _rigid_body(inertial))
 
@@ -42,7 +42,7 @@ def _kdl_joint(joint: TreeJoint, frame: PyKDL.Frame) -> PyKDL.Joint:
     return PyKDL.Joint(joint.name, frame.p, frame.M * PyKDL.Vector(*joint.axis), kind)
 
 
-def _rigid_body(inertial: Optional[Inertial]) -> PyKDL.RigidBodyInertia:
+def _rigid_body(inertial: Optional[LinkInertia]) -> PyKDL.RigidBodyInertia:
     """Inertia as KDL has it: about the centre of mass, along the axes of the link's frame."""
     if inertial is None:
         return PyKDL.RigidBodyInertia()

@@ -26,7 +26,7 @@ class KinematicsError(UrdfError):
 
 
 @dataclass(frozen=True)
-class Inertial:
+class LinkInertia:
     """URDF ``<inertial>``.
 
     Attributes
@@ -78,7 +78,7 @@ class UrdfTree:
     ----------
     root : str
         The link that no joint carries.
-    inertials : dict of str to Inertial or None
+    inertials : dict of str to LinkInertia or None
         By link.
     joint_above : dict of str to TreeJoint
         By the link that it carries.
@@ -90,7 +90,7 @@ class UrdfTree:
     """
 
     def __init__(self, robot: Robot) -> None:
-        self.inertials: Dict[str, Optional[Inertial]] = {
+        self.inertials: Dict[str, Optional[LinkInertia]] = {
             name: _inertial(link, f"link '{name}'") for name, link in robot.link_map.items()
         }
         self.joint_above: Dict[str, TreeJoint] = {}
@@ -191,7 +191,7 @@ def _link_of(joint: Joint, role: str, where: str) -> str:
     return found
 
 
-def _inertial(link: Link, where: str) -> Optional[Inertial]:
+def _inertial(link: Link, where: str) -> Optional[LinkInertia]:
     inertial = link.inertial
     if inertial is None:
         return None
@@ -199,7 +199,7 @@ def _inertial(link: Link, where: str) -> Optional[Inertial]:
     if inertial.mass is None or inertia is None:
         raise KinematicsError(f'{where}: its <inertial> needs <mass value="..."> and <inertia>')
     moments = [number(inertia, key, where) for key in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")]
-    return Inertial(
+    return LinkInertia(
         origin=origin(inertial, where),
         mass=number(inertial, "mass", where),
         inertia=(moments[0], moments[1], moments[2], moments[3], moments[4], moments[5]),

@@ -38,7 +38,7 @@ class TransmissionError(ValueError):
 
 
 @dataclass(frozen=True)
-class TransmissionJoint:
+class JointInterfaces:
     """A joint of a transmission, as the URDF describes it.
 
     Attributes
@@ -56,7 +56,7 @@ class TransmissionInfo:
     """One ``<transmission>``."""
 
     name: str
-    joints: Tuple[TransmissionJoint, ...]
+    joints: Tuple[JointInterfaces, ...]
 
 
 @dataclass(frozen=True)
@@ -141,7 +141,7 @@ def _transmission(
 
 def _joint(
     element: model.TransmissionJoint, fallback: Tuple[str, ...], complaints: List[Tuple[int, str]]
-) -> TransmissionJoint:
+) -> JointInterfaces:
     name = element.name
     if not name:
         raise TransmissionError("a <joint> has no name")
@@ -157,7 +157,7 @@ def _joint(
         own = fallback
     if not own:
         raise TransmissionError(f"joint '{name}' has no <hardwareInterface>")
-    return TransmissionJoint(name, own)
+    return JointInterfaces(name, own)
 
 
 def _interfaces(element: Union[model.TransmissionJoint, model.Actuator]) -> Tuple[str, ...]:

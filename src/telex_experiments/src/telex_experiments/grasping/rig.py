@@ -16,7 +16,7 @@ from trajectory_msgs.msg import JointTrajectoryPoint
 from telex_control.common.geometry.matrices import homogeneous, rotation_from_rpy
 from telex_control.common.params import read_config
 from telex_control.controllers.parallel_gripper_controller import FingerGeometry
-from telex_control.follow_trajectory import TrajectoryError
+from telex_control.follow_trajectory import FollowTrajectoryError
 from telex_control.kinematics import Chain, IKSolver, Tolerance
 from telex_experiments.rigs.offline_rig import OfflineRig, for_period
 from telex_sim.engine.simulator_config import TUNED_PERIOD
@@ -126,7 +126,7 @@ class Rig(OfflineRig):
 
         Raises
         ------
-        TrajectoryError
+        FollowTrajectoryError
             The arm cannot follow.
         """
         way = float(np.linalg.norm(offset))
@@ -225,7 +225,7 @@ class Rig(OfflineRig):
             )
             turned = tolerance is None and tick.orientation_error > _LOST
             if turned or tick.position_error > _LOST:
-                raise TrajectoryError(f"the tool cannot follow to {target[:3, 3].tolist()}")
+                raise FollowTrajectoryError(f"the tool cannot follow to {target[:3, 3].tolist()}")
             references.append(np.asarray(tick.q))
         self._follow(np.array(references))
 
@@ -248,7 +248,7 @@ class Rig(OfflineRig):
         self._reference = references[-1]
         self.wait((len(references) - 1) * _REFERENCE_PERIOD + 0.1)
         if sent.status in ("aborted", "rejected"):
-            raise TrajectoryError(f"the arm's trajectory was {sent.status}: {sent.text}")
+            raise FollowTrajectoryError(f"the arm's trajectory was {sent.status}: {sent.text}")
 
     # --- the gripper -----------------------------------------------------------------------------
 
@@ -377,7 +377,7 @@ def _start_pose(place: Vector, pitch: float, roll: float, opening: float) -> Dic
     target = homogeneous(rotation_from_rpy((roll, pitch, 0.0)), place)
     found = _solver().solve(target, [pose[name] for name in names])
     if not found.converged:
-        raise TrajectoryError(f"the tool cannot reach {list(place)}")
+        raise FollowTrajectoryError(f"the tool cannot reach {list(place)}")
     pose.update(zip(names, np.asarray(found.q).tolist()))
     geometry = package_yaml("telex_control", "config", "telex_controllers.yaml")[_GRIPPER][
         "geometry"

@@ -9,7 +9,7 @@ from control_msgs.msg import JointControllerState
 from std_msgs.msg import Float64
 
 from telex_control.controllers.effort_joint_position_controller import EffortJointPositionController
-from telex_control.follow_trajectory import TrajectoryError
+from telex_control.follow_trajectory import FollowTrajectoryError
 from telex_control.follow_trajectory.analysis import Recording
 from telex_control.follow_trajectory.paths import Shape, circle
 from telex_control.follow_trajectory.reference import Motion, plan
@@ -104,7 +104,7 @@ class OfflineArm:
 
         Raises
         ------
-        TrajectoryError
+        FollowTrajectoryError
             A controller does not hold what it was sent.
         """
         states = [self._simulation.hw.joint_state(joint) for joint in self._joints]
@@ -115,7 +115,7 @@ class OfflineArm:
                     self._commands[joint].publish(Float64(value))
                     held = self._controllers[joint].set_point
                     if held != value:
-                        raise TrajectoryError(
+                        raise FollowTrajectoryError(
                             f"{joint} was sent to {value} at {index * self._step:.3f} s, and its "
                             f"controller holds {held}"
                         )

@@ -135,9 +135,9 @@ class IKSolver:
             self._shapes[tolerance] = self._shape(self.options.tolerance)
         self._search = PostureSearch(self.numerics, self._box, self.options)
         # Not imported before numba is needed: see `_numerics`.
-        from .joint_path import JointPath
+        from .posture_path import PosturePath
 
-        self._way = JointPath(self._count)
+        self._way = PosturePath(self._count)
         self._full_speeds = (_FULL * self._speeds).tolist()
         self._standing = np.zeros(self._count)
         self._on_path: Optional[np.ndarray] = None  # pose of the way's end, while on the path

@@ -53,7 +53,7 @@ def follow(way: Way, folder: Path) -> Led:
 
     Raises
     ------
-    TrajectoryError, KinematicsError
+    FollowTrajectoryError, KinematicsError
     """
     options = parse([*way.arguments, "--out", str(folder)])
     urdf = robot_description()

@@ -4,7 +4,7 @@ The way is a polyline of postures, which the joints never leave: where a limit b
 on it. They are never so fast that they could not come to rest on what is known of it. The end of
 the way may therefore be moved on, or left where it is, at any time.
 
-All kernels stand in one file, as in `ik_kernels`.
+All kernels stand in one file, as in `kernels`.
 """
 
 from __future__ import annotations
@@ -167,7 +167,7 @@ def _advance(
     return place, end
 
 
-class JointPath:
+class PosturePath:
     """The way of `count` joints.
 
     Attributes
