@@ -7,7 +7,7 @@ import pytest
 from telex_msgs.msg import Proximity, ProximityPair
 
 from telex_teleop.motion.joint_jog import InvalidCommand
-from telex_teleop.ros.arm_teleop import proximity_state
+from telex_teleop.ros.arm_teleop_node import proximity_state
 
 
 def message(**pair):

@@ -11,7 +11,7 @@ from web_fakes import on_loop, served
 
 from telex_control.common.params import ConfigError
 from telex_teleop.actions.vocabulary import Vocabulary
-from telex_teleop.web.maps import add_maps
+from telex_teleop.web.map_documents import add_maps
 
 
 async def nothing_known(_request):

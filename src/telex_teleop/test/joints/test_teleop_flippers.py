@@ -9,7 +9,7 @@ import yaml
 from telex_control.common.params import ConfigError, read_config
 from telex_teleop.flippers.flipper_settings import FlipperTeleopSettings
 from telex_teleop.flippers.flipper_teleop import FlipperTeleop
-from telex_teleop.flippers.presets import GoalEnd, GoalRules, Preset
+from telex_teleop.flippers.presets import FlipperPreset, GoalEnd, GoalRules
 from telex_teleop.motion.axis import AxisSettings
 from telex_teleop.motion.joint_jog import InvalidCommand, JogCommand
 from telex_teleop.motion.limits import JointBounds
@@ -23,9 +23,9 @@ RATE = 1.0
 LIMITS = MotionLimits(-1.9, 2.0, RATE, 4.0, 0.2, 0.02)
 JOINTS = tuple(f"{end}_{side}" for end in ("front", "rear") for side in ("left", "right"))
 PRESETS = {
-    "flat": Preset("flat", "", dict.fromkeys(JOINTS, 0.0)),
-    "high": Preset("high", "", dict.fromkeys(JOINTS, -1.2)),
-    "nose_up": Preset("nose_up", "", {"front_left": 1.0, "front_right": 1.0}),
+    "flat": FlipperPreset("flat", "", dict.fromkeys(JOINTS, 0.0)),
+    "high": FlipperPreset("high", "", dict.fromkeys(JOINTS, -1.2)),
+    "nose_up": FlipperPreset("nose_up", "", {"front_left": 1.0, "front_right": 1.0}),
 }
 
 

@@ -12,7 +12,7 @@ from telex_control.common.params import ConfigError, read_config
 from telex_teleop.joy import device as device_module
 from telex_teleop.joy.device import Joystick, JoystickError, find_joystick
 from telex_teleop.joy.events import EVENT, JoystickState
-from telex_teleop.joy.pacing import Pacer
+from telex_teleop.joy.pacing import PublishPacer
 from telex_teleop.joy.source import JoySettings, JoySource
 
 AXIS, BUTTON, INITIAL = 2, 1, 0x80
@@ -89,7 +89,7 @@ class TestEvents:
 
 class TestPacing:
     def test_button_at_once_axis_after_the_interval(self):
-        pacer = Pacer(autorepeat_rate=0.0, coalesce_interval=0.01)
+        pacer = PublishPacer(autorepeat_rate=0.0, coalesce_interval=0.01)
         assert pacer.wait(1.0) is None
         pacer.changed(1.0, at_once=False)
         assert pacer.wait(1.0) == pytest.approx(0.01)
@@ -101,7 +101,7 @@ class TestPacing:
         assert pacer.wait(1.006) is None
 
     def test_autorepeat(self):
-        pacer = Pacer(autorepeat_rate=20.0, coalesce_interval=0.01)
+        pacer = PublishPacer(autorepeat_rate=20.0, coalesce_interval=0.01)
         assert pacer.wait(1.0) == 0.0
         pacer.sent(1.0)
         assert pacer.wait(1.0) == pytest.approx(0.05)

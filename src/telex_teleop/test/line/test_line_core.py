@@ -9,8 +9,8 @@ import pytest
 from telex_control.common.params import ConfigError
 from telex_teleop.web.line.fields import PERFECT, LineFields
 from telex_teleop.web.line.line import MOST_RETRANSMISSIONS, RETRANSMISSION, Line
-from telex_teleop.web.line.messages import LineQueue
-from telex_teleop.web.line.pictures import PictureLine
+from telex_teleop.web.line.line_queue import LineQueue
+from telex_teleop.web.line.picture_line import PictureLine
 from telex_teleop.web.line.profiles import Profiles
 from telex_teleop.web.line.signal_curve import SignalCurve, SignalPoint
 from telex_teleop.web.line.sim_clock import MOST_AHEAD, SimClock

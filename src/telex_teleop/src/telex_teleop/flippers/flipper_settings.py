@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Dict, Mapping, Tuple
 
 from telex_control.common.params import Declared, number, parameter, require, required, word
-from telex_teleop.flippers.presets import GoalRules, Preset
+from telex_teleop.flippers.presets import FlipperPreset, GoalRules
 from telex_teleop.joints.joint_settings import JointTeleopSettings
 from telex_teleop.motion.axis import AxisSettings
 
@@ -38,9 +38,9 @@ class FlipperTeleopSettings(JointTeleopSettings):
 
     presets: Tuple[PresetSettings, ...] = parameter((), "In the order of their keys.")
     goal_tolerance: float = number(
-        0.01, "See `flipper_presets.GoalRules` (rad).", maximum=0.1, above=0.0
+        0.01, "See `presets.GoalRules` (rad).", maximum=0.1, above=0.0
     )
-    stall_time: float = number(2.0, "See `flipper_presets.GoalRules` (s).", above=0.0)
+    stall_time: float = number(2.0, "See `presets.GoalRules` (s).", above=0.0)
 
     def check(self) -> None:
         """Check what concerns several of them; see `Declared.check`."""
@@ -62,7 +62,7 @@ class FlipperTeleopSettings(JointTeleopSettings):
         """Return when a goal has been reached, and when it is given up."""
         return GoalRules(self.goal_tolerance, self.stall_time)
 
-    def preset_table(self, axes: Mapping[str, AxisSettings]) -> Dict[str, Preset]:
+    def preset_table(self, axes: Mapping[str, AxisSettings]) -> Dict[str, FlipperPreset]:
         """Return the presets of a robot by name, without the joints that it lacks.
 
         Parameters
@@ -85,5 +85,5 @@ class FlipperTeleopSettings(JointTeleopSettings):
                     f"presets[{index}]/positions/{joint} is {angle:g} ({preset.name}); this robot "
                     f"needs {motion.lower:g} to {motion.upper:g}",
                 )
-            table[preset.name] = Preset(preset.name, preset.description, there)
+            table[preset.name] = FlipperPreset(preset.name, preset.description, there)
         return table

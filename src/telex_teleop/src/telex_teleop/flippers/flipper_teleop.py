@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Dict, FrozenSet, Mapping, Sequence, Set
 
-from telex_teleop.flippers.presets import GoalEnd, GoalRules, Preset, PresetRequests, choose
+from telex_teleop.flippers.presets import FlipperPreset, GoalEnd, GoalRules, PresetRequests, choose
 from telex_teleop.joints.joint_teleop import JointTeleop
 from telex_teleop.motion.axis import AxisSettings
 from telex_teleop.motion.joint_jog import InvalidCommand, JogCommand
@@ -28,7 +28,7 @@ class FlipperTeleop(JointTeleop):
     def __init__(
         self,
         axes: Mapping[str, AxisSettings],
-        presets: Mapping[str, Preset],
+        presets: Mapping[str, FlipperPreset],
         goal_rules: GoalRules,
         command_timeout: float,
         longest_step: float,

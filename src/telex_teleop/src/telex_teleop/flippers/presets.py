@@ -20,7 +20,7 @@ A_GOAL = "goal"
 
 
 @dataclass(frozen=True)
-class Preset:
+class FlipperPreset:
     """A named set of angles.
 
     Attributes
@@ -39,7 +39,10 @@ class Preset:
 
 
 def choose(
-    presets: Mapping[str, Preset], name: str, joint_names: Sequence[str], known: Collection[str]
+    presets: Mapping[str, FlipperPreset],
+    name: str,
+    joint_names: Sequence[str],
+    known: Collection[str],
 ) -> Dict[str, float]:
     """Return where a preset wants the joints that were asked for.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import List, Optional
 
 
-class Pacer:
+class PublishPacer:
     """Publishes a button at once, an axis together with others that move in the same moment.
 
     Parameters

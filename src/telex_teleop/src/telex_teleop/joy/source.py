@@ -9,7 +9,7 @@ from typing import Callable, List
 from telex_control.common.params import Declared, number, parameter
 from telex_teleop.joy.device import Joystick, JoystickError
 from telex_teleop.joy.events import JoystickState
-from telex_teleop.joy.pacing import Pacer
+from telex_teleop.joy.pacing import PublishPacer
 
 LONGEST_WAIT = 0.1  # s between two looks at whether the node shall end
 
@@ -93,7 +93,7 @@ class JoySource:
         """Publish what a joystick does until it is gone; then, that nobody touches it."""
         settings = self._settings
         state = JoystickState(joystick.axes, joystick.buttons, settings.deadzone)
-        pacer = Pacer(settings.autorepeat_rate, settings.coalesce_interval)
+        pacer = PublishPacer(settings.autorepeat_rate, settings.coalesce_interval)
         try:
             while not ended():
                 wait = pacer.wait(time.monotonic())

@@ -54,7 +54,7 @@ class Style(Enum):
 
 
 @dataclass(frozen=True)
-class Line:
+class ScreenLine:
     """One line of the screen."""
 
     text: str
@@ -157,7 +157,7 @@ def render(
     columns: int,
     lines: int,
     show_help: bool = False,
-) -> List[Line]:
+) -> List[ScreenLine]:
     """Return the screen, cut to the size of the terminal.
 
     Parameters
@@ -169,42 +169,42 @@ def render(
     show_help
         Whether the explanation takes the place of the table.
     """
-    head = [_head(state), _obedience(keys, state), Line(state.arm_notice, Style.WARNING)]
-    foot = [Line(""), *_commands(keys, columns), Line(state.notice, Style.WARNING)]
+    head = [_head(state), _obedience(keys, state), ScreenLine(state.arm_notice, Style.WARNING)]
+    foot = [ScreenLine(""), *_commands(keys, columns), ScreenLine(state.notice, Style.WARNING)]
     body = _help(keys, state, columns) if show_help else _table(keys, lengths, state, columns)
     # What says whether the robot obeys, and how to stop it, stays on the smallest screen.
     body = body[: max(lines - len(head) - len(foot), 0)]
     picture = [*head, *body, *foot][:lines]
-    return [Line(line.text[:columns], line.style) for line in picture]
+    return [ScreenLine(line.text[:columns], line.style) for line in picture]
 
 
-def _head(state: ScreenState) -> Line:
+def _head(state: ScreenState) -> ScreenLine:
     speed = "-" if state.speed_scale is None else f"{100.0 * state.speed_scale:.0f} %"
     mode = state.mode or "-"
     if mode == "CARTESIAN" and state.tool is not None:
         mode = f"{mode} ({state.tool.frame})"
-    return Line(
+    return ScreenLine(
         f"TELEX KEYBOARD   robot {state.robot}   mode {mode}   speed {speed}",
         Style.TITLE,
     )
 
 
-def _obedience(keys: KeyMap, state: ScreenState) -> Line:
+def _obedience(keys: KeyMap, state: ScreenState) -> ScreenLine:
     if state.e_stop:
         release = _names(keys, Command.RELEASE_E_STOP) or "another console"
-        return Line(f"E-STOP IS ACTIVE, nothing obeys. Release: {release}", Style.ALARM)
+        return ScreenLine(f"E-STOP IS ACTIVE, nothing obeys. Release: {release}", Style.ALARM)
     silent = [node for node in ("tracks", *NODES) if _is_silent(state, node)]
     if len(silent) == 1 + len(NODES):
-        return Line("NO ANSWER from the robot's teleoperation nodes", Style.ALARM)
+        return ScreenLine("NO ANSWER from the robot's teleoperation nodes", Style.ALARM)
     if silent:
-        return Line(f"NO ANSWER from: {', '.join(silent)}", Style.WARNING)
+        return ScreenLine(f"NO ANSWER from: {', '.join(silent)}", Style.WARNING)
     for node in sorted(state.nodes, key=lambda name: not state.nodes[name].active):
         if state.nodes[node].message:
-            return Line(f"NOT OBEYED ({node}): {state.nodes[node].message}", Style.WARNING)
+            return ScreenLine(f"NOT OBEYED ({node}): {state.nodes[node].message}", Style.WARNING)
     active = [node for node, view in state.nodes.items() if view.active]
     if active:
-        return Line(f"OBEYED by {', '.join(active)}", Style.GOOD)
-    return Line("READY")
+        return ScreenLine(f"OBEYED by {', '.join(active)}", Style.GOOD)
+    return ScreenLine("READY")
 
 
 def _is_silent(state: ScreenState, node: str) -> bool:
@@ -212,7 +212,9 @@ def _is_silent(state: ScreenState, node: str) -> bool:
     return view is None or view.age > 1.0
 
 
-def _table(keys: KeyMap, lengths: Sequence[str], state: ScreenState, columns: int) -> List[Line]:
+def _table(
+    keys: KeyMap, lengths: Sequence[str], state: ScreenState, columns: int
+) -> List[ScreenLine]:
     left = [text for node in LEFT for text in _section(node, keys, lengths, state)]
     left += _named(keys, Preset, state)
     right = [text for node in RIGHT for text in _section(node, keys, lengths, state)]
@@ -221,11 +223,11 @@ def _table(keys: KeyMap, lengths: Sequence[str], state: ScreenState, columns: in
     right += _named(keys, ToPose, state)
     right += _lamps(keys, state)
     if columns < 2 * COLUMN + 1:
-        return [Line(text) for text in (*right, *left)]
+        return [ScreenLine(text) for text in (*right, *left)]
     height = max(len(left), len(right))
     left += [""] * (height - len(left))
     right += [""] * (height - len(right))
-    return [Line(f"{a:<{COLUMN}} {b}".rstrip()) for a, b in zip(left, right)]
+    return [ScreenLine(f"{a:<{COLUMN}} {b}".rstrip()) for a, b in zip(left, right)]
 
 
 def _section(node: str, keys: KeyMap, lengths: Sequence[str], state: ScreenState) -> List[str]:
@@ -340,14 +342,14 @@ def _position(joints: Tuple[str, ...], lengths: Sequence[str], state: ScreenStat
     return f"!{value}" if view.limited else value
 
 
-def _commands(keys: KeyMap, columns: int) -> List[Line]:
+def _commands(keys: KeyMap, columns: int) -> List[ScreenLine]:
     commands = [
         action
         for action in keys.actions.values()
         if isinstance(action, Command) and action not in IN_HELP
     ]
     parts = [f"{_names(keys, each)}: {keys.label(each)}" for each in dict.fromkeys(commands)]
-    return [Line(text) for text in _fill(parts, columns, "  ")]
+    return [ScreenLine(text) for text in _fill(parts, columns, "  ")]
 
 
 def _fill(parts: Sequence[str], columns: int, space: str) -> List[str]:
@@ -395,15 +397,15 @@ def _bookmarks(keys: KeyMap) -> str:
     return f" {mark} sets a bookmark, {back} goes back." if mark and back else ""
 
 
-def _help(keys: KeyMap, state: ScreenState, columns: int) -> List[Line]:
+def _help(keys: KeyMap, state: ScreenState, columns: int) -> List[ScreenLine]:
     text = HELP.format(
         holding=EXACT_KEYS if state.exact_keys else TYPED_KEYS,
         stop=_names(keys, Command.STOP),
         bookmarks=_bookmarks(keys),
     )
-    lines: List[Line] = []
+    lines: List[ScreenLine] = []
     for paragraph in text.split("\n\n"):
         if lines:
-            lines.append(Line(""))
-        lines.extend(Line(text) for text in textwrap.wrap(paragraph, max(columns - 1, 20)))
+            lines.append(ScreenLine(""))
+        lines.extend(ScreenLine(text) for text in textwrap.wrap(paragraph, max(columns - 1, 20)))
     return lines

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Callable, FrozenSet, List
 from telex_teleop.actions.grammar import Action, Command, Lamps, is_momentary
 from telex_teleop.keyboard.decoding import Event, FocusEvent, KeyDecoder, KeyEvent, KeyKind
 from telex_teleop.keyboard.held import HeldKeys
-from telex_teleop.keyboard.line import LineCheck
 from telex_teleop.keyboard.map import KeyboardSettings, KeyMap
-from telex_teleop.keyboard.screen import Line, ScreenState, render
+from telex_teleop.keyboard.screen import ScreenLine, ScreenState, render
+from telex_teleop.keyboard.terminal_check import TerminalCheck
 from telex_teleop.operating.commander import Commander, FixedRates
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ class KeyboardTeleop:
         self._robot = robot
         self._terminal = terminal
         self._decoder = KeyDecoder({**settings.key_map.actions, **settings.cartesian_map.actions})
-        self._line = LineCheck()
+        self._line = TerminalCheck()
         self._held = HeldKeys(settings.tap_time, settings.key_timeout)
         self._commander = Commander(
             FixedRates(
@@ -129,7 +129,7 @@ class KeyboardTeleop:
             self._sent, self._sent_at = held, now
             self._robot.send(self._commander.update(held))
 
-    def picture(self, now: float) -> List[Line]:
+    def picture(self, now: float) -> List[ScreenLine]:
         """Return the screen at `now`."""
         robot = self._robot
         state = ScreenState(

@@ -9,7 +9,7 @@ import termios
 import time
 from typing import Any, List, Optional, Sequence, Tuple
 
-from telex_teleop.keyboard.screen import Line, Style
+from telex_teleop.keyboard.screen import ScreenLine, Style
 
 ALTERNATE_SCREEN, NORMAL_SCREEN = "\x1b[?1049h", "\x1b[?1049l"
 HIDE_CURSOR, SHOW_CURSOR = "\x1b[?25l", "\x1b[?25h"
@@ -60,7 +60,7 @@ class Terminal:
         self._kitty = False
         self._gone = False
         self._saved: List[Any] = []
-        self._shown: List[Line] = []
+        self._shown: List[ScreenLine] = []
         self._shown_size = (0, 0)
 
     def __enter__(self) -> Terminal:
@@ -117,7 +117,7 @@ class Terminal:
             return 80, 24
         return (size.columns or 80, size.lines or 24)
 
-    def show(self, lines: Sequence[Line]) -> None:
+    def show(self, lines: Sequence[ScreenLine]) -> None:
         """Show lines, writing only when something has changed."""
         size = self.size()
         if list(lines) == self._shown and size == self._shown_size:

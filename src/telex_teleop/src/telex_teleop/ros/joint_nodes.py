@@ -17,10 +17,10 @@ from telex_teleop.joints.joint_settings import (
     limits_of_present,
 )
 from telex_teleop.motion.limits import JointBounds
-from telex_teleop.ros.arm_teleop import ArmTeleopNode
+from telex_teleop.ros.arm_teleop_node import ArmTeleopNode
 from telex_teleop.ros.common import private_settings, run_node
-from telex_teleop.ros.flipper_teleop import FlipperTeleopNode
-from telex_teleop.ros.joint_teleop import JointTeleopNode
+from telex_teleop.ros.flipper_teleop_node import FlipperTeleopNode
+from telex_teleop.ros.joint_teleop_node import JointTeleopNode
 from telex_teleop.ros.kinematics_services import KinematicsServices
 
 

@@ -18,7 +18,7 @@ from telex_control.ros.pose_messages import fill_pose, pose_in
 from telex_teleop.arm.arm_settings import FrameSettings
 from telex_teleop.arm.tool_command import Frame
 from telex_teleop.motion.joint_jog import InvalidCommand
-from telex_teleop.ros.arm_teleop import ArmTeleopNode
+from telex_teleop.ros.arm_teleop_node import ArmTeleopNode
 
 NO_ARM = "this robot has no arm from {base} to {tool} that arm_teleop could move"
 

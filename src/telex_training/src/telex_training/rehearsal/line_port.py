@@ -13,7 +13,7 @@ import numpy as np
 from telex_sim.engine.radio import signal_at
 from telex_sim.offline.robot import OfflineRobot
 from telex_teleop.web.line.line import Line
-from telex_teleop.web.line.messages import LineQueue
+from telex_teleop.web.line.line_queue import LineQueue
 from telex_teleop.web.line.profiles import LineSetting, Profiles
 
 from ..exercises.model import Exercise

@@ -6,7 +6,7 @@ import asyncio
 from typing import Callable, Optional
 
 from ..line.line import Line
-from ..line.messages import LineQueue
+from ..line.line_queue import LineQueue
 from .waits import LinePump
 
 MOST_BYTES = 4 * 2**20

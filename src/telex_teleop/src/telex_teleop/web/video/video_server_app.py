@@ -25,7 +25,7 @@ from aiohttp import web
 from ...actions.abilities import Abilities, abilities_of
 from ..exam.exam_list import Exam
 from ..line.line import Line
-from ..maps import add_maps
+from ..map_documents import add_maps
 from ..rights import ExamRights
 from ..server_config import VideoServerConfig
 from ..tokens import INSTRUCTOR, ForbiddenError
@@ -87,7 +87,7 @@ class Log(Protocol):
         """Report a sentence, throttled."""
 
 
-class ShownRobot(NamedTuple):
+class RobotVideo(NamedTuple):
     """What the server has for one robot.
 
     Attributes
@@ -173,7 +173,7 @@ class VideoServer:
         """The clients of the first robot's cameras."""
         return self._first.sockets
 
-    def _show(self, namespace: str, prefix: str) -> ShownRobot:
+    def _show(self, namespace: str, prefix: str) -> RobotVideo:
         line, config = Line(Random()), self._config
         bridge = f"{prefix}{config.rosbridge}"
         exam = Exam(_exam_rights(config, self._graph, bridge), namespace)
@@ -188,14 +188,14 @@ class VideoServer:
             exam=exam,
         )
         gate = Gate(config, namespace, self._parameter, exam, bridge)
-        return ShownRobot(namespace, prefix, bridge, line, gate, sockets)
+        return RobotVideo(namespace, prefix, bridge, line, gate, sockets)
 
-    def _robot_of(self, topic: str) -> ShownRobot:
+    def _robot_of(self, topic: str) -> RobotVideo:
         """Return the robot to which a topic belongs; what is of none counts as the first's."""
         found = [each for each in self.robots.values() if topic.startswith(each.namespace)]
         return max(found, key=lambda each: len(each.namespace)) if found else self._first
 
-    def _asked_robot(self, request: web.Request) -> ShownRobot:
+    def _asked_robot(self, request: web.Request) -> RobotVideo:
         """Return the robot that a client's address names.
 
         Raises
@@ -279,7 +279,7 @@ class VideoServer:
             if held is not None:
                 held.close()
 
-    def _hold(self, robot: ShownRobot, instructor: bool) -> Optional[HeldPictures]:
+    def _hold(self, robot: RobotVideo, instructor: bool) -> Optional[HeldPictures]:
         """Return what holds back a robot's pictures for one client, None for instructors."""
         return None if instructor else HeldPictures(robot.line, self._graph.sim_time)
 
@@ -404,7 +404,7 @@ class VideoServer:
         # As /snapshot: a page of one's own, from wherever it came, asks here for the rest.
         return web.json_response(config, headers={"Access-Control-Allow-Origin": "*"})
 
-    async def _bridge_of(self, request: web.Request, robot: ShownRobot) -> Optional[str]:
+    async def _bridge_of(self, request: web.Request, robot: RobotVideo) -> Optional[str]:
         url = await self._parameter(f"{robot.bridge}/url")
         return _seen_from(request, url) if isinstance(url, str) else None
 

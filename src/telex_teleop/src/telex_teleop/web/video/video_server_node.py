@@ -20,7 +20,7 @@ from ..line.fields import LineFields
 from ..server_config import VideoServerConfig
 from ..serving import run_node
 from .ros_source import RosPictureSource
-from .video_server_app import ShownRobot, VideoServer
+from .video_server_app import RobotVideo, VideoServer
 
 WARNING_PERIOD = 5.0
 """Shortest time (s) between two warnings."""
@@ -39,7 +39,7 @@ def _make_app(config: VideoServerConfig) -> web.Application:
     return server.make_app()
 
 
-def _follow_link(robot: ShownRobot, warn: Callable[[str], None]) -> None:
+def _follow_link(robot: RobotVideo, warn: Callable[[str], None]) -> None:
     """Let a robot's line be the one that its bridge tells of."""
     loop = asyncio.get_running_loop()
 
@@ -55,7 +55,7 @@ def _follow_link(robot: ShownRobot, warn: Callable[[str], None]) -> None:
     rospy.Subscriber(f"{robot.namespace}link/state", LinkState, take, queue_size=10)
 
 
-def _follow_exam(robot: ShownRobot) -> None:
+def _follow_exam(robot: RobotVideo) -> None:
     """Let the exam's list hold for a robot as its bridge tells."""
     loop = asyncio.get_running_loop()
     rospy.Subscriber(

@@ -6,7 +6,7 @@ import asyncio
 from typing import Callable, Optional
 
 from ...line.line import Line
-from ...line.messages import LineQueue
+from ...line.line_queue import LineQueue
 from ...link.waits import DueWait
 from ..clients.outbox import Outbox
 from ..protocol.compression import Encoded

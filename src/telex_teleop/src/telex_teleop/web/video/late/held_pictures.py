@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Callable, Hashable, Optional
 
 from ...line.line import Line
-from ...line.pictures import PictureLine
+from ...line.picture_line import PictureLine
 from ...link.waits import LinePump
 from ..pictures import EncodedPicture
 from ..viewers import Viewer

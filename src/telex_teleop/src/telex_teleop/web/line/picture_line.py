@@ -8,7 +8,7 @@ import math
 from typing import Deque, Dict, Generic, Hashable, List, Optional, Tuple, TypeVar
 
 from .line import Line
-from .messages import BACKWARDS
+from .line_queue import BACKWARDS
 
 Picture = TypeVar("Picture")
 

@@ -21,7 +21,7 @@ from telex_teleop.flippers.flipper_teleop import FlipperTeleop
 from telex_teleop.flippers.presets import EndedGoal, GoalEnd
 from telex_teleop.motion.joint_jog import InvalidCommand
 from telex_teleop.ros.common import caller_of, warn_dropped
-from telex_teleop.ros.joint_teleop import JointTeleopNode
+from telex_teleop.ros.joint_teleop_node import JointTeleopNode
 
 FEEDBACK_PERIOD = 0.1  # s of wall time
 

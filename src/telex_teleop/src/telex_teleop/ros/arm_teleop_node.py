@@ -27,7 +27,7 @@ from telex_teleop.arm.tool_command import pose_matrix
 from telex_teleop.cores import tool_motion
 from telex_teleop.motion.joint_jog import InvalidCommand
 from telex_teleop.ros.common import caller_of, warn_dropped
-from telex_teleop.ros.joint_teleop import JointTeleopNode
+from telex_teleop.ros.joint_teleop_node import JointTeleopNode
 from telex_teleop.web.exam.exam_list import BRIDGE_TOPIC, EQUIPMENT
 
 WARMING_UP = "warming up: the kinematics are being compiled"

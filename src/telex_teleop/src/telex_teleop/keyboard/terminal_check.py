@@ -14,7 +14,7 @@ _TIMEOUT = 0.4
 """After so long (s) without a byte the line counts as dead."""
 
 
-class LineCheck:
+class TerminalCheck:
     """When to ask the terminal, and when to give it up."""
 
     def __init__(self) -> None:
