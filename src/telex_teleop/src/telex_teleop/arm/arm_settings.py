@@ -5,7 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Dict, List, Mapping, Optional, Tuple
 
-from telex_control.common.params import require, require_choice, require_range, require_text
+from telex_control.common.params import (
+    Declared,
+    choice,
+    number,
+    parameter,
+    require,
+    require_choice,
+    word,
+)
 from telex_control.kinematics import Chain, KinematicsError
 from telex_control.urdf.joints import UrdfError
 from telex_teleop.arm.arm_teleop import Carrier
@@ -21,39 +29,32 @@ POSE_MARGIN = 0.01
 
 
 @dataclass(frozen=True)
-class FrameSettings:
-    """Names of frames.
+class FrameSettings(Declared):
+    """Names of frames."""
 
-    Attributes
-    ----------
-    tool, base
-        Links between which the arm's kinematics is; the tool's is the tool centre point.
-    world
-        Frame that does not move with the robot.
-    default
-        One of the three: what an empty ``frame_id`` stands for.
-    base_pose
-        What tells where the base is in the world: ``sim`` (``sim/base_pose``, the simulator's
-        truth) or ``odom`` (``track_controller/odom``, as a robot without anything better has it).
-    base_pose_max_age
-        A report of it that is older (s of sim time) counts as none.
-    """
+    tool: str = word(
+        "tool_link", "Link that is the tool centre point; the arm's kinematics end here."
+    )
+    base: str = word("base_link", "Link in which the arm's kinematics begin.")
+    world: str = word("world", "Frame that does not move with the robot.")
+    default: str = parameter(
+        "tool_link", "One of the three, which an empty ``frame_id`` stands for."
+    )
+    base_pose: str = choice(
+        "sim",
+        ("sim", "odom"),
+        "What tells where the base is in the world: ``sim/base_pose``, the simulator's truth, or "
+        "``track_controller/odom``, as a robot without anything better has it.",
+    )
+    base_pose_max_age: float = number(
+        0.25, "A report of it that is older (s of sim time) counts as none.", above=0.0
+    )
 
-    tool: str = "tool_link"
-    base: str = "base_link"
-    world: str = "world"
-    default: str = "tool_link"
-    base_pose: str = "sim"
-    base_pose_max_age: float = 0.25
-
-    def __post_init__(self) -> None:
-        for name in ("tool", "base", "world"):
-            require_text(self, name)
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
         names = (self.tool, self.base, self.world)
         require(len(set(names)) == 3, f"tool, base and world are {', '.join(names)}; must differ")
         require_choice(self, "default", names)
-        require_choice(self, "base_pose", ("sim", "odom"))
-        require_range(self, "base_pose_max_age", above=0.0)
 
     def names(self) -> FrameNames:
         """Return them as commands are checked against."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from telex_control.common.params import require_range
+from telex_control.common.params import Declared, number
 from telex_teleop.motion.reference import stoppable_speed
 
 # A way that takes less time than this at full speed (s) is done.
@@ -15,56 +15,49 @@ ARRIVED_TIME = 1e-5
 
 
 @dataclass(frozen=True)
-class ToolSettings:
-    """How the tool moves.
+class ToolSettings(Declared):
+    """How the tool moves."""
 
-    Attributes
-    ----------
-    max_linear, max_angular
-        Largest speed of the tool centre point (m/s, rad/s) at speed scale 1.
-    acceleration_time
-        Time (s) from rest to the largest speed.
-    look_ahead
-        How far ahead (s) the way is tried; should exceed the joints' acceleration_time, so that
-        they can brake within it.
-    lead, angular_lead
-        How far the desired pose may be ahead of what the arm can reach (m, rad): where the arm
-        slides along a boundary, it is off the desired line by at most so much.
-    hold_lead, angular_hold_lead
-        The same while the tool keeps its place in the world: further off, it gives the place up.
-    hold_ahead
-        So much ahead (s) of the base's motion the tool is led that keeps its place: joints follow
-        their references late.
-    least_share
-        Share of the speed that is tried where the way seems to end; it makes the arm slide.
-    """
-
-    max_linear: float = 0.15
-    max_angular: float = 0.6
-    acceleration_time: float = 0.3
-    look_ahead: float = 0.4
-    lead: float = 0.005
-    angular_lead: float = 0.03
-    hold_lead: float = 0.3
-    angular_hold_lead: float = 0.6
-    hold_ahead: float = 0.045
-    least_share: float = 0.03
-
-    def __post_init__(self) -> None:
-        for name in (
-            "max_linear",
-            "max_angular",
-            "acceleration_time",
-            "look_ahead",
-            "lead",
-            "angular_lead",
-        ):
-            require_range(self, name, above=0.0)
-        require_range(self, "angular_lead", above=0.0, maximum=math.pi / 2)
-        require_range(self, "hold_lead", self.lead)
-        require_range(self, "angular_hold_lead", self.angular_lead, math.pi / 2)
-        require_range(self, "hold_ahead", 0.0, 0.2)
-        require_range(self, "least_share", above=0.0, maximum=0.2)
+    max_linear: float = number(
+        0.15, "Largest speed of the tool centre point (m/s) at speed scale 1.", above=0.0
+    )
+    max_angular: float = number(0.6, "The same (rad/s).", above=0.0)
+    acceleration_time: float = number(0.3, "Time (s) from rest to the largest speed.", above=0.0)
+    look_ahead: float = number(
+        0.4,
+        "How far ahead (s) the path is tried; should exceed the joints' acceleration_time, so that "
+        "they can brake within it.",
+        above=0.0,
+    )
+    lead: float = number(
+        0.005,
+        "How far (m) the desired pose may be ahead of what the arm can reach: where the arm slides "
+        "along a boundary, it is off the desired line by at most so much.",
+        above=0.0,
+    )
+    angular_lead: float = number(0.03, "The same (rad).", maximum=math.pi / 2, above=0.0)
+    hold_lead: float = number(
+        0.3,
+        "The same (m) while the tool keeps its place in the world: further off, it gives the place "
+        "up.",
+        lambda own: own.lead,
+    )
+    angular_hold_lead: float = number(
+        0.6, "The same (rad).", lambda own: own.angular_lead, math.pi / 2
+    )
+    hold_ahead: float = number(
+        0.045,
+        "Time (s) by which a tool that keeps its place is led ahead of the base's motion: joints "
+        "follow their references late.",
+        0.0,
+        0.2,
+    )
+    least_share: float = number(
+        0.03,
+        "Share of the speed that is tried where the path seems to end; it makes the arm slide.",
+        maximum=0.2,
+        above=0.0,
+    )
 
     def approach(self, way: np.ndarray, speed_scale: float, dt: float) -> np.ndarray:
         """Return the twist along a straight way to its end; turning ends with moving.

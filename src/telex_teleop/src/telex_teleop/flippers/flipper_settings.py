@@ -37,9 +37,7 @@ class FlipperTeleopSettings(JointTeleopSettings):
     """Parameters of the flippers' node."""
 
     presets: Tuple[PresetSettings, ...] = parameter((), "In the order of their keys.")
-    goal_tolerance: float = number(
-        0.01, "See `presets.GoalRules` (rad).", maximum=0.1, above=0.0
-    )
+    goal_tolerance: float = number(0.01, "See `presets.GoalRules` (rad).", maximum=0.1, above=0.0)
     stall_time: float = number(2.0, "See `presets.GoalRules` (s).", above=0.0)
 
     def check(self) -> None:

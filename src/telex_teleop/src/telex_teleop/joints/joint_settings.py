@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, fields
-from typing import Collection, Dict, Mapping, Optional, Tuple, Union
+from typing import Collection, Dict, Mapping, Optional, Tuple
 
 from telex_control.common.params import (
     ConfigError,
@@ -13,7 +13,6 @@ from telex_control.common.params import (
     parameter,
     require,
     require_names,
-    require_range,
     required,
     word,
 )
@@ -26,33 +25,25 @@ from telex_teleop.motion.teleop_settings import TeleopSettings
 
 
 @dataclass(frozen=True)
-class MotionRules:
+class MotionRules(Declared):
     """How the reference of a joint may move, beside the joint's own limits; rad or m.
 
     The defaults are those of revolute joints.
-
-    Attributes
-    ----------
-    acceleration_time
-        Time (s) from rest to the largest velocity.
-    max_lead
-        How far the reference may be ahead of the measured position.
-    hold_tolerance
-        A resting joint that leaves its reference by more than this was moved by somebody else.
-    limit_margin
-        Distance that the reference keeps from the position limits.
-    max_displacement
-        Largest one-shot increment.
     """
 
-    acceleration_time: float = 0.3
-    max_lead: float = 0.35
-    hold_tolerance: float = 0.02
-    limit_margin: float = 0.002
-    max_displacement: float = 0.5
-
-    def __post_init__(self) -> None:
-        _require_rules(self)
+    acceleration_time: float = number(0.3, "Time (s) from rest to the largest velocity.", above=0.0)
+    max_lead: float = number(
+        0.35, "How far the reference may be ahead of the measured position.", above=0.0
+    )
+    hold_tolerance: float = number(
+        0.02,
+        "A resting joint that leaves its reference by more than this was moved by somebody else.",
+        above=0.0,
+    )
+    limit_margin: float = number(
+        0.002, "Distance that the reference keeps from the position limits.", 0.0
+    )
+    max_displacement: float = number(0.5, "Largest one-shot increment.", above=0.0)
 
 
 @dataclass(frozen=True)
@@ -66,27 +57,17 @@ class PrismaticRules(MotionRules):
 
 
 @dataclass(frozen=True)
-class JointRules:
-    """What one joint does otherwise than the others of its kind.
+class JointRules(Declared):
+    """What one joint does otherwise than the others of its kind; None for what holds for them."""
 
-    Attributes
-    ----------
-    max_velocity
-        Bound below the URDF's (per second); None for the URDF's own.
-    acceleration_time, max_lead, hold_tolerance, limit_margin, max_displacement
-        See `MotionRules`; None for what holds for the kind.
-    """
-
-    max_velocity: Optional[float] = None
-    acceleration_time: Optional[float] = None
-    max_lead: Optional[float] = None
-    hold_tolerance: Optional[float] = None
-    limit_margin: Optional[float] = None
-    max_displacement: Optional[float] = None
-
-    def __post_init__(self) -> None:
-        require_range(self, "max_velocity", above=0.0)
-        _require_rules(self)
+    max_velocity: Optional[float] = number(
+        None, "Bound below the URDF's (per second); None for the URDF's own.", above=0.0
+    )
+    acceleration_time: Optional[float] = number(None, "See `MotionRules`.", above=0.0)
+    max_lead: Optional[float] = number(None, "See `MotionRules`.", above=0.0)
+    hold_tolerance: Optional[float] = number(None, "See `MotionRules`.", above=0.0)
+    limit_margin: Optional[float] = number(None, "See `MotionRules`.", 0.0)
+    max_displacement: Optional[float] = number(None, "See `MotionRules`.", above=0.0)
 
     def applied_to(self, rules: MotionRules) -> MotionRules:
         """Return the rules of the kind with what this joint does otherwise."""
@@ -95,12 +76,6 @@ class JointRules:
             own = getattr(self, each.name)
             values[each.name] = getattr(rules, each.name) if own is None else own
         return MotionRules(**values)
-
-
-def _require_rules(rules: Union[MotionRules, JointRules]) -> None:
-    for name in ("acceleration_time", "max_lead", "hold_tolerance", "max_displacement"):
-        require_range(rules, name, above=0.0)
-    require_range(rules, "limit_margin", 0.0)
 
 
 @dataclass(frozen=True)

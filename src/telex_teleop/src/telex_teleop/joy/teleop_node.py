@@ -12,7 +12,7 @@ from rospy.core import is_shutdown_requested
 from sensor_msgs.msg import Joy
 from std_msgs.msg import String
 
-from telex_control.common.params import ConfigError, require_range, require_text
+from telex_control.common.params import ConfigError, Declared, number, parameter, word
 from telex_control.ros.node_start import init_node, until_shutdown
 from telex_teleop.actions.grammar import Action, Command, Lamps
 from telex_teleop.joy.core import JoyTeleop
@@ -29,29 +29,8 @@ QUEUE = 10  # messages; each of them may hold a press
 
 
 @dataclass(frozen=True)
-class JoyTeleopSettings:
+class JoyTeleopSettings(Declared):
     """Parameters of joy_teleop.
-
-    Attributes
-    ----------
-    map, pads
-        Paths of the files; empty: those of the package.
-    pad
-        Name of a pad in the file; ``auto``: the one that recognizes what the node joy reads.
-    robot
-        Namespace of the robot; empty: the node's own, ``/telex`` for a node in the root.
-    joy_timeout
-        Time (s) without a message after which everything stops.
-    longest_gap
-        When the node was held up for longer (s), everything counts as let go.
-    send_rate
-        Commands per second while something moves.
-    speed_step
-        One step of the speed scale, as a share of the full speed.
-    zoom_rate
-        How fast the camera zooms (1/s, of the factor's logarithm).
-    max_zoom
-        Largest zoom factor.
 
     Raises
     ------
@@ -59,28 +38,29 @@ class JoyTeleopSettings:
         When one is out of range.
     """
 
-    map: str = ""
-    pads: str = ""
-    pad: str = AUTO
-    robot: str = ""
-    joy_timeout: float = 0.3
-    longest_gap: float = 0.2
-    send_rate: float = 50.0
-    speed_step: float = STEP
-    zoom_rate: float = ZOOM_RATE
-    max_zoom: float = MAX_ZOOM
-
-    def __post_init__(self) -> None:
-        require_text(self, "pad")
-        for name, minimum, maximum in (
-            ("joy_timeout", 0.05, 0.3),
-            ("longest_gap", 0.05, 1.0),
-            ("send_rate", 10.0, 200.0),
-            ("speed_step", *STEP_RANGE),
-            ("max_zoom", 1.0, 100.0),
-        ):
-            require_range(self, name, minimum, maximum)
-        require_range(self, "zoom_rate", above=0.0)
+    map: str = parameter("", "Path of the file; empty: that of the package.")
+    pads: str = parameter("", "The same.")
+    pad: str = word(
+        AUTO,
+        "Name of a pad in the file; ``auto``: the one that recognizes what the node joy reads.",
+    )
+    robot: str = parameter(
+        "", "Namespace of the robot; empty: the node's own, ``/telex`` for a node in the root."
+    )
+    joy_timeout: float = number(
+        0.3, "Time (s) without a message after which everything stops.", 0.05, 0.3
+    )
+    longest_gap: float = number(
+        0.2, "When the node was held up for longer (s), everything counts as let go.", 0.05, 1.0
+    )
+    send_rate: float = number(50.0, "Commands per second while something moves.", 10.0, 200.0)
+    speed_step: float = number(
+        STEP, "One step of the speed scale, as a share of the full speed.", *STEP_RANGE
+    )
+    zoom_rate: float = number(
+        ZOOM_RATE, "How fast the camera zooms (1/s, of the factor's logarithm).", above=0.0
+    )
+    max_zoom: float = number(MAX_ZOOM, "Largest zoom factor.", 1.0, 100.0)
 
 
 class LoggedRobot(OperatedRobot):

@@ -14,7 +14,6 @@ from telex_control.common.params import (
     read_config,
     require,
     require_names,
-    require_range,
     required,
 )
 from telex_teleop.actions.grammar import GRAMMAR, PAGE_ONLY, Action, Command, Lamps, parse_action
@@ -111,12 +110,12 @@ class KeyboardSettings(Declared):
     cartesian_keys: Dict[str, str] = parameter(
         dict, "Those that do something else while the arm is in CARTESIAN mode."
     )
-    tap_time: float = parameter(0.15, "See `held.HeldKeys` (s).")
-    key_timeout: float = parameter(0.2, "See `held.HeldKeys` (s).")
-    send_rate: float = parameter(50.0, "Commands per second while a key is held.")
-    redraw_rate: float = parameter(10.0, "Pictures of the screen per second.")
-    longest_gap: float = parameter(
-        0.2, "When the program was held up for longer (s), all keys count as released."
+    tap_time: float = number(0.15, "See `held.HeldKeys` (s).", 0.02, 1.0)
+    key_timeout: float = number(0.2, "See `held.HeldKeys` (s).", 0.02, 1.0)
+    send_rate: float = number(50.0, "Commands per second while a key is held.", 10.0, 200.0)
+    redraw_rate: float = number(10.0, "Pictures of the screen per second.", 1.0, 30.0)
+    longest_gap: float = number(
+        0.2, "When the program was held up for longer (s), all keys count as released.", 0.05, 1.0
     )
     jog_rate: float = number(
         100.0,
@@ -131,13 +130,13 @@ class KeyboardSettings(Declared):
     )
     tool_linear: float = number(10.0, "The same of the tool.", above=0.0)
     tool_angular: float = number(10.0, "The same of the tool.", above=0.0)
-    speed_step: float = parameter(
-        STEP, "One step of the speed scale, as a share of the full speed."
+    speed_step: float = number(
+        STEP, "One step of the speed scale, as a share of the full speed.", *STEP_RANGE
     )
     zoom_rate: float = number(
         ZOOM_RATE, "How fast the camera zooms (1/s, of the factor's logarithm).", above=0.0
     )
-    max_zoom: float = parameter(MAX_ZOOM, "Largest zoom factor.")
+    max_zoom: float = number(MAX_ZOOM, "Largest zoom factor.", 1.0, 100.0)
     lengths: Tuple[str, ...] = parameter(
         (),
         "Joints whose position is a length and shown in mm; the others are angles, "
@@ -149,16 +148,6 @@ class KeyboardSettings(Declared):
 
     def check(self) -> None:
         """Check what concerns several of them; see `Declared.check`."""
-        for name, minimum, maximum in (
-            ("tap_time", 0.02, 1.0),
-            ("key_timeout", 0.02, 1.0),
-            ("send_rate", 10.0, 200.0),
-            ("redraw_rate", 1.0, 30.0),
-            ("longest_gap", 0.05, 1.0),
-            ("speed_step", *STEP_RANGE),
-            ("max_zoom", 1.0, 100.0),
-        ):
-            require_range(self, name, minimum, maximum)
         if self.lengths:
             require_names(self, "lengths")
         _ = self.key_map, self.cartesian_map

@@ -6,7 +6,7 @@ import dataclasses
 from dataclasses import dataclass
 from typing import Any, Mapping
 
-from telex_control.common.params import require, require_range
+from telex_control.common.params import Declared, number, require
 
 LONGEST_DELAY = 10.0
 """Largest delay (s) that may be asked for: what the field has been seen to do."""
@@ -19,25 +19,8 @@ LONGEST_TIME = 3600.0
 
 
 @dataclass(frozen=True)
-class LineFields:
+class LineFields(Declared):
     """What the line does to that which passes it; the defaults are a perfect line.
-
-    Attributes
-    ----------
-    delay
-        Time (s) that everything takes, one way.
-    jitter
-        Time (s) by which single messages come later still, at most, evenly distributed.
-    loss
-        Share of commands and pictures that get lost; what must arrive is sent again and comes late.
-        1: nothing passes.
-    burst_length, burst_interval
-        Everything is lost for so long (s), at random times, which lie so far apart in the mean (s);
-        0: there are none.
-    bandwidth
-        Cap (bit/s) of each connection, each way; 0: there is none.
-    outage_every, outage_for
-        The line is down for the last so many seconds of every period (s); 0: it never is.
 
     Raises
     ------
@@ -45,22 +28,36 @@ class LineFields:
         A value is out of range, or the two of a pair do not fit.
     """
 
-    delay: float = 0.0
-    jitter: float = 0.0
-    loss: float = 0.0
-    burst_length: float = 0.0
-    burst_interval: float = 0.0
-    bandwidth: float = 0.0
-    outage_every: float = 0.0
-    outage_for: float = 0.0
+    delay: float = number(0.0, "Time (s) that everything takes, one way.", 0.0, LONGEST_DELAY)
+    jitter: float = number(
+        0.0,
+        "Time (s) by which single messages come later still, at most, evenly distributed.",
+        0.0,
+        LONGEST_DELAY,
+    )
+    loss: float = number(
+        0.0,
+        "Share of commands and pictures that get lost; what must arrive is sent again and comes "
+        "late. 1: nothing passes.",
+        0.0,
+        1.0,
+    )
+    burst_length: float = number(
+        0.0, "Time (s) for which everything is lost, at random; 0: never.", 0.0, LONGEST_TIME
+    )
+    burst_interval: float = number(0.0, "Mean time (s) between bursts.", 0.0, LONGEST_TIME)
+    bandwidth: float = number(
+        0.0, "Cap (bit/s) of each connection, each way; 0: there is none.", 0.0, 1e12
+    )
+    outage_every: float = number(
+        0.0, "Period (s) of outages; 0: there are none.", 0.0, LONGEST_TIME
+    )
+    outage_for: float = number(
+        0.0, "Time (s) at the end of each period for which the line is down.", 0.0, LONGEST_TIME
+    )
 
-    def __post_init__(self) -> None:
-        require_range(self, "delay", 0.0, LONGEST_DELAY)
-        require_range(self, "jitter", 0.0, LONGEST_DELAY)
-        require_range(self, "loss", 0.0, 1.0)
-        for name in ("burst_length", "burst_interval", "outage_every", "outage_for"):
-            require_range(self, name, 0.0, LONGEST_TIME)
-        require_range(self, "bandwidth", 0.0, 1e12)
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
         require(
             self.bandwidth == 0.0 or self.bandwidth >= LEAST_BANDWIDTH,
             f"bandwidth is {self.bandwidth!r}; it must be 0 (no cap) or at least "

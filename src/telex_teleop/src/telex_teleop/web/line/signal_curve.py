@@ -6,28 +6,17 @@ import dataclasses
 from dataclasses import dataclass
 from typing import Tuple
 
-from telex_control.common.params import require, require_range
+from telex_control.common.params import Declared, number, parameter, require, required
 
 from .fields import LineFields
 
 
 @dataclass(frozen=True)
-class SignalPoint:
-    """Figures at one quality of the signal.
+class SignalPoint(Declared):
+    """Figures at one quality of the signal."""
 
-    Attributes
-    ----------
-    signal
-        Quality, 0 to 1.
-    fields
-        What the line does then.
-    """
-
-    signal: float
-    fields: LineFields = dataclasses.field(default_factory=LineFields)
-
-    def __post_init__(self) -> None:
-        require_range(self, "signal", 0.0, 1.0)
+    signal: float = number(required, "Quality, 0 to 1.", 0.0, 1.0)
+    fields: LineFields = parameter(LineFields, "What the line does then.")
 
 
 @dataclass(frozen=True)

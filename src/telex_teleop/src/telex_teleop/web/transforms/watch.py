@@ -10,7 +10,7 @@ from typing import Any, Callable, Dict, List, Optional, Protocol, Sequence
 from geometry_msgs.msg import Transform, TransformStamped
 
 from telex_control.common.geometry.quaternions import angle_between
-from telex_control.common.params import require_range, require_text
+from telex_control.common.params import Declared, number, word
 from telex_control.ros.pose_messages import quaternion_in
 
 MAX_FRAMES = 200
@@ -148,22 +148,11 @@ def angle(first: Transform, second: Transform) -> float:
 
 
 @dataclasses.dataclass(frozen=True)
-class TransformsConfig:
-    """Parameters of the node that tells web clients of transforms.
+class TransformsConfig(Declared):
+    """Parameters of the node that tells web clients of transforms."""
 
-    Attributes
-    ----------
-    action, service
-        Global names of what it offers; these are what roslibjs's TFClient looks for.
-    max_watches
-        Clients that it serves at a time.
-    """
-
-    action: str = "/tf2_web_republisher"
-    service: str = "/republish_tfs"
-    max_watches: int = 100
-
-    def __post_init__(self) -> None:
-        require_text(self, "action")
-        require_text(self, "service")
-        require_range(self, "max_watches", 1, 1000)
+    action: str = word(
+        "/tf2_web_republisher", "Global name; roslibjs's TFClient looks for this one."
+    )
+    service: str = word("/republish_tfs", "The same.")
+    max_watches: int = number(100, "Clients that it serves at a time.", 1, 1000)
