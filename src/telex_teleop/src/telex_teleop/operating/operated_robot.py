@@ -22,13 +22,13 @@ from telex_msgs.msg import (
 )
 from telex_msgs.srv import Bookmark, Restore, SetMode
 
+from telex_control.ros.rospy_fixes.connections import sender_of
 from telex_teleop.actions.grammar import NODES
 from telex_teleop.motion.e_stop_state import EStopState
 from telex_teleop.motion.speed import MAX_ZOOM, ZOOM_RATE, stepped
 from telex_teleop.operating.commander import NO_NAME, Commands, PresetCommand
 from telex_teleop.operating.requests import Requests
 from telex_teleop.operating.zoom import ZoomFactor
-from telex_teleop.ros.common import caller_of
 from telex_teleop.tracks.track_drive import Velocity
 
 # Our own wish for the speed counts this long (s) before a status must have confirmed it.
@@ -389,7 +389,7 @@ class OperatedRobot:
 
 def _is_ours(message: Any) -> bool:
     # what we said ourselves comes back late, and would undo what we have said since
-    return caller_of(message) == rospy.get_name()
+    return sender_of(message) == rospy.get_name()
 
 
 def _positive(rate: Optional[float]) -> Optional[float]:

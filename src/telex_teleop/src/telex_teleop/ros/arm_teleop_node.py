@@ -20,13 +20,14 @@ from telex_msgs.srv import SetMode, SetModeResponse
 
 from telex_control.kinematics import Chain
 from telex_control.ros.pose_messages import fill_pose, pose_in, vector_in
+from telex_control.ros.rospy_fixes.connections import sender_of
 from telex_teleop.arm.arm_settings import ArmTeleopSettings
 from telex_teleop.arm.arm_teleop import ArmTeleop, ModeError
 from telex_teleop.arm.proximity import ProximityPair, ProximityState
 from telex_teleop.arm.tool_command import pose_matrix
 from telex_teleop.cores import tool_motion
 from telex_teleop.motion.joint_jog import InvalidCommand
-from telex_teleop.ros.common import caller_of, warn_dropped
+from telex_teleop.ros.common import warn_dropped
 from telex_teleop.ros.joint_teleop_node import JointTeleopNode
 from telex_teleop.web.exam.exam_list import BRIDGE_TOPIC, EQUIPMENT
 
@@ -191,7 +192,7 @@ class ArmTeleopNode(JointTeleopNode):
             lambda wall: self._arm.receive_tool(
                 self._frames.twist(message.header.frame_id, linear, angular),
                 wall,
-                caller_of(message),
+                sender_of(message),
             ),
         )
 
@@ -203,14 +204,14 @@ class ArmTeleopNode(JointTeleopNode):
             lambda wall: self._arm.receive_tool(
                 self._frames.pose(message.header.frame_id, position, orientation),
                 wall,
-                caller_of(message),
+                sender_of(message),
             ),
         )
 
     def _on_pose_name(self, message: Any) -> None:
         self._obey(
             "~named_pose_cmds",
-            lambda wall: self._arm.receive_pose_name(message.data, wall, caller_of(message)),
+            lambda wall: self._arm.receive_pose_name(message.data, wall, sender_of(message)),
         )
 
     def _obey(self, topic: str, act: Callable[[float], object]) -> None:

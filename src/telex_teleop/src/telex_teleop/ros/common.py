@@ -12,7 +12,6 @@ from telex_msgs.msg import SimStatus
 
 from telex_control.common.params import ConfigError, read_config
 from telex_control.ros.node_start import init_node
-from telex_control.ros.rospy_fixes.connections import sender_of
 from telex_control.urdf.joints import UrdfError
 from telex_teleop.motion.e_stop_state import EStopState
 from telex_teleop.motion.teleop_core import TeleopCore
@@ -111,11 +110,6 @@ class OperatorInputs:
             if self._resets is not None and message.resets != self._resets:
                 self._core.restart(message.header.stamp.to_sec())
             self._resets = message.resets
-
-
-def caller_of(message: Any) -> str:
-    """Return the name of the node that sent a message."""
-    return sender_of(message)
 
 
 def warn_dropped(topic: str, problem: str) -> None:

@@ -17,10 +17,11 @@ from telex_msgs.msg import (
 )
 
 from telex_control.ros.node_start import end_quietly
+from telex_control.ros.rospy_fixes.connections import sender_of
 from telex_teleop.flippers.flipper_teleop import FlipperTeleop
 from telex_teleop.flippers.presets import EndedGoal, GoalEnd
 from telex_teleop.motion.joint_jog import InvalidCommand
-from telex_teleop.ros.common import caller_of, warn_dropped
+from telex_teleop.ros.common import warn_dropped
 from telex_teleop.ros.joint_teleop_node import JointTeleopNode
 
 FEEDBACK_PERIOD = 0.1  # s of wall time
@@ -86,7 +87,7 @@ class FlipperTeleopNode(JointTeleopNode):
                     message.preset,
                     message.joint_names,
                     arrival,
-                    f"{caller_of(message)} {message.client}",
+                    f"{sender_of(message)} {message.client}",
                 )
             self._rest.wake()
         except InvalidCommand as error:

@@ -13,10 +13,11 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 from telex_msgs.msg import JointTeleopStatus
 
+from telex_control.ros.rospy_fixes.connections import sender_of
 from telex_teleop.joints.joint_teleop import JOINT_MODE, JointTeleop
 from telex_teleop.motion.idle_rest import IdleRest
 from telex_teleop.motion.joint_jog import InvalidCommand, parse_joint_jog
-from telex_teleop.ros.common import OperatorInputs, StatusTimer, caller_of, warn_dropped
+from telex_teleop.ros.common import OperatorInputs, StatusTimer, warn_dropped
 
 
 class JointTeleopNode:
@@ -98,7 +99,7 @@ class JointTeleopNode:
                 self._core.commanded_names,
             )
             with self._lock:
-                self._core.receive(jog, arrival, caller_of(message))
+                self._core.receive(jog, arrival, sender_of(message))
             self._rest.wake()
         except InvalidCommand as error:
             warn_dropped("~delta_joint_cmds", str(error))

@@ -11,13 +11,12 @@ from geometry_msgs.msg import Twist
 from sensor_msgs.msg import JointState
 from telex_msgs.msg import TrackTeleopStatus
 
-from telex_control.ros.rospy_fixes.connections import open_publishers
+from telex_control.ros.rospy_fixes.connections import open_publishers, sender_of
 from telex_teleop.motion.idle_rest import IdleRest
 from telex_teleop.motion.joint_jog import InvalidCommand
 from telex_teleop.ros.common import (
     OperatorInputs,
     StatusTimer,
-    caller_of,
     private_settings,
     run_node,
     warn_dropped,
@@ -97,7 +96,7 @@ class TrackTeleopNode:
                 "tracks follow linear.x and angular.z only"
             )
         with self._lock:
-            self._core.receive(velocity, arrival, caller_of(message))
+            self._core.receive(velocity, arrival, sender_of(message))
         self._rest.wake()
 
     def _on_joint_states(self, message: Any) -> None:
