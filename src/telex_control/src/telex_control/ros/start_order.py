@@ -9,8 +9,10 @@ wait is short and bounded: it decides about haste, and nothing else.
 from __future__ import annotations
 
 import http.client
+import importlib
 import os
 import socket
+import sys
 import time
 from typing import Any, List
 from xml.parsers.expat import ExpatError
@@ -52,6 +54,12 @@ def wait_for_turn(longest: float = _LONGEST) -> None:
         raise SystemExit(130) from None
     finally:
         socket.setdefaulttimeout(before)
+
+
+def run_in_turn(module: str, function: str = "main") -> None:
+    """Wait for this node's turn to import its module, then run it and end with its status."""
+    wait_for_turn()
+    sys.exit(getattr(importlib.import_module(module), function)())
 
 
 def _unknown(address: str, names: List[str]) -> List[str]:
