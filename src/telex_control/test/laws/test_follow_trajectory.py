@@ -175,7 +175,7 @@ def test_references_lead_the_tool_along_the_path(chain):
     assert places[-1] == pytest.approx(path.points[-1], abs=3e-5)
     steps = np.abs(np.diff(motion.references, axis=0)).max(axis=0) / motion.period
     assert (steps <= chain.velocity_limits + 1e-9).all()
-    # Between two references, before the begin and after the end.
+    # Between two references, before the start and after the end.
     assert motion.reference(0.005) == pytest.approx(motion.references[:2].mean(axis=0))
     assert motion.reference(-1.0) == pytest.approx(motion.references[0])
     assert motion.reference(1e3) == pytest.approx(motion.references[-1])
@@ -183,7 +183,7 @@ def test_references_lead_the_tool_along_the_path(chain):
 
 def test_a_path_that_leaves_the_workspace_is_refused_before_anything_moves(chain):
     with pytest.raises(
-        FollowTrajectoryError, match=r"begin of the path, \(2.100.*cannot be reached"
+        FollowTrajectoryError, match=r"start of the path, \(2.100.*cannot be reached"
     ):
         planned(chain, circle(Shape(radius=0.1, centre=(2.0, 0.0, 0.5))))
     with pytest.raises(FollowTrajectoryError, match="cannot be followed at .*reach at its limit"):
@@ -301,7 +301,7 @@ def test_a_reference_is_overdue_from_when_it_was_due_until_it_is_held():
     due = [0.00, 0.01, 0.02, 0.03, 0.04, 0.05]
     sent = [0.1, 0.2, 0.3, 0.4, 0.4, 0.4]
     looks = [
-        (-0.01, 0.0),  # before the begin
+        (-0.01, 0.0),  # before the start
         (0.002, 0.0),
         (0.006, 0.1),  # nothing before it, so nothing is known of motion
         (0.020, 0.2),  # the next is due in this very cycle

@@ -76,7 +76,7 @@ export class AttitudeView {
     this._heard = performance.now();
     const { name, word } = STATES[stability.state] ?? STATES[0];
     const percent = Math.max(0, Math.round(100 * (stability.margin ?? 0)));
-    // What nothing carries tips over no edge.
+    // A robot that nothing supports has no edge to tip over.
     const isCarried = (stability.support ?? []).length >= 2 && Number.isFinite(stability.direction);
     const way = isCarried ? text(WAYS[Math.round((4 * stability.direction) / Math.PI + 8) % 8]) : "";
     // How little is left to tip does not follow from the margin then, which may be ample still.

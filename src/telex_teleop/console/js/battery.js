@@ -38,7 +38,7 @@ export class BatteryView {
     if (Number.isFinite(taken)) this._current = this._current === null ? taken : this._current + RENEWAL * (taken - this._current);
     chip.dataset.low = String(this.isLow);
     const minutes = runtime(charge, this._current);
-    // There is room for one of both: how far matters to who drives.
+    // There is room for one of them: for driving, the range matters.
     setText(byId("battery-text"), chargeText(percentage, this._range === null ? minutes : null, this._range));
     chip.title = text("Charge, how long it lasts at what the robot takes, and how far: {charge}", { charge: chargeText(percentage, minutes, this._range) });
   }
@@ -51,7 +51,7 @@ export function runtime(charge, current) {
 
 /** @param {number} share @param {number | null} minutes @param {number | null} [metres] */
 export function chargeText(share, minutes, metres = null) {
-  // What is left is not rounded up to what it has not got.
+  // The charge that is left is rounded down.
   const percent = `${Math.floor(100 * share + 1e-6)} %`;
   if (share <= 0) return text("EMPTY");
   return [percent, ...(minutes === null ? [] : [duration(Math.floor(minutes))]), ...(metres === null ? [] : [distance(metres)])].join(" · ");

@@ -8,12 +8,12 @@ const RETRY_AFTER = 1000; // ms between two attempts to connect
 const PING_PERIOD = 500; // ms between two questions that only measure the link
 const ANSWER_WITHIN = 5000; // ms after which a service call is given up, unless it says for itself
 const TRIPS = 6; // round trips that tell how good the link is
-const DEAD_AFTER = 3000; // ms without a word from the bridge after which the connection is given up
-const FIRST_WORD_WITHIN = 25000; // ms for the first one: on a slow line question and answer take their time
+const DEAD_AFTER = 3000; // ms without a message from the bridge after which the connection is given up
+const FIRST_WORD_WITHIN = 25000; // ms for the first one: on a slow line, request and answer take long
 
 /**
  * Change (ms) of the wall clock against performance.now(), which may stand still in sleep, after which the bridge would take all
- * commands for old: it has to learn this page's clock anew.
+ * commands for old: it has to learn this page's clock again.
  */
 const MAX_SKEW = 1000;
 
@@ -40,7 +40,7 @@ export class Bridge {
     this._socket = null;
     /** @type {Map<string, {type: string, latch: boolean, urgent: boolean}>} */
     this._advertised = new Map();
-    /** Calls under way beside which nothing is published but what is urgent. */
+    /** Number of calls under way during which only urgent topics are published. */
     this._alone = 0;
     /** @type {Map<string, Subscription>} */
     this._subscriptions = new Map();
@@ -128,7 +128,7 @@ export class Bridge {
   /**
    * @param {string} topic
    * @param {string} type
-   * @param {{latch?: boolean, urgent?: boolean}} [options]  Urgent: goes out also beside a call that wants to be alone.
+   * @param {{latch?: boolean, urgent?: boolean}} [options]  Urgent: is published even during `callAlone`.
    */
   advertise(topic, type, { latch = false, urgent = false } = {}) {
     this._advertised.set(topic, { type, latch, urgent });
@@ -136,7 +136,7 @@ export class Bridge {
   }
 
   /**
-   * Publish on an advertised topic; nothing is kept for later if there is no connection, or a call wants to be alone.
+   * Publish on an advertised topic; without a connection, or during `callAlone`, the message is dropped.
    * @param {string} topic
    * @param {object} msg
    * @returns {boolean} Whether it was sent.
@@ -147,7 +147,7 @@ export class Bridge {
   }
 
   /**
-   * Call a service after which what this page publishes means something else, and publish nothing until it is answered.
+   * Call a service that changes the meaning of what this page publishes; publish nothing until it is answered.
    * @param {string} service
    * @param {object} args
    * @returns {Promise<any>} As of `call`.

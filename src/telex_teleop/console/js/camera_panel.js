@@ -4,7 +4,7 @@
 import { decimal, text } from "./language.js";
 import { byId, element, holdButton, row, rowsOf, setText } from "./panels.js";
 
-const LONGEST_STEP = 100; // ms; a longer time between two commands is a pause, over which nothing was held
+const LONGEST_STEP = 100; // ms; after a longer time between two commands, nothing was held in between
 
 const ECHO_WITHIN = 1000; // ms in which what this page has commanded comes back to it
 
@@ -56,7 +56,7 @@ export class CameraCommander {
     this._bridge.advertise(topic, NUMBER);
     this._bridge.subscribe({
       topic, type: NUMBER, throttle: 100, heard: ({ data }) => {
-        // Others may zoom as well, but what comes while this page does is its own.
+        // Others may zoom as well, but what arrives while this page zooms is its own echo.
         if (performance.now() - this._last > ECHO_WITHIN) this._take(data);
       },
     });

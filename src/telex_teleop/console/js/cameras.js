@@ -7,7 +7,7 @@ import { setText } from "./panels.js";
 export const STALLED_AFTER = 1000; // ms without a new picture after which a view counts as stalled
 
 const THUMBNAIL_WIDTH = 208; // CSS px; they are hardly ever shown larger
-const SCENE_WITHIN = 10_000; // ms after which nobody waits for the first picture of another scene
+const SCENE_WITHIN = 10_000; // ms after which the first picture of another scene is not waited for any longer
 
 /** @typedef {import("./video.js").ViewReport} ViewReport */
 /** @typedef {import("./video_source.js").VideoConfig} VideoConfig */
@@ -23,7 +23,7 @@ export class ViewState {
 
   /** @param {ViewReport} report */
   set(report) {
-    // One that was on its way while the view turned to another camera is about the camera before.
+    // A report that was under way when the view changed is about the previous camera.
     if (report.camera === this.camera) this._report = report;
   }
 

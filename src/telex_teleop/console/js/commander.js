@@ -10,7 +10,7 @@ export const COMMAND_PERIOD = 20;
 /** Bytes in the browser's send buffer above which the link is congested: motion is not queued behind old motion. */
 const MAX_WAITING = 4096;
 
-/** How often the zero of a joint that was let go is said while others move on: the next command may take the place of one on its way. */
+/** How often the zero of a released joint is sent while others move on: the next command may replace one that is under way. */
 const ZEROS = 3;
 
 /** Time (ms) for which a chosen speed scale counts before the nodes confirm it. */
@@ -137,7 +137,7 @@ export class Commander {
     this._driving = this._leading = false;
   }
 
-  /** Whether something has to be said now: motion, or its end. */
+  /** Whether commands have to be sent now: motion, or its end. */
   get busy() {
     return this._driving || this._leading || [...this._moving.values()].some((joints) => joints.size > 0);
   }
@@ -237,7 +237,7 @@ export class Commander {
   /** @param {import("./vocabulary.js").Demand[]} held */
   _commandPreset(held) {
     const asked = held.flatMap((action) => (action.kind === "preset" ? [action] : []));
-    // Two of them contradict each other, as the two keys of a joint do: no motion.
+    // Two presets contradict each other, as the two keys of a joint do: no motion.
     let name = asked.length === 1 ? this.presets[asked[0].index] ?? "" : "";
     if (asked.length === 1 && name === "") this._warn(text("the robot has no flipper preset {number}", { number: asked[0].index + 1 }));
     const side = this.sideOf(held);

@@ -1,5 +1,5 @@
 // @ts-check
-/** What the pages are told of where everything is, and how they reach the bridge. */
+/** Configuration of the pages from the video server, and the bridge's address. */
 
 import { term } from "./language/term.js";
 
@@ -41,7 +41,7 @@ export async function waitForConfig(asked) {
 }
 
 /**
- * Find the bridge, which may have another address than a moment ago.
+ * Ask for the bridge's address, which may have changed.
  * @param {URLSearchParams} asked  Token, role and name to connect with, and which robot.
  * @returns {Promise<string>}
  */

@@ -1,5 +1,5 @@
 // @ts-check
-/** Who of those who are connected holds control of the robot. */
+/** Which of the connected clients holds control of the robot. */
 
 import { text, translated } from "./language.js";
 import { byId, setText } from "./panels.js";
@@ -81,7 +81,7 @@ export class ControlView {
     this.givesUp = isMine;
     try {
       const answer = isMine
-        // A command that comes after it would take control again.
+        // A command sent after it would take control again.
         ? await this._bridge.callAlone(this._topic("bridge/release_control"), {})
         : await this._bridge.call(this._topic("bridge/take_control"), {});
       if (!answer.success) this._warn(translated(answer.message));

@@ -5,7 +5,7 @@ export const CONTACT = { topic: "sim/gripper_contact", type: "telex_msgs/Gripper
 
 /** Share of the friction that there is from which on a grip is nearly too weak. */
 const WEAK = 0.8;
-const FELT_FOR = 1000; // ms that what the pads felt counts
+const FELT_FOR = 1000; // ms for which a report of the pads counts
 
 /**
  * @typedef {object} Geometry  Of a finger, as the robot's gripper controller has it.

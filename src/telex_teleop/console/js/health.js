@@ -1,5 +1,5 @@
 // @ts-check
-/** Says which of the robot's nodes do not answer, and what that means for who drives it. */
+/** Shows which of the robot's nodes do not answer, and what that means for the operator. */
 
 import { term, text } from "./language.js";
 import { byId, setText } from "./panels.js";
@@ -43,7 +43,7 @@ export class Health {
         this._status.log(text("{node}, which is no part of the robot, has crashed", { node: name }));
         continue;
       }
-      // Who drives has to look up first; and what is held on would not be obeyed when the node is back.
+      // The operator has to notice first; held keys would not be obeyed when the node is back.
       const news = text("{node} is missing: {harm}", { node: name, harm: text(WITHOUT[name]) });
       if (!this._letGo(news)) this._status.warn(news);
     }

@@ -1,5 +1,5 @@
 // @ts-check
-/** What stands over the picture besides the camera's own state: speed, heading, gripper, and how good link and picture are. */
+/** Values over the picture: speed, heading, gripper, and the quality of link and picture. */
 
 import { text, translated } from "./language.js";
 import { byId, fixed, setText, showTwist } from "./panels.js";

@@ -75,7 +75,7 @@ export function listenToPointers(root, held, mayPress) {
     button.setPointerCapture(event.pointerId);
     held.press(`pointer:${event.pointerId}`, /** @type {string} */ (button.dataset.action));
   });
-  // Who clicks means to go on with keys: only they lead the focus to a button.
+  // A click must not move the focus: the keys go on driving. Only the keyboard moves it to a button.
   root.addEventListener("mousedown", (event) => {
     if (/** @type {Element} */ (event.target).closest("button") !== null) event.preventDefault();
   });

@@ -1,17 +1,17 @@
 // @ts-check
-/** The log of messages: every news once, with how grave it is. */
+/** The log of messages: each message once, with its severity. */
 
 import { onClick } from "./buttons.js";
 import { byId, element } from "./panels.js";
 
 /** @typedef {"info" | "warning" | "alarm"} Level */
 
-/** Signs beside which a level is not told by its colour alone. */
+/** Signs of the levels, so that colour is not their only mark. */
 const MARKS = { info: "·", warning: "!", alarm: "✖" };
 
 const KEPT = 60; // lines
-const REPEATED_WITHIN = 30_000; // ms in which the same sentence is the same news
-const GOES_ON_WITHIN = 1000; // ms in which it has not ended meanwhile: it does not count anew
+const REPEATED_WITHIN = 30_000; // ms within which the same sentence is the same message
+const GOES_ON_WITHIN = 1000; // ms within which a repetition is not counted again
 
 /**
  * Time (ms) for which a complaint waits for others of the same words, and for the simulator to say the same itself: nodes and simulator
@@ -49,7 +49,7 @@ export class Messages {
   add(sentence, level = "info") {
     const now = performance.now();
     const words = figureless(sentence);
-    // A change of state is news each time that it comes about; what somebody warns of is the same news until it is old.
+    // A change of state is logged every time; a warning that repeats is one message until it is old.
     const among = level === "warning" ? this._entries : this._entries.slice(0, 1);
     const before = among.find((each) => each.sentence === words && each.level === level && now - each.at < REPEATED_WITHIN);
     if (before !== undefined) this._entries.splice(this._entries.indexOf(before), 1);

@@ -20,7 +20,7 @@ const SHOWN_FOR = 600;
 /** @typedef {{source: string, name: string, action: Action}} Hold */
 
 /**
- * Which node an action asks; undefined: it asks none that would say whether it obeys.
+ * The node that an action commands; undefined: none that reports whether it obeys.
  * @param {Action} action
  */
 function nodeOf({ does }) {

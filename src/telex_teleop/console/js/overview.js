@@ -1,5 +1,5 @@
 // @ts-check
-/** Sends the instructor's camera about by dragging and by the wheel. */
+/** Moves the instructor's camera by dragging and by the wheel. */
 
 import { onClick } from "./buttons.js";
 import { decimal, text } from "./language.js";

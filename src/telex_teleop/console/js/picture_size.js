@@ -1,5 +1,5 @@
 // @ts-check
-/** Notices that the large view's pictures are smaller than its camera's own, as they are while the machine has too little time. */
+/** Detects that the large view's pictures are smaller than its camera's own, as they are while the machine is overloaded. */
 
 import { OVERVIEW } from "./overview.js";
 import { getParameter } from "./parameters.js";

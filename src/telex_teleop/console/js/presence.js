@@ -1,5 +1,5 @@
 // @ts-check
-/** Leaves out of the page what the robot has nothing for. */
+/** Hides the parts of the page for which the robot has no equipment. */
 
 /** @typedef {import("./vocabulary.js").Action} Action */
 

@@ -1,5 +1,5 @@
 // @ts-check
-/** Who is connected to the bridge and who has control, with what an instructor may do about it. */
+/** Clients of the bridge and who has control, with the instructor's actions on them. */
 
 import { ask } from "./ask.js";
 import { makeButton, onClick } from "./buttons.js";

@@ -7,7 +7,7 @@ import { byId, setText } from "./panels.js";
 
 /** @typedef {import("./messages.js").Level} Level */
 
-/** Time (ms) without a word after which the link counts as silent. */
+/** Time (ms) without a message after which the link counts as silent. */
 export const SILENT_AFTER = 1000;
 
 /** The simulator reports once a second; after this time (ms) its last report counts no more. */
@@ -66,7 +66,7 @@ export class StatusView {
     this.showSim();
   }
 
-  /** What the simulator said before the connection was lost counts no more. */
+  /** Discard the simulator's last report: the connection is lost. */
   forgetSim() {
     this._simHeard = -Infinity;
     this.showSim();
@@ -143,10 +143,10 @@ export class StatusView {
     this.log(sentence, level);
   }
 
-  /** Let old warnings vanish, and log what the nodes complain of. */
+  /** Remove old warnings, and log the complaints of the nodes. */
   fade() {
     if (performance.now() - this._warnedAt > WARNING_SHOWN_FOR) setText(byId("warning"), "");
-    // What follows from a state that the simulator tells is no news of its own.
+    // A complaint that follows from a state the simulator reports is not logged again.
     this._messages.settle((sentence) =>
       (this.estopped && /\be-stop\b/.test(sentence)) || (this.paused && /\bpaused\b/.test(sentence)));
   }

@@ -44,7 +44,7 @@ export class ToolCommander {
     this.frame = "";
   }
 
-  /** Whether something has to be said now: motion, or its end. */
+  /** Whether commands have to be sent now: motion, or its end. */
   get busy() {
     return this._moving || this._toPose !== "";
   }
@@ -102,7 +102,7 @@ export class ToolCommander {
   /** @param {import("./vocabulary.js").Demand[]} held */
   _commandPose(held) {
     const asked = held.flatMap((action) => (action.kind === "pose" ? [action.name] : []));
-    // Two of them contradict each other, as the two keys of a joint do: no motion.
+    // Two poses contradict each other, as the two keys of a joint do: no motion.
     const pose = asked.length === 1 ? asked[0] : "";
     if ((pose === "" && this._toPose === "") || (pose !== "" && this._congested())) return;
     if (this._bridge.publish(this._topic(`${NODE}/named_pose_cmds`), { data: pose })) this._toPose = pose;

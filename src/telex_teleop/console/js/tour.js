@@ -1,5 +1,5 @@
 // @ts-check
-/** A guided tour at first use: each step ends when the operator has done it. It can be skipped, and stops nothing. */
+/** A guided tour at first use: each step ends when the operator has done it. It can be skipped, and blocks nothing. */
 
 import { onClick } from "./buttons.js";
 import { term, text } from "./language.js";

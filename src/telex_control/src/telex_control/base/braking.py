@@ -27,7 +27,7 @@ Vector = Tuple[float, float, float]
 
 _LEVEL: Vector = (0.0, 0.0, 1.0)
 _HOLD = 0.04
-"""Time (s) for which a limit is held: the masses do not come far in it."""
+"""Time (s) for which a limit is kept: the masses move little meanwhile."""
 _STEADY = 0.5
 """Acceleration (m/s2) beyond which the arm's efforts tell more of it than of a load."""
 _LOAD_TIME = 0.3
@@ -35,7 +35,7 @@ _LOAD_TIME = 0.3
 _LEAST_LEVER = 0.15
 """Distance (m) of a load from the arm's axes below which its weight cannot be told."""
 _LARGEST_LOAD = 20.0
-"""What an arm that presses on something seems to carry at most (kg)."""
+"""Largest load (kg) that is estimated: an arm that presses on something seems to carry one."""
 _ASIDE = 0.2
 """Share of a deceleration with which the robot rocks over its sides; 0.05 to 0.15 were seen."""
 _LEAST_HEIGHT = 0.01
@@ -44,7 +44,7 @@ _LEAST_HEIGHT = 0.01
 
 @dataclass(frozen=True)
 class BrakingConfig(Declared):
-    """What a robot that brakes must not tip over."""
+    """Limits within which a braking robot does not tip over."""
 
     support: float = number(
         required,
@@ -79,7 +79,7 @@ class _Carried(NamedTuple):
 
 
 class _ArmJoint(NamedTuple):
-    """A joint that a load pulls at."""
+    """A joint that bears a part of the load."""
 
     carried: int
     state: JointStateHandle

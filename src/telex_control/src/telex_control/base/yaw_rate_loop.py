@@ -16,12 +16,12 @@ from ..common.stateful import Stateful
 from ..hardware.joint_limits import clamp
 
 _TURNING = 0.05
-"""Yaw rate (rad/s) below which the robot as good as drives straight."""
+"""Yaw rate (rad/s) below which the robot counts as driving straight."""
 _STEERING = 0.1
 """Yaw rate (rad/s) for which the belts may always make up while the robot drives along, to keep
 its course."""
 _ANSWERS = 0.1
-"""Share of the wanted yaw rate that a robot shows at least which is not blocked."""
+"""Least share of the wanted yaw rate that a robot reaches unless it is blocked."""
 _ANSWERS_AT_LEAST = 0.004
 """The same, as a yaw rate (rad/s): more than a gyroscope's filtered noise."""
 _LISTENS = 0.2

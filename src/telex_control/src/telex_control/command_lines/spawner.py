@@ -26,7 +26,7 @@ from ..urdf.transmission_parser import driven_joints
 from . import program
 
 _WATCH_PERIOD = 0.5
-"""Wall time (s) between two looks whether the manager is another one."""
+"""Wall time (s) between two checks whether the manager has been replaced."""
 
 _STALL = 1.0
 """Wall time (s) without an answer after which a manager counts as gone when the spawner ends."""

@@ -13,7 +13,7 @@ from ..manager.client import BEST_EFFORT, ControllerManagerClient
 from . import program
 
 PERIOD = 3.0
-"""Wall time (s) between two looks at what runs: sim time may stand."""
+"""Wall time (s) between two checks of what runs: sim time may stand still."""
 
 _RESTART_TIMEOUT = 2.0
 """Wall time (s) that the manager gets to start the controllers again."""

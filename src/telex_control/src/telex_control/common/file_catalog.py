@@ -62,7 +62,7 @@ class FileCatalog:
     error: type
 
     def folders(self) -> List[Path]:
-        """Folders in which files are looked up by name, first come, first served."""
+        """Folders in which files are looked up by name, in this order."""
         given = [Path(part) for part in os.environ.get(self.variable, "").split(os.pathsep) if part]
         return [*given, Path(package_path(self.package), self.folder)]
 

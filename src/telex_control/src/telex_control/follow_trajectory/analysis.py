@@ -20,7 +20,7 @@ class Recording:
     Attributes
     ----------
     times : ndarray, shape (n,)
-        Since the begin of the path, rising (s).
+        Since the start of the path, rising (s).
     positions : ndarray, shape (n, joints)
         Measured (rad, m), in the order of the chain.
     overdue : ndarray, shape (m,)
@@ -97,7 +97,7 @@ class Result:
 
     @property
     def figures(self) -> Figures:
-        """What it comes to."""
+        """Figures of the errors."""
         error = self.error
         distance = np.linalg.norm(error, axis=1)
         return Figures(

@@ -1,6 +1,6 @@
 """Leads the tool along a path through the operational-space scheme, and shows how well it follows.
 
-Works on a simulator that runs, with the robot at rest. The arm is moved: to the begin of the path,
+Works on a simulator that runs, with the robot at rest. The arm is moved: to the start of the path,
 along it, and back; it stops before what it would run into. Errors are of the measured joint states.
 Writes a figure (PNG, SVG: the way in space, errors over time), tables (Markdown, JSON) and the ways
 (CSV). Lengths in m, in the base link's frame.
@@ -179,7 +179,7 @@ def lead(options: argparse.Namespace, chain: Chain, rig: Rig) -> Result:
     profile = SpeedProfile(path.length, path.stops, options.speed, options.acceleration)
     print(f"path of {path.length:.2f} m, {profile.duration:.1f} s; working it out ...", flush=True)
     motion: Motion = plan(IKSolver(chain), path, profile, tool[:3, :3], home, PERIOD)
-    print("moving to its begin ...", flush=True)
+    print("moving to its start ...", flush=True)
     approach(rig, motion, motion.start)
     print("following it ...", flush=True)
     recording = follow(rig, motion)

@@ -12,13 +12,13 @@ from .analysis import Recording
 from .reference import Motion
 
 APPROACH = 0.5
-"""Share of the velocity limits at which the begin of a path is approached."""
+"""Share of the velocity limits at which the start of a path is approached."""
 REST = 1.0
 """Time (s) for which the joints rest before a path begins: integral terms settle."""
 TAIL = 0.5
 """Time (s) that is recorded after the end of a path."""
 AWAY = {"default": 0.02, "prismatic": 0.005}
-"""Further than this (rad, m) from the begin of the path a joint is held by something."""
+"""A joint further than this (rad, m) from the start of the path is held by something."""
 
 _PEAK = 1.875
 """Peak over mean velocity of the polynomial of fifth order from rest to rest."""
@@ -82,7 +82,7 @@ def approach(rig: Rig, motion: Motion, positions: np.ndarray) -> None:
 
 
 def follow(rig: Rig, motion: Motion) -> Recording:
-    """Follow a motion from its begin, where the arm already is.
+    """Follow a motion from its start, where the arm already is.
 
     The controllers smooth what they are sent, which delays it by a known time; the references run
     ahead of the path by as much.

@@ -32,7 +32,7 @@ class Motion:
     period : float
         Time between references (s).
     references : ndarray, shape (n, joints)
-        From the begin of the path until its end is reached (rad, m).
+        From the start of the path until its end is reached (rad, m).
     """
 
     chain: Chain
@@ -43,7 +43,7 @@ class Motion:
 
     @property
     def start(self) -> np.ndarray:
-        """Joint positions at the begin of the path."""
+        """Joint positions at the start of the path."""
         return self.references[0]
 
     def tool(self, time: np.ndarray) -> np.ndarray:
@@ -51,7 +51,7 @@ class Motion:
         return self.path.position(self.profile.length(time))
 
     def reference(self, time: float) -> np.ndarray:
-        """Joint references at a time (s); before the begin and after the end the nearest."""
+        """Joint references at a time (s); before the start and after the end the nearest."""
         place = min(max(time / self.period, 0.0), len(self.references) - 1.0)
         index = min(int(place), len(self.references) - 2)
         share = place - index
@@ -75,7 +75,7 @@ def plan(
     orientation : ndarray, shape (3, 3)
         Of the tool, all the way.
     seed : sequence of float
-        Joint positions near which the begin is looked for.
+        Joint positions near which the start is looked for.
     period : float
         Time between references (s).
 
@@ -99,9 +99,9 @@ def plan(
 
 
 def _seeds(chain: Chain, seed: np.ndarray) -> List[np.ndarray]:
-    """Where to look for a begin from which the whole path can be followed, the nearest first.
+    """Postures to try as a start from which the whole path can be followed, the nearest first.
 
-    A posture with a joint on a limit reaches the begin as well as another, but not what follows.
+    A posture with a joint on a limit reaches the start as well as another, but not what follows.
     """
     limited = np.isfinite(chain.lower) & np.isfinite(chain.upper)
     middle = np.where(limited, 0.5 * (chain.lower + chain.upper), seed)
@@ -115,11 +115,11 @@ def _seeds(chain: Chain, seed: np.ndarray) -> List[np.ndarray]:
 
 
 def _begin(solver: IKSolver, target: np.ndarray, seed: np.ndarray) -> np.ndarray:
-    """Joint positions for the begin of a path."""
+    """Joint positions for the start of a path."""
     found = solver.solve(target, seed.tolist())
     if not found.converged:
         raise FollowTrajectoryError(
-            f"the begin of the path, {_shown(target[:3, 3])}, cannot be reached with the tool as "
+            f"the start of the path, {_shown(target[:3, 3])}, cannot be reached with the tool as "
             f"it is turned: {1000.0 * found.position_error:.0f} mm are left; another centre, or "
             "another orientation of the tool, is needed"
         )

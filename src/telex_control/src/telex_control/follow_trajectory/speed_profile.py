@@ -63,7 +63,7 @@ class SpeedProfile:
             times.append(times[-1] + max(duration, 0.0))
 
     def length(self, time: np.ndarray) -> np.ndarray:
-        """Length that is behind at some times (m); before the begin 0, after the end all of it."""
+        """Length that is behind at some times (m); before the start 0, after the end all of it."""
         time = np.clip(np.asarray(time, dtype=float), 0.0, self.duration)
         part = np.clip(
             np.searchsorted(self._times, time, side="right") - 1, 0, len(self._times) - 2

@@ -1,4 +1,4 @@
-"""The efforts that hold a robot's joints against gravity, computed with KDL from the URDF.
+"""Efforts that hold a robot's joints against gravity, computed with KDL from the URDF.
 
 One `GravityModel` serves all controllers of a robot: the first that asks has it computed, the
 others read.

@@ -66,7 +66,7 @@ export class LinePanel {
 }
 
 /**
- * What the line does to what passes it.
+ * What the line does to its traffic, in words.
  * @param {Pick<LinkState, "delay" | "jitter" | "loss" | "bandwidth" | "outage">} state
  */
 export function lineText({ delay, jitter, loss, bandwidth, outage }) {

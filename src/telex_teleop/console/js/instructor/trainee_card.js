@@ -6,7 +6,7 @@ import { byId, setText } from "../panels.js";
 import { TYPES } from "../training/client.js";
 
 const TEXT_TYPE = "telex_msgs/TrainingText";
-const OLD = 2000; // ms without a word of his page, which speaks twice a second
+const OLD = 2000; // ms without a message from the trainee's page, which sends two a second
 
 export class TraineeCard {
   /**

@@ -1,5 +1,5 @@
 // @ts-check
-/** Bookmarks on the strip, in practice: one is set wherever the trainee is, and he goes on from one. */
+/** Bookmarks on the strip, in practice: set them at any time, and go back to one. */
 
 import { makeButton } from "../buttons.js";
 import { text } from "../language.js";

@@ -1,10 +1,10 @@
 // @ts-check
-/** What the operator sees and holds, told to the recording and to the instructor: large view, age of its pictures, aids, actions. */
+/** Publishes what the operator sees and holds, for the recording and the instructor: large view, age of its pictures, aids, actions. */
 
 import { TYPES } from "./client.js";
 
 const PERIOD = 500; // ms
-const SOONEST = 100; // ms between two words, however often something is pressed
+const SOONEST = 100; // ms between two messages at least, however often something is pressed
 
 /**
  * Camera, age (s) of its painted picture, names of actions, and the aids that are on by name: true for a training aid, which stands in for

@@ -25,9 +25,9 @@ from telex_teleop.motion.teleop_core import NEEDS_NEW_PRESS
 
 CARTESIAN_MODE = "CARTESIAN"
 
-# How long (s) a refused command is spoken of: a display that hears ten statuses a second shows it.
+# Time (s) for which a refused command is reported; a display reads ten statuses a second.
 REFUSAL_SHOWN_FOR = 1.0
-# A one-shot increment that what is near leaves less of its speed is given up: nobody holds a key
+# A one-shot increment is given up when the guard leaves less of its speed: nobody holds a key
 # for it, so it must not go on when the way becomes free.
 DISPLACEMENT_SHARE = 0.02
 # A tool that keeps its place is told to be off it from so far on (m): further than joints lag.

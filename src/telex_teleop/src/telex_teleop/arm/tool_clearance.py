@@ -6,8 +6,8 @@ import numpy as np
 
 # Damping (m^2, rad^2) of the inverse Jacobian: near a singularity joints do not follow the tool.
 DAMPING = 1e-4
-# So often the bounds are gone through at most, each time making good what the others have undone;
-# the tool stops where that does not do (in a sharp corner).
+# Most passes over the bounds, each of which restores what the others have undone; where they are
+# not enough (in a sharp corner) the tool stops.
 SWEEPS = 16
 # A bound is kept when it is missed by no more (m/s).
 KEPT = 1e-4

@@ -25,7 +25,7 @@ from telex_teleop.motion.rigid_motion import advanced, pose_error, shortened
 if TYPE_CHECKING:
     from telex_teleop.arm.ik_kinematics import IKKinematics
 
-# A share of the speed above this is not worth a word.
+# Above this share of the speed, no slowdown is reported.
 FREE = 0.95
 # Below this a motion counts as ended: a joint's step (rad or m), the tool's speed as a share of its
 # largest.
@@ -123,7 +123,7 @@ class ToolMotion:
 
     @property
     def hold_ahead(self) -> float:
-        """So much ahead (s) the base's pose is wanted: nothing unless the tool keeps its place."""
+        """How far ahead (s) the base's pose is needed: 0 unless the tool keeps its place."""
         return self._settings.hold_ahead if self.holding else 0.0
 
     @property

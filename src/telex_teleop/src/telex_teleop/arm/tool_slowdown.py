@@ -10,7 +10,7 @@ import numpy as np
 
 from telex_teleop.motion.reference import MotionLimits
 
-# A joint this near (rad or m) a bound stands on it.
+# A joint within this distance (rad or m) of a bound counts as at the bound.
 ON_BOUND = 1e-4
 
 
@@ -27,7 +27,7 @@ class Slowdown:
 
 
 class SlowdownReasons:
-    """Finds the joint that slows the tool, and what is the matter with it.
+    """Finds the joint that slows the tool, and the reason.
 
     Parameters
     ----------

@@ -32,7 +32,7 @@ class WantedMotion:
         return self._started is not None
 
     def forget(self) -> None:
-        """Be on the way to no pose."""
+        """Forget the pose that the tool is moving to."""
         self._started = None
 
     def twist(

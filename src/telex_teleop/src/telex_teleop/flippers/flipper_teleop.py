@@ -35,7 +35,7 @@ class FlipperTeleop(JointTeleop):
         speed: SpeedScale,
     ) -> None:
         self.presets = dict(presets)
-        # before the base class, which begins deaf and says so to the presets as well
+        # before the base class, whose constructor inhibits the presets as well
         self.requests = PresetRequests(command_timeout, goal_rules)
         super().__init__(axes, command_timeout, longest_step, speed)
 
@@ -113,9 +113,9 @@ class FlipperTeleop(JointTeleop):
             When the preset or a joint is unknown, or nothing is obeyed now.
         """
         wanted = choose(self.presets, name, joint_names, tuple(self.axes))
-        deaf = self._deaf(wall)
-        if deaf:
-            raise InvalidCommand(f"nothing is obeyed now: {deaf}")
+        refusal = self._refusal(wall)
+        if refusal:
+            raise InvalidCommand(f"nothing is obeyed now: {refusal}")
         assert self._ticks.now is not None
         now = Clocks(wall, self._ticks.now)
         if any(axis.commanded(now) for axis in self.axes.values()):

@@ -125,7 +125,7 @@ class CoupledTeleop(JointTeleop):
             return self._couple(dt, value, positions, self._group.obeying(now))
         self._group_moving = False
         if references:
-            # the joints leave their ratios, so the group's own reference says nothing any more
+            # the joints leave their ratios, so the group's own reference is no longer valid
             self._group.generator.drop()
         return references
 

@@ -58,7 +58,7 @@ class PrismaticRules(MotionRules):
 
 @dataclass(frozen=True)
 class JointRules(Declared):
-    """What one joint does otherwise than the others of its kind; None for what holds for them."""
+    """Rules of one joint that differ from those of its kind; None keeps the kind's."""
 
     max_velocity: Optional[float] = number(
         None, "Bound below the URDF's (per second); None for the URDF's own.", above=0.0

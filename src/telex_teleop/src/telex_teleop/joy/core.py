@@ -14,7 +14,7 @@ from telex_teleop.actions.grammar import Action, Command, is_momentary
 from telex_teleop.joy.maps import Binding, ButtonBinding, JoyMap, Mode, StickBinding
 from telex_teleop.joy.pads import Pad
 
-# So long (s) messages may still come that waited while the program was held up.
+# Time (s) for which messages may still arrive that waited while the program was held up.
 CATCHING_UP = 0.1
 PRESSED = 0.5  # of a button or trigger that does something once
 # They count whenever they are pressed, also at the very start of a stream.

@@ -15,7 +15,7 @@ EVENT = struct.Struct("=IhBB")
 
 BUTTON, AXIS, INITIAL = 0x01, 0x02, 0x80
 FULL = 32767.0
-# An axis that stands so far out when nobody has touched it yet is a trigger.
+# An axis deflected this far before anybody has touched it is a trigger.
 RESTS_AT_END = 0.99
 
 

@@ -48,7 +48,7 @@ class KeyMap:
         """Return what a key does, None when nothing."""
         found = self.actions.get(name)
         if found is None and len(name) == 1:
-            # caps lock must not make the robot deaf
+            # caps lock must not disable the keys
             found = self.actions.get(name.lower())
         return found
 

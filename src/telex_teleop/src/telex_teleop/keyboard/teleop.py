@@ -110,7 +110,7 @@ class KeyboardTeleop:
         self._line.hear(now)
 
     def check_line(self, now: float) -> None:
-        """Let the keys go whose release a dead line would never tell."""
+        """Release the keys whose release a dead line would never report."""
         if self._line.dead(self._held.exact, now):
             self._held.release_all(now)
         elif self._line.asks(now):

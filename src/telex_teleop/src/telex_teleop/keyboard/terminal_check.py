@@ -11,15 +11,15 @@ from typing import Optional
 _PERIOD = 0.1
 """Time (s) between two questions."""
 _TIMEOUT = 0.4
-"""After so long (s) without a byte the line counts as dead."""
+"""Time (s) without a byte after which the line counts as dead."""
 
 
 class TerminalCheck:
-    """When to ask the terminal, and when to give it up."""
+    """Decides when to query the terminal, and when its line counts as dead."""
 
     def __init__(self) -> None:
         self._asked = 0.0
-        self._heard: Optional[float] = None  # None while nothing is at stake
+        self._heard: Optional[float] = None  # None while nothing depends on the line
 
     def hear(self, now: float) -> None:
         """Take note that bytes came at `now` (monotonic time, s)."""

@@ -12,7 +12,7 @@ from telex_teleop.motion.stream import Clocks, CommandStream
 
 @dataclass(frozen=True)
 class AxisSettings:
-    """What one axis keeps to.
+    """Limits of one axis.
 
     Attributes
     ----------

@@ -6,7 +6,7 @@ import threading
 from typing import Optional
 
 LONGEST_REST = 0.05
-"""Time (s) between two looks of an idle node."""
+"""Time (s) between two joint states that an idle node reads."""
 
 
 class IdleRest:

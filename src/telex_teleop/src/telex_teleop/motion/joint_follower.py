@@ -9,7 +9,7 @@ import numpy as np
 
 from telex_teleop.motion.reference import MotionLimits, stoppable_speed
 
-# Nearer than this a reference takes the place of its goal, at rest (rad or m).
+# A reference nearer to its goal than this (rad or m) is set to the goal, at rest.
 ARRIVED = 1e-9
 
 

@@ -16,9 +16,9 @@ NEEDS_NEW_PRESS = "a command from before the stop goes on: release the key and p
 
 
 class TeleopCore(abc.ABC):
-    """Deaf before the first joint state, just after its start, in an emergency stop and in a pause.
+    """Obeys nothing before the first joint state, after its start, in an emergency stop or a pause.
 
-    It begins deaf, for a stream of commands may be running that was meant for its predecessor.
+    It begins so because a stream of commands may be running that was meant for its predecessor.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ class TeleopCore(abc.ABC):
     def _inhibited(self) -> bool:
         return self._e_stop or self._starting.lasts
 
-    def _deaf(self, wall: float) -> str:
+    def _refusal(self, wall: float) -> str:
         """Return why no command at all is obeyed at `wall` (monotonic, s); empty when some are."""
         if self._ticks.now is None or self._last_wall is None:
             return "no joint_states yet: is the simulator running?"

@@ -31,7 +31,7 @@ from telex_teleop.operating.requests import Requests
 from telex_teleop.operating.zoom import ZoomFactor
 from telex_teleop.tracks.track_drive import Velocity
 
-# Our own wish for the speed counts this long (s) before a status must have confirmed it.
+# Time (s) for which a requested speed counts before a status has to confirm it.
 SPEED_PENDING = 0.5
 # The one camera that pans, tilts and zooms.
 ZOOM_TOPIC = "cameras/turret/zoom"
@@ -388,7 +388,7 @@ class OperatedRobot:
 
 
 def _is_ours(message: Any) -> bool:
-    # what we said ourselves comes back late, and would undo what we have said since
+    # our own messages come back late, and would undo what we have sent since
     return sender_of(message) == rospy.get_name()
 
 

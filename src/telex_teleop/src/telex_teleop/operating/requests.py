@@ -1,4 +1,4 @@
-"""Service calls beside everything else: nothing that drives a robot may wait for an answer."""
+"""Service calls in a thread of their own: nothing that drives a robot may wait for an answer."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The zoom factor of a camera, changed as long as it is told to."""
+"""The zoom factor of a camera, which changes at a commanded rate."""
 
 from __future__ import annotations
 

@@ -151,9 +151,9 @@ class ArmTeleopNode(JointTeleopNode):
         self._listen_to_proximity(self._arm.guard.enabled)
 
     def _on_exam(self, message: Any) -> None:
-        """In an exam, leave the guard what the robot itself knows.
+        """In an exam, restrict the guard to what the robot can know.
 
-        Where its own links are, its joints tell; what stands around it, only sensors could.
+        Its joints tell where its own links are; only sensors could tell of what surrounds it.
         """
         blind = bool(message.data) and not _feels_surroundings()
         if blind != self._feels_itself_alone:
@@ -168,7 +168,7 @@ class ArmTeleopNode(JointTeleopNode):
         self._feels_itself_alone = blind
 
     def _listen_to_proximity(self, wanted: bool) -> None:
-        # The simulator looks for what is near while somebody listens, and only then.
+        # The simulator computes what is near only while somebody subscribes.
         if wanted and self._proximity is None:
             self._proximity = rospy.Subscriber(
                 "sim/proximity", Proximity, self._on_proximity, queue_size=1, tcp_nodelay=True

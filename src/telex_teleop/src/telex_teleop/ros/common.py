@@ -68,7 +68,7 @@ class StatusTimer:
 
 
 class OperatorInputs:
-    """What every teleoperation node hears: ``~speed_scale``, ``e_stop`` and ``sim/status``.
+    """Subscriptions of every teleoperation node: ``~speed_scale``, ``e_stop`` and ``sim/status``.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ class OperatorInputs:
 
 
 def warn_dropped(topic: str, problem: str) -> None:
-    """Say, for each topic not too often, that a message was not obeyed, and why."""
+    """Warn that a message was not obeyed, and why; throttled by topic."""
     now = time.monotonic()
     if now - _warned.get(topic, -WARNING_PERIOD) >= WARNING_PERIOD:
         _warned[topic] = now

@@ -21,7 +21,7 @@ from telex_teleop.ros.common import OperatorInputs, StatusTimer, warn_dropped
 
 
 class JointTeleopNode:
-    """Feeds a core and publishes what it says.
+    """Passes inputs to a core and publishes its outputs.
 
     One update per message on ``joint_states``; publishes on ``<joint without
     _joint>_position_controller/command``.

@@ -31,7 +31,7 @@ from telex_teleop.tracks.track_drive import (
 
 
 class TrackTeleopNode:
-    """Feeds the core, publishes what it says on ``<controller>/cmd_vel``.
+    """Passes inputs to the core and publishes its commands on ``<controller>/cmd_vel``.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ class TrackTeleopNode:
         self._commands = rospy.Subscriber(
             "~cmd_vel", Twist, self._on_twist, queue_size=10, tcp_nodelay=True
         )
-        # Joint states are the pulse of the simulation: nothing is sent while it stands still.
+        # Joint states set the pace: nothing is sent while the simulation stands still.
         rospy.Subscriber(
             "joint_states", JointState, self._on_joint_states, queue_size=1, tcp_nodelay=True
         )

@@ -13,10 +13,10 @@ from ..actions.vocabulary import Vocabulary
 from ..joy.maps import Binding, JoyMap, StickBinding
 
 ACTIONS = "/actions.json"
-"""Where is served what an operator can do, and by which key."""
+"""Path of the vocabulary of actions, with their keys."""
 
 JOY_MAP = "/joy_map.json"
-"""Where the map of a gamepad is served: the same file that joy_teleop reads."""
+"""Path of the map of a gamepad: the same file that joy_teleop reads."""
 
 
 def add_maps(

@@ -1,4 +1,4 @@
-"""Life of a server node: bind, announce the address, serve until told to stop, leave at once."""
+"""Life of a server node: bind, announce the address, serve until told to stop, end at once."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def _run_node(
     coarse_clock: bool,
 ) -> int:
     try:
-        # The loop handles the signals: it has clients to take leave of first.
+        # The loop handles the signals: it has to disconnect its clients first.
         init_node(name, own_signals=True, coarse_clock=coarse_clock)
     except rospy.ROSException as error:
         print(f"{name}: {error}", file=sys.stderr)

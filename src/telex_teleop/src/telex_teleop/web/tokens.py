@@ -136,7 +136,7 @@ def _token_of(request: web.Request) -> Optional[str]:
 
 
 def _same(given: Optional[str], token: str) -> bool:
-    """Compare in a time that tells nothing of the token."""
+    """Compare in constant time."""
     if given is None or not token:
         return False
     return hmac.compare_digest(given.encode("utf-8", "replace"), token.encode())

@@ -278,7 +278,7 @@ export class Arranging {
   }
 
   /**
-   * Ask first where something is lost by it: a trial that goes on is not valid any more.
+   * Ask first where a change has a cost: it invalidates a trial that is running.
    * @param {string} question
    * @param {string} deed
    * @param {boolean} always  Whether to ask where no trial goes on, too.

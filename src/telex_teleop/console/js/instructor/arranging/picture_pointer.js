@@ -32,7 +32,7 @@ export class PicturePointer {
   }
 
   /**
-   * Let presses into the picture point, instead of sending the camera about.
+   * Let presses in the picture point at objects instead of moving the camera.
    * @param {boolean} isOn
    */
   set(isOn) {

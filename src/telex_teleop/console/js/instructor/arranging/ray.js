@@ -54,7 +54,7 @@ function turned({ x, y, z, w }, v) {
 }
 
 /**
- * Where in a picture something on the page points, of one that is shown whole, in the middle and from the top on; null: beside it.
+ * Point of a picture under a position on the page; the picture is shown whole, centred, from the top; null: outside of it.
  * @param {DOMRect} box         Of the element that shows it.
  * @param {number} aspect       Width over height of the picture.
  * @param {{clientX: number, clientY: number}} at

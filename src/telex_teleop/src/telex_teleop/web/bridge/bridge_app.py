@@ -30,7 +30,7 @@ BACKLOG_POLL = 0.005
 """Period (s) at which a client that has not taken its messages yet is looked at."""
 
 LAST_WORDS = 0.1
-"""Time (s) between the last stop command and the node's end, for it to get out."""
+"""Time (s) between the last stop command and the node's end, in which the command is sent."""
 
 
 _NO_TOKENS = Tokens()
@@ -117,7 +117,7 @@ class Rosbridge:
             task.cancel()
 
     async def _prepare_e_stop(self) -> None:
-        """Open the topic of the e-stop: nobody's first one may wait until that is done."""
+        """Open the topic of the e-stop in advance, so that the first one is not delayed."""
         try:
             publisher = await self.shared.publishers.acquire(
                 self._e_stop_topic, "std_msgs/Bool", latch=False, queue_size=10
@@ -224,8 +224,8 @@ class Rosbridge:
                 session.receive(message.data)
             elif message.type == WSMsgType.BINARY:
                 session.report("messages must be text; binary ones are not offered")
-            # A client that sends without a pause lets others have their turn; one that does not
-            # take the answers is not heard until it does.
+            # A client that sends without a pause must yield to the others; one that does not read
+            # its replies is not read either until it does.
             await asyncio.sleep(0)
             await outbox.room()
             await session.room()

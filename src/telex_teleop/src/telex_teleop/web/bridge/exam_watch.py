@@ -1,4 +1,4 @@
-"""Follows the training node's word of exams, and says by `bridge/exam` that the list holds."""
+"""Follows the training node's exams, and publishes on `bridge/exam` that the list holds."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ from typing import Any, Mapping
 from telex_control.common.params import Declared, number, require
 
 LONGEST_DELAY = 10.0
-"""Largest delay (s) that may be asked for: what the field has been seen to do."""
+"""Largest delay (s) that may be asked for: the largest seen in the field."""
 
 LEAST_BANDWIDTH = 1000.0
 """Smallest cap (bit/s): below it a single picture would take minutes."""
@@ -20,7 +20,7 @@ LONGEST_TIME = 3600.0
 
 @dataclass(frozen=True)
 class LineFields(Declared):
-    """What the line does to that which passes it; the defaults are a perfect line.
+    """What the line does to its traffic; the defaults are a perfect line.
 
     Raises
     ------
@@ -96,4 +96,4 @@ class LineFields(Declared):
 
 
 PERFECT = LineFields()
-"""Figures of a line that is none."""
+"""A line that changes nothing."""

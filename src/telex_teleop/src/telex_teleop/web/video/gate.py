@@ -27,7 +27,7 @@ from .topics import belongs_to
 
 
 class Gate:
-    """Lets clients in as the bridge does, by the same tokens, so that one opens both.
+    """Admits clients as the bridge does, by the same tokens, so that one token is good for both.
 
     Tokens of which no file was given are the bridge's, whose own parameters name its files.
 

@@ -88,7 +88,7 @@ class PictureHub:
 
     @property
     def viewers(self) -> Set[Viewer]:
-        """All who watch, in whatever variant."""
+        """All viewers, of any variant."""
         return set().union(*self._viewers.values()) if self._viewers else set()
 
     def clients(self, variant: Variant) -> Set[Hashable]:
@@ -250,7 +250,7 @@ _Place = Tuple[PictureHub, Variant]
 
 
 class EncoderFullError(Exception):
-    """As many different pictures are encoded as may be; the text says so."""
+    """The limit of pictures that are encoded at a time is reached; the text says so."""
 
     status = 503
 

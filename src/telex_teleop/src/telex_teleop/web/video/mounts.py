@@ -113,7 +113,7 @@ class Mounts:
             query = request.rel_url.raw_query_string
             raise web.HTTPFound(URL(f"/{name}/?{query}" if query else f"/{name}/", encoded=True))
         file = find_file(Path(mount.folder), path) if reads and mount.folder else None
-        # What is open to all asks nobody who he is; a handler is always told.
+        # Folders that are open to all require no admission; a handler always learns who asks.
         if mount.access != ALL or (file is None and mount.handler):
             instructor = await self._admit(request, name, mount)
             self._gate.require_page(request.path, instructor=instructor)

@@ -101,7 +101,7 @@ Picture = Union[CompressedPicture, RawPicture]
 
 @dataclasses.dataclass(frozen=True)
 class Variant:
-    """What a client wants to be done to the pictures of a topic; None leaves a thing as it is.
+    """Changes that a client asks for in the pictures of a topic; None changes nothing.
 
     Attributes
     ----------

@@ -12,13 +12,13 @@ from .control import Member
 from .outbox import Outbox, OutboxFullError
 
 LEVELS = ("none", "error", "warning", "info")
-"""What a client can ask to hear, rising."""
+"""Levels of status messages that a client can ask for, rising."""
 
 WARNING_PERIOD = 1.0
 """Shortest time (s) between two equal warnings; commands come up to a hundred times a second."""
 
 MAX_WARNINGS = 100
-"""Different warnings that are remembered as said."""
+"""Number of different warnings that are remembered."""
 
 
 class Client:

@@ -56,7 +56,7 @@ class Member:
 
     @property
     def shown(self) -> str:
-        """What to call it in a sentence."""
+        """Its name, as messages use it."""
         return f"{self.name} (client {self.id})" if self.name else f"client {self.id}"
 
 

@@ -32,16 +32,16 @@ ANSWER_TIMEOUT = 5.0
 
 
 class Memory(Protocol):
-    """Where a setting outlives a crash of the node."""
+    """Storage in which a setting survives a crash of the node."""
 
     def recall(self) -> Dict[str, Any]:
-        """Return what was kept; nothing after an end in order."""
+        """Return what was kept; nothing after an orderly end."""
 
     def keep(self, **values: Any) -> None:
         """Keep these values instead of those before."""
 
     def forget(self) -> None:
-        """Leave nothing to a successor."""
+        """Delete what is kept."""
 
 
 class _Listening:

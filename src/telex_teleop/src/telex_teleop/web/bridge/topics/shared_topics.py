@@ -49,7 +49,7 @@ INBOX_DEPTH = 1000
 """Messages of a topic that may wait for the loop; the newest win."""
 
 MAX_BACKLOG = 1000
-"""Calls to ROS that may wait; more come only from a client that has gone wild."""
+"""Calls to ROS that may wait; only a faulty client makes more."""
 
 
 class _Closable(Protocol):
@@ -244,7 +244,7 @@ class Publishers(_Shares[Tuple[str, bool], SharedPublisher]):
 
 
 class Listener(Protocol):
-    """Somebody who gets the messages of a subscriber, on the loop's thread."""
+    """A recipient of a subscriber's messages, on the loop's thread."""
 
     def deliver(self, message: TopicMessage) -> None:
         """Take a message."""
@@ -298,7 +298,7 @@ class SharedSubscriber:
                     logging.getLogger(__name__).exception("a message could not be encoded")
 
     def add(self, listener: Listener) -> None:
-        """Let somebody listen, beginning with what latching publishers said last."""
+        """Add a listener; it first gets the last messages of latching publishers."""
         self._listeners.add(listener)
         for message in self._latched.values():
             listener.deliver(message)

@@ -85,7 +85,7 @@ class StuckKey:
         self._changed = asyncio.Event()
 
     async def run(self) -> None:
-        """Hear of malfunctions and repeat what sticks, until cancelled."""
+        """Follow the malfunctions and repeat stuck commands, until cancelled."""
         loop = asyncio.get_running_loop()
         malfunctions, e_stop = self._topics
 
@@ -136,7 +136,7 @@ class StuckKey:
         return held is not None
 
     def tick(self) -> None:
-        """Repeat what sticks, once its client has let go of it."""
+        """Repeat the stuck command once its client has released it."""
         held = self._held
         if held is None or self._clock() - held.heard < LET_GO:
             return
