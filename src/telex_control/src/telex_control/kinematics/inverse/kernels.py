@@ -20,7 +20,6 @@ from .compiled import Function, compiled
 from .task import AT_LIMIT, DISTANCE, GoalFunction, Task
 
 _TURN = 2.0 * math.pi
-_KEEN = 1e-2
 _FLOOR = 1e-9
 """Damping that is left at the target: keeps the factorisation defined in a singular posture."""
 _TICK_GAIN = 1e-3
@@ -359,8 +358,8 @@ def _descend(
 
     Ends at the target, after `iterations`, after three steps in a row that lessen the cost by less
     than the part `gain`, or when the step vanishes. Steps that are refused count among the three
-    only with a `gain` above `_KEEN`, where beginning elsewhere is the better use of time. Steps are
-    damped by `damping` and by what is left of the cost.
+    only with a `gain` above `_TICK_GAIN`, where beginning elsewhere is the better use of time, or
+    with damping beyond `_STIFF`. Steps are damped by `damping` and by what is left of the cost.
 
     Returns converged, position error (m), orientation error (rad), iterations; `work.jacobian` and
     `work.error` are those of the last `q`.
