@@ -61,8 +61,6 @@ class MovedJoint:
 
     Attributes
     ----------
-    name
-        Its name.
     kind
         ``revolute``, ``continuous`` or ``prismatic``.
     axis

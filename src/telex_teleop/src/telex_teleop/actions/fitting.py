@@ -35,10 +35,6 @@ def fit(vocabulary: Vocabulary, robot: Abilities, adds: bool = True) -> Dict[str
 
     Parameters
     ----------
-    vocabulary
-        As the file has it.
-    robot
-        What can be done with it.
     adds
         Whether what the file does not name is added; a file that was written for the robot says
         itself what there shall be.

@@ -67,10 +67,6 @@ class ArmTeleopSettings(JointTeleopSettings):
 
     Attributes
     ----------
-    frames
-        Names of frames.
-    cartesian
-        How the tool moves.
     proximity
         How the arm keeps its distance from what is near.
     poses
@@ -91,10 +87,6 @@ def carrier_of(
 
     Parameters
     ----------
-    settings
-        Its frames and poses.
-    description
-        The robot's URDF.
     axes
         Joints that the node moves.
 

@@ -129,8 +129,6 @@ class Clearance:
 
     Parameters
     ----------
-    pairs
-        What is near.
     gradients : ndarray, shape (m, n)
         Of the pairs' distances by the joints (m/rad, m/m).
     distances : ndarray, shape (m,)
@@ -212,13 +210,7 @@ class Clearance:
 
 
 class ProximityGuard:
-    """Says how much of a wanted motion is allowed.
-
-    Parameters
-    ----------
-    settings
-        Its distances and speeds.
-    """
+    """Says how much of a wanted motion is allowed."""
 
     def __init__(self, settings: ProximitySettings) -> None:
         self._settings = settings

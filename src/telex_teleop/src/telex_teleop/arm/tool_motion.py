@@ -177,8 +177,6 @@ class ToolMotion:
             Measured.
         base : ndarray, shape (4, 4), or None
             Pose of the base in the world, as far as it is known.
-        speed_scale
-            The operator's speed.
         clearance
             What is near leaves of the joints' motion; None where nothing is.
 

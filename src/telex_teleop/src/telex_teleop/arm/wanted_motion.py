@@ -53,8 +53,6 @@ class WantedMotion:
             The tool's desired pose in the base's frame.
         base : ndarray, shape (4, 4), or None
             Pose of the base in the world, as far as it is known.
-        speed_scale
-            The operator's speed.
         dt
             Time since the last joint state (s), above 0.
 

@@ -58,8 +58,6 @@ class CoupledTeleop(JointTeleop):
         Joint to the bounds of its own motion.
     group
         Bounds of the group's value.
-    coupling
-        How the group moves.
     command_timeout, longest_step, speed
         See `JointTeleop`.
     """

@@ -162,13 +162,6 @@ def limits_of_present(
 ) -> Tuple[Dict[str, JointBounds], Tuple[str, ...]]:
     """Return the limits of those of a node's joints that a robot has, and the others' names.
 
-    Parameters
-    ----------
-    settings
-        The node's.
-    description
-        The robot's URDF.
-
     Raises
     ------
     telex_control.urdf.joints.UrdfError
@@ -234,13 +227,7 @@ class CouplingSettings(Declared):
 
 @dataclass(frozen=True)
 class GripperTeleopSettings(JointTeleopSettings):
-    """Parameters of the gripper's node, beside those of every joint node.
-
-    Attributes
-    ----------
-    coupling
-        How all its joints move as one.
-    """
+    """Parameters of the gripper's node, beside those of every joint node."""
 
     coupling: CouplingSettings = field(default_factory=required)
 

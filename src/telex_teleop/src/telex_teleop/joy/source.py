@@ -48,8 +48,6 @@ class JoySource:
 
     Parameters
     ----------
-    settings
-        Device and times.
     find
         Opens the joystick, or raises `JoystickError`.
     publish

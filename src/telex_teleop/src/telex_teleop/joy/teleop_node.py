@@ -77,10 +77,6 @@ class JoyTeleopNode:
 
     Parameters
     ----------
-    settings
-        The node's parameters.
-    pads
-        Known pads.
     namespace
         Of the robot.
 

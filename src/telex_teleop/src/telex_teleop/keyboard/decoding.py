@@ -37,8 +37,6 @@ class KeyEvent:
         ``"w"``, ``"W"``, ``"space"``, ``"up"``, ``"ctrl+c"``.
     key
         The key itself, the same at press and release whatever modifiers came or went meanwhile.
-    kind
-        What happened.
     """
 
     name: str

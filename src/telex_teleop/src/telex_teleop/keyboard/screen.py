@@ -103,8 +103,6 @@ class ScreenState:
 
     Attributes
     ----------
-    robot
-        Namespace of the robot.
     exact_keys
         Whether the terminal reports releases.
     mode
@@ -120,18 +118,10 @@ class ScreenState:
         By name.
     drive
         What goes to the tracks now.
-    held
-        Actions whose keys are held.
-    notice
-        Last message for the operator.
     tool
         The tool, None before the arm's first status.
     arm_notice
         What there is to know of the arm's motion and of its grip.
-    zoom
-        Zoom factor of the camera.
-    lit
-        Lamps that are lit.
     """
 
     robot: str

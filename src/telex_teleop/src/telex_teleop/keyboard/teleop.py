@@ -23,13 +23,7 @@ NEVER_TOO_LATE = (Command.STOP, Command.E_STOP, Command.QUIT)
 
 
 class KeyboardTeleop:
-    """Drives a robot from the keys of a terminal.
-
-    Parameters
-    ----------
-    settings
-        Keys and times.
-    """
+    """Drives a robot from the keys of a terminal."""
 
     def __init__(self, settings: KeyboardSettings, robot: ShownRobot, terminal: Terminal) -> None:
         self._settings = settings
@@ -85,8 +79,6 @@ class KeyboardTeleop:
 
         Parameters
         ----------
-        events
-            What was read.
         now
             When it was read (monotonic time, s).
         late

@@ -147,8 +147,6 @@ class Axis:
             Time since the last joint state (s).
         position
             Measured position (rad or m).
-        speed_scale
-            The operator's speed.
         blocked
             Come to rest first, because another axis still moves the same joints.
         goal

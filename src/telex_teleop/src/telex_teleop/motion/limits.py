@@ -43,8 +43,6 @@ def limits_from_urdf(description: str, names: Collection[str]) -> Dict[str, Join
 
     Parameters
     ----------
-    description
-        The URDF as text.
     names
         The joints that are wanted.
 

@@ -48,8 +48,6 @@ class OperatedRobot:
         Names of the lamps that can be switched.
     zoom_rate
         How fast a full demand zooms (1/s, of the factor's logarithm).
-    max_zoom
-        Largest zoom factor.
     """
 
     def __init__(

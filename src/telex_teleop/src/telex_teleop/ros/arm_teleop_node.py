@@ -41,10 +41,6 @@ class ArmTeleopNode(JointTeleopNode):
 
     Parameters
     ----------
-    core
-        What decides.
-    settings
-        The node's parameters.
     chain
         From base to tool; None where the robot has no such arm.
     links
@@ -303,8 +299,6 @@ def proximity_state(message: Any, links: Collection[str]) -> ProximityState:
 
     Parameters
     ----------
-    message
-        What is near.
     links
         Of the robot: what is among them rides on its base.
 

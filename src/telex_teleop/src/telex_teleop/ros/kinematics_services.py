@@ -34,8 +34,6 @@ class KinematicsServices:
         Tells where joints and base are.
     chain
         From base to tool; None where the robot has no such arm.
-    frames
-        Names of frames.
     """
 
     def __init__(self, node: ArmTeleopNode, chain: Optional[Chain], frames: FrameSettings) -> None:

@@ -93,8 +93,6 @@ class TrackDrive(TeleopCore):
 
     Parameters
     ----------
-    settings
-        Bounds and times.
     speed
         The operator's speed, shared with whoever sets it.
     """

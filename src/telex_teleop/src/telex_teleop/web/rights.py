@@ -111,8 +111,6 @@ class NamePatterns:
 
     Parameters
     ----------
-    patterns
-        The list.
     namespace
         Global name with a slash at its end.
     """

@@ -55,8 +55,6 @@ def files_of(
 
     Parameters
     ----------
-    config
-        The server's parameters.
     makeshift
         The paths to use where tokens are needed and no file was given. A server that has crashed
         leaves them among its parameters, which does not mean that they were given.

@@ -41,8 +41,6 @@ class Rosbridge:
 
     Parameters
     ----------
-    config
-        The node's parameters.
     warn
         Called with what an administrator should know.
     memory

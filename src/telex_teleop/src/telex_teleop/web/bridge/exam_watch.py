@@ -25,8 +25,6 @@ class ExamWatch:
 
     Parameters
     ----------
-    shared
-        What all clients share.
     warn
         Called with what an administrator should know.
     """

@@ -35,8 +35,6 @@ class Shared:
 
     Parameters
     ----------
-    config
-        The node's parameters.
     exam_rights
         What clients may do while an exam runs.
     proven
@@ -112,8 +110,6 @@ class ClientSession:
 
     Parameters
     ----------
-    shared
-        What it shares with others.
     drop
         Cuts the connection, with the reason.
 

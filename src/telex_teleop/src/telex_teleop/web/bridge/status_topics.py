@@ -31,13 +31,7 @@ _MISSING_NODES = "bridge/missing_nodes"
 
 
 class Roster:
-    """Publishes `bridge/clients` on every change and once a second, latched.
-
-    Parameters
-    ----------
-    publishers
-        Where publishers come from.
-    """
+    """Publishes `bridge/clients` on every change and once a second, latched."""
 
     def __init__(self, control: Control, publishers: Publishers, ros: Ros) -> None:
         self._control = control
@@ -91,8 +85,6 @@ class NodeWatch:
 
     Parameters
     ----------
-    publishers
-        Where publishers come from.
     other_robots
         Told of all services, by which it knows the robots that there are.
     """

@@ -34,8 +34,6 @@ class Exam:
 
     Parameters
     ----------
-    rights
-        The exam's list.
     namespace
         The robot's, with slashes around it.
 

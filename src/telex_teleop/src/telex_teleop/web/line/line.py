@@ -26,10 +26,8 @@ class Line:
 
     Attributes
     ----------
-    fields
-        The figures.
     version
-        Counts their changes.
+        Counts the changes of `fields`.
     """
 
     def __init__(self, random: Random) -> None:
@@ -45,8 +43,6 @@ class Line:
 
         Parameters
         ----------
-        fields
-            The new ones.
         since
             Time (s) at which they were chosen; outages count from it.
         """

@@ -29,11 +29,6 @@ class LineQueue(Generic[Item]):
 
     What may be lost is lost or comes in time; what must arrive comes late instead, and all that was
     sent after it comes later still.
-
-    Parameters
-    ----------
-    line
-        What it passes.
     """
 
     def __init__(self, line: Line) -> None:

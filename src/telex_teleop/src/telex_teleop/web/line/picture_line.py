@@ -41,11 +41,6 @@ class PictureLine(Generic[Picture]):
     A picture arrives when its stamp is as old as the line's delay, not before. Under a cap of the
     bandwidth one is sent at a time; meanwhile the newest of each camera waits, and cameras take
     turns. In an outage all are lost but the newest ones, which are sent when it ends.
-
-    Parameters
-    ----------
-    line
-        What they pass.
     """
 
     def __init__(self, line: Line, most_bytes: int = MOST_BYTES) -> None:

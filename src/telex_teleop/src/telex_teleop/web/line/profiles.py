@@ -32,8 +32,6 @@ class Profile:
     ----------
     description
         For whoever chooses.
-    fields
-        Figures of the line.
     by_signal
         Figures by the quality of the radio signal instead; empty: they do not depend on it.
 

@@ -123,13 +123,7 @@ class Server(actionlib.ActionServer):
 
 
 class TransformsNode:
-    """Serves the action and the service until the node ends.
-
-    Parameters
-    ----------
-    config
-        The node's parameters.
-    """
+    """Serves the action and the service until the node ends."""
 
     def __init__(self, config: TransformsConfig) -> None:
         self._config = config

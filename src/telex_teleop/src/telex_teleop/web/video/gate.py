@@ -33,8 +33,6 @@ class Gate:
 
     Parameters
     ----------
-    config
-        The node's parameters.
     namespace
         The robot's namespace, with slashes around it.
     ask
@@ -43,11 +41,6 @@ class Gate:
         What operators may see while an exam runs.
     bridge
         Name of the robot's bridge.
-
-    Attributes
-    ----------
-    exam
-        As given.
 
     Raises
     ------
@@ -63,7 +56,6 @@ class Gate:
         exam: Exam,
         bridge: str,
     ) -> None:
-        self._config = config
         self.exam = exam
         self._heard_of_exams = False
         self._hidden = config.hidden_cameras

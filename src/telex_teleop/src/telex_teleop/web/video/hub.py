@@ -328,8 +328,6 @@ class PictureHubs:
 
     Parameters
     ----------
-    source
-        Where pictures come from.
     worker
         Thread in which subscriptions begin and end, in order.
     encoders, encode, on_unusable

@@ -58,8 +58,6 @@ def part(data: bytes, stamp: float, mime: str) -> bytes:
 
     Parameters
     ----------
-    data
-        Encoded picture.
     stamp
         Time of the picture (s).
     mime

@@ -36,8 +36,6 @@ def viewer_page(topic: str, query: Mapping[str, str]) -> str:
     ----------
     topic
         Name of the topic, for the heading.
-    query
-        The query of the stream.
     """
     address = escape(f"/stream?{urlencode(query)}")
     name = escape(topic)

@@ -47,8 +47,6 @@ class CompressedPicture:
     ----------
     stamp
         Its header's stamp (s), which is sim time in a simulation.
-    data
-        The encoded bytes.
     captured
         Wall time (s since 1970) of what it shows.
     arrived
@@ -75,8 +73,6 @@ class RawPicture:
         Bytes of a row.
     encoding
         ROS's name of the pixel format.
-    data
-        The pixels, row by row.
     captured
         Wall time (s since 1970) of what it shows.
     big_endian

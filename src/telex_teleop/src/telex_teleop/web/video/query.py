@@ -49,8 +49,6 @@ def parse_stream(
 
     Parameters
     ----------
-    query
-        The decoded query parameters.
     max_size
         Largest width and height (pixels) that a client may ask for.
     default_type

@@ -101,10 +101,6 @@ class RobotVideo(NamedTuple):
     line
         What passes between it and clients that are no instructors; perfect until somebody says
         otherwise.
-    gate
-        Who may see its pictures.
-    sockets
-        Clients of all its cameras.
     """
 
     namespace: str
@@ -120,8 +116,6 @@ class VideoServer:
 
     Parameters
     ----------
-    config
-        The node's parameters.
     graph
         Pictures, topics and parameters.
     namespace

@@ -27,8 +27,6 @@ class Access:
 
     Parameters
     ----------
-    rights
-        The lists.
     resolve
         Gives a name its global form.
     e_stop_topic
@@ -56,11 +54,10 @@ class Access:
         others: Optional[OtherRobots] = None,
     ) -> None:
         self._namespace = resolve("x")[: -len("x")]
-        self._instructor = instructor
         self._instructors = _uses(rights.instructor, self._namespace)
-        all_of_it = instructor or plain
-        self._hears_all = all_of_it
-        self._own = self._instructors if all_of_it else _uses(rights.operator, self._namespace)
+        self._hears_all = instructor or plain
+        operators = _uses(rights.operator, self._namespace)
+        self._own = self._instructors if self._hears_all else operators
         self._commands = _uses(rights.commands, self._namespace)
         without_control = rights.without_control if instructor else UseLists()
         self._without_control = _uses(without_control, self._namespace)

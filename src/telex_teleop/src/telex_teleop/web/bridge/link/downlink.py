@@ -25,8 +25,6 @@ class Downlink:
 
     Parameters
     ----------
-    outbox
-        Where they come from.
     line
         What they pass; None: nothing, as for instructors.
     clock

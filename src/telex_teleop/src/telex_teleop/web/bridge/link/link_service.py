@@ -80,10 +80,6 @@ class LinkService:
     ----------
     control
         Whose commands are called back.
-    ros
-        Names, time and services.
-    publishers, subscribers
-        Where those come from.
     warn
         Called with what an administrator should know.
     memory

@@ -32,8 +32,6 @@ class AdvertisedService:
         The name as the client gave it, which is how it expects to be called.
     timeout
         Time (s) that the client gets to answer.
-    client
-        Who answers.
     numbers
         Of calls; no two calls of a client get the same one.
 
@@ -167,15 +165,6 @@ class AdvertisedServices:
 
     What it asks of one service happens in the order in which it asks: a service that it offers and
     calls at once is called when it is there, and withdrawn when that call has been answered.
-
-    Parameters
-    ----------
-    client
-        Who offers them.
-    config
-        Limits.
-    ros, worker
-        Where to offer them.
     """
 
     def __init__(

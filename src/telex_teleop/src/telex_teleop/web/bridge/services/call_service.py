@@ -63,8 +63,6 @@ class Services:
             Its name as the client spells it.
         arguments
             Object with the request's fields, list of them in their order, or None.
-        client
-            Who calls.
 
         Raises
         ------
@@ -143,10 +141,6 @@ class ServiceCalls:
 
     Parameters
     ----------
-    client
-        Who calls.
-    services
-        Answers the calls.
     advertised
         What the client itself offers.
     resolve

@@ -34,8 +34,6 @@ class AllGoals:
     ----------
     publishers
         Where publishers of cancellations come from.
-    subscribers
-        Where results come from.
     ros
         Who is connected to an action's servers, and the present time.
     """
@@ -84,8 +82,6 @@ class ClientGoals:
         Their type.
     client
         Name of the client, in the ids of goals to which it gave none.
-    all_goals
-        Those of all clients.
     """
 
     def __init__(self, topic: str, type_name: str, client: str, all_goals: AllGoals) -> None:

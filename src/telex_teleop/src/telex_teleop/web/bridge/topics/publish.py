@@ -53,12 +53,6 @@ class Publication:
         Whether the last message is kept for subscribers to come.
     queue_size
         Messages that are kept for a slow subscriber.
-    client
-        Who publishes.
-    publishers
-        Where publishers come from.
-    goals
-        Those of all clients.
 
     Attributes
     ----------
@@ -245,19 +239,7 @@ class Publication:
 
 
 class Publications:
-    """All topics that one client publishes.
-
-    Parameters
-    ----------
-    client
-        Who publishes.
-    config
-        Limits.
-    publishers
-        Where publishers come from.
-    goals
-        Those of all clients.
-    """
+    """All topics that one client publishes."""
 
     def __init__(
         self,

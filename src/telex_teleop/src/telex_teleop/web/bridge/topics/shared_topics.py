@@ -91,8 +91,6 @@ class _Shares(Generic[Key, Resource]):
 
     Parameters
     ----------
-    ros
-        Where to open them.
     linger
         Time (s) that a resource outlives its last user.
     """

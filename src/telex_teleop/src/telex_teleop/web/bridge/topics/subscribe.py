@@ -43,8 +43,6 @@ class Subscription:
         What the client says its type is; None if it does not.
     spelled
         The topic as the client spells it, which is how it expects to hear of it.
-    subscribers
-        Where messages come from.
 
     Attributes
     ----------
@@ -162,19 +160,7 @@ class Subscription:
 
 
 class Subscriptions:
-    """All topics that one client hears, by the names that it gives them.
-
-    Parameters
-    ----------
-    client
-        Who hears them.
-    config
-        Limits.
-    ros
-        Names.
-    subscribers
-        Where messages come from.
-    """
+    """All topics that one client hears, by the names that it gives them."""
 
     def __init__(
         self, client: Client, *, config: RosbridgeConfig, ros: Ros, subscribers: Subscribers

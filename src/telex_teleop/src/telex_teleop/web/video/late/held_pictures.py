@@ -17,8 +17,6 @@ class LateViewer:
 
     Parameters
     ----------
-    viewer
-        Who watches.
     rate
         Most pictures per second that it takes; None: every one. More need not be under way.
     takes
@@ -81,8 +79,6 @@ class HeldPictures:
 
     Parameters
     ----------
-    line
-        What they pass.
     clock
         Sim time (s).
 

@@ -31,8 +31,6 @@ class View:
 
     Attributes
     ----------
-    camera
-        Name of the camera.
     rate
         Most pictures per second; None: every one.
     width, height

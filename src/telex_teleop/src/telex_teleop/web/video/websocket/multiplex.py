@@ -75,8 +75,6 @@ class VideoClient:
         Whose share of the encoder's time its pictures take.
     cameras
         All cameras.
-    hubs
-        Where their pictures come from.
     max_size
         Largest width and height (pixels) that the client may ask for.
     send_buffer

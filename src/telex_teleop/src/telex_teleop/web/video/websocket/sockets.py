@@ -30,12 +30,8 @@ class VideoSockets:
 
     Parameters
     ----------
-    config
-        The node's parameters.
     namespace
         The node's namespace, with slashes around it.
-    hubs
-        Where pictures come from.
     topics
         Asks for the published topics; may raise OSError.
     line
