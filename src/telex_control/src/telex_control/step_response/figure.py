@@ -7,6 +7,7 @@ from typing import Dict, List, Sequence
 
 from matplotlib.figure import Figure
 
+from ..urdf.joints import short_name
 from .runner import StepResult, shown_unit
 from .table import kind
 
@@ -63,8 +64,7 @@ def _draw_joint(cell: Figure, results: Sequence[StepResult], legend: bool) -> No
             linewidth=0.7 if result.raw else 1.1,
             zorder=2 if result.raw else 3,
         )
-    title = joint.name[: -len("_joint")] if joint.name.endswith("_joint") else joint.name
-    above.set_title(title.replace("_", " "), fontsize=10)
+    above.set_title(short_name(joint.name).replace("_", " "), fontsize=10)
     above.set_ylabel(f"position ({'°' if unit.position == 'deg' else unit.position})", fontsize=8)
     below.set_ylabel(f"effort ({unit.effort})", fontsize=8)
     below.set_xlabel("time (s)", fontsize=8)

@@ -9,6 +9,7 @@ import math
 from dataclasses import asdict
 from typing import Any, Dict, List, Sequence
 
+from ..urdf.joints import short_name
 from .runner import StepResult, shown_unit
 
 HEAD = (
@@ -41,7 +42,7 @@ def _cells(result: StepResult) -> List[str]:
     share = 100.0 * figures.peak_effort / joint.effort
     return [
         result.posture,
-        joint.name[: -len("_joint")] if joint.name.endswith("_joint") else joint.name,
+        short_name(joint.name),
         kind(result),
         f"{step:.1f} {unit.position}",
         _number(figures.rise_time, 2),

@@ -21,6 +21,7 @@ __all__ = [
     "UrdfJoint",
     "joints",
     "parse_urdf",
+    "short_name",
 ]
 
 REVOLUTE = "revolute"
@@ -75,6 +76,12 @@ class UrdfJoint:
     soft: Optional[SoftLimits]
     mimic: Optional[Mimic] = None
     mimic_limits: bool = True
+
+
+def short_name(joint: str) -> str:
+    """Return a joint's name without the usual ending ``_joint``."""
+    ending = "_joint"
+    return joint[: -len(ending)] if joint.endswith(ending) else joint
 
 
 def parse_urdf(text: str) -> Robot:

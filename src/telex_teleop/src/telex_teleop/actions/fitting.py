@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any, Dict, Iterable, List, Sequence, Tuple, Type
 
+from telex_control.urdf.joints import short_name
 from telex_teleop.actions.abilities import Abilities, MovedJoint
 from telex_teleop.actions.grammar import (
     Command,
@@ -255,8 +256,7 @@ def _worded(each: NamedAction, joint: MovedJoint, place: int) -> NamedAction:
     """Return the first or the second action of a joint: ahead of its row the one up, in or left."""
     words, first = _WORDS[_direction(joint)]
     sign = first * _orientation(joint) * (1, -1)[place]
-    stem = joint.name[: -len("_joint")] if joint.name.endswith("_joint") else joint.name
-    row = stem.replace("_", " ")
+    row = short_name(joint.name).replace("_", " ")
     return replace(
         each,
         does=_jog("arm", (joint.name,), sign),

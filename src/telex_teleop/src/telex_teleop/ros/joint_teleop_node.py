@@ -14,6 +14,7 @@ from std_msgs.msg import Float64
 from telex_msgs.msg import JointTeleopStatus
 
 from telex_control.ros.rospy_fixes.connections import sender_of
+from telex_control.urdf.joints import short_name
 from telex_teleop.joints.joint_teleop import JOINT_MODE, JointTeleop
 from telex_teleop.motion.idle_rest import IdleRest
 from telex_teleop.motion.joint_jog import InvalidCommand, parse_joint_jog
@@ -158,6 +159,4 @@ class JointTeleopNode:
 
 def command_topic(joint: str) -> str:
     """Return the topic of a joint's position controller, named after it without ``_joint``."""
-    suffix = "_joint"
-    stem = joint[: -len(suffix)] if joint.endswith(suffix) else joint
-    return f"{stem}_position_controller/command"
+    return f"{short_name(joint)}_position_controller/command"

@@ -8,6 +8,7 @@ from typing import Any, Dict, List
 
 import yaml
 
+from telex_control.urdf.joints import short_name
 from telex_sim.offline.simulation import package_file
 
 from ..experiment import Cell, Experiment, Figure, Picture, Result, Table
@@ -32,11 +33,6 @@ def hurried() -> str:
     return str(yaml.safe_dump({**plan, "speed": MOVE_SPEED}))
 
 
-def short(joint: str) -> str:
-    """Return the name of a joint without its ending."""
-    return joint[: -len("_joint")] if joint.endswith("_joint") else joint
-
-
 def bars(row: Dict[str, Any]) -> List[Figure]:
     """Return the figures of one step, in the units in which they are required.
 
@@ -48,7 +44,7 @@ def bars(row: Dict[str, Any]) -> List[Figure]:
     slides = row["joint"] == TELESCOPE
     factor, unit = (1e3, "mm") if slides else (math.degrees(1.0), "deg")
     settling = row["settling_time"]
-    name = f"{short(row['joint'])}, {row['posture']}"
+    name = f"{short_name(row['joint'])}, {row['posture']}"
     return [
         Figure(f"{name}: overshoot", row["overshoot"], "%", at_most=OVERSHOOT),
         Figure(
@@ -82,7 +78,7 @@ def table_row(row: Dict[str, Any]) -> List[Cell]:
     """Return a row of the report's table."""
     factor = 1e3 if row["joint"] == TELESCOPE else math.degrees(1.0)
     return [
-        short(row["joint"]),
+        short_name(row["joint"]),
         row["posture"],
         row["reference"],
         (row["target"] - row["start"]) * factor,
