@@ -3,7 +3,7 @@
 
 import { makeButton } from "./buttons.js";
 import { text } from "./language.js";
-import { byId, element } from "./panels.js";
+import { all, byId, element, keyCap } from "./panels.js";
 
 export class KeyDialog {
   /**
@@ -73,9 +73,7 @@ export class KeyDialog {
       this._tell(text("Press the new key for “{action}”.", { action: text(title) }));
     }, "key-line");
     line.dataset.key = name;
-    const cap = element("kbd");
-    cap.dataset.binding = name;
-    line.append(cap, element("span", "", text(title)));
+    line.append(keyCap(name), element("span", "", text(title)));
     line.disabled = name === this._vocabulary.emergencyStop;
     return line;
   }
@@ -83,7 +81,7 @@ export class KeyDialog {
   /** @param {string | null} name */
   _wait(name) {
     this._waiting = name;
-    for (const line of /** @type {NodeListOf<HTMLElement>} */ (this._dialog.querySelectorAll("[data-key]"))) {
+    for (const line of all("[data-key]", this._dialog)) {
       line.classList.toggle("waiting", line.dataset.key === name);
     }
   }

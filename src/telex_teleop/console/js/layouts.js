@@ -3,7 +3,7 @@
 
 import { makeButton } from "./buttons.js";
 import { text } from "./language.js";
-import { byId, element } from "./panels.js";
+import { all, byId, check, keyCap } from "./panels.js";
 import { showAction, viewActions } from "./presence.js";
 
 /** @typedef {import("./vocabulary.js").Mode} Mode */
@@ -59,9 +59,7 @@ export class Layouts {
       const tab = makeButton("", () => choose(modes), "tab");
       tab.setAttribute("role", "radio");
       tab.dataset.layout = name;
-      const cap = element("kbd");
-      cap.dataset.binding = keyOf(LEAD_TO[modes[0]] ?? "mode");
-      tab.append(cap, text(name));
+      tab.append(keyCap(keyOf(LEAD_TO[modes[0]] ?? "mode")), text(name));
       return tab;
     }));
     this._show();
@@ -82,9 +80,7 @@ export class Layouts {
     const { dataset } = document.body;
     dataset.second = String(second && count > 1);
     dataset.small = String(small);
-    for (const tab of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-layout]"))) {
-      tab.setAttribute("aria-checked", String(tab.dataset.layout === this._layout.name));
-    }
+    check(all("[data-layout]"), (tab) => tab.dataset.layout === this._layout.name);
     byId("show-second").setAttribute("aria-pressed", String(second));
     byId("show-small").setAttribute("aria-pressed", String(small));
     this.changed();

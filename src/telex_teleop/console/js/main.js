@@ -36,7 +36,7 @@ import { ModeSwitch } from "./modes.js";
 import { Motion } from "./motion.js";
 import { fetchPadMap } from "./pad_map.js";
 import { getParameter } from "./parameters.js";
-import { Panels, byId, setText, showTwist } from "./panels.js";
+import { Panels, all, byId, setText, showTwist } from "./panels.js";
 import { leaveOut, showAction } from "./presence.js";
 import { PictureSize } from "./picture_size.js";
 import { DOSIMETER, DosimeterView } from "./radiation/dosimeter.js";
@@ -517,12 +517,12 @@ class Console {
     });
     onClick(byId("clock"), () => this._clock.reset());
     onClick(byId("control-button"), () => this._control.toggle());
-    for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-command]"))) {
+    for (const button of all("[data-command]")) {
       onClick(button, () => this._commandOf(/** @type {string} */ (button.dataset.command))?.());
     }
     this._tool.listen();
     this._modes.listen((name) => this._vocabulary.nameOf({ kind: "command", name }, []));
-    for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-side]"))) {
+    for (const button of all("[data-side]")) {
       button.addEventListener("click", () => {
         this._commander.side = /** @type {"left" | "both" | "right"} */ (button.dataset.side);
         this._panels.showSide(this._commander.side);

@@ -2,7 +2,7 @@
 /** The log of messages: each message once, with its severity. */
 
 import { onClick } from "./buttons.js";
-import { byId, element } from "./panels.js";
+import { all, byId, check, element } from "./panels.js";
 
 /** @typedef {"info" | "warning" | "alarm"} Level */
 
@@ -33,10 +33,10 @@ export class Messages {
     this._complaints = new Map();
     /** Complaints that have not been logged yet: when they came, by node. @type {Map<string, number>} */
     this._gathered = new Map();
-    const buttons = /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-least]"));
+    const buttons = all("[data-least]");
     for (const button of buttons) {
       onClick(button, () => {
-        for (const each of buttons) each.setAttribute("aria-checked", String(each === button));
+        check(buttons, (each) => each === button);
         this._list.dataset.shows = button.dataset.least;
       });
     }

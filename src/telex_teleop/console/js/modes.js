@@ -3,7 +3,7 @@
 
 import { onClick } from "./buttons.js";
 import { text } from "./language.js";
-import { byId, setText } from "./panels.js";
+import { all, byId, check, setText } from "./panels.js";
 
 /** @typedef {import("./vocabulary.js").Mode} Mode */
 
@@ -53,9 +53,7 @@ export class ModeSwitch {
     const { mode } = this;
     document.body.dataset.keysMode = mode;
     this._layouts.show(mode);
-    for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-mode]"))) {
-      button.setAttribute("aria-checked", String(button.dataset.mode === mode));
-    }
+    check(all("[data-mode]"), ({ dataset }) => dataset.mode === mode);
     setText(byId("mode-note"), text(this._modes.find(({ name }) => name === mode)?.note ?? ""));
   }
 
@@ -64,9 +62,7 @@ export class ModeSwitch {
     // The arm stays in the mode that it has.
     this._layouts.addTabs((modes) => this.set(modes.includes(this._tool.mode) ? this._tool.mode : modes[0]), keyOf);
     for (const { name: mode } of this._modes) {
-      for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll(`button[data-mode="${mode}"]`))) {
-        onClick(button, () => this.set(mode));
-      }
+      for (const button of all(`button[data-mode="${mode}"]`)) onClick(button, () => this.set(mode));
     }
   }
 }

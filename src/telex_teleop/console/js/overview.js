@@ -3,7 +3,7 @@
 
 import { onClick } from "./buttons.js";
 import { decimal, text } from "./language.js";
-import { byId, setText } from "./panels.js";
+import { all, byId, check, setText } from "./panels.js";
 import { getParameter } from "./parameters.js";
 
 const TOPIC = "cameras/overview/view";
@@ -57,7 +57,7 @@ export class OverviewControl {
     /** Pointer that drags, and where it was. @type {{id: number, x: number, y: number} | null} */
     this._drag = null;
     this._listen(byId("picture"));
-    for (const button of this._buttons()) {
+    for (const button of all("[data-view]", byId("view-modes"))) {
       onClick(button, () => this.setMode(/** @type {Mode} */ (button.dataset.view)));
     }
     this._show();
@@ -194,12 +194,8 @@ export class OverviewControl {
     this._sent = performance.now();
   }
 
-  _buttons() {
-    return /** @type {NodeListOf<HTMLElement>} */ (byId("view-modes").querySelectorAll("[data-view]"));
-  }
-
   _show() {
-    for (const button of this._buttons()) button.setAttribute("aria-checked", String(button.dataset.view === this.view.mode));
+    check(all("[data-view]", byId("view-modes")), ({ dataset }) => dataset.view === this.view.mode);
     this.refresh();
   }
 }

@@ -31,6 +31,29 @@ export function element(tag, className = "", words = "") {
 }
 
 /**
+ * Elements of the page, or of a part of it.
+ * @param {string} selector
+ * @param {ParentNode} [root]
+ */
+export const all = (selector, root = document) => /** @type {NodeListOf<HTMLElement>} */ (root.querySelectorAll(selector));
+
+/**
+ * Show which of some buttons are chosen.
+ * @param {Iterable<HTMLElement>} buttons
+ * @param {(button: HTMLElement) => boolean} isChosen
+ */
+export function check(buttons, isChosen) {
+  for (const button of buttons) button.setAttribute("aria-checked", String(isChosen(button)));
+}
+
+/** A key cap, which shows the key that an action has. @param {string} action */
+export function keyCap(action) {
+  const cap = element("kbd");
+  cap.dataset.binding = action;
+  return cap;
+}
+
+/**
  * Write a text, unless it is there already: what does not change must not be laid out anew.
  * @param {Element} where
  * @param {string} words
@@ -43,11 +66,9 @@ export function setText(where, words) {
 export function holdButton({ name, label }) {
   const button = makeButton("", undefined, "hold");
   button.dataset.action = name;
-  const cap = element("kbd");
-  cap.dataset.binding = name;
   const arrow = ARROWS[label];
   // The words by themselves, for another language to take their place.
-  button.append(cap, ...(arrow === undefined ? [text(label)] : [`${arrow} `, text(`${label}|arrow`)]));
+  button.append(keyCap(name), ...(arrow === undefined ? [text(label)] : [`${arrow} `, text(`${label}|arrow`)]));
   return button;
 }
 
@@ -139,9 +160,9 @@ export class Panels {
     this._presets = vocabulary.presets.map(holdButton);
     byId("flipper-presets").append(...this._presets);
     this.showPresets([], []);
-    this._values = [.../** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-joint]"))];
+    this._values = [...all("[data-joint]")];
     this._lengths = vocabulary.lengths;
-    this._bars = [.../** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-bar]"))];
+    this._bars = [...all("[data-bar]")];
     /** @type {import("./urdf.js").RobotModel | null} */
     this._model = null;
     /** Joints held back by a limit, by node. @type {Map<string, string[]>} */
@@ -204,7 +225,7 @@ export class Panels {
       if (`${does.node}_teleop` !== node) continue;
       // One joint may stand for all that a gripper has.
       const isThere = does.joints.some((joint) => joints.includes(joint)) || (does.node === "gripper" && joints.length > 0);
-      for (const each of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll(`[data-action="${name}"], [data-key="${name}"]`))) {
+      for (const each of all(`[data-action="${name}"], [data-key="${name}"]`)) {
         (/** @type {HTMLElement | null} */ (each.closest(".row")) ?? each).hidden = !isThere;
       }
     }
@@ -227,16 +248,14 @@ export class Panels {
 
   /** @param {Set<string>} actions  Those that are held. */
   showHeld(actions) {
-    for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-action]"))) {
+    for (const button of all("[data-action]")) {
       button.classList.toggle("held", actions.has(/** @type {string} */ (button.dataset.action)));
     }
   }
 
   /** @param {"left" | "both" | "right"} side */
   showSide(side) {
-    for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-side]"))) {
-        button.setAttribute("aria-checked", String(button.dataset.side === side));
-    }
+    check(all("[data-side]"), ({ dataset }) => dataset.side === side);
   }
 
   /**

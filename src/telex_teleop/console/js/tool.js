@@ -3,7 +3,7 @@
 
 import { onClick } from "./buttons.js";
 import { text, translated } from "./language.js";
-import { byId, element, fixed, holdButton, row, rowsOf, setText } from "./panels.js";
+import { all, byId, element, fixed, holdButton, row, rowsOf, setText } from "./panels.js";
 
 /** Part and axis of a twist for each axis of the tool. @type {Record<string, ["linear" | "angular", "x" | "y" | "z"]>} */
 const TWIST = {
@@ -213,7 +213,7 @@ export class ToolPanel {
   }
 
   _show() {
-    for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-frame]"))) {
+    for (const button of all("[data-frame]")) {
       const frame = this._frames[Number(button.dataset.frame)];
       button.hidden = frame === undefined;
       setText(button, translated((frame ?? "").replace(/_link$/, "")));
@@ -225,7 +225,7 @@ export class ToolPanel {
 
   /** Let the panel's switches be clicked. */
   listen() {
-    for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-frame]"))) {
+    for (const button of all("[data-frame]")) {
       onClick(button, () => this.setFrame(this._frames[Number(button.dataset.frame)]));
     }
     onClick(byId("hold-tool"), () => this.toggleHold());

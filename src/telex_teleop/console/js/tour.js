@@ -3,7 +3,7 @@
 
 import { onClick } from "./buttons.js";
 import { term, text } from "./language.js";
-import { byId } from "./panels.js";
+import { byId, keyCap } from "./panels.js";
 
 const STORED_AS = "telex.tour";
 
@@ -67,11 +67,7 @@ export class Tour {
     const isThere = step.keys[0].modes.includes(this._vocabulary.firstMode);
     byId("tour-text").textContent = (isThere && step.begins?.()) || text(step.text);
     const lead = isThere ? [] : [this._vocabulary.nameOf({ kind: "command", name: "mode" }, [])];
-    byId("tour-keys").replaceChildren(...[...lead, ...step.keys.slice(0, SHOWN).map(({ name }) => name)].map((name) => {
-      const cap = document.createElement("kbd");
-      cap.dataset.binding = name;
-      return cap;
-    }));
+    byId("tour-keys").replaceChildren(...[...lead, ...step.keys.slice(0, SHOWN).map(({ name }) => name)].map(keyCap));
     byId(step.shows).classList.add("toured");
     this._relabel();
   }

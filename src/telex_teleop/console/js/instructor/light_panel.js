@@ -4,7 +4,7 @@
 import { onClick } from "../buttons.js";
 import { Lamps } from "../lamps.js";
 import { text } from "../language.js";
-import { byId } from "../panels.js";
+import { all, byId, check } from "../panels.js";
 
 export class LightPanel {
   /**
@@ -27,7 +27,7 @@ export class LightPanel {
   }
 
   get _days() {
-    return /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("#light [data-daylight]"));
+    return all("#light [data-daylight]");
   }
 
   subscribe() {
@@ -51,7 +51,7 @@ export class LightPanel {
 
   _show() {
     const { daylight, lamps } = this._light;
-    for (const button of this._days) button.setAttribute("aria-checked", String(Math.abs(Number(button.dataset.daylight) - daylight) < 0.01));
+    check(this._days, ({ dataset }) => Math.abs(Number(dataset.daylight) - daylight) < 0.01);
     byId("light-lamps").setAttribute("aria-checked", String(lamps > 0));
   }
 }

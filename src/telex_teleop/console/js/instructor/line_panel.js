@@ -3,7 +3,7 @@
 
 import { makeButton } from "../buttons.js";
 import { decimal, term, text, translated } from "../language.js";
-import { byId, setText } from "../panels.js";
+import { all, byId, check, setText } from "../panels.js";
 
 /** Profiles of the shipped file, and how a button calls them. @type {[string, string, string][]} */
 const PROFILES = [
@@ -34,9 +34,7 @@ export class LinePanel {
     this._profile = state.profile;
     setText(byId("line-note"), lineText(state));
     this._offer();
-    for (const button of byId("line-profiles").querySelectorAll("button")) {
-      button.setAttribute("aria-checked", String(button.dataset.profile === this._profile));
-    }
+    check(all("button", byId("line-profiles")), ({ dataset }) => dataset.profile === this._profile);
   }
 
   /** Offer the shipped profiles, and the present one where it is another. */

@@ -3,7 +3,7 @@
 
 import { onClick } from "../buttons.js";
 import { decimal, onLanguage, text, translated } from "../language.js";
-import { byId, element, rowsOf, setText } from "../panels.js";
+import { byId, element, keyCap, rowsOf, setText } from "../panels.js";
 import { addressOf, clockText } from "./client.js";
 
 /** @typedef {import("../vocabulary.js").Action} Action */
@@ -167,11 +167,7 @@ function keyRow(name, actions) {
 /** The keys of actions that belong together, before what they do. @param {Action[]} actions */
 function keysOf(actions) {
   const made = element("span");
-  for (const { name } of actions) {
-    const cap = element("kbd");
-    cap.dataset.binding = name;
-    made.append(cap, " ");
-  }
+  for (const { name } of actions) made.append(keyCap(name), " ");
   made.append(actions.length === 1 ? text(actions[0].title) : deedsOf(actions));
   return made;
 }

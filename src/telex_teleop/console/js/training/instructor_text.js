@@ -3,7 +3,7 @@
 
 import { makeButton } from "../buttons.js";
 import { text as say } from "../language.js";
-import { byId, element, setText } from "../panels.js";
+import { byId, element, keyCap, setText } from "../panels.js";
 
 const TYPE = "telex_msgs/TrainingText";
 
@@ -50,9 +50,7 @@ function build(read) {
   words.id = "instructor-text-words";
   const button = makeButton("", read);
   button.id = "instructor-text-read";
-  const cap = element("kbd");
-  cap.dataset.binding = "read";
-  button.append(cap, " ", say("I have read it"));
+  button.append(keyCap("read"), " ", say("I have read it"));
   line.append(by, words, button);
   return line;
 }

@@ -4,7 +4,7 @@
 import { ask } from "../../ask.js";
 import { onClick } from "../../buttons.js";
 import { decimal, text } from "../../language.js";
-import { byId, element, setText } from "../../panels.js";
+import { all, byId, check, element, setText } from "../../panels.js";
 import { OVERVIEW } from "../../overview.js";
 import { BEGUN } from "../../training/client.js";
 import { PicturePointer } from "./picture_pointer.js";
@@ -63,7 +63,7 @@ export class Arranging {
   }
 
   get _tools() {
-    return /** @type {NodeListOf<HTMLButtonElement>} */ (document.querySelectorAll("#arrange-tools [data-tool]"));
+    return all("#arrange-tools [data-tool]");
   }
 
   get _what() {
@@ -137,7 +137,7 @@ export class Arranging {
   _choose(tool) {
     this._tool = tool;
     this._pick("");
-    for (const button of this._tools) button.setAttribute("aria-checked", String(button.dataset.tool === tool));
+    check(this._tools, ({ dataset }) => dataset.tool === tool);
     this._pointer.set(tool !== "look");
     this._view.pans = tool === "look";
     byId("arrange-take").hidden = tool !== "take";
