@@ -28,15 +28,7 @@ FEEDBACK_PERIOD = 0.1  # s of wall time
 
 
 class FlipperTeleopNode(JointTeleopNode):
-    """Adds ``~preset_cmds``, ``~presets`` (latched) and the action ``~preset``.
-
-    Parameters
-    ----------
-    core
-        What decides; used from rospy's threads under a lock.
-    status_rate
-        Messages on ``~status`` per second.
-    """
+    """Adds ``~preset_cmds``, ``~presets`` (latched) and the action ``~preset``."""
 
     def __init__(self, core: FlipperTeleop, status_rate: float) -> None:
         self._flippers = core
