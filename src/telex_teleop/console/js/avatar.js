@@ -8,7 +8,7 @@ import { transform } from "./urdf.js";
 /** @typedef {import("./urdf.js").Vector} Vector */
 /** @typedef {[number, number]} Point */
 
-/** What is to be seen always (m, of the root link): about the reach of the arm is let out, the picture shrinks for it. */
+/** Region that is always shown (m, of the root link); the picture shrinks to show an arm that reaches further. */
 const ROOM = 0.45;
 const MARGIN = 6; // px
 /** Half the height of a belt (m) that stands on the ground, where the URDF says it only by a mesh. */
@@ -109,7 +109,7 @@ export class Avatar {
     if (canvas.width !== width * density) canvas.width = width * density;
     if (canvas.height !== height * density) canvas.height = height * density;
     const pieces = this._pieces(PROJECTIONS[view], poses);
-    if (pieces.length === 0) return; // all of it are meshes
+    if (pieces.length === 0) return; // everything is a mesh
     const points = pieces.flatMap(({ outline }) => outline);
     const bounds = (/** @type {0 | 1} */ axis) => {
       const values = points.map((point) => point[axis]);
@@ -186,7 +186,7 @@ export class Avatar {
     }
     const [frontLeft, rearRight] = [axles.get("left front"), axles.get("right rear")];
     if (frontLeft !== undefined && rearRight !== undefined) {
-      // The hull itself is a mesh: all between the belts, as high as what stands on it begins.
+      // The hull itself is a mesh; it is drawn between the belts, up to the lowest part that stands on it.
       const inset = 1.5 * BELT_WIDTH;
       /** @type {Point[]} */
       const corners = [];
@@ -198,7 +198,7 @@ export class Avatar {
       pieces.push({ outline: hull(corners), colour: COLOURS.hull, depth: isTop ? 3 : 1 });
     }
     const gripper = model.movedBy(this._moves.gripper), arm = model.movedBy(this._moves.arm);
-    // What is a mesh is drawn as a bar to each of what it carries.
+    // A link that is a mesh is drawn as bars to the links that it carries.
     for (const { name, type, parent, child } of model.joints) {
       const from = poses.get(parent), to = poses.get(child);
       const isDrawn = !model.meshes.has(parent) || type === "fixed" || this._moves.flipper.includes(name) || (axles.size > 0 && parent === model.root);
@@ -215,7 +215,7 @@ export class Avatar {
       for (const { points } of shapes) {
         const corners = points.map((point) => transform(pose, point));
         const mean = (/** @type {1 | 2} */ axis) => corners.reduce((sum, corner) => sum + corner[axis], 0) / corners.length;
-        // From the right, what is nearer stands in front: an arm before the hull, wheels on either side of it.
+        // Seen from the right, what is nearer is in front: an arm before the hull, wheels on either side of it.
         const depth = isTop ? 4 + mean(2) : isGripper ? 6 : isArm ? 4 : 1 - mean(1);
         pieces.push({ outline: hull(corners.map(project)), colour, depth });
       }

@@ -1,5 +1,5 @@
 // @ts-check
-/** Notices that the operator may no longer be in control of the page. */
+/** Detects that the operator may no longer be in control of the page. */
 
 import { decimal, text } from "./language.js";
 
@@ -16,7 +16,7 @@ let ticked = Infinity;
 export const stoodStill = () => performance.now() - ticked > MAX_GAP;
 
 /**
- * Whether an event waited for the page so long that nobody may act upon it any more.
+ * Whether an event has waited so long that it must not be acted upon.
  * @param {Event} event
  */
 export const isStale = (event) => performance.now() - event.timeStamp > MAX_GAP;
@@ -53,7 +53,7 @@ export function browserHangs() {
 }
 
 /**
- * Watch for everything after which held keys must not count any more.
+ * Watch for everything after which held keys must be released.
  * @param {(reason: string) => void} letGo
  */
 export function watchOperator(letGo) {

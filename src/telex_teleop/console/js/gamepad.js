@@ -108,7 +108,7 @@ export class GamepadInput {
     }
     const command = this._page.commandOf(name);
     if (command !== undefined) {
-      // Once for each press that goes far enough, even for a trigger.
+      // Once per press that goes far enough, also for a trigger.
       if (amount <= PRESSED || this._active.has(source)) return;
       this._active.set(source, null);
       if (isEnabled || !needsEnable) command();
@@ -119,7 +119,7 @@ export class GamepadInput {
     } else if (this._active.get(source) === name && isEnabled) {
       held.press(source, name, amount);
     } else if (this._active.get(source) !== null) {
-      // Enable was let go, or the control has got another meaning: it has to come back to rest.
+      // Enable was released, or the control has another meaning now: it has to return to rest first.
       this._active.set(source, null);
       held.release(source);
     }

@@ -42,14 +42,14 @@ export class Held {
    * @param {number} [amount]  0 to 1
    */
   press(source, name, amount = 1) {
-    // What comes first after a standstill must not move what was held before it.
+    // The first event after a standstill must not continue what was held before it.
     if (stoodStill()) {
       this.releaseAll();
       return;
     }
     const before = this._holds.get(source);
     this._holds.set(source, { name, amount });
-    // A stick that moves on is told with the next command; only what begins is told at once.
+    // A stick that moves further is sent with the next command; only a new action is sent at once.
     if (before?.name !== name) this._changed();
   }
 

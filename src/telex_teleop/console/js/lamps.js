@@ -29,7 +29,7 @@ export class Lamps {
     this._show();
   }
 
-  /** Announce what switches them, and hear what others switch. */
+  /** Advertise the topics of the lamps, and follow what others switch. */
   advertise() {
     for (const lamp of this.switches.flatMap(({ action }) => action.does.names)) {
       const topic = this._topic(lamp);
@@ -43,7 +43,7 @@ export class Lamps {
     }
   }
 
-  /** @param {string[]} lamps  Lights these lamps, or puts them out if one of them burns. @returns {boolean} Whether the bridge took it. */
+  /** @param {string[]} lamps  Lights these lamps, or puts them out if one of them is lit. @returns {boolean} Whether the bridge took it. */
   toggle(lamps) {
     const data = lamps.some((lamp) => this._lit.has(lamp)) ? 0 : 1;
     for (const lamp of lamps) {

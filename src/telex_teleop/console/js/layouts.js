@@ -1,5 +1,5 @@
 // @ts-check
-/** The page's layouts, one for each task: two large views of one's own choice in each, kept in this browser for this robot. */
+/** The page's layouts, one for each task: two large views in each, chosen by the operator and kept in this browser for this robot. */
 
 import { makeButton } from "./buttons.js";
 import { text } from "./language.js";
@@ -53,7 +53,7 @@ export class Layouts {
    * @param {(command: string) => string} keyOf  Name of the action of a command.
    */
   addTabs(choose, keyOf) {
-    // Nobody chooses among one.
+    // With a single layout there is nothing to choose.
     byId("layouts").hidden = this._layouts.length < 2;
     byId("layouts").append(...this._layouts.map(({ name, modes }) => {
       const tab = makeButton("", () => choose(modes), "tab");

@@ -1,5 +1,5 @@
 // @ts-check
-/** The line between console and robot as the bridge tells of it: its delay, its signal, and outages. */
+/** The line between console and robot as the bridge reports it: delay, signal, and outages. */
 
 import { decimal, text, translated } from "./language.js";
 
@@ -40,7 +40,7 @@ export class Line {
   hear(state) {
     const before = this._state;
     this._state = state;
-    // Who sits behind the line hears of an outage when it is over; an instructor at once.
+    // An operator behind the line learns of an outage when it is over; an instructor at once.
     if (state.outage && !before?.outage) this._log(text("the line is down"), "warning");
     if (!state.outage && before?.outage) this._log(text("the line is up again"), "info");
     const name = (/** @type {LinkState | null} */ each) => (each === null ? "perfect" : each.profile);

@@ -1,5 +1,5 @@
 // @ts-check
-/** What the operator's keys are about: the mode of the arm, or the tracks or the camera alone. */
+/** What the operator's keys control: the arm in one of its modes, the tracks, or the camera. */
 
 import { onClick } from "./buttons.js";
 import { text } from "./language.js";
@@ -32,12 +32,12 @@ export class ModeSwitch {
   set(mode) {
     this._own = ownMode(mode);
     if (mode === "DRIVE" || mode === "CAMERA") this._letGo(text("{mode} mode", { mode: text(mode) }));
-    // Even where the page shows its mode already the arm is asked: only it knows.
+    // The arm is asked even where the page already shows its mode: only the arm knows it.
     else this._tool.setMode(mode);
     this.show();
   }
 
-  /** To the arm's other mode, or back to the arm from what is not about it. */
+  /** Change to the arm's other mode, or back to the arm from tracks or camera. */
   toggle() {
     const other = this._tool.mode === "JOINT" && this._modes.some(({ name }) => name === "CARTESIAN") ? "CARTESIAN" : "JOINT";
     this.set(this._own === null ? other : this._tool.mode);

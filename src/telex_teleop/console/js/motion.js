@@ -1,5 +1,5 @@
 // @ts-check
-/** What moves the robot now and who moves it, as the robot's own nodes tell. */
+/** What moves now and who moves it, as the robot's nodes report. */
 
 import { term, text, translated } from "./language.js";
 import { FLIPPER_NODE, TRACK_NODE } from "./robot.js";
@@ -11,9 +11,9 @@ const PARTS = { [TRACK_NODE]: term("base"), [FLIPPER_NODE]: term("flippers"), ar
 /** What the page calls the sources of what is held. @type {Record<string, string>} */
 const INPUTS = { key: term("keys"), pointer: term("buttons"), pad: term("gamepad") };
 
-const SILENT_AFTER = 1000; // ms after which what a node said counts no more
+const SILENT_AFTER = 1000; // ms after which a node's report no longer counts
 
-/** Time (ms) for which a device is shown after it was obeyed: of two that take turns both are. */
+/** Time (ms) for which a device is shown after it was obeyed, so that two that alternate are both shown. */
 const SHOWN_FOR = 600;
 
 /** @typedef {import("./vocabulary.js").Action} Action */

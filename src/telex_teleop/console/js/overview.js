@@ -22,7 +22,7 @@ const ECHO_WITHIN = 1000; // ms in which what this page has sent comes back to i
 /** @typedef {"follow" | "orbit" | "fixed"} Mode */
 /** @typedef {{mode: Mode, azimuth: number, elevation: number, distance: number, turn_rate: number, center: {x: number, y: number, z: number}}} View */
 
-/** Where the camera stands as the simulator has it, until somebody says otherwise. @type {View} */
+/** The simulator's default view, until another one is known. @type {View} */
 const START = { mode: "follow", azimuth: 2.5, elevation: 0.45, distance: 3.2, turn_rate: 0, center: { x: 0, y: 0, z: 0.3 } };
 
 const clamp = (/** @type {number} */ value, /** @type {number} */ least, /** @type {number} */ most) =>
@@ -65,7 +65,7 @@ export class OverviewControl {
   }
 
   subscribe() {
-    // Latched: whoever opens this page later begins where the camera is.
+    // Latched: a page that is opened later begins with the present view.
     this._bridge.advertise(this._topic(TOPIC), TYPE, { latch: true });
     this._bridge.subscribe({
       topic: this._topic(TOPIC), type: TYPE, throttle: 100, heard: (view) => {
@@ -86,7 +86,7 @@ export class OverviewControl {
       this.view = { ...START, ...start, center: { x, y, z } };
       this._show();
     } catch {
-      // START holds: it is what is shipped.
+      // START holds, which is the shipped value.
     }
   }
 
@@ -96,7 +96,7 @@ export class OverviewControl {
   }
 
   /**
-   * Go about in another way, from where the camera is now.
+   * Change how the camera follows the robot, from its present view.
    * @param {Mode} mode
    */
   setMode(mode) {

@@ -1,5 +1,5 @@
 // @ts-check
-/** What the controls of a gamepad do: the file that the robot's joystick node reads, as the console reads it. */
+/** What the controls of a gamepad do: the file that joy_teleop reads, for the console. */
 
 /**
  * @typedef {any} JoyAction  `{kind, …}`, as the video server tells it.

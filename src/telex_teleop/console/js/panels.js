@@ -54,7 +54,7 @@ export function keyCap(action) {
 }
 
 /**
- * Write a text, unless it is there already: what does not change must not be laid out anew.
+ * Write a text unless it is there already, for it would be laid out again.
  * @param {Element} where
  * @param {string} words
  */
@@ -67,7 +67,7 @@ export function holdButton({ name, label }) {
   const button = makeButton("", undefined, "hold");
   button.dataset.action = name;
   const arrow = ARROWS[label];
-  // The words by themselves, for another language to take their place.
+  // The words are a text node of their own, so that another language can replace them.
   button.append(keyCap(name), ...(arrow === undefined ? [text(label)] : [`${arrow} `, text(`${label}|arrow`)]));
   return button;
 }
@@ -223,7 +223,7 @@ export class Panels {
     this._moved.set(node, joints.join());
     for (const { name, does } of this._jogs) {
       if (`${does.node}_teleop` !== node) continue;
-      // One joint may stand for all that a gripper has.
+      // One joint may stand for all joints of a gripper.
       const isThere = does.joints.some((joint) => joints.includes(joint)) || (does.node === "gripper" && joints.length > 0);
       for (const each of all(`[data-action="${name}"], [data-key="${name}"]`)) {
         (/** @type {HTMLElement | null} */ (each.closest(".row")) ?? each).hidden = !isThere;

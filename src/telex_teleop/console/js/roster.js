@@ -19,7 +19,7 @@ function age(seconds) {
 /** @param {{secs: number, nsecs: number}} time */
 const seconds = ({ secs, nsecs }) => secs + 1e-9 * nsecs;
 
-/** A client's line; it stays the same element, so that a click on it is not lost. */
+/** A client's row; the element is kept, so that a click on it is not lost. */
 class Line {
   /** @param {() => void} give */
   constructor(give) {

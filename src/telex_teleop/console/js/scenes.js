@@ -1,5 +1,5 @@
 // @ts-check
-/** The scenes that the simulator has, and another one in place of the present one. */
+/** The list of the simulator's scenes, and loading of another one. */
 
 import { ask } from "./ask.js";
 import { makeButton } from "./buttons.js";
@@ -46,12 +46,12 @@ export class SceneChooser {
    * @param {string} current  Path of the one that is loaded.
    */
   _fill(scenes, current) {
-    // One for measurements is loaded by its name; while it is there, it can be loaded anew.
+    // A hidden scene, for measurements, is loaded by its name; while it is loaded, it can be reloaded.
     const shown = scenes.filter(({ hidden, path }) => !hidden || path === current);
     const listed = JSON.stringify([shown, current]);
     if (listed === this._listed) return;
     this._listed = listed;
-    // What is loaded comes first, where it is seen without scrolling.
+    // The loaded scene comes first, where it is visible without scrolling.
     const sorted = [...shown].sort((a, b) => Number(b.path === current) - Number(a.path === current));
     byId("scenes").replaceChildren(...sorted.map((scene) => {
       const line = element("li");

@@ -28,7 +28,7 @@ export const globalNames = (config) => (name) =>
 export function showRobot(config, brand) {
   const name = robotOf(config);
   if (config.robots === undefined) {
-    // By its capitals, which the page of the one that it was made for has already.
+    // In capitals, as the page has the name of the default robot.
     if (brand.textContent === name.toUpperCase()) return;
     brand.textContent = name.toUpperCase();
   } else {

@@ -221,7 +221,7 @@ export class RobotModel {
     const links = [this.root];
     for (let link = links.pop(); link !== undefined; link = links.pop()) {
       for (const joint of this._below.get(link) ?? []) {
-        if (poses.has(joint.child)) continue; // a loop is no tree
+        if (poses.has(joint.child)) continue; // a loop: no tree
         poses.set(joint.child, compose(compose(/** @type {Pose} */ (poses.get(link)), joint.origin), motion(joint, position)));
         links.push(joint.child);
       }

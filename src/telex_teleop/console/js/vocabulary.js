@@ -58,7 +58,7 @@ const RETRY_AFTER = 2000; // ms
 /** @type {Mode[]} */
 const MODES = ["DRIVE", "JOINT", "CARTESIAN", "CAMERA"];
 
-/** What a page has that was told nothing: the emergency stop must have its key whatever is missing. @type {Told} */
+/** Vocabulary of a page that got none: the emergency stop must have its key in any case. @type {Told} */
 const NOTHING = {
   speed_step: 0, zoom_rate: 0, max_zoom: 1, lengths: [], modes: MODES.map((name) => ({ name, note: "" })),
   layouts: [{ name: "LOOK", modes: MODES, first: [], second: [] }],
@@ -137,7 +137,7 @@ async function ask(given) {
 }
 
 /**
- * Ask what can be done with the robot; a page that is not told still has pictures and the emergency stop, and is loaded anew as soon as it is.
+ * Ask for the vocabulary; without one, a page still has pictures and the emergency stop, and reloads as soon as there is one.
  * @param {URLSearchParams} given
  * @returns {Promise<{vocabulary: Vocabulary, problem: string}>} `problem`: why nothing can be done, else empty.
  */

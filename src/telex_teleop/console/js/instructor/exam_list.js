@@ -1,5 +1,5 @@
 // @ts-check
-/** Says that an exam's list holds, and lets an instructor end one that nobody else ends. */
+/** Shows that an exam's list holds, and lets an instructor end it. */
 
 import { ask } from "../ask.js";
 import { onClick } from "../buttons.js";

@@ -1,5 +1,5 @@
 // @ts-check
-/** The other robots of the scene: who has control, their emergency stops; one press stops them all. */
+/** The other robots of the scene: who has control, and their emergency stops; one press stops them all. */
 
 import { Bridge } from "../bridge.js";
 import { makeButton } from "../buttons.js";
@@ -74,7 +74,7 @@ class OtherRobot {
   }
 }
 
-/** A card that is there where the scene has other robots than the one that the page shows. */
+/** A card that is shown where the scene has further robots. */
 export class RobotsPanel {
   /**
    * @param {import("../config.js").Config} config

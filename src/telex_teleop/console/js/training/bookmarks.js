@@ -39,7 +39,7 @@ export class StripBookmarks {
 
   /** Go back to the one that is chosen; the training node says why where there is none. */
   back() {
-    // The robot is put back: what is held must not go on after it.
+    // The robot is put back: held keys must not go on after it.
     this._letGo(text("back to a bookmark"));
     this._client.act("back", { name: this._choice.value });
   }

@@ -1,5 +1,5 @@
 // @ts-check
-/** The training node, as the pages speak to it. */
+/** Client of the training node. */
 
 import { onLanguage } from "../language.js";
 
@@ -71,7 +71,7 @@ export class TrainingClient {
   }
 
   /**
-   * Have something done; who did not get it is told why.
+   * Call a service of the training node; a refusal is shown as a warning.
    * @param {string} name  Of the service below `training/`.
    * @param {object} [args]
    * @returns {Promise<boolean>} Whether it was done.

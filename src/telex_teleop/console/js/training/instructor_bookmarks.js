@@ -100,7 +100,7 @@ export class InstructorBookmarks {
 }
 
 /**
- * Whose bookmarks are set and gone back to: past the training node they would spoil a trial.
+ * Whose bookmarks are used: those of the simulator would bypass the training node and spoil a trial.
  * @param {State | null} state
  * @returns {"practice" | "exam" | "simulator"}
  */

@@ -34,7 +34,7 @@ export class ExercisePanel {
 
   _listen() {
     this._names.addEventListener("change", () => this._showChoices());
-    // What is typed may be a new name: those that are offered are as new.
+    // The offered names are refreshed whenever one is going to be typed.
     this._operator.addEventListener("focus", () => this._offerNames());
     onClick(byId("exercise-open"), () => this._open());
     onClick(byId("exercise-start"), () => this._client.act("start"));
@@ -116,7 +116,7 @@ export class ExercisePanel {
     button("exercise-abort").disabled = !begun;
     document.body.dataset.trial = begun ? "begun" : "";
     byId("exercise-remarks").hidden = !begun && phase !== "ended";
-    // What goes on can be noted; it is marked once it is known.
+    // Notes can be made during a trial, marks only once it has ended.
     button("exercise-passed").disabled = button("exercise-failed").disabled = phase !== "ended";
   }
 

@@ -48,7 +48,7 @@ export class TrainingStrip {
     press("training-start", () => this.start());
     press("training-again", () => this._act("again"));
     press("training-give-up", () => this._act("abort"));
-    // What is held goes on: to ask changes nothing on the robot.
+    // Held keys stay held: asking changes nothing on the robot.
     press("training-help", () => this._client.act("help", { data: !this._state?.help }));
     press("training-sheet", () => window.open(this.sheetAddress, "_blank"));
   }
@@ -59,7 +59,7 @@ export class TrainingStrip {
 
   /** @param {string} name */
   _act(name) {
-    // Robot and scene are put back: what is held must not go on after it.
+    // Robot and scene are put back: held keys must not go on after it.
     this._letGo(text("the exercise"));
     this._client.act(name);
   }

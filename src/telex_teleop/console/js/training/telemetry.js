@@ -17,7 +17,7 @@ const SOONEST = 100; // ms between two messages at least, however often somethin
  * @param {import("../bridge.js").Bridge} bridge
  * @param {(name: string) => string} topic
  * @param {() => Seen | null} look  Null: this page does not drive, and tells nothing.
- * @returns {() => void} Tells it soon, for something is held now, or is not any more.
+ * @returns {() => void} Publishes soon, because the held keys have changed.
  */
 export function tellTelemetry(bridge, topic, look) {
   const name = topic("console/telemetry");
