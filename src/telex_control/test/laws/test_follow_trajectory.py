@@ -12,7 +12,7 @@ import pytest
 from telex_msgs.msg import Proximity, ProximityPair, SimStatus
 
 from telex_control.follow_trajectory import FollowTrajectoryError, command_line, report, table
-from telex_control.follow_trajectory.analysis import Recording, Result, analyse, overdue
+from telex_control.follow_trajectory.analysis import PathRecording, Result, analyse, overdue
 from telex_control.follow_trajectory.command_line import parse, tool_path
 from telex_control.follow_trajectory.follower import approach, follow
 from telex_control.follow_trajectory.paths import (
@@ -25,7 +25,7 @@ from telex_control.follow_trajectory.paths import (
 )
 from telex_control.follow_trajectory.reference import plan
 from telex_control.follow_trajectory.speed_profile import SpeedProfile
-from telex_control.follow_trajectory.watch import Watch
+from telex_control.follow_trajectory.watch import MotionWatch
 from telex_control.kinematics import Chain, IKSolver
 from telex_control.step_response.runner import StepError
 
@@ -218,7 +218,7 @@ class FakeRig:
             late = references(max(time - self._delay, -self._delay))
             positions.append([late[joint] for joint in self.joints])
         self._now = dict(references(end))
-        return Recording(times, np.array(positions))
+        return PathRecording(times, np.array(positions))
 
 
 def test_a_known_lag_is_made_good_and_an_unknown_one_is_told(chain):
@@ -251,7 +251,7 @@ def near(distance, closing, contact=ProximityPair.GUARDED):
 
 
 def test_the_arm_stops_before_what_it_would_run_into():
-    watch = Watch(clearance=0.005)
+    watch = MotionWatch(clearance=0.005)
     for harmless in (
         near(0.001, -0.1),  # away from it
         near(0.001, 0.0),
@@ -267,7 +267,7 @@ def test_the_arm_stops_before_what_it_would_run_into():
 
 
 def test_unguarded_it_goes_on_and_a_reset_ends_it_all_the_same():
-    watch = Watch(clearance=None)
+    watch = MotionWatch(clearance=None)
     watch.on_proximity(near(0.0, 1.0))
     watch.on_status(SimStatus(resets=3))
     watch.on_status(SimStatus(resets=3))
@@ -325,7 +325,7 @@ def test_too_little_recorded_is_refused(chain):
     motion = planned(chain, circle(Shape(radius=0.1, centre=(0.6, 0.0, 0.5))))
     times = np.linspace(0.0, 0.5 * motion.profile.duration, 50)
     with pytest.raises(FollowTrajectoryError, match="50 joint states"):
-        analyse("circle", motion, Recording(times, np.tile(motion.start, (50, 1))))
+        analyse("circle", motion, PathRecording(times, np.tile(motion.start, (50, 1))))
 
 
 def test_a_report_holds_the_figure_twice_the_ways_and_the_figures(tmp_path):

@@ -15,7 +15,7 @@ import yaml
 
 from telex_control.common.params import ConfigError
 from telex_control.step_response import command_line, report, table
-from telex_control.step_response.analysis import Recording, RecordingError, analyse
+from telex_control.step_response.analysis import RecordingError, StepRecording, analyse
 from telex_control.step_response.plan import CURRENT, Plan
 from telex_control.step_response.runner import Runner, StepError, fitted_step
 from telex_control.urdf.joints import UrdfJoint
@@ -39,7 +39,7 @@ def second_order(damping, frequency=10.0, start=0.2, step=0.3, seconds=4.0, rate
     else:
         response = 1.0 - decay * (1.0 + frequency * after)
     efforts = np.where(times < 0.0, 100.0, -7.0 * decay)
-    return Recording(times, start + step * response, efforts, start, start + step)
+    return StepRecording(times, start + step * response, efforts, start, start + step)
 
 
 # --- analysis -----------------------------------------------------------------------------------
@@ -77,7 +77,7 @@ def test_coarse_samples_give_nearly_the_same():
 
 def test_error_and_effort():
     recording = second_order(1.0)
-    short = Recording(
+    short = StepRecording(
         recording.times, recording.positions - 0.01, recording.efforts, 0.2, recording.target
     )
     figures = analyse(short)
@@ -89,7 +89,7 @@ def test_error_and_effort():
 
 def test_a_joint_that_stays_where_it_is_has_no_rise():
     times = np.linspace(-0.1, 2.0, 211)
-    figures = analyse(Recording(times, np.zeros(211), np.zeros(211), 0.0, 0.1))
+    figures = analyse(StepRecording(times, np.zeros(211), np.zeros(211), 0.0, 0.1))
     assert math.isnan(figures.rise_time)
     assert figures.overshoot == 0.0
     assert figures.steady_state_error == pytest.approx(0.1)
@@ -100,7 +100,7 @@ def test_oscillation_is_told_from_slow_settling():
     creeping = recording.positions + 0.001 * recording.times
     swinging = creeping + 0.002 * np.sin(40.0 * recording.times)
     still, moving = (
-        analyse(Recording(recording.times, each, recording.efforts, 0.2, recording.target))
+        analyse(StepRecording(recording.times, each, recording.efforts, 0.2, recording.target))
         for each in (creeping, swinging)
     )
     assert still.oscillation < 1e-9
@@ -118,7 +118,7 @@ def test_oscillation_is_told_from_slow_settling():
 )
 def test_a_recording_that_says_nothing_is_refused(times, positions, target, named):
     with pytest.raises(RecordingError, match=named):
-        Recording(np.array(times), np.array(positions), np.zeros(len(times)), 0.0, target)
+        StepRecording(np.array(times), np.array(positions), np.zeros(len(times)), 0.0, target)
 
 
 # --- plan ---------------------------------------------------------------------------------------
@@ -318,7 +318,7 @@ def test_the_tables_agree(results):
 def test_what_was_not_reached_is_no_number(results):
     _, steps = results
     times = np.linspace(-0.1, 2.0, 211)
-    stuck = Recording(times, np.zeros(211), np.zeros(211), 0.0, 0.1)
+    stuck = StepRecording(times, np.zeros(211), np.zeros(211), 0.0, 0.1)
     lost = [type(steps[0])("up", joint(), False, stuck, analyse(stuck))]
     assert json.loads(table.as_json(lost))[0]["settling_time"] is None
     assert " - " in table.text(lost)

@@ -12,7 +12,7 @@ from geometry_msgs.msg import Transform
 from tf2_web_republisher.msg import TFSubscriptionGoal
 
 from telex_teleop.web.transforms.transforms_node import Server
-from telex_teleop.web.transforms.watch import Audience, Watch, WishError, angle
+from telex_teleop.web.transforms.watch import Audience, TransformWatch, WishError, angle
 
 
 def transform(x=0.0, yaw=0.0):
@@ -37,7 +37,9 @@ def test_angles_between_transforms(turn):
 
 
 def test_a_transform_is_told_when_it_has_changed_by_enough():
-    watch = Watch(goal(source_frames=["/arm", "lost"], angular_thres=0.1, trans_thres=0.01))
+    watch = TransformWatch(
+        goal(source_frames=["/arm", "lost"], angular_thres=0.1, trans_thres=0.01)
+    )
     now = {"arm": transform()}
 
     def news():
@@ -74,7 +76,7 @@ def test_a_transform_is_told_when_it_has_changed_by_enough():
 )
 def test_wishes_that_cannot_be_met_say_why(fields, said):
     with pytest.raises(WishError) as error:
-        Watch(goal(**fields))
+        TransformWatch(goal(**fields))
     assert str(error.value).startswith(said)
 
 

@@ -24,7 +24,7 @@ from telex_teleop.web.video.video_server_app import VideoServer
 from telex_teleop.web.video.websocket import messages as protocol
 from telex_teleop.web.video.websocket import sockets as video_sockets
 from telex_teleop.web.video.websocket.frame_head import binary_frame_head
-from telex_teleop.web.video.websocket.messages import Ack, Ping, ProtocolError, Show, View
+from telex_teleop.web.video.websocket.messages import Ack, Ping, ProtocolError, Show, WantedView
 
 pytestmark = pytest.mark.slow
 
@@ -42,11 +42,11 @@ COMPRESSED_TYPE = "sensor_msgs/CompressedImage"
     ("text", "message"),
     [
         ('{"show": []}', Show(())),
-        ('{"show": [{"camera": "front"}]}', Show((View("front"),))),
+        ('{"show": [{"camera": "front"}]}', Show((WantedView("front"),))),
         (
             '{"show": [{"camera": "a", "rate": 2.5, "width": 320, "height": 240, "quality": 50,'
             ' "credits": 2}, {"camera": "b", "rate": null}]}',
-            Show((View("a", 2.5, 320, 240, 50, 2), View("b"))),
+            Show((WantedView("a", 2.5, 320, 240, 50, 2), WantedView("b"))),
         ),
         ('{"ack": [3, 4294967295]}', Ack(((3, 4294967295),))),
         ('{"ack": [[3, 5], [0, 6]]}', Ack(((3, 5), (0, 6)))),

@@ -8,13 +8,13 @@ from typing import List, Optional, Sequence, Tuple
 import numpy as np
 
 from . import FollowTrajectoryError
-from .reference import Motion
+from .reference import PlannedPath
 
 AXES = ("x", "y", "z")
 
 
 @dataclass(frozen=True)
-class Recording:
+class PathRecording:
     """What the joints did.
 
     Attributes
@@ -81,7 +81,7 @@ class Result:
     desired, measured : ndarray, shape (n, 3)
         Places at these times (m).
     overdue : ndarray, shape (m,)
-        See `Recording`.
+        See `PathRecording`.
     """
 
     name: str
@@ -155,7 +155,7 @@ def _three(values: np.ndarray) -> Tuple[float, float, float]:
     return (x, y, z)
 
 
-def analyse(name: str, motion: Motion, recording: Recording) -> Result:
+def analyse(name: str, motion: PlannedPath, recording: PathRecording) -> Result:
     """Find where the tool was, by forward kinematics of the measured joint positions.
 
     Raises

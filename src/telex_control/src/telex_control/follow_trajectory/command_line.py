@@ -23,13 +23,13 @@ from ..step_response.runner import StepError
 from ..urdf.joints import UrdfError
 from . import FollowTrajectoryError, report, table
 from .analysis import Result, analyse
-from .follower import Rig, approach, follow
+from .follower import PathRig, approach, follow
 from .paths import PLANES, SHAPES, Shape, from_csv
 from .paths import Path as ToolPath
-from .reference import Motion, plan
+from .reference import PlannedPath, plan
 from .ros_rig import TrajectoryRig
 from .speed_profile import SpeedProfile
-from .watch import Watch
+from .watch import MotionWatch
 
 PERIOD = 0.002
 """Time between the references that are worked out (s); sent are as many as `--rate` says."""
@@ -155,11 +155,11 @@ def measure(options: argparse.Namespace) -> Result:
             f"parameter {namespace}/robot_description is missing"
         ) from error
     chain = Chain.from_urdf(urdf, options.base, options.tip)
-    watch = Watch(options.clearance)
+    watch = MotionWatch(options.clearance)
     return lead(options, chain, TrajectoryRig(namespace, chain.joint_names, options.rate, watch))
 
 
-def lead(options: argparse.Namespace, chain: Chain, rig: Rig) -> Result:
+def lead(options: argparse.Namespace, chain: Chain, rig: PathRig) -> Result:
     """Plan, lead the arm along the path and back, and write what it did.
 
     Parameters
@@ -178,7 +178,7 @@ def lead(options: argparse.Namespace, chain: Chain, rig: Rig) -> Result:
     path = tool_path(options, tool[:3, 3])
     profile = SpeedProfile(path.length, path.stops, options.speed, options.acceleration)
     print(f"path of {path.length:.2f} m, {profile.duration:.1f} s; working it out ...", flush=True)
-    motion: Motion = plan(IKSolver(chain), path, profile, tool[:3, :3], home, PERIOD)
+    motion: PlannedPath = plan(IKSolver(chain), path, profile, tool[:3, :3], home, PERIOD)
     print("moving to its start ...", flush=True)
     approach(rig, motion, motion.start)
     print("following it ...", flush=True)

@@ -8,8 +8,8 @@ from typing import Callable, Mapping, Protocol
 import numpy as np
 
 from . import FollowTrajectoryError
-from .analysis import Recording
-from .reference import Motion
+from .analysis import PathRecording
+from .reference import PlannedPath
 
 APPROACH = 0.5
 """Share of the velocity limits at which the start of a path is approached."""
@@ -24,7 +24,7 @@ _PEAK = 1.875
 """Peak over mean velocity of the polynomial of fifth order from rest to rest."""
 
 
-class Rig(Protocol):
+class PathRig(Protocol):
     """A robot whose arm joints have position controllers."""
 
     def reference(self, joint: str) -> float:
@@ -36,7 +36,9 @@ class Rig(Protocol):
     def lag(self) -> float:
         """Time by which the controllers let a moving reference wait (s)."""
 
-    def stream(self, references: Callable[[float], Mapping[str, float]], end: float) -> Recording:
+    def stream(
+        self, references: Callable[[float], Mapping[str, float]], end: float
+    ) -> PathRecording:
         """Send references until a time, and record the joint positions meanwhile.
 
         Parameters
@@ -51,7 +53,7 @@ class Rig(Protocol):
         """Let sim time pass."""
 
 
-def approach(rig: Rig, motion: Motion, positions: np.ndarray) -> None:
+def approach(rig: PathRig, motion: PlannedPath, positions: np.ndarray) -> None:
     """Lead the arm's joints to `positions` together, without a jump of velocity.
 
     Raises
@@ -81,7 +83,7 @@ def approach(rig: Rig, motion: Motion, positions: np.ndarray) -> None:
             )
 
 
-def follow(rig: Rig, motion: Motion) -> Recording:
+def follow(rig: PathRig, motion: PlannedPath) -> PathRecording:
     """Follow a motion from its start, where the arm already is.
 
     The controllers smooth what they are sent, which delays it by a known time; the references run

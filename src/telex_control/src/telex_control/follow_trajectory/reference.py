@@ -24,7 +24,7 @@ LOST = 1e-4
 
 
 @dataclass(frozen=True)
-class Motion:
+class PlannedPath:
     """A tool motion, and the joint references for it.
 
     Attributes
@@ -65,7 +65,7 @@ def plan(
     orientation: np.ndarray,
     seed: Sequence[float],
     period: float,
-) -> Motion:
+) -> PlannedPath:
     """Work out the references for a path.
 
     Parameters
@@ -91,7 +91,7 @@ def plan(
         try:
             begin = _begin(solver, homogeneous(orientation, places[0]), guess)
             references = _track(solver, orientation, places, begin, period)
-            return Motion(solver.chain, path, profile, period, references)
+            return PlannedPath(solver.chain, path, profile, period, references)
         except FollowTrajectoryError as error:
             first = first or error
     assert first is not None

@@ -1,4 +1,4 @@
-"""A `Rig` over ROS: the controllers of a simulator, or a robot, that runs."""
+"""A `PathRig` over ROS: the controllers of a simulator, or a robot, that runs."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from telex_msgs.msg import Proximity, SimStatus
 
 from ..step_response.ros_session import RosRig
 from . import FollowTrajectoryError
-from .analysis import Recording, overdue
-from .watch import Watch
+from .analysis import PathRecording, overdue
+from .watch import MotionWatch
 
 References = Callable[[float], Mapping[str, float]]
 
@@ -34,7 +34,7 @@ class TrajectoryRig(RosRig):
         The arm's, in the order of recordings.
     rate : float
         Of the references (Hz of sim time); joint states that come faster are recorded only.
-    watch : Watch
+    watch : MotionWatch
         Ends motions early. The joints then come to rest at the last references.
 
     Raises
@@ -45,7 +45,9 @@ class TrajectoryRig(RosRig):
         A joint has no controller that runs; or, from a motion, the watch has ended it.
     """
 
-    def __init__(self, namespace: str, joints: Sequence[str], rate: float, watch: Watch) -> None:
+    def __init__(
+        self, namespace: str, joints: Sequence[str], rate: float, watch: MotionWatch
+    ) -> None:
         self._arm = list(joints)
         self._period = 1.0 / rate
         self._references: Optional[References] = None
@@ -67,7 +69,7 @@ class TrajectoryRig(RosRig):
             )
 
     def lag(self) -> float:
-        """See `Rig`: the delay of the filters, and of references that are held, in the mean."""
+        """See `PathRig`: the delay of the filters, and of references that are held, in the mean."""
         frequencies = [
             float(
                 rospy.get_param(
@@ -80,7 +82,7 @@ class TrajectoryRig(RosRig):
         return sum(delays) / len(delays) + 0.5 * self._period
 
     def wait(self, seconds: float) -> None:
-        """See `Rig`."""
+        """See `PathRig`."""
         end = rospy.get_time() + seconds
         while True:
             if self._watch.reason is not None:
@@ -90,8 +92,8 @@ class TrajectoryRig(RosRig):
                 return
             super().wait(min(left, _GLANCE))
 
-    def stream(self, references: References, end: float) -> Recording:
-        """See `Rig`."""
+    def stream(self, references: References, end: float) -> PathRecording:
+        """See `PathRig`."""
         self._samples_of_arm, self._sent = [], []
         self._held = {joint: [] for joint in self._arm}
         self._begin, self._next = None, 0.0
@@ -109,7 +111,7 @@ class TrajectoryRig(RosRig):
         finally:
             self._references = None
         times, positions = zip(*self._samples_of_arm)
-        return Recording(np.array(times), np.array(positions), self._overdue())
+        return PathRecording(np.array(times), np.array(positions), self._overdue())
 
     def _overdue(self) -> np.ndarray:
         due = [time for time, _ in self._sent]

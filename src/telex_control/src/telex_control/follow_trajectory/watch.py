@@ -10,7 +10,7 @@ STOPPING = 0.2
 """Time (s) of the present approach that is left to stop in: transport, lag of the controllers."""
 
 
-class Watch:
+class MotionWatch:
     """Looks at the reports of the simulator while the arm is led.
 
     Parameters

@@ -20,7 +20,7 @@ class RecordingError(ValueError):
 
 
 @dataclass(frozen=True)
-class Recording:
+class StepRecording:
     """What a joint did, from a little before its reference stepped.
 
     Attributes
@@ -88,7 +88,7 @@ class StepFigures:
     peak_effort: float
 
 
-def analyse(recording: Recording) -> StepFigures:
+def analyse(recording: StepRecording) -> StepFigures:
     """Take the figures of a recording."""
     step = recording.target - recording.start
     after = recording.times >= 0.0

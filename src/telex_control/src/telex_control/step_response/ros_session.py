@@ -1,4 +1,4 @@
-"""A `Rig` over ROS: the controllers of a simulator, or a robot, that runs."""
+"""A `StepRig` over ROS: the controllers of a simulator, or a robot, that runs."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from std_msgs.msg import Bool, Float64
 
 from ..manager.client import ControllerManagerClient
 from ..urdf.joints import UrdfError, UrdfJoint, joints, parse_urdf
-from .analysis import Recording, RecordingError
+from .analysis import RecordingError, StepRecording
 from .runner import StepError
 
 CONTROLLER_TYPE = "effort_controllers/JointPositionController"
@@ -118,19 +118,19 @@ class RosRig:
         return {joint: described[joint] for joint in self._controllers}
 
     def position(self, joint: str) -> float:
-        """See `Rig`."""
+        """See `StepRig`."""
         return self._positions[joint]
 
     def reference(self, joint: str) -> float:
-        """See `Rig`."""
+        """See `StepRig`."""
         return float(self._states[joint].set_point)
 
     def command(self, joint: str, position: float) -> None:
-        """See `Rig`."""
+        """See `StepRig`."""
         self._commands[joint].publish(Float64(position))
 
     def wait(self, seconds: float) -> None:
-        """See `Rig`."""
+        """See `StepRig`."""
         end = rospy.get_time() + seconds
         last, seen = -1.0, time.monotonic()
         while True:
@@ -145,8 +145,8 @@ class RosRig:
                 raise StepError("sim time stands still; is the simulator paused?")
             time.sleep(0.002)
 
-    def record(self, joint: str, target: float, seconds: float) -> Recording:
-        """See `Rig`."""
+    def record(self, joint: str, target: float, seconds: float) -> StepRecording:
+        """See `StepRig`."""
         start = self.reference(joint)
         with self._lock:
             self._samples = []
@@ -169,13 +169,13 @@ class RosRig:
             raise StepError(f"no joint states of {joint} arrived while it was stepped")
         times, positions, efforts = map(np.array, zip(*samples))
         try:
-            return Recording(times - stepped, positions, efforts, start, target)
+            return StepRecording(times - stepped, positions, efforts, start, target)
         except RecordingError as error:
             raise StepError(f"{joint}: {error}") from error
 
     @contextlib.contextmanager
     def raw(self, joint: str) -> Iterator[None]:
-        """See `Rig`.
+        """See `StepRig`.
 
         The controller is loaded anew without what shapes its reference, and afterwards as it was.
         """

@@ -19,7 +19,7 @@ from typing import (
 )
 
 from ..urdf.joints import PRISMATIC, UrdfJoint
-from .analysis import Recording, StepFigures, analyse
+from .analysis import StepFigures, StepRecording, analyse
 from .plan import CURRENT, Plan
 
 STREAM_PERIOD = 0.02
@@ -52,7 +52,7 @@ def shown_unit(joint: UrdfJoint) -> Unit:
     return Unit("deg", math.degrees(1.0), "Nm")
 
 
-class Rig(Protocol):
+class StepRig(Protocol):
     """A robot whose joints have position controllers: in a simulator that runs, or in memory."""
 
     def position(self, joint: str) -> float:
@@ -67,7 +67,7 @@ class Rig(Protocol):
     def wait(self, seconds: float) -> None:
         """Let sim time pass."""
 
-    def record(self, joint: str, target: float, seconds: float) -> Recording:
+    def record(self, joint: str, target: float, seconds: float) -> StepRecording:
         """Command a position, and record until `seconds` (s) later."""
 
     def raw(self, joint: str) -> ContextManager[None]:
@@ -87,7 +87,7 @@ class StepResult:
     posture: str
     joint: UrdfJoint
     raw: bool
-    recording: Recording
+    recording: StepRecording
     figures: StepFigures
 
 
@@ -121,7 +121,7 @@ class Runner:
 
     def __init__(
         self,
-        rig: Rig,
+        rig: StepRig,
         plan: Plan,
         joints: Mapping[str, UrdfJoint],
         say: Callable[[str], None] = lambda line: None,
@@ -231,7 +231,7 @@ class Runner:
         )
         return StepResult(posture, joint, raw, recording, figures)
 
-    def _record(self, joint: str, start: float, target: float) -> Recording:
+    def _record(self, joint: str, start: float, target: float) -> StepRecording:
         rig, config = self._rig, self._plan.config
         # A controller that was just started holds where the joint was then.
         rig.command(joint, start)

@@ -10,9 +10,9 @@ from std_msgs.msg import Float64
 
 from telex_control.controllers.effort_joint_position_controller import EffortJointPositionController
 from telex_control.follow_trajectory import FollowTrajectoryError
-from telex_control.follow_trajectory.analysis import Recording
+from telex_control.follow_trajectory.analysis import PathRecording
 from telex_control.follow_trajectory.paths import Shape, circle
-from telex_control.follow_trajectory.reference import Motion, plan
+from telex_control.follow_trajectory.reference import PlannedPath, plan
 from telex_control.follow_trajectory.speed_profile import SpeedProfile
 from telex_control.kinematics import Chain, IKSolver
 from telex_control.ros.local_node_handle import LocalNodeHandle
@@ -25,7 +25,7 @@ _FILTER_STAGES = 2
 
 
 class OfflineArm:
-    """A `telex_control.follow_trajectory.follower.Rig` in memory.
+    """A `telex_control.follow_trajectory.follower.PathRig` in memory.
 
     References are handed over by the number of the step, by the controllers' topics, and read back
     from the controllers before the step is made: what comes of them hangs on no clock.
@@ -83,24 +83,26 @@ class OfflineArm:
         return keep
 
     def reference(self, joint: str) -> float:
-        """See `Rig`."""
+        """See `PathRig`."""
         return float(self._states[joint].set_point)
 
     def position(self, joint: str) -> float:
-        """See `Rig`."""
+        """See `PathRig`."""
         return float(self._simulation.hw.joint_positions()[joint])
 
     def lag(self) -> float:
-        """See `Rig`: of the filter, and of a reference that is held, in the mean."""
+        """See `PathRig`: of the filter, and of a reference that is held, in the mean."""
         return self._filter_lag + 0.5 * (self._every - self._cycle) * self._step
 
     def wait(self, seconds: float) -> None:
-        """See `Rig`."""
+        """See `PathRig`."""
         for _ in range(round(seconds / self._step)):
             self._simulation.step()
 
-    def stream(self, references: Callable[[float], Mapping[str, float]], end: float) -> Recording:
-        """See `Rig`; positions are recorded at every control cycle.
+    def stream(
+        self, references: Callable[[float], Mapping[str, float]], end: float
+    ) -> PathRecording:
+        """See `PathRig`; positions are recorded at every control cycle.
 
         Raises
         ------
@@ -125,10 +127,10 @@ class OfflineArm:
             for measure in self.each_step:
                 measure(index)
             self._simulation.step()
-        return Recording(np.array(times), np.array(positions))
+        return PathRecording(np.array(times), np.array(positions))
 
 
-def plan_circle(shape: Shape, pose: str, speed: float, acceleration: float) -> Motion:
+def plan_circle(shape: Shape, pose: str, speed: float, acceleration: float) -> PlannedPath:
     """Plan a way of the tool from a named pose, whose orientation it keeps.
 
     Parameters

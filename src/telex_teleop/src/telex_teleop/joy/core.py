@@ -11,7 +11,7 @@ import math
 from typing import Dict, List, Mapping, Optional, Sequence, Set, Tuple
 
 from telex_teleop.actions.grammar import Action, Command, is_momentary
-from telex_teleop.joy.maps import Binding, ButtonBinding, JoyMap, Mode, StickBinding
+from telex_teleop.joy.maps import Binding, ButtonBinding, JoyMap, PadMode, StickBinding
 from telex_teleop.joy.pads import Pad
 
 # Time (s) for which messages may still arrive that waited while the program was held up.
@@ -53,7 +53,7 @@ class JoyTeleop:
         self._down: Set[str] = set()
 
     @property
-    def mode(self) -> Mode:
+    def mode(self) -> PadMode:
         """Present mode."""
         return self._map.modes[self._mode]
 

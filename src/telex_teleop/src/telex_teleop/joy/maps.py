@@ -171,7 +171,7 @@ class Layer:
 
 
 @dataclass(frozen=True)
-class Mode:
+class PadMode:
     """A mode.
 
     Attributes
@@ -233,7 +233,7 @@ class JoyMap(FromFile):
 
     description: str
     enable: str
-    modes: Tuple[Mode, ...]
+    modes: Tuple[PadMode, ...]
     common: Layer = field(default_factory=Layer)
     shift: str = ""
     deadzone: float = 0.1
@@ -274,7 +274,7 @@ class JoyMap(FromFile):
                         f"modes: {mode.name} takes the last button from {needed.value!r}",
                     )
 
-    def bindings(self, mode: Mode, shifted: bool) -> Mapping[str, Binding]:
+    def bindings(self, mode: PadMode, shifted: bool) -> Mapping[str, Binding]:
         """Return what each control does in a mode, with the shift button held or not."""
         layers = [self.common, mode.layer, *([mode.shifted] if shifted else [])]
         bound: Dict[str, Binding] = {}

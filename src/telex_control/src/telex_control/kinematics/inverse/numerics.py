@@ -10,7 +10,7 @@ from ..chain import Chain
 from . import kernels
 from .joint_frames import joint_frames
 from .options import IKOptions, Tolerance
-from .task import GoalFunction, Outcome, Task, TaskShape, Tick
+from .task import GoalFunction, SearchOutcome, Task, TaskShape, Tick
 
 _ODD = 0x9E3779B97F4A7C15
 
@@ -60,7 +60,7 @@ class ChainNumerics:
         iterations: int,
         *,
         restart: bool = False,
-    ) -> Outcome:
+    ) -> SearchOutcome:
         """Descend from the seed, then from elsewhere, until the target or the budget is reached.
 
         Parameters
@@ -82,7 +82,7 @@ class ChainNumerics:
             restart,
             q,
         )
-        return Outcome(q, converged, place, turn, used, restarts)
+        return SearchOutcome(q, converged, place, turn, used, restarts)
 
     def descend(
         self,
@@ -91,7 +91,7 @@ class ChainNumerics:
         box: Tuple[np.ndarray, np.ndarray],
         iterations: int,
         damping: float = 0.0,
-    ) -> Outcome:
+    ) -> SearchOutcome:
         """Descend from `q` to the next minimum of the error in the box.
 
         Parameters
@@ -103,7 +103,7 @@ class ChainNumerics:
         converged, place, turn, used = kernels.descend(
             self._model, task, box[0], box[1], iterations, damping, moved
         )
-        return Outcome(moved, converged, place, turn, used, 0)
+        return SearchOutcome(moved, converged, place, turn, used, 0)
 
     def slide(
         self,
@@ -163,4 +163,4 @@ class ChainNumerics:
             held,
             direction,
         )
-        return Tick(Outcome(moved, converged, place, turn, used, 0), held, sigma, direction)
+        return Tick(SearchOutcome(moved, converged, place, turn, used, 0), held, sigma, direction)

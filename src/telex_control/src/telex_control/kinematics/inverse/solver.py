@@ -33,7 +33,7 @@ from .task import (
     DISTANCE,
     SINGULARITY,
     GoalFunction,
-    Outcome,
+    SearchOutcome,
     Task,
     TaskShape,
     Tick,
@@ -205,7 +205,7 @@ class IKSolver:
         q, _, place, turn, iterations, restarts = outcome
         return IKResult(q, status, place, turn, iterations, restarts)
 
-    def _first(self, task: Task, start: np.ndarray, random: Any) -> Outcome:
+    def _first(self, task: Task, start: np.ndarray, random: Any) -> SearchOutcome:
         """Return the first solution found within the budget."""
         options = self.options
         if options.time_limit is None:
@@ -216,7 +216,7 @@ class IKSolver:
             slices.add(self._slice(task, start, random, slices))
         return slices.outcome(task.length_weight)
 
-    def _best(self, task: Task, start: np.ndarray, random: Any) -> Outcome:
+    def _best(self, task: Task, start: np.ndarray, random: Any) -> SearchOutcome:
         """Return that of all solutions found within the budget which meets the goal best."""
         options, goal = self.options, self._goal(start)
         end = math.inf if options.time_limit is None else time.monotonic() + options.time_limit
@@ -236,7 +236,7 @@ class IKSolver:
             return slices.outcome(task.length_weight)
         return best._replace(iterations=slices.iterations, restarts=slices.restarts)
 
-    def _slice(self, task: Task, start: np.ndarray, random: Any, slices: _Slices) -> Outcome:
+    def _slice(self, task: Task, start: np.ndarray, random: Any, slices: _Slices) -> SearchOutcome:
         return self.numerics.solve(
             task,
             start,
@@ -246,7 +246,7 @@ class IKSolver:
             restart=slices.iterations > 0,
         )
 
-    def _slide(self, task: Task, outcome: Outcome, goal: GoalFunction) -> Outcome:
+    def _slide(self, task: Task, outcome: SearchOutcome, goal: GoalFunction) -> SearchOutcome:
         """Move a solution towards the goal; the answer is a solution as well."""
         moved, used = self.numerics.slide(task, outcome.q, self._box, goal, _SLIDES)
         checked = self.numerics.descend(task, moved, self._box, 1)
@@ -541,7 +541,7 @@ class IKSolver:
         ratio = self._share_done(shape, begin, numerics.forward(tick.outcome.q), asked)
         return self._answer(here, dt, tick, status, twist_ratio=ratio)
 
-    def _against(self, task: Task, q: np.ndarray) -> Outcome:
+    def _against(self, task: Task, q: np.ndarray) -> SearchOutcome:
         """Return how a posture stands to a target."""
         return self.numerics.descend(task, q, (q, q), 0)
 
@@ -672,10 +672,10 @@ class _Slices:
         self.left = iterations
         self.iterations = 0
         self.restarts = 0
-        self._found: List[Outcome] = []
+        self._found: List[SearchOutcome] = []
         self.converged = False
 
-    def add(self, outcome: Outcome) -> None:
+    def add(self, outcome: SearchOutcome) -> None:
         """Take the next slice's outcome."""
         self.left = max(self.left - outcome.iterations, 0)
         self.iterations += outcome.iterations
@@ -683,10 +683,10 @@ class _Slices:
         self.converged = self.converged or outcome.converged
         self._found.append(outcome)
 
-    def outcome(self, length_weight: float) -> Outcome:
+    def outcome(self, length_weight: float) -> SearchOutcome:
         """Return the best of all slices."""
 
-        def cost(each: Outcome) -> Tuple[bool, float]:
+        def cost(each: SearchOutcome) -> Tuple[bool, float]:
             place = length_weight * each.position_error
             return not each.converged, place * place + each.orientation_error**2
 

@@ -87,7 +87,7 @@ class GoalFunction(NamedTuple):
 DISTANCE, SINGULARITY = 0, 1
 
 
-class Outcome(NamedTuple):
+class SearchOutcome(NamedTuple):
     """Where a search has ended.
 
     Attributes
@@ -115,7 +115,7 @@ class Tick(NamedTuple):
         See `TrackResult`.
     """
 
-    outcome: Outcome
+    outcome: SearchOutcome
     held: np.ndarray
     sigma: float
     direction: np.ndarray

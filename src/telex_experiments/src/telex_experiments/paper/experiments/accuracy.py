@@ -13,7 +13,7 @@ from telex_control.common.figure_files import save
 from telex_control.follow_trajectory.analysis import analyse
 from telex_control.follow_trajectory.follower import approach, follow
 from telex_control.follow_trajectory.paths import Shape
-from telex_control.follow_trajectory.reference import Motion
+from telex_control.follow_trajectory.reference import PlannedPath
 from telex_experiments.grasping.holding import block, hold, rig_for
 from telex_experiments.grasping.things import GRAVITY, PAD_FRICTION, THINGS, Thing
 from telex_experiments.mobility.offline import Trial
@@ -75,7 +75,7 @@ def points(quick: bool) -> List[Point]:
     ]
 
 
-def trajectory(point: Point, way: Motion) -> Tuple[float, float, float]:
+def trajectory(point: Point, way: PlannedPath) -> Tuple[float, float, float]:
     """Follow the path; returns rms and largest error (mm), and CPU per second of sim time."""
     changes = {"solver_iterations": point.iterations}
     with Trial(pose=POSE, step_size=point.step_size, **changes) as trial:

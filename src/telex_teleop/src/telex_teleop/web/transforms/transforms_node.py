@@ -19,7 +19,7 @@ from tf2_web_republisher.srv import RepublishTFs, RepublishTFsResponse
 from telex_control.common.params import ConfigError, read_config
 from telex_control.ros.node_start import end_quietly, init_node
 
-from .watch import Audience, TransformsConfig, Watch, WishError
+from .watch import Audience, TransformsConfig, TransformWatch, WishError
 
 MIN_TIMEOUT, MAX_TIMEOUT = 0.1, 60.0
 """Shortest and longest time (s) after which a topic without a subscriber ends."""
@@ -75,7 +75,7 @@ class _Watcher:
 
     def __init__(
         self,
-        watch: Watch,
+        watch: TransformWatch,
         frames: _Frames,
         tell: Callable[[List[TransformStamped]], None],
         goes_on: Callable[[], bool],
@@ -158,7 +158,7 @@ class TransformsNode:
             return True
 
         try:
-            watch = Watch(goal.get_goal())
+            watch = TransformWatch(goal.get_goal())
             with self._lock:
                 self._require_room()
                 goal.set_accepted()
@@ -178,7 +178,7 @@ class TransformsNode:
     def _republish(self, request: Any) -> RepublishTFsResponse:
         timeout = request.timeout.to_sec()
         try:
-            watch = Watch(request)
+            watch = TransformWatch(request)
             if not MIN_TIMEOUT <= timeout <= MAX_TIMEOUT:
                 raise WishError(
                     f"timeout is {timeout:g} s; it must be from {MIN_TIMEOUT:g} to {MAX_TIMEOUT:g}"
@@ -189,7 +189,7 @@ class TransformsNode:
         except WishError as error:
             raise rospy.ServiceException(str(error)) from None
 
-    def _begin_topic(self, watch: Watch, timeout: float) -> str:
+    def _begin_topic(self, watch: TransformWatch, timeout: float) -> str:
         """Begin to publish transforms on a topic of their own and return its name."""
         topic = rospy.resolve_name(f"~tf_repub_{self._count}")
         self._count += 1

@@ -53,7 +53,7 @@ def _frame(name: str) -> str:
     return name[1:] if name.startswith("/") else name
 
 
-class Watch:
+class TransformWatch:
     """The transforms of some frames into one, each told when it has changed by enough.
 
     Parameters

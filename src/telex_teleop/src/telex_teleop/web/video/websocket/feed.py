@@ -11,7 +11,7 @@ from ..cameras import Camera
 from ..late.pacer import Pacer
 from ..pictures import EncodedPicture, Variant
 from ..topics import PictureTopic
-from .messages import View, picture_header
+from .messages import WantedView, picture_header
 
 REMEMBERED = 50
 """Acknowledgements over which the figures of a feed are taken."""
@@ -56,7 +56,7 @@ class Feed:
     def __init__(
         self,
         camera: Camera,
-        view: View,
+        view: WantedView,
         source: PictureTopic,
         client: Hashable,
         *,
@@ -155,7 +155,7 @@ class Feed:
         }
 
 
-def variant_of(view: View) -> Variant:
+def variant_of(view: WantedView) -> Variant:
     """Return the variant of a camera's pictures that a view asks for."""
     if (view.width, view.height, view.quality) == (None, None, None):
         # The client gets what the camera publishes, be it JPEG or PNG.

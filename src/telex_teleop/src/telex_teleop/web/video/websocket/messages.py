@@ -26,7 +26,7 @@ class ProtocolError(ValueError):
 
 
 @dataclasses.dataclass(frozen=True)
-class View:
+class WantedView:
     """What a client wants of one camera.
 
     Attributes
@@ -65,7 +65,7 @@ class View:
 class Show:
     """Send these views from now on, and no others."""
 
-    views: Tuple[View, ...]
+    views: Tuple[WantedView, ...]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -137,7 +137,7 @@ def parse(text: str, max_size: int) -> Message:
 def _parse_show(content: Any, max_size: int) -> Show:
     if not isinstance(content, list):
         raise ProtocolError(f"show is {_shown(content)}; it must be a list of views")
-    views: List[View] = []
+    views: List[WantedView] = []
     for index, item in enumerate(content):
         view = _parse_view(item, f"show[{index}]", max_size)
         if any(other.camera == view.camera for other in views):
@@ -146,7 +146,7 @@ def _parse_show(content: Any, max_size: int) -> Show:
     return Show(tuple(views))
 
 
-def _parse_view(item: Any, where: str, max_size: int) -> View:
+def _parse_view(item: Any, where: str, max_size: int) -> WantedView:
     if not isinstance(item, dict) or not isinstance(item.get("camera"), str):
         raise ProtocolError(
             f"{where} is {_shown(item)}; it must be an object with the name of a camera, such as "
@@ -166,7 +166,7 @@ def _parse_view(item: Any, where: str, max_size: int) -> View:
     for key, (read, lowest, highest, expected) in readers.items():
         if item.get(key) is not None:
             values[key] = read(item[key], f"{where}.{key}", lowest, highest, expected)
-    return View(**values)
+    return WantedView(**values)
 
 
 def _parse_ack(content: Any) -> Ack:

@@ -22,7 +22,7 @@ from ..topics import PictureTopic
 from ..viewers import Viewer
 from .feed import Feed
 from .frame_head import binary_frame_head
-from .messages import VERSION, Ack, Message, Ping, ProtocolError, Show, View, parse
+from .messages import VERSION, Ack, Message, Ping, ProtocolError, Show, WantedView, parse
 
 BACKLOG_POLL = 0.005
 """Period (s) at which a client whose connection is full is looked at."""
@@ -116,7 +116,7 @@ class VideoClient:
         self._uplink = Uplink(line, sim_time)
         self._held = None if line is None else HeldPictures(line, sim_time)
         self._viewers: Dict[Feed, Viewer] = {}
-        self._views: List[View] = []
+        self._views: List[WantedView] = []
         self._feeds: Dict[str, Feed] = {}
         self._told: Optional[List[Dict[str, str]]] = None
         self._is_full = asyncio.Event()
@@ -263,7 +263,7 @@ class VideoClient:
                 self._leave(outdated.pop(view.camera))
         return complaint
 
-    def _begin(self, camera: Camera, view: View, source: PictureTopic) -> None:
+    def _begin(self, camera: Camera, view: WantedView, source: PictureTopic) -> None:
         feed = Feed(
             camera,
             view,
