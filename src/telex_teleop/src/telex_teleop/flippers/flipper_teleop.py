@@ -113,7 +113,7 @@ class FlipperTeleop(JointTeleop):
             When the preset or a joint is unknown, or nothing is obeyed now.
         """
         wanted = choose(self.presets, name, joint_names, tuple(self.axes))
-        refusal = self._refusal(wall)
+        refusal = self._inhibition(wall)
         if refusal:
             raise InvalidCommand(f"nothing is obeyed now: {refusal}")
         assert self._ticks.now is not None

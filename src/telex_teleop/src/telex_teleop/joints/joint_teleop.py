@@ -226,7 +226,7 @@ class JointTeleop(TeleopCore):
 
     def state(self, wall: float) -> TeleopState:
         """Return what a display shows at `wall` (monotonic time, s)."""
-        message = self._refusal(wall)
+        message = self._inhibition(wall)
         if self._ticks.now is None or self._last_wall is None:
             return TeleopState(False, (), message)
         now = Clocks(wall, self._ticks.now)
@@ -236,10 +236,10 @@ class JointTeleop(TeleopCore):
             bool(commanders), self._axis_states(), message, self._notice(now), commanders
         )
 
-    def _refusal(self, wall: float) -> str:
+    def _inhibition(self, wall: float) -> str:
         if not self.axes:
             return "this robot has none of the joints of this node"
-        return super()._refusal(wall)
+        return super()._inhibition(wall)
 
     def _refusal(self, wall: float) -> str:
         """Return why a command that is being sent at `wall` (monotonic, s) is not obeyed."""

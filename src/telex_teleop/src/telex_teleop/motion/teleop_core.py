@@ -71,7 +71,7 @@ class TeleopCore(abc.ABC):
     def _inhibited(self) -> bool:
         return self._e_stop or self._starting.lasts
 
-    def _refusal(self, wall: float) -> str:
+    def _inhibition(self, wall: float) -> str:
         """Return why no command at all is obeyed at `wall` (monotonic, s); empty when some are."""
         if self._ticks.now is None or self._last_wall is None:
             return "no joint_states yet: is the simulator running?"

@@ -162,7 +162,7 @@ class TrackDrive(TeleopCore):
 
     def state(self, wall: float) -> TrackState:
         """Return what a display shows at `wall` (monotonic time, s)."""
-        message = self._refusal(wall)
+        message = self._inhibition(wall)
         if self._ticks.now is None:
             return TrackState((), STANDSTILL, message)
         alive = self._stream.command(Clocks(wall, self._ticks.now)) is not None
