@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 import time
 from pathlib import Path
-from typing import Any, AsyncIterator, Dict, List, Mapping, Optional, Sequence
+from typing import Any, AsyncIterator, Dict, List, Optional, Sequence
 
 from aiohttp import web
 from yarl import URL
@@ -20,6 +20,7 @@ from telex_teleop.web.tokens import MAX_NAME, ForbiddenError, Tokens, is_instruc
 
 from ..exercises.catalog import exercises
 from ..exercises.exercise_file import ExerciseError, load_exercise
+from ..serving import aside, posted_object
 from .answers import merged
 from .order import Order
 from .poller import BusyError, StationPoller
@@ -142,8 +143,7 @@ class ClassApp:
         return web.Response(body=picture.data, content_type=picture.kind)
 
     async def _exercises(self, _request: web.Request) -> web.Response:
-        loop = asyncio.get_running_loop()
-        return web.json_response(await loop.run_in_executor(None, _offered))
+        return web.json_response(await aside(_offered))
 
     async def _progress(self, _request: web.Request) -> web.Response:
         """Ask all stations at once where people stand; who does not answer is named."""
@@ -171,7 +171,7 @@ class ClassApp:
 
     async def _open(self, request: web.Request) -> web.Response:
         """Open an exercise on several stations; each one's outcome is part of its state."""
-        content = await _json(request)
+        content = await posted_object(request)
         try:
             order = read_struct(Order, content)
             for name in order.stations:
@@ -189,7 +189,7 @@ class ClassApp:
 
     async def _end_help(self, request: web.Request) -> web.Response:
         poller = self._poller(request)
-        await _json(request)
+        await posted_object(request)
         try:
             poller.order("help was given", "/training/api/help", {"help": False})
         except BusyError as error:
@@ -230,19 +230,6 @@ def _offered() -> List[Dict[str, Any]]:
 async def _to_page(request: web.Request) -> web.Response:
     query = request.rel_url.raw_query_string
     raise web.HTTPFound(URL(f"{PREFIX}/?{query}" if query else f"{PREFIX}/", encoded=True))
-
-
-async def _json(request: web.Request) -> Mapping[str, Any]:
-    # A page of another site cannot send this type without being asked whether it may.
-    if request.content_type != "application/json":
-        raise web.HTTPUnsupportedMediaType(text="application/json is needed.\n")
-    try:
-        content = await request.json()
-    except (ValueError, RecursionError):
-        content = None
-    if not isinstance(content, dict):
-        raise web.HTTPBadRequest(text="a JSON object is needed\n")
-    return content
 
 
 async def _add_headers(_request: web.Request, response: web.StreamResponse) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from pathlib import Path
 from typing import Any, Callable, Dict, NamedTuple, Optional
 
@@ -13,7 +12,9 @@ from ...briefing.brief import exercise_brief
 from ...briefing.goal import GoalPictures
 from ...exercises.exercise_file import ExerciseError
 from ...exercises.model import Exercise
+from ...serving import aside
 from ..library import Library
+from .page_server import is_for
 
 _KEPT = ".goals"
 
@@ -40,15 +41,10 @@ class BriefPages:
     ----------
     folder : Path
         Of the recordings; pictures that had to be drawn are kept in it.
-    is_for : callable
-        Whether whoever asks may know what a person of this name has done.
     """
 
-    def __init__(
-        self, library: Library, folder: Path, is_for: Callable[[web.Request, str], bool]
-    ) -> None:
+    def __init__(self, library: Library, folder: Path) -> None:
         self._library = library
-        self._is_for = is_for
         self.pictures = GoalPictures(folder / _KEPT)
         self.opened: Callable[[], Optional[OpenTrial]] = lambda: None
         """Tells which trial is open, from any thread; None: none is."""
@@ -70,8 +66,8 @@ class BriefPages:
         opened = self._opened(request)
         brief: Dict[str, Any] = exercise_brief(opened.exercise)
         brief.update(trial=opened.trial, mode=opened.mode, best=None)
-        if opened.operator and self._is_for(request, opened.operator):
-            brief["best"] = await _aside(self._best, opened)
+        if opened.operator and is_for(request, opened.operator):
+            brief["best"] = await aside(self._best, opened)
         brief["picture"] = f"{self._prefix}/api/goal/{opened.trial}.jpg"
         return web.json_response(brief)
 
@@ -82,7 +78,7 @@ class BriefPages:
     async def _goal(self, request: web.Request) -> web.StreamResponse:
         opened = self._opened(request)
         try:
-            path = await _aside(self.pictures.picture, opened.exercise)
+            path = await aside(self.pictures.picture, opened.exercise)
         except ExerciseError as error:
             rospy.logwarn("training: no picture of the goal: %s", error)
             raise web.HTTPNotFound(text=f"{error}\n") from error
@@ -93,8 +89,3 @@ class BriefPages:
         if path != self.pictures.shipped_path(path.stem) or not path.is_file():
             raise web.HTTPNotFound
         return web.FileResponse(path)
-
-
-async def _aside(work: Any, *arguments: Any) -> Any:
-    """Do what reads files in another thread."""
-    return await asyncio.get_running_loop().run_in_executor(None, work, *arguments)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import asyncio
-from typing import Any, Callable, Dict, Mapping
+from typing import Any, Callable, Mapping
 
 from aiohttp import web
 
 from telex_control.common.params import ConfigError, read_value
 
-from .page_server import instructs
+from ...serving import aside, posted_object
+from .page_server import require_instructor
 
 _TOLD = (
     "phase trial exercise title setting mode operator valid repetition repetitions results elapsed "
@@ -47,12 +47,13 @@ class ClassPages:
         router.add_post(f"{prefix}/api/help", self._take_help)
 
     async def _state(self, request: web.Request) -> web.Response:
-        _require_instructor(request)
+        require_instructor(request)
         told = self._tell()
         return web.json_response({key: told[key] for key in _TOLD if key in told})
 
     async def _take_open(self, request: web.Request) -> web.Response:
-        content = await _content(request, (*_TEXTS, "start"))
+        require_instructor(request)
+        content = await posted_object(request, *_TEXTS, "start")
         try:
             texts = [read_value(str, content.get(key, ""), key) for key in _TEXTS]
             start = read_value(bool, content.get("start", False), "start")
@@ -61,7 +62,8 @@ class ClassPages:
         return web.json_response({"trial": await _done(self._open, *texts, start)})
 
     async def _take_help(self, request: web.Request) -> web.Response:
-        content = await _content(request, ("help",))
+        require_instructor(request)
+        content = await posted_object(request, "help")
         try:
             wanted = read_value(bool, content.get("help"), "help")
         except ConfigError as error:
@@ -70,29 +72,9 @@ class ClassPages:
         return web.json_response({})
 
 
-def _require_instructor(request: web.Request) -> None:
-    if not instructs(request):
-        raise web.HTTPForbidden(text="This is for instructors: add role=instructor.\n")
-
-
-async def _content(request: web.Request, keys: Any) -> Dict[str, Any]:
-    """Struct that an instructor sends, with none but known keys."""
-    _require_instructor(request)
-    # A page of another site cannot send this type without being asked whether it may.
-    if request.content_type != "application/json":
-        raise web.HTTPUnsupportedMediaType(text="application/json is needed.\n")
-    try:
-        content = await request.json()
-    except (ValueError, RecursionError):
-        content = None
-    if not isinstance(content, dict) or not set(content) <= set(keys):
-        raise web.HTTPBadRequest(text=f"a JSON object of {', '.join(keys)} is needed\n")
-    return content
-
-
 async def _done(act: Callable[..., Any], *arguments: Any) -> Any:
     """Do it in another thread; what is refused is told as a conflict."""
     try:
-        return await asyncio.get_running_loop().run_in_executor(None, act, *arguments)
+        return await aside(act, *arguments)
     except (RuntimeError, ValueError) as error:
         raise web.HTTPConflict(text=f"{error}\n") from error

@@ -10,7 +10,7 @@ import contextlib
 import threading
 import urllib.parse
 from pathlib import Path
-from typing import Any, List, Optional
+from typing import List, Optional
 
 import rospy
 from aiohttp import web
@@ -75,10 +75,6 @@ class PageServer:
                 rospy.delete_param(parameter)
         self._loop.call_soon_threadsafe(self._loop.stop)
 
-    async def aside(self, work: Any, *arguments: Any) -> Any:
-        """Do what takes a while in another thread."""
-        return await self._loop.run_in_executor(None, work, *arguments)
-
     # --- the thread ------------------------------------------------------------------------------
 
     def _run(self) -> None:
@@ -107,23 +103,22 @@ def instructs(request: web.Request) -> bool:
     return request.headers.get(_ROLE) == _INSTRUCTOR
 
 
+def require_instructor(request: web.Request) -> None:
+    """Refuse everybody else.
+
+    Raises
+    ------
+    aiohttp.web.HTTPForbidden
+    """
+    if not instructs(request):
+        raise web.HTTPForbidden(text="This is for instructors: add role=instructor.\n")
+
+
 def name_of(request: web.Request) -> str:
     """Name that whoever asks gives himself."""
     return urllib.parse.unquote(request.headers.get(_NAME, ""))
 
 
-async def posted(request: web.Request) -> Any:
-    """Return the JSON that was sent.
-
-    Raises
-    ------
-    aiohttp.web.HTTPException
-        It is none: the answer that says so.
-    """
-    # A page of another site cannot send this type without being asked whether it may.
-    if request.content_type != "application/json":
-        raise web.HTTPUnsupportedMediaType(text="application/json is needed.\n")
-    try:
-        return await request.json()
-    except (ValueError, LookupError, RecursionError) as error:
-        raise web.HTTPBadRequest(text=f"It is no JSON: {error}\n") from error
+def is_for(request: web.Request, person: str) -> bool:
+    """Whether whoever asks may know what a person of this name has done."""
+    return instructs(request) or person == name_of(request)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import time
 from typing import Any, Callable, Dict, List, Set
 
@@ -15,6 +14,8 @@ from ...progress.reports.class_report import class_report
 from ...progress.reports.person_report import person_report
 from ...progress.standing import standing
 from ...progress.trial_facts import TrialFacts
+from ...serving import aside
+from .page_server import instructs, is_for, name_of, require_instructor
 
 _HEADERS = {
     "Cache-Control": "no-store",
@@ -32,24 +33,10 @@ _LANGUAGE = "/js/language/report.js"
 
 
 class ProgressPages:
-    """Answers requests for progress.
+    """Answers requests for progress."""
 
-    Parameters
-    ----------
-    instructs : callable
-        Whether whoever asks is an instructor.
-    name_of : callable
-        Name of whoever asks; empty: none.
-    """
-
-    def __init__(
-        self,
-        index: ProgressIndex,
-        instructs: Callable[[web.Request], bool],
-        name_of: Callable[[web.Request], str],
-    ) -> None:
+    def __init__(self, index: ProgressIndex) -> None:
         self._index = index
-        self._instructs, self._name_of = instructs, name_of
         self._told: Set[str] = set()
 
     def route(self, router: web.UrlDispatcher, prefix: str) -> None:
@@ -60,20 +47,18 @@ class ProgressPages:
     async def _progress(self, request: web.Request) -> web.Response:
         """Show the progress of ``?person=``, or of whoever asks; to an instructor the class's."""
         person = request.query.get("person", "")
-        instructs = self._instructs(request)
-        if not person and not instructs:
-            person = self._name_of(request)
+        if not person and not instructs(request):
+            person = name_of(request)
             if not person:
                 raise web.HTTPNotFound(text="Progress is shown by name: ?name=YOUR-NAME\n")
-        if not instructs and person != self._name_of(request):
+        if not is_for(request, person):
             raise web.HTTPNotFound(text="There is no progress of this person under your name.\n")
         text = await _aside(self._page, person)
         return web.Response(text=text, content_type="text/html", headers=_HEADERS)
 
     async def _standing(self, request: web.Request) -> web.Response:
         """Tell an instructor where everybody stands in the curricula that were begun."""
-        if not self._instructs(request):
-            raise web.HTTPForbidden(text="This is for instructors: add role=instructor.\n")
+        require_instructor(request)
         return web.json_response(await _aside(self._standings))
 
     def _standings(self) -> List[Dict[str, Any]]:
@@ -129,6 +114,6 @@ class ProgressPages:
 async def _aside(work: Callable[..., Any], *arguments: Any) -> Any:
     """Do what reads the index in another thread."""
     try:
-        return await asyncio.get_running_loop().run_in_executor(None, work, *arguments)
+        return await aside(work, *arguments)
     except ProgressIndexError as error:
         raise web.HTTPServiceUnavailable(text=f"{error}\n") from error

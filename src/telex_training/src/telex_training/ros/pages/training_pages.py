@@ -19,10 +19,11 @@ from ...judging.sheet import sheet_text
 from ...judging.workload import workload_of
 from ...progress.index import ProgressIndex
 from ...recording.sheet_table import sheet_csv
+from ...serving import aside, posted
 from ..library import Library
 from .brief_pages import BriefPages
 from .class_pages import ClassPages
-from .page_server import PageServer, instructs, name_of, posted
+from .page_server import PageServer, instructs, is_for, name_of
 from .progress_pages import ProgressPages
 
 _PREFIX, _PROGRESS = "/training", "/progress"
@@ -52,8 +53,8 @@ class Pages(PageServer):
         super().__init__(port)
         self._class = class_pages
         self._library = library
-        self.briefs = BriefPages(library, folder, _is_for)
-        self._progress = ProgressPages(ProgressIndex(folder), instructs, name_of)
+        self.briefs = BriefPages(library, folder)
+        self._progress = ProgressPages(ProgressIndex(folder))
         self._rate = rate
 
     def add_routes(self, router: web.UrlDispatcher) -> None:
@@ -83,9 +84,7 @@ class Pages(PageServer):
 
     async def _sheets(self, request: web.Request) -> web.Response:
         """List a person's sheets, or everybody's for an instructor."""
-        sheets = await self.aside(
-            self._library.sheets, None if instructs(request) else name_of(request)
-        )
+        sheets = await aside(self._library.sheets, None if instructs(request) else name_of(request))
         return web.json_response([_row(sheet) for sheet in sheets])
 
     async def _sheet(self, request: web.Request) -> web.Response:
@@ -104,16 +103,12 @@ class Pages(PageServer):
     async def _signature(self, request: web.Request) -> web.Response:
         """Tell what the signature of an exam is worth."""
         await self._permitted(request)
-        return web.json_response(
-            await self.aside(self._library.signature, request.match_info["trial"])
-        )
+        return web.json_response(await aside(self._library.signature, request.match_info["trial"]))
 
     async def _workload(self, request: web.Request) -> web.Response:
         """Tell the ratings of a trial, or null."""
         await self._permitted(request)
-        return web.json_response(
-            await self.aside(self._library.workload, request.match_info["trial"])
-        )
+        return web.json_response(await aside(self._library.workload, request.match_info["trial"]))
 
     async def _take_workload(self, request: web.Request) -> web.Response:
         """Take an operator's ratings of his own trial."""
@@ -125,17 +120,17 @@ class Pages(PageServer):
         except BadEntryError as error:
             raise web.HTTPBadRequest(text=f"{error}\n") from error
         try:
-            await self.aside(self._rate, request.match_info["trial"], given["ratings"])
+            await aside(self._rate, request.match_info["trial"], given["ratings"])
         except RuntimeError as error:
             raise web.HTTPConflict(text=f"{error}\n") from error
         return web.json_response(given)
 
     async def _permitted(self, request: web.Request) -> Dict[str, Any]:
-        sheet: Optional[Dict[str, Any]] = await self.aside(
+        sheet: Optional[Dict[str, Any]] = await aside(
             self._library.sheet, request.match_info["trial"]
         )
         # Whose it is not must not even learn that it is there.
-        if sheet is None or not _is_for(request, sheet.get("operator", "")):
+        if sheet is None or not is_for(request, sheet.get("operator", "")):
             raise web.HTTPNotFound(text="There is no sheet of this trial under your name.\n")
         return sheet
 
@@ -145,7 +140,3 @@ def _row(sheet: Dict[str, Any]) -> Dict[str, Any]:
         key: sheet[key]
         for key in ("trial", "operator", "exercise", "mode", "valid", "verdict", "summary")
     }
-
-
-def _is_for(request: web.Request, operator: str) -> bool:
-    return instructs(request) or operator == name_of(request)

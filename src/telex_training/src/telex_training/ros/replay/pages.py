@@ -18,7 +18,8 @@ from ...recording.writer import RecordingError
 from ...replay.cameras import CLEAR, OUTSIDE
 from ...replay.ghost import Ghost, GhostError
 from ...replay.replay import Replay, SilentCameraError
-from ..pages.page_server import PageServer, instructs, name_of, posted
+from ...serving import aside, posted
+from ..pages.page_server import PageServer, instructs, name_of
 from .drawing import Drawing, DrawingError
 from .ghosts import Ghosts
 from .shelf import NotHereError, Open, Shelf
@@ -87,8 +88,8 @@ class ReplayPages(PageServer):
         found = await self._permitted(request)
         replay = found.replay
         # It needs seconds to start: meanwhile the page shows what happened.
-        starting = self.aside(self._drawing.start, replay)
-        about = {**await self.aside(replay.about), "problems": found.problems}
+        starting = aside(self._drawing.start, replay)
+        about = {**await aside(replay.about), "problems": found.problems}
         await starting
         return web.json_response(about)
 
@@ -120,7 +121,7 @@ class ReplayPages(PageServer):
         spacing = self._busy_period if self._is_busy() else 0.0
         draw = functools.partial(self._drawing.picture, ghost=ghost)
         try:
-            data = await self.aside(draw, replay, drawn, name, view, spacing)
+            data = await aside(draw, replay, drawn, name, view, spacing)
         except DrawingError as error:
             raise web.HTTPGatewayTimeout(text=f"{error}\n") from None
         if ghost is not None:
@@ -131,7 +132,7 @@ class ReplayPages(PageServer):
         """List the runs that can be drawn beside a trial."""
         replay = (await self._permitted(request)).replay
         return web.json_response(
-            await self.aside(self._ghosts.offered, replay, name_of(request), instructs(request))
+            await aside(self._ghosts.offered, replay, name_of(request), instructs(request))
         )
 
     async def _ghost(self, request: web.Request, replay: Replay) -> Optional[Ghost]:
@@ -140,7 +141,7 @@ class ReplayPages(PageServer):
         if not ghost:
             return None
         try:
-            found: Ghost = await self.aside(
+            found: Ghost = await aside(
                 self._ghosts.open, replay, ghost, name_of(request), instructs(request)
             )
         except NotHereError:
@@ -171,10 +172,10 @@ class ReplayPages(PageServer):
         except BadEntryError as error:
             raise web.HTTPBadRequest(text=f"{error}\n") from error
         try:
-            await self.aside(self._shelf.note, replay, note)
+            await aside(self._shelf.note, replay, note)
         except RecordingError as error:
             raise web.HTTPConflict(text=f"{error}\n") from error
-        return web.json_response({"marks": await self.aside(replay.marks)})
+        return web.json_response({"marks": await aside(replay.marks)})
 
     async def _permitted(self, request: web.Request) -> Open:
         instructor = instructs(request)
@@ -182,7 +183,7 @@ class ReplayPages(PageServer):
             raise web.HTTPConflict(text=_BUSY)
         trial, name = request.match_info["trial"], name_of(request)
         try:
-            found: Open = await self.aside(self._shelf.permitted, trial, name, instructor)
+            found: Open = await aside(self._shelf.permitted, trial, name, instructor)
         except NotHereError:
             raise web.HTTPNotFound(text=_NOT_HERE) from None
         except RecordingError as error:
