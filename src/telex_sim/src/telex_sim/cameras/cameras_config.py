@@ -15,8 +15,6 @@ from telex_control.common.params import (
     number,
     parameter,
     require,
-    require_choice,
-    require_range,
     required,
     word,
 )
@@ -195,47 +193,37 @@ class CameraConfig(OpticsConfig):
 
 
 @dataclass(frozen=True)
-class ViewConfig:
-    """Where the instructor's camera is: on a sphere about a point at which it looks.
+class ViewConfig(Declared):
+    """Where the instructor's camera is: on a sphere about a point at which it looks."""
 
-    Attributes
-    ----------
-    mode
-        "follow": about the robot, turning with it. "orbit": about the robot, turning with nothing.
-        "fixed": about a point of the world.
-    azimuth
-        Of the camera as seen from the point (rad): from the robot's x axis to "follow", otherwise
-        from the world's, counter-clockwise; pi is behind the robot.
-    elevation
-        Above the horizontal (rad).
-    distance
-        From the point (m).
-    turn_rate
-        By which the azimuth goes on by itself (rad/s of wall time).
-    center
-        The point (m): in the world for "fixed"; otherwise from the link that is followed, along
-        the robot's heading, to its left and upwards for "follow", along the world's axes for
-        "orbit".
+    mode: str = choice(
+        FOLLOW,
+        VIEW_MODES,
+        '"follow": about the robot, turning with it. "orbit": about the robot, turning with '
+        'nothing. "fixed": about a point of the world.',
+    )
+    azimuth: float = number(
+        2.6,
+        'Of the camera as seen from the point (rad): from the robot\'s x axis to "follow", '
+        "otherwise from the world's, counter-clockwise; pi is behind the robot.",
+        -100.0,
+        100.0,
+    )
+    # Straight from above, nothing would say where the top of the picture is.
+    elevation: float = number(0.45, "Above the horizontal (rad).", -1.55, 1.55)
+    distance: float = number(3.0, "From the point (m).", 0.1, 1000.0)
+    turn_rate: float = number(
+        0.0, "By which the azimuth goes on by itself (rad/s of wall time).", -10.0, 10.0
+    )
+    center: Tuple[float, float, float] = parameter(
+        (0.0, 0.0, 0.3),
+        'The point (m): in the world for "fixed"; otherwise from the link that is followed, '
+        "along the robot's heading, to its left and upwards for \"follow\", along the world's "
+        'axes for "orbit".',
+    )
 
-    Raises
-    ------
-    telex_control.common.params.ConfigError
-    """
-
-    mode: str = FOLLOW
-    azimuth: float = 2.6
-    elevation: float = 0.45
-    distance: float = 3.0
-    turn_rate: float = 0.0
-    center: Tuple[float, float, float] = (0.0, 0.0, 0.3)
-
-    def __post_init__(self) -> None:
-        require_choice(self, "mode", VIEW_MODES)
-        require_range(self, "azimuth", -100.0, 100.0)
-        # Straight from above, nothing would say where the top of the picture is.
-        require_range(self, "elevation", -1.55, 1.55)
-        require_range(self, "distance", 0.1, 1000.0)
-        require_range(self, "turn_rate", -10.0, 10.0)
+    def check(self) -> None:
+        """Check what concerns single ones in a way of its own; see `Declared.check`."""
         require(
             all(abs(number) <= _FAR_AWAY for number in self.center),
             f"center is {list(self.center)}; finite numbers up to {_FAR_AWAY:g} m are needed",
@@ -390,11 +378,13 @@ class CamerasConfig(Declared):
         4.0,
     )
     seed: int = number(0, "Of all noise.", 0)
-    niceness: Optional[int] = parameter(
+    niceness: Optional[int] = number(
         None,
         "By how much the process steps back for others, above all for the physics, 0 to"
         " 19. Left out, it is 0, or 10 where the simulator does not come before "
         "ordinary processes.",
+        0,
+        19,
     )
     software_threads: int = number(
         0,
@@ -429,5 +419,3 @@ class CamerasConfig(Declared):
                 f"robots has '{robot}'; names of namespaces are needed, each once, and not the "
                 f"first robot's",
             )
-        if self.niceness is not None:
-            require_range(self, "niceness", 0, 19)

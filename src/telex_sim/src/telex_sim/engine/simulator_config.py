@@ -11,7 +11,6 @@ from telex_control.common.params import (
     parameter,
     read_config,
     require,
-    require_range,
     word,
 )
 
@@ -89,42 +88,43 @@ class JointHardware(Declared):
 
 
 @dataclass(frozen=True)
-class ContactConfig:
-    """What the surface of a link is like where it touches something.
+class ContactConfig(Declared):
+    """What the surface of a link is like where it touches something."""
 
-    Attributes
-    ----------
-    friction : float, optional
-        Friction coefficient on a surface of friction 1; without, that of the URDF (``<gazebo>``'s
-        mu1 and mu2), else PyBullet's 0.5.
-    stiffness, damping : float, optional
-        Of each contact along its normal (N/m, N s/m), both or neither. Without, wheels have those
-        of `HardwareConfig.wheel_contact`, other links are rigid.
-    spinning_friction : float
-        Against turning about the contact's normal, on a surface of friction 1: friction torque for
-        each newton of force (m).
-    friction_anchor : bool
-        Whether friction holds what sticks where it is, as dry friction does. Without it what is
-        held creeps, faster the lighter it is and the harder it is pressed.
-    """
+    friction: Optional[float] = number(
+        None,
+        "Friction coefficient on a surface of friction 1; without, that of the URDF "
+        "(``<gazebo>``'s mu1 and mu2), else PyBullet's 0.5.",
+        0.0,
+        10.0,
+    )
+    stiffness: Optional[float] = number(
+        None,
+        "Of each contact along its normal (N/m), together with `damping`. Without, wheels have "
+        "those of `HardwareConfig.wheel_contact`, other links are rigid.",
+        1.0,
+        1.0e9,
+    )
+    damping: Optional[float] = number(None, "Of each contact along its normal (N s/m).", 1.0, 1.0e9)
+    spinning_friction: float = number(
+        0.0,
+        "Against turning about the contact's normal, on a surface of friction 1: friction torque "
+        "for each newton of force (m).",
+        0.0,
+        1.0,
+    )
+    friction_anchor: bool = parameter(
+        False,
+        "Whether friction holds what sticks where it is, as dry friction does. Without it what is "
+        "held creeps, faster the lighter it is and the harder it is pressed.",
+    )
 
-    friction: Optional[float] = None
-    stiffness: Optional[float] = None
-    damping: Optional[float] = None
-    spinning_friction: float = 0.0
-    friction_anchor: bool = False
-
-    def __post_init__(self) -> None:
-        if self.friction is not None:
-            require_range(self, "friction", 0.0, 10.0)
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
         require(
             (self.stiffness is None) is (self.damping is None),
             f"stiffness is {self.stiffness} and damping {self.damping}; both or neither are needed",
         )
-        if self.stiffness is not None:
-            require_range(self, "stiffness", 1.0, 1.0e9)
-            require_range(self, "damping", 1.0, 1.0e9)
-        require_range(self, "spinning_friction", 0.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -139,47 +139,49 @@ class WheelContactConfig(Declared):
 
 
 @dataclass(frozen=True)
-class HardwareConfig:
-    """The simulated drives.
+class HardwareConfig(Declared):
+    """The simulated drives."""
 
-    Attributes
-    ----------
-    velocity_tolerance : float
-        Factor on the URDF's velocity limit at which a drive stops accelerating; above 1, so that
-        a joint can run at its limit.
-    position_gain : float
-        Share of a position joint's error that its motor takes away in one step.
-    contacts : dict of str to ContactConfig
-        By link; what they leave out is the URDF's, else PyBullet's.
-    wheel_contact : WheelContactConfig
-        Of wheels, see `link_surfaces.wheels`.
-    imus : dict of str to str
-        Inertial sensors: name, which is that of its topic, and the link whose motion it measures.
-    imu_noise : dict of str to ImuNoise
-        Errors of these sensors, by name; one that is not named is exact.
-    optional_joints : tuple of str
-        Joints that a variant of the robot may lack: `joints` and named poses may name them all the
-        same. Any other name that is not there is a mistake.
-    optional_links : tuple of str
-        Links that a variant may lack, although `contacts` names them.
-    """
+    velocity_tolerance: float = parameter(
+        1.05,
+        "Factor on the URDF's velocity limit at which a drive stops accelerating; above 1, so that "
+        "a joint can run at its limit.",
+    )
+    position_gain: float = number(
+        0.2,
+        "Share of a position joint's error that its motor takes away in one step.",
+        maximum=1.0,
+        above=0.0,
+    )
+    joints: Dict[str, JointHardware] = parameter(dict, "By name.")
+    contacts: Dict[str, ContactConfig] = parameter(
+        dict, "By link; what they leave out is the URDF's, else PyBullet's."
+    )
+    wheel_contact: WheelContactConfig = parameter(
+        WheelContactConfig, "Of wheels, see `link_surfaces.wheels`."
+    )
+    imus: Dict[str, str] = parameter(
+        dict,
+        "Inertial sensors: name, that of its topic, and the link whose motion it measures.",
+    )
+    imu_noise: Dict[str, ImuNoise] = parameter(
+        dict, "Errors of these sensors, by name; one that is not named is exact."
+    )
+    optional_joints: Tuple[str, ...] = parameter(
+        (),
+        "Joints that a variant of the robot may lack: `joints` and named poses may name them all "
+        "the same. Any other name that is not there is a mistake.",
+    )
+    optional_links: Tuple[str, ...] = parameter(
+        (), "Links that a variant may lack, although `contacts` names them."
+    )
 
-    velocity_tolerance: float = 1.05
-    position_gain: float = 0.2
-    joints: Dict[str, JointHardware] = field(default_factory=dict)
-    contacts: Dict[str, ContactConfig] = field(default_factory=dict)
-    wheel_contact: WheelContactConfig = field(default_factory=WheelContactConfig)
-    imus: Dict[str, str] = field(default_factory=dict)
-    imu_noise: Dict[str, ImuNoise] = field(default_factory=dict)
-    optional_joints: Tuple[str, ...] = ()
-    optional_links: Tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
         require(
             self.velocity_tolerance >= 1.0,
             f"velocity_tolerance is {self.velocity_tolerance}; 1 or more is needed",
         )
-        require_range(self, "position_gain", maximum=1.0, above=0.0)
         for name in self.imu_noise:
             require(
                 name in self.imus,

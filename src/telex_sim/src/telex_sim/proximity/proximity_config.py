@@ -5,50 +5,45 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Collection, Iterator, Set, Tuple
 
-from telex_control.common.params import ConfigError, require, require_range
+from telex_control.common.params import ConfigError, Declared, number, parameter, require
 
 
 @dataclass(frozen=True)
-class ProximityConfig:
-    """Which distances are watched.
+class ProximityConfig(Declared):
+    """Which distances are watched."""
 
-    Attributes
-    ----------
-    rate : float
-        How often they are taken while somebody listens (Hz of sim time); 0: never.
-    near : float
-        Distance within which a pair is told also when the arm rests (m).
-    horizon : float
-        A pair that the arm's present velocities could bring together within this time (s) is told
-        from further away.
-    range : float
-        What is further away is never told (m).
-    most_pairs : int
-        The nearest that are told.
-    joints : tuple of str
-        The arm's joints, from its base outwards; none: nothing is watched.
-    fingers : tuple of tuple of str
-        The joints of each finger. Fingers may touch what is not the robot's own, and what they
-        hold between them belongs to the arm.
-    """
+    rate: float = number(
+        30.0,
+        "How often they are taken while somebody listens (Hz of sim time); 0: never.",
+        0.0,
+        1000.0,
+    )
+    near: float = number(
+        0.04,
+        "Distance within which a pair is told also when the arm rests (m).",
+        maximum=2.0,
+        above=0.0,
+    )
+    horizon: float = number(
+        0.25,
+        "A pair that the arm's present velocities could bring together within this time (s) is "
+        "told from further away.",
+        0.0,
+        5.0,
+    )
+    range: float = number(0.2, "What is further away is never told (m).", lambda own: own.near, 2.0)
+    most_pairs: int = number(32, "The nearest that are told.", 1, 1000)
+    joints: Tuple[str, ...] = parameter(
+        (), "The arm's joints, from its base outwards; none: nothing is watched."
+    )
+    fingers: Tuple[Tuple[str, ...], ...] = parameter(
+        (),
+        "The joints of each finger. Fingers may touch what is not the robot's own, and what they "
+        "hold between them belongs to the arm.",
+    )
 
-    rate: float = 30.0
-    near: float = 0.04
-    horizon: float = 0.25
-    range: float = 0.2
-    most_pairs: int = 32
-    joints: Tuple[str, ...] = ()
-    fingers: Tuple[Tuple[str, ...], ...] = ()
-
-    def __post_init__(self) -> None:
-        require_range(self, "rate", 0.0, 1000.0)
-        require_range(self, "near", maximum=2.0, above=0.0)
-        require_range(self, "horizon", 0.0, 5.0)
-        require_range(self, "range", self.near, 2.0)
-        require(
-            1 <= self.most_pairs <= 1000,
-            f"most_pairs is {self.most_pairs}; 1 to 1000 is possible",
-        )
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
         seen: Set[str] = set()
         for name in (*self.joints, *(name for finger in self.fingers for name in finger)):
             require(name not in seen, f"joint '{name}' is named twice in joints and fingers")

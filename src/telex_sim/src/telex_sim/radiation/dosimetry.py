@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import zlib
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Collection, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
@@ -13,7 +13,6 @@ from telex_control.common.params import (
     number,
     parameter,
     require,
-    require_range,
     required,
 )
 from telex_control.common.stateful import Stateful
@@ -83,55 +82,55 @@ class Electronics(Declared):
 
 
 @dataclass(frozen=True)
-class DosimetryConfig:
-    """Where a robot's dose is measured, and what it does.
+class DosimetryConfig(Declared):
+    """Where a robot's dose is measured, and what it does."""
 
-    Attributes
-    ----------
-    rate : float
-        How often the field is computed, in scenes with sources (Hz of sim time); every second time
-        it is told.
-    hull, tool : str
-        Links in whose origins the dosimeter measures; empty, or of another robot: the root link,
-        and no tool.
-    detector : str
-        Link of a shielded detector, which measures along its x axis, by `Collimator`; on a robot
-        that has it, it takes the tool's place, and the dosimeter is read everywhere.
-    alarm_rate : float
-        Dose rate of hull or tool from which the dosimeter warns (Gy/h).
-    alarm_dose : float
-        Dose of the hull from which it warns (Gy).
-    history : dict of str to float
-        Doses received before (Gy), by the name of a camera, or ``robot``; a scene may say more.
-    camera_life : float
-        Dose at which a camera dies, in the mean (Gy).
-    electronics : dict of str to Electronics
-        By name; those whose link a robot lacks are left out.
-    spread : float
-        Share of a life by which lives differ at most, evenly spread: each camera's and each
-        electronics' is by its name and the seed.
-    """
+    rate: float = number(
+        10.0,
+        "How often the field is computed, in scenes with sources (Hz of sim time); every second "
+        "time it is told.",
+        maximum=100.0,
+        above=0.0,
+    )
+    hull: str = parameter(
+        "",
+        "Link in whose origin the dosimeter measures; empty, or of another robot: the root link.",
+    )
+    tool: str = parameter("", "Another one; empty, or of another robot: none.")
+    detector: str = parameter(
+        "",
+        "Link of a shielded detector, which measures along its x axis, by `Collimator`; on a robot "
+        "that has it, it takes the tool's place, and the dosimeter is read everywhere.",
+    )
+    collimator: Collimator = parameter(Collimator, "Shield of the detector.")
+    alarm_rate: float = number(
+        1.0,
+        "Dose rate of hull or tool from which the dosimeter warns (Gy/h).",
+        0.0,
+        MOST_GRAYS,
+    )
+    alarm_dose: float = number(10.0, "Dose of the hull from which it warns (Gy).", 0.0, MOST_GRAYS)
+    history: Dict[str, float] = parameter(
+        dict,
+        "Doses received before (Gy), by the name of a camera, or ``robot``; a scene may say more.",
+    )
+    camera_life: float = number(
+        88.0, "Dose at which a camera dies, in the mean (Gy).", maximum=MOST_GRAYS, above=0.0
+    )
+    electronics: Dict[str, Electronics] = parameter(
+        dict, "By name; those whose link a robot lacks are left out."
+    )
+    spread: float = number(
+        0.3,
+        "Share of a life by which lives differ at most, evenly spread: each camera's and each "
+        "electronics' is by its name and the seed.",
+        0.0,
+        0.99,
+    )
+    seed: int = number(0, "See `spread`.", 0)
 
-    rate: float = 10.0
-    hull: str = ""
-    tool: str = ""
-    detector: str = ""
-    collimator: Collimator = field(default_factory=Collimator)
-    alarm_rate: float = 1.0
-    alarm_dose: float = 10.0
-    history: Dict[str, float] = field(default_factory=dict)
-    camera_life: float = 88.0
-    electronics: Dict[str, Electronics] = field(default_factory=dict)
-    spread: float = 0.3
-    seed: int = 0
-
-    def __post_init__(self) -> None:
-        require_range(self, "rate", maximum=100.0, above=0.0)
-        require_range(self, "alarm_rate", 0.0, MOST_GRAYS)
-        require_range(self, "alarm_dose", 0.0, MOST_GRAYS)
-        require_range(self, "camera_life", maximum=MOST_GRAYS, above=0.0)
-        require_range(self, "spread", 0.0, 0.99)
-        require_range(self, "seed", 0)
+    def check(self) -> None:
+        """Check what concerns single ones in a way of its own; see `Declared.check`."""
         require_history(self.history)
 
     def lacking(self, links: Collection[str]) -> List[str]:

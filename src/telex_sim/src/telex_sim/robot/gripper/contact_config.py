@@ -5,38 +5,36 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Collection, Tuple
 
-from telex_control.common.params import ConfigError, require, require_range
+from telex_control.common.params import ConfigError, Declared, number, parameter, require
 
 
 @dataclass(frozen=True)
-class GripperContactConfig:
-    """What is told of a gripper's contacts.
+class GripperContactConfig(Declared):
+    """What is told of a gripper's contacts."""
 
-    Attributes
-    ----------
-    rate : float
-        How often they are taken while somebody listens (Hz of sim time); 0: never.
-    pads : tuple of str
-        The links of both pads; none: there is no gripper.
-    slip_speed : float
-        Of what is held along a pad, from which it counts as slipping (m/s).
-    stick_speed : float
-        Below which it no longer does (m/s).
-    """
+    rate: float = number(
+        50.0,
+        "How often they are taken while somebody listens (Hz of sim time); 0: never.",
+        0.0,
+        1000.0,
+    )
+    pads: Tuple[str, ...] = parameter((), "The links of both pads; none: there is no gripper.")
+    slip_speed: float = number(
+        3e-3,
+        "Of what is held along a pad, from which it counts as slipping (m/s).",
+        maximum=1.0,
+        above=0.0,
+    )
+    stick_speed: float = number(
+        1e-3, "Below which it no longer does (m/s).", 0.0, lambda own: own.slip_speed
+    )
 
-    rate: float = 50.0
-    pads: Tuple[str, ...] = ()
-    slip_speed: float = 3e-3
-    stick_speed: float = 1e-3
-
-    def __post_init__(self) -> None:
-        require_range(self, "rate", 0.0, 1000.0)
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
         require(
             len(self.pads) in (0, 2) and len(set(self.pads)) == len(self.pads),
             f"pads names {', '.join(self.pads)}; two links are needed, or none",
         )
-        require_range(self, "slip_speed", maximum=1.0, above=0.0)
-        require_range(self, "stick_speed", 0.0, self.slip_speed)
 
     def present(self, links: Collection[str], optional: Collection[str]) -> bool:
         """Whether a robot has this gripper.
