@@ -37,7 +37,6 @@ class Trial(OfflineRig):
 
     Attributes
     ----------
-    urdf : str
     load : int or None
         PyBullet's number of the load.
     """

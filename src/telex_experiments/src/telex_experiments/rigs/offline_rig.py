@@ -38,9 +38,6 @@ class OfflineRig:
 
     Attributes
     ----------
-    simulation : Simulation
-    offline : OfflineSimulation
-    robot : OfflineRobot
     operator : DirectOperator
         Of tracks and joints.
     each_step : list of callable

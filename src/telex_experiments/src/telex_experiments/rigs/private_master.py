@@ -114,7 +114,6 @@ class PrivateMaster:
 
     Attributes
     ----------
-    port : int
     uri : str
         What belongs into ``ROS_MASTER_URI``.
 

@@ -15,10 +15,6 @@ class GasSensor(Stateful):
     """Reads the gas at a link, in the simulation's thread; nothing in scenes without leaks.
 
     As a watcher of the robot it goes back to a bookmark with it.
-
-    Parameters
-    ----------
-    robot : Robot
     """
 
     SAVED = ("_reading",)

@@ -66,7 +66,6 @@ class Simulation:
         `change_scene`.
     scene_path : Path
         Of its file.
-    objects : SceneBodies
     robots : tuple of Robot
         The one that it began with, then those that were added. Replaced as a whole.
     changes : int

@@ -322,7 +322,6 @@ def read_robot_config(params: Mapping[str, Any], name: str) -> RobotConfig:
 
     Parameters
     ----------
-    params : mapping
     name : str
         Where they are, for messages.
 

@@ -37,7 +37,6 @@ def start_in_scene(scene: Scene, config: StartConfig, number: int) -> Optional[S
 
     Parameters
     ----------
-    scene : Scene
     config : StartConfig
         The robot's.
     number : int
@@ -62,7 +61,6 @@ def place_beside(
 
     Parameters
     ----------
-    world : World
     start : Start
         The scene's.
     robots : mapping of int to str

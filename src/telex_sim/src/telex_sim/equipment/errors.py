@@ -15,10 +15,8 @@ class Errors(Stateful):
 
     Parameters
     ----------
-    robot : Robot
     name : str
         Of the sensor: two of a robot differ in their errors, as those of two robots do.
-    seed : int
     """
 
     SAVED_PARTS = ("_normal",)

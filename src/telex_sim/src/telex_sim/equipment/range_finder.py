@@ -28,11 +28,6 @@ class RangeFinder(Stateful):
     The link that carries it does not stand in its way. As a watcher of the robot it goes back to a
     bookmark with it.
 
-    Parameters
-    ----------
-    robot : Robot
-    config : RangeFinderConfig
-
     Attributes
     ----------
     link : str

@@ -107,12 +107,7 @@ def charge_of(config: BatteryConfig, share: float, power: float) -> Charge:
 
 
 class Reach:
-    """How far a charge lasts, by what the robot has taken for each metre of late.
-
-    Parameters
-    ----------
-    config : BatteryConfig
-    """
+    """How far a charge lasts, by what the robot has taken for each metre of late."""
 
     def __init__(self, config: BatteryConfig) -> None:
         self._config = config

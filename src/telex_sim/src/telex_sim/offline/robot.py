@@ -27,16 +27,13 @@ class OfflineRobot:
 
     Parameters
     ----------
-    offline : OfflineSimulation
     node : LocalNodeHandle, optional
         Of a further robot; by default it is the first.
 
     Attributes
     ----------
-    simulation : Simulation
     robot : Robot
         What it is in the simulation.
-    urdf : str
     positions, velocities : dict of str to float
         Of the joints, as they were published last (rad, m; rad/s, m/s).
     run : callable

@@ -84,7 +84,6 @@ class OfflineSimulation:
 
     Attributes
     ----------
-    simulation : Simulation
     node : LocalNodeHandle
         For topics and parameters, named as in the graph without the namespace.
     """
@@ -112,7 +111,6 @@ class OfflineSimulation:
         ----------
         name : str
             In the scene.
-        urdf : str
 
         Returns
         -------

@@ -42,7 +42,6 @@ class Links:
         Those of them that are of the arm: of an inner link, the first of an outer one's.
     fingers : list of list of int
         The links of each finger.
-    finger_links : frozenset of int
     hand : frozenset of int
         The fingers, and what they sit on.
     moving : list of int

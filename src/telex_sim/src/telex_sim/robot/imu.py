@@ -35,7 +35,6 @@ class Imu(Stateful):
 
     Attributes
     ----------
-    handle : ImuSensorHandle
     errors : ImuErrors or None
         What is added to the truth; None where it is exact.
     bias : float

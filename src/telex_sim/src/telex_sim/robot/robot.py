@@ -57,14 +57,12 @@ class Robot:
         Full name, without a slash at its end.
     figure : RobotBody
         What of it becomes a body.
-    hw : RobotHWSim
     links : tuple of str
         Names of those of its description.
     equipment : tuple of str
         Names of what of `EquipmentConfig` it has.
     has_pads : bool
         Whether it has a gripper whose contacts are told.
-    controllers : ControllerManager
     body : Body
         Once it is placed.
     proximity : ProximityMonitor

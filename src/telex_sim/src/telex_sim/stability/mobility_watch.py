@@ -23,7 +23,6 @@ class TipOverWarning(Stateful):
 
     Attributes
     ----------
-    warned : bool
     direction : float
         Where the robot would tip, in its x-y plane (rad): of the last warning.
     margin : float
@@ -111,12 +110,7 @@ _ROUNDING = 1e-6
 
 
 class TipOverDetector(Stateful):
-    """Tells that a robot lies on its side or back: it is tilted far, and stays so.
-
-    Attributes
-    ----------
-    tipped : bool
-    """
+    """Tells that a robot lies on its side or back: it is tilted far, and stays so."""
 
     SAVED = ("tipped",)
     SAVED_TIMES = ("_since",)
@@ -157,10 +151,6 @@ class StuckDetector(Stateful):
     ----------
     half_gauge : float
         Half the distance of the belts (m): a turn moves them along by so much for a radian.
-
-    Attributes
-    ----------
-    stuck : bool
     """
 
     SAVED = ("_heading", "_samples", "_turned", "stuck")

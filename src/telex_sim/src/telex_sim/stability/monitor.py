@@ -89,10 +89,8 @@ class StabilityMonitor(Stateful):
 
     Attributes
     ----------
-    attitude : Attitude
     warning : TipOverWarning
         Of the margins that were asked for.
-    tipped, stuck : bool
     """
 
     SAVED = ("_inertial", "_momentum", "_period", "attitude")

@@ -31,10 +31,6 @@ class StationPoller:
     ----------
     pictures_wanted : callable
         Whether somebody looks at pictures.
-
-    Attributes
-    ----------
-    watch : StationWatch
     """
 
     def __init__(self, station: Station, pictures_wanted: Callable[[], bool]) -> None:

@@ -46,7 +46,6 @@ def check_file(file: ExerciseFile, with_robot: bool = True) -> List[Finding]:
 
     Parameters
     ----------
-    file : ExerciseFile
     with_robot : bool
         Whether to make the robot and put it into each scene, too; that takes some seconds.
 
@@ -74,7 +73,6 @@ def check_exercise(exercise: Exercise, urdfs: Optional[Dict[str, str]] = None) -
 
     Parameters
     ----------
-    exercise : Exercise
     urdfs : dict of str to str, optional
         URDFs by variant, which it fills; None: leave the robot out.
     """

@@ -104,7 +104,6 @@ class ExerciseFile:
 
     Attributes
     ----------
-    path : Path
     text : str
         As it stands in the file.
     settings : dict of str to Exercise
@@ -152,7 +151,6 @@ def parse_exercise(text: str, path: Path) -> ExerciseFile:
 
     Parameters
     ----------
-    text : str
     path : Path
         Of the file: for messages, for relative paths, and for the name where it gives none.
 

@@ -14,7 +14,6 @@ class Finding:
 
     Attributes
     ----------
-    where, text : str
     wrong : bool
         Otherwise it is worth knowing, and no more.
     """

@@ -30,7 +30,6 @@ class MetricKind:
         Empty: a plain number.
     text : str
         For people.
-    more_is_better : bool
     over : str
         How repetitions make one figure where the exercise does not say: worst for what is a matter
         of safety.

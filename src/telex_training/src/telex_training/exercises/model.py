@@ -132,7 +132,6 @@ class Question:
 
     Attributes
     ----------
-    name, ask : str
     of : str
         Object on which the answer can be read, drawn anew in every repetition; or empty.
     row, place : int
@@ -438,7 +437,6 @@ class Radiation:
 
     Attributes
     ----------
-    sources : tuple of Source
     limits : dict of str to float
         Dose of a repetition from which it is spoilt, by component (Gy).
     history : dict of str to float

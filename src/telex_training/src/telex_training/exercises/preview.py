@@ -106,8 +106,6 @@ def preview_picture(
 
     Parameters
     ----------
-    exercise : Exercise
-    seed : int
     size : tuple of int
         Pixels.
     top : bool

@@ -23,7 +23,6 @@ def right_answers(exercise: Exercise, text: str) -> Dict[str, str]:
 
     Parameters
     ----------
-    exercise : Exercise
     text : str
         Of the scene, as `seeds.scene_text` makes it; a sealed entry needs this machine's key.
 

@@ -36,11 +36,6 @@ def draw(exercise: Exercise, seed: int) -> Drawn:
 
     The seed decides where things stand, and nothing of what is to be read.
 
-    Parameters
-    ----------
-    exercise : Exercise
-    seed : int
-
     Raises
     ------
     ExerciseError

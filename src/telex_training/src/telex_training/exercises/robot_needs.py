@@ -20,8 +20,6 @@ def lacking(exercise: Exercise, urdf: str, of: str = "") -> Iterator[Tuple[str, 
 
     Parameters
     ----------
-    exercise : Exercise
-    urdf : str
     of : str
         Which of the exercise's robots it is; empty: the first.
 

@@ -36,7 +36,6 @@ def drawn_changes(vary: Sequence[Vary], seed: int) -> List[Change]:
 
     Parameters
     ----------
-    vary : sequence of Vary
     seed : int
         0 or more.
 
@@ -66,8 +65,6 @@ def scene_text(
 
     Parameters
     ----------
-    exercise : Exercise
-    seed : int
     sealed : mapping of str to str, optional
         Tokens (`telex_sim.scene.sealed`) by the objects that are to be drawn anew.
     find : callable

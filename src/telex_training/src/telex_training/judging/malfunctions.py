@@ -25,9 +25,6 @@ class Episode:
 
     Attributes
     ----------
-    what, group, kind : str
-    value : float
-    announced : bool
     stamp : genpy.Time
         By which the simulator tells it from others of its kind.
     since : float

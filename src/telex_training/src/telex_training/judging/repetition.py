@@ -87,14 +87,12 @@ class Repetition:
         s; None: it has not.
     looked : bool
         Whether a sample of the start was seen.
-    ended : bool
     seconds : float
         Without penalties (s of sim time), while it lasts and when it has ended.
     penalty : float
         s.
     fault : str
         Empty: none.
-    completed : bool
     step_times : list of float or None
         When each step was done (s from the begin), None: it was not.
     marks : list of str

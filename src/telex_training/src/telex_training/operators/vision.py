@@ -116,10 +116,6 @@ def find(image: np.ndarray, color: Color, least: float = 40.0) -> Optional[Blob]
         Blue, green, red.
     least : float
         Area (pixels) of what counts.
-
-    Returns
-    -------
-    Blob or None
     """
     hsv = cv2.cvtColor(image, cv2.COLOR_BGR2HSV)
     hue = 2.0 * hsv[..., 0].astype(np.float32)  # OpenCV's is half of the degrees

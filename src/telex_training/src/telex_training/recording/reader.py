@@ -124,10 +124,6 @@ def repair(path: Path) -> Recording:
 
     What is left of it is written to a new file first, which then takes its name.
 
-    Returns
-    -------
-    Recording
-
     Raises
     ------
     RecordingError

@@ -21,7 +21,6 @@ class OfflineControllers(Port):
 
     Parameters
     ----------
-    robot : OfflineRobot
     advance : callable
         Lets so much sim time (s) pass.
     """

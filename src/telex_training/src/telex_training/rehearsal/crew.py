@@ -230,7 +230,6 @@ def compare(
         `about_machine` of each worker, by its address.
     here : mapping
         Of this machine.
-    scheduler : str
     warn : callable
 
     Raises

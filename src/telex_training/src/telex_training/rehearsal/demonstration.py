@@ -25,8 +25,6 @@ def demonstrate(
 
     Parameters
     ----------
-    file : ExerciseFile
-    setting : str
     expert : callable
     folder : Path
         Of people's recordings; experts' have one of their own in it.

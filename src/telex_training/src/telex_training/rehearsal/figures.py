@@ -44,7 +44,6 @@ class Place:
     ----------
     setting : str
         In which it is measured.
-    metric : str
     begin, end : int
         Of its list, in the text.
     """
@@ -154,11 +153,8 @@ def with_figures(
 
     Parameters
     ----------
-    text : str
-    where : iterable of Place
     figures : mapping
         By setting and metric.
-    runs : int
 
     Raises
     ------

@@ -37,8 +37,6 @@ class Job:
         Of the exercise's file, for messages.
     text : str
         Of the exercise's file: machines that help need not have it.
-    setting : str
-    seed : int
     operator : str
         `SCRIPTED`, or ``MODULE:FUNCTION``.
     line : str

@@ -44,7 +44,6 @@ def line_setting(exercise: Exercise, profile: str = "") -> LineSetting:
 
     Parameters
     ----------
-    exercise : Exercise
     profile : str
         Name of one in telex_teleop/config/link_profiles.yaml; empty: what the exercise asks for.
 
@@ -69,12 +68,10 @@ class LineTeleop(OfflineTeleop):
 
     Parameters
     ----------
-    robot : OfflineRobot
     advance, on_answer : callable
         As of `OfflineTeleop`.
     hear : callable
         Told of each command as it arrives.
-    setting : LineSetting
     random : Random
         Of losses and jitter.
     """

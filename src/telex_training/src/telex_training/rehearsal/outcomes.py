@@ -21,8 +21,6 @@ class Run:
 
     Attributes
     ----------
-    seed : int
-    passed, completed : bool
     seconds : float or None
         With penalties, of the repetition if it was completed.
     metrics : dict of str to float or None
@@ -136,7 +134,6 @@ class Change:
 
     Attributes
     ----------
-    setting, line : str
     passed, trials : tuple of int
         Before and after.
     chance : float

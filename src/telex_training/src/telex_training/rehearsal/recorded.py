@@ -16,10 +16,8 @@ def record(path: Path, about: Trial, exercise: str, trial: RehearsedTrial, sheet
     ----------
     path : Path
         Of the recording; an earlier one is replaced once the new one is complete.
-    about : Trial
     exercise : str
         Text of the exercise's file.
-    trial : RehearsedTrial
     sheet : str
         Text of its score sheet; empty: it has none.
 

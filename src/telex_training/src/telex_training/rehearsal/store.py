@@ -29,7 +29,6 @@ class About:
     ----------
     exercise, sha256 : str
         Name of the exercise, and digest of its file.
-    operator : str
     software : str
         Digest of the sources, see `jobs.software_digest`.
     """
@@ -41,13 +40,7 @@ class About:
 
 
 class Store:
-    """Outcomes of one campaign in a folder.
-
-    Parameters
-    ----------
-    folder : Path
-    about : About
-    """
+    """Outcomes of one campaign in a folder."""
 
     def __init__(self, folder: Path, about: About) -> None:
         self.folder, self.about = folder, about

@@ -51,7 +51,6 @@ class OfflineTeleop(TeleopPort):
 
     Parameters
     ----------
-    robot : OfflineRobot
     advance : callable, optional
         Lets so much sim time (s) pass; without it, the robot's simulation does.
     on_answer : callable, optional

@@ -117,7 +117,6 @@ def rehearse_to_end(
     exercise : Exercise
         In one of its settings.
     expert : callable
-    seed : int
     line : str
         See `line_setting`.
 
@@ -160,7 +159,6 @@ class RehearsedTrial:
     ----------
     exercise : Exercise
         In one of its settings.
-    seed : int
     folder : Path
         For the scene's file.
     line : str
@@ -168,7 +166,6 @@ class RehearsedTrial:
 
     Attributes
     ----------
-    judge : Judge
     entries : list of Entry
         All that it was fed with.
     scene, urdf : str
@@ -177,7 +174,6 @@ class RehearsedTrial:
         Texts of further robots, by the exercise's names.
     step_size : float
         Of the simulation (s).
-    simulation : Simulation
     readings : Readings, optional
         What the robot has received; None where nothing is told.
     ports : dict of str to TeleopPort

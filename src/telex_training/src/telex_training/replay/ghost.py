@@ -38,7 +38,6 @@ class Span:
         Names and ends of the steps that were done, in the order of time.
     end : float
         Of the repetition, or of what was recorded of it.
-    completed : bool
     """
 
     earliest: float
@@ -92,10 +91,6 @@ class Ghost:
     Of the other run the fastest completed repetition is shown, beside each of the trial's. Begins
     and ends of steps coincide; between them its time runs evenly, and after the last one that both
     did as fast as the trial's.
-
-    Parameters
-    ----------
-    trial, other : Replay
 
     Attributes
     ----------

@@ -83,17 +83,13 @@ class Replay:
 
     Parameters
     ----------
-    recording : Recording
     cameras : mapping
         Parameters of the cameras' node that stand in where the recording has none.
 
     Attributes
     ----------
-    trial : Trial
     exercise : Exercise
         In the trial's setting.
-    timeline : Timeline
-    scenery : Scenery
     urdf : str
         Of the robot.
     cameras : mapping

@@ -19,10 +19,6 @@ _UNTURNED = (0.0, 0.0, 0.0, 1.0)
 class RobotLinks:
     """Forward kinematics from the root link to every link.
 
-    Parameters
-    ----------
-    urdf : str
-
     Attributes
     ----------
     names : tuple of str

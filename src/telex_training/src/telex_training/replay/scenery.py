@@ -29,8 +29,6 @@ class OtherRobot(NamedTuple):
     ----------
     name : str
         In the scene.
-    links : tuple of str
-    visuals : sequence of UrdfVisual
     """
 
     name: str
@@ -43,13 +41,8 @@ class RobotBeside:
 
     Parameters
     ----------
-    urdf : str
     timeline : Timeline
         Its own.
-
-    Attributes
-    ----------
-    robot : OtherRobot
 
     Raises
     ------
@@ -121,8 +114,6 @@ class Scenery:
 
         Parameters
         ----------
-        moment : Moment
-        revision : int
         other : OtherRobot, optional
             A robot of another run.
         """
@@ -153,7 +144,6 @@ class Scenery:
 
         Parameters
         ----------
-        moment : Moment
         revision : int
             Of the description.
         stamp : int

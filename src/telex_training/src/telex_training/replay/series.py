@@ -92,7 +92,6 @@ def envelope(
         s, in order.
     duration : float
         s.
-    bins : int
 
     Returns
     -------

@@ -73,7 +73,6 @@ class Part:
     ----------
     robot : str
         Name of the robot in the scene.
-    names : Names
     first : int
         Index of its first sample.
     base : ndarray, shape (n, 7)
@@ -144,7 +143,6 @@ class Timeline:
 
     Parameters
     ----------
-    recording : Recording
     robot : str
         Which of its robots it is about, by the exercise's name; empty: the first.
     robots : sequence of str

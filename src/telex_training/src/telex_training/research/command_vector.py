@@ -34,7 +34,6 @@ class Rate(NamedTuple):
     ----------
     part : str
         One of `PARTS`.
-    name : str
     most : float
         Magnitude at full speed (m/s, rad/s).
     key : str
@@ -55,15 +54,11 @@ class CommandVector:
 
     Parameters
     ----------
-    urdf : str
     parts : sequence of str
         Those of `PARTS` that the vector has, in the order there; what the robot lacks is left out.
 
     Attributes
     ----------
-    rates : tuple of Rate
-    names : tuple of str
-    most : ndarray of float
     joints : tuple of str
         All joints of the teleoperation nodes, whatever the parts.
 
@@ -94,7 +89,6 @@ class CommandVector:
 
         Parameters
         ----------
-        values : ndarray
         moving : sequence of str
             Parts that moved before, which are told to stop.
         """

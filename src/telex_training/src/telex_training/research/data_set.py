@@ -39,8 +39,6 @@ def write_data_set(
     ----------
     folder : Path
         Of the data set.
-    files : sequence of Path
-    cameras : sequence of str
     width : int
         Of the pictures (pixels).
     rate : int

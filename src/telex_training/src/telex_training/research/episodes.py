@@ -122,7 +122,6 @@ def episodes(
 
     Parameters
     ----------
-    recording : Recording
     replay : Replay
         Of the same.
     vector : CommandVector

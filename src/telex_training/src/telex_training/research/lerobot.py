@@ -98,7 +98,6 @@ class DataSet:
 
         Parameters
         ----------
-        episode : Episode
         pictures : iterable of mapping of str to ndarray
             For each frame the picture of each camera: RGB, uint8.
         """

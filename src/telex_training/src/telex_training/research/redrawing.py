@@ -29,8 +29,6 @@ def redrawn(
 
     Parameters
     ----------
-    replay : Replay
-    moments : sequence of Moment
     names : sequence of str
         Cameras.
     width : int, optional

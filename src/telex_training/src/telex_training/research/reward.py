@@ -20,7 +20,6 @@ class Reward:
 
     Parameters
     ----------
-    exercise : Exercise
     state : mapping
         As `Judge.state` has it at first.
     weights : mapping of str to float

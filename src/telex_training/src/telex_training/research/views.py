@@ -26,7 +26,6 @@ class Views:
 
     Parameters
     ----------
-    config : CamerasConfig
     names : sequence of str
         Cameras.
     width : int

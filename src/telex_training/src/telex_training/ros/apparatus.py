@@ -100,7 +100,6 @@ class Apparatus:
 
         Parameters
         ----------
-        link : Link
         others : iterable of str
             Namespaces of further robots whose lines it is, too.
 

@@ -169,10 +169,6 @@ class Standing:
     **options
         See `Trial`.
 
-    Attributes
-    ----------
-    trial : Trial
-
     Raises
     ------
     ValueError

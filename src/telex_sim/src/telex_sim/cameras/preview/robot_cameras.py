@@ -31,7 +31,6 @@ class RobotCameras:
 
     Parameters
     ----------
-    config : CamerasConfig
     names : sequence of str
         Cameras that are wanted.
     width : int, optional
@@ -117,7 +116,6 @@ class RobotCameras:
 
         Parameters
         ----------
-        name : str
         zoom : float
             Factor on the focal length.
         exposed, flaws

@@ -73,7 +73,6 @@ class Broken(NamedTuple):
     ----------
     flaws : dict of str to Flaws
         By camera.
-    lamps : frozenset of str
     unpowered : frozenset of str
         What has no power, as telex_msgs/Malfunctions names it.
     """

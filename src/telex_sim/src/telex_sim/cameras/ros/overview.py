@@ -27,10 +27,6 @@ class Overview:
         As for `CameraStream`.
     prefix
         Of its topics.
-
-    Attributes
-    ----------
-    stream : CameraStream
     """
 
     def __init__(self, config: OverviewConfig, model: str, seed: int, prefix: str = "") -> None:

@@ -27,10 +27,6 @@ class EquipmentPublisher:
 
     A robot without one has a training aid in its place, which is exact, on a topic in ``sim``; so
     has each with fingers one that measures how wide it is what they could close on.
-
-    Parameters
-    ----------
-    robot : Robot
     """
 
     def __init__(self, robot: Robot) -> None:

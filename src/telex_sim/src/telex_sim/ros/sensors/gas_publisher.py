@@ -13,12 +13,7 @@ _PER_MILLION = 1.0e6
 
 
 class GasPublisher:
-    """Publishes what a robot's gas sensor reads, in scenes with leaks.
-
-    Parameters
-    ----------
-    robot : Robot
-    """
+    """Publishes what a robot's gas sensor reads, in scenes with leaks."""
 
     def __init__(self, robot: Robot) -> None:
         self._sensor = GasSensor(robot)

@@ -17,10 +17,6 @@ class MicrophonePublisher:
     """Publishes, where a robot has a microphone, what it hears its belts run on.
 
     The sounds themselves are made where they are played.
-
-    Parameters
-    ----------
-    robot : Robot
     """
 
     def __init__(self, robot: Robot) -> None:

@@ -111,10 +111,8 @@ class CustomLink:
 
     Attributes
     ----------
-    name : str
     mass : float
         kg, spread evenly over the solid parts; a static root needs none.
-    parts : list of CustomPart
     friction : float
         Coefficient.
     rolling_friction : float
@@ -137,7 +135,6 @@ class CustomJoint:
 
     Attributes
     ----------
-    name, parent, child : str
     motion : str
         hinge, slide or latch.
     position, rpy : tuple of 3 floats

@@ -17,10 +17,6 @@ class SceneGas:
     """The gas of a scene's leaks, which moves with them.
 
     It is of the objects that there are when it is made, as `SceneField` is.
-
-    Parameters
-    ----------
-    objects : SceneBodies
     """
 
     def __init__(self, objects: SceneBodies) -> None:

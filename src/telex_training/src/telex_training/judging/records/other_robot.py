@@ -37,9 +37,6 @@ class OtherRobot:
     ----------
     world : World
         As its own truth tells it.
-    activity : ActivityRecord
-    continuity : Continuity
-    link : LinkRecord
     """
 
     def __init__(self, name: str, scene: Optional[Scene], urdf: str) -> None:

@@ -14,7 +14,6 @@ class Brief:
 
     Attributes
     ----------
-    setting : str
     entries : mapping of str to mapping
         Of the scene's file, by the objects' names.
     answers : mapping of str to str

@@ -20,7 +20,6 @@ def pursue(station: Station, points: Sequence[Point], speed: float, ahead: float
 
     Parameters
     ----------
-    station : Station
     points : sequence of tuple of 2 floats
         Corners of the line, in the station's course (m).
     speed : float

@@ -41,10 +41,6 @@ class Pages(PageServer):
         Of the recordings.
     port : int
         0: any free one.
-
-    Attributes
-    ----------
-    briefs : BriefPages
     """
 
     def __init__(

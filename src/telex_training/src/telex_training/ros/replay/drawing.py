@@ -112,8 +112,6 @@ class Drawing:
 
         Parameters
         ----------
-        replay : Replay
-        moment : Moment
         camera : str
             One of the configuration's, see `replay_config`.
         view : ViewConfig, optional

@@ -23,8 +23,6 @@ class Ghosts:
 
     Parameters
     ----------
-    library : Library
-    shelf : Shelf
     folder : Path
         Of the recordings.
     """

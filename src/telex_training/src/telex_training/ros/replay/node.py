@@ -43,12 +43,7 @@ _IN_A_TRIAL = (PREPARING, WAITING, RUNNING, BETWEEN)
 
 
 class ReplayNode:
-    """Services, topics and pages of the replay.
-
-    Parameters
-    ----------
-    settings : ReplaySettings
-    """
+    """Services, topics and pages of the replay."""
 
     def __init__(self, settings: ReplaySettings) -> None:
         self._phase = ""

@@ -34,9 +34,6 @@ class ReplayPages(PageServer):
 
     Parameters
     ----------
-    shelf : Shelf
-    ghosts : Ghosts
-    drawing : Drawing
     folder : Path
         Of the page's files.
     port : int

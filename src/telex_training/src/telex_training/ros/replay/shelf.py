@@ -28,7 +28,6 @@ class Open(NamedTuple):
 
     Attributes
     ----------
-    replay : Replay
     problems : list of str
         What is not as it was when it was made.
     """
@@ -42,7 +41,6 @@ class Shelf:
 
     Parameters
     ----------
-    library : Library
     file : Path, optional
         A recording that everybody may see.
     cameras : mapping
