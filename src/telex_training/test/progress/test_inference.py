@@ -7,12 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from telex_training.progress.inference import (
-    curve,
-    difference_of_medians,
-    fisher,
-    student_quantile,
-)
+from telex_training.progress.inference import curve, difference_of_medians, fisher, student_quantile
 
 
 class TestStudent:

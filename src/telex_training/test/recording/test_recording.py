@@ -18,12 +18,7 @@ from telex_training.judging.entries import Entry
 from telex_training.recording import writer as writing
 from telex_training.recording.inbox import Inbox
 from telex_training.recording.reader import read_recording, repair
-from telex_training.recording.writer import (
-    Attachment,
-    RecordingError,
-    RecordingWriter,
-    check_room,
-)
+from telex_training.recording.writer import Attachment, RecordingError, RecordingWriter, check_room
 
 
 def serialised(text):

@@ -5,14 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields
 from typing import Any, Dict, Mapping, Optional, Tuple
 
-from telex_control.common.params import (
-    Declared,
-    number,
-    parameter,
-    read_config,
-    require,
-    word,
-)
+from telex_control.common.params import Declared, number, parameter, read_config, require, word
 
 from ..equipment.equipment_config import EquipmentConfig
 from ..gas.sensor_config import GasSensorConfig

@@ -8,13 +8,7 @@ from typing import Collection, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
-from telex_control.common.params import (
-    Declared,
-    number,
-    parameter,
-    require,
-    required,
-)
+from telex_control.common.params import Declared, number, parameter, require, required
 from telex_control.common.stateful import Stateful
 
 ROBOT = "robot"

@@ -21,17 +21,7 @@ from telex_control.common.geometry.quaternions import IDENTITY, compose
 from telex_control.ros.pose_messages import pose_message
 
 from ..robot.urdf.visuals import UrdfVisual, urdf_visuals
-from ..scene.model import (
-    WORLD_FRAME,
-    Floor,
-    Form,
-    Lamp,
-    Lights,
-    Part,
-    Scene,
-    SceneObject,
-    Surface,
-)
+from ..scene.model import WORLD_FRAME, Floor, Form, Lamp, Lights, Part, Scene, SceneObject, Surface
 
 _WORLD = 0
 _IDENTITY = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)

@@ -6,14 +6,7 @@ from typing import Callable
 
 from telex_sim.offline.robot import OfflineRobot, Pose
 
-from ..operators.port import (
-    Command,
-    Drive,
-    JointTargets,
-    Observation,
-    Placement,
-    Port,
-)
+from ..operators.port import Command, Drive, JointTargets, Observation, Placement, Port
 
 
 class OfflineControllers(Port):

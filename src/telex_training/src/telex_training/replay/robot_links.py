@@ -4,12 +4,7 @@ from __future__ import annotations
 
 from typing import Dict, List, Mapping, Tuple
 
-from telex_control.common.geometry.quaternions import (
-    Pose,
-    about,
-    compose,
-    quaternion_from_rpy,
-)
+from telex_control.common.geometry.quaternions import Pose, about, compose, quaternion_from_rpy
 from telex_control.kinematics.urdf_tree import FIXED, TreeJoint, UrdfTree
 
 _PRISMATIC = "prismatic"

@@ -12,15 +12,7 @@ from telex_msgs.msg import FlipperPresetHold
 from telex_control.kinematics import quaternion_of
 from telex_control.ros.node_handle import NodeHandle, Publisher
 
-from ..operators.port import (
-    Command,
-    Drive,
-    FlipperPreset,
-    Jog,
-    NamedPose,
-    ToolPose,
-    ToolTwist,
-)
+from ..operators.port import Command, Drive, FlipperPreset, Jog, NamedPose, ToolPose, ToolTwist
 
 
 class TopicPublishers:

@@ -17,12 +17,7 @@ from ..cameras_config import LEAST_DETAIL, OpticsConfig
 from ..optics.camera_sensor import CameraSensor
 from ..optics.exposure import ExposureControl
 from .frame_pacer import FramePacer
-from .messages import (
-    camera_info_message,
-    compressed_image_message,
-    depth_message,
-    image_message,
-)
+from .messages import camera_info_message, compressed_image_message, depth_message, image_message
 from .picture_size import PictureSize, Setting
 from .size_by_load import STEPS, Step
 

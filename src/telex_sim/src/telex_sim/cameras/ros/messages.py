@@ -15,14 +15,7 @@ from telex_msgs.msg import SceneDescription, SceneLamp, ScenePoses, SceneVisual
 from telex_control.common.geometry.matrices import pose_matrices
 from telex_control.ros.pose_messages import pose_in, vector_in
 
-from ...scene.visual_scene import (
-    Daylight,
-    Rgb,
-    Visual,
-    VisualLamp,
-    VisualScene,
-    VisualShape,
-)
+from ...scene.visual_scene import Daylight, Rgb, Visual, VisualLamp, VisualScene, VisualShape
 from ..optics.lens import LensCamera
 
 # As compressed_image_transport writes it: what the picture is, and how it is encoded.

@@ -8,11 +8,7 @@ from typing import Any, Dict, Iterable
 
 import rospy
 from std_msgs.msg import String
-from telex_msgs.srv import (
-    ConfigureCamera,
-    ConfigureCameraRequest,
-    ConfigureCameraResponse,
-)
+from telex_msgs.srv import ConfigureCamera, ConfigureCameraRequest, ConfigureCameraResponse
 
 from telex_control.common.params import ConfigError
 

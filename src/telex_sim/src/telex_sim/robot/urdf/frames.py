@@ -10,16 +10,7 @@ from typing import Collection, Dict, NamedTuple
 from telex_control.common.geometry.quaternions import IDENTITY, Pose, Quaternion, compose
 from telex_control.urdf.elements import Vector
 
-from .elements import (
-    Element,
-    by_name,
-    carried_joints,
-    end,
-    mass_of,
-    pose_of,
-    set_pose,
-    vector,
-)
+from .elements import Element, by_name, carried_joints, end, mass_of, pose_of, set_pose, vector
 from .masses import NO_MASS, add_mass, is_placed
 
 

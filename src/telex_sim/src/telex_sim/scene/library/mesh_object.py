@@ -9,16 +9,7 @@ from typing import Tuple
 from telex_control.common.params import require, required
 
 from ..addresses import absolute
-from ..model import (
-    WHITE,
-    Color,
-    Form,
-    Geometry,
-    Part,
-    SceneObject,
-    Surface,
-    Vector3,
-)
+from ..model import WHITE, Color, Form, Geometry, Part, SceneObject, Surface, Vector3
 from .object_type import ObjectType
 from .parameters import kilograms, parameter
 from .shapes import rigid

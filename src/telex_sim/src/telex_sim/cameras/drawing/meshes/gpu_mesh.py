@@ -9,15 +9,7 @@ import moderngl
 import numpy as np
 
 from ....scene.content_store import ContentStore
-from .belts import (
-    Carried,
-    Riders,
-    belt_angle,
-    belt_outline,
-    carried,
-    subdivided,
-    wheel_radius,
-)
+from .belts import Carried, Riders, belt_angle, belt_outline, carried, subdivided, wheel_radius
 from .simplification import coarser, simplified
 
 # The fields of `batching.VERTEX` as OpenGL takes them: form, bytes, name.
