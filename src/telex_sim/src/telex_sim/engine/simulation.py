@@ -27,7 +27,8 @@ from ..scene.assets import Assets
 from ..scene.files.scene_file import SceneError
 from ..scene.model import WORLD_FRAME, Scene, Start
 from ..scene.objects.assembly import Assembly
-from ..scene.objects.bodies import MeshLists, SceneBodies
+from ..scene.objects.bodies import SceneBodies
+from ..scene.objects.body_maker import MeshLists
 from ..scene.objects.irradiation import SceneField
 from ..scene.objects.leaks import SceneGas
 from ..scene.objects.places import steady

@@ -25,7 +25,8 @@ from ..robot.meshes import check_meshes
 from ..scene.files.scene_file import SceneError
 from ..scene.model import LARGEST, WORLD_FRAME, Floor, Scene, Start
 from ..scene.objects.assembly import Assembly
-from ..scene.objects.bodies import MeshLists, SceneBodies
+from ..scene.objects.bodies import SceneBodies
+from ..scene.objects.body_maker import MeshLists
 from ..scene.planning import PlannedScene, Progress
 
 _TIME = 0.1

@@ -6,18 +6,7 @@ Only the thread that owns the PyBullet client may use what is here.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import (
-    Any,
-    Callable,
-    Dict,
-    Hashable,
-    Iterator,
-    List,
-    NamedTuple,
-    Optional,
-    Sequence,
-    Tuple,
-)
+from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 import pybullet
 
@@ -25,17 +14,14 @@ from telex_control.common.geometry.quaternions import Pose, compose, invert
 from telex_control.common.params import ConfigError
 
 from ...engine.overlaps import DEEPEST, MOST_NAMED, overlaps
-from ..model import MOST_OBJECTS, Floor, Form, Motion, SceneObject
-from .assembly import Assembly, BodyPlan, Segment, Shape
+from ..model import MOST_OBJECTS, Floor, SceneObject
+from .assembly import Assembly
+from .body_maker import BodyMaker, MeshLists
 from .latches import Latch, wake
 from .mechanisms import Mechanism
 
-_SLEEP_THRESHOLD = 1e-5
-"""Sum of the squared speeds (m2/s2, rad2/s2) below which a body falls asleep after 2 s. PyBullet's
-own stops things that creep with centimetres per second."""
 _TOUCH = 1e-3
 """Depth (m) to which a new object may be in the robot."""
-_JOINT_TYPES = {Motion.HINGE: pybullet.JOINT_REVOLUTE, Motion.SLIDE: pybullet.JOINT_PRISMATIC}
 
 Progress = Callable[[int, int], None]
 """Told how many objects of how many are in the world."""
@@ -87,26 +73,6 @@ class SceneLatch(NamedTuple):
     latch: Latch
 
 
-class MeshLists:
-    """Vertices and indices of meshes as PyBullet wants them, each mesh once.
-
-    PyBullet keeps the lists that it is given for ever, over a reset of its world and the end of a
-    client: new ones for every load would grow without end.
-    """
-
-    def __init__(self) -> None:
-        self._lists: Dict[Hashable, Tuple[List[Tuple[float, ...]], List[int]]] = {}
-
-    def of(self, shape: Shape, key: Hashable) -> Tuple[List[Tuple[float, ...]], List[int]]:
-        """Return vertices and indices, the same objects whenever they are asked for."""
-        if key not in self._lists:
-            assert shape.vertices is not None
-            indices = [] if shape.triangles is None else shape.triangles.reshape(-1).tolist()
-            # Tuples: unlike lists of numbers, they cost the garbage collector nothing in the end.
-            self._lists[key] = (list(zip(*shape.vertices.T.tolist())), indices)
-        return self._lists[key]
-
-
 class SceneBodies:
     """Whatever stands around the robots.
 
@@ -127,10 +93,7 @@ class SceneBodies:
         self._ground = (-1, "")
         self._active: List[Mechanism] = []
         self._latches: List[Latch] = []
-        # By what they are made of: PyBullet never lets go of a shape that a body has had, so a
-        # scene where the same things come and go would grow without end.
-        self._shapes: Dict[Hashable, int] = {}
-        self._meshes = meshes or MeshLists()
+        self._maker = BodyMaker(client, meshes)
 
     def objects(self) -> List[SceneObject]:
         """All objects, in the order in which they came; may be called from any thread."""
@@ -145,7 +108,7 @@ class SceneBodies:
         self._placed.clear()
         self._active.clear()
         self._latches.clear()
-        self._shapes.clear()
+        self._maker.forget()
         plane = pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=self._client)
         ground = pybullet.createMultiBody(0.0, plane, physicsClientId=self._client)
         pybullet.changeDynamics(
@@ -435,12 +398,8 @@ class SceneBodies:
         KeyError
             No such object or joint.
         """
-        placed = self._placed[name]
-        for uid, plan in zip(placed.bodies, placed.assembly.bodies):
-            for number, segment in enumerate(plan.segments):
-                if segment.joint is not None and segment.joint.name == joint:
-                    return pybullet.getJointState(uid, number - 1, physicsClientId=self._client)[0]
-        raise KeyError(joint)
+        _, uid, index = {each.name: each for each in self.joints()}[f"{name}/{joint}"]
+        return pybullet.getJointState(uid, index, physicsClientId=self._client)[0]
 
     def latch(self, name: str, joint: str) -> Latch:
         """A latch of an object.
@@ -450,11 +409,7 @@ class SceneBodies:
         KeyError
             No such object or latch.
         """
-        placed = self._placed[name]
-        for latch, plan in zip(placed.latches, placed.assembly.latches):
-            if plan.joint.name == joint:
-                return latch
-        raise KeyError(joint)
+        return {each.name: each.latch for each in self.latches()}[f"{name}/{joint}"]
 
     def bodies_of(self, name: str) -> Tuple[int, ...]:
         """PyBullet's bodies of an object; the first carries its root.
@@ -516,10 +471,9 @@ class SceneBodies:
         movable: List[int] = []
         of_link: Dict[str, Tuple[int, int, Pose]] = {}
         for plan in assembly.bodies:
-            shapes = [self._shape(segment.shapes) for segment in plan.segments]
-            uid = self._create_body(plan, shapes, (source.position, source.orientation))
+            uid = self._maker.make(plan, (source.position, source.orientation))
             bodies.append(uid)
-            self._set_dynamics(uid, plan)
+            self._maker.set_dynamics(uid, plan)
             if len(plan.segments) > 1:
                 mechanism = Mechanism(self._client, uid, plan, self._step_size)
                 if not mechanism.idle:
@@ -577,113 +531,6 @@ class SceneBodies:
                 raise ConfigError(f"{owner} would stand in the robot; it needs another place")
         self.check_room(bodies)
 
-    def _shape(self, shapes: Sequence[Shape]) -> int:
-        """PyBullet's shape for all shapes of a segment; -1 for none."""
-        if not shapes:
-            return -1
-        key = tuple(shape.key() for shape in shapes)
-        if key not in self._shapes:
-            self._shapes[key] = self._create_shape(shapes, key)
-        return self._shapes[key]
-
-    def _create_shape(self, shapes: Sequence[Shape], key: Hashable) -> int:
-        client = self._client
-        first = shapes[0]
-        if first.vertices is not None:
-            vertices, indices = self._meshes.of(first, key)
-            exact: Dict[str, object] = {}
-            if first.triangles is not None:
-                exact["indices"] = indices
-                exact["flags"] = pybullet.GEOM_FORCE_CONCAVE_TRIMESH
-            return pybullet.createCollisionShape(
-                pybullet.GEOM_MESH,
-                vertices=vertices,
-                collisionFramePosition=first.pose[0],
-                collisionFrameOrientation=first.pose[1],
-                physicsClientId=client,
-                **exact,
-            )
-        return pybullet.createCollisionShapeArray(
-            shapeTypes=[_GEOMETRY[shape.form] for shape in shapes],
-            halfExtents=[[edge / 2.0 for edge in shape.size] for shape in shapes],
-            radii=[shape.size[0] for shape in shapes],
-            lengths=[shape.size[2] for shape in shapes],
-            collisionFramePositions=[shape.pose[0] for shape in shapes],
-            collisionFrameOrientations=[shape.pose[1] for shape in shapes],
-            physicsClientId=client,
-        )
-
-    def _create_body(self, plan: BodyPlan, shapes: Sequence[int], origin: Pose) -> int:
-        base, *links = plan.segments
-        position, orientation = compose(origin, base.pose)
-        uid = pybullet.createMultiBody(
-            base.mass,
-            shapes[0],
-            -1,
-            basePosition=position,
-            baseOrientation=orientation,
-            baseInertialFramePosition=base.center,
-            baseInertialFrameOrientation=base.axes,
-            linkMasses=[link.mass for link in links],
-            linkCollisionShapeIndices=list(shapes[1:]),
-            linkVisualShapeIndices=[-1] * len(links),
-            linkPositions=[link.pose[0] for link in links],
-            linkOrientations=[link.pose[1] for link in links],
-            linkInertialFramePositions=[link.center for link in links],
-            linkInertialFrameOrientations=[link.axes for link in links],
-            # PyBullet counts from the base, which is 0 here and -1 everywhere else.
-            linkParentIndices=[link.parent for link in links],
-            linkJointTypes=[_joint_type(link) for link in links],
-            linkJointAxis=[link.joint.axis if link.joint else (0.0, 0.0, 1.0) for link in links],
-            physicsClientId=self._client,
-        )
-        for index, link in enumerate(links):
-            if link.joint is not None:
-                pybullet.resetJointState(uid, index, link.joint.start, physicsClientId=self._client)
-        return uid
-
-    def _set_dynamics(self, uid: int, plan: BodyPlan) -> None:
-        client = self._client
-        for index, segment in enumerate(plan.segments, -1):
-            pybullet.changeDynamics(
-                uid,
-                index,
-                lateralFriction=segment.friction,
-                rollingFriction=segment.rolling_friction,
-                spinningFriction=segment.rolling_friction,
-                linearDamping=0.0,
-                angularDamping=0.0,
-                jointDamping=0.0,
-                physicsClientId=client,
-            )
-            if segment.mass > 0.0:
-                pybullet.changeDynamics(
-                    uid, index, localInertiaDiagonal=segment.moments, physicsClientId=client
-                )
-            if segment.joint is not None:
-                pybullet.changeDynamics(
-                    uid,
-                    index,
-                    jointLowerLimit=segment.joint.lower,
-                    jointUpperLimit=segment.joint.upper,
-                    physicsClientId=client,
-                )
-        if not plan.static or plan.inertias:
-            pybullet.changeDynamics(
-                uid,
-                -1,
-                activationState=pybullet.ACTIVATION_STATE_ENABLE_SLEEPING,
-                sleepThreshold=_SLEEP_THRESHOLD,
-                physicsClientId=client,
-            )
-
-
-_GEOMETRY = {
-    Form.BOX: pybullet.GEOM_BOX,
-    Form.SPHERE: pybullet.GEOM_SPHERE,
-    Form.CYLINDER: pybullet.GEOM_CYLINDER,
-}
-
 
 def _can_move(assembly: Assembly) -> bool:
     return bool(assembly.source.model.moving_links())
@@ -705,9 +552,3 @@ def _rest(client: int, uid: int) -> None:
     for joint in range(pybullet.getNumJoints(uid, physicsClientId=client)):
         position = pybullet.getJointState(uid, joint, physicsClientId=client)[0]
         pybullet.resetJointState(uid, joint, position, 0.0, physicsClientId=client)
-
-
-def _joint_type(segment: Segment) -> int:
-    if segment.joint is None:
-        return pybullet.JOINT_FIXED
-    return _JOINT_TYPES[segment.joint.motion]
