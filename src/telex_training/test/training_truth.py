@@ -23,7 +23,8 @@ from telex_msgs.msg import (
 
 from telex_training.exercises.exercise_file import parse_exercise
 from telex_training.judging.entries import Entry
-from telex_training.judging.judge import Judge, JudgeEvent
+from telex_training.judging.judge import Judge
+from telex_training.judging.trial_record import JudgeEvent
 
 PERIOD = 0.02
 STEPS = 10

@@ -19,7 +19,7 @@ from telex_msgs.srv import OpenExercise
 from telex_experiments.rigs.bringup import STATION, SimulatorStartError
 from telex_experiments.rigs.private_simulator import PrivateSimulator, cpu_seconds
 from telex_experiments.rigs.report import Figure
-from telex_training.judging.judge import ENDED, RUNNING, WAITING
+from telex_training.judging.trial_record import ENDED, RUNNING, WAITING
 
 MOST_ABOVE_IDLE = 4.0
 """CPU of the recording node above that of an idle one (% of a core)."""

@@ -43,8 +43,9 @@ from ..judging.entries import (
     TRUTH,
     Entry,
 )
-from ..judging.judge import ENDED, Judge
+from ..judging.judge import Judge
 from ..judging.records.other_robot import channel_of
+from ..judging.trial_record import ENDED
 from ..operators.experts.brief import Brief, Expert
 from ..operators.handling import Hand
 from ..operators.port import Command, NotManagedError

@@ -22,7 +22,7 @@ from telex_sim.scene.robot_in_scene import robot_description
 
 from ..exercises.catalog import find_exercise
 from ..exercises.exercise_file import load_exercise
-from ..judging.judge import ENDED, RUNNING
+from ..judging.trial_record import ENDED, RUNNING
 from ..rehearsal.figures import spread
 from ..rehearsal.line_port import line_setting
 from ..rehearsal.trial import RehearsedTrial, single

@@ -10,7 +10,8 @@ import numpy as np
 
 from ..judging.activity import COMMANDS, STATUSES, asks_for_motion
 from ..judging.entries import BadEntryError, Entry, decode
-from ..judging.judge import RUNNING, Judge
+from ..judging.judge import Judge
+from ..judging.trial_record import RUNNING
 from ..recording.reader import Recording
 from ..recording.trial_file import judge_of
 from ..recording.writer import RecordingError

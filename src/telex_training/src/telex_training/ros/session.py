@@ -22,7 +22,8 @@ from ..exercises.exercise_file import ExerciseFile
 from ..exercises.model import EXAM, PRACTICE, Exercise, Failure
 from ..exercises.readings import draw
 from ..judging.entries import INPUTS, ODOMETRY, Entry
-from ..judging.judge import ENDED, PREPARING, READY, RUNNING, WAITING, Judge, JudgeEvent
+from ..judging.judge import Judge
+from ..judging.trial_record import ENDED, PREPARING, READY, RUNNING, WAITING, JudgeEvent
 from ..recording.inbox import Inbox
 from ..recording.signature import sealing
 from ..recording.station_keys import StationKeyError, station_key

@@ -46,7 +46,7 @@ from ..exercises.exercise_file import ExerciseError, load_exercise
 from ..exercises.model import EXAM, PRACTICE, Exercise
 from ..exercises.robot_needs import lacking
 from ..judging.entries import TELEMETRY
-from ..judging.judge import ENDED, IDLE, READY, JudgeEvent
+from ..judging.trial_record import ENDED, IDLE, READY, JudgeEvent
 from ..judging.workload import INPUT as TLX
 from ..judging.workload import workload_of
 from ..progress.index import ProgressIndex, ProgressIndexError

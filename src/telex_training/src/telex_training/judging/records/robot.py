@@ -7,8 +7,8 @@ from typing import Any, Dict, FrozenSet, List, NamedTuple, Optional, Tuple
 from ...exercises.model import Exercise, Metric
 from ..activity import ActivityRecord
 from ..conditions import Context
-from ..handling import HandlingRecord
 from .contacts import ContactRecord
+from .handling import HandlingRecord
 from .motion import BalanceRecord, MotionRecord
 
 _CONTACTS = ("contacts", "peak_force", "impulse", "pushing")

@@ -21,7 +21,7 @@ from telex_control.common.file_catalog import package_path
 from telex_control.common.params import ConfigError, read_config
 from telex_control.ros.node_start import init_node
 
-from ...judging.judge import BETWEEN, PREPARING, RUNNING, WAITING
+from ...judging.trial_record import BETWEEN, PREPARING, RUNNING, WAITING
 from ...recording.writer import RecordingError
 from ...replay.cameras import shipped_cameras
 from ...replay.replay import Replay

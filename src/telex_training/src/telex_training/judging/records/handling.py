@@ -9,8 +9,8 @@ import numpy as np
 
 from telex_control.common.geometry.matrices import rotation_matrix
 
-from ..exercises.model import Exercise
-from .conditions import Context
+from ...exercises.model import Exercise
+from ..conditions import Context
 
 USUAL_HEIGHT = 0.05
 """A fall by more is a drop (m)."""
