@@ -6,7 +6,7 @@ import math
 import re
 import zlib
 from dataclasses import dataclass, field, replace
-from typing import Dict, Optional, Tuple, TypeVar
+from typing import Dict, List, Optional, Tuple, TypeVar
 
 from telex_control.common.params import (
     ConfigError,
@@ -395,6 +395,10 @@ class CamerasConfig(Declared):
         16,
     )
     egl_device: int = number(0, "Which graphics card, as EGL numbers them.", 0)
+
+    def scene_lamps(self, prefix: str = "") -> List[VisualLamp]:
+        """Return the lamps as parts of a scene, with something before their names."""
+        return [lamp.lamp(f"{prefix}{name}", self.model) for name, lamp in self.lamps.items()]
 
     def seed_of(self, camera: str) -> int:
         """Seed of a camera's noise and dirt: by its name, so that it is the same beside others."""

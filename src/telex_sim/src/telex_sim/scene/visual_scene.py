@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import enum
 import math
-from dataclasses import dataclass, field
-from typing import Tuple, Union
+from dataclasses import dataclass, field, replace
+from typing import Sequence, Tuple, Union
 
 from telex_control.common.geometry.quaternions import Quaternion
 
@@ -259,6 +259,10 @@ class VisualScene:
     visuals: Tuple[Visual, ...]
     lamps: Tuple[VisualLamp, ...] = ()
     daylight: Daylight = field(default_factory=Daylight)
+
+    def with_lamps(self, lamps: Sequence[VisualLamp]) -> VisualScene:
+        """Return it with those of further lamps whose frames it has."""
+        return replace(self, lamps=(*self.lamps, *(x for x in lamps if x.frame in self.frames)))
 
     def __post_init__(self) -> None:
         known = set(self.frames)

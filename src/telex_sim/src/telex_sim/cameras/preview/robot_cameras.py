@@ -21,7 +21,7 @@ from ..drawing.renderer import Renderer
 from ..optics.camera_sensor import CameraSensor
 from ..optics.exposure import ExposureControl, exposure_factor
 from ..optics.flaws import SOUND, Flaws
-from ..ros.messages import frames_from_message, scene_from_message
+from ..ros.messages import frames_from_message, scene_from_message, shadow_focus
 
 
 class RobotCameras:
@@ -76,13 +76,8 @@ class RobotCameras:
         """Begin anew with a scene; returns what of it is not shown, and why."""
         scene, problems = scene_from_message(message)
         self._numbers = {name: number for number, name in enumerate(scene.frames)}
-        lamps = tuple(
-            lamp.lamp(name, self._config.model)
-            for name, lamp in self._config.lamps.items()
-            if self._frame(lamp.frame) in self._numbers
-        )
         with self._context:
-            problems += self._renderer.load_scene(replace(scene, lamps=scene.lamps + lamps))
+            problems += self._renderer.load_scene(scene.with_lamps(self._config.scene_lamps()))
         self._placed, self._frozen = [], {}
         self._exposures = {name: ExposureControl() for name in self.cameras}
         self._sensors = {}
@@ -102,8 +97,7 @@ class RobotCameras:
         self._frames = frames_from_message(self._placed[-1], count, earlier, back)
         eyes = [self._frame(camera.frame) for camera in self._config.cameras.values()]
         seen = [self._numbers[eye] for eye in eyes if eye in self._numbers]
-        focus = self._frames[seen, :3, 3].mean(axis=0) if seen else np.zeros(3)
-        self._renderer.place(self._frames, focus)
+        self._renderer.place(self._frames, shadow_focus(self._frames, seen))
 
     def picture(
         self,

@@ -156,6 +156,12 @@ def frames_from_message(
     return pose_matrices(poses)
 
 
+def shadow_focus(frames_in_world: np.ndarray, cameras: Sequence[int]) -> np.ndarray:
+    """Choose the point around which shadows matter: amid the frames of these numbers."""
+    places = frames_in_world[list(cameras), :3, 3]
+    return places.mean(axis=0) if len(places) else np.zeros(3)
+
+
 def camera_info_message(camera: LensCamera, header: Header) -> CameraInfo:
     """Describe a camera. A rectified picture (R, P) has the focal length and the middle of K."""
     k = camera.intrinsic_matrix()

@@ -8,7 +8,6 @@ import numpy as np
 import rospy
 from std_msgs.msg import Float64
 
-from ...scene.visual_scene import VisualLamp
 from ..cameras_config import OVERVIEW, CamerasConfig, LampConfig
 from ..optics.flaws import Flaws
 from .camera_topics import CameraStream
@@ -62,9 +61,7 @@ class RobotCameras:
             self.streams.append(self._overview.stream)
         # Lamps of several robots have the same names.
         self._lamp = f"{config.model}/" if namespace else ""
-        self.lamps: List[VisualLamp] = [
-            lamp.lamp(f"{self._lamp}{name}", config.model) for name, lamp in config.lamps.items()
-        ]
+        self.lamps = config.scene_lamps(self._lamp)
         self._switches = LampSwitches(config.lamps, prefix)
         self._received = ReceivedDose(prefix)
         self._malfunctions = HeardMalfunctions(prefix)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Dict, Iterable, List, Optional, Sequence
 
 import numpy as np
@@ -11,7 +10,7 @@ from telex_msgs.msg import SceneDescription, ScenePoses
 
 from ...scene.visual_scene import VisualLamp, VisualScene
 from ..drawing.stillness import is_still
-from .messages import frames_from_message, scene_from_message
+from .messages import frames_from_message, scene_from_message, shadow_focus
 
 if TYPE_CHECKING:
     from ..drawing.renderer import Renderer
@@ -66,8 +65,7 @@ class SceneMirror:
         self._numbers = {name: numbers[name] for name in self._camera_frames if name in numbers}
         self._others = {name: numbers[name] for name in self._followed if name in numbers}
         self._tell_missing(message.revision, scene)
-        lamps = tuple(lamp for lamp in self._lamps if lamp.frame in numbers)
-        problems += self._renderer.load_scene(replace(scene, lamps=scene.lamps + lamps))
+        problems += self._renderer.load_scene(scene.with_lamps(self._lamps))
         self._revision = scene.revision
         self._frame_count = len(scene.frames)
         for problem in problems:
@@ -123,7 +121,8 @@ class SceneMirror:
             return False
         try:
             frames_in_world = frames_from_message(message, self._frame_count, earlier, back)
-            self._renderer.place(frames_in_world, self._focus(frames_in_world), recast)
+            focus = shadow_focus(frames_in_world, tuple(self._numbers.values()))
+            self._renderer.place(frames_in_world, focus, recast)
         except ValueError as error:
             rospy.logwarn_throttle(_WARNING_PERIOD, f"poses are left out: {error}")
             return False
@@ -136,11 +135,6 @@ class SceneMirror:
         return message.revision == self._revision and not is_still(
             np.asarray(message.poses), self._poses
         )
-
-    def _focus(self, frames_in_world: np.ndarray) -> np.ndarray:
-        """Choose the point around which shadows matter: amid the cameras."""
-        cameras = frames_in_world[list(self._numbers.values()), :3, 3]
-        return cameras.mean(axis=0) if len(cameras) else np.zeros(3)
 
     def has(self, frame: str) -> bool:
         """Whether the scene has a camera, or what else is to be known, of this name."""
