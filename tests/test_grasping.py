@@ -18,7 +18,7 @@ from telex_experiments.grasping.holding import (
     rig_for,
     sway,
 )
-from telex_experiments.grasping.rig import OBLIQUE, TOP, Rig
+from telex_experiments.grasping.rig import OBLIQUE, TOP, GraspRig
 from telex_experiments.grasping.things import PAD_FRICTION, THINGS
 
 pytestmark = pytest.mark.slow
@@ -151,7 +151,7 @@ def state_of_a_grasp() -> Tuple[float, ...]:
         return (*rig.simulation.link_poses(), rig.speed(name), *_forces(rig))
 
 
-def _forces(rig: Rig) -> Tuple[float, ...]:
+def _forces(rig: GraspRig) -> Tuple[float, ...]:
     return tuple(pad.normal_force for pad in rig.contact().pads)
 
 

@@ -15,7 +15,7 @@ from telex_experiments.mobility.balance import bearing, quasi_static, wheeled
 from telex_experiments.mobility.balance.falls import FallWatch, slow_falls
 from telex_experiments.mobility.offline import Trial
 from telex_experiments.mobility.suite import Obstacle, all_obstacles, attempt
-from telex_experiments.mobility.watch import Watch
+from telex_experiments.mobility.watch import RunWatch
 from telex_training.operators import by_presets
 from telex_training.operators.port import NotManagedError
 from telex_training.operators.scripted_operator import FRONT_FLIPPERS, REAR_FLIPPERS, Operator
@@ -254,7 +254,7 @@ def test_random_commands_are_watched_at_every_step() -> None:
 
 def test_the_watch_sees_what_cannot_have_happened() -> None:
     with Trial(pose="look_front") as trial:
-        watch, rated = Watch(trial), random_commands.rated_power(trial) * trial.step_size
+        watch, rated = RunWatch(trial), random_commands.rated_power(trial) * trial.step_size
         trial.operator.wait(0.4)
         assert watch.gain < rated
         x, y, z = trial.position()

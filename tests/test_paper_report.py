@@ -24,7 +24,7 @@ from telex_experiments.paper.experiment import Experiment, Figure, Picture, Resu
 from telex_experiments.paper.one import carry_out
 from telex_experiments.paper.page import Run, number, page
 from telex_experiments.paper.recorder import Throttle, rates
-from telex_experiments.paper.schedule import Outcome, Schedule, planned
+from telex_experiments.paper.schedule import ExperimentOutcome, Schedule, planned
 from telex_experiments.paper.session import Session
 from telex_experiments.rigs.private_master import PrivateMaster, end_tree
 
@@ -126,7 +126,7 @@ def full(tmp_path):
         bags=["run 1.bag"],
         notes=["A note."],
     )
-    return Outcome(experiment(), result, 12.0)
+    return ExperimentOutcome(experiment(), result, 12.0)
 
 
 def test_the_page_is_whole_and_needs_nothing_beside_it(tmp_path):
@@ -160,8 +160,8 @@ def test_a_met_bar_stands_beside_claim_and_figure(tmp_path):
 
 def test_a_missed_bar_is_red_and_named_in_the_summary(tmp_path):
     outcomes = [
-        Outcome(experiment("one"), good(), 1.0),
-        Outcome(experiment("two"), bad(), 1.0),
+        ExperimentOutcome(experiment("one"), good(), 1.0),
+        ExperimentOutcome(experiment("two"), bad(), 1.0),
     ]
     text = report(tmp_path, *outcomes)
     found = Page(text)
@@ -174,7 +174,7 @@ def test_a_missed_bar_is_red_and_named_in_the_summary(tmp_path):
 
 
 def test_what_broke_off_is_missed_and_says_why(tmp_path):
-    found = Page(report(tmp_path, Outcome(experiment(), missing("no <camera>"), 1.0)))
+    found = Page(report(tmp_path, ExperimentOutcome(experiment(), missing("no <camera>"), 1.0)))
     assert found.text.count("no <camera>") == 2
     assert found.missed == 3
 
@@ -191,7 +191,7 @@ def test_text_cannot_break_the_page(tmp_path):
     )
     (tmp_path / "one").mkdir()
     (tmp_path / "one" / "x.svg").write_text(DRAWING)
-    found = Page(report(tmp_path, Outcome(given, result, 1.0)))
+    found = Page(report(tmp_path, ExperimentOutcome(given, result, 1.0)))
     assert found.scripts == 0
     assert not found.broken
     assert found.text.count("<script>alert('1')</script>") >= 10
@@ -201,14 +201,17 @@ def test_text_cannot_break_the_page(tmp_path):
 def test_a_picture_that_is_missing_is_said(tmp_path):
     result = good()
     result.pictures.append(Picture("Gone.", "gone.png"))
-    assert "gone.png is missing" in Page(report(tmp_path, Outcome(experiment(), result, 1.0))).text
+    assert (
+        "gone.png is missing"
+        in Page(report(tmp_path, ExperimentOutcome(experiment(), result, 1.0))).text
+    )
 
 
 def test_a_long_table_is_folded_and_a_missed_figure_is_not(tmp_path):
     long = Table("Long", "long.csv", ("n",), [[n] for n in range(100)])
     result = Result(figures=[Figure(f"f{n}", 2.0, "", at_most=1.0) for n in range(40)])
     result.tables.append(long)
-    text = report(tmp_path, Outcome(experiment(), result, 1.0))
+    text = report(tmp_path, ExperimentOutcome(experiment(), result, 1.0))
     assert text.count("<details open>") == 1
     assert text.count("<details>") == 1
 
@@ -216,7 +219,7 @@ def test_a_long_table_is_folded_and_a_missed_figure_is_not(tmp_path):
 def test_numbers_stand_below_their_heads_and_words_do_not(tmp_path):
     table = Table("T", "t.csv", ("mass kg", "fits"), [[1.5, True], [None, False]])
     result = Result(tables=[table])
-    text = report(tmp_path, Outcome(experiment(), result, 1.0))
+    text = report(tmp_path, ExperimentOutcome(experiment(), result, 1.0))
     assert "<th class=number>mass kg</th>" in text
     assert "<td class=number>1.5</td><td>yes</td>" in text
     assert "<th>fits</th>" in text

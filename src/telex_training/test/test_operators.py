@@ -47,9 +47,9 @@ def camera(tool: np.ndarray) -> np.ndarray:
     return tool @ mount @ tilt
 
 
-def picture(pose: np.ndarray, center: np.ndarray, yaw: float) -> vision.View:
+def picture(pose: np.ndarray, center: np.ndarray, yaw: float) -> vision.SeenPicture:
     """A green cube in a red box, as outlines filled with noisy colours."""
-    view = vision.View(np.zeros((480, 640, 3), np.uint8), MATRIX, LENS, pose)
+    view = vision.SeenPicture(np.zeros((480, 640, 3), np.uint8), MATRIX, LENS, pose)
     image = view.image
     image[:] = (40, 40, 170)
     c, s = math.cos(yaw), math.sin(yaw)
@@ -85,7 +85,7 @@ class TestSeeing:
         assert vision.cube_place(view, blob, center[2], EDGE)[2] < 0.5
 
     def test_a_line_of_sight_leads_back_to_its_point(self) -> None:
-        view = vision.View(
+        view = vision.SeenPicture(
             np.zeros((480, 640, 3), np.uint8), MATRIX, LENS, camera(aimed(0.8, 0, 0.5, 0.1, 1.2))
         )
         point = np.array([0.95, -0.12, 0.1])

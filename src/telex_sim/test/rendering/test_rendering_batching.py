@@ -11,7 +11,7 @@ from telex_sim.cameras.drawing.meshes import batching, gpu_scene
 from telex_sim.cameras.drawing.meshes.batching import (
     CHUNK_SIZE,
     Batch,
-    Part,
+    BatchPart,
     batches,
     bounding_radius,
     merge,
@@ -83,7 +83,9 @@ class TestMerge:
             box((1.0, 2.0, 3.0), size=(0.2, 0.4, 0.6), color=(1.0, 0.5, 0.0, 1.0), glow=0.2),
             box((0.0, 0.0, 0.0), size=(0.2, 0.4, 0.6), orientation=(0.0, 0.0, half, half)),
         ]
-        vertices, triangles = merge([Part(visual, primitive_mesh(visual)) for visual in visuals])
+        vertices, triangles = merge(
+            [BatchPart(visual, primitive_mesh(visual)) for visual in visuals]
+        )
         assert len(vertices) == 48
         assert triangles.max() == 47
         first, second = vertices[:24], vertices[24:]

@@ -25,7 +25,7 @@ from telex_training.classroom.answers import (
     state_of,
 )
 from telex_training.classroom.class_app import ClassApp
-from telex_training.classroom.stations_file import Station
+from telex_training.classroom.stations_file import ClassStation
 from telex_training.classroom.watch import CONNECTING, GONE, HERE, StationWatch
 
 PAGES = Path(__file__).parents[2] / "pages"
@@ -80,7 +80,7 @@ async def classroom(*stations, token=""):
         made = []
         for number, (station, own) in enumerate(stations, 1):
             await stack.enter_async_context(station.served())
-            made.append(Station(f"s{number}", station.address, "t" if own else "", own))
+            made.append(ClassStation(f"s{number}", station.address, "t" if own else "", own))
         yield await stack.enter_async_context(served(made, token))
 
 
@@ -116,7 +116,7 @@ def here(station):
 
 class TestStateOfAStation:
     def test_it_comes_goes_and_comes_back(self):
-        seen = StationWatch(Station("s", "http://127.0.0.1:1"), 100.0)
+        seen = StationWatch(ClassStation("s", "http://127.0.0.1:1"), 100.0)
         assert (seen.phase, seen.shown(101.0)["since"]) == (CONNECTING, 1.0)
         seen.failed(102.0, "refused")
         assert (seen.phase, seen.shown(102.0)["since"]) == (GONE, 2.0)
@@ -136,7 +136,7 @@ class TestStateOfAStation:
     def test_it_is_asked_less_often_while_it_is_gone(self, monkeypatch):
         monkeypatch.setattr(watch, "PERIOD", 1.0)
         monkeypatch.setattr(watch, "LONGEST_PERIOD", 5.0)
-        seen = StationWatch(Station("s", "http://127.0.0.1:1"), 0.0)
+        seen = StationWatch(ClassStation("s", "http://127.0.0.1:1"), 0.0)
         assert seen.pause() == 1.0
         pauses = []
         for _ in range(5):
@@ -147,7 +147,7 @@ class TestStateOfAStation:
         assert seen.pause() == 1.0
 
     def test_the_last_verdict_stays_when_the_next_trial_opens(self):
-        seen = StationWatch(Station("s", "http://127.0.0.1:1"), 0.0)
+        seen = StationWatch(ClassStation("s", "http://127.0.0.1:1"), 0.0)
         seen.answered(1.0, state_of(ENDED))
         seen.answered(2.0, state_of({"phase": "ready", "title": "Gap"}))
         shown = seen.shown(2.0)
@@ -155,7 +155,7 @@ class TestStateOfAStation:
         assert shown["state"]["title"] == "Gap"
 
     def test_pictures_are_drawn_for_the_page_at_most_every_ten_seconds(self):
-        seen = StationWatch(Station("s", "http://127.0.0.1:1"), 0.0)
+        seen = StationWatch(ClassStation("s", "http://127.0.0.1:1"), 0.0)
         assert [seen.may_have_drawn(now) for now in (1.0, 5.0, 10.9, 11.0, 12.0)] == [
             True,
             False,
@@ -213,7 +213,7 @@ class TestStations:
             async with second.served():
                 async with first.served():
                     pass  # its port is known now
-                stations = [Station("s1", first.address), Station("s2", second.address)]
+                stations = [ClassStation("s1", first.address), ClassStation("s2", second.address)]
                 async with served(stations) as browser:
                     await vanish_and_return(browser)
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from telex_training.exercises.catalog import exercises, find_exercise
 from telex_training.exercises.exercise_file import ExerciseError, load_exercise, parse_exercise
-from telex_training.exercises.model import Failure, Link
+from telex_training.exercises.model import Failure, LineLink
 
 pytestmark = pytest.mark.slow
 
@@ -97,7 +97,7 @@ history: {arm: 40}
     assert made.metrics[0].bound == 130.0
     assert made.metrics[1].kind == "peak_force"
     assert made.hints[0].on == "wall"
-    assert made.link == Link(fields={"delay": 0.3})
+    assert made.link == LineLink(fields={"delay": 0.3})
     assert made.malfunctions[0].failure == Failure("arm", "frozen", announced=True)
     assert made.malfunctions[0].when.of.seconds == 5.0
     assert made.radiation.sources[0].activity == 3.7e13
@@ -278,12 +278,12 @@ KEYS = st.sampled_from(
     ("text", "link", "described"),
     [
         ("", None, ""),
-        ("link: perfect\n", Link(), "perfect"),
-        ('link: "500"\n', Link("500"), "500"),
-        ("link: 250\n", Link(fields={"delay": 0.25}), "perfect (delay 0.25)"),
+        ("link: perfect\n", LineLink(), "perfect"),
+        ('link: "500"\n', LineLink("500"), "500"),
+        ("link: 250\n", LineLink(fields={"delay": 0.25}), "perfect (delay 0.25)"),
         (
             "link: {profile: lossy, delay: 0.4}\n",
-            Link("lossy", {"delay": 0.4}),
+            LineLink("lossy", {"delay": 0.4}),
             "lossy (delay 0.4)",
         ),
     ],

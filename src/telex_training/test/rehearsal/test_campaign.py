@@ -12,7 +12,7 @@ from telex_training.command_lines import rehearse
 from telex_training.recording.reader import read_recording
 from telex_training.recording.trial_file import trial_of
 from telex_training.rehearsal import jobs
-from telex_training.rehearsal.jobs import Job, OperatorError, Outcome, find_operator
+from telex_training.rehearsal.jobs import Job, OperatorError, Rehearsed, find_operator
 from telex_training.rehearsal.outcomes import change, provisional, run_of, summarised, worst
 from telex_training.rehearsal.store import About, Store, StoreError
 
@@ -27,7 +27,7 @@ def outcome(
     fault: Optional[str] = None,
     gave_up: str = "",
     time: Optional[float] = None,
-) -> Outcome:
+) -> Rehearsed:
     """An outcome, with no more of a sheet than is read."""
     repetition = {
         "completed": seconds is not None,
@@ -42,7 +42,7 @@ def outcome(
     if time is not None and time > 50:
         metrics[0]["within"] = False
     sheet = {"verdict": verdict, "repetitions": [repetition], "metrics": metrics}
-    return Outcome(json.dumps(sheet), gave_up)
+    return Rehearsed(json.dumps(sheet), gave_up)
 
 
 class TestStore:
@@ -103,7 +103,7 @@ class TestStore:
 
 
 class TestSummary:
-    def runs(self, outcomes: Dict[int, Outcome]) -> Any:
+    def runs(self, outcomes: Dict[int, Rehearsed]) -> Any:
         return [run_of(seed, each) for seed, each in outcomes.items()]
 
     def test_passes_have_bounds_and_metrics_a_spread(self) -> None:

@@ -27,7 +27,7 @@ from telex_sim.cameras.drawing.renderer import Renderer
 from telex_sim.cameras.optics.camera_sensor import CameraSensor
 from telex_sim.cameras.optics.exposure import ExposureControl, exposure_factor
 from telex_sim.cameras.optics.pinhole import PinholeCamera
-from telex_sim.cameras.ros.size_by_load import STEPS, Step
+from telex_sim.cameras.ros.size_by_load import STEPS, SizeStep
 from telex_sim.scene.visual_scene import Daylight, Visual, VisualLamp, VisualScene, VisualShape
 
 from ..workspace import ROOT
@@ -51,7 +51,7 @@ def package_path(name: str) -> str:
     return str(PACKAGES / name)
 
 
-class Recording(NamedTuple):
+class RecordedScene(NamedTuple):
     """A scene with the robot at rest.
 
     Attributes
@@ -81,7 +81,7 @@ def record(path: Path = RECORDING) -> None:
 
 
 @functools.lru_cache(maxsize=None)
-def hall() -> Recording:
+def hall() -> RecordedScene:
     """Read the recording."""
     with np.load(RECORDING) as file:
         content, frames_in_world = json.loads(str(file["scene"])), file["frames_in_world"]
@@ -93,7 +93,7 @@ def hall() -> Recording:
     )
     content["lamps"] = tuple(VisualLamp(**_tuples(each)) for each in content["lamps"])
     content["daylight"] = Daylight(**_tuples(content["daylight"]))
-    return Recording(VisualScene(**content), model, frames_in_world)
+    return RecordedScene(VisualScene(**content), model, frames_in_world)
 
 
 def _tuples(content: Dict[str, Any]) -> Dict[str, Any]:
@@ -127,11 +127,11 @@ class Views:
     ----------
     size : dict
         Width and height (pixels).
-    step : Step
+    step : SizeStep
         How far these pictures give way, as if they were previews.
     """
 
-    def __init__(self, names: tuple, size: Dict[str, int], step: Step = STEPS[0]) -> None:
+    def __init__(self, names: tuple, size: Dict[str, int], step: SizeStep = STEPS[0]) -> None:
         recording = self._recording = hall()
         self._coarse = step.coarse_previews
         path = f"{package_path('telex_description')}/config/cameras.yaml"

@@ -11,7 +11,7 @@ import statistics
 import time
 from typing import Callable, Dict, Iterator, List, NamedTuple, Optional
 
-from telex_experiments.console.rig import REPEAT_PERIOD, SPEED, TRACKS, Rig, settle
+from telex_experiments.console.rig import REPEAT_PERIOD, SPEED, TRACKS, ConsoleRig, settle
 from telex_experiments.rigs.chromium import Chromium
 from telex_experiments.rigs.network_namespace import NetworkNamespace
 from telex_experiments.rigs.report import Figure, MeasurementError, wait_until
@@ -38,7 +38,7 @@ RESET_EVERY = 4
 """Drills after which the robot is put back to where it started."""
 
 
-class Outcome(NamedTuple):
+class DrillOutcome(NamedTuple):
     """What one drill has shown.
 
     Attributes
@@ -63,7 +63,7 @@ class Outcome(NamedTuple):
     obeyed: bool
 
 
-class Operator:
+class DrillOperator:
     """Somebody at a console who drives; the browser may be lost under his hands.
 
     Parameters
@@ -72,7 +72,7 @@ class Operator:
         Through which the console reaches it; None for this machine's own.
     """
 
-    def __init__(self, rig: Rig, network: Optional[NetworkNamespace] = None) -> None:
+    def __init__(self, rig: ConsoleRig, network: Optional[NetworkNamespace] = None) -> None:
         self.rig = rig
         self.network = network
         self.browser = self._new_browser()
@@ -160,11 +160,11 @@ class Operator:
         )
 
 
-Drill = Callable[[Operator], Iterator[None]]
+Drill = Callable[[DrillOperator], Iterator[None]]
 """Gets ready, goes on to break something, and then to mend it."""
 
 
-def kill_browser(operator: Operator) -> Iterator[None]:
+def kill_browser(operator: DrillOperator) -> Iterator[None]:
     """All processes of the browser are killed."""
     browser = operator.browser
     pids = list(browser.processes())
@@ -174,7 +174,7 @@ def kill_browser(operator: Operator) -> Iterator[None]:
     operator.replace_browser()
 
 
-def hide_tab(operator: Operator) -> Iterator[None]:
+def hide_tab(operator: DrillOperator) -> Iterator[None]:
     """Another tab is brought to the front."""
     yield
     operator.browser.show(operator.tab)
@@ -183,7 +183,7 @@ def hide_tab(operator: Operator) -> Iterator[None]:
     time.sleep(0.2)
 
 
-def freeze_page(operator: Operator) -> Iterator[None]:
+def freeze_page(operator: DrillOperator) -> Iterator[None]:
     """The browser freezes the page, as one that nobody has looked at for long, and thaws it."""
     browser = operator.browser
     yield
@@ -197,19 +197,19 @@ def freeze_page(operator: Operator) -> Iterator[None]:
     browser.wait_for("the console's connection", CONNECTED)
 
 
-def stop_browser(operator: Operator) -> Iterator[None]:
+def stop_browser(operator: DrillOperator) -> Iterator[None]:
     """All processes of the browser stand still, as in a machine that hangs, and go on."""
     yield from _stop_and_wake(operator.browser, list(operator.browser.processes()))
 
 
-def stop_page(operator: Operator) -> Iterator[None]:
+def stop_page(operator: DrillOperator) -> Iterator[None]:
     """The page's process stands still, the browser does not."""
     processes = operator.browser.processes()
     pages = [pid for pid, kind in processes.items() if kind == "renderer"]
     yield from _stop_and_wake(operator.browser, pages)
 
 
-def stop_main_process(operator: Operator) -> Iterator[None]:
+def stop_main_process(operator: DrillOperator) -> Iterator[None]:
     """The browser's main process stands still, through which the keyboard is heard."""
     yield from _stop_and_wake(operator.browser, [operator.browser.pid])
 
@@ -221,7 +221,7 @@ def _stop_and_wake(browser: Chromium, pids: List[int]) -> Iterator[None]:
     browser.signal(signal.SIGCONT, pids)
 
 
-def cut_network(operator: Operator) -> Iterator[None]:
+def cut_network(operator: DrillOperator) -> Iterator[None]:
     """The cable is pulled out, and put in again."""
     network = operator.network
     if network is None:
@@ -233,7 +233,7 @@ def cut_network(operator: Operator) -> Iterator[None]:
     operator.browser.wait_for("the console's connection", CONNECTED)
 
 
-def kill_bridge(operator: Operator) -> Iterator[None]:
+def kill_bridge(operator: DrillOperator) -> Iterator[None]:
     """The bridge is killed; roslaunch starts it again."""
     bridge = operator.rig.bridge_pid
     yield
@@ -255,7 +255,7 @@ DRILLS: Dict[str, Drill] = {
 NETWORK_DRILL = "network cut"
 
 
-def drill(operator: Operator, break_it: Drill, cut: float) -> Optional[Outcome]:
+def drill(operator: DrillOperator, break_it: Drill, cut: float) -> Optional[DrillOutcome]:
     """Drive at full speed, let something fail, and see; None if the robot did not drive then."""
     wire = operator.rig.wire
     operator.rest()
@@ -286,7 +286,7 @@ def drill(operator: Operator, break_it: Drill, cut: float) -> Optional[Outcome]:
         for each in commands
     )
     moved = moved or abs(wire.belt_speed) > 0.02
-    return Outcome(stopped, stood, way, moved, operator.try_anew())
+    return DrillOutcome(stopped, stood, way, moved, operator.try_anew())
 
 
 def stop_of(commands: List, broken: float) -> Optional[float]:
@@ -297,10 +297,10 @@ def stop_of(commands: List, broken: float) -> Optional[float]:
     return None
 
 
-def repeat(operator: Operator, name: str, break_it: Drill, times: int) -> List[Figure]:
+def repeat(operator: DrillOperator, name: str, break_it: Drill, times: int) -> List[Figure]:
     """Do a drill some times, forwards and backwards in turn, and count."""
     dice = random.Random(name)
-    outcomes: List[Outcome] = []
+    outcomes: List[DrillOutcome] = []
     for number in range(times):
         if number % RESET_EVERY == 0:
             operator.rest()
@@ -317,7 +317,7 @@ def repeat(operator: Operator, name: str, break_it: Drill, times: int) -> List[F
     return figures_of(name, outcomes)
 
 
-def told(outcome: Outcome) -> str:
+def told(outcome: DrillOutcome) -> str:
     """What came of a drill, in words."""
     if outcome.stopped is None:
         return "NOT STOPPED"
@@ -331,7 +331,7 @@ def told(outcome: Outcome) -> str:
     return ", ".join(words)
 
 
-def figures_of(name: str, outcomes: List[Outcome]) -> List[Figure]:
+def figures_of(name: str, outcomes: List[DrillOutcome]) -> List[Figure]:
     """What is reported of a drill."""
     stops = sorted(each.stopped for each in outcomes if each.stopped is not None)
     in_time = sum(each <= STOP_WITHIN for each in stops)
@@ -365,13 +365,13 @@ def figures_of(name: str, outcomes: List[Outcome]) -> List[Figure]:
     return figures
 
 
-def drills(rig: Rig, times: int, names: Optional[List[str]] = None) -> List[Figure]:
+def drills(rig: ConsoleRig, times: int, names: Optional[List[str]] = None) -> List[Figure]:
     """Do all drills, each some times."""
     figures: List[Figure] = []
     chosen = [*DRILLS, NETWORK_DRILL] if names is None else names
     on_this_machine = [name for name in chosen if name in DRILLS]
     if on_this_machine:
-        with contextlib.closing(Operator(rig)) as operator:
+        with contextlib.closing(DrillOperator(rig)) as operator:
             settle(operator.browser)
             for name in on_this_machine:
                 figures += repeat(operator, name, DRILLS[name], times)
@@ -380,13 +380,13 @@ def drills(rig: Rig, times: int, names: Optional[List[str]] = None) -> List[Figu
     return figures
 
 
-def network_drills(rig: Rig, times: int) -> List[Figure]:
+def network_drills(rig: ConsoleRig, times: int) -> List[Figure]:
     """Cut the network between console and robot."""
     if not NetworkNamespace.available():
         print(f"  {NETWORK_DRILL}: not done; only root can make a network namespace", flush=True)
         return [Figure(f"{NETWORK_DRILL}: drills done", 0, at_least=times)]
     with contextlib.ExitStack() as stack:
         network = stack.enter_context(NetworkNamespace())
-        operator = stack.enter_context(contextlib.closing(Operator(rig, network)))
+        operator = stack.enter_context(contextlib.closing(DrillOperator(rig, network)))
         settle(operator.browser)
         return repeat(operator, NETWORK_DRILL, cut_network, times)

@@ -11,7 +11,7 @@ import rospy
 from sensor_msgs.msg import CameraInfo, JointState
 
 from telex_experiments.console.keys import Presses, listen_to_keys
-from telex_experiments.console.rig import JOG, Heard, Rig, have_large
+from telex_experiments.console.rig import JOG, ConsoleRig, Heard, have_large
 from telex_experiments.rigs.report import Figure, MeasurementError
 
 JOINT, CAMERA = "turret_joint", "front"
@@ -102,7 +102,7 @@ def first_picture(
     return min(ends, default=None)
 
 
-def key_to_picture(rig: Rig, presses: int) -> List[Figure]:
+def key_to_picture(rig: ConsoleRig, presses: int) -> List[Figure]:
     """Turn the turret to and fro by its keys, the front camera large."""
     times: List[float] = []
     missed = 0

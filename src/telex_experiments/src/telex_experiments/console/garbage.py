@@ -8,7 +8,7 @@ import subprocess
 import sys
 from typing import List
 
-from telex_experiments.console.rig import Rig
+from telex_experiments.console.rig import ConsoleRig
 from telex_experiments.rigs.report import Figure, MeasurementError
 
 from ..workspace import ROOT
@@ -16,7 +16,7 @@ from ..workspace import ROOT
 _PROGRAM = ROOT / "tests" / "nodes" / "garbage.py"
 
 
-def garbage(rig: Rig, seconds: float) -> List[Figure]:
+def garbage(rig: ConsoleRig, seconds: float) -> List[Figure]:
     """Throw garbage for `seconds`, with everything else as an operator has it."""
     done = subprocess.run(
         [sys.executable, str(_PROGRAM), str(seconds)],

@@ -7,7 +7,16 @@ import statistics
 import time
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
-from telex_experiments.console.rig import DRIVE, JOG, LIVE, TRACKS, TURRET, Heard, Rig, have_large
+from telex_experiments.console.rig import (
+    DRIVE,
+    JOG,
+    LIVE,
+    TRACKS,
+    TURRET,
+    ConsoleRig,
+    Heard,
+    have_large,
+)
 from telex_experiments.rigs.chromium import Chromium
 from telex_experiments.rigs.report import Figure, MeasurementError
 
@@ -62,7 +71,7 @@ class Presses:
         The console, listening to keys.
     """
 
-    def __init__(self, rig: Rig, browser: Chromium) -> None:
+    def __init__(self, rig: ConsoleRig, browser: Chromium) -> None:
         self._wire = rig.wire
         self._browser = browser
         self._codes: List[str] = []
@@ -118,7 +127,7 @@ class Presses:
         return [each for each in self._wire.heard(topic, pressed) if each.at < pressed + WITHIN]
 
 
-def latency(rig: Rig, presses: int) -> List[Figure]:
+def latency(rig: ConsoleRig, presses: int) -> List[Figure]:
     """Press keys while six views are live."""
     with rig.browser() as browser:
         have_large(browser, "front", "ARM")

@@ -131,7 +131,7 @@ class Wire:
         wait_until("the track node to take the speed", taken)
 
 
-class Rig:
+class ConsoleRig:
     """A simulator of one's own, in the training hall, with its console.
 
     Parameters
@@ -161,7 +161,7 @@ class Rig:
         self._browser: Optional[Chromium] = None
         self.simulator = PrivateSimulator(f"world:={WORLD}", *listen, environment=environment)
 
-    def __enter__(self) -> Rig:
+    def __enter__(self) -> ConsoleRig:
         try:
             self._find()
         except BaseException:

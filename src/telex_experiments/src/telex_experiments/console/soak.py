@@ -18,7 +18,7 @@ from std_msgs.msg import Float64
 
 from telex_control.common.child_processes import DIES_WITH_US
 from telex_experiments.console.keys import Presses, listen_to_keys
-from telex_experiments.console.rig import Rig
+from telex_experiments.console.rig import ConsoleRig
 from telex_experiments.rigs.chromium import Chromium
 from telex_experiments.rigs.private_master import end_tree
 from telex_experiments.rigs.report import PATIENCE, Figure, MeasurementError
@@ -34,7 +34,7 @@ LONG_ENOUGH = 300.0
 """Time (s) from which on a growth can be told from what comes and goes."""
 
 
-class Sample(NamedTuple):
+class SoakSample(NamedTuple):
     """One second: memory of bridge and video server (MB), of the page's heap, and delays (ms)."""
 
     at: float
@@ -47,7 +47,7 @@ class Sample(NamedTuple):
 class Watching:
     """The watchers' process, and the newest delays that it tells."""
 
-    def __init__(self, rig: Rig) -> None:
+    def __init__(self, rig: ConsoleRig) -> None:
         program = str(Path(__file__).with_name("watchers.py"))
         urls = (rig.bridge_url, rig.video_socket_url)
         self._process = subprocess.Popen(
@@ -114,7 +114,9 @@ def heap(browser: Chromium) -> float:
     return float(next(each["value"] for each in metrics if each["name"] == "JSHeapUsedSize") / 1e6)
 
 
-def samples(rig: Rig, browser: Chromium, watching: Watching, seconds: float) -> Iterator[Sample]:
+def samples(
+    rig: ConsoleRig, browser: Chromium, watching: Watching, seconds: float
+) -> Iterator[SoakSample]:
     """Drive to and fro for a while, and tell of every second."""
     presses = Presses(rig, browser)
     bridge, video = rig.bridge_pid, rig.video_pid
@@ -132,7 +134,7 @@ def samples(rig: Rig, browser: Chromium, watching: Watching, seconds: float) -> 
         if all(collected.values()):
             delays = {name: statistics.median(values) * 1e3 for name, values in collected.items()}
             now = time.monotonic()
-            yield Sample(now - begun, memory(bridge), memory(video), heap(browser), delays)
+            yield SoakSample(now - begun, memory(bridge), memory(video), heap(browser), delays)
             collected = {}
             if now - told > 30.0:
                 told = now
@@ -142,7 +144,7 @@ def samples(rig: Rig, browser: Chromium, watching: Watching, seconds: float) -> 
             raise MeasurementError(f"the watchers and the operator told nothing of: {lacking}")
 
 
-def soak(rig: Rig, seconds: float) -> List[Figure]:
+def soak(rig: ConsoleRig, seconds: float) -> List[Figure]:
     """Let it run, and report."""
     with rig.browser() as browser, contextlib.closing(Watching(rig)) as watching:
         listen_to_keys(browser)
@@ -152,7 +154,7 @@ def soak(rig: Rig, seconds: float) -> List[Figure]:
     return figures_of(every, seconds)
 
 
-def figures_of(every: List[Sample], seconds: float) -> List[Figure]:
+def figures_of(every: List[SoakSample], seconds: float) -> List[Figure]:
     """What is reported; growth is required to be none only where it can be told."""
     counted = [each for each in every if each.at >= WARM_UP * seconds]
     if len(counted) < 2:

@@ -22,7 +22,7 @@ from telex_msgs.srv import LoadScene
 
 from telex_control.common.file_catalog import package_path
 from telex_experiments.console.by_keys import ByKeys, Object
-from telex_experiments.console.rig import Rig
+from telex_experiments.console.rig import ConsoleRig
 from telex_experiments.rigs.report import PATIENCE, Figure, MeasurementError, wait_until
 from telex_training.operators import driving
 from telex_training.operators.experts.brief import Brief
@@ -95,7 +95,7 @@ class Truth:
         return x, y, z
 
 
-class Task(NamedTuple):
+class ConsoleTask(NamedTuple):
     """What is to be done, and how one sees that it is.
 
     Attributes
@@ -223,10 +223,10 @@ def _is_in_bin(truth: Truth, things: Mapping[str, Object]) -> bool:
     return math.hypot(x - u, y - v) < 0.2 and z < float(things["bin"]["position"][2]) + 0.05
 
 
-TASKS: Dict[str, Task] = {
-    "stairs": Task(_hall, _climb, _stands_on_landing),
-    "cube": Task(_exercise("cube_to_bin"), _move_cube, _is_in_bin),
-    "valve": Task(
+TASKS: Dict[str, ConsoleTask] = {
+    "stairs": ConsoleTask(_hall, _climb, _stands_on_landing),
+    "cube": ConsoleTask(_exercise("cube_to_bin"), _move_cube, _is_in_bin),
+    "valve": ConsoleTask(
         _exercise("valve"),
         _open_valve,
         lambda truth, things: truth.mechanism("valve/wheel_hinge") > 2.0 * math.pi,
@@ -236,7 +236,9 @@ TASKS: Dict[str, Task] = {
 a whole turn."""
 
 
-def tasks(rig: Rig, names: Sequence[str] = (), longest_wait: float = math.inf) -> List[Figure]:
+def tasks(
+    rig: ConsoleRig, names: Sequence[str] = (), longest_wait: float = math.inf
+) -> List[Figure]:
     """Do some tasks, by default all, each from the start of its scene.
 
     Parameters
@@ -275,7 +277,7 @@ def _set_speed() -> None:
 
 
 def _measure(
-    name: str, task: Task, port: ByKeys, things: Mapping[str, Object], longest_wait: float
+    name: str, task: ConsoleTask, port: ByKeys, things: Mapping[str, Object], longest_wait: float
 ) -> List[Figure]:
     truth = Truth(port)
     station = Station(port)

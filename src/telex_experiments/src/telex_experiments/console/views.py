@@ -12,7 +12,7 @@ import statistics
 import time
 from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Sequence, Tuple
 
-from telex_experiments.console.rig import REPEAT_PERIOD, Rig, have_large, settle
+from telex_experiments.console.rig import REPEAT_PERIOD, ConsoleRig, have_large, settle
 from telex_experiments.rigs.chromium import Chromium
 from telex_experiments.rigs.private_master import descendants
 from telex_experiments.rigs.report import PATIENCE, Figure
@@ -110,7 +110,7 @@ ALONE, BOTH = Pages("alone", 20.0, 8.0, 0.0), Pages("with instructor", 15.0, 6.0
 
 
 def views(
-    rig: Rig,
+    rig: ConsoleRig,
     seconds: float,
     phases: Sequence[Phase] = PHASES,
     everybody: Sequence[Pages] = (ALONE, BOTH),
@@ -135,7 +135,7 @@ def views(
 
 
 def _measure(
-    rig: Rig, browsers: Mapping[str, Chromium], pages: Pages, phase: Phase, seconds: float
+    rig: ConsoleRig, browsers: Mapping[str, Chromium], pages: Pages, phase: Phase, seconds: float
 ) -> List[Figure]:
     operator = browsers["operator"]
     rig.ask("/telex/sim/load_scene", world=phase.world)
@@ -185,7 +185,7 @@ def _do(browser: Chromium, keys: Sequence[Keys], end: float) -> None:
                 _hold(browser, codes, min(seconds, left))
 
 
-def _processes(rig: Rig, browsers: Mapping[str, Chromium]) -> Dict[int, str]:
+def _processes(rig: ConsoleRig, browsers: Mapping[str, Chromium]) -> Dict[int, str]:
     named = {pid: "other" for pid in descendants(rig.simulator.pid)}
     named.update({pid: name for name, pid in rig.simulator.processes().items()})
     for who, browser in browsers.items():

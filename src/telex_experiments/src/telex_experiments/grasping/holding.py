@@ -6,7 +6,7 @@ import contextlib
 import math
 from typing import Any, Callable, Iterator, List, NamedTuple
 
-from .rig import FRONT, Change, Pose, Rig
+from .rig import FRONT, Change, GraspRig, Pose
 from .things import GRAVITY, PAD_FRICTION, Thing
 
 LET_GO = 0.5
@@ -42,19 +42,19 @@ class Sway(NamedTuple):
     left: float
 
 
-def rig_for(thing: Thing, pitch: float = FRONT, **options: Any) -> Rig:
+def rig_for(thing: Thing, pitch: float = FRONT, **options: Any) -> GraspRig:
     """A robot with its hand open for a thing."""
-    return Rig(pitch=pitch, opening=thing.opening, **options)
+    return GraspRig(pitch=pitch, opening=thing.opening, **options)
 
 
-def force_error(rig: Rig, force: float) -> float:
+def force_error(rig: GraspRig, force: float) -> float:
     """Grip what is held with another force (N); returns by how much that of a pad is off (N)."""
     rig.grip(force)
     rig.wait(0.5)
     return max(abs(pad.normal_force - force) for pad in rig.contact().pads)
 
 
-def hold(rig: Rig, name: str, seconds: float) -> Hold:
+def hold(rig: GraspRig, name: str, seconds: float) -> Hold:
     """Hold an object still."""
     rig.wait(LET_GO)
     before = rig.held_at(name)
@@ -67,7 +67,7 @@ def hold(rig: Rig, name: str, seconds: float) -> Hold:
     return Hold(slip, jitter, slip.distance > LOST or not rig.contact().object)
 
 
-def sway(rig: Rig, name: str, act: Callable[[], None], rest: float = 0.5) -> Sway:
+def sway(rig: GraspRig, name: str, act: Callable[[], None], rest: float = 0.5) -> Sway:
     """See how far an object moves in the hand while something happens, and once it is over."""
     before: Pose = rig.held_at(name)
     most = [0.0]
@@ -95,7 +95,7 @@ def at_limit(force: float, share: float, seconds: float) -> Hold:
 
 
 @contextlib.contextmanager
-def _measuring(rig: Rig, look: Callable[[], None]) -> Iterator[None]:
+def _measuring(rig: GraspRig, look: Callable[[], None]) -> Iterator[None]:
     """Call something after every step."""
     rig.each_step.append(look)
     try:

@@ -56,7 +56,7 @@ class Change(NamedTuple):
     angle: float
 
 
-class Rig(OfflineRig):
+class GraspRig(OfflineRig):
     """A robot with its trajectory and gripper controllers, in a scene; close it when done.
 
     Parameters

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from . import statics
 from .holding import LOST
-from .rig import FRONT, OBLIQUE, TOP, Rig
+from .rig import FRONT, OBLIQUE, TOP, GraspRig
 from .things import PAD_FRICTION, Thing, post
 
 APPROACHES = {"front": FRONT, "oblique": OBLIQUE, "top": TOP}
@@ -76,7 +76,7 @@ def grasp(
     """
     force = max(least, thing.force(share, PAD_FRICTION))
     band = statics.friction_band(thing.width)
-    with Rig(pitch=pitch, opening=thing.opening, friction=friction) as rig:
+    with GraspRig(pitch=pitch, opening=thing.opening, friction=friction) as rig:
         x, y, z = rig.by_tool((-thing.aside, 0.0, -thing.grip))
         rig.advance_hand(-BACK)
         rig.spawn({**post(z, thing.width), "position": [x + thing.aside, y, 0.0]})

@@ -11,7 +11,7 @@ from telex_training.operators.robot_size import AXLE_HEIGHT
 from telex_training.operators.terrain.stairs import Stairs, climb
 
 from .holding import Sway, rig_for, sway
-from .rig import FRONT, Rig
+from .rig import FRONT, GraspRig
 from .things import THINGS, Thing
 
 CARRY_FORCE = 150.0
@@ -41,7 +41,7 @@ def briefcase() -> Carried:
     """Take a briefcase from the floor by its handle, lift it, and carry it 3 m."""
     case = THINGS["briefcase"]
     handle = case.grip
-    with Rig(place=(0.85, 0.0, handle - AXLE_HEIGHT), opening=case.opening) as rig:
+    with GraspRig(place=(0.85, 0.0, handle - AXLE_HEIGHT), opening=case.opening) as rig:
         x, y, _ = rig.tool()[0]
         rig.advance_hand(-0.2)
         name = rig.spawn({**case.entry(), "position": [x, y, 0.0]})
@@ -71,7 +71,7 @@ def pallet() -> Tuple[Carried, float]:
     """
     # The pads lie level, one under the boards, one over them.
     length, deck = 1.2, 0.5 * (0.144 + 0.100)
-    with Rig(place=(1.0, 0.0, deck - AXLE_HEIGHT), opening=0.09, roll=0.5 * math.pi) as rig:
+    with GraspRig(place=(1.0, 0.0, deck - AXLE_HEIGHT), opening=0.09, roll=0.5 * math.pi) as rig:
         x, y, _ = rig.tool()[0]
         rig.advance_hand(-0.12)
         entry = {
@@ -117,7 +117,7 @@ def valve(friction: float, force: float = CARRY_FORCE) -> Turned:
         Of the pads (N).
     """
     radius, hold_at, angle = 0.24, 0.20, 0.6
-    with Rig(opening=0.06) as rig:
+    with GraspRig(opening=0.06) as rig:
         x, y, z = rig.tool()[0]
         rig.advance_hand(-0.2)
         entry = {

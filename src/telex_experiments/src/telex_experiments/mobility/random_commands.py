@@ -13,7 +13,7 @@ from telex_training.operators.scripted_operator import FRONT_FLIPPERS, REAR_FLIP
 
 from .balance.falls import Fall, FallWatch
 from .offline import Trial
-from .watch import Watch
+from .watch import RunWatch
 
 _COMMAND = 1.0
 """How long a command stands (s)."""
@@ -92,7 +92,7 @@ def run(seed: int, seconds: float, step_size: float = 0.002) -> Behaviour:
     with Trial(
         rough_ground(), {"x": 0.0, "y": 0.0, "yaw": 6.28 * numbers.random()}, step_size=step_size
     ) as trial:
-        watch, fall_watch = Watch(trial), FallWatch(trial)
+        watch, fall_watch = RunWatch(trial), FallWatch(trial)
         seen: List[Fall] = []
         operator = trial.operator
         falls, lain, worst = 0, 0.0, 0.0

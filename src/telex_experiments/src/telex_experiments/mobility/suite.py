@@ -56,7 +56,7 @@ class Obstacle:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class Attempted:
     """How it went.
 
     Attributes
@@ -72,7 +72,7 @@ class Outcome:
     message: str = ""
 
 
-def attempt(obstacle: Obstacle, operator: Operator) -> Outcome:
+def attempt(obstacle: Obstacle, operator: Operator) -> Attempted:
     """Let an operator try an obstacle."""
     began = operator.time
     try:
@@ -81,11 +81,11 @@ def attempt(obstacle: Obstacle, operator: Operator) -> Outcome:
             began = operator.time
         obstacle.script(operator)
     except NotManagedError as error:
-        return Outcome(False, operator.time - began, str(error))
+        return Attempted(False, operator.time - began, str(error))
     taken = operator.time - began
     if obstacle.within is not None and taken > obstacle.within:
-        return Outcome(False, taken, f"took {taken:.1f} s of {obstacle.within:g} s")
-    return Outcome(True, taken)
+        return Attempted(False, taken, f"took {taken:.1f} s of {obstacle.within:g} s")
+    return Attempted(True, taken)
 
 
 def up_and_down(flight: stairs.Stairs, name: str) -> Obstacle:

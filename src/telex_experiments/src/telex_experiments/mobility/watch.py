@@ -15,7 +15,7 @@ from .offline import Trial
 
 
 @dataclass(frozen=True)
-class Motion:
+class WatchedMotion:
     """Of all bodies that move, the robot's links first, at one moment.
 
     Attributes
@@ -38,7 +38,7 @@ class Motion:
         return all(bool(np.isfinite(values).all()) for values in vars(self).values())
 
 
-class Watch:
+class RunWatch:
     """Looks at every step of a trial.
 
     Attributes
@@ -118,7 +118,7 @@ class _Bodies:
         self._masses = np.array(masses)
         self._inertias = np.array(inertias)
 
-    def motion(self) -> Motion:
+    def motion(self) -> WatchedMotion:
         """How everything moves now."""
         client, rows = self._client, []
         for uid, indices in self._places:
@@ -137,9 +137,9 @@ class _Bodies:
                 )
                 rows.extend((*s[0], *s[1], *s[6], *s[7]) for s in states)
         values = np.array(rows)
-        return Motion(values[:, :3], values[:, 3:7], values[:, 7:10], values[:, 10:])
+        return WatchedMotion(values[:, :3], values[:, 3:7], values[:, 7:10], values[:, 10:])
 
-    def energy(self, motion: Motion) -> float:
+    def energy(self, motion: WatchedMotion) -> float:
         """Of motion and of height, together (J)."""
         vectors, scalars = motion.orientations[:, :3], motion.orientations[:, 3:]
         # The turning, in principal axes: rotated by the conjugate quaternion.

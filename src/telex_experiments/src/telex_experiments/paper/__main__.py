@@ -22,7 +22,7 @@ from ..workspace import ROOT
 from .experiment import Experiment
 from .page import Run, page
 from .registry import UnknownExperimentError, experiments, select
-from .schedule import Outcome, Schedule, planned
+from .schedule import ExperimentOutcome, Schedule, planned
 
 MISSED, MISUSED, INTERRUPTED = 1, 2, 130
 
@@ -117,7 +117,7 @@ def reproduce(options: argparse.Namespace) -> int:
     return conclude(outcomes, target, clock)
 
 
-def conclude(outcomes: Sequence[Outcome], report: Path, clock: Clock) -> int:
+def conclude(outcomes: Sequence[ExperimentOutcome], report: Path, clock: Clock) -> int:
     """Print a line for each result; returns the exit status."""
     width = max(len(outcome.experiment.name) for outcome in outcomes)
     print()

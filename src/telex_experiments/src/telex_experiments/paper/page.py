@@ -11,7 +11,7 @@ from typing import List, Sequence
 from urllib.parse import quote
 
 from .experiment import Cell, Figure, Picture, Result, Table
-from .schedule import Outcome
+from .schedule import ExperimentOutcome
 
 STYLE = Path(__file__).with_name("page.css")
 
@@ -43,7 +43,7 @@ class Run:
     seconds: float
 
 
-def page(run: Run, outcomes: Sequence[Outcome], folder: Path) -> str:
+def page(run: Run, outcomes: Sequence[ExperimentOutcome], folder: Path) -> str:
     """Return the report as HTML.
 
     Parameters
@@ -79,7 +79,7 @@ def number(value: Cell) -> str:
     return str(value)
 
 
-def _head(run: Run, outcomes: Sequence[Outcome]) -> str:
+def _head(run: Run, outcomes: Sequence[ExperimentOutcome]) -> str:
     met = sum(outcome.result.ok for outcome in outcomes)
     good = met == len(outcomes)
     verdict = f"{met} of {len(outcomes)} results reproduced"
@@ -98,7 +98,7 @@ def _head(run: Run, outcomes: Sequence[Outcome]) -> str:
     )
 
 
-def _summary(outcomes: Sequence[Outcome]) -> str:
+def _summary(outcomes: Sequence[ExperimentOutcome]) -> str:
     rows = []
     for outcome in outcomes:
         experiment, result = outcome.experiment, outcome.result
@@ -143,7 +143,7 @@ def _nearness(figure: Figure) -> float:
     return 0.0
 
 
-def _experiment(outcome: Outcome, folder: Path) -> str:
+def _experiment(outcome: ExperimentOutcome, folder: Path) -> str:
     experiment, result = outcome.experiment, outcome.result
     parts = [
         f"<section class='experiment' id='{experiment.name}'>",

@@ -29,7 +29,7 @@ Say = Callable[[str], None]
 
 
 @dataclass(frozen=True)
-class Outcome:
+class ExperimentOutcome:
     """A result, and how long it took.
 
     Attributes
@@ -77,12 +77,12 @@ class Schedule:
         self._held = False
         self._lock = threading.Lock()
 
-    def run(self, experiments: Sequence[Experiment]) -> List[Outcome]:
+    def run(self, experiments: Sequence[Experiment]) -> List[ExperimentOutcome]:
         """Run experiments; their outcomes come in the given order.
 
         Interrupted, it ends what runs, and everything that was started by it.
         """
-        outcomes: Dict[str, Outcome] = {}
+        outcomes: Dict[str, ExperimentOutcome] = {}
         ended: queue.Queue = queue.Queue()
 
         def lane(members: Sequence[Experiment]) -> None:
@@ -123,7 +123,7 @@ class Schedule:
         for process in running:
             end_tree(process, STOP_TIMEOUT)
 
-    def _run_one(self, experiment: Experiment) -> Outcome:
+    def _run_one(self, experiment: Experiment) -> ExperimentOutcome:
         folder = self._folder / experiment.name
         folder.mkdir(parents=True, exist_ok=True)
         expected = experiment.expected(self._quick, self._repeat)
@@ -136,7 +136,7 @@ class Schedule:
         seconds = time.monotonic() - began
         verdict = "ok" if result.ok else f"MISSED {_why(result)}"
         self._say(f"{experiment.name}: {verdict} ({_minutes(seconds)})")
-        return Outcome(experiment, result, seconds)
+        return ExperimentOutcome(experiment, result, seconds)
 
     def _carry_out(self, experiment: Experiment, folder: Path, timeout: float) -> Result:
         command = [

@@ -17,7 +17,7 @@ from .geometry import Box, apart, fastest, sphere
 from .grasp import grasped_bodies
 from .links import Links
 from .own import OwnDistances
-from .places import Moment, Place
+from .places import Place, WatchedMoment
 from .points import ClosestPoints
 from .proximity_config import ProximityConfig
 
@@ -94,7 +94,7 @@ class ProximityMonitor:
         """
         if not self.joints:
             return Proximity((), ())
-        moment = Moment(self._body, self._links)
+        moment = WatchedMoment(self._body, self._links)
         velocities = moment.velocities
         pairs = [
             NearPair(
@@ -124,7 +124,7 @@ class ProximityMonitor:
 
     # --- PyBullet ----------------------------------------------------------------------------
 
-    def _find(self, moment: Moment) -> Iterator[_Found]:
+    def _find(self, moment: WatchedMoment) -> Iterator[_Found]:
         own, links = self._body.uid, self._links
         grasped = grasped_bodies(self._body, links.fingers)
         for link in links.moving:
@@ -151,7 +151,7 @@ class ProximityMonitor:
         for held in sorted(grasped):
             yield from self._find_held(held, moment)
 
-    def _find_held(self, held: int, moment: Moment) -> Iterator[_Found]:
+    def _find_held(self, held: int, moment: WatchedMoment) -> Iterator[_Found]:
         """What an object in the gripper is near to, when the hand carries it."""
         body, client = self._body, self._body.client
         # What stands fast, as a valve on its wall, is not carried.
@@ -192,7 +192,7 @@ class ProximityMonitor:
         other: int,
         box: Box,
         reach: float,
-        moment: Moment,
+        moment: WatchedMoment,
     ) -> Iterator[Place]:
         """Where a link of the arm, or what it holds, is near to another body.
 

@@ -7,7 +7,7 @@ from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Sequence, Tuple
 from ..engine.world import Body
 from ..robot.self_collision import SelfCollisionConfig
 from .links import Links
-from .places import Moment, Place
+from .places import Place, WatchedMoment
 from .points import ClosestPoints
 
 _STALE = 0.1
@@ -53,7 +53,9 @@ class OwnDistances:
                 for joint in links.carriers[outer] ^ links.carriers[inner]
             ]
 
-    def places(self, outer: int, inner: int, reach: float, moment: Moment) -> Iterator[Place]:
+    def places(
+        self, outer: int, inner: int, reach: float, moment: WatchedMoment
+    ) -> Iterator[Place]:
         """Where two links are within `reach` (m) of each other."""
         pair = (outer, inner)
         record = self._records.get(pair)
@@ -78,7 +80,7 @@ class OwnDistances:
         nearest = min((place.distance for place in record.places), default=record.searched)
         return moved <= _STALE * nearest and record.searched - moved >= reach
 
-    def _search(self, outer: int, inner: int, reach: float, moment: Moment) -> _Record:
+    def _search(self, outer: int, inner: int, reach: float, moment: WatchedMoment) -> _Record:
         uid, boxes = self._body.uid, (moment.box(outer), moment.box(inner))
         places = [
             moment.place(point, self.joints[outer, inner])

@@ -32,7 +32,7 @@ class Place(NamedTuple):
     gradient: Tuple[float, ...]
 
 
-class Moment:
+class WatchedMoment:
     """A robot as it is now.
 
     Attributes

@@ -22,7 +22,7 @@ from telex_control.laws.pid import Pid
 from telex_control.urdf.joints import CONTINUOUS, UrdfJoint
 
 
-class Mode(enum.Enum):
+class DriveMode(enum.Enum):
     """How the commands of a joint are carried out.
 
     EFFORT: as a torque or force. VELOCITY, POSITION: by a motor as strong as the joint's effort
@@ -36,10 +36,10 @@ class Mode(enum.Enum):
     POSITION_PID = enum.auto()
 
 
-_MODES: Dict[Type[JointCommandInterface], Tuple[Mode, Mode]] = {
-    EffortJointInterface: (Mode.EFFORT, Mode.EFFORT),
-    VelocityJointInterface: (Mode.VELOCITY, Mode.VELOCITY_PID),
-    PositionJointInterface: (Mode.POSITION, Mode.POSITION_PID),
+_MODES: Dict[Type[JointCommandInterface], Tuple[DriveMode, DriveMode]] = {
+    EffortJointInterface: (DriveMode.EFFORT, DriveMode.EFFORT),
+    VelocityJointInterface: (DriveMode.VELOCITY, DriveMode.VELOCITY_PID),
+    PositionJointInterface: (DriveMode.POSITION, DriveMode.POSITION_PID),
 }
 
 
@@ -138,7 +138,7 @@ class Drive(Stateful):
         self.interface = interface
         self.mode = _MODES[interface][pid is not None]
         self.pid = pid
-        self.takes_effort = self.mode not in (Mode.VELOCITY, Mode.POSITION)
+        self.takes_effort = self.mode not in (DriveMode.VELOCITY, DriveMode.POSITION)
         self.braked = True
         self.held = 0.0
         self.force = 0.0
@@ -178,7 +178,7 @@ class Drive(Stateful):
     def reset(self) -> None:
         """Forget the past and ask for standstill where the joint is."""
         self.force = 0.0
-        positional = self.mode in (Mode.POSITION, Mode.POSITION_PID)
+        positional = self.mode in (DriveMode.POSITION, DriveMode.POSITION_PID)
         self.handle.command = self._previous = self.state.position if positional else 0.0
         for handle in self.limits:
             handle.reset()
@@ -198,7 +198,7 @@ class Drive(Stateful):
         if pid is None:
             self.force = command
             return command
-        if self.mode is Mode.VELOCITY_PID:
+        if self.mode is DriveMode.VELOCITY_PID:
             error = command - self.state.velocity
         else:
             error = command - self.state.position

@@ -27,7 +27,7 @@ from ..scene.model import Start
 from ..tracks.tracks import Tracks
 from ..truth.ledger import ContactLedger
 from .body import RobotBody
-from .drives import Mode
+from .drives import DriveMode
 from .gripper.contact import GripperContacts
 from .robot_hw_sim import RobotHWSim
 from .urdf.masses import complete_masses
@@ -162,7 +162,7 @@ class Robot:
             if not self.hw.has_joint(joint):
                 raise ConfigError(f"tracks/belts/{joint}: the robot has no driven joint '{joint}'")
             mode = self.hw.drive(joint).mode
-            if mode in (Mode.POSITION, Mode.POSITION_PID):
+            if mode in (DriveMode.POSITION, DriveMode.POSITION_PID):
                 raise ConfigError(
                     f"tracks/belts/{joint}: its transmission has PositionJointInterface; a belt "
                     "needs VelocityJointInterface or EffortJointInterface"

@@ -36,7 +36,7 @@ from telex_control.urdf.transmission_parser import SIMULATED, DrivenJoint, drive
 
 from ..engine.simulator_config import HardwareConfig, JointHardware
 from ..engine.world import Body
-from .drives import WHOLE, Drive, Impairment, Mode
+from .drives import WHOLE, Drive, DriveMode, Impairment
 from .imu import Imu
 from .link_surfaces import LinkSurfaces
 from .urdf.masses import massless_joints
@@ -584,8 +584,8 @@ class RobotHWSim(RobotHW, Stateful):
         driven = [drive for drive in driven if drive not in unmoved]
         self._by_effort = [drive for drive in driven if drive.takes_effort]
         self._by_motor = [drive for drive in driven if not drive.takes_effort]
-        self._by_velocity = [drive for drive in driven if drive.mode is Mode.VELOCITY]
-        self._by_position = [drive for drive in driven if drive.mode is Mode.POSITION]
+        self._by_velocity = [drive for drive in driven if drive.mode is DriveMode.VELOCITY]
+        self._by_position = [drive for drive in driven if drive.mode is DriveMode.POSITION]
         self._effort_indices = [drive.index for drive in self._by_effort]
         self._motor_indices = [drive.index for drive in self._by_motor]
         self._velocity_indices = [drive.index for drive in self._by_velocity]

@@ -11,7 +11,7 @@ from telex_msgs.msg import TruthNames, TruthSample
 from ..engine.simulation import Simulation
 from ..robot.robot import Robot
 from ..truth.messages import names_message, sample_message
-from ..truth.sampler import Sample, TruthSampler
+from ..truth.sampler import SampledTruth, TruthSampler
 
 _KEPT = 500
 """Samples that wait for a listener who is held up: 10 s."""
@@ -74,7 +74,7 @@ class TruthPublisher:
         message.header.stamp = stamp
         self._names.publish(message)
 
-    def _message(self, sample: Sample, resets: int, margin: float) -> TruthSample:
+    def _message(self, sample: SampledTruth, resets: int, margin: float) -> TruthSample:
         message = sample_message(sample)
         message.sequence, message.revision = self._sequence, self._revision
         message.resets, message.margin = resets, margin

@@ -616,7 +616,7 @@ class Start:
 
 
 @dataclass(frozen=True)
-class View:
+class Viewpoint:
     """From where a picture of the scene is taken: eye and target (m), full width of view (rad)."""
 
     eye: Vector3
@@ -651,7 +651,7 @@ class Scene:
     lights: Lights = field(default_factory=Lights)
     objects: Tuple[SceneObject, ...] = ()
     start: Start = field(default_factory=Start)
-    views: Tuple[View, ...] = ()
+    views: Tuple[Viewpoint, ...] = ()
     history: Dict[str, float] = field(default_factory=dict)
     antenna: Optional[Vector3] = None
     robots: Tuple[Start, ...] = ()

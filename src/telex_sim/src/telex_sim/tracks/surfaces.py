@@ -16,7 +16,7 @@ Twist = Tuple[Vector, Vector, Vector]
 """A point of a body and its velocity, and the angular velocity, in the world."""
 
 
-class Surface:
+class GroundSurface:
     """One link that a track can touch.
 
     Attributes
@@ -69,7 +69,7 @@ class Surfaces:
         self._client = client
         self._config = config
         self._material_of = material_of
-        self._known: Dict[BodyLink, Surface] = {}
+        self._known: Dict[BodyLink, GroundSurface] = {}
         self._poses: Dict[BodyLink, Tuple[Twist, Sequence[float]]] = {}
 
     def forget(self) -> None:
@@ -80,7 +80,7 @@ class Surfaces:
         """Look at all motions anew."""
         self._poses.clear()
 
-    def of(self, link: BodyLink) -> Surface:
+    def of(self, link: BodyLink) -> GroundSurface:
         """Return what is known of a link."""
         found = self._known.get(link)
         if found is None:
@@ -94,7 +94,7 @@ class Surfaces:
         x, y, z = x - a, y - b, z - c
         return (u + q * z - r * y, v + r * x - p * z, w + p * y - q * x)
 
-    def steepness(self, link: BodyLink, surface: Surface, normal: Vector) -> float:
+    def steepness(self, link: BodyLink, surface: GroundSurface, normal: Vector) -> float:
         """Cosine of the angle between a normal and the nearest normal of a face; 1 without any."""
         faces = surface.faces
         if not faces:
@@ -134,14 +134,14 @@ class Surfaces:
             centre, turned, linear, angular = state[0], state[1], state[6], state[7]
         return (centre, linear, angular), pybullet.getMatrixFromQuaternion(turned)
 
-    def _look(self, link: BodyLink) -> Surface:
+    def _look(self, link: BodyLink) -> GroundSurface:
         dynamics = pybullet.getDynamicsInfo(*link, physicsClientId=self._client)
         mass, friction = dynamics[0], dynamics[1]
         turned: Optional[Sequence[float]] = None
         if mass <= 0.0:
             turned = self._orientation(link)
         material = self._material_of(*link) if self._material_of else ""
-        return Surface(self._config, friction, material, mass, self._faces(link, turned))
+        return GroundSurface(self._config, friction, material, mass, self._faces(link, turned))
 
     def _orientation(self, link: BodyLink) -> Sequence[float]:
         uid, index = link

@@ -22,7 +22,7 @@ ROBOT = -2
 """Numbers of what is no object of the scene: the floor, and another robot."""
 
 
-class Entry(NamedTuple):
+class LedgerEntry(NamedTuple):
     """What a group of links and an object did to each other since the last sample.
 
     Attributes
@@ -162,7 +162,7 @@ class ContactLedger(Stateful):
             pair.y += found[2]
             pair.z += found[3]
 
-    def take(self) -> List[Entry]:
+    def take(self) -> List[LedgerEntry]:
         """Return what was noted since the last call, in a fixed order."""
         entries = []
         gone = []
@@ -172,7 +172,7 @@ class ContactLedger(Stateful):
                 weight = pair.weight
                 point = (pair.x / weight, pair.y / weight, pair.z / weight)
                 peak = pair.peak / self._window
-                entries.append(Entry(*key, peak, pair.impulse, pair.steps, point))
+                entries.append(LedgerEntry(*key, peak, pair.impulse, pair.steps, point))
                 pair.clear()
                 # Sums that are added to and taken from for hours would drift.
                 pair.sum = sum(pair.forces)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from telex_msgs.msg import TruthContact, TruthNames, TruthSample
 
 from ..scene.model import WORLD_FRAME
-from .sampler import Names, Sample
+from .sampler import Names, SampledTruth
 
 
 def names_message(names: Names, revision: int) -> TruthNames:
@@ -24,7 +24,7 @@ def names_message(names: Names, revision: int) -> TruthNames:
     )
 
 
-def sample_message(sample: Sample) -> TruthSample:
+def sample_message(sample: SampledTruth) -> TruthSample:
     """Make the message of a sample, without stamp, numbers, wall's time and margin."""
     message = TruthSample(
         base=sample.base,

@@ -13,7 +13,7 @@ from ..engine.world import Body
 from ..robot.robot import Robot
 from ..scene.objects.bodies import FreeBody, SceneJoint, SceneLatch
 from .groups import NAMES, link_groups
-from .ledger import ROBOT, ContactLedger, Entry
+from .ledger import ROBOT, ContactLedger, LedgerEntry
 
 NOTHING = -1
 """Number in place of an object where nothing is held."""
@@ -39,7 +39,7 @@ class Names:
     latches: Tuple[str, ...]
 
 
-class Sample(NamedTuple):
+class SampledTruth(NamedTuple):
     """One look at everything after a step; see ``TruthSample.msg``.
 
     Attributes
@@ -66,7 +66,7 @@ class Sample(NamedTuple):
     poses: List[float]
     held: int
     grip: float
-    contacts: List[Entry]
+    contacts: List[LedgerEntry]
 
 
 class TruthSampler:
@@ -128,7 +128,7 @@ class TruthSampler:
         self._told: Optional[np.ndarray] = None
         return True
 
-    def sample(self) -> Sample:
+    def sample(self) -> SampledTruth:
         """Look at all of it, as it is now."""
         simulation, robot, body = self._simulation, self._robot, self._body
         client = simulation.world.client
@@ -147,7 +147,7 @@ class TruthSampler:
             held = self._numbers.get(contact.object, NOTHING)
             grip = contact.force
         robot.held = simulation.objects.bodies_of(contact.object) if contact and held >= 0 else ()
-        return Sample(
+        return SampledTruth(
             base=[*position, *orientation],
             twist=[*linear, *angular],
             joints=[*(state[0] for state in states), *body.wheels.values()],

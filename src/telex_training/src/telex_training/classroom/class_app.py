@@ -25,7 +25,7 @@ from .answers import merged
 from .order import Order
 from .poller import BusyError, StationPoller
 from .station_client import StationError
-from .stations_file import Station
+from .stations_file import ClassStation
 
 PREFIX = "/class"
 _LOOKS = 10.0
@@ -62,7 +62,9 @@ class ClassApp:
         Folder of the console's modules, whose language the pages speak.
     """
 
-    def __init__(self, stations: Sequence[Station], token: str, pages: Path, console: Path) -> None:
+    def __init__(
+        self, stations: Sequence[ClassStation], token: str, pages: Path, console: Path
+    ) -> None:
         # One of the two alone would leave the other role without a question.
         self._tokens = Tokens(token, token)
         self._pages, self._console = pages, console

@@ -10,7 +10,7 @@ from typing import Any, Callable, List, Mapping
 
 from .answers import MOST_STANDING, BadAnswerError, Course, courses_of, state_of
 from .station_client import StationClient, StationError
-from .stations_file import Station
+from .stations_file import ClassStation
 from .watch import HERE, PICTURE_PERIOD, StationWatch
 
 _FRONT = "front"
@@ -33,7 +33,7 @@ class StationPoller:
         Whether somebody looks at pictures.
     """
 
-    def __init__(self, station: Station, pictures_wanted: Callable[[], bool]) -> None:
+    def __init__(self, station: ClassStation, pictures_wanted: Callable[[], bool]) -> None:
         self.station = station
         self.watch = StationWatch(station, time.monotonic())
         self._pictures_wanted = pictures_wanted

@@ -10,7 +10,7 @@ import aiohttp
 from yarl import URL
 
 from .answers import MOST_PICTURE, MOST_STATE, BadAnswerError, json_of
-from .stations_file import Station
+from .stations_file import ClassStation
 
 TIMEOUT = 4.0
 """For an answer (s)."""
@@ -34,7 +34,7 @@ class StationError(RuntimeError):
 class StationClient:
     """Asks one station. Use it as an asynchronous context manager, on the loop's thread."""
 
-    def __init__(self, station: Station) -> None:
+    def __init__(self, station: ClassStation) -> None:
         self.station = station
         self._http: Optional[aiohttp.ClientSession] = None
 

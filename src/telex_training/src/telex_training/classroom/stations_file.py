@@ -1,4 +1,4 @@
-"""The file of a class's stations: YAML in, checked `Station`s with their tokens out.
+"""The file of a class's stations: YAML in, checked `ClassStation`s with their tokens out.
 
 docs/instructor/class.md describes the keys.
 """
@@ -30,7 +30,7 @@ class StationsError(ValueError):
 
 
 @dataclass(frozen=True)
-class Station:
+class ClassStation:
     """A station of the class.
 
     Attributes
@@ -81,7 +81,7 @@ class _Given:
     token_file: str = ""
 
 
-def load_stations(path: Path) -> Tuple[Station, ...]:
+def load_stations(path: Path) -> Tuple[ClassStation, ...]:
     """Read a file of stations, and the files of their tokens.
 
     Parameters
@@ -103,7 +103,7 @@ def load_stations(path: Path) -> Tuple[Station, ...]:
         raise StationsError(f"{path}: {error}") from error
 
 
-def _stations(content: Mapping[str, Any], folder: Path) -> Tuple[Station, ...]:
+def _stations(content: Mapping[str, Any], folder: Path) -> Tuple[ClassStation, ...]:
     for key in content:
         require(key == "stations", f"{key} is unknown; known is stations")
     given = structs_of(content, "stations", _Given)
@@ -111,7 +111,7 @@ def _stations(content: Mapping[str, Any], folder: Path) -> Tuple[Station, ...]:
     made = []
     for i, each in enumerate(given):
         try:
-            made.append(_with_token(Station(each.name, each.address, each.token_file), folder))
+            made.append(_with_token(ClassStation(each.name, each.address, each.token_file), folder))
         except ConfigError as error:
             raise ConfigError(f"stations[{i}]: {error}") from None
     for key in ("name", "address"):
@@ -122,7 +122,7 @@ def _stations(content: Mapping[str, Any], folder: Path) -> Tuple[Station, ...]:
     return tuple(made)
 
 
-def _with_token(station: Station, folder: Path) -> Station:
+def _with_token(station: ClassStation, folder: Path) -> ClassStation:
     if not station.token_file:
         host = urlsplit(station.address).hostname or ""
         require(

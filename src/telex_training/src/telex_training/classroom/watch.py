@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Dict, Optional
 
 from .answers import StationState
-from .stations_file import Station
+from .stations_file import ClassStation
 
 PERIOD = 1.0
 """Between two questions for the state (s)."""
@@ -49,7 +49,7 @@ class StationWatch:
         What was asked of it last, and what came of it: ``what``, ``done``, ``ok``, ``text``.
     """
 
-    def __init__(self, station: Station, now: float) -> None:
+    def __init__(self, station: ClassStation, now: float) -> None:
         self.station = station
         self.phase = CONNECTING
         self.state: Optional[StationState] = None

@@ -18,7 +18,7 @@ from telex_teleop.web.token_files import read_or_make_token
 from telex_teleop.web.tokens import is_loopback
 
 from ..classroom.class_app import PREFIX, ClassApp
-from ..classroom.stations_file import Station, StationsError, load_stations
+from ..classroom.stations_file import ClassStation, StationsError, load_stations
 
 _PORT = 8070
 _TOKEN_FILE = "~/.ros/telex_class_token"
@@ -93,7 +93,7 @@ def _token(address: str, file: str) -> str:
 
 
 async def _serve(
-    stations: Tuple[Station, ...], token: str, listener: socket.socket, url: str
+    stations: Tuple[ClassStation, ...], token: str, listener: socket.socket, url: str
 ) -> None:
     loop, stop = asyncio.get_running_loop(), asyncio.Event()
     for number in (signal.SIGINT, signal.SIGTERM):

@@ -21,7 +21,7 @@ from ..rehearsal.jobs import (
     SCRIPTED,
     Job,
     OperatorError,
-    Outcome,
+    Rehearsed,
     find_operator,
     rehearse_job,
     run,
@@ -48,7 +48,7 @@ _ERRORS = (
     OSError,
 )
 
-Outcomes = Dict[Tuple[str, str], Dict[int, Outcome]]
+Outcomes = Dict[Tuple[str, str], Dict[int, Rehearsed]]
 """By setting and line, then by seed."""
 
 
@@ -249,7 +249,7 @@ class _Progress:
         if kept:
             _warn(f"{kept} of {total} trials are there already ({store.folder})")
 
-    def done(self, job: Job, outcome: Optional[Outcome], error: Optional[Exception]) -> None:
+    def done(self, job: Job, outcome: Optional[Rehearsed], error: Optional[Exception]) -> None:
         """Take the outcome of a job, or why there is none."""
         self._at += 1
         if outcome is None:

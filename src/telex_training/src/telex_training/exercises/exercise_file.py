@@ -28,7 +28,7 @@ from .model import (
     Fault,
     FurtherRobot,
     Hint,
-    Link,
+    LineLink,
     Malfunction,
     Metric,
     Penalty,
@@ -433,18 +433,18 @@ def _metrics(content: Mapping[str, Any]) -> Tuple[Metric, ...]:
 _METRIC_KEYS = "expert, height, kind, length, object, over, pass, robot"
 
 
-def _link(content: Mapping[str, Any]) -> Optional[Link]:
+def _link(content: Mapping[str, Any]) -> Optional[LineLink]:
     """Read `link`: a profile, a delay in ms, or figures, which may name a profile as well."""
     given = content.get("link")
     if given is None:
         return None
     if isinstance(given, str):
         require(bool(given), "link is ''; the name of a profile, such as perfect, is needed")
-        return Link(given)
+        return LineLink(given)
     if not isinstance(given, Mapping):
         delay = read_value(float, given, "link")
         require(delay >= 0.0, f"link is {delay:g}; a delay (ms) of 0 or more is needed")
-        return Link(fields={"delay": delay / 1000.0})
+        return LineLink(fields={"delay": delay / 1000.0})
     profile = read_value(str, given.get("profile", "perfect"), "link/profile")
     fields = {}
     for key, value in given.items():
@@ -453,7 +453,7 @@ def _link(content: Mapping[str, Any]) -> Optional[Link]:
             require(key in LINK_FIELDS, f"link/{key} is unknown; known are {known}")
             fields[key] = read_value(float, value, f"link/{key}")
             require(fields[key] >= 0.0, f"link/{key} is {value!r}; 0 or more is needed")
-    return Link(profile, fields)
+    return LineLink(profile, fields)
 
 
 def _radiation(content: Mapping[str, Any]) -> Radiation:

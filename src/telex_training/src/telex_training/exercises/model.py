@@ -542,7 +542,7 @@ LINK_FIELDS = (
 
 
 @dataclass(frozen=True)
-class Link:
+class LineLink:
     """The line between robot and operator in a trial.
 
     Attributes
@@ -579,7 +579,7 @@ class Exercise:
         With which the clock of a repetition starts.
     controls : tuple of str
         Those of `CONTROLS` that it needs; empty: what its steps show.
-    link : Link, optional
+    link : LineLink, optional
         The line to the operator; None: as the instructor has set it.
     robots : tuple of FurtherRobot
         Those that it needs beside the first one.
@@ -614,7 +614,7 @@ class Exercise:
     malfunctions: Tuple[Malfunction, ...]
     radiation: Radiation
     survey: Optional[Survey]
-    link: Optional[Link]
+    link: Optional[LineLink]
     robots: Tuple[FurtherRobot, ...] = ()
 
     def conditions(self) -> Iterator[Tuple[str, Condition]]:

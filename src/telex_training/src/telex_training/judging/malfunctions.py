@@ -20,7 +20,7 @@ Axis = Tuple[str, str]
 """Channel, and what of its messages."""
 
 
-class Episode:
+class FailureEpisode:
     """Something that failed, until it worked again.
 
     Attributes
@@ -81,7 +81,7 @@ class Turn(NamedTuple):
     """What happened to an episode: its event, and details."""
 
     event: str
-    episode: Episode
+    episode: FailureEpisode
     detail: Dict[str, Any]
 
 
@@ -89,8 +89,8 @@ class MalfunctionRecord:
     """Hears of malfunctions, commands and stops, and relates them."""
 
     def __init__(self) -> None:
-        self.episodes: List[Episode] = []
-        self._open: List[Episode] = []
+        self.episodes: List[FailureEpisode] = []
+        self._open: List[FailureEpisode] = []
         self._commands: Dict[Axis, Tuple[float, float]] = {}
         self._stopped = False
 
@@ -114,7 +114,7 @@ class MalfunctionRecord:
             if before is not None:
                 turns.append(self._end(before, time))
             if len(self.episodes) < _MOST:
-                made = Episode(each, time, self._held(time))
+                made = FailureEpisode(each, time, self._held(time))
                 self.episodes.append(made)
                 self._open.append(made)
                 detail = {"value": made.value, "announced": made.announced}
@@ -123,7 +123,7 @@ class MalfunctionRecord:
         gone = [each for each in self._open if (each.what, each.kind) not in there]
         return [*(self._end(each, time) for each in gone), *turns]
 
-    def _end(self, episode: Episode, time: float) -> Turn:
+    def _end(self, episode: FailureEpisode, time: float) -> Turn:
         episode.ended = time
         self._open.remove(episode)
         return Turn("mended", episode, {})
@@ -163,7 +163,7 @@ class MalfunctionRecord:
                 turns.append(self._commanded(each, max(min(ends), each.since)))
         return turns
 
-    def _commanded(self, episode: Episode, time: float) -> Turn:
+    def _commanded(self, episode: FailureEpisode, time: float) -> Turn:
         episode.commanded = time
         return Turn("reaction", episode, {"by": "command", "seconds": time - episode.since})
 

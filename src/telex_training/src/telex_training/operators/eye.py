@@ -7,7 +7,7 @@ import numpy as np
 
 from .port import NotManagedError
 from .station import Station
-from .vision import View
+from .vision import SeenPicture
 
 PATIENCE = 60.0
 """Sim time (s) for a renderer that has yet to start, and shares the processor."""
@@ -33,7 +33,7 @@ class Eye:
         self._frame = f"{camera}_camera_optical_frame"
         self._view = station.port.camera(camera)
 
-    def look(self) -> View:
+    def look(self) -> SeenPicture:
         """Wait for a picture of the present moment, while the robot rests.
 
         Raises
@@ -53,7 +53,7 @@ class Eye:
         image = cv2.imdecode(np.frombuffer(picture.data, np.uint8), cv2.IMREAD_COLOR)
         if image is None:
             raise NotManagedError(f"camera {self.camera}: its picture cannot be read")
-        return View(image, picture.matrix, picture.distortion, station.place_of(self._frame))
+        return SeenPicture(image, picture.matrix, picture.distortion, station.place_of(self._frame))
 
     def close(self) -> None:
         """Look away."""

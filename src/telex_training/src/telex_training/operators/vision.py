@@ -41,7 +41,7 @@ class Color:
 
 
 @dataclass(frozen=True)
-class View:
+class SeenPicture:
     """A picture, and where it was taken from.
 
     Attributes
@@ -144,7 +144,7 @@ def find(image: np.ndarray, color: Color, least: float = 40.0) -> Optional[Blob]
     )
 
 
-def ray(view: View, pixel: Sequence[float]) -> Ray:
+def ray(view: SeenPicture, pixel: Sequence[float]) -> Ray:
     """Return the line of sight of a pixel."""
     points = np.array([[pixel]], dtype=np.float64)
     x, y = cv2.undistortPoints(points, view.matrix, view.distortion).ravel()
@@ -152,7 +152,7 @@ def ray(view: View, pixel: Sequence[float]) -> Ray:
     return Ray(view.pose[:3, 3].copy(), direction / np.linalg.norm(direction))
 
 
-def project(view: View, points: np.ndarray) -> np.ndarray:
+def project(view: SeenPicture, points: np.ndarray) -> np.ndarray:
     """Return where points of base_link, shape (n, 3), lie in a picture, shape (n, 2)."""
     rotation = view.pose[:3, :3].T
     turn, _ = cv2.Rodrigues(rotation)
@@ -167,7 +167,7 @@ def project(view: View, points: np.ndarray) -> np.ndarray:
 
 
 def cube_place(
-    view: View, blob: Blob, height: float, edge: float
+    view: SeenPicture, blob: Blob, height: float, edge: float
 ) -> Tuple[np.ndarray, float, float]:
     """Tell where a cube is that lies flat at a known height, and how it is turned.
 

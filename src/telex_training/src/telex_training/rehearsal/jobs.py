@@ -52,7 +52,7 @@ class Job:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class Rehearsed:
     """What a job comes to.
 
     Attributes
@@ -67,10 +67,10 @@ class Outcome:
     gave_up: str = ""
 
 
-def run(job: Job) -> Outcome:
+def run(job: Job) -> Rehearsed:
     """Rehearse a trial, and return what it comes to."""
     trial, problem = rehearse_job(job)
-    return Outcome(trial.judge.text(), problem)
+    return Rehearsed(trial.judge.text(), problem)
 
 
 def rehearse_job(job: Job) -> Tuple[RehearsedTrial, str]:

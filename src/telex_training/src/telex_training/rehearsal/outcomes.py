@@ -9,7 +9,7 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple
 from ..judging.sheet import PASSED, why_not_passed
 from ..judging.stats import CONFIDENCE, median, percentile, reliability_bound
 from ..progress.inference import Difference, difference_of_medians, fisher
-from .jobs import Outcome
+from .jobs import Rehearsed
 
 Key = Tuple[str, str]
 """Setting and line."""
@@ -47,7 +47,7 @@ class Spread:
     high: float
 
 
-def run_of(seed: int, outcome: Outcome) -> Run:
+def run_of(seed: int, outcome: Rehearsed) -> Run:
     """Read an outcome."""
     sheet = json.loads(outcome.sheet)
     repetitions = sheet["repetitions"]
@@ -156,7 +156,7 @@ class Change:
     sheets: int
 
 
-def change(key: Key, before: Dict[int, Outcome], after: Dict[int, Outcome]) -> Change:
+def change(key: Key, before: Dict[int, Rehearsed], after: Dict[int, Rehearsed]) -> Change:
     """Compare the outcomes of two campaigns by their seeds."""
     runs = [[run_of(seed, each[seed]) for seed in sorted(each)] for each in (before, after)]
     passed = [sum(run.passed for run in each) for each in runs]
@@ -174,7 +174,7 @@ def change(key: Key, before: Dict[int, Outcome], after: Dict[int, Outcome]) -> C
     )
 
 
-def _content(outcome: Outcome) -> Any:
+def _content(outcome: Rehearsed) -> Any:
     sheet = json.loads(outcome.sheet)
     # Digests of exercise and log say no more than the rest does.
     sheet.pop("log", None)

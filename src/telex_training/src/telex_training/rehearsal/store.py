@@ -10,7 +10,7 @@ from typing import Any, Dict, Iterator, Optional, Tuple
 
 from telex_control.common.params import ConfigError, read_struct
 
-from .jobs import Outcome
+from .jobs import Rehearsed
 
 ABOUT, SUMMARY = "campaign.json", "summary.json"
 FORMAT = 1
@@ -84,12 +84,12 @@ class Store:
         except ConfigError as error:
             raise StoreError(f"{folder / ABOUT}: {error}") from error
 
-    def get(self, setting: str, line: str, seed: int) -> Optional[Outcome]:
+    def get(self, setting: str, line: str, seed: int) -> Optional[Rehearsed]:
         """Return an outcome; None: it is not there yet."""
         path = self._path(setting, line, seed)
         return _outcome(path) if path.exists() else None
 
-    def put(self, setting: str, line: str, seed: int, outcome: Outcome) -> None:
+    def put(self, setting: str, line: str, seed: int, outcome: Rehearsed) -> None:
         """Keep an outcome; a reader finds all of it or nothing.
 
         Raises
@@ -117,7 +117,7 @@ class Store:
         except OSError as error:
             raise StoreError(f"{self.folder / SUMMARY}: {error.strerror}") from error
 
-    def all(self) -> Iterator[Tuple[str, str, int, Outcome]]:
+    def all(self) -> Iterator[Tuple[str, str, int, Rehearsed]]:
         """Yield setting, line, seed and outcome of all that there is, in order.
 
         Raises
@@ -148,12 +148,12 @@ def _same(folder: Path, there: About, wanted: About) -> None:
             )
 
 
-def _outcome(path: Path) -> Outcome:
+def _outcome(path: Path) -> Rehearsed:
     content = _read(path)
     sheet, gave_up = content.get("sheet"), content.get("gave_up")
     if not isinstance(sheet, dict) or not isinstance(gave_up, str):
         raise StoreError(f"{path}: no outcome of a rehearsal; delete it to have it made again")
-    return Outcome(json.dumps(sheet), gave_up)
+    return Rehearsed(json.dumps(sheet), gave_up)
 
 
 def _read(path: Path) -> Dict[str, Any]:

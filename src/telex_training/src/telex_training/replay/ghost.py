@@ -11,7 +11,7 @@ from telex_control.common.geometry.quaternions import Pose
 from telex_sim.robot.urdf.visuals import UrdfVisual
 
 from .replay import Replay
-from .scenery import OtherRobot
+from .scenery import OtherRobotScenery
 
 NAME = "replay_ghost"
 """Name of its robot in the scene."""
@@ -94,7 +94,7 @@ class Ghost:
 
     Attributes
     ----------
-    robot : OtherRobot
+    robot : OtherRobotScenery
         In one colour through which the trial is seen.
 
     Raises
@@ -118,7 +118,7 @@ class Ghost:
         self._span = min(done, key=lambda each: each.end - each.begin)
         scenery = other.scenery
         visuals = [_translucent(each) for each in scenery.visuals]
-        self.robot = OtherRobot(NAME, scenery.links, visuals)
+        self.robot = OtherRobotScenery(NAME, scenery.links, visuals)
 
     def time(self, time: float) -> float:
         """Time of the other run (s) that belongs to one of the trial."""

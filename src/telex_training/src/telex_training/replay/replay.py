@@ -71,7 +71,7 @@ class SilentCameraError(Exception):
     """A camera sent no pictures; the message says which, and why."""
 
 
-class Condition(NamedTuple):
+class MetricCondition(NamedTuple):
     """What cameras and lamps have come to."""
 
     radiation: CameraRadiation
@@ -227,16 +227,16 @@ class Replay:
         since = equipment.frozen_since(camera, moment.time)
         return moment if since is None else self.timeline.moment(since)
 
-    def condition(self, moment: Moment) -> Condition:
+    def condition(self, moment: Moment) -> MetricCondition:
         """What cameras and lamps have come to at a moment, for what draws it."""
         equipment, cameras = self.timeline.equipment, self.camera_names
         malfunctions = equipment.malfunctions(moment.time)
         radiation = equipment.radiation(cameras, moment.time)
         if battery.CAMERAS not in malfunctions.unpowered:
-            return Condition(radiation, malfunctions)
+            return MetricCondition(radiation, malfunctions)
         # The views from outside, and the clear ones, need none of the robot's power.
         nothing = [0.0] * len(cameras)
-        return Condition(
+        return MetricCondition(
             CameraRadiation(
                 names=cameras, dose_rate=nothing, dose=nothing, failed=[True] * len(cameras)
             ),

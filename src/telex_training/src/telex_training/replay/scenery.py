@@ -15,14 +15,14 @@ from telex_sim.scene.model import Motion, Scene, SceneObject
 from telex_sim.scene.objects.assembly import joint_pose
 
 from .robot_links import RobotLinks
-from .timeline import Moment, Part, Timeline
+from .timeline import Moment, Timeline, TimelinePart
 
 OUTSIDE_FRAME = "replay_outside_optical_frame"
 """Frame of the free camera: part of the robot's frames, so that each pose of the scene has its
 own view, and a picture shows both or none."""
 
 
-class OtherRobot(NamedTuple):
+class OtherRobotScenery(NamedTuple):
     """A robot that is drawn beside the recording's own.
 
     Attributes
@@ -53,7 +53,7 @@ class RobotBeside:
         self._links = RobotLinks(urdf)
         self._timeline = timeline
         name = timeline.at(0).part.robot
-        self.robot = OtherRobot(name, self._links.names, urdf_visuals(urdf))
+        self.robot = OtherRobotScenery(name, self._links.names, urdf_visuals(urdf))
 
     def poses(self, stamp: int) -> List[Pose]:
         """Poses of its links in the world (m, quaternion) at a sim time (ns), in their order."""
@@ -98,23 +98,23 @@ class Scenery:
         """Names of the robot's links."""
         return self._links.names
 
-    def unknown(self, part: Part) -> List[str]:
+    def unknown(self, part: TimelinePart) -> List[str]:
         """Objects that were there and are not in the scene that was recorded: they came later."""
         known = {item.name for item in self._scene.objects}
         return [name for name in part.names.objects if name not in known]
 
-    def _shown(self, part: Part) -> List[SceneObject]:
+    def _shown(self, part: TimelinePart) -> List[SceneObject]:
         present = set(part.names.objects)
         return [item for item in self._scene.objects if item.name in present]
 
     def description(
-        self, moment: Moment, revision: int, other: Optional[OtherRobot] = None
+        self, moment: Moment, revision: int, other: Optional[OtherRobotScenery] = None
     ) -> SceneDescription:
         """What there is to see from a moment on, until the names change.
 
         Parameters
         ----------
-        other : OtherRobot, optional
+        other : OtherRobotScenery, optional
             A robot of another run.
         """
         part = moment.part

@@ -49,7 +49,7 @@ class Moment(NamedTuple):
     ----------
     number : int
         Among all samples, from 0.
-    part : Part
+    part : TimelinePart
         It is one of.
     row : int
         In the part's arrays.
@@ -60,13 +60,13 @@ class Moment(NamedTuple):
     """
 
     number: int
-    part: Part
+    part: TimelinePart
     row: int
     time: float
     stamp: int
 
 
-class Part:
+class TimelinePart:
     """Samples whose numbers are of the same names, as columns.
 
     Attributes
@@ -191,11 +191,11 @@ class Timeline:
         self.stopped, self.paused = Intervals(), Intervals()
         self.released: List[Tuple[float, str]] = []
         self.bad = 0
-        self._parts: List[Part] = []
+        self._parts: List[TimelinePart] = []
         self._times: List[float] = []
         self._stamps: List[int] = []
         self._figures: List[Tuple[float, float, float]] = []
-        self._known: Dict[int, Part] = {}
+        self._known: Dict[int, TimelinePart] = {}
         self._offset = 0.0
         self._now = -math.inf
         entry_times = []
@@ -248,7 +248,7 @@ class Timeline:
             self._take_truth(entry)
         elif channel == NAMES:
             message = decode(entry, "telex_msgs/TruthNames")
-            part = Part(message, len(self._times))
+            part = TimelinePart(message, len(self._times))
             self._known[int(message.revision)] = part
             self._parts.append(part)
         elif channel == STATUS:
@@ -330,7 +330,7 @@ class Timeline:
         return Moment(index, part, index - part.first, time, stamp)
 
     @property
-    def parts(self) -> Tuple[Part, ...]:
+    def parts(self) -> Tuple[TimelinePart, ...]:
         """All of them, in the order of time."""
         return tuple(self._parts)
 

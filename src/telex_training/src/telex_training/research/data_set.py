@@ -8,7 +8,7 @@ from typing import Optional, Sequence, Tuple
 
 from telex_control.common.params import ConfigError
 from telex_sim.cameras.drawing.gl_context import NoContextError
-from telex_sim.cameras.preview.robot_cameras import sized
+from telex_sim.cameras.preview.still_cameras import sized
 
 from ..recording.reader import read_recording
 from ..recording.writer import RecordingError

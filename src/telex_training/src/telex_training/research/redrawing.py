@@ -8,7 +8,7 @@ import numpy as np
 
 from telex_control.common.params import read_config
 from telex_sim.cameras.cameras_config import CamerasConfig
-from telex_sim.cameras.preview.robot_cameras import RobotCameras
+from telex_sim.cameras.preview.still_cameras import StillCameras
 
 from ..replay.cameras import replay_config
 from ..replay.replay import Replay
@@ -49,7 +49,7 @@ def redrawn(
     if not names:
         yield from ({} for _ in moments)
         return
-    cameras = RobotCameras(replay_cameras(replay), names, width)
+    cameras = StillCameras(replay_cameras(replay), names, width)
     try:
         shown: Optional[Tuple[str, Tuple[str, ...]]] = None
         for moment in moments:

@@ -11,7 +11,7 @@ from telex_msgs.msg import ScenePoses
 
 from telex_sim.cameras.cameras_config import CamerasConfig
 from telex_sim.cameras.optics.flaws import SOUND
-from telex_sim.cameras.preview.robot_cameras import RobotCameras
+from telex_sim.cameras.preview.still_cameras import StillCameras
 from telex_sim.cameras.ros.failures import Broken, broken_of
 from telex_sim.malfunctions.messages import malfunctions_message
 from telex_sim.ros.scene_messages import SceneMessages
@@ -43,7 +43,7 @@ class Views:
         self, config: CamerasConfig, names: Sequence[str], width: int, levels: Mapping[str, float]
     ) -> None:
         self._names, self._levels = tuple(names), levels
-        self._cameras = RobotCameras(config, names, width)
+        self._cameras = StillCameras(config, names, width)
         self._moments: Deque[Tuple[float, ScenePoses]] = deque()
 
     def begin(self, trial: RehearsedTrial) -> Sequence[str]:

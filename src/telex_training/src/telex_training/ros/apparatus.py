@@ -21,7 +21,7 @@ from telex_msgs.srv import (
     Spawn,
 )
 
-from ..exercises.model import LINK_FIELDS, Failure, Link
+from ..exercises.model import LINK_FIELDS, Failure, LineLink
 from .channels import hear_decoded
 
 _PATIENCE = 20.0
@@ -84,7 +84,7 @@ class Apparatus:
             self._links[robot] = message
             self._news.notify_all()
 
-    def set_line(self, link: Link, others: Iterable[str] = ()) -> None:
+    def set_line(self, link: LineLink, others: Iterable[str] = ()) -> None:
         """Set the line to the operators; what it was is remembered the first time.
 
         Parameters
@@ -100,11 +100,11 @@ class Apparatus:
         for robot in ("", *others):
             self._set_line(link, robot)
 
-    def _set_line(self, link: Link, robot: str) -> None:
+    def _set_line(self, link: LineLink, robot: str) -> None:
         with self._news:
             self._news.wait_for(lambda: robot in self._links, _TOLD)
             before = self._links.get(robot)
-        if before is None and link == Link():
+        if before is None and link == LineLink():
             return  # without a bridge there is no line
         if before is None:
             raise ApparatusError(

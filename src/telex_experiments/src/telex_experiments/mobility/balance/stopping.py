@@ -92,7 +92,7 @@ class _Monitor(StabilityMonitor):
         return supports, [*pushes, (np.array(place), mass * force)]
 
 
-class Watch:
+class StoppingWatch:
     """Looks at a trial from now on.
 
     Parameters
@@ -175,7 +175,7 @@ def on_level(
 ) -> Stop:
     """Stop on level ground from a speed (m/s), or a turn (rad/s)."""
     with Trial(start={"x": math.copysign(2.0, -speed)}, pose=pose) as trial:
-        watch = Watch(trial)
+        watch = StoppingWatch(trial)
         trial.operator.drive(speed, rate)
         trial.operator.wait(RUN_UP)
         return watch.stop(end)
@@ -184,7 +184,7 @@ def on_level(
 def with_load(speed: float, flippers: Tuple[float, float]) -> Stop:
     """Stop on level ground, the arm stretched out with 5 kg."""
     with Trial(start={"x": math.copysign(2.0, -speed)}, pose=POSE, load=LOAD) as trial:
-        watch = Watch(trial)
+        watch = StoppingWatch(trial)
         hold_forward(trial.operator)
         trial.operator.flippers(*flippers)
         trial.operator.wait(1.0)
@@ -202,7 +202,7 @@ def on_slope(
     """
     pose, load = (POSE, LOAD) if loaded else ("drive", 0.0)
     with Trial(SLOPE.objects(), {"x": -2.0}, pose=pose, load=load) as trial:
-        watch = Watch(trial)
+        watch = StoppingWatch(trial)
         if loaded:
             hold_forward(trial.operator)
         if flippers is not None:
@@ -222,7 +222,7 @@ def on_slope(
 def up_stairs(speed: float, stairs: Stairs) -> Stop:
     """Stop half-way on stairs, going up, or backwards down again."""
     with Trial(stairs.objects(), {"x": stairs.foot - 1.2}, stairs.friction) as trial:
-        watch, operator = Watch(trial), trial.operator
+        watch, operator = StoppingWatch(trial), trial.operator
         start_climb(operator)
         operator.flippers(0.02, -0.03)
         middle = 0.5 * (stairs.foot + stairs.crest)
@@ -236,7 +236,7 @@ def down_stairs(speed: float, stairs: Stairs) -> Stop:
     """Stop on stairs, going down forwards."""
     start = {"x": stairs.edge - 1.2, "ground": stairs.height}
     with Trial(stairs.objects(), start, stairs.friction) as trial:
-        watch, operator = Watch(trial), trial.operator
+        watch, operator = StoppingWatch(trial), trial.operator
         start_descent(operator, stairs)
         middle = 0.5 * (stairs.edge + stairs.end)
         operator.until(lambda: operator.pose.x > middle, 20.0, "half-way")

@@ -44,7 +44,7 @@ class Wheel:
 
 
 @dataclass(frozen=True)
-class Robot:
+class WheeledRobot:
     """A robot on wheels.
 
     Attributes
@@ -106,7 +106,7 @@ def _rolling(wheel: Wheel, parent: str, x: float, y: float, z: float) -> str:
       <origin xyz="{x} {y} {z}"/><axis xyz="0 1 0"/></joint>"""
 
 
-SKID_STEER = Robot(
+SKID_STEER = WheeledRobot(
     [
         Wheel(f"{end}_{side}", along * 0.256, across * 0.285, 0.165)
         for end, along in (("front", 1), ("rear", -1))
@@ -116,7 +116,7 @@ SKID_STEER = Robot(
     center=(0.0, 0.0, 0.06),
     multiplier=1.875,
 )
-CASTERS = Robot(
+CASTERS = WheeledRobot(
     [
         Wheel("left", 0.0, 0.2, 0.1),
         Wheel("right", 0.0, -0.2, 0.1),
@@ -159,7 +159,9 @@ class Wheeled(OfflineRig):
         Of the physics (s).
     """
 
-    def __init__(self, robot: Robot, ground: str = "plane", step_size: float = 0.002) -> None:
+    def __init__(
+        self, robot: WheeledRobot, ground: str = "plane", step_size: float = 0.002
+    ) -> None:
         self._robot, self._ground = robot, ground
         radius = robot.driven[0].radius
         sides = {

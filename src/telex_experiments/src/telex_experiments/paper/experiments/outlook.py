@@ -12,7 +12,7 @@ from telex_experiments.mobility import flat
 from telex_experiments.mobility import hold as standing
 from telex_experiments.mobility.balance.chassis_force import ChassisForce
 from telex_experiments.mobility.offline import Trial
-from telex_experiments.mobility.suite import Obstacle, Outcome, all_obstacles, attempt
+from telex_experiments.mobility.suite import Attempted, Obstacle, all_obstacles, attempt
 from telex_training.operators.terrain import slope
 
 from ..experiment import Cell, Experiment, Figure, Result, Table
@@ -48,7 +48,7 @@ Pair = Tuple[Optional[float], Optional[float]]
 """With the tracks, and in the paper's way."""
 
 
-def _trial(obstacle: Obstacle, in_paper_way: bool) -> Outcome:
+def _trial(obstacle: Obstacle, in_paper_way: bool) -> Attempted:
     with obstacle.trial() as trial:
         if in_paper_way:
             ChassisForce(trial)

@@ -43,7 +43,7 @@ INK, PAPER = (40, 30, 25), (255, 255, 255)
 
 
 @dataclass(frozen=True)
-class View:
+class CameraView:
     """A camera, and where the ball is put before it.
 
     Attributes
@@ -78,13 +78,13 @@ class Spot:
 
 VIEWS = (
     # Near enough to be above the floor, which these two look down to.
-    View("front", 0.5, 0.03),
-    View("rear", 0.5, 0.03),
+    CameraView("front", 0.5, 0.03),
+    CameraView("rear", 0.5, 0.03),
     # Before the arm's joints, and before the closed fingers, which would hide it.
-    View("arm", 0.16, 0.010),
-    View("gripper", 0.10, 0.007),
-    View("turret", 1.0, 0.04),
-    View("mast", 0.40, 0.025),
+    CameraView("arm", 0.16, 0.010),
+    CameraView("gripper", 0.10, 0.007),
+    CameraView("turret", 1.0, 0.04),
+    CameraView("mast", 0.40, 0.025),
 )
 
 
@@ -116,7 +116,7 @@ def magenta(picture: np.ndarray) -> Tuple[int, Tuple[float, float]]:
     return len(rows), (float(columns.mean()), float(rows.mean()))
 
 
-def spot(session: Session, view: View, frames: Sequence[str]) -> Spot:
+def spot(session: Session, view: CameraView, frames: Sequence[str]) -> Spot:
     """Put a ball on a camera's axis, and look whether it is seen where the model says."""
     namespace = session.namespace
     poses = np.array(session.wait_for("sim/poses", ScenePoses).poses).reshape(-1, 7)

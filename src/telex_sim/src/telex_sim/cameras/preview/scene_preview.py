@@ -24,7 +24,7 @@ from ...robot.urdf.visuals import urdf_visuals
 from ...ros.scene_messages import SceneMessages
 from ...scene.catalog import find_scene
 from ...scene.files.scene_file import SceneError
-from ...scene.model import WORLD_FRAME, Vector3, View
+from ...scene.model import WORLD_FRAME, Vector3, Viewpoint
 from ...scene.robot_in_scene import place_robot, robot_description
 from ...scene.visual_scene import Visual, VisualScene, VisualShape
 from ..cameras_config import CameraConfig, CamerasConfig
@@ -78,7 +78,7 @@ class Subject:
     name: str
     scene: VisualScene
     frames_in_world: np.ndarray
-    views: Tuple[View, ...]
+    views: Tuple[Viewpoint, ...]
     model: str
     further: Tuple[str, ...] = ()
 
@@ -230,7 +230,7 @@ def _eye_level(subject: Subject) -> float:
     return 0.5 + (0.0 if base is None else float(base[2, 3]))
 
 
-def framed(subject: Subject, fov: float, aspect: float) -> View:
+def framed(subject: Subject, fov: float, aspect: float) -> Viewpoint:
     """Look at all of a scene from above one of its corners.
 
     Parameters
@@ -245,7 +245,7 @@ def framed(subject: Subject, fov: float, aspect: float) -> View:
     # Scenes are flatter than spheres: nearer than a sphere would need, they still fit.
     distance = 0.8 * radius / math.sin(half)
     eye = middle + distance * _USUAL_SIDE / np.linalg.norm(_USUAL_SIDE)
-    return View((eye[0], eye[1], eye[2]), (middle[0], middle[1], middle[2]), fov)
+    return Viewpoint((eye[0], eye[1], eye[2]), (middle[0], middle[1], middle[2]), fov)
 
 
 def robot_camera(subject: Subject, name: str) -> Tuple[CameraConfig, np.ndarray]:
@@ -335,7 +335,9 @@ def _camera(subject: Subject, options: argparse.Namespace) -> Tuple[PinholeCamer
             optics = replace(optics, width=width, height=height)
         return optics, pose
     if options.eye is not None:
-        view = View(options.eye, options.target or _ahead(options.eye), options.fov or _USUAL_FOV)
+        view = Viewpoint(
+            options.eye, options.target or _ahead(options.eye), options.fov or _USUAL_FOV
+        )
     elif options.view is not None:
         if not 1 <= options.view <= len(subject.views):
             raise PreviewError(

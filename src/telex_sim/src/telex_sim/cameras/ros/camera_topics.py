@@ -19,7 +19,7 @@ from ..optics.exposure import ExposureControl
 from .frame_pacer import FramePacer
 from .messages import camera_info_message, compressed_image_message, depth_message, image_message
 from .picture_size import PictureSize, Setting
-from .size_by_load import STEPS, Step
+from .size_by_load import STEPS, SizeStep
 
 Locate = Callable[[np.ndarray, float], np.ndarray]
 """Gives the pose of the optical frame in the world, of that of the frame in the scene on which the
@@ -53,7 +53,7 @@ class Wanted(NamedTuple):
     weight: float
 
 
-class View(NamedTuple):
+class StreamView(NamedTuple):
     """How to take a picture.
 
     Attributes
@@ -224,7 +224,7 @@ class CameraStream:
         """Whether somebody listens to depths."""
         return self._depth is not None and _is_heard(self._depth)
 
-    def begin(self, preview: bool, stamp: rospy.Time, now: float) -> View:
+    def begin(self, preview: bool, stamp: rospy.Time, now: float) -> StreamView:
         """Note that a picture is being taken, and return how to take it.
 
         Parameters
@@ -237,13 +237,13 @@ class CameraStream:
             Monotonic time (s).
         """
         if preview:
-            view = View(self._small_sensor(), self._step.coarse_previews)
+            view = StreamView(self._small_sensor(), self._step.coarse_previews)
             self._small.pacer.sent(now, stamp.to_nsec())
             return view
         # Where others than eyes have use of pictures, they stay as they are.
         used = _is_heard(self._raw) or _is_heard(self._info) or self.wants_depth
         step = STEPS[0] if used else self._step
-        view = View(self._full.sensor(self._setting, step.scale), step.coarse)
+        view = StreamView(self._full.sensor(self._setting, step.scale), step.coarse)
         self._full.pacer.sent(now, stamp.to_nsec())
         if _is_heard(self._info):
             self._info.publish(camera_info_message(view.sensor.camera, self._header(stamp)))
@@ -297,7 +297,7 @@ class CameraStream:
             reduced = cv2.resize(picture, shape, interpolation=cv2.INTER_AREA)
             self.publish_preview(small, reduced, stamp)
 
-    def give_way(self, step: Step) -> None:
+    def give_way(self, step: SizeStep) -> None:
         """Have pictures lose so much detail, where nobody but eyes has use of them."""
         self._step = step
 

@@ -27,7 +27,7 @@ from ..drawing.light.daylight import Lighting
 from ..drawing.quality import choose_quality
 from ..drawing.renderer import Renderer
 from ..optics.exposure import exposure_factor
-from .camera_topics import CameraStream, View, Wanted
+from .camera_topics import CameraStream, StreamView, Wanted
 from .frame_pacer import next_due
 from .robot_cameras import RobotCameras
 from .scene_inbox import Arrival, SceneInbox
@@ -241,18 +241,22 @@ class CamerasNode:
                 depth = sensor.depth(self._renderer.depth(sensor.pinhole))
             stream.publish(sensor, picture, depth, stamp, now)
 
-    def _picture(self, stream: CameraStream, view: View, placed: Arrival, now: float) -> np.ndarray:
+    def _picture(
+        self, stream: CameraStream, view: StreamView, placed: Arrival, now: float
+    ) -> np.ndarray:
         """Show the scene as a camera sees it, or saw it when it froze."""
         if not self._robots[stream].flaws(stream).frozen:
             self._frozen.pop(stream, None)
             return self._seen(stream, view, placed, now)
         if stream not in self._frozen:
-            whole = View(stream.full_sensor(), False)
+            whole = StreamView(stream.full_sensor(), False)
             self._frozen[stream] = self._seen(stream, whole, placed, now).copy()
         shape = (view.sensor.config.width, view.sensor.config.height)
         return cv2.resize(self._frozen[stream], shape, interpolation=cv2.INTER_AREA)
 
-    def _seen(self, stream: CameraStream, view: View, placed: Arrival, now: float) -> np.ndarray:
+    def _seen(
+        self, stream: CameraStream, view: StreamView, placed: Arrival, now: float
+    ) -> np.ndarray:
         """Show the scene as a camera sees it: where its frame is, exposed, drawn, developed."""
         sensor, coarse = view
         stamp = placed.poses.header.stamp.to_nsec()

@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 
-class Step(NamedTuple):
+class SizeStep(NamedTuple):
     """How far pictures give way.
 
     Attributes
@@ -30,14 +30,14 @@ class Step(NamedTuple):
 
 # Previews first; full pictures are as small as previews in the end.
 STEPS = (
-    Step(1.0, 1.0, False, False, 1.0),
-    Step(1.0, 0.75, True, False, 2.0),
-    Step(0.75, 0.75, True, False, 2.0),
-    Step(0.5, 0.75, True, True, 4.0),
+    SizeStep(1.0, 1.0, False, False, 1.0),
+    SizeStep(1.0, 0.75, True, False, 2.0),
+    SizeStep(0.75, 0.75, True, False, 2.0),
+    SizeStep(0.5, 0.75, True, True, 4.0),
 )
 
 # Full pictures in more than their size, where there is time to spare; the largest first.
-_LARGER = (Step(2.0, 1.0, False, False, 1.0), Step(1.5, 1.0, False, False, 1.0))
+_LARGER = (SizeStep(2.0, 1.0, False, False, 1.0), SizeStep(1.5, 1.0, False, False, 1.0))
 
 # Time over which is judged (s), and how many of them in a row make pictures smaller, or larger.
 _PERIOD = 1.0
@@ -82,7 +82,7 @@ class SizeByLoad:
         self._rest, self._previews, self._asked = 0.0, 0, math.inf
 
     @property
-    def step(self) -> Step:
+    def step(self) -> SizeStep:
         """How far pictures give way at present."""
         return self._steps[self._number]
 

@@ -27,7 +27,7 @@ from ..model import (
     Source,
     Start,
     Vector3,
-    View,
+    Viewpoint,
     require_name,
 )
 from .yaml_text import MOST_BYTES, read_yaml
@@ -50,7 +50,7 @@ class _Header:
     floor: Floor = field(default_factory=Floor)
     lights: Lights = field(default_factory=Lights)
     start: Start = field(default_factory=Start)
-    views: Tuple[View, ...] = ()
+    views: Tuple[Viewpoint, ...] = ()
     history: Dict[str, float] = field(default_factory=dict)
     antenna: Optional[Vector3] = None
     robots: Tuple[Start, ...] = ()

@@ -16,7 +16,7 @@ from ..eye import Eye
 from ..handling import Hand, aimed
 from ..port import NotManagedError
 from ..station import Station
-from ..vision import Blob, Color, View, cube_place, find, project, ray
+from ..vision import Blob, Color, SeenPicture, cube_place, find, project, ray
 from .task import Task, Verdict
 
 # What the operator has been told: two boxes on a low table, and a green cube in the red one.
@@ -140,11 +140,11 @@ class CubeToBox(Task):
         station.wait(0.4)
         station.hold_preset("")
 
-    def _on_level(self, view: View, color: Color, height: float) -> np.ndarray:
+    def _on_level(self, view: SeenPicture, color: Color, height: float) -> np.ndarray:
         """Place of a thing (m, base_link) whose middle is known to be at a height."""
         return ray(view, self._seen(view, color).center).at_height(height)
 
-    def _seen(self, view: View, color: Color) -> Blob:
+    def _seen(self, view: SeenPicture, color: Color) -> Blob:
         blob = find(view.image, color)
         if blob is None:
             raise NotManagedError(f"nothing {color.name} in the picture")

@@ -18,7 +18,7 @@ from telex_sim.cameras.ros.overview_rig import OverviewRig
 
 from ...replay.cameras import OUTSIDE, replay_config
 from ...replay.ghost import Ghost
-from ...replay.replay import Condition, Replay
+from ...replay.replay import MetricCondition, Replay
 from ...replay.scenery import base_of, joints_of
 from ...replay.timeline import Moment
 from .cameras_process import CamerasProcess
@@ -67,7 +67,7 @@ class Drawing:
         self._joints = self._publisher("joint_states", JointState)
         self._radiation = self._publisher("cameras/radiation", CameraRadiation)
         self._malfunctions = self._publisher("sim/malfunctions", Malfunctions)
-        self._condition: Optional[Condition] = None
+        self._condition: Optional[MetricCondition] = None
         self._switches: Dict[str, rospy.Publisher] = {}
         self._levels: Dict[str, float] = {}
         self._subscriber: Optional[rospy.Subscriber] = None

@@ -30,7 +30,7 @@ VERTEX = np.dtype([("position", "f4", 3), ("normal", "f4", 3), ("color", "u1", 4
 """A vertex: position and normal in the frame, sRGB with glow in place of alpha, and texture."""
 
 
-class Part(NamedTuple):
+class BatchPart(NamedTuple):
     """A visual with its mesh; the mesh is in the visual's own coordinates, scale included."""
 
     visual: Visual
@@ -161,13 +161,15 @@ def merge_visuals(
     """
     return merge(
         [
-            Part(visual, primitive_mesh(visual, worn) if file is None else file.scaled(visual.size))
+            BatchPart(
+                visual, primitive_mesh(visual, worn) if file is None else file.scaled(visual.size)
+            )
             for visual, file in zip(visuals, files)
         ]
     )
 
 
-def merge(parts: Sequence[Part]) -> Tuple[np.ndarray, np.ndarray]:
+def merge(parts: Sequence[BatchPart]) -> Tuple[np.ndarray, np.ndarray]:
     """Make one mesh of several.
 
     Returns

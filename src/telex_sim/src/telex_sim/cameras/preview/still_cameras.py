@@ -24,7 +24,7 @@ from ..optics.flaws import SOUND, Flaws
 from ..ros.messages import frames_from_message, scene_from_message, shadow_focus
 
 
-class RobotCameras:
+class StillCameras:
     """Takes pictures of a scene that is described as for the ``cameras`` node.
 
     All calls must come from the thread that made it. The same calls make the same pictures.
@@ -158,7 +158,7 @@ class RobotCameras:
 def sized(
     config: CamerasConfig, names: Sequence[str], width: Optional[int]
 ) -> Dict[str, CameraConfig]:
-    """Return cameras in the size of the pictures that are wanted; see `RobotCameras`.
+    """Return cameras in the size of the pictures that are wanted; see `StillCameras`.
 
     Raises
     ------
