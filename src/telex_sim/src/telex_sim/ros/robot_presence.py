@@ -82,10 +82,10 @@ class RobotPresence:
             f"{namespace}/sim/gripper_contact", GripperContact, queue_size=1, tcp_nodelay=True
         )
         self._truth = TruthPublisher(robot)
-        self._radiation = RadiationPublisher(robot)
-        self._radio = RadioPublisher(robot)
-        self._gas = GasPublisher(robot)
-        self._microphone = MicrophonePublisher(robot)
+        self.radiation = RadiationPublisher(robot)
+        self.radio = RadioPublisher(robot)
+        self.gas = GasPublisher(robot)
+        self.microphone = MicrophonePublisher(robot)
         self.equipment = EquipmentPublisher(robot)
         self.malfunctions = MalfunctionService(robot, change, now)
         self._manager = ControllerManagerServices(robot.controllers, namespace)
@@ -177,22 +177,6 @@ class RobotPresence:
         """Publish all that is scored, when anybody listens."""
         self._truth.publish(simulation, stamp, resets, self._margin)
 
-    def publish_radiation(self, simulation: Simulation, stamp: rospy.Time) -> None:
-        """Expose the robot to the scene's sources, and publish that, where there are any."""
-        self._radiation.publish(simulation, stamp)
-
-    def publish_radio(self, simulation: Simulation, stamp: rospy.Time) -> None:
-        """Publish the signal between robot and operator, when anybody listens."""
-        self._radio.publish(simulation, stamp)
-
-    def publish_gas(self, simulation: Simulation, stamp: rospy.Time) -> None:
-        """Publish what the robot's sensor smells, where something leaks."""
-        self._gas.publish(simulation, stamp)
-
-    def publish_microphone(self) -> None:
-        """Publish what the robot's microphone hears, where it has one."""
-        self._microphone.publish()
-
     def publish_base_pose(self, stamp: rospy.Time) -> None:
         """Publish where the root link is, when anybody listens."""
         if not self._base_pose.get_num_connections():
@@ -262,10 +246,10 @@ class RobotPresence:
         self._proximity.unregister()
         self._gripper_contact.unregister()
         self._truth.close()
-        self._radiation.close()
-        self._radio.close()
-        self._gas.close()
-        self._microphone.close()
+        self.radiation.close()
+        self.radio.close()
+        self.gas.close()
+        self.microphone.close()
         self.equipment.close()
         self.malfunctions.close()
         self.robot.close()

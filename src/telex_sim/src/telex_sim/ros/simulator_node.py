@@ -523,7 +523,7 @@ class SimulatorNode:
             for presence in self._presences:
                 presence.observe(simulation.time)
                 presence.malfunctions.publish()
-                presence.publish_microphone()
+                presence.microphone.publish()
             self._publish_stability()
         if steps % self._battery_every == 0:
             for presence in self._presences:
@@ -531,15 +531,30 @@ class SimulatorNode:
         if steps % self._truth_every == 0:
             for presence in self._presences:
                 presence.publish_truth(simulation, self._now(), self._resets)
-        self._publish_radiation()
-        self._publish_radio()
-        self._publish_gas()
-        self._publish_range()
+        for presence in self._presences:
+            config = presence.robot.config
+            if self._is_due(config.dosimetry.rate):
+                presence.radiation.publish(simulation, self._now())
+            if self._is_due(config.radio.rate):
+                presence.radio.publish(simulation, self._now())
+            if self._is_due(config.gas.rate):
+                presence.gas.publish(simulation, self._now())
+            if self._is_due(presence.equipment.rate):
+                presence.equipment.publish_range(self._now())
         simulation.timer.end("publish")
-        self._publish_proximity()
+        for presence in self._presences:
+            robot = presence.robot
+            if robot.proximity.joints and self._is_due(robot.config.proximity.rate):
+                presence.publish_proximity(self._now(), simulation.proximity)
         simulation.timer.end("proximity")
-        self._publish_gripper_contact()
+        for presence in self._presences:
+            if self._is_due(presence.robot.config.gripper_contact.rate):
+                presence.publish_gripper_contact(self._now(), simulation.gripper_contact)
         simulation.timer.end("publish")
+
+    def _is_due(self, rate: float) -> bool:
+        """Whether what is told at a rate (Hz of sim time; 0: never) is to be told at this step."""
+        return rate > 0.0 and self._simulation.steps % self._steps_between(rate) == 0
 
     def _publish_all(self) -> None:
         self._publish_clock()
@@ -547,9 +562,9 @@ class SimulatorNode:
         self._publish_base_pose()
         self._publish_stability()
         for presence in self._presences:
-            presence.publish_radiation(self._simulation, self._now())
-            presence.publish_radio(self._simulation, self._now())
-            presence.publish_gas(self._simulation, self._now())
+            presence.radiation.publish(self._simulation, self._now())
+            presence.radio.publish(self._simulation, self._now())
+            presence.gas.publish(self._simulation, self._now())
             presence.equipment.publish_range(self._now())
             presence.malfunctions.publish()
             presence.malfunctions.publish_battery()
@@ -569,46 +584,6 @@ class SimulatorNode:
     def _publish_stability(self) -> None:
         for presence in self._presences:
             presence.publish_stability(self._now())
-
-    def _publish_radiation(self) -> None:
-        steps = self._simulation.steps
-        for presence in self._presences:
-            if steps % self._steps_between(presence.robot.config.dosimetry.rate) == 0:
-                presence.publish_radiation(self._simulation, self._now())
-
-    def _publish_radio(self) -> None:
-        steps = self._simulation.steps
-        for presence in self._presences:
-            rate = presence.robot.config.radio.rate
-            if rate and steps % self._steps_between(rate) == 0:
-                presence.publish_radio(self._simulation, self._now())
-
-    def _publish_gas(self) -> None:
-        steps = self._simulation.steps
-        for presence in self._presences:
-            if steps % self._steps_between(presence.robot.config.gas.rate) == 0:
-                presence.publish_gas(self._simulation, self._now())
-
-    def _publish_range(self) -> None:
-        steps = self._simulation.steps
-        for presence in self._presences:
-            rate = presence.equipment.rate
-            if rate and steps % self._steps_between(rate) == 0:
-                presence.equipment.publish_range(self._now())
-
-    def _publish_proximity(self) -> None:
-        steps = self._simulation.steps
-        for presence in self._presences:
-            rate = presence.robot.config.proximity.rate
-            if rate and presence.robot.proximity.joints and steps % self._steps_between(rate) == 0:
-                presence.publish_proximity(self._now(), self._simulation.proximity)
-
-    def _publish_gripper_contact(self) -> None:
-        steps = self._simulation.steps
-        for presence in self._presences:
-            rate = presence.robot.config.gripper_contact.rate
-            if rate and steps % self._steps_between(rate) == 0:
-                presence.publish_gripper_contact(self._now(), self._simulation.gripper_contact)
 
     def _publish_status(self) -> None:
         self._next_status = wall.monotonic() + _STATUS_PERIOD
