@@ -10,6 +10,7 @@ import gymnasium
 import numpy as np
 import pybullet
 import pytest
+from ahead_exercise import AHEAD
 from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env
 
@@ -19,16 +20,12 @@ from telex_training.research.environment import ExerciseEnv
 
 pytestmark = pytest.mark.slow
 
-AHEAD = """
-name: ahead
-title: Ahead
-description: Drive half a metre ahead.
-scene: {lights: {sun: {azimuth: -2.4, elevation: 0.9}}}
-zones:
-  start: {center: [0.0, 0.0, 0.5], size: [0.3, 1.0, 1.2]}
+EXERCISE = (
+    AHEAD
+    + """
   middle: {center: [0.35, 0.0, 0.5], size: [0.2, 1.0, 1.2]}
   there: {center: [0.7, 0.0, 0.5], size: [0.4, 1.0, 1.2]}
-begin: {not: {inside: {what: robot, zone: start}}}
+  allowed: {center: [0.8, 0.0, 0.5], size: [2.2, 1.0, 1.2]}
 steps:
   - {name: half, until: {inside: {what: robot, zone: middle}}}
   - {name: whole, until: {inside: {what: robot, zone: there}}}
@@ -37,13 +34,13 @@ questions: [{name: seen, ask: What is there?, choices: [a, b], answer: b}]
 faults: [{name: backwards, when: {not: {inside: {what: robot, zone: allowed}}}}]
 metrics: {time: {pass: 10}}
 """
-ALLOWED = "  allowed: {center: [0.8, 0.0, 0.5], size: [2.2, 1.0, 1.2]}\n"
+)
 
 
 @pytest.fixture(scope="module")
 def exercise(tmp_path_factory: pytest.TempPathFactory) -> str:
     path: Path = tmp_path_factory.mktemp("exercises") / "ahead.yaml"
-    path.write_text(AHEAD.replace("begin:", f"{ALLOWED}begin:", 1))
+    path.write_text(EXERCISE)
     return str(path)
 
 

@@ -7,6 +7,7 @@ from typing import List, Tuple
 
 import numpy as np
 import pytest
+from ahead_exercise import AHEAD
 from std_msgs.msg import String
 from telex_msgs.msg import TrackTeleopStatus
 from training_truth import serialized
@@ -31,18 +32,14 @@ from telex_training.ros.commands import message_of
 
 pytestmark = pytest.mark.slow
 
-AHEAD = """
-name: ahead
-title: Ahead
-description: Drive half a metre ahead.
-scene: {lights: {sun: {azimuth: -2.4, elevation: 0.9}}}
-zones:
-  start: {center: [0.0, 0.0, 0.5], size: [0.3, 1.0, 1.2]}
+EXERCISE = (
+    AHEAD
+    + """
   there: {center: [1.2, 0.0, 0.5], size: [0.4, 1.0, 1.2]}
-begin: {not: {inside: {what: robot, zone: start}}}
 steps: [{name: whole, until: {inside: {what: robot, zone: there}}}]
 repetitions: {most: 1, time: 20}
 """
+)
 SPEED = 0.4
 
 
@@ -62,7 +59,7 @@ def drives(hand: Hand, brief: Brief) -> None:
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder: Path = tmp_path_factory.mktemp("trials")
     path = folder / "ahead.yaml"
-    path.write_text(AHEAD)
+    path.write_text(EXERCISE)
     file = load_exercise(path)
     trial = rehearsed(file.first, drives, 7)
     about = Trial("t", str(path), file.first.setting, "practice", "ann", "test", 7)
