@@ -13,7 +13,7 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 
 import rospy
 from std_msgs.msg import String
-from std_srvs.srv import SetBool, SetBoolResponse, Trigger, TriggerResponse
+from std_srvs.srv import SetBool, Trigger
 from telex_msgs.msg import (
     BridgeClients,
     SimStatus,
@@ -25,17 +25,12 @@ from telex_msgs.msg import (
 )
 from telex_msgs.srv import (
     AnswerQuestion,
-    AnswerQuestionResponse,
     Bookmark,
-    BookmarkResponse,
     ListExercises,
     ListExercisesResponse,
     NoteTrial,
-    NoteTrialResponse,
     OpenExercise,
-    OpenExerciseResponse,
     Restore,
-    RestoreResponse,
 )
 
 from telex_control.common.params import ConfigError, read_config
@@ -73,6 +68,12 @@ _SILENT = 5.0
 """Wall time without a word of the bridge, which speaks every second, after which it is gone (s)."""
 
 
+Fields = Dict[str, Any]
+"""Of a service's answer, but that it was a success."""
+Act = Callable[[Any], Optional[Fields]]
+"""Does what a service asks for; raises what the answer is to tell."""
+
+
 class TrainingNode:
     """Lets operators and instructors open exercises, do them, and see how well it went."""
 
@@ -105,19 +106,20 @@ class TrainingNode:
         class_pages = ClassPages(self._tell_class, self._open_for_class, self._help)
         self.pages = Pages(self._library, self._folder, settings.port, self._rate, class_pages)
         self.pages.briefs.opened = self._opened
-        services = {
-            "training/list": (ListExercises, self._on_list),
+        acts: Dict[str, Tuple[Any, Act]] = {
             "training/open": (OpenExercise, self._on_open),
             "training/start": (Trigger, lambda _: self._trigger(self._start)),
             "training/again": (Trigger, lambda _: self._trigger(Session.again)),
             "training/abort": (Trigger, self._on_abort),
             "training/bookmark": (Bookmark, self._on_bookmark),
             "training/back": (Restore, self._on_back),
-            "training/help": (SetBool, self._on_help),
+            "training/help": (SetBool, lambda request: self._help(request.data)),
             "training/answer": (AnswerQuestion, self._on_answer),
             "training/note": (NoteTrial, self._on_note),
             "training/rate": (NoteTrial, self._on_rate),
         }
+        services = {name: (kind, _answering(kind, act)) for name, (kind, act) in acts.items()}
+        services["training/list"] = (ListExercises, self._on_list)
         self._services = [
             rospy.Service(name, kind, answer) for name, (kind, answer) in services.items()
         ]
@@ -191,17 +193,15 @@ class TrainingNode:
             "preview": self.pages.preview_address(path),
         }
 
-    def _on_open(self, request: Any) -> OpenExerciseResponse:
+    def _on_open(self, request: Any) -> Fields:
         try:
             # Callers may sit anywhere: which files the station has is not for them to try out.
             path = known_exercise(request.exercise)
             session = self.open(path, request.setting, request.mode, request.operator)
         except (SessionError, ValueError) as error:
             rospy.logwarn("training/open: %s", error)
-            return OpenExerciseResponse(success=False, message=str(error))
-        return OpenExerciseResponse(
-            success=True, message=f"opened: {session.exercise.title}", trial=session.trial
-        )
+            raise
+        return {"message": f"opened: {session.exercise.title}", "trial": session.trial}
 
     def open(self, path: Path, setting: str, mode: str, operator: str) -> Session:
         """Open an exercise.
@@ -292,14 +292,16 @@ class TrainingNode:
                 f"({session.operator or 'no name'}); training/abort ends it"
             )
 
-    def _trigger(self, act: Any) -> TriggerResponse:
-        try:
-            with self._lock:
-                act(self._open_session())
-        except SessionError as error:
-            return TriggerResponse(success=False, message=str(error))
+    def _trigger(self, act: Callable[[Session], None]) -> None:
+        """Do something to the session that is open.
+
+        Raises
+        ------
+        SessionError
+        """
+        with self._lock:
+            act(self._open_session())
         self._somebody_is_there()
-        return TriggerResponse(success=True, message="")
 
     def _somebody_is_there(self) -> None:
         self._away_since = None
@@ -343,44 +345,25 @@ class TrainingNode:
             raise SessionError("no exercise is open; training/open opens one")
         return self._session
 
-    def _on_abort(self, _request: Any) -> TriggerResponse:
-        return self._trigger(lambda session: session.abort("aborted"))
+    def _on_abort(self, _request: Any) -> None:
+        self._trigger(lambda session: session.abort("aborted"))
 
-    def _on_bookmark(self, request: Any) -> BookmarkResponse:
+    def _on_bookmark(self, request: Any) -> Fields:
         if request.replaces:
-            words = f"replaces is '{request.replaces[:80]}'; the trial's own are replaced by age"
-            return BookmarkResponse(success=False, message=words)
-        try:
-            session = self._open_session()
-            name = session.bookmark(request.name)
-        except SessionError as error:
-            return BookmarkResponse(success=False, message=str(error))
-        return BookmarkResponse(
-            success=True,
-            message=f"bookmark '{name}' is set",
-            name=name,
-            names=session.state()["bookmarks"],
-        )
+            raise SessionError(
+                f"replaces is '{request.replaces[:80]}'; the trial's own are replaced by age"
+            )
+        session = self._open_session()
+        name = session.bookmark(request.name)
+        names = session.state()["bookmarks"]
+        return {"message": f"bookmark '{name}' is set", "name": name, "names": names}
 
-    def _on_back(self, request: Any) -> RestoreResponse:
-        try:
-            with self._lock:
-                name = self._open_session().back(request.name)
-        except SessionError as error:
-            return RestoreResponse(success=False, message=str(error))
+    def _on_back(self, request: Any) -> Fields:
+        with self._lock:
+            name = self._open_session().back(request.name)
         self._somebody_is_there()
-        return RestoreResponse(
-            success=True,
-            message=f"back to '{name}': practice only, it counts for nothing",
-            name=name,
-        )
-
-    def _on_help(self, request: Any) -> SetBoolResponse:
-        try:
-            self._help(request.data)
-        except SessionError as error:
-            return SetBoolResponse(success=False, message=str(error))
-        return SetBoolResponse(success=True, message="")
+        said = f"back to '{name}': practice only, it counts for nothing"
+        return {"message": said, "name": name}
 
     def _help(self, wanted: bool) -> None:
         """Ask for the instructor, or say that he has come.
@@ -404,25 +387,16 @@ class TrainingNode:
         if session is not None and session.begun:
             session.note(content)
 
-    def _on_answer(self, request: Any) -> AnswerQuestionResponse:
-        try:
-            self._open_session().answer(request.question, request.answer[:_MOST_TEXT])
-        except SessionError as error:
-            return AnswerQuestionResponse(success=False, message=str(error))
-        return AnswerQuestionResponse(success=True, message="")
+    def _on_answer(self, request: Any) -> None:
+        self._open_session().answer(request.question, request.answer[:_MOST_TEXT])
 
-    def _on_note(self, request: Any) -> NoteTrialResponse:
-        try:
-            content = _note_input(request)
-            self._note(request.trial, content)
-        except (SessionError, RecordingError) as error:
-            return NoteTrialResponse(success=False, message=str(error))
-        return NoteTrialResponse(success=True, message="")
+    def _on_note(self, request: Any) -> None:
+        self._note(request.trial, _note_input(request))
 
-    def _on_rate(self, request: Any) -> NoteTrialResponse:
+    def _on_rate(self, request: Any) -> None:
         """Take the operator's own workload, of the trial that he has just done."""
         request.kind, request.trial = TLX, ""
-        return self._on_note(request)
+        self._on_note(request)
 
     def _rate(self, trial: str, ratings: List[float]) -> None:
         """Add an operator's ratings of his workload; for the sheet's page."""
@@ -547,9 +521,10 @@ class TrainingNode:
         """
         session = self.open(known_exercise(exercise), setting, mode, operator)
         if start:
-            answer = self._trigger(lambda current: current.start())
-            if not answer.success:
-                raise SessionError(f"it is open, but not started: {answer.message}")
+            try:
+                self._trigger(lambda current: current.start())
+            except SessionError as error:
+                raise SessionError(f"it is open, but not started: {error}") from error
         return session.trial
 
     def keep_no_longer(self) -> None:
@@ -593,6 +568,18 @@ class TrainingNode:
             self._session.close("the training node was ended")
             self._end_list()
         self.pages.close()
+
+
+def _answering(kind: Any, act: Act) -> Callable[[Any], Any]:
+    """Return what answers a service by doing something."""
+
+    def answer(request: Any) -> Any:
+        try:
+            return kind._response_class(success=True, **(act(request) or {}))
+        except (SessionError, RecordingError, ValueError) as error:
+            return kind._response_class(success=False, message=str(error))
+
+    return answer
 
 
 def view_of(telemetry: str) -> str:
