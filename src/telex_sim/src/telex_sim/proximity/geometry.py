@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import Iterable, NamedTuple, Sequence, Tuple
 
+from telex_control.common.geometry.vectors import cross, difference, dot
+
 from ..engine.world import Vector
 
 Box = Tuple[Vector, Vector]
@@ -17,16 +19,6 @@ class Axis(NamedTuple):
     origin: Vector
     direction: Vector
     prismatic: bool
-
-
-def dot(a: Vector, b: Vector) -> float:
-    """Scalar product."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def cross(a: Vector, b: Vector) -> Vector:
-    """Vector product."""
-    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
 def turned(matrix: Sequence[float], vector: Vector) -> Vector:
@@ -43,8 +35,7 @@ def slope(axis: Axis, point: Vector, direction: Vector) -> float:
     """Velocity of a point along a direction, by a unit velocity of the joint."""
     if axis.prismatic:
         return dot(axis.direction, direction)
-    arm = (point[0] - axis.origin[0], point[1] - axis.origin[1], point[2] - axis.origin[2])
-    return dot(cross(axis.direction, arm), direction)
+    return dot(cross(axis.direction, difference(point, axis.origin)), direction)
 
 
 class Motion(NamedTuple):
@@ -60,8 +51,7 @@ def motion(axis: Axis, point: Vector, velocity: float) -> Motion:
     turning = (x * velocity, y * velocity, z * velocity)
     if axis.prismatic:
         return Motion(turning, (0.0, 0.0, 0.0))
-    arm = (point[0] - axis.origin[0], point[1] - axis.origin[1], point[2] - axis.origin[2])
-    return Motion(cross(turning, arm), turning)
+    return Motion(cross(turning, difference(point, axis.origin)), turning)
 
 
 def fastest(motions: Iterable[Motion], radius: float) -> float:

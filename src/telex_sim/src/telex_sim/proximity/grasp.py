@@ -6,8 +6,9 @@ from typing import Dict, List, Sequence, Set, Tuple
 
 import pybullet
 
+from telex_control.common.geometry.vectors import dot
+
 from ..engine.world import Body, Vector
-from .geometry import dot
 
 
 def grasped_bodies(body: Body, fingers: Sequence[Sequence[int]]) -> Set[int]:

@@ -6,8 +6,10 @@ from typing import Collection, Dict, List, NamedTuple, Tuple
 
 import pybullet
 
+from telex_control.common.geometry.vectors import cross, difference
+
 from ..engine.world import Body, Vector
-from .geometry import Axis, Box, Motion, cross, motion, slope, turned
+from .geometry import Axis, Box, Motion, motion, slope, turned
 from .links import Links
 from .points import ClosestPoint
 
@@ -69,9 +71,8 @@ class WatchedMoment:
 
     def base_motion(self, point: Vector) -> Motion:
         """How the robot's base moves a point that rides on it."""
-        (x, y, z), (a, b, c) = point, self._base_centre
         velocity, turning = self._base
-        u, v, w = cross(turning, (x - a, y - b, z - c))
+        u, v, w = cross(turning, difference(point, self._base_centre))
         return Motion((velocity[0] + u, velocity[1] + v, velocity[2] + w), turning)
 
     def place(self, closest: ClosestPoint, joints: Collection[int]) -> Place:

@@ -17,6 +17,7 @@ from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
 
+from telex_control.common.geometry.vectors import cross, difference, dot
 from telex_control.common.params import Declared, number
 
 Vector = Tuple[float, float, float]
@@ -203,39 +204,39 @@ def force_angles(
 
 
 def _edge(start: Vector, end: Vector, center: Vector, force: Vector, moment: Vector) -> ForceAngle:
-    axis = _unit(_difference(end, start))
+    axis = _unit(difference(end, start))
     flat = math.hypot(axis[0], axis[1])
     outward = (axis[1] / flat, -axis[0] / flat)
-    to_axis = _across(_difference(end, center), axis)
-    distance = math.sqrt(_dot(to_axis, to_axis))
+    to_axis = _across(difference(end, center), axis)
+    distance = math.sqrt(dot(to_axis, to_axis))
     if distance < 1e-9:
         return ForceAngle(0.0, 0.0, outward, start)
     # A moment about the edge counts as the force on the centre of mass that would have it.
-    turning = _dot(axis, moment) / (distance * distance)
-    lever = _cross(to_axis, axis)
+    turning = dot(axis, moment) / (distance * distance)
+    lever = cross(to_axis, axis)
     across = _across(force, axis)
     net = (
         across[0] + turning * lever[0],
         across[1] + turning * lever[1],
         across[2] + turning * lever[2],
     )
-    strength = math.sqrt(_dot(net, net))
+    strength = math.sqrt(dot(net, net))
     if strength < 1e-9:
         return ForceAngle(0.0, 0.0, outward, start)
-    angle = math.atan2(_dot(_cross(to_axis, net), axis), _dot(to_axis, net))
-    share = _dot(to_axis, net) / (strength * strength)
+    angle = math.atan2(dot(cross(to_axis, net), axis), dot(to_axis, net))
+    share = dot(to_axis, net) / (strength * strength)
     aside = (
         to_axis[0] - share * net[0],
         to_axis[1] - share * net[1],
         to_axis[2] - share * net[2],
     )
-    measure = angle * math.sqrt(_dot(aside, aside)) * strength
+    measure = angle * math.sqrt(dot(aside, aside)) * strength
     return ForceAngle(measure, angle, outward, start)
 
 
 def _across(vector: Vector, axis: Vector) -> Vector:
     """Part of `vector` at right angles to the unit vector `axis`."""
-    along = _dot(vector, axis)
+    along = dot(vector, axis)
     return (
         vector[0] - along * axis[0],
         vector[1] - along * axis[1],
@@ -244,21 +245,5 @@ def _across(vector: Vector, axis: Vector) -> Vector:
 
 
 def _unit(a: Vector) -> Vector:
-    length = math.sqrt(_dot(a, a))
+    length = math.sqrt(dot(a, a))
     return a[0] / length, a[1] / length, a[2] / length
-
-
-def _difference(a: Vector, b: Vector) -> Vector:
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
-
-
-def _dot(a: Vector, b: Vector) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def _cross(a: Vector, b: Vector) -> Vector:
-    return (
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    )

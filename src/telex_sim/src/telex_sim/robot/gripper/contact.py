@@ -6,10 +6,11 @@ It is what tactile pads would tell that err in nothing. Nothing of it changes th
 from __future__ import annotations
 
 import math
-from typing import Callable, Dict, List, NamedTuple, Sequence, Tuple
+from typing import Callable, Dict, List, NamedTuple, Tuple
 
 import pybullet
 
+from telex_control.common.geometry.vectors import dot
 from telex_control.common.stateful import Stateful
 
 from ...engine.contacts import contacts, directed_contacts
@@ -117,7 +118,7 @@ class GripperContacts(Stateful):
         left, right = (self._touches(link, motions) for link in self._links)
         force, held, slip_speed = 0.0, -1, 0.0
         for uid in left.keys() & right.keys():
-            if _product(left[uid].pressing, right[uid].pressing) >= 0.0:
+            if dot(left[uid].pressing, right[uid].pressing) >= 0.0:
                 continue
             clamping = min(left[uid].force, right[uid].force)
             if (clamping, -uid) > (force, -held):
@@ -213,7 +214,7 @@ def _slip(first: _Motion, second: _Motion, point: Vector, normal: Vector) -> flo
     """Speed of two bodies against each other at a point, along their surfaces (m/s)."""
     one, other = _velocity(first, point), _velocity(second, point)
     relative = [a - b for a, b in zip(one, other)]
-    along = _product(relative, normal)
+    along = dot(relative, normal)
     return math.sqrt(sum((a - along * b) ** 2 for a, b in zip(relative, normal)))
 
 
@@ -222,8 +223,3 @@ def _velocity(motion: _Motion, point: Vector) -> List[float]:
     x, y, z = point[0] - x, point[1] - y, point[2] - z
     turning = (wy * z - wz * y, wz * x - wx * z, wx * y - wy * x)
     return [a + b for a, b in zip(linear, turning)]
-
-
-def _product(a: Sequence[float], b: Sequence[float]) -> float:
-    """Scalar product."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
