@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from telex_control.common.geometry.matrices import rotation_matrix
+from telex_control.common.package_files import package_file
 from telex_control.common.params import ConfigError
-from telex_sim.offline.simulation import package_file
 from telex_sim.scene.files.scene_file import build_entry
 from telex_sim.scene.library import object_types
 from telex_sim.scene.library.mesh_shapes import shape_files

@@ -9,8 +9,9 @@ import pytest
 import yaml
 from geometry_msgs.msg import Twist
 
+from telex_control.common.package_files import package_file
 from telex_sim.engine.world import WorldError
-from telex_sim.offline.simulation import OfflineSimulation, package_file
+from telex_sim.offline.simulation import OfflineSimulation
 
 pytestmark = pytest.mark.slow
 

@@ -13,8 +13,8 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from std_msgs.msg import Float64
 
+from telex_control.common.package_files import package_file
 from telex_sim.engine.world import GRAVITY
-from telex_sim.offline.simulation import package_file
 
 pytestmark = pytest.mark.slow
 

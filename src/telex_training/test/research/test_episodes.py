@@ -12,6 +12,7 @@ from std_msgs.msg import String
 from telex_msgs.msg import TrackTeleopStatus
 from training_truth import serialized
 
+from telex_sim.cameras.cameras_config import shipped_params
 from telex_training.command_lines import export
 from telex_training.exercises.exercise_file import load_exercise
 from telex_training.judging.entries import Entry
@@ -22,7 +23,6 @@ from telex_training.recording.reader import read_recording
 from telex_training.recording.trial_file import Trial, judged
 from telex_training.rehearsal.recorded import record
 from telex_training.rehearsal.trial import rehearsed
-from telex_training.replay.cameras import shipped_cameras
 from telex_training.replay.replay import Replay
 from telex_training.research import data_set
 from telex_training.research.command_vector import CommandVector
@@ -69,7 +69,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def found(recorded: Path) -> Tuple[Replay, CommandVector, List[Episode]]:
     recording = read_recording(recorded)
-    replay = Replay(recording, shipped_cameras())
+    replay = Replay(recording, shipped_params())
     vector = CommandVector(replay.urdf)
     return replay, vector, list(episodes(recording, replay, vector, 10.0))
 

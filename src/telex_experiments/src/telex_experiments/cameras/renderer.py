@@ -15,11 +15,9 @@ from typing import Any, Dict, List, NamedTuple, Union
 
 import numpy as np
 import simplejpeg
-import yaml
 
-from telex_control.common.params import read_config
 from telex_experiments.rigs.report import Figure
-from telex_sim.cameras.cameras_config import CamerasConfig
+from telex_sim.cameras.cameras_config import shipped_cameras
 from telex_sim.cameras.drawing.gl_context import create_context
 from telex_sim.cameras.drawing.light.daylight import Lighting
 from telex_sim.cameras.drawing.quality import choose_quality
@@ -134,9 +132,7 @@ class Views:
     def __init__(self, names: tuple, size: Dict[str, int], step: SizeStep = STEPS[0]) -> None:
         recording = self._recording = hall()
         self._coarse = step.coarse_previews
-        path = f"{package_path('telex_description')}/config/cameras.yaml"
-        with open(path) as file:
-            config = read_config(CamerasConfig, yaml.safe_load(file), "cameras.yaml")
+        config = shipped_cameras()
         self._views = []
         for name in names:
             camera = config.cameras[name]

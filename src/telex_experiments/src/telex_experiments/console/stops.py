@@ -21,16 +21,15 @@ from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
 from urllib.parse import urlsplit
 
 import rospy
-import yaml
 from geometry_msgs.msg import PoseStamped, Twist
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64
 from telex_msgs.msg import TrackTeleopStatus
 
 from telex_control.common.child_processes import KILLED_WITH_US
+from telex_control.common.package_files import package_yaml
 from telex_experiments.rigs.private_master import end_tree
 from telex_experiments.rigs.report import Figure, MeasurementError, wait_until
-from telex_sim.offline.simulation import package_file
 
 SPEED = 1.0
 """m/s."""
@@ -204,9 +203,7 @@ class Stops:
 
     def take_pose(self, name: str) -> None:
         """Bring arm and flippers into a named pose, and wait for it."""
-        poses = yaml.safe_load(
-            package_file("telex_description", "config", "poses.yaml").read_text()
-        )
+        poses = package_yaml("telex_description", "config", "poses.yaml")
         for joint, position in poses["poses"][name].items():
             topic = f"/telex/{joint.replace('_joint', '_position_controller')}/command"
             if joint not in self._joints:

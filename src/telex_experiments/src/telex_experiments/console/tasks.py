@@ -20,7 +20,7 @@ from std_msgs.msg import Float64
 from telex_msgs.msg import TruthNames, TruthSample
 from telex_msgs.srv import LoadScene
 
-from telex_control.common.file_catalog import package_path
+from telex_control.common.package_files import package_yaml
 from telex_experiments.console.by_keys import ByKeys, Object
 from telex_experiments.console.rig import ConsoleRig
 from telex_experiments.rigs.report import PATIENCE, Figure, MeasurementError, wait_until
@@ -114,14 +114,12 @@ class ConsoleTask(NamedTuple):
 
 
 def _hall() -> Dict[str, Any]:
-    path = Path(package_path("telex_sim")) / "scenes" / "training_hall.yaml"
-    return dict(yaml.safe_load(path.read_text(encoding="utf-8")))
+    return dict(package_yaml("telex_sim", "scenes", "training_hall.yaml"))
 
 
 def _exercise(name: str) -> Callable[[], Dict[str, Any]]:
     def scene() -> Dict[str, Any]:
-        path = Path(package_path("telex_training")) / "exercises" / f"{name}.yaml"
-        return dict(yaml.safe_load(path.read_text(encoding="utf-8"))["scene"])
+        return dict(package_yaml("telex_training", "exercises", f"{name}.yaml")["scene"])
 
     return scene
 

@@ -14,13 +14,14 @@ from control_msgs.msg import FollowJointTrajectoryGoal, GripperCommand, GripperC
 from trajectory_msgs.msg import JointTrajectoryPoint
 
 from telex_control.common.geometry.matrices import homogeneous, rotation_from_rpy
+from telex_control.common.package_files import package_yaml
 from telex_control.common.params import read_config
 from telex_control.controllers.parallel_gripper_controller import FingerGeometry
 from telex_control.follow_trajectory import FollowTrajectoryError
 from telex_control.kinematics import Chain, IKSolver, Tolerance
 from telex_experiments.rigs.offline_rig import OfflineRig, for_period
 from telex_sim.engine.simulator_config import TUNED_PERIOD
-from telex_sim.offline.simulation import package_yaml, robot_description
+from telex_sim.offline.simulation import robot_description
 from telex_sim.robot.gripper.contact import GripperContact
 
 PLACE = (1.0, 0.0, 0.6)

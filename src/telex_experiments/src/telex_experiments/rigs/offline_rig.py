@@ -10,10 +10,11 @@ from xml.etree import ElementTree
 import pybullet
 import yaml
 
+from telex_control.common.package_files import package_yaml
 from telex_sim.engine.simulator_config import TUNED_PERIOD
 from telex_sim.engine.world import Body
 from telex_sim.offline.robot import OfflineRobot
-from telex_sim.offline.simulation import OfflineSimulation, package_yaml, robot_description
+from telex_sim.offline.simulation import OfflineSimulation, robot_description
 from telex_training.operators.scripted_operator import DirectOperator
 from telex_training.rehearsal.controllers import OfflineControllers
 

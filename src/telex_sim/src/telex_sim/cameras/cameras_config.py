@@ -6,14 +6,16 @@ import math
 import re
 import zlib
 from dataclasses import dataclass, field, replace
-from typing import Dict, List, Optional, Tuple, TypeVar
+from typing import Any, Dict, List, Optional, Tuple, TypeVar
 
+from telex_control.common.package_files import package_yaml
 from telex_control.common.params import (
     ConfigError,
     Declared,
     choice,
     number,
     parameter,
+    read_config,
     require,
     required,
     word,
@@ -423,3 +425,16 @@ class CamerasConfig(Declared):
                 f"robots has '{robot}'; names of namespaces are needed, each once, and not the "
                 f"first robot's",
             )
+
+
+def shipped_params() -> Dict[str, Any]:
+    """Read the shipped parameters of cameras and lamps."""
+    return {
+        **package_yaml("telex_description", "config", "cameras.yaml"),
+        **package_yaml("telex_description", "config", "lamps.yaml"),
+    }
+
+
+def shipped_cameras() -> CamerasConfig:
+    """Read the shipped configuration of the cameras and lamps."""
+    return read_config(CamerasConfig, shipped_params(), "cameras")

@@ -4,22 +4,21 @@ from __future__ import annotations
 
 from typing import Any, Mapping, Tuple
 
-import yaml
-
+from telex_control.common.package_files import package_yaml
 from telex_control.urdf.joints import parse_urdf
 from telex_control.urdf.transmission_parser import driven_and_watched
 
-from ..offline.simulation import package_file, shipped_config
+from ..offline.simulation import shipped_config
 from .kinds import Parts
 
 
 def shipped_equipment() -> Tuple[Mapping[str, Any], Mapping[str, Any]]:
     """Cameras and lamps of the shipped robot, by name, as the node ``cameras`` has them."""
-    made = []
-    for key in ("cameras", "lamps"):
-        path = package_file("telex_description", "config", f"{key}.yaml")
-        made.append(yaml.safe_load(path.read_text(encoding="utf-8"))[key])
-    return made[0], made[1]
+    cameras, lamps = (
+        package_yaml("telex_description", "config", f"{key}.yaml")[key]
+        for key in ("cameras", "lamps")
+    )
+    return cameras, lamps
 
 
 def described_parts(urdf: str) -> Parts:

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import copy
 import subprocess
 import threading
 from dataclasses import fields
 from functools import lru_cache
-from pathlib import Path
 from typing import Any, Dict, List, Optional, Sequence
 
-import yaml
-
 from telex_control.common.file_catalog import package_path
+from telex_control.common.package_files import package_file, package_yaml
 from telex_control.common.params import read_config
 from telex_control.manager.controller_joints import controller_joints, without_joints
 from telex_control.ros.local_node_handle import LocalNodeHandle
@@ -21,17 +18,6 @@ from ..engine.simulation import Simulation
 from ..engine.simulator_config import RobotConfig, SimulatorConfig
 from ..robot.robot import Robot
 from ..scene.addresses import resolve_address
-
-
-def package_file(package: str, *parts: str) -> Path:
-    """Path of a file of a ROS package."""
-    return Path(package_path(package)).joinpath(*parts)
-
-
-def package_yaml(package: str, *parts: str) -> Any:
-    """Return what is in a YAML file of a ROS package; it is the caller's own."""
-    # To parse a file takes much longer than to copy what is in it.
-    return copy.deepcopy(_parsed(package_file(package, *parts).read_text(encoding="utf-8")))
 
 
 @lru_cache(maxsize=1)
@@ -185,11 +171,6 @@ def _fit(robot: Robot, params: Dict[str, Any]) -> List[str]:
         params[name] = without_joints(params[name], lacking)
         names.append(name)
     return names
-
-
-@lru_cache(maxsize=16)
-def _parsed(text: str) -> Any:
-    return yaml.safe_load(text)
 
 
 def _is_controller(value: Any) -> bool:

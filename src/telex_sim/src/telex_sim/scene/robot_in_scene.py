@@ -11,11 +11,12 @@ from pathlib import Path
 from typing import Sequence
 
 from telex_control.common.file_catalog import package_path
+from telex_control.common.package_files import package_file
 from telex_control.common.params import ConfigError
 from telex_control.ros.local_node_handle import LocalNodeHandle
 
 from ..engine.simulation import Simulation
-from ..offline.simulation import further_config, package_file, shipped_config
+from ..offline.simulation import further_config, shipped_config
 from .addresses import resolve_address
 
 

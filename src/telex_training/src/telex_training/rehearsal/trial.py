@@ -10,7 +10,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from random import Random
-from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple
+from typing import Any, Dict, Iterator, List, Optional, Tuple
 
 import genpy
 import yaml
@@ -22,7 +22,7 @@ from telex_sim.engine.exposure import Exposure, Readings
 from telex_sim.malfunctions.described import shipped_equipment
 from telex_sim.malfunctions.messages import malfunctions_message
 from telex_sim.offline.robot import OfflineRobot
-from telex_sim.offline.simulation import OfflineSimulation, package_yaml
+from telex_sim.offline.simulation import OfflineSimulation
 from telex_sim.radiation.messages import doses_message
 from telex_sim.scene.robot_in_scene import robot_description
 from telex_sim.stability.monitor import StabilityMonitor
@@ -209,7 +209,7 @@ class RehearsedTrial:
             # Whatever the exercise calls it, nothing else in the scene may be called so.
             node = offline.add_robot(f"{robot.model}_{name}", description)
             robots[name] = OfflineRobot(offline, node)
-        self._exposure = Exposure(robot, _cameras)
+        self._exposure = Exposure(robot, lambda: shipped_equipment()[0])
         self.readings: Optional[Readings] = None
         self._robots = [_Robot(name, each) for name, each in robots.items()]
         self._number = self._sequence = 0
@@ -384,11 +384,3 @@ class _Robot:
         self.sampler = TruthSampler(watched.simulation, watched.robot)
         self.monitor = StabilityMonitor(watched.robot)
         self.stuck = False
-
-
-def _cameras() -> Mapping[str, Any]:
-    """The robot's cameras, as its node of cameras has them."""
-    cameras: Mapping[str, Any] = package_yaml("telex_description", "config", "cameras.yaml")[
-        "cameras"
-    ]
-    return cameras

@@ -2,12 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any, Dict, List, Mapping, Sequence
-
-import yaml
-
-from telex_control.common.file_catalog import package_path
 
 from .scenery import OUTSIDE_FRAME
 
@@ -26,15 +21,6 @@ _OUTSIDE: Dict[str, Any] = {
     "far": 150.0,
     "jpeg_quality": 85,
 }
-
-
-def shipped_cameras() -> Dict[str, Any]:
-    """Read the shipped parameters of cameras and lamps."""
-    folder = Path(package_path("telex_description"), "config")
-    made: Dict[str, Any] = {}
-    for name in ("cameras.yaml", "lamps.yaml"):
-        made.update(yaml.safe_load((folder / name).read_text(encoding="utf-8")))
-    return made
 
 
 def replay_config(recorded: Mapping[str, Any], model: str, niceness: int) -> Dict[str, Any]:

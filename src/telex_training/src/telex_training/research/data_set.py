@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Optional, Sequence, Tuple
 
 from telex_control.common.params import ConfigError
+from telex_sim.cameras.cameras_config import shipped_params
 from telex_sim.cameras.drawing.gl_context import NoContextError
 from telex_sim.cameras.preview.still_cameras import sized
 
 from ..recording.reader import read_recording
 from ..recording.writer import RecordingError
-from ..replay.cameras import shipped_cameras
 from ..replay.replay import Replay
 from .command_vector import CommandVector
 from .episodes import episodes
@@ -64,7 +64,7 @@ def write_data_set(
     try:
         for path in files:
             recording = read_recording(path)
-            replay = Replay(recording, shipped_cameras())
+            replay = Replay(recording, shipped_params())
             vector = CommandVector(replay.urdf)
             used = sized(replay_cameras(replay), cameras, width)
             if written is None:

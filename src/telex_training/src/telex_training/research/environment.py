@@ -15,7 +15,7 @@ from gymnasium.spaces import Box
 from gymnasium.spaces import Dict as DictSpace
 
 from telex_control.kinematics import quaternion_of
-from telex_sim.cameras.preview.scene_preview import shipped_cameras
+from telex_sim.cameras.cameras_config import shipped_cameras
 from telex_sim.cameras.preview.still_cameras import sized
 from telex_sim.offline.simulation import shipped_config
 from telex_sim.scene.robot_in_scene import robot_description

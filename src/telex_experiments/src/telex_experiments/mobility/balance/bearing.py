@@ -9,10 +9,10 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple
 import numpy as np
 import pybullet
 
+from telex_control.common.package_files import package_yaml
 from telex_sim.engine.contacts import contacts
 from telex_sim.engine.simulation import Simulation
 from telex_sim.engine.world import GRAVITY
-from telex_sim.offline.simulation import package_yaml
 from telex_training.operators.port import NotManagedError
 from telex_training.operators.robot_size import AXLE_HEIGHT
 from telex_training.operators.scripted_operator import TICK

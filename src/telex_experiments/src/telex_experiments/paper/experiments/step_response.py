@@ -8,8 +8,8 @@ from typing import Any, Dict, List
 
 import yaml
 
+from telex_control.common.package_files import package_file
 from telex_control.urdf.joints import short_name
-from telex_sim.offline.simulation import package_file
 
 from ..experiment import Cell, Experiment, Figure, Picture, Result, Table
 from ..recorder import ARM_COMMANDS, FEW_PICTURES

@@ -17,12 +17,12 @@ from telex_control.common.file_catalog import package_path
 
 from ...scene.catalog import scenes
 from ...scene.content_store import ContentStore, cache_folder
-from ..cameras_config import CamerasConfig
+from ..cameras_config import CamerasConfig, shipped_cameras
 from ..drawing.gl_context import NoContextError, create_context
 from ..drawing.light.daylight import Lighting
 from ..drawing.quality import choose_quality
 from ..drawing.renderer import Renderer
-from .scene_preview import Subject, settled, shipped_cameras, with_lamps
+from .scene_preview import Subject, settled, with_lamps
 
 
 def main() -> int:

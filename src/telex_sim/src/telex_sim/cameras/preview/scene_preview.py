@@ -8,18 +8,17 @@ import math
 import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, List, Mapping, Optional, Sequence, Tuple
+from typing import List, Optional, Sequence, Tuple
 
 import cv2
 import numpy as np
 from genpy import Time
 
 from telex_control.common.file_catalog import package_path
-from telex_control.common.params import ConfigError, read_config
+from telex_control.common.params import ConfigError
 from telex_control.urdf.joints import UrdfError
 
 from ...engine.world import WorldError
-from ...offline.simulation import package_yaml
 from ...robot.urdf.visuals import urdf_visuals
 from ...ros.scene_messages import SceneMessages
 from ...scene.catalog import find_scene
@@ -27,7 +26,7 @@ from ...scene.files.scene_file import SceneError
 from ...scene.model import WORLD_FRAME, Vector3, Viewpoint
 from ...scene.robot_in_scene import place_robot, robot_description
 from ...scene.visual_scene import Visual, VisualScene, VisualShape
-from ..cameras_config import CameraConfig, CamerasConfig
+from ..cameras_config import CameraConfig, shipped_cameras
 from ..drawing.gl_context import NoContextError
 from ..drawing.light.daylight import Lighting
 from ..drawing.meshes.batching import bounding_radius
@@ -267,21 +266,9 @@ def robot_camera(subject: Subject, name: str) -> Tuple[CameraConfig, np.ndarray]
 
 def with_lamps(subject: Subject, level: float) -> Subject:
     """Switch the robot's lamps on, 0 to 1."""
-    lamps = tuple(
-        replace(config, intensity=level * config.intensity).lamp(name, subject.model)
-        for name, config in shipped_cameras().lamps.items()
-        if f"{subject.model}/{config.frame}" in subject.scene.frames
-    )
-    return replace(subject, scene=replace(subject.scene, lamps=subject.scene.lamps + lamps))
-
-
-def shipped_cameras() -> CamerasConfig:
-    """Read the shipped configuration of the cameras and lamps."""
-    params: Mapping[str, Any] = {
-        **package_yaml("telex_description", "config", "cameras.yaml"),
-        **package_yaml("telex_description", "config", "lamps.yaml"),
-    }
-    return read_config(CamerasConfig, params, "cameras")
+    config = replace(shipped_cameras(), model=subject.model)
+    lamps = [replace(lamp, intensity=level * lamp.intensity) for lamp in config.scene_lamps()]
+    return replace(subject, scene=subject.scene.with_lamps(lamps))
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:

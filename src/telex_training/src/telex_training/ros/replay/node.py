@@ -20,10 +20,10 @@ from telex_msgs.srv import OpenReplay, OpenReplayResponse, SeekReplay, SeekRepla
 from telex_control.common.file_catalog import package_path
 from telex_control.common.params import ConfigError, read_config
 from telex_control.ros.node_start import init_node
+from telex_sim.cameras.cameras_config import shipped_params
 
 from ...judging.trial_record import BETWEEN, PREPARING, RUNNING, WAITING
 from ...recording.writer import RecordingError
-from ...replay.cameras import shipped_cameras
 from ...replay.replay import Replay
 from ..channels import hear_decoded
 from ..library import Library
@@ -50,7 +50,7 @@ class ReplayNode:
         package = Path(package_path("telex_training"))
         folder = Path(settings.folder).expanduser()
         library = Library(folder)
-        self._shelf = Shelf(library, settings.file, shipped_cameras())
+        self._shelf = Shelf(library, settings.file, shipped_params())
         self._drawing = Drawing(settings.niceness, settings.idle)
         self._busy_period = settings.busy_period
         self.pages = ReplayPages(
