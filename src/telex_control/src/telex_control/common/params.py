@@ -373,7 +373,7 @@ def word(default: Any, text: str = "") -> Any:
     return checked(default, text, require_text)
 
 
-def choice(default: str, choices: Iterable[str], text: str = "") -> Any:
+def choice(default: Any, choices: Iterable[str], text: str = "") -> Any:
     """Declare a string that is one of several.
 
     Parameters

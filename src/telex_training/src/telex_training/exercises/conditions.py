@@ -13,7 +13,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Dict, Iterator, Mapping, Optional, Tuple, Type
 
-from telex_control.common.params import ConfigError, read_struct, read_value, require, require_range
+from telex_control.common.params import (
+    ConfigError,
+    Declared,
+    choice,
+    number,
+    read_struct,
+    read_value,
+    require,
+    required,
+)
 
 ROBOT, TOOL = "robot", "tool"
 FLOOR = "floor"
@@ -77,26 +86,20 @@ class Latch:
 
 
 @dataclass(frozen=True)
-class Held:
+class Held(Declared):
     """The gripper holds an object, with more than `above` (N) where that is given."""
 
     object: str = ""
-    above: Optional[float] = None
-
-    def __post_init__(self) -> None:
-        require_range(self, "above", 0.0, 1.0e5)
+    above: Optional[float] = number(None, "", 0.0, 1.0e5)
 
 
 @dataclass(frozen=True)
-class Dropped:
+class Dropped(Declared):
     """An object was held, is not any more, and fell by more than `height` (m) outside of zones."""
 
     object: str
-    height: float = 0.05
+    height: float = number(0.05, "", 0.005, 100.0)
     outside: Tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        require_range(self, "height", 0.005, 100.0)
 
 
 @dataclass(frozen=True)
@@ -112,37 +115,28 @@ class Touches:
 
 
 @dataclass(frozen=True)
-class Force:
+class Force(Declared):
     """The largest 20 ms mean of the normal force on an object is more than `above` (N)."""
 
     object: str
-    above: float
+    above: float = number(required, "", 0.0, 1.0e6)
     group: str = ""
-
-    def __post_init__(self) -> None:
-        require_range(self, "above", 0.0, 1.0e6)
 
 
 @dataclass(frozen=True)
-class Tilted:
+class Tilted(Declared):
     """The z axis of the robot or an object leans by more than `angle` (rad) from the vertical."""
 
     what: str
-    angle: float
-
-    def __post_init__(self) -> None:
-        require_range(self, "angle", 0.0, 3.2)
+    angle: float = number(required, "", 0.0, 3.2)
 
 
 @dataclass(frozen=True)
-class Moved:
+class Moved(Declared):
     """Something is further than `distance` (m) from where the repetition found it."""
 
     what: str
-    distance: float
-
-    def __post_init__(self) -> None:
-        require_range(self, "distance", 0.0, 1.0e4)
+    distance: float = number(required, "", 0.0, 1.0e4)
 
 
 @dataclass(frozen=True)
@@ -154,39 +148,26 @@ class Answered:
 
 
 @dataclass(frozen=True)
-class Dose:
+class Dose(Declared):
     """A component has received more than `above` (Gy) in this repetition."""
 
     what: str
-    above: float
-
-    def __post_init__(self) -> None:
-        require_range(self, "above", 0.0)
+    above: float = number(required, "", 0.0)
 
 
 @dataclass(frozen=True)
-class Elapsed:
+class Elapsed(Declared):
     """The repetition has lasted for `seconds`."""
 
-    seconds: float
-
-    def __post_init__(self) -> None:
-        require_range(self, "seconds", 0.0, 1.0e6)
+    seconds: float = number(required, "", 0.0, 1.0e6)
 
 
 @dataclass(frozen=True)
-class Event:
+class Event(Declared):
     """An event has happened `count` times in this repetition."""
 
-    name: str
-    count: int = 1
-
-    def __post_init__(self) -> None:
-        require(
-            self.name in EVENTS,
-            f"name is '{self.name}'; {', '.join(EVENTS)} are possible",
-        )
-        require_range(self, "count", 1, 10_000)
+    name: str = choice(required, EVENTS)
+    count: int = number(1, "", 1, 10_000)
 
 
 ATOMS: Dict[str, Type[Any]] = {

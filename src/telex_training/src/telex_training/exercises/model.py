@@ -7,7 +7,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Dict, Iterator, Mapping, Optional, Tuple
 
-from telex_control.common.params import require, require_choice, require_range
+from telex_control.common.params import (
+    Declared,
+    choice,
+    number,
+    parameter,
+    require,
+    require_choice,
+    require_range,
+)
 from telex_sim.malfunctions.kinds import names_of_kinds
 from telex_sim.scene.model import LARGEST, ORIGIN, Start, Vector3, require_name
 from telex_sim.scene.model import Source as Emitter
@@ -176,40 +184,34 @@ class Vary:
     yaw: float = 0.0
 
     def __post_init__(self) -> None:
-        for number in (*self.position, self.yaw):
+        for span in (*self.position, self.yaw):
             require(
-                0.0 <= number <= 100.0,
-                f"a span is {number}; 0 to 100 is needed, it holds to both sides",
+                0.0 <= span <= 100.0,
+                f"a span is {span}; 0 to 100 is needed, it holds to both sides",
             )
 
 
 @dataclass(frozen=True)
-class Repetitions:
-    """How often, and for how long.
+class Repetitions(Declared):
+    """How often, and for how long."""
 
-    Attributes
-    ----------
-    most : int
-        Attempts after which the trial ends; 0: no end.
-    least : int
-        Completed repetitions that a verdict needs.
-    trial_time : float
-        After which the trial ends (s of sim time); what has not ended by then does not count. 0:
-        no end.
-    time : float
-        After which a repetition is a fault ("time", s of sim time); 0: no end.
-    """
-
-    most: int = 10
-    least: int = 1
-    trial_time: float = 0.0
-    time: float = 0.0
-
-    def __post_init__(self) -> None:
-        require_range(self, "most", 0, 1000)
-        require_range(self, "least", 1, self.most or 1000)
-        require_range(self, "trial_time", 0.0, 1.0e5)
-        require_range(self, "time", 0.0, 1.0e5)
+    most: int = number(10, "Attempts after which the trial ends; 0: no end.", 0, 1000)
+    least: int = number(
+        1, "Completed repetitions that a verdict needs.", 1, lambda own: own.most or 1000
+    )
+    trial_time: float = number(
+        0.0,
+        "After which the trial ends (s of sim time); what has not ended by then does not count. 0: "
+        "no end.",
+        0.0,
+        1.0e5,
+    )
+    time: float = number(
+        0.0,
+        'After which a repetition is a fault ("time", s of sim time); 0: no end.',
+        0.0,
+        1.0e5,
+    )
 
 
 @dataclass(frozen=True)
@@ -353,26 +355,19 @@ class Metric:
 
 
 @dataclass(frozen=True)
-class Expert:
-    """Where the experts' figures come from.
+class Expert(Declared):
+    """Where the experts' figures come from."""
 
-    Attributes
-    ----------
-    by : str
-        ``script``: scripted operators, figures are provisional; ``people``.
-    sees : str
-        What a scripted one knows that a person cannot see.
-    repetitions : int
-        That the figures rest on.
-    """
+    by: str = choice(
+        "script",
+        ("script", "people"),
+        "``script``: scripted operators, figures are provisional; ``people``.",
+    )
+    sees: str = parameter("", "What a scripted one knows that a person cannot see.")
+    repetitions: int = number(0, "That the figures rest on.", 0, 100_000)
 
-    by: str = "script"
-    sees: str = ""
-    repetitions: int = 0
-
-    def __post_init__(self) -> None:
-        require_choice(self, "by", ("script", "people"))
-        require_range(self, "repetitions", 0, 100_000)
+    def check(self) -> None:
+        """Check what concerns single ones in a way of its own; see `Declared.check`."""
         _require_text(self.sees, "sees")
 
 

@@ -12,12 +12,16 @@ from typing import Any, Dict, Mapping, Optional, Tuple
 from telex_control.common.file_catalog import FileCatalog
 from telex_control.common.params import (
     ConfigError,
+    Declared,
+    number,
+    parameter,
     read_struct,
     read_value,
     require,
     require_names,
-    require_range,
     require_text,
+    required,
+    word,
 )
 from telex_control.common.text_file import read_text_file
 from telex_sim.scene.files.yaml_text import read_yaml
@@ -39,27 +43,17 @@ class CurriculumError(ValueError):
 
 
 @dataclass(frozen=True)
-class Proficient:
-    """When an exercise is mastered.
+class Proficient(Declared):
+    """When an exercise is mastered."""
 
-    Attributes
-    ----------
-    consecutive : int
-        Repetitions in a row that have to pass.
-    more : int
-        Further ones that have to pass after those, in a row or not.
-    most : int
-        Repetitions within which all this has to happen; 0: any number.
-    """
+    consecutive: int = number(2, "Repetitions in a row that have to pass.", 1, 1000)
+    more: int = number(0, "Further ones that have to pass after those, in a row or not.", 0, 1000)
+    most: int = number(
+        0, "Repetitions within which all this has to happen; 0: any number.", 0, 100_000
+    )
 
-    consecutive: int = 2
-    more: int = 0
-    most: int = 0
-
-    def __post_init__(self) -> None:
-        require_range(self, "consecutive", 1, 1000)
-        require_range(self, "more", 0, 1000)
-        require_range(self, "most", 0, 100_000)
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
         least = self.consecutive + self.more
         require(
             self.most == 0 or self.most >= least,
@@ -95,26 +89,16 @@ class Module:
 
 
 @dataclass(frozen=True)
-class ExamPart:
-    """A trial in exam mode that has to be passed.
+class ExamPart(Declared):
+    """A trial in exam mode that has to be passed."""
 
-    Attributes
-    ----------
-    repetitions : int
-        That the trial has at least.
-    faults : int
-        Of them, those with a fault at most.
-    """
+    exercise: str = word(required, "Its name.")
+    setting: str = parameter("", "Empty: the exercise's first.")
+    repetitions: int = number(1, "That the trial has at least.", 1, 1000)
+    faults: int = number(0, "Of them, those with a fault at most.", 0, 1000)
 
-    exercise: str
-    setting: str = ""
-    repetitions: int = 1
-    faults: int = 0
-
-    def __post_init__(self) -> None:
-        require_text(self, "exercise")
-        require_range(self, "repetitions", 1, 1000)
-        require_range(self, "faults", 0, 1000)
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
         require(
             self.faults < self.repetitions,
             f"faults is {self.faults}; of {self.repetitions} repetitions, fewer than that can be "
@@ -123,24 +107,14 @@ class ExamPart:
 
 
 @dataclass(frozen=True)
-class Currency:
-    """A skill that is lost without practice.
+class Currency(Declared):
+    """A skill that is lost without practice."""
 
-    Attributes
-    ----------
-    days : float
-        For which a passed repetition counts.
-    exercise, setting : str
-        In which it has to be.
-    """
-
-    days: float
-    exercise: str
-    setting: str = ""
-
-    def __post_init__(self) -> None:
-        require_range(self, "days", above=0.0, maximum=36500.0)
-        require_text(self, "exercise")
+    days: float = number(
+        required, "For which a passed repetition counts.", maximum=36500.0, above=0.0
+    )
+    exercise: str = word(required, "In which it has to be.")
+    setting: str = parameter("", "Of the exercise; empty: its first.")
 
 
 @dataclass(frozen=True)
