@@ -16,7 +16,17 @@ from dataclasses import dataclass, field
 from typing import Dict, Optional, Sequence, Tuple
 
 from telex_control.common.geometry.quaternions import ORIGIN, UPRIGHT, Quaternion, Vector3
-from telex_control.common.params import require, require_choice, require_range
+from telex_control.common.params import (
+    Declared,
+    checked,
+    choice,
+    number,
+    parameter,
+    require,
+    require_choice,
+    require_range,
+    required,
+)
 
 from ..radiation.dosimetry import require_history
 from ..radiation.nuclides import MATERIALS, NUCLIDES
@@ -193,51 +203,23 @@ class Part:
 
 
 @dataclass(frozen=True)
-class Source:
-    """A point that emits gamma radiation.
+class Source(Declared):
+    """A point that emits gamma radiation."""
 
-    Attributes
-    ----------
-    nuclide : str
-        One of `telex_sim.radiation.nuclides`.
-    activity : float
-        Bq.
-    position : tuple of 3 floats
-        In its link (m).
-    """
-
-    nuclide: str
-    activity: float
-    position: Vector3 = ORIGIN
-
-    def __post_init__(self) -> None:
-        require_choice(self, "nuclide", tuple(NUCLIDES))
-        require_range(self, "activity", maximum=MOST_ACTIVE, above=0.0)
-        _require_vector(self, "position")
+    nuclide: str = choice(required, NUCLIDES, "One of `telex_sim.radiation.nuclides`.")
+    activity: float = number(required, "Bq.", maximum=MOST_ACTIVE, above=0.0)
+    position: Vector3 = checked(ORIGIN, "In its link (m).", _require_vector)
 
 
 @dataclass(frozen=True)
-class Leak:
-    """A point at which gas comes out.
+class Leak(Declared):
+    """A point at which gas comes out."""
 
-    Attributes
-    ----------
-    flow : float
-        m3/s.
-    position : tuple of 3 floats
-        In its link (m).
-    drift : tuple of 3 floats
-        Velocity of the air around it, along the axes of its link (m/s).
-    """
-
-    flow: float
-    position: Vector3 = ORIGIN
-    drift: Vector3 = ORIGIN
-
-    def __post_init__(self) -> None:
-        require_range(self, "flow", maximum=LARGEST, above=0.0)
-        _require_vector(self, "position")
-        _require_vector(self, "drift")
+    flow: float = number(required, "m3/s.", maximum=LARGEST, above=0.0)
+    position: Vector3 = checked(ORIGIN, "In its link (m).", _require_vector)
+    drift: Vector3 = checked(
+        ORIGIN, "Velocity of the air around it, along the axes of its link (m/s).", _require_vector
+    )
 
 
 @dataclass(frozen=True)
@@ -283,44 +265,38 @@ class Motion(enum.Enum):
 
 
 @dataclass(frozen=True)
-class Closer:
+class Closer(Declared):
     """A spring that returns a joint, as a door closer does.
 
     The effort towards `rest` is ``preload + stiffness * |position - rest|`` (N m or N).
     """
 
-    preload: float
-    stiffness: float = 0.0
-    rest: float = 0.0
-
-    def __post_init__(self) -> None:
-        require_range(self, "preload", 0.0, STRONGEST)
-        require_range(self, "stiffness", 0.0)
-        require_range(self, "rest", -LARGEST, LARGEST)
+    preload: float = number(required, "", 0.0, STRONGEST)
+    stiffness: float = number(0.0, "", 0.0)
+    rest: float = number(0.0, "", -LARGEST, LARGEST)
 
 
 @dataclass(frozen=True)
-class Detents:
-    """Positions in which a joint rests.
+class Detents(Declared):
+    """Positions in which a joint rests."""
 
-    Attributes
-    ----------
-    positions : tuple of float
-        rad or m.
-    effort : float
-        Largest effort (N m or N) that the notch resists; it acts within `width` of a position.
-    width : float
-        rad or m, from the middle of a notch to its edge.
-    """
+    positions: Tuple[float, ...] = parameter(required, "rad or m.")
+    effort: float = number(
+        required,
+        "Largest effort (N m or N) that the notch resists; it acts within `width` of a position.",
+        maximum=STRONGEST,
+        above=0.0,
+    )
+    width: float = number(
+        required,
+        "rad or m, from the middle of a notch to its edge.",
+        maximum=LARGEST,
+        above=0.0,
+    )
 
-    positions: Tuple[float, ...]
-    effort: float
-    width: float
-
-    def __post_init__(self) -> None:
+    def check(self) -> None:
+        """Check what concerns several of them; see `Declared.check`."""
         require(bool(self.positions), "positions is []; a detent needs one at least")
-        require_range(self, "effort", maximum=STRONGEST, above=0.0)
-        require_range(self, "width", maximum=LARGEST, above=0.0)
         ordered = sorted(self.positions)
         require(
             all(math.isfinite(position) for position in ordered)
@@ -490,7 +466,7 @@ class SceneObject:
 
 
 @dataclass(frozen=True)
-class Floor:
+class Floor(Declared):
     """The endless floor at z = 0; `size` is the edge of what is seen of it (m)."""
 
     surface: Surface = field(
@@ -498,99 +474,70 @@ class Floor:
             (0.62, 0.63, 0.64, 1.0), "generated:concrete?slabs=3&worn=1", 6.0
         )
     )
-    friction: float = 1.0
-    size: float = 160.0
-
-    def __post_init__(self) -> None:
-        require_range(self, "friction", 0.0, 10.0)
-        require_range(self, "size", maximum=LARGEST, above=0.0)
+    friction: float = number(1.0, "", 0.0, 10.0)
+    size: float = number(160.0, "", maximum=LARGEST, above=0.0)
 
 
 @dataclass(frozen=True)
-class Sun:
-    """Light from far away, with shadows.
+class Sun(Declared):
+    """Light from far away, with shadows."""
 
-    Attributes
-    ----------
-    azimuth, elevation : float
-        Where it stands (rad): azimuth from x towards y, elevation above the horizon.
-    intensity : float
-        1 is a bright day, 0 none.
-    """
-
-    azimuth: float = -2.2
-    elevation: float = 0.9
-    intensity: float = 1.0
-    color: Tuple[float, float, float] = (1.0, 0.96, 0.9)
-
-    def __post_init__(self) -> None:
-        require_range(self, "azimuth", -100.0, 100.0)
-        require_range(self, "elevation", 0.0, math.pi / 2.0)
-        require_range(self, "intensity", 0.0, 100.0)
-        _require_shares(self, "color")
+    azimuth: float = number(-2.2, "Where it stands (rad), from x towards y.", -100.0, 100.0)
+    elevation: float = number(0.9, "Above the horizon (rad).", 0.0, math.pi / 2.0)
+    intensity: float = number(1.0, "1 is a bright day, 0 none.", 0.0, 100.0)
+    color: Tuple[float, float, float] = checked((1.0, 0.96, 0.9), "", _require_shares)
 
 
 @dataclass(frozen=True)
-class Lamp:
-    """A lamp of the scene.
+class Lamp(Declared):
+    """A lamp of the scene."""
 
-    Attributes
-    ----------
-    position : tuple of 3 floats
-    direction : tuple of 3 floats
-        Where its cone points; any length but 0.
-    angle : float
-        Full angle of the cone (rad); 2 pi shines all around.
-    intensity : float
-        1 lights a surface 1 m away, facing it, like the sun of intensity 1.
-    reach : float
-        Distance at which its light has faded to nothing (m).
-    """
+    position: Vector3 = checked(required, "Where it is (m).", _require_vector)
+    direction: Vector3 = checked(
+        (0.0, 0.0, -1.0), "Where its cone points; any length but 0.", _require_vector
+    )
+    # A full circle written with few digits may be a little more than one.
+    angle: float = number(
+        6.283185307179586,
+        "Full angle of the cone (rad); 2 pi shines all around.",
+        maximum=2.0 * math.pi + 0.01,
+        above=0.0,
+    )
+    intensity: float = number(
+        1.0,
+        "1 lights a surface 1 m away, facing it, like the sun of intensity 1.",
+        0.0,
+        1.0e4,
+    )
+    reach: float = number(
+        8.0, "Distance at which its light has faded to nothing (m).", maximum=LARGEST, above=0.0
+    )
+    color: Tuple[float, float, float] = checked((1.0, 0.95, 0.85), "", _require_shares)
 
-    position: Vector3
-    direction: Vector3 = (0.0, 0.0, -1.0)
-    angle: float = 6.283185307179586
-    intensity: float = 1.0
-    reach: float = 8.0
-    color: Tuple[float, float, float] = (1.0, 0.95, 0.85)
-
-    def __post_init__(self) -> None:
-        _require_vector(self, "position")
-        _require_vector(self, "direction")
+    def check(self) -> None:
+        """Check what concerns single ones in a way of its own; see `Declared.check`."""
         require(
             any(abs(number) > 1e-9 for number in self.direction),
             f"direction is {list(self.direction)}; it must have a length",
         )
-        # A full circle written with few digits may be a little more than one.
-        require_range(self, "angle", maximum=2.0 * math.pi + 0.01, above=0.0)
-        require_range(self, "intensity", 0.0, 1.0e4)
-        require_range(self, "reach", maximum=LARGEST, above=0.0)
-        _require_shares(self, "color")
 
 
 @dataclass(frozen=True)
-class Fog:
+class Fog(Declared):
     """Haze: at `visibility` metres, 5 % of the contrast is left. 0: clear."""
 
-    visibility: float = 0.0
-    color: Tuple[float, float, float] = (0.6, 0.62, 0.65)
-
-    def __post_init__(self) -> None:
-        require_range(self, "visibility", 0.0, 1.0e6)
-        _require_shares(self, "color")
+    visibility: float = number(0.0, "", 0.0, 1.0e6)
+    color: Tuple[float, float, float] = checked((0.6, 0.62, 0.65), "", _require_shares)
 
 
 @dataclass(frozen=True)
-class Lights:
+class Lights(Declared):
     """All light of a scene; `ambient` is that from everywhere, 1 by day, 0 in the dark."""
 
     sun: Sun = field(default_factory=Sun)
-    ambient: float = 1.0
+    ambient: float = number(1.0, "", 0.0, 10.0)
     lamps: Tuple[Lamp, ...] = ()
     fog: Fog = field(default_factory=Fog)
-
-    def __post_init__(self) -> None:
-        require_range(self, "ambient", 0.0, 10.0)
 
 
 MOST_FURTHER = 3
@@ -598,21 +545,17 @@ MOST_FURTHER = 3
 
 
 @dataclass(frozen=True)
-class Start:
+class Start(Declared):
     """Where the robot begins: x and y of base_link (m), height of the ground there (m), heading.
 
     `pose` is a named pose of the robot, or empty for the simulator's own.
     """
 
-    x: float = 0.0
-    y: float = 0.0
-    ground: float = 0.0
-    yaw: float = 0.0
+    x: float = number(0.0, "", -LARGEST, LARGEST)
+    y: float = number(0.0, "", -LARGEST, LARGEST)
+    ground: float = number(0.0, "", -LARGEST, LARGEST)
+    yaw: float = number(0.0, "", -LARGEST, LARGEST)
     pose: str = ""
-
-    def __post_init__(self) -> None:
-        for name in ("x", "y", "ground", "yaw"):
-            require_range(self, name, -LARGEST, LARGEST)
 
 
 @dataclass(frozen=True)
