@@ -100,7 +100,7 @@ function repetitionRow(repetition, index, ended) {
 function failureRow(failure) {
   const after = (/** @type {number | null} */ seconds) => (seconds === null ? "–" : text("after {seconds} s", { seconds: number(seconds, 2) }));
   return [
-    element("td", `${translated(failure.what)} ${translated(failure.kind)}${failure.announced ? "" : text(" (silent)")}`),
+    element("td", `${failure.robot ? `${failure.robot}: ` : ""}${translated(failure.what)} ${translated(failure.kind)}${failure.announced ? "" : text(" (silent)")}`),
     element("td", after(failure.command)),
     element("td", after(failure.e_stop)),
     element("td", "", {}, [element("a", text("watch"), { href: replayAddress(Math.max(0, failure.time - LEAD)) })]),

@@ -29,6 +29,7 @@ steps:
         - {not: {tilted: {what: robot, angle: 0.2}}, robot: second}
 metrics: {far: {kind: base_path, robot: second}}
 """
+FAILING = "malfunctions: [{when: {elapsed: 1}, what: front, kind: dark, robot: third}]"
 THREE = "".join(f"- {{name: r{i}, x: 0, y: {i}}}\n  " for i in range(3))
 
 
@@ -72,6 +73,7 @@ def test_parts_of_a_condition_are_of_its_robot_unless_they_say_otherwise():
         (("x: 0.5", "x: .nan"), r"robots\[0\]/x is nan; it must be finite"),
         (("y: -1.0, ", ""), r"robots\[0\].*y"),
         (("kind: base_path", "kind: time"), r"robot does not belong to time"),
+        (("metrics:", f"{FAILING}\nmetrics:"), r"malfunctions\[0\]/robot is 'third'; .* second"),
         (("- {held: {object: cube}}", "- {elapsed: 3, robot: second}"), r"/robot does not belong"),
         (("- {name: second", "- {name: second, x: 0, y: 0}\n  - {name: second"), r"'second'"),
         (("- {name: second", f"{THREE}- {{name: second"), r"robots has 4 entries; at most 3"),

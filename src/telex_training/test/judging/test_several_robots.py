@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import genpy
 import pytest
+from std_msgs.msg import Bool
+from telex_msgs.msg import ActiveMalfunction, ComponentDoses, Malfunctions
 from training_truth import PERIOD, Trial, exercise, serialized
 
 from telex_training.judging.judge import Judge
@@ -148,3 +151,90 @@ def test_lost_samples_of_the_second_robot_are_noticed(trial):
     trial.sample()
     reasons = trial.judge.sheet()["invalid_because"]
     assert reasons == ["second: samples of the truth are missing"]
+
+
+HOT = f"""{PAIR}
+limits: {{dose: {{robot: 3}}}}
+malfunctions:
+  - when: {{dose: {{what: robot, above: 1}}, robot: second}}
+    what: left_belt
+    kind: thrown
+    robot: second
+""".replace("metrics:", "metrics:\n  dose: {}\n  second_dose: {kind: dose, robot: second, pass: 2}")
+
+
+class HotTrial(PairTrial):
+    """A trial in which robots are exposed, and fail."""
+
+    def exposed(self, robot, dose):
+        message = ComponentDoses(names=["robot"], dose=[dose])
+        return self.tell(robot, "sim/doses", message)
+
+    def fails(self, robot, announced=False):
+        since = genpy.Time.from_sec(self.time)
+        active = ActiveMalfunction("left_belt", "belt", "thrown", 0.0, announced, since)
+        return self.tell(robot, "sim/malfunctions", Malfunctions(active=[active]))
+
+    def tell(self, robot, channel, message):
+        channel = f"{robot}/{channel}" if robot else channel
+        return self.feed(channel, message._type, serialized(message))
+
+
+@pytest.fixture
+def hot():
+    made = HotTrial(exercise(HOT))
+    made.exposed("", 0.0)
+    made.exposed("second", 7.0)
+    made.begin()
+    made.command(0.3)
+    made.sample()
+    return made
+
+
+def test_each_robot_has_its_own_dose_and_what_it_lets_fail_is_its_own(hot):
+    hot.exposed("", 1.5)
+    hot.sample()
+    assert hot.judge.take_due() == []
+    hot.exposed("second", 8.5)
+    hot.sample()
+    (due,) = hot.judge.take_due()
+    assert (due.robot, due.what) == ("second", "left_belt")
+    (repetition,) = finish(hot)["repetitions"]
+    metrics = repetition["metrics"]
+    assert (metrics["dose"], metrics["second_dose"]) == (1.5, 1.5)
+    assert repetition["robots"]["second"]["metrics"]["dose"] == 1.5
+
+
+@pytest.mark.parametrize("robot", ["", "second"])
+def test_a_limit_of_the_dose_holds_for_each_robot(hot, robot):
+    hot.exposed(robot, 11.0)
+    hot.sample()
+    hot.exposed(robot, 15.0)
+    hot.sample()
+    assert hot.judge.sheet()["repetitions"][0]["fault"] == "dose of robot"
+
+
+def test_a_malfunction_of_the_second_robot_waits_for_the_reaction_of_its_own_operator(hot):
+    (event,) = hot.fails("second", announced=True)
+    assert (event.event, event.detail["robot"]) == ("malfunction", "second")
+    assert hot.judge.state()["malfunctions"] == ["second: left_belt: the belt is off its wheels"]
+    hot.command(-0.3)
+    hot.tell("", "e_stop", Bool(True))
+    hot.seconds(0.5)
+    assert [event.event for event in hot.events].count("reaction") == 0
+    hot.tell("second", "e_stop", Bool(True))
+    command = next(each for each in hot.entries if each.channel.endswith("cmd_vel"))
+    hot.feed("second/track_teleop/cmd_vel", command.kind, command.data)
+    (told,) = hot.judge.sheet()["malfunctions"]
+    assert (told["robot"], told["what"]) == ("second", "left_belt")
+    assert told["e_stop"] == told["command"] == pytest.approx(0.5)
+    again = Judge(hot.judge.exercise)
+    for entry in hot.entries:
+        again.feed(entry)
+    assert again.text() == hot.judge.text()
+
+
+def test_what_fails_of_both_is_told_apart(hot):
+    hot.fails("second")
+    hot.fails("")
+    assert [each.get("robot", "") for each in hot.judge.sheet()["malfunctions"]] == ["second", ""]

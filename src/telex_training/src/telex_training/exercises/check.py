@@ -330,7 +330,7 @@ def _check_robot(exercise: Exercise, urdfs: Dict[str, str]) -> Iterator[Finding]
         # The generator's own words, or those of who reads what it made.
         yield Finding("variant", str(error))
         return
-    yield from _malfunctions(exercise, urdfs[exercise.variant])
+    yield from _malfunctions(exercise, urdfs[exercise.variant], "", exercise.variant)
     for where, text in lacks:
         yield Finding(where, f"{text}, which the variant '{exercise.variant}' lacks")
     yield from _check_further(exercise, urdfs)
@@ -352,19 +352,22 @@ def _check_further(exercise: Exercise, urdfs: Dict[str, str]) -> Iterator[Findin
                 urdfs[variant] = robot_description(variant)
             for where, text in lacking(exercise, urdfs[variant], robot.name):
                 yield Finding(where, f"{text}, which the variant '{variant}' lacks")
+            yield from _malfunctions(exercise, urdfs[variant], robot.name, variant)
         except ValueError as error:
             yield Finding(f"robots[{i}]/variant", str(error))
 
 
-def _malfunctions(exercise: Exercise, urdf: str) -> Iterator[Finding]:
-    """Name malfunctions that the robot cannot have, and what is possible."""
+def _malfunctions(exercise: Exercise, urdf: str, of: str, variant: str) -> Iterator[Finding]:
+    """Name malfunctions that one of the robots cannot have, and what is possible."""
     parts = described_parts(urdf) if exercise.malfunctions else Parts()
     for i, malfunction in enumerate(exercise.malfunctions):
         failure = malfunction.failure
+        if failure.robot != of:
+            continue
         try:
             parts.find(failure.what, failure.kind).kind.severity(failure.value)
         except ConfigError as error:
-            yield Finding(f"malfunctions[{i}]", f"{error} (variant '{exercise.variant}')")
+            yield Finding(f"malfunctions[{i}]", f"{error} (variant '{variant}')")
 
 
 def _room(texts: Dict[int, str], variant: str) -> str:

@@ -188,7 +188,7 @@ ATOMS: Dict[str, Type[Any]] = {
 """Kinds of conditions that look at one thing, and what each is given."""
 COMPOSED = ("all", "any", "not")
 KINDS = (*ATOMS, *COMPOSED)
-_OF_ALL = ("latch", "answered", "dose", "elapsed", "event")
+_OF_ALL = ("latch", "answered", "elapsed", "event")
 """Kinds that do not look at one of several robots."""
 
 

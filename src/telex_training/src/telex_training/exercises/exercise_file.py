@@ -253,7 +253,8 @@ def _exercise(
     for zone in zones:
         require_name(zone, "name of a zone")
     folder = Path(os.path.abspath(path)).parent
-    radiation = _radiation(content)
+    radiation, robots = _radiation(content), _robots(content)
+    limits = radiation.faults([robot.name for robot in robots])
     made = Exercise(
         path=path,
         sha256=digest,
@@ -273,7 +274,7 @@ def _exercise(
         any_order=read_value(bool, content.get("any_order", False), "any_order"),
         repetitions=read_struct(Repetitions, struct_of(content, "repetitions"), "repetitions"),
         put_back=read_struct(PutBack, struct_of(content, "put_back"), "put_back"),
-        faults=_distinct((*_named(content, "faults", _fault), *radiation.faults()), "faults"),
+        faults=_distinct((*_named(content, "faults", _fault), *limits), "faults"),
         penalties=_named(content, "penalties", _penalty),
         contacts=read_struct(Contacts, struct_of(content, "contacts"), "contacts"),
         questions=_distinct(structs_of(content, "questions", Question), "questions"),
@@ -285,7 +286,7 @@ def _exercise(
         radiation=radiation,
         survey=_survey(content),
         link=_link(content),
-        robots=_robots(content),
+        robots=robots,
     )
     _require_robots(made)
     return made
@@ -478,7 +479,7 @@ def _robots(content: Mapping[str, Any]) -> Tuple[FurtherRobot, ...]:
 
 
 def _require_robots(exercise: Exercise) -> None:
-    """Refuse a condition or a metric of a robot that there is not."""
+    """Refuse a condition, a metric or a malfunction of a robot that there is not."""
     known = [robot.name for robot in exercise.robots]
     asked = [
         (f"{where}/{part.kind}/robot", part.robot)
@@ -486,6 +487,10 @@ def _require_robots(exercise: Exercise) -> None:
         for part in condition.walk()
     ]
     asked += [(f"metrics/{metric.name}/robot", metric.robot) for metric in exercise.metrics]
+    asked += [
+        (f"malfunctions[{i}]/robot", each.failure.robot)
+        for i, each in enumerate(exercise.malfunctions)
+    ]
     for where, name in asked:
         require(
             name in ("", *known),

@@ -16,7 +16,7 @@ SURVEYED = ("missed_points", "speed_error", "map_error")
 """Kinds that look at the exercise's survey."""
 
 
-OF_ALL = ("time", "penalties", "answers", "dose", *SURVEYED)
+OF_ALL = ("time", "penalties", "answers", *SURVEYED)
 """Kinds measured in a repetition, and not for each of several robots."""
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Dict, Iterator, Mapping, Optional, Tuple
+from typing import Any, Dict, Iterator, Mapping, Optional, Sequence, Tuple
 
 from telex_control.common.params import (
     Declared,
@@ -456,12 +456,17 @@ class Radiation:
         for component, dose in self.history.items():
             require(dose >= 0.0, f"history/{component} is {dose}; 0 or more (Gy) is needed")
 
-    def faults(self) -> Tuple[Fault, ...]:
-        """The limits as faults."""
+    def faults(self, others: Sequence[str] = ()) -> Tuple[Fault, ...]:
+        """The limits as faults; they hold for the first robot and each of the others, by name."""
         return tuple(
-            Fault(f"dose of {name.replace('_', ' ')}", Condition("dose", Dose(name, limit)))
+            Fault(f"dose of {name.replace('_', ' ')}", _beyond(Dose(name, limit), others))
             for name, limit in self.limits.items()
         )
+
+
+def _beyond(dose: Dose, others: Sequence[str]) -> Condition:
+    each = tuple(Condition("dose", dose, robot=robot) for robot in ("", *others))
+    return Condition("any", parts=each) if others else each[0]
 
 
 @dataclass(frozen=True)
@@ -503,12 +508,15 @@ class Failure:
         Its severity in the kind's unit; 0: the default.
     announced : bool
         Whether the operator is told.
+    robot : str
+        Further robot that it is of; empty: the first one.
     """
 
     what: str
     kind: str
     value: float = 0.0
     announced: bool = False
+    robot: str = ""
 
     def __post_init__(self) -> None:
         require_name(self.what, "what")

@@ -42,27 +42,29 @@ def lacking(exercise: Exercise, urdf: str, of: str = "") -> Iterator[Tuple[str, 
             robot = part.kind == "joint" and part.of.object == ROBOT
             if robot and part.of.joint not in joints:
                 yield f"{where}/joint", f"it needs the joint '{part.of.joint}'"
-    if not of:
-        yield from _unknown_components(exercise, links)
+    yield from _unknown_components(exercise, links, of)
     for metric in exercise.metrics:
         if metric.robot == of and metric.kind in _OF_TOOL and _TOOL_LINK not in links:
             yield f"metrics/{metric.name}", f"{KINDS[metric.kind].text}: it needs a tool"
 
 
-def _unknown_components(exercise: Exercise, links: Set[str]) -> Iterator[Tuple[str, str]]:
+def _unknown_components(exercise: Exercise, links: Set[str], of: str) -> Iterator[Tuple[str, str]]:
     """Components whose dose is asked for, and that nothing would tell the dose of."""
+    # What holds for all robots is of those that have the component.
+    of_all = () if not of else tuple(exercise.radiation.limits)
     asked = [
         (f"{where}/dose/what", part.of.what)
         for where, condition in exercise.conditions()
         for part in condition.walk()
-        if part.kind == "dose"
+        if part.kind == "dose" and part.robot == of and part.of.what not in of_all
     ]
     asked += [
         (f"metrics/{metric.name}/object", metric.object or ROBOT)
         for metric in exercise.metrics
-        if metric.kind == "dose"
+        if metric.kind == "dose" and metric.robot == of
     ]
-    asked += [(f"history/{name}", name) for name in exercise.radiation.history]
+    if not of:
+        asked += [(f"history/{name}", name) for name in exercise.radiation.history]
     cameras = sorted(link[: -len(_OPTICAL)] for link in links if link.endswith(_OPTICAL))
     known = (ROBOT, *ELECTRONICS, *cameras)
     for where, name in asked:

@@ -11,7 +11,7 @@ from telex_control.common.geometry.quaternions import Vector3, invert, rotate
 from ..exercises import conditions as data
 from ..exercises.conditions import ROBOT, TOOL, Condition
 from ..exercises.model import Zone
-from .truth import Contact, DoseRecord, World
+from .truth import Contact, World
 
 SLACK = 1e-6
 """Rounding of sim time (s)."""
@@ -45,7 +45,6 @@ class Context:
     places: Dict[str, Vector3] = field(default_factory=dict)
     answers: Dict[str, Optional[bool]] = field(default_factory=dict)
     counts: Dict[str, int] = field(default_factory=dict)
-    doses: DoseRecord = field(default_factory=DoseRecord)
     others: Mapping[str, World] = field(default_factory=dict)
 
     def of(self, robot: str) -> Context:
@@ -266,7 +265,7 @@ def _event(given: data.Event) -> Test:
 
 def _dose(given: data.Dose) -> Test:
     def test(context: Context) -> bool:
-        received = context.doses.received(given.what)
+        received = context.world.doses.received(given.what)
         return received is not None and received > given.above
 
     return test

@@ -111,6 +111,7 @@ class Judge:
             OtherRobot(robot.name, known, (urdfs or {}).get(robot.name, ""))
             for robot in exercise.robots
         ]
+        self._record.malfunctions_of = {each.name: each.malfunctions for each in self._others}
         self._context = Context(
             self._world, exercise.zones, others={each.name: each.world for each in self._others}
         )
@@ -307,7 +308,13 @@ class Judge:
             self._take_truth_of_other(other, entry)
         elif channel == LINK:
             self._hear_line(other.link, entry, {"robot": other.name})
+        elif channel == MALFUNCTIONS:
+            self._say_turns(other.malfunctions.hear(entry), other.name)
+        elif channel == E_STOP:
+            self._say_turns(other.malfunctions.e_stop(entry), other.name)
         else:
+            if channel in COMMANDS:
+                self._say_turns(other.malfunctions.command(entry), other.name)
             for event in other.hear(entry):
                 if event != "command":
                     self._say(event, other.name)
@@ -323,6 +330,7 @@ class Judge:
             if self._record.phase not in (IDLE, READY):
                 self._invalidate(f"{other.name}: {reason}")
         passed = other.take(sample)
+        self._say_turns(other.malfunctions.sample(sample.time), other.name)
         if (
             passed is not None
             and self._record.phase == RUNNING
@@ -349,7 +357,7 @@ class Judge:
         self._world.name(names)
 
     def _take_doses(self, entry: Entry) -> None:
-        self._context.doses.take(doses_of(entry))
+        self._world.doses.take(doses_of(entry))
 
     def _take_odometry(self, entry: Entry) -> None:
         pose = odometry_of(entry)
@@ -413,9 +421,10 @@ class Judge:
     def _take_lasers(self, entry: Entry) -> None:
         self._record.activity.aids.switch_lasers(decode(entry, "std_msgs/Float64").data)
 
-    def _say_turns(self, turns: List[Turn]) -> None:
+    def _say_turns(self, turns: List[Turn], robot: str = "") -> None:
+        of = {"robot": robot} if robot else {}
         for event, episode, detail in turns:
-            self._say(event, episode.name, detail, secret=not episode.announced)
+            self._say(event, episode.name, {**detail, **of}, secret=not episode.announced)
 
     def take_due(self) -> List[Failure]:
         """Return what shall fail now, once; who runs the trial makes it fail."""

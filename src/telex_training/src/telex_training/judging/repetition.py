@@ -202,7 +202,8 @@ class Repetition:
         self.began = self._context.time
         self._context.began = self.began - self._before
         self._begin_activities()
-        self._context.doses.begin()
+        for world in (self._context.world, *self._context.others.values()):
+            world.doses.begin()
         self._measure(0.0, 0)
         return True
 
@@ -330,7 +331,8 @@ class Repetition:
         if kind == "answers":
             return self._right_share()
         if kind == "dose":
-            return self._context.doses.received(metric.object or ROBOT)
+            world = self._context.of(metric.robot).world
+            return world.doses.received(metric.object or ROBOT)
         if kind in SURVEYED:
             return self._survey.figure(kind)
         record = self._others[metric.robot] if metric.robot else self._record
@@ -358,7 +360,9 @@ class Repetition:
         others = {
             robot: {
                 "dead_man": record.activity.releases(),
-                "metrics": {metric.name: record.figure(metric) for metric in of_each},
+                "metrics": {
+                    metric.name: self.figure(replace(metric, robot=robot)) for metric in of_each
+                },
             }
             for robot, record in self._others.items()
         }

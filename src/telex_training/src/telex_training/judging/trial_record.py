@@ -61,6 +61,8 @@ class TrialRecord:
         The first ten thousand.
     reasons : list of str
         Why it is not valid.
+    malfunctions_of : dict of str to MalfunctionRecord
+        Of further robots, by their names in the exercise.
     trial_time : float
         In which repetitions waited and ran (s of sim time).
     """
@@ -78,6 +80,7 @@ class TrialRecord:
         self.link = LinkRecord()
         self.activity = ActivityRecord()
         self.malfunctions = MalfunctionRecord()
+        self.malfunctions_of: Dict[str, MalfunctionRecord] = {}
         self.events: List[JudgeEvent] = []
         self.reasons: List[str] = []
         self.marks: List[Dict[str, Any]] = []
@@ -144,7 +147,7 @@ class TrialRecord:
                 }
                 for question in exercise.questions
             ],
-            "malfunctions": self.malfunctions.announced(),
+            "malfunctions": self._announced(),
             "hint": self.hint,
             "message": self.message,
             "verdict": self.sheet()["verdict"] if self.phase == ENDED else "",
@@ -198,7 +201,7 @@ class TrialRecord:
                     "repetitions": exercise.expert.repetitions,
                 },
                 "verdict": self._verdict(found, figures["completed"]),
-                "malfunctions": [each.sheet() for each in self.malfunctions.episodes],
+                "malfunctions": self._failed(),
                 "marks": self.marks,
                 "notes": self.notes,
                 "events": [
@@ -212,6 +215,20 @@ class TrialRecord:
                 ],
             }
         )
+
+    def _announced(self) -> List[str]:
+        others = (
+            f"{name}: {text}"
+            for name, record in self.malfunctions_of.items()
+            for text in record.announced()
+        )
+        return [*self.malfunctions.announced(), *others]
+
+    def _failed(self) -> List[Dict[str, Any]]:
+        made = [each.sheet() for each in self.malfunctions.episodes]
+        for name, record in self.malfunctions_of.items():
+            made += [{**each.sheet(), "robot": name} for each in record.episodes]
+        return sorted(made, key=lambda each: float(each["time"]))
 
     def _verdict(self, found: List[Dict[str, Any]], completed: int) -> str:
         """Empty while it goes on, and where the trial is invalid or was left."""

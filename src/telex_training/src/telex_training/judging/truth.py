@@ -261,7 +261,7 @@ class DoseRecord:
 
 
 class World:
-    """What is where, by the newest sample.
+    """What is where, by the newest sample, and what the robot has received.
 
     Parameters
     ----------
@@ -280,6 +280,7 @@ class World:
     def __init__(self, scene: Optional[Scene] = None, urdf: str = "") -> None:
         self.names: Optional[Names] = None
         self.sample: Optional[Sample] = None
+        self.doses = DoseRecord()
         self.tool_in_base: Any = None
         self.tool: Optional[Vector3] = None
         self._forward = Tool(urdf)

@@ -176,7 +176,7 @@ class RehearsedTrial:
     step_size : float
         Of the simulation (s).
     readings : Readings, optional
-        What the robot has received; None where nothing is told.
+        What the first robot has received; None where nothing is told.
     ports : dict of str to TeleopPort
         To each robot, by the exercise's names, the first one's "" ; what is sent through them, the
         judge hears.
@@ -198,7 +198,6 @@ class RehearsedTrial:
         offline = OfflineSimulation(urdf, world=str(path))
         self.simulation = offline.simulation
         robot = self.simulation.robots[0]
-        robot.malfunctions.equip(*shipped_equipment())
         self.urdfs = {
             each.name: robot_description(each.variant or exercise.variant)
             for each in exercise.robots
@@ -209,7 +208,6 @@ class RehearsedTrial:
             # Whatever the exercise calls it, nothing else in the scene may be called so.
             node = offline.add_robot(f"{robot.model}_{name}", description)
             robots[name] = OfflineRobot(offline, node)
-        self._exposure = Exposure(robot, lambda: shipped_equipment()[0])
         self.readings: Optional[Readings] = None
         self._robots = [_Robot(name, each) for name, each in robots.items()]
         self._number = self._sequence = 0
@@ -343,9 +341,12 @@ class RehearsedTrial:
             self._feed(ODOMETRY, message)
 
     def _expose(self) -> None:
-        self.readings = self._exposure.observe(self.simulation)
-        if self.readings is not None:
-            self._feed(DOSES, doses_message(self.readings.components))
+        for each in self._robots:
+            readings = each.exposure.observe(self.simulation)
+            if readings is not None:
+                self._feed(DOSES, doses_message(readings.components), each.name)
+            if not each.name:
+                self.readings = readings
 
     def _input(self, kind: str, **fields: Any) -> None:
         self._feed(INPUTS, String(data=json.dumps({"input": kind, **fields})))
@@ -362,12 +363,14 @@ class RehearsedTrial:
             self._fail(failure)
 
     def _fail(self, failure: Failure) -> None:
-        """Let something of the robot fail, and tell the judge as the simulator would."""
-        malfunctions = self.simulation.robots[0].malfunctions
+        """Let something of a robot fail, and tell the judge as the simulator would."""
+        malfunctions = next(
+            each.malfunctions for each in self._robots if each.name == failure.robot
+        )
         malfunctions.begin(
             failure.what, failure.kind, failure.value, failure.announced, self.simulation.time
         )
-        self._feed(MALFUNCTIONS, malfunctions_message(malfunctions))
+        self._feed(MALFUNCTIONS, malfunctions_message(malfunctions), failure.robot)
 
     def close(self) -> None:
         """End the simulation."""
@@ -383,4 +386,7 @@ class _Robot:
         self.name = name
         self.sampler = TruthSampler(watched.simulation, watched.robot)
         self.monitor = StabilityMonitor(watched.robot)
+        self.exposure = Exposure(watched.robot, lambda: shipped_equipment()[0])
+        self.malfunctions = watched.robot.malfunctions
+        self.malfunctions.equip(*shipped_equipment())
         self.stuck = False

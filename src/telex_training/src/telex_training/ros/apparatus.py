@@ -42,7 +42,7 @@ class Apparatus:
     on_status : callable
         Told each status of the simulator, in a thread of ROS.
     others : sequence of str
-        Namespaces of further robots, which have lines of their own.
+        Namespaces of further robots, which have lines and malfunctions of their own.
 
     Attributes
     ----------
@@ -58,14 +58,17 @@ class Apparatus:
         # By the robots' namespaces; that of the first is the node's own.
         self._links: Dict[str, LinkState] = {}
         self._links_before: Dict[str, LinkState] = {}
-        self._possible: Set[Tuple[str, str]] = set()
+        self._possible: Dict[str, Set[Tuple[str, str]]] = {}
         self._subscribers = [
             hear_decoded("sim/status", SimStatus, self._take),
             *(
-                hear_decoded(_of(each, "link/state"), LinkState, partial(self._take_link, each))
+                hear_decoded(_of(each, topic), kind, partial(take, each))
                 for each in ("", *others)
+                for topic, kind, take in (
+                    ("link/state", LinkState, self._take_link),
+                    ("sim/malfunctions", Malfunctions, self._take_possible),
+                )
             ),
-            hear_decoded("sim/malfunctions", Malfunctions, self._take_possible),
         ]
 
     @property
@@ -136,24 +139,31 @@ class Apparatus:
         if not answer.success:
             raise ApparatusError(f"link: {answer.message}")
 
-    def _take_possible(self, message: Malfunctions) -> None:
-        self._possible = {(each.what, each.kind) for each in message.possible}
+    def _take_possible(self, robot: str, message: Malfunctions) -> None:
+        self._possible[robot] = {(each.what, each.kind) for each in message.possible}
 
-    def can_fail(self, failure: Failure) -> bool:
-        """Whether the robot has what shall fail, as far as the simulator has told."""
-        possible = self._possible
+    def can_fail(self, failure: Failure, robot: str = "") -> bool:
+        """Whether a robot has what shall fail, as far as the simulator has told; see `fail`."""
+        possible = self._possible.get(robot)
         names = (failure.what, f"{failure.what}_joint")
         return not possible or any((name, failure.kind) in possible for name in names)
 
-    def fail(self, failure: Failure, on: bool = True) -> None:
-        """Let something of the robot fail, or work again.
+    def fail(self, failure: Failure, on: bool = True, robot: str = "") -> None:
+        """Let something of a robot fail, or work again.
+
+        Parameters
+        ----------
+        failure : Failure
+        on : bool
+        robot : str
+            Namespace of a further one; empty: the first.
 
         Raises
         ------
         ApparatusError
         """
         answer = self._call(
-            "sim/malfunction",
+            _of(robot, "sim/malfunction"),
             Malfunction,
             what=failure.what,
             kind=failure.kind,

@@ -523,7 +523,7 @@ class Session:
         """Let something of the robot fail, until the next repetition or the trial's end."""
         self._failures.append(failure)
         try:
-            self._apparatus.fail(failure)
+            self._apparatus.fail(failure, robot=self._others.get(failure.robot, ""))
         except ApparatusError as error:
             rospy.logerr("training: %s %s does not fail: %s", failure.what, failure.kind, error)
             self._put({"input": "outside", "what": "a malfunction that could not be made"})
@@ -533,7 +533,8 @@ class Session:
         while self._failures:
             # Most have ended already: that is no mistake.
             with contextlib.suppress(ApparatusError):
-                self._apparatus.fail(self._failures.pop(), on=False)
+                failure = self._failures.pop()
+                self._apparatus.fail(failure, False, self._others.get(failure.robot, ""))
 
     def _set_quietly(self, wanted: Wanted) -> None:
         try:

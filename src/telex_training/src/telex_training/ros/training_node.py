@@ -233,9 +233,11 @@ class TrainingNode:
             )
         others = self._team(exercise)
         about = about_robot(others)
-        _require_robot(exercise, about["urdf"], self._apparatus)
+        _require_robot(exercise, about["urdf"])
+        _require_parts(exercise, self._apparatus)
         for name, urdf in about["urdfs"].items():
             _require_further(exercise, name, urdf)
+            _require_parts(exercise, self._apparatus, name, others[name])
         with self._lock:
             self._refuse_second()
             if self._session is not None:
@@ -592,7 +594,7 @@ def view_of(telemetry: str) -> str:
     return view if isinstance(view, str) and len(view) <= _LONGEST_NAME else ""
 
 
-def _require_robot(exercise: Exercise, urdf: str, apparatus: Apparatus) -> None:
+def _require_robot(exercise: Exercise, urdf: str) -> None:
     """Refuse an exercise that asks for what the robot lacks.
 
     Raises
@@ -604,12 +606,24 @@ def _require_robot(exercise: Exercise, urdf: str, apparatus: Apparatus) -> None:
             f"{exercise.path}: {where}: {text}, which this robot lacks; the variant "
             f"'{exercise.variant}' is meant"
         )
+
+
+def _require_parts(
+    exercise: Exercise, apparatus: Apparatus, robot: str = "", namespace: str = ""
+) -> None:
+    """Refuse an exercise that lets fail what one of the robots lacks.
+
+    Raises
+    ------
+    ExerciseError
+    """
     for i, malfunction in enumerate(exercise.malfunctions):
         failure = malfunction.failure
-        if not apparatus.can_fail(failure):
+        if failure.robot == robot and not apparatus.can_fail(failure, namespace):
+            which = f"the robot '{robot}'" if robot else "this robot"
             raise ExerciseError(
                 f"{exercise.path}: malfunctions[{i}]: {failure.what} {failure.kind}: nothing of "
-                "this robot fails so"
+                f"{which} fails so"
             )
 
 

@@ -7,11 +7,37 @@ from typing import List, Optional, Tuple
 from telex_sim.scene.model import Scene
 
 from ..activity import COMMANDS, STATUSES, ActivityRecord
-from ..entries import CLIENTS, LINK, NAMES, STATUS, TELEMETRY, TRUTH, Entry, decode
+from ..entries import (
+    CLIENTS,
+    DOSES,
+    E_STOP,
+    LINK,
+    MALFUNCTIONS,
+    NAMES,
+    STATUS,
+    TELEMETRY,
+    TRUTH,
+    Entry,
+    decode,
+    doses_of,
+)
+from ..malfunctions import MalfunctionRecord
 from ..truth import Names, Sample, World
 from ..validity import Continuity, LinkRecord
 
-CHANNELS = (NAMES, TRUTH, STATUS, CLIENTS, TELEMETRY, LINK, *COMMANDS, *STATUSES)
+CHANNELS = (
+    NAMES,
+    TRUTH,
+    STATUS,
+    DOSES,
+    MALFUNCTIONS,
+    E_STOP,
+    CLIENTS,
+    TELEMETRY,
+    LINK,
+    *COMMANDS,
+    *STATUSES,
+)
 """What of a further robot is looked at; in a recording its name stands before each."""
 LATE = 1.0
 """Sim time after which a robot of which no truth comes is missing (s)."""
@@ -45,9 +71,10 @@ class OtherRobot:
         self.activity = ActivityRecord()
         self.continuity = Continuity()
         self.link = LinkRecord()
+        self.malfunctions = MalfunctionRecord()
 
     def hear(self, entry: Entry) -> List[str]:
-        """Hear an entry that is neither its truth nor its line; returns events.
+        """Hear an entry that is not its truth, its line, nor what fails; returns events.
 
         Raises
         ------
@@ -59,6 +86,9 @@ class OtherRobot:
             return []
         if channel == STATUS:
             return activity.sim_status(decode(entry, "telex_msgs/SimStatus"))
+        if channel == DOSES:
+            self.world.doses.take(doses_of(entry))
+            return []
         if channel == CLIENTS:
             activity.clients(entry)
             return []
