@@ -6,6 +6,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Alarms } from "../../console/js/sound/alarms.js";
 import { areAids, rights } from "../../console/js/sound/allowed.js";
+import { microphoneSound } from "../../console/js/sound/microphone.js";
 import { Motors, groundSound, motorSound, share } from "../../console/js/sound/motors.js";
 import { ALARMS, lengthOf } from "../../console/js/sound/patterns.js";
 import { rumble } from "../../console/js/sound/rumble.js";
@@ -41,6 +42,14 @@ test("no number makes a sound that is none", () => {
     assert.deepEqual(motors.runs.tracks, { speed: 0, load: 0 });
     assert.deepEqual(new Touch().feel({ slipping: true, slip_speed: value, pads: [{ link: "pad", normal_force: value }] }), { knock: 0, slip: 0.2 });
   }
+});
+
+test("a microphone hisses as it declares, and clips what is too loud for it", () => {
+  const shipped = microphoneSound({ noise: 34, max: 110 }), poor = microphoneSound({ noise: 70, max: 84 });
+  assert.ok(shipped.hiss > 0 && shipped.hiss < 0.01 && shipped.limit === 1);
+  assert.ok(Math.abs(poor.hiss - 0.1) < 1e-9 && poor.limit > 0.4 && poor.limit < 0.6);
+  for (const value of [...NO_NUMBERS, "34"]) assert.deepEqual(microphoneSound({ noise: value, max: value }), { hiss: 0, limit: 1 });
+  assert.deepEqual(microphoneSound(undefined), { hiss: 0, limit: 1 });
 });
 
 test("each surface has its own noise; in the air there is none", () => {

@@ -6,6 +6,7 @@ import { text } from "../language.js";
 import { byId, setText } from "../panels.js";
 import { Alarms } from "./alarms.js";
 import { areAids, rights } from "./allowed.js";
+import { microphoneSound } from "./microphone.js";
 import { Motors, groundSound, motorSound } from "./motors.js";
 import { ALARMS, lengthOf } from "./patterns.js";
 import { rumble } from "./rumble.js";
@@ -109,6 +110,7 @@ export class Sound {
   /** @param {{equipment?: Record<string, any>}} robot  As /robot.json has it. */
   setRobot({ equipment = {} }) {
     this._equipment = equipment;
+    this._synth?.setMicrophone(microphoneSound(equipment.microphone));
     this._show();
   }
 
@@ -218,6 +220,7 @@ export class Sound {
       this._context = new AudioContext(CONTEXT);
       this._synth = new Synth(this._context);
       this._synth.setVolume(this._volume / STEPS);
+      this._synth.setMicrophone(microphoneSound(this._equipment.microphone));
       this._context.onstatechange = () => {
         this._begun ||= this._context?.state === "running";
         this._show();

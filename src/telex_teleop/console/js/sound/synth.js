@@ -4,11 +4,13 @@
 /** @typedef {import("./motors.js").Group} Group */
 /** @typedef {import("./motors.js").MotorSound} MotorSound */
 /** @typedef {import("./motors.js").GroundSound} GroundSound */
+/** @typedef {import("./microphone.js").MicrophoneSound} MicrophoneSound */
 /** @typedef {import("./patterns.js").Tone} Tone */
 
 const SMOOTH = 0.06; // s in which a sound follows what it tells of
 const EDGE = 0.008; // s in which a tone begins and ends: without it clicks
 
+const CURVE = 257; // points of a microphone's clipping
 const NOISE_LENGTH = 2; // s, after which the noise begins anew
 const RUNNING = 0.3, ALARM = 0.4; // how loud motors and alarms are of what the loudspeaker gives
 
@@ -21,12 +23,18 @@ export class Synth {
     this._context = context;
     this._out = context.createGain();
     this._out.connect(context.destination);
-    this._running = this._gain(RUNNING, this._out);
+    this._clip = context.createWaveShaper();
+    /** What the microphone clips at. */
+    this._limit = 1;
+    this._clip.connect(this._gain(RUNNING, this._out));
+    this._running = this._gain(1, this._clip);
     this._alarms = this._gain(ALARM, this._out);
     this._motors = {
       tracks: this._makeMotor("sawtooth"), flippers: this._makeMotor("square"), arm: this._makeMotor("triangle"),
     };
     const noise = this._makeNoise();
+    this._hiss = this._gain(0, this._running);
+    noise.connect(this._hiss);
     this._ground = this._makeBand(noise);
     this._scrape = this._makeBand(noise);
     this._scrape.filter.frequency.value = SCRAPE.pitch;
@@ -46,6 +54,17 @@ export class Synth {
   /** @param {number} volume  0 to 1 */
   setVolume(volume) {
     this._follow(this._out.gain, volume ** 2); // ears count by ratios
+  }
+
+  /** @param {MicrophoneSound} sound */
+  setMicrophone({ hiss, limit }) {
+    this._follow(this._hiss.gain, hiss);
+    // Browsers may refuse a second curve; of another robot the page is loaded anew.
+    if (limit === this._limit) return;
+    this._limit = limit;
+    // It maps -1 to 1; without a curve everything passes.
+    const clipped = (/** @type {number} */ value) => Math.max(-limit, Math.min(limit, value));
+    this._clip.curve = limit < 1 ? Float32Array.from({ length: CURVE }, (_, index) => clipped((2 * index) / (CURVE - 1) - 1)) : null;
   }
 
   /**
