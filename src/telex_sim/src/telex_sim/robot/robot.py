@@ -24,11 +24,12 @@ from ..engine.world import Body, World
 from ..malfunctions.malfunctions import Malfunctions
 from ..proximity.monitor import ProximityMonitor
 from ..scene.model import Start
-from ..tracks.tracks import Tracks
+from ..tracks.tracks import Tracks, surface_under
 from ..truth.ledger import ContactLedger
 from .body import RobotBody
 from .drives import DriveMode
 from .gripper.contact import GripperContacts
+from .link_surfaces import wheels
 from .robot_hw_sim import RobotHWSim
 from .urdf.masses import complete_masses
 
@@ -146,6 +147,7 @@ class Robot:
         config.self_collision.check_links(links)
         self.equipment = config.equipment.present(links)
         self.links = tuple(links)
+        self._wheels = wheels(robot)
         self.has_pads = config.gripper_contact.present(links, config.hardware.optional_links)
         # What was asked for last, and how often a stop was: each one is obeyed for a cycle at
         # least, even if its release follows at once.
@@ -233,6 +235,16 @@ class Robot:
     def start_from(self, positions: Dict[str, float]) -> None:
         """Have the joints start from other positions the next time that it is placed."""
         self._positions = positions
+
+    def surface(self) -> str:
+        """What its belts run on, or its wheels where it has no belts; see `surface_under`."""
+        body = self.body
+        if self.config.tracks.belts:
+            return self.tracks.surface()
+        links = {body.links[name] for name in self._wheels if name in body.links}
+        contacts = pybullet.getContactPoints(body.uid, physicsClientId=body.client)
+        under = (each for each in contacts if each[3] in links and each[2] != body.uid)
+        return surface_under(under, self._material_of)
 
     def apply_traction(self) -> None:
         """Apply the forces of its tracks for the next step."""

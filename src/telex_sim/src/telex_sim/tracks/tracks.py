@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 
 import pybullet
 
@@ -33,6 +33,27 @@ _FIRM = (1.0, 1.0)
 """Softness of what stands fast."""
 _WHEEL_TORQUE = 1.0e3
 """Bound of the motors that turn drive wheels with a collision shape (N m); they carry nothing."""
+
+
+def surface_under(
+    contacts: Iterable[Sequence[Any]], material_of: Optional[Callable[[int, int], str]]
+) -> str:
+    """What contacts of PyBullet press on most, as in `Surface.material` of scenes.
+
+    ``solid`` where nothing says what it is; empty where there are none.
+
+    Parameters
+    ----------
+    contacts : iterable of tuple
+        Of the robot's own links, which come first in them.
+    material_of : callable, optional
+        See `Tracks`.
+    """
+    loads: Dict[str, float] = {}
+    for contact in contacts:
+        name = material_of(contact[2], contact[4]) if material_of else ""
+        loads[name] = loads.get(name, 0.0) + contact[9]
+    return (max(loads, key=loads.__getitem__) or _UNNAMED) if loads else ""
 
 
 class _Track(Stateful):
@@ -234,16 +255,9 @@ class Tracks(Stateful):
         self._named[name].damage(fault)
 
     def surface(self) -> str:
-        """What the belts press on most looks to be made of, as in `Surface.material` of scenes.
-
-        ``solid`` where nothing says what it is; empty where they touch nothing.
-        """
-        loads: Dict[str, float] = {}
-        for track in self._tracks:
-            for contact in track.contacts:
-                name = self._material_of(contact[2], contact[4]) if self._material_of else ""
-                loads[name] = loads.get(name, 0.0) + contact[9]
-        return (max(loads, key=loads.__getitem__) or _UNNAMED) if loads else ""
+        """What the belts press on most looks to be made of, see `surface_under`."""
+        contacts = (contact for track in self._tracks for contact in track.contacts)
+        return surface_under(contacts, self._material_of)
 
     def carriers(self) -> List[int]:
         """PyBullet's numbers of the links that belts run round; -1: the root link."""

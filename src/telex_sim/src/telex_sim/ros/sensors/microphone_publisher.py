@@ -14,7 +14,7 @@ SURFACE = "microphone/surface"
 
 
 class MicrophonePublisher:
-    """Publishes, where a robot has a microphone, what it hears its belts run on.
+    """Publishes, where a robot has a microphone, what it hears its belts or wheels run on.
 
     The sounds themselves are made where they are played.
     """
@@ -31,7 +31,7 @@ class MicrophonePublisher:
         """Publish it where it has changed; in the simulation's thread."""
         if self._topic is None:
             return
-        surface = self._robot.tracks.surface()
+        surface = self._robot.surface()
         if surface != self._told:
             self._told = surface
             self._topic.publish(surface)
