@@ -178,6 +178,9 @@ def test_a_kuka_alone_follows_positions_by_its_motors(alone, kuka):
     for joint, wanted in zip(KUKA, POSTURE):
         assert positions[joint] == pytest.approx(wanted, abs=1e-3), joint
     assert simulation.body.base_pose()[0] == pytest.approx((0, 0, 0), abs=1e-9)
+    # It rolls on nothing, and is fed by a cable.
+    assert simulation.robots[0].surface() == ""
+    assert "battery" not in {each.what for each in simulation.robots[0].malfunctions.possible()}
 
 
 def test_a_panda_alone_follows_positions_by_its_velocities(alone, panda):
@@ -220,8 +223,10 @@ def drive(node, linear, angular):
 
 def test_a_husky_drives_on_wheels_without_limits(alone, husky):
     place = (0.0, 0.0, 0.15, 0.0)
-    simulation, node = alone(*husky, model="husky", place=place, fixed_base=False)
+    simulation, node = alone(*husky, model="husky", place=place, fixed_base=False, battery={})
+    assert simulation.robots[0].malfunctions.charge().share == 1.0
     run(simulation, 0.5)
+    assert simulation.robots[0].surface() == "concrete"
     (start, _, _), _ = simulation.body.base_pose()
     drive(node, 0.8, 0.0)
     run(simulation, 2.0)

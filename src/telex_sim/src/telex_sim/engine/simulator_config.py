@@ -265,6 +265,8 @@ class RobotConfig(Declared):
         Name in the scene; its frames are ``<model>/<link>``. Empty: the last part of its namespace.
     fixed_base : bool
         Whether the root link is fixed to the world, as one of the name ``world`` always is.
+    battery : BatteryConfig, optional
+        None: it has none, as what is fed by a cable.
     """
 
     model: str = ""
@@ -280,7 +282,7 @@ class RobotConfig(Declared):
     radio: RadioConfig = field(default_factory=RadioConfig)
     gas: GasSensorConfig = field(default_factory=GasSensorConfig)
     equipment: EquipmentConfig = field(default_factory=EquipmentConfig)
-    battery: BatteryConfig = field(default_factory=BatteryConfig)
+    battery: Optional[BatteryConfig] = None
 
     def check(self) -> None:
         """Check what concerns several of them; see `Declared.check`."""

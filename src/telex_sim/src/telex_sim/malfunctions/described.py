@@ -47,4 +47,5 @@ def described_parts(urdf: str) -> Parts:
         imus=tuple(config.hardware.imus),
         lamps=lamps,
         cameras=cameras,
+        battery=config.battery is not None,
     )

@@ -100,7 +100,7 @@ def text_of(group: str, kind: str) -> str:
 
 @dataclass(frozen=True)
 class Parts:
-    """Names of what a robot has that can fail, beside its key and its battery.
+    """Names of what a robot has that can fail, beside its key.
 
     Attributes
     ----------
@@ -119,6 +119,7 @@ class Parts:
     imus: Tuple[str, ...] = ()
     lamps: Tuple[str, ...] = ()
     cameras: Tuple[str, ...] = ()
+    battery: bool = False
 
     def _groups(self) -> Iterator[Tuple[str, Tuple[str, ...]]]:
         yield BELT, self.belts
@@ -127,7 +128,7 @@ class Parts:
         yield LAMP, self.lamps
         yield CAMERA, self.cameras
         yield KEY, (KEY,)
-        yield BATTERY, (BATTERY,)
+        yield BATTERY, (BATTERY,) if self.battery else ()
 
     def possible(self) -> Iterator[Possible]:
         """Yield all that can fail, a part after the other."""

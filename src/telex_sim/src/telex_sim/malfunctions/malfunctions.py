@@ -11,7 +11,7 @@ from telex_control.common.stateful import Stateful
 from ..robot.drives import WHOLE, Impairment
 from ..tracks.belt_faults import SOUND, BeltFault
 from . import kinds
-from .battery import DRIVES, Battery, Charge, Reach, charge_of
+from .battery import DRIVES, Battery, BatteryConfig, Charge, Reach, charge_of
 from .kinds import Parts, Possible
 
 if TYPE_CHECKING:
@@ -53,6 +53,8 @@ class Malfunctions(Stateful):
         How often that, or what gets power, has changed.
     battery : Battery, optional
         One that runs down. Where it is None, there is nothing to compute in a step.
+    has_battery : bool
+        Whether the robot has one at all.
     lamp_levels : float
         Sum of the levels at which the lamps are switched on.
     """
@@ -67,7 +69,8 @@ class Malfunctions(Stateful):
         self.active: Tuple[Active, ...] = ()
         self.changes = 0
         self.battery: Optional[Battery] = None
-        self._reach = Reach(robot.config.battery)
+        self._reach: Optional[Reach] = None
+        self.has_battery = robot.config.battery is not None
         self.lamp_levels = 0.0
 
     def equip(self, cameras: Any, lamps: Any) -> None:
@@ -105,6 +108,7 @@ class Malfunctions(Stateful):
             imus=tuple(imu.handle.name for imu in robot.hw.imus),
             lamps=self._lamps,
             cameras=self._cameras,
+            battery=self.has_battery,
         )
 
     def possible(self) -> List[Possible]:
@@ -116,15 +120,23 @@ class Malfunctions(Stateful):
         """What the empty battery feeds no longer."""
         return self._unpowered
 
+    @property
+    def _fed_by(self) -> BatteryConfig:
+        config = self._robot.config.battery
+        assert config is not None  # whoever asks has looked at has_battery, or at the parts
+        return config
+
     def charge(self) -> Charge:
         """Return what the robot's battery tells; one that does not run down is full."""
-        config, battery = self._robot.config.battery, self.battery
+        config, battery = self._fed_by, self.battery
         if battery is None:
             return charge_of(config, 1.0, self._power())
         return charge_of(config, battery.share, battery.power)
 
     def reach(self, time: float) -> float:
         """Return how far (m) the charge lasts at a time (s); to be asked about once a second."""
+        if self._reach is None:
+            self._reach = Reach(self._fed_by)
         self._reach.be_at(self._robot.body.base_pose()[0], self._power(), time)
         return self._reach.of(self.charge().share)
 
@@ -141,7 +153,7 @@ class Malfunctions(Stateful):
         severity = found.kind.severity(value)
         made = Active(found.what, found.group, kind, severity, announced, time)
         if found.group == kinds.BATTERY:
-            self.battery = Battery(self._robot.config.battery, severity)
+            self.battery = Battery(self._fed_by, severity)
             self._repower()
         kept = [each for each in self.active if (each.what, each.kind) != (made.what, kind)]
         replaced = len(kept) < len(self.active)
@@ -195,7 +207,7 @@ class Malfunctions(Stateful):
 
     def _power(self) -> float:
         """Power that the robot takes (W)."""
-        config, robot = self._robot.config.battery, self._robot
+        config, robot = self._fed_by, self._robot
         return (
             config.base_power
             + config.lamp_power * self.lamp_levels
@@ -252,7 +264,7 @@ class Malfunctions(Stateful):
         active, battery = saved
         self.battery = None
         if battery is not None:
-            self.battery = Battery(self._robot.config.battery, 1.0)
+            self.battery = Battery(self._fed_by, 1.0)
             self.battery.restore_state(battery, elapsed)
         self._repower()
         self._set(tuple(each._replace(since=each.since + elapsed) for each in active))

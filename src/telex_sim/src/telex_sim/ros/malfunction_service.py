@@ -1,12 +1,12 @@
 """Malfunctions of one robot over ROS: ``sim/malfunction``, ``sim/malfunctions``.
 
-With what its battery tells: ``battery``, ``battery/range``.
+With what its battery tells, where it has one: ``battery``, ``battery/range``.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, Dict, List
+from typing import Any, Callable, Dict, List, Optional
 
 import rospy
 from sensor_msgs.msg import BatteryState
@@ -49,8 +49,12 @@ class MalfunctionService:
         self._active = rospy.Publisher(
             f"{namespace}/sim/malfunctions", Malfunctions, queue_size=1, latch=True
         )
-        self._battery = rospy.Publisher(f"{namespace}/battery", BatteryState, queue_size=1)
-        self._range = rospy.Publisher(f"{namespace}/battery/range", Float64, queue_size=1)
+        self._battery: Optional[rospy.Publisher] = None
+        self._range: Optional[rospy.Publisher] = None
+        if robot.malfunctions.has_battery:
+            self._battery = rospy.Publisher(f"{namespace}/battery", BatteryState, queue_size=1)
+            if not robot.config.fixed_base:
+                self._range = rospy.Publisher(f"{namespace}/battery/range", Float64, queue_size=1)
         self._service = rospy.Service(f"{namespace}/sim/malfunction", Malfunction, self._on_call)
 
     def _equipment(self) -> Any:
@@ -118,9 +122,9 @@ class MalfunctionService:
 
     def publish_battery(self) -> None:
         """Tell charge and range, when anybody listens; what does not run down tells the same."""
-        if not self._robot.config.fixed_base:
+        if self._range is not None:
             self._range.publish(self._malfunctions.reach(self._now().to_sec()))
-        if not self._battery.get_num_connections():
+        if self._battery is None or not self._battery.get_num_connections():
             return
         charge = self._malfunctions.charge()
         message = BatteryState(
@@ -144,9 +148,9 @@ class MalfunctionService:
         self._service.shutdown()
         for lamp in self._lamps:
             lamp.unregister()
-        self._active.unregister()
-        self._battery.unregister()
-        self._range.unregister()
+        for topic in (self._active, self._battery, self._range):
+            if topic is not None:
+                topic.unregister()
 
 
 def _name(each: Active) -> str:
