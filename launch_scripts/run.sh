@@ -5,6 +5,7 @@
 #
 # replay:=FILE shows the recording of a trial again, without a simulator.
 # robots:=2, or names or variants with commas between, puts several robots into the scene (docs/operator/two_robots.md).
+# model:=URDF_OR_XACRO controllers:=FILE ... starts a robot of your own in the place of Telex (docs/engineer/own_robot.md).
 # class:=FILE shows the stations of a class on one page, without ROS (docs/instructor/class.md).
 # Without world:= it starts in the training hall, without speed:= with 35 % of the speed.
 # ros_address:=NAME_OR_ADDRESS opens ROS to other machines, which know this one by it (docs/engineer/network.md).
@@ -14,23 +15,28 @@ set -uo pipefail
 root="$(CDPATH= cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)"
 case "${1:-}" in
   -h | --help)
-    sed -n '2,11s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
+    sed -n '2,12s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
     exit 0
     ;;
 esac
 
 # roslaunch passes over what no launch file asks for: a misspelt name would go unnoticed.
-launch_file=station.launch
+launch_file=telex_training/launch/station.launch
+own_files='model controllers config base arm gripper flippers cameras lamps actions joy_map'
 for argument in "$@"; do
   case "$argument" in
-    replay:=*) launch_file=replay.launch ;;
+    replay:=*) launch_file=telex_training/launch/replay.launch ;;
     class:=*) launch_file= ;;
+    model:=*) launch_file=telex_teleop/launch/own_robot.launch ;;
   esac
 done
 if [ -n "$launch_file" ]; then
-  known="$(sed -n 's/^  <arg name="\([a-z_]*\)".*/\1/p' "$root/src/telex_training/launch/$launch_file")"
-  known+=$'\nros_address\nreplay\nclass'
-  [ "$launch_file" = station.launch ] && known+=$'\nrobots'
+  known="$(sed -n 's/^  <arg name="\([a-z_]*\)".*/\1/p' "$root/src/$launch_file")"
+  known+=$'\nros_address'
+  case "$launch_file" in
+    */station.launch) known+=$'\nreplay\nclass\nrobots\nmodel' ;;
+    */replay.launch) known+=$'\nreplay\nclass' ;;
+  esac
 else
   known=$'class\nclass_port\naddress\ntoken_file'
 fi
@@ -156,11 +162,38 @@ namespace=telex
 expected=()
 # A later argument of the same name counts.
 arguments=(world:=training_hall speed:=0.35)
-if [ "$launch_file" = replay.launch ]; then
-  arguments=()
-  expected+=(--replay)
-fi
+is_own=
+case "$launch_file" in
+  */replay.launch)
+    arguments=()
+    expected+=(--replay)
+    ;;
+  */own_robot.launch)
+    arguments=()
+    namespace=robot
+    is_own=yes
+    ;;
+esac
+teleop=()
+has_cameras=
 for argument in "$@"; do
+  name="${argument%%:=*}"
+  if [ -n "$is_own" ] && [[ " $own_files " == *" $name "* ]] && [ "$argument" != "$name:=" ]; then
+    file="${argument#*:=}"
+    file="$(realpath -m -- "${file/#\~\//$HOME/}")"
+    if [ ! -f "$file" ]; then
+      echo "run.sh: $argument: there is no file $file" >&2
+      exit 2
+    fi
+    arguments+=("$name:=$file")
+    case "$name" in
+      base) teleop+=(track_teleop) ;;
+      arm | gripper) teleop+=("${name}_teleop") ;;
+      flippers) teleop+=(flipper_teleop) ;;
+      cameras) has_cameras=yes ;;
+    esac
+    continue
+  fi
   case "$argument" in
     world:=*/* | world:=*.yaml | exercise:=*/* | exercise:=*.yaml | recordings:=?* | variant:=*/* | variant:=*.yaml | robot:=*/* | token_file:=?* | instructor_token_file:=?*)
       # Nodes do not run in the caller's folder, and the shell leaves this tilde alone.
@@ -179,6 +212,10 @@ for argument in "$@"; do
   arguments+=("$argument")
 done
 expected+=(--namespace "$namespace")
+if [ -n "$is_own" ]; then
+  expected+=(--own-robot "${teleop[*]}")
+  [ -n "$has_cameras" ] || expected+=(--no-picture)
+fi
 for name in $names; do
   [ "$name" = "$namespace" ] || expected+=(--beside "$name")
 done
@@ -222,7 +259,7 @@ env "$mark" setsid python -c '
 import os, signal, sys
 signal.signal(signal.SIGINT, signal.SIG_DFL)
 os.execvp(sys.argv[1], sys.argv[1:])
-' roslaunch --no-summary --sigint-timeout=1.5 --sigterm-timeout=1.0 telex_training "$launch_file" "${arguments[@]}" &
+' roslaunch --no-summary --sigint-timeout=1.5 --sigterm-timeout=1.0 "${launch_file%%/*}" "${launch_file##*/}" "${arguments[@]}" &
 launch_pid=$!
 
 env "$mark" python "$root/launch_scripts/wait_ready.py" --launch-pid "$launch_pid" \

@@ -41,16 +41,22 @@ _NO_HEAD = 405
 
 _SERVER_ADVICE = "its last message says why; if its port is in use, try {}"
 
-KEYS = """
+READY = """
 {pages}
+{keys}
+  ROS       source env.sh && rostopic list        (everything is under {namespace})
+  Stop      Ctrl-C
+"""
+
+KEYS = """\
   Keys      W S A D  drive       R F  front flippers    T G  rear flippers
             J L  turret    I K  shoulder    U O  telescope    P ;  elbow
             , .  gripper   - =  speed       Esc  emergency stop
             The page shows all. Hold to move, release to stop.
-  Terminal  source env.sh && rosrun telex_teleop keyboard_teleop
-  ROS       source env.sh && rostopic list        (everything is under {namespace})
-  Stop      Ctrl-C
-"""
+  Terminal  source env.sh && rosrun telex_teleop keyboard_teleop"""
+
+OWN_KEYS = """\
+  Keys      The page shows all. Hold to move, release to stop; Esc: emergency stop."""
 
 
 def alive(pid: int) -> bool:
@@ -118,8 +124,11 @@ class Waiter:
             time.sleep(0.1)
 
 
-def controllers_run(namespace: str) -> bool:
-    """Whether controllers are loaded and all run but those that take over only when asked to."""
+def controllers_run(namespace: str, own: bool) -> bool:
+    """Whether controllers are loaded and all run but those that take over only when asked to.
+
+    Those of a robot of one's own (`own`) are started together, and which do is in its files.
+    """
     try:
         stopped = rospy.get_param(f"{namespace}/controller_groups/actions", [])
         service = rospy.ServiceProxy(
@@ -128,7 +137,7 @@ def controllers_run(namespace: str) -> bool:
         states = [each.state for each in service().controller if each.name not in stopped]
     except (rospy.ROSException, rospy.ServiceException, OSError):
         return False
-    return bool(states) and all(state == "running" for state in states)
+    return bool(states) and (any if own else all)(state == "running" for state in states)
 
 
 def fetch(namespace: str, path: str) -> Tuple[str, bytes]:
@@ -238,10 +247,13 @@ def pages(namespace: str, url: str, several: bool) -> str:
     return "\n".join(lines)
 
 
-def _wait_for_robot(waiter: Waiter, robot: str, which: str = "") -> None:
-    waiter.wait(f"robot{which} controllable", lambda: controllers_run(robot))
+def _wait_for_robot(
+    waiter: Waiter, robot: str, which: str = "", own: Optional[List[str]] = None
+) -> None:
+    waiter.wait(f"robot{which} controllable", lambda: controllers_run(robot, own is not None))
+    nodes = _TELEOP if own is None else own
     waiter.wait(
-        f"teleoperation{which}", lambda: all(node_answers(f"{robot}/{name}") for name in _TELEOP)
+        f"teleoperation{which}", lambda: all(node_answers(f"{robot}/{name}") for name in nodes)
     )
 
 
@@ -255,6 +267,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--namespace", default="telex")
     parser.add_argument("--beside", action="append", default=[], help="name of a further robot")
+    parser.add_argument(
+        "--own-robot",
+        type=str.split,
+        metavar="NODES",
+        help="it is no Telex, and these are its teleoperation nodes",
+    )
     parser.add_argument("--launch-pid", type=int, default=0)
     parser.add_argument("--no-console", action="store_true", help="the console was not asked for")
     parser.add_argument("--no-picture", action="store_true", help="the cameras were not asked for")
@@ -277,7 +295,7 @@ def main() -> None:
         print(REPLAY.format(url=shown, namespace=namespace), flush=True)
         return
     beside = [f"/{name}" for name in options.beside]
-    _wait_for_robot(waiter, namespace)
+    _wait_for_robot(waiter, namespace, own=options.own_robot)
     for robot in beside:
         _wait_for_robot(waiter, robot, f" {robot}")
     shown = "  Console   (not started)"
@@ -292,7 +310,8 @@ def main() -> None:
             init_node("wait_ready", anonymous=True, own_signals=True)
             waiter.wait("first camera picture", FirstPicture(namespace).came)
         shown = "\n".join(pages(robot, url, bool(beside)) for robot in (namespace, *beside))
-    print(KEYS.format(pages=shown, namespace=namespace), flush=True)
+    keys = KEYS if options.own_robot is None else OWN_KEYS
+    print(READY.format(pages=shown, keys=keys, namespace=namespace), flush=True)
 
 
 if __name__ == "__main__":

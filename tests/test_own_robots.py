@@ -17,7 +17,12 @@ from telex_experiments.rigs.private_master import PrivateMaster
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "docs" / "examples"
 OWN_ROBOT = ("telex_teleop", "own_robot.launch")
-ROVER = {"controllers": "controllers", "base": "base", "cameras": "cameras"}
+ROVER = {
+    "controllers": "controllers",
+    "config": "simulation",
+    "base": "base",
+    "cameras": "cameras",
+}
 BENCH_ARM = {
     "controllers": "controllers",
     "config": "simulation",

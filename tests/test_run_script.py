@@ -443,10 +443,10 @@ def run_alone(tmp_path, *arguments, environment=""):
     server = tmp_path / "src" / "telex_training" / "nodes" / "class"
     server.parent.mkdir(parents=True)
     (tmp_path / "env.sh").write_text(environment)
-    launch = ROOT / "src" / "telex_training" / "launch" / "station.launch"
-    copy = tmp_path / launch.relative_to(ROOT)
-    copy.parent.mkdir()
-    copy.write_bytes(launch.read_bytes())
+    for name in ("telex_training/launch/station.launch", "telex_teleop/launch/own_robot.launch"):
+        copy = tmp_path / "src" / name
+        copy.parent.mkdir(parents=True)
+        copy.write_bytes((ROOT / "src" / name).read_bytes())
     for path, text in (
         (script.with_name("setup.sh"), "exit 0"),
         (server, "printf '%s\\n' \"$@\""),
@@ -476,3 +476,40 @@ def test_a_class_refuses_what_a_station_takes(tmp_path):
     assert done.returncode == 2
     known = "class:= class_port:= address:= token_file:="
     assert f"unknown argument 'world:=stairs'; there are: {known}" in done.stderr
+
+
+TELLS = """
+python() { printf '%s\\n' "$@"; }
+env() { shift; "$@"; }
+setsid() { "$@"; }
+"""
+"""Programs that tell what they were to do."""
+
+
+def test_a_robot_of_ones_own_is_started_from_the_callers_folder(tmp_path):
+    files = ["rover.urdf", "controllers.yaml", "base.yaml", "cameras.yaml"]
+    for name in files:
+        (tmp_path / name).touch()
+    given = [f"{key}:={name}" for key, name in zip(("model", "controllers", "base"), files)]
+    done = run_alone(tmp_path, *given, "world:=floor", environment=TELLS)
+    told = done.stdout.splitlines()
+    at = told.index("own_robot.launch")
+    assert told[at - 1] == "telex_teleop"
+    wanted = [f"{key}:={tmp_path / name}" for key, name in zip(("model", "controllers"), files)]
+    assert told[at + 1 : at + 5] == [*wanted, f"base:={tmp_path / 'base.yaml'}", "world:=floor"]
+    waits = told[told.index("--namespace") :]
+    assert waits == ["--namespace", "robot", "--own-robot", "track_teleop", "--no-picture"]
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ("base:=wheels.yaml", "run.sh: base:=wheels.yaml: there is no file "),
+        ("robots:=2", "unknown argument 'robots:=2'; there are: model:= options:= controllers:= "),
+    ],
+)
+def test_a_robot_of_ones_own_is_refused_what_it_cannot_have(tmp_path, given, said):
+    (tmp_path / "rover.urdf").touch()
+    done = run_alone(tmp_path, "model:=rover.urdf", given, environment=TELLS)
+    assert done.returncode == 2
+    assert said in done.stderr
