@@ -10,7 +10,7 @@ import pytest
 from genpy import Time
 from replay_drill import CAMERAS, active, drill, failing, record
 from std_msgs.msg import Float64, String
-from telex_msgs.msg import ComponentDoses, Malfunctions
+from telex_msgs.msg import ComponentDoses, Malfunctions, SceneLight
 from training_truth import serialized
 
 from telex_control.common.geometry.matrices import pose_matrices
@@ -255,6 +255,23 @@ class TestCameras:
 
     def test_only_cameras_that_the_robot_has_are_offered(self, replay):
         assert replay.camera_names == ["front"]
+
+
+class TestLight:
+    def test_it_is_as_the_instructor_had_set_it(self, tmp_path):
+        trial = drill()
+        for light in ((0.02, 1.0), (float("nan"), 1.0), (1.0, 2.0)):
+            trial.feed("sim/light", "telex_msgs/SceneLight", serialized(SceneLight(*light)))
+            trial.sample(5)
+        replay = Replay.open(record(tmp_path / "t1.mcap", trial.entries), {})
+        timeline = replay.timeline
+        assert timeline.bad == 2
+        day, dark = (
+            replay.scenery.description(moment, 1, None, replay.light(moment))
+            for moment in (timeline.at(0), timeline.moment(timeline.duration))
+        )
+        assert dark.ambient == pytest.approx(0.02 * day.ambient)
+        assert dark.sun.r == pytest.approx(0.02 * day.sun.r)
 
 
 class TestWhatFailed:

@@ -13,7 +13,7 @@ from typing import Any, Callable, Iterator, List, Optional, Tuple
 import rospy
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Empty, EmptyResponse
-from telex_msgs.msg import SceneFile, ScenePoses, SimStatus
+from telex_msgs.msg import SceneFile, SceneLight, ScenePoses, SimStatus
 from telex_msgs.srv import (
     AddRobot,
     AddRobotResponse,
@@ -126,6 +126,8 @@ class SimulatorNode:
         self._clock = rospy.Publisher("/clock", Clock, queue_size=4, tcp_nodelay=True)
         self._scene_publisher = ScenePublisher(lambda: self._scene.description(self._now()))
         self._poses = rospy.Publisher("sim/poses", ScenePoses, queue_size=1, tcp_nodelay=True)
+        self._light = rospy.Publisher("sim/light", SceneLight, queue_size=1, latch=True)
+        self._light_told: Optional[Tuple[float, float]] = None
         # Replaced as a whole, never changed: the loop reads it without a lock.
         self._presences: Tuple[RobotPresence, ...] = (self._present(first, recovery.happened),)
         self._next_status = 0.0
@@ -136,6 +138,7 @@ class SimulatorNode:
         self._truth_every = self._steps_between(config.publish.truth_rate)
         self._battery_every = self._steps_between(_BATTERY_RATE)
         self._scene_publisher.publish_soon()
+        self._publish_light()
         self._services: List[Any] = [
             rospy.Service("sim/pause", Empty, lambda _: self._empty(self._pause)),
             rospy.Service("sim/unpause", Empty, lambda _: self._empty(self._unpause)),
@@ -496,7 +499,15 @@ class SimulatorNode:
 
     def _publish_scene(self) -> None:
         self._scene_publisher.publish_soon()
+        self._publish_light()
         self._publish_poses()
+
+    def _publish_light(self) -> None:
+        """Tell what share of the scene's light there is, where that has changed."""
+        light = self._scene.light
+        if light != self._light_told:
+            self._light_told = light
+            self._light.publish(SceneLight(*light))
 
     def _restart_pace(self) -> None:
         self._pacer.restart(self._simulation.time)

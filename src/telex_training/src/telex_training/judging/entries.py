@@ -16,6 +16,8 @@ INPUTS = "training/inputs"
 TRUTH, NAMES, STATUS = "sim/truth", "sim/truth_names", "sim/status"
 CLIENTS, TELEMETRY, LINK = "bridge/clients", "console/telemetry", "link/state"
 MALFUNCTIONS, E_STOP, DOSES = "sim/malfunctions", "e_stop", "sim/doses"
+LIGHT = "sim/light"
+"""Shares of the scene's light; for the replay."""
 ACTIONS = "bridge/actions"
 """What instructors have done to the scene, with their names."""
 ODOMETRY, ODOMETRY_PERIOD = "track_controller/odom", 0.2

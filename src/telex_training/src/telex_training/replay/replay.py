@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, NamedTuple, Optional
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 import numpy as np
 from telex_msgs.msg import CameraRadiation, Malfunctions
@@ -32,7 +32,7 @@ from ..recording.trial_file import (
 )
 from ..recording.writer import RecordingError
 from .cameras import camera_names, lamp_levels, replay_config
-from .scenery import RobotBeside, Scenery
+from .scenery import ALL_LIGHT, RobotBeside, Scenery
 from .series import envelope
 from .timeline import Moment, Timeline
 
@@ -211,6 +211,10 @@ class Replay:
             elif topic.endswith("/zoom"):
                 held[topic] = 1.0
         return held
+
+    def light(self, moment: Moment) -> Tuple[float, float]:
+        """Shares of the scene's daylight and of its lamps' light at a moment."""
+        return self.timeline.light.at(moment.time) or ALL_LIGHT
 
     def sent_by(self, camera: str, moment: Moment) -> Moment:
         """Moment of the picture that a camera sent at a moment: an earlier one while it is frozen.

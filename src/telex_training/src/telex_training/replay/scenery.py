@@ -17,6 +17,8 @@ from telex_sim.scene.objects.assembly import joint_pose
 from .robot_links import RobotLinks
 from .timeline import Moment, Timeline, TimelinePart
 
+ALL_LIGHT = (1.0, 1.0)
+"""Shares of daylight and lamps in a scene that nobody has darkened."""
 OUTSIDE_FRAME = "replay_outside_optical_frame"
 """Frame of the free camera: part of the robot's frames, so that each pose of the scene has its
 own view, and a picture shows both or none."""
@@ -108,7 +110,11 @@ class Scenery:
         return [item for item in self._scene.objects if item.name in present]
 
     def description(
-        self, moment: Moment, revision: int, other: Optional[OtherRobotScenery] = None
+        self,
+        moment: Moment,
+        revision: int,
+        other: Optional[OtherRobotScenery] = None,
+        light: Tuple[float, float] = ALL_LIGHT,
     ) -> SceneDescription:
         """What there is to see from a moment on, until the names change.
 
@@ -116,6 +122,8 @@ class Scenery:
         ----------
         other : OtherRobotScenery, optional
             A robot of another run.
+        light : tuple of 2 floats
+            Shares of the scene's daylight and of its lamps' light, 0 to 1.
         """
         part = moment.part
         messages = SceneMessages(part.robot, self._links.names, self._urdf, self._scene)
@@ -123,6 +131,7 @@ class Scenery:
             if robot is not None:
                 messages.add_robot(*robot)
         messages.show(self._shown(part))
+        messages.set_light(*light)
         made = messages.description(_time(moment.stamp))
         made.revision = revision
         made.frames.append(f"{part.robot}/{OUTSIDE_FRAME}")

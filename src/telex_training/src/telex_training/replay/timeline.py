@@ -16,6 +16,7 @@ from ..exercises.conditions import FLOOR
 from ..judging.activity import COMMANDS, asks_for_motion
 from ..judging.entries import (
     DOSES,
+    LIGHT,
     MALFUNCTIONS,
     NAMES,
     STATUS,
@@ -163,6 +164,8 @@ class Timeline:
         Camera of the main picture.
     switches : dict of str to Steps
         Lamps and zooms by their topics.
+    light : Steps
+        Shares of the scene's daylight and of its lamps' light.
     equipment : Equipment
         What radiation and malfunctions had done to cameras and lamps.
     keys : dict of str to Intervals
@@ -184,7 +187,7 @@ class Timeline:
 
     def __init__(self, recording: Recording, robot: str = "", robots: Sequence[str] = ()) -> None:
         self._robot, self._robots = robot, tuple(robots)
-        self.age, self.view = Steps(), Steps()
+        self.age, self.view, self.light = Steps(), Steps(), Steps()
         self.switches: Dict[str, Steps] = {}
         self.equipment = Equipment()
         self.keys: Dict[str, Intervals] = {}
@@ -222,7 +225,7 @@ class Timeline:
         self.stamps = np.array(self._stamps, dtype=np.int64)
         self.speed, self.force, self.margin = np.array(self._figures).T
         self.entry_times = np.clip(np.array(entry_times) - begin, 0.0, self.duration)
-        for steps in (self.age, self.view, *self.switches.values()):
+        for steps in (self.age, self.view, self.light, *self.switches.values()):
             steps.shift(begin)
         for spans in (self.stopped, self.paused, *self.keys.values()):
             spans.close(self._times[-1])
@@ -257,6 +260,8 @@ class Timeline:
             self.paused.set(self._now, bool(status.paused))
         elif channel == TELEMETRY:
             self._take_telemetry(entry)
+        elif channel == LIGHT:
+            self._take_light(entry)
         elif channel == DOSES:
             self.equipment.take_doses(entry, self._now)
         elif channel == MALFUNCTIONS:
@@ -283,6 +288,13 @@ class Timeline:
         self._stamps.append(round(sample.time * 1e9))
         x, y = sample.twist[:2]
         self._figures.append((math.hypot(x, y), _force(sample, part.names), sample.margin))
+
+    def _take_light(self, entry: Entry) -> None:
+        message = decode(entry, "telex_msgs/SceneLight")
+        shares = (message.daylight, message.lamps)
+        if not all(0.0 <= share <= 1.0 for share in shares):
+            raise BadEntryError(f"shares of light are {shares}; 0 to 1 is needed")
+        self.light.append(self._now, shares)
 
     def _take_telemetry(self, entry: Entry) -> None:
         content = json_of(entry)

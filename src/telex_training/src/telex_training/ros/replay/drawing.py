@@ -42,6 +42,7 @@ class _Shown(NamedTuple):
     robot: str
     objects: Tuple[str, ...]
     ghost: Optional[Ghost]
+    light: Tuple[float, float]
 
 
 class Drawing:
@@ -169,12 +170,13 @@ class Drawing:
         part = moment.part
         if self._process.require(replay_config(replay.cameras, part.robot, self._niceness)):
             self._draws = False
-        shown = _Shown(replay, part.robot, part.names.objects, ghost)
+        light = replay.light(moment)
+        shown = _Shown(replay, part.robot, part.names.objects, ghost, light)
         if shown == self._shown:
             return
         self._revision += 1
         robot = None if ghost is None else ghost.robot
-        self._scene.publish(replay.scenery.description(moment, self._revision, robot))
+        self._scene.publish(replay.scenery.description(moment, self._revision, robot, light))
         self._shown, self._draws = shown, False
 
     def _look_through(self, camera: str) -> None:
