@@ -11,13 +11,14 @@ import pytest
 from telex_control.common.geometry.matrices import rotation_matrix
 from telex_control.common.package_files import package_file
 from telex_control.common.params import ConfigError
+from telex_sim.scene.catalog import preview_of_type, small_jpeg
 from telex_sim.scene.files.scene_file import build_entry
-from telex_sim.scene.library import object_types
+from telex_sim.scene.library import object_types, types_by_name
 from telex_sim.scene.library.mesh_shapes import shape_files
 from telex_sim.scene.model import Form
 from telex_sim.scene.type_texts import parameters, summary
 
-OWN = sorted(set(object_types()) - {"custom", "mesh"})
+OWN = list(types_by_name())
 
 
 def build(type_name, **given):
@@ -29,6 +30,13 @@ def test_every_type_and_every_parameter_is_explained(kind):
     assert summary(object_types()[kind]).endswith(".")
     for name, _, meaning in parameters(object_types()[kind]):
         assert meaning, name
+
+
+def test_every_type_has_its_picture():
+    """Those that lack one: ``rosrun telex_sim scene pictures FOLDER TYPE...`` draws it."""
+    folder = preview_of_type("any").parent
+    assert sorted(path.stem for path in folder.iterdir()) == OWN
+    assert [kind for kind in OWN if not small_jpeg(preview_of_type(kind))] == []
 
 
 @pytest.mark.parametrize("kind", OWN)

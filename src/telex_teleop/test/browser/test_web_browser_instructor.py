@@ -7,7 +7,9 @@ import math
 import time
 
 import axe
+import numpy as np
 import pytest
+import simplejpeg
 from console_page import NOTHING, OTHER
 from instructor_page import (
     HALL,
@@ -305,6 +307,7 @@ def test_axe_finds_nothing(page):
 
 
 SQUARE = {"corners": [4], "outlines": [0.5, 0.5, -0.5, 0.5, -0.5, -0.5, 0.5, -0.5]}
+DOT = list(simplejpeg.encode_jpeg(np.zeros((1, 1, 3), np.uint8)))
 LISTED = {
     "revision": 3,
     "frames": ["world", "telex/base_link", "box/body"],
@@ -316,7 +319,7 @@ LISTED = {
         {"name": "box", "frame": "box/body", "movable": True, "top": 0.4, **SQUARE},
     ],
     "library": [
-        {"type": "crate", "group": "tasks", "text": "A wooden crate."},
+        {"type": "crate", "group": "tasks", "text": "A wooden crate.", "picture": DOT},
         {"type": "cone", "group": "building", "text": "A traffic cone."},
     ],
     "daylight": 1.0,
@@ -349,9 +352,12 @@ def note(page):
 
 def test_objects_are_put_moved_and_taken_on_the_map_by_keys(scene, page):
     page.element('[data-tool="put"]').click()
-    what = page.element("#arrange-what")
-    wait_until(lambda: what.get_property("value") == "crate")
-    page.script("document.getElementById('arrange-what').value = 'cone'")
+    crate = page.element("#arrange-kinds [value=crate]")
+    wait_until(crate.is_selected)
+    assert page.script("return document.querySelector('#arrange-kinds img').naturalWidth") == 1
+    crate.send_keys(Keys.ARROW_RIGHT)
+    assert page.element("#arrange-kinds [value=cone]").is_selected()
+    assert note(page) == "A traffic cone."
     turn = page.element("#arrange-turn")
     turn.clear()
     turn.send_keys("90")

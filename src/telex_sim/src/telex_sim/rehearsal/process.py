@@ -29,7 +29,7 @@ from ..robot.body import RobotBody
 from ..robot.urdf.visuals import urdf_visuals
 from ..scene.addresses import resolve_address
 from ..scene.assets import Assets
-from ..scene.catalog import MOST_PREVIEW, preview_of, scenes
+from ..scene.catalog import preview_of, scenes, small_jpeg
 from ..scene.files.scene_file import SceneError, read_description
 from ..scene.library import object_types
 from ..scene.model import Floor, Start
@@ -45,7 +45,6 @@ MOST_MEMORY = 1024**3
 """Bytes of memory of its own, what it starts with included."""
 _MOST_ANSWER = 256 * 1024**2
 """Bytes of an answer."""
-_JPEG = b"\xff\xd8\xff"
 _TOO_LATE = -1
 """Status of a rehearsal that was ended after `MOST_WAITING`."""
 _PR_SET_PDEATHSIG = 1
@@ -158,19 +157,8 @@ class ListingRequest:
             except SceneError as error:
                 problem = str(error)
             yield ListedScene(
-                name, str(path), description, problem, hidden, _picture(preview), state
+                name, str(path), description, problem, hidden, small_jpeg(preview), state
             )
-
-
-def _picture(path: Path) -> bytes:
-    """Return a JPEG file's content; nothing where it is none, or is too large for a list."""
-    try:
-        with path.open("rb") as file:
-            content = file.read(MOST_PREVIEW + 1)
-    except OSError:
-        return b""
-    is_small_jpeg = content.startswith(_JPEG) and len(content) <= MOST_PREVIEW
-    return content if is_small_jpeg else b""
 
 
 def _state(path: Path) -> Optional[Tuple[int, int]]:

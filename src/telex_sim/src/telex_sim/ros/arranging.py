@@ -25,15 +25,14 @@ from telex_control.ros.pose_messages import pose_in, pose_message, vector_in
 from ..engine.loop_requests import Action
 from ..engine.simulation import Simulation
 from ..rehearsal.client import RehearsalClient
-from ..scene.library import object_types
+from ..scene.catalog import preview_of_type, small_jpeg
+from ..scene.library import types_by_name
 from ..scene.objects.assembly import Assembly
 from ..scene.objects.outlines import Outlines, extent
 from ..scene.objects.places import Hit, first_hit, standing_height
 from ..scene.type_texts import summary
 from .scene_messages import SceneMessages
 
-_NEEDS_PARAMETERS = ("custom", "mesh")
-"""Types that are nothing by their name alone."""
 _MOST_TURN = 100.0
 
 
@@ -61,6 +60,7 @@ class Arranging:
         self._publish_scene = publish_scene
         self._outlines = Outlines()
         self._library = list(_library())
+        self._pictured = list(_pictured(self._library))
         self._services = [
             rospy.Service("sim/list_objects", ListObjects, self._on_list),
             rospy.Service("sim/find_place", FindPlace, self._on_find_place),
@@ -73,7 +73,7 @@ class Arranging:
         for service in self._services:
             service.shutdown()
 
-    def _on_list(self, _request: Any) -> ListObjectsResponse:
+    def _on_list(self, request: Any) -> ListObjectsResponse:
         simulation = self._simulation
         assemblies = simulation.objects.assemblies()
         robots = simulation.robots
@@ -101,7 +101,7 @@ class Arranging:
                 )
                 for assembly, outline in zip(assemblies, self._outlines.of(assemblies))
             ],
-            library=self._library,
+            library=self._pictured if request.pictures else self._library,
             daylight=daylight,
             lamps=lamps,
         )
@@ -231,6 +231,11 @@ class Arranging:
 
 def _library() -> Iterator[LibraryObject]:
     """Types that can be put by their names."""
-    for name, kind in object_types().items():
-        if name not in _NEEDS_PARAMETERS:
-            yield LibraryObject(name, kind.__module__.split(".")[-2], summary(kind))
+    for name, kind in types_by_name().items():
+        yield LibraryObject(name, kind.__module__.split(".")[-2], summary(kind), b"")
+
+
+def _pictured(library: List[LibraryObject]) -> Iterator[LibraryObject]:
+    for each in library:
+        picture = small_jpeg(preview_of_type(each.type))
+        yield LibraryObject(each.type, each.group, each.text, picture)

@@ -30,6 +30,10 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
         from ..cameras.preview.scene_preview import main as preview
 
         return preview(words[1:])
+    if words[:1] == ["pictures"]:
+        from ..cameras.preview.object_pictures import main as pictures
+
+        return pictures(words[1:])
     options = _parser().parse_args(words)
     try:
         return options.run(options)
@@ -63,6 +67,7 @@ def _parser() -> argparse.ArgumentParser:
     types.add_argument("types", nargs="*", metavar="TYPE")
     types.set_defaults(run=_types)
     commands.add_parser("preview", help="draw a picture of a scene (see: scene preview --help)")
+    commands.add_parser("pictures", help="draw a small picture of each type of object, for lists")
     return parser
 
 

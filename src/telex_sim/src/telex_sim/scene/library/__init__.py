@@ -42,6 +42,7 @@ from .object_type import ObjectType
 
 RESERVED = ("type", "name", "position", "yaw", "rpy", "shield", "source")
 """Keys that every entry of a scene file may have, whatever its type."""
+_NEED_PARAMETERS = ("custom", "mesh")
 
 
 @lru_cache(maxsize=None)
@@ -64,3 +65,8 @@ def object_types() -> Dict[str, Type[ObjectType]]:
                 raise TypeError(f"{module.name}: '{name}' has the reserved field {sorted(taken)}")
             found[name] = kind
     return dict(sorted(found.items()))
+
+
+def types_by_name() -> Dict[str, Type[ObjectType]]:
+    """Types that are something by their name alone, in alphabetical order."""
+    return {name: kind for name, kind in object_types().items() if name not in _NEED_PARAMETERS}

@@ -4,9 +4,10 @@
 import { ask } from "../../ask.js";
 import { onClick } from "../../buttons.js";
 import { decimal, text } from "../../language.js";
-import { all, byId, check, element, setText } from "../../panels.js";
+import { all, byId, check, setText } from "../../panels.js";
 import { OVERVIEW } from "../../overview.js";
 import { BEGUN } from "../../training/client.js";
+import { Kinds } from "./kinds.js";
 import { PicturePointer } from "./picture_pointer.js";
 import { PlanView } from "./plan_view.js";
 import { rayDown } from "./ray.js";
@@ -14,7 +15,6 @@ import { ScenePlan } from "./scene_plan.js";
 
 const POSES_PERIOD = 250; // ms
 const WITHIN = 20_000; // ms in which an object must have come
-const FIRST = "crate"; // what is offered first
 
 /** @typedef {"look" | "put" | "move" | "take"} Tool */
 /** @typedef {import("./ray.js").Ray} Ray */
@@ -38,13 +38,13 @@ export class Arranging {
     this._isListing = false;
     /** @type {ScenePlan | null} */
     this._plan = null;
-    this._library = "";
+    this._offered = "";
     this._world = "";
     this._isOtherWorld = true;
     /** @type {State | null} */
     this._state = null;
-    /** Types that can be put: telex_msgs/LibraryObject. @type {any[]} */
-    this._kinds = [];
+    /** Types that can be put. */
+    this._kinds = new Kinds(byId("arrange-kinds"), (words) => this._say(words));
     const point = (/** @type {Ray} */ from, /** @type {Ray} */ to) => this._point(from, to);
     this._pointer = new PicturePointer(robot.bridge, robot.topic, () => shown() === OVERVIEW, point);
     this._view = new PlanView(
@@ -117,13 +117,14 @@ export class Arranging {
     if (this._isListing) return;
     this._isListing = true;
     try {
-      const listed = await this._robot.call("sim/list_objects", {});
+      const listed = await this._robot.call("sim/list_objects", { pictures: !this._kinds.isFilled });
       this._plan = new ScenePlan(listed);
       this._plan.hear(message);
       this._view.show(this._plan, this._isOtherWorld);
       this._isOtherWorld = false;
       this._lit(listed);
-      this._offer(listed.library);
+      if (!this._kinds.isFilled) this._kinds.fill(listed.library);
+      this._fillWhat();
     } catch (error) {
       this._say(/** @type {Error} */ (error).message);
     } finally {
@@ -142,7 +143,8 @@ export class Arranging {
     this._view.pans = tool === "look";
     byId("arrange-take").hidden = tool !== "take";
     byId("arrange-turning").hidden = tool !== "put" && tool !== "move";
-    this._what.hidden = tool === "look";
+    this._what.hidden = tool !== "move" && tool !== "take";
+    this._kinds.place.hidden = tool !== "put";
     this._fillWhat();
     this._say({
       look: text("drag the picture or the map to look about"),
@@ -152,32 +154,19 @@ export class Arranging {
     }[tool]);
   }
 
-  /** @param {any[]} library  telex_msgs/LibraryObject */
-  _offer(library) {
-    this._kinds = library;
-    this._fillWhat();
-  }
-
-  /** Offer what the tool is for: types that can be put, or objects that are there. */
+  /** Offer the objects that the tool is for. */
   _fillWhat() {
     const { _tool: tool } = this;
     const there = (this._plan?.things ?? []).filter(({ movable }) => tool === "take" || movable).map(({ name }) => name).sort();
-    const offered = JSON.stringify(tool === "put" ? [tool, this._kinds] : [tool, there]);
-    if (tool === "look" || offered === this._library) return;
-    this._library = offered;
+    const offered = JSON.stringify([tool, there]);
+    if (this._what.hidden || offered === this._offered) return;
+    this._offered = offered;
     const chosen = this._what.value;
-    if (tool === "put") {
-      this._what.replaceChildren(...grouped(this._kinds));
-      this._what.value = this._kinds.some(({ type }) => type === chosen) ? chosen : FIRST;
-    } else {
-      this._what.replaceChildren(new Option(text("by pointing, or choose one"), ""), ...there.map((name) => new Option(name, name)));
-      this._what.value = there.includes(chosen) ? chosen : "";
-    }
-    this._what.setAttribute("aria-label", tool === "put" ? text("What is put") : text("Object"));
+    this._what.replaceChildren(new Option(text("by pointing, or choose one"), ""), ...there.map((name) => new Option(name, name)));
+    this._what.value = there.includes(chosen) ? chosen : "";
   }
 
   _whatChanged() {
-    if (this._tool === "put") this._say(this._kinds.find(({ type }) => type === this._what.value)?.text ?? "");
     if (this._tool === "move") this._pick(this._what.value);
   }
 
@@ -220,7 +209,7 @@ export class Arranging {
 
   /** @param {Ray} ray */
   async _put(ray) {
-    const type = this._what.value;
+    const type = this._kinds.value;
     const yaw = this._yaw;
     const found = await this._call("sim/find_place", { ...ray, object: `{type: ${type}}`, yaw });
     if (!(await this._mayChange(text("Put {name} there?", { name: type }), text("put"), false))) return;
@@ -309,15 +298,4 @@ export class Arranging {
     if (!answer.success) throw new Error(answer.message);
     return answer;
   }
-}
-
-/** Types by the rooms of the library. @param {any[]} library */
-function grouped(library) {
-  const groups = [...new Set(library.map(({ group }) => group))];
-  return groups.map((group) => {
-    const part = /** @type {HTMLOptGroupElement} */ (element("optgroup"));
-    part.label = group;
-    part.append(...library.filter((each) => each.group === group).map(({ type }) => new Option(type.replaceAll("_", " "), type)));
-    return part;
-  });
 }
