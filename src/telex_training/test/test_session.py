@@ -63,10 +63,10 @@ class Simulator:
         self.ring = []
         self.resets = 0
 
-    def can_fail(self, _failure):
+    def can_fail(self, _failure, _robot=""):
         return True
 
-    def fail(self, failure, on=True):
+    def fail(self, failure, on=True, robot=""):
         self.failed.append((failure.what, failure.kind, on))
         if self.problem:
             raise ApparatusError(self.problem)

@@ -233,11 +233,9 @@ class TrainingNode:
             )
         others = self._team(exercise)
         about = about_robot(others)
-        _require_robot(exercise, about["urdf"])
-        _require_parts(exercise, self._apparatus)
+        _require_robot(exercise, about["urdf"], self._apparatus)
         for name, urdf in about["urdfs"].items():
-            _require_further(exercise, name, urdf)
-            _require_parts(exercise, self._apparatus, name, others[name])
+            _require_robot(exercise, urdf, self._apparatus, name, others[name])
         with self._lock:
             self._refuse_second()
             if self._session is not None:
@@ -594,29 +592,25 @@ def view_of(telemetry: str) -> str:
     return view if isinstance(view, str) and len(view) <= _LONGEST_NAME else ""
 
 
-def _require_robot(exercise: Exercise, urdf: str) -> None:
-    """Refuse an exercise that asks for what the robot lacks.
+def _require_robot(
+    exercise: Exercise, urdf: str, apparatus: Apparatus, robot: str = "", namespace: str = ""
+) -> None:
+    """Refuse an exercise that asks for what one of its robots lacks.
+
+    Parameters
+    ----------
+    robot, namespace : str
+        Of a further one; empty: the first.
 
     Raises
     ------
     ExerciseError, ValueError
     """
-    for where, text in lacking(exercise, urdf):
-        raise ExerciseError(
-            f"{exercise.path}: {where}: {text}, which this robot lacks; the variant "
-            f"'{exercise.variant}' is meant"
-        )
-
-
-def _require_parts(
-    exercise: Exercise, apparatus: Apparatus, robot: str = "", namespace: str = ""
-) -> None:
-    """Refuse an exercise that lets fail what one of the robots lacks.
-
-    Raises
-    ------
-    ExerciseError
-    """
+    lacks = f"this robot lacks; the variant '{exercise.variant}' is meant"
+    if robot:
+        lacks = f"the robot '{robot}' lacks"
+    for where, text in lacking(exercise, urdf, robot):
+        raise ExerciseError(f"{exercise.path}: {where}: {text}, which {lacks}")
     for i, malfunction in enumerate(exercise.malfunctions):
         failure = malfunction.failure
         if failure.robot == robot and not apparatus.can_fail(failure, namespace):
@@ -625,17 +619,6 @@ def _require_parts(
                 f"{exercise.path}: malfunctions[{i}]: {failure.what} {failure.kind}: nothing of "
                 f"{which} fails so"
             )
-
-
-def _require_further(exercise: Exercise, robot: str, urdf: str) -> None:
-    """Refuse an exercise that asks for what a further robot lacks.
-
-    Raises
-    ------
-    ExerciseError, ValueError
-    """
-    for where, text in lacking(exercise, urdf, robot):
-        raise ExerciseError(f"{exercise.path}: {where}: {text}, which the robot '{robot}' lacks")
 
 
 def _note_input(request: Any) -> Dict[str, Any]:
