@@ -122,7 +122,7 @@ history: {arm: 40}
         ),
         (
             LEAST + "malfunctions: [{when: {elapsed: 1}, camera: arm, kind: dark}]",
-            "malfunctions[0]/camera is unknown; known are announced, kind, value, what",
+            "malfunctions[0]/camera is unknown; known are announced, kind, robot, value, what",
         ),
         (LEAST + "goals: {}", "goals is unknown; known are"),
         (LEAST + "zone: {}", "zone is unknown; known are zones"),

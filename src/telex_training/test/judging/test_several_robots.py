@@ -237,4 +237,4 @@ def test_a_malfunction_of_the_second_robot_waits_for_the_reaction_of_its_own_ope
 def test_what_fails_of_both_is_told_apart(hot):
     hot.fails("second")
     hot.fails("")
-    assert [each.get("robot", "") for each in hot.judge.sheet()["malfunctions"]] == ["second", ""]
+    assert [each.get("robot", "") for each in hot.judge.sheet()["malfunctions"]] == ["", "second"]
