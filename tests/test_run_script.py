@@ -497,8 +497,9 @@ def test_a_robot_of_ones_own_is_started_from_the_callers_folder(tmp_path):
     assert told[at - 1] == "telex_teleop"
     wanted = [f"{key}:={tmp_path / name}" for key, name in zip(("model", "controllers"), files)]
     assert told[at + 1 : at + 5] == [*wanted, f"base:={tmp_path / 'base.yaml'}", "world:=floor"]
-    waits = told[told.index("--namespace") :]
-    assert waits == ["--namespace", "robot", "--own-robot", "track_teleop", "--no-picture"]
+    at = told.index("--namespace")
+    waits = ["--namespace", "robot", "--own-robot", "track_teleop", "--no-picture"]
+    assert told[at : at + 5] == waits
 
 
 @pytest.mark.parametrize(
